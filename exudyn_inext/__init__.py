@@ -1,0 +1,33 @@
+"""Inextensible ANCF cables for Exudyn, moved by explicit integrators."""
+
+from .errors import (
+    DivergenceError,
+    EnforcementError,
+    InextensibleError,
+    InputError,
+    RedundantConstraintError,
+    SceneError,
+    StepSizeError,
+)
+from .exudyn_binding.cable_item import CreateInextensibleCable
+from .exudyn_binding.settings import ExplicitSettings
+from .exudyn_binding.shape import CableShape
+from .exudyn_binding.solver import SolveExplicit
+from .exudyn_binding.template import InextensibleCable
+from .integrators.zhai import Zhai
+
+__all__ = [
+    "CableShape",
+    "CreateInextensibleCable",
+    "DivergenceError",
+    "EnforcementError",
+    "ExplicitSettings",
+    "InextensibleCable",
+    "InextensibleError",
+    "InputError",
+    "RedundantConstraintError",
+    "SceneError",
+    "SolveExplicit",
+    "StepSizeError",
+    "Zhai",
+]

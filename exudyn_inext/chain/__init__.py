@@ -1,0 +1,1 @@
+"""A cable as a chain of elements: assembly, structured saddle-point solve, index reduction."""

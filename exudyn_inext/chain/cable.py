@@ -1,0 +1,94 @@
+"""What a cable is: mesh, section, supports. Plain data, checked once, without any solver state."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+from ..errors import InputError
+from ..element.inextensibility import slope_gram_matrix
+from ..element.shape_functions import Array
+
+
+class CurvatureMeasure(str, Enum):
+    """How the elastic energy measures the curvature, Eq. (4) and its inextensible limit."""
+
+    SECOND_DERIVATIVE = "secondDerivative"
+    PRODUCT = "product"
+
+
+@dataclass(frozen=True)
+class Section:
+    """Constants of the cross-section.
+
+    mass_per_length: rho_A [kg/m].
+    bending_stiffness: EI [N m^2].
+    """
+
+    mass_per_length: float
+    bending_stiffness: float
+
+
+@dataclass(frozen=True, eq=False)
+class Cable:
+    """An inextensible cable in its reference configuration.
+
+    reference: (n, 2, dim) position r [m] and slope r_x [-] of the n = N + 1 nodes.
+    element_lengths: (N,) arc length of each element [m].
+    section: constants of the cross-section.
+    measure: curvature measure.
+    length_constraints: n_bar of Eq. (19), 0 (none) to N; the groups are as equal as possible.
+    fixed: (n, 2) whether position and slope of a node are held by a support.
+    """
+
+    reference: Array
+    element_lengths: Array
+    section: Section
+    measure: CurvatureMeasure
+    length_constraints: int
+    fixed: np.ndarray
+
+    @property
+    def dimension(self) -> int:
+        return int(self.reference.shape[2])
+
+    @property
+    def number_of_elements(self) -> int:
+        return len(self.element_lengths)
+
+    @property
+    def length(self) -> float:
+        return float(self.element_lengths.sum())
+
+    def group_of_element(self) -> np.ndarray:
+        """(N,) index of the length constraint that each element belongs to, or -1."""
+        number, groups = self.number_of_elements, self.length_constraints
+        if groups == 0:
+            return np.full(number, -1)
+        return (np.arange(number) * groups) // number
+
+
+def reference_lengths(reference: Array, element_lengths: Array) -> Array:
+    """int |r_x|^2 dx of each element in the discretised reference configuration, Eq. (19).
+
+    Args:
+        reference: (n, 2, dim) nodal positions [m] and slopes [-].
+        element_lengths: (N,) [m].
+
+    Returns:
+        (N,) [m]; equals the element length where the interpolation has unit slope everywhere.
+    """
+    nodal = np.concatenate([reference[:-1], reference[1:]], axis=1)
+    gram = np.stack([slope_gram_matrix(length) for length in element_lengths])
+    return np.einsum("eai,eab,ebi->e", nodal, gram, nodal)
+
+
+def require_positive(name: str, value: float) -> float:
+    """Return `value` as a finite float above zero, or raise InputError with the remedy."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = float("nan")
+    if not (np.isfinite(number) and number > 0):
+        raise InputError(f"{name} = {value!r}: must be a finite number > 0; check value and units.")
+    return number

@@ -1,0 +1,104 @@
+"""How numerical kernels are compiled, and the cache of their machine code.
+
+`kernel` makes an entry point, `inlined` a part of kernels, `local_array` small memory on the stack:
+loops over it have constant bounds and no aliases, so that the compiler keeps it in registers.
+
+Numba invalidates a cached function when *its own* file changes, not when a function that it inlines
+does. The cache folder therefore carries a hash of all sources of the package: an edit anywhere
+starts a new folder and removes the stale ones.
+"""
+
+import hashlib
+import os
+import shutil
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+import numpy as np
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.extending import intrinsic, overload
+
+PACKAGE = Path(__file__).parent
+FAST_MATH = {"contract", "reassoc", "nsz", "arcp"}  # neither nnan nor ninf: divergence must be seen
+
+_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": FAST_MATH}
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+def _source_hash() -> str:
+    digest = hashlib.sha256(f"numba {numba.__version__} numpy {np.__version__}".encode())
+    for source in sorted(PACKAGE.rglob("*.py")):
+        digest.update(source.relative_to(PACKAGE).as_posix().encode() + source.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _writable(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def _cache_folder() -> Path | None:
+    """Beside the sources, or in NUMBA_CACHE_DIR; None (compile in every process) if unwritable."""
+    root = Path(os.environ.get("NUMBA_CACHE_DIR") or PACKAGE / "__pycache__")
+    name = f"exudyn_inext_kernels_{_source_hash()}"
+    if not _writable(root / name):
+        return None
+    for stale in root.glob("exudyn_inext_kernels_*"):
+        if stale.name != name:
+            shutil.rmtree(stale, ignore_errors=True)
+    return root / name
+
+
+CACHE_FOLDER = _cache_folder()
+
+
+def kernel(function: _Function) -> _Function:
+    """Compile `function` in nopython mode, cached on disk. Runs as plain Python without the JIT."""
+    if numba.config.DISABLE_JIT:
+        return function
+    shared_setting = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = str(CACHE_FOLDER or "")
+    try:
+        return numba.njit(cache=CACHE_FOLDER is not None, **_OPTIONS)(function)
+    finally:
+        numba.config.CACHE_DIR = shared_setting
+
+
+def inlined(function: _Function) -> _Function:
+    """Compile `function` as a part of the kernels that call it."""
+    return numba.njit(forceinline=True, **_OPTIONS)(function)
+
+
+def local_array(rows: int, columns: int) -> Any:
+    """(rows, columns) uninitialised numbers on the stack of the calling kernel; literal sizes only."""
+    return np.empty((rows, columns))
+
+
+@intrinsic(prefer_literal=True)
+def _stack_memory(_context, size):
+    def allocate(_context, builder, _signature, _arguments):
+        memory = ir.ArrayType(ir.DoubleType(), size.literal_value)
+        pointer = cgutils.alloca_once(builder, memory, name="local_array")
+        return builder.bitcast(pointer, ir.DoubleType().as_pointer())
+
+    return types.CPointer(types.float64)(size), allocate
+
+
+# Inlined before LLVM sees it: the memory belongs to the caller's frame.
+@overload(local_array, inline="always", prefer_literal=True)
+def _local_array_on_stack(rows, columns):
+    size = rows.literal_value * columns.literal_value
+
+    def allocate(rows, columns):
+        return numba.carray(_stack_memory(size), (rows, columns))
+
+    return allocate

@@ -1,0 +1,32 @@
+"""What a constraint offers."""
+
+from typing import Protocol
+
+from scipy.sparse import csr_array
+
+from ..element.shape_functions import Array
+
+
+class Constraint(Protocol):
+    """c(q) = 0 with everything that the index reduction needs, Eqs. (27), (28).
+
+    Coordinates and velocities are (n, 2, dim); `number` equations; the Jacobian's columns are the
+    coordinates in C order.
+    """
+
+    name: str
+
+    @property
+    def number(self) -> int: ...
+
+    def value(self, q: Array) -> Array:
+        """c (number,)."""
+
+    def jacobian(self, q: Array) -> csr_array:
+        """c_q (number, n_dof)."""
+
+    def gamma(self, q: Array, v: Array) -> Array:
+        """-(c_q v)_q v (number,)."""
+
+    def describe(self, row: int) -> str:
+        """Where equation `row` acts, for messages."""

@@ -1,0 +1,47 @@
+"""Coordinates held at their reference values: what pins and clamps are made of."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from ..element.shape_functions import Array
+
+
+@dataclass(frozen=True, eq=False)
+class HeldNodes:
+    """c = q - q_reference for all coordinates of the given kinds at the given nodes.
+
+    name: what the support is called.
+    nodes: (m,) node indices.
+    kinds: 0 for the position, 1 for the slope.
+    reference: (n, 2, dim) reference configuration.
+    """
+
+    name: str
+    nodes: np.ndarray
+    kinds: tuple[int, ...]
+    reference: Array
+
+    @property
+    def number(self) -> int:
+        return len(self.nodes) * len(self.kinds) * self.reference.shape[2]
+
+    def value(self, q: Array) -> Array:
+        held = np.ix_(self.nodes, self.kinds)
+        return (q[held] - self.reference[held]).ravel()
+
+    def jacobian(self, q: Array) -> csr_array:
+        held = np.ix_(self.nodes, self.kinds)
+        columns = np.arange(q.size).reshape(q.shape)[held].ravel()
+        entries = (np.ones(self.number), (np.arange(self.number), columns))
+        return csr_array(entries, shape=(self.number, q.size))
+
+    def gamma(self, q: Array, v: Array) -> Array:
+        return np.zeros(self.number)
+
+    def describe(self, row: int) -> str:
+        node, rest = divmod(row, len(self.kinds) * self.reference.shape[2])
+        kind, axis = divmod(rest, self.reference.shape[2])
+        what = ("position", "slope")[self.kinds[kind]]
+        return f"{what} {'xyz'[axis]} of node {self.nodes[node]}"

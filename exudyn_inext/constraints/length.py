@@ -1,0 +1,66 @@
+"""Constant length of groups of elements, Eq. (19)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from ..chain.cable import Cable, reference_lengths
+from ..element.inextensibility import slope_gram_matrix
+from ..element.shape_functions import Array
+
+
+@dataclass(frozen=True, eq=False)
+class LengthConstraint:
+    """c_j = sum over the elements of group j of int |r_x|^2 dx, less its reference value.
+
+    gram: (N, 4, 4) slope Gram matrices [1/m, -; -, m].
+    group: (N,) group of each element, 0 to n_bar - 1.
+    reference: (N,) int |r_x|^2 dx in the discretised reference configuration [m].
+    """
+
+    gram: Array
+    group: np.ndarray
+    reference: Array
+    name: str = "length"
+
+    @property
+    def number(self) -> int:
+        return int(self.group.max(initial=-1)) + 1
+
+    def _sum_groups(self, per_element: Array) -> Array:
+        return np.bincount(self.group, weights=per_element, minlength=self.number)
+
+    @staticmethod
+    def _nodal(q: Array) -> Array:
+        """(N, 4, dim) coordinates of the elements."""
+        return np.concatenate([q[:-1], q[1:]], axis=1)
+
+    def value(self, q: Array) -> Array:
+        nodal = self._nodal(q)
+        squares = np.einsum("eai,eab,ebi->e", nodal, self.gram, nodal)
+        return self._sum_groups(squares - self.reference)
+
+    def jacobian(self, q: Array) -> csr_array:
+        width = 2 * q.shape[2]
+        entries = 2.0 * np.einsum("eab,ebi->eai", self.gram, self._nodal(q))
+        columns = width * np.arange(len(self.group))[:, None] + np.arange(2 * width)
+        rows = np.repeat(self.group, 2 * width)
+        return csr_array((entries.ravel(), (rows, columns.ravel())), shape=(self.number, q.size))
+
+    def gamma(self, q: Array, v: Array) -> Array:
+        nodal = self._nodal(v)
+        return self._sum_groups(-2.0 * np.einsum("eai,eab,ebi->e", nodal, self.gram, nodal))
+
+    def describe(self, row: int) -> str:
+        elements = np.flatnonzero(self.group == row)
+        return f"elements {elements[0]} to {elements[-1]}"
+
+
+def of_cable(cable: Cable) -> LengthConstraint:
+    """The length constraints of `cable`, none if its `length_constraints` is 0."""
+    constrained = cable.length_constraints > 0
+    gram = np.stack([slope_gram_matrix(length) for length in cable.element_lengths])
+    count = cable.number_of_elements if constrained else 0
+    reference = reference_lengths(cable.reference, cable.element_lengths)
+    return LengthConstraint(gram[:count], cable.group_of_element()[:count], reference[:count])

@@ -1,0 +1,47 @@
+"""Unit slope at the nodes, Eq. (18)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csr_array
+
+from ..chain.cable import Cable
+from ..element.shape_functions import Array
+
+
+@dataclass(frozen=True, eq=False)
+class NodalInextensibility:
+    """c = r_x . r_x - 1 at `nodes`; clamped nodes are left out, where it is redundant.
+
+    nodes: (m,) node indices.
+    """
+
+    nodes: np.ndarray
+    name: str = "nodal inextensibility"
+
+    @property
+    def number(self) -> int:
+        return len(self.nodes)
+
+    def value(self, q: Array) -> Array:
+        slopes = q[self.nodes, 1]
+        return np.einsum("ki,ki->k", slopes, slopes) - 1.0
+
+    def jacobian(self, q: Array) -> csr_array:
+        dim = q.shape[2]
+        columns = (2 * dim * self.nodes[:, None] + dim + np.arange(dim)).ravel()
+        rows = np.repeat(np.arange(self.number), dim)
+        entries = 2.0 * q[self.nodes, 1].ravel()
+        return csr_array((entries, (rows, columns)), shape=(self.number, q.size))
+
+    def gamma(self, q: Array, v: Array) -> Array:
+        slope_rates = v[self.nodes, 1]
+        return -2.0 * np.einsum("ki,ki->k", slope_rates, slope_rates)
+
+    def describe(self, row: int) -> str:
+        return f"slope of node {self.nodes[row]}"
+
+
+def of_cable(cable: Cable) -> NodalInextensibility:
+    """The nodal constraints of `cable`."""
+    return NodalInextensibility(np.flatnonzero(~cable.fixed[:, 1]))

@@ -1,0 +1,29 @@
+"""What can go wrong, as exception types. Every message says value, limit, culprit and remedy."""
+
+
+class InextensibleError(Exception):
+    """Base of all errors that the package raises on purpose."""
+
+
+class InputError(InextensibleError, ValueError):
+    """An argument is outside of what the method or the implementation allows."""
+
+
+class SceneError(InextensibleError, ValueError):
+    """The mbs contains, or lacks, something that the explicit solver needs to know about."""
+
+
+class StepSizeError(InextensibleError, ValueError):
+    """The requested step is above the stability limit of the scheme."""
+
+
+class EnforcementError(InextensibleError, RuntimeError):
+    """A solver that does not enforce inextensibility evaluates an inextensible cable."""
+
+
+class RedundantConstraintError(InextensibleError, ArithmeticError):
+    """The constraints of a cable are linearly dependent in the present configuration."""
+
+
+class DivergenceError(InextensibleError, ArithmeticError):
+    """The run left the range of finite numbers."""

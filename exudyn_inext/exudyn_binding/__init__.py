@@ -1,0 +1,1 @@
+"""The only place that imports exudyn: items in, time loop, results out."""

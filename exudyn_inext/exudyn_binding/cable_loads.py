@@ -1,0 +1,64 @@
+"""The external force of one cable: gravity, constant forces, and sampled histories."""
+
+import numpy as np
+
+from ..element.shape_functions import Array
+from ..errors import SceneError
+from ..integrators.integrator import LoadHistory
+from ..loads.gravity import gravity_force
+from .load_items import NodalLoad
+from .scene import CableInScene
+
+
+class CableLoads:
+    """External force of a cable as a function of time.
+
+    constant: (n_dof,) [N, Nm].   pattern: (P, n_dof), one row a component of a load history.
+    """
+
+    def __init__(self, cable: CableInScene) -> None:
+        self._dimension = cable.cable.dimension
+        self._nodes = cable.item.nodes
+        self.constant = gravity_force(cable.cable, cable.item.gravity).ravel()
+        self._histories = [load for load in cable.loads if load.history is not None]
+        for load in cable.loads:
+            if load.history is None:
+                for pattern, value in zip(self._patterns(load), load.constant, strict=True):
+                    self.constant += value * pattern
+        rows = [row for load in self._histories for row in self._patterns(load)]
+        self.pattern = np.array(rows).reshape(len(rows), len(self.constant))
+
+    def at(self, time: float) -> Array:
+        """(n_dof,) external force at `time`."""
+        return self.constant + self._factors(time) @ self.pattern
+
+    def sample(self, start: float, h: float, steps: int, stages: tuple[float, ...]) -> LoadHistory:
+        """Load history of `steps` steps from `start`, at the stages of a scheme."""
+        factor = np.zeros((steps, len(stages), len(self.pattern)))
+        if self._histories:
+            for step in range(steps):
+                for stage, abscissa in enumerate(stages):
+                    factor[step, stage] = self._factors(start + (step + abscissa) * h)
+        return LoadHistory(self.constant, self.pattern, factor)
+
+    def _factors(self, time: float) -> Array:
+        values = [load.history(time) for load in self._histories if load.history is not None]
+        return np.concatenate(values) if values else np.zeros(0)
+
+    def _patterns(self, load: NodalLoad) -> list[Array]:
+        """One (n_dof,) unit force a component; an out-of-plane one of a planar cable must be zero."""
+        width = 2 * self._dimension
+        node = self._nodes.index(load.node)
+        patterns = []
+        for coordinate, value in zip(load.coordinates, load.constant, strict=True):
+            pattern = np.zeros(len(self.constant))
+            in_space = len(load.coordinates) == 1 or coordinate < self._dimension
+            if in_space:
+                pattern[node * width + coordinate] = 1.0
+            elif value != 0.0:
+                raise SceneError(
+                    f"load on node {load.node} has the z component {value:g} N, but its cable is "
+                    "planar: create the cable with dimension=3."
+                )
+            patterns.append(pattern)
+        return patterns

@@ -1,0 +1,55 @@
+"""Loads of an mbs on the nodes of a cable: constant and user-function ones."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..element.shape_functions import Array
+
+_POSITION_MARKERS = {"NodePosition", "NodeRigid"}
+
+
+@dataclass(frozen=True, eq=False)
+class NodalLoad:
+    """A generalised force on coordinates of one node.
+
+    node: node number.
+    coordinates: the nodal coordinate that each component acts on.
+    constant: (m,) components [N, Nm].
+    history: t -> (m,) components, or None if the load is constant.
+    """
+
+    node: int
+    coordinates: tuple[int, ...]
+    constant: Array
+    history: Callable[[float], Array] | None
+
+
+def read_load(mbs: Any, number: int) -> NodalLoad | None:
+    """Load `number` of mbs, or None if it is of a kind that is not supported."""
+    data = mbs.GetLoad(number)
+    marker = mbs.GetMarker(data["markerNumber"])
+    kinds = (data["loadType"], marker["markerType"])
+    if kinds[0] == "ForceVector" and kinds[1] in _POSITION_MARKERS and not data["bodyFixed"]:
+        coordinates: tuple[int, ...] = (0, 1, 2)
+        value, user_function = data["loadVector"], data["loadVectorUserFunction"]
+    elif kinds == ("Coordinate", "NodeCoordinate"):
+        coordinates = (int(marker["coordinate"]),)
+        value, user_function = data["load"], data["loadUserFunction"]
+    else:
+        return None
+    return NodalLoad(
+        node=int(marker["nodeNumber"]),
+        coordinates=coordinates,
+        constant=np.atleast_1d(np.asarray(value, dtype=float)),
+        history=_history(mbs, user_function, value),
+    )
+
+
+def _history(mbs: Any, user_function: Any, value: Any) -> Callable[[float], Array] | None:
+    if not user_function:
+        return None
+    function = user_function["function"]
+    return lambda t: np.atleast_1d(np.asarray(function(mbs, t, value), dtype=float))

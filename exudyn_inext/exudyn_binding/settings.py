@@ -1,0 +1,48 @@
+"""Settings of SolveExplicit."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from ..chain.cable import require_positive
+from ..errors import InputError
+from ..integrators import find_integrator
+
+
+@dataclass(frozen=True)
+class ExplicitSettings:
+    """How SolveExplicit integrates.
+
+    Args:
+        integrator: name of the scheme, see exudyn_inext.integrators.INTEGRATORS.
+        scheme: parameters of the scheme, e.g. Zhai(psi=0, phi=0, corrector=True); None: defaults.
+        stepSize: upper bound of the integrator's step [s]; the step used divides the time between two
+            outputs. None: the largest safe one.
+        stabilizationRate: zeta of Eqs. (24)-(28) [1/s].
+        stepConstant: C of Eq. (37), for stepSize = None [-].
+        stepSafety: share of the stability limit that stepSize = None uses at most [-].
+        allowUnstableStep: warn, rather than refuse, if stepSize is above the stability limit.
+    """
+
+    integrator: str = "Zhai"
+    scheme: Any = None
+    stepSize: float | None = None
+    stabilizationRate: float = 100.0
+    stepConstant: float = 0.7
+    stepSafety: float = 0.95
+    allowUnstableStep: bool = False
+
+    def __post_init__(self) -> None:
+        """Check all numbers.
+
+        Raises:
+            InputError: unknown integrator, scheme of another integrator, number out of range.
+        """
+        scheme_type = find_integrator(self.integrator).scheme
+        if self.scheme is not None and not isinstance(self.scheme, scheme_type):
+            raise InputError(
+                f"scheme = {self.scheme!r}: integrator '{self.integrator}' takes {scheme_type.__name__}(...)."
+            )
+        for name in ("stabilizationRate", "stepConstant", "stepSafety"):
+            require_positive(name, getattr(self, name))
+        if self.stepSize is not None:
+            require_positive("stepSize", self.stepSize)

@@ -1,0 +1,197 @@
+"""The initial shape of a cable: nodal positions, slopes and velocities."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..chain.cable import reference_lengths, require_positive
+from ..element.shape_functions import Array
+from ..errors import InputError
+
+SLOPE_TOLERANCE = 1e-8  # |r_x| - 1 [-]
+LENGTH_TOLERANCE = 1e-2  # int |r_x|^2 dx / l - 1 of an element [-]
+
+
+@dataclass(frozen=True, eq=False)
+class CableShape:
+    """Nodes of a cable in its initial, inextensible shape.
+
+    Args:
+        positions: (n, 2) or (n, 3) nodal positions [m]; n = number of elements + 1.
+        slopes: like positions; unit tangents dr/dx [-].
+        elementLengths: arc length of each element [m], a number or (n - 1,) values; None: the
+            lengths of the curves through positions and slopes.
+        velocities: like positions [m/s]; None: at rest.
+        slopeVelocities: like positions, d(dr/dx)/dt [1/s]; None: zero.
+    """
+
+    positions: Any
+    slopes: Any
+    elementLengths: Any = None
+    velocities: Any = None
+    slopeVelocities: Any = None
+
+    @staticmethod
+    def Line(
+        positionStart: Any,
+        positionEnd: Any,
+        numberOfElements: int,
+        velocityStart: Any = (0, 0, 0),
+        velocityEnd: Any = (0, 0, 0),
+    ) -> "CableShape":
+        """Straight cable with elements of equal length and a velocity that is linear in x.
+
+        Args:
+            positionStart: (2,) or (3,) position of the first node [m].
+            positionEnd: position of the last node [m].
+            numberOfElements: at least 1.
+            velocityStart: velocity of the first node [m/s].
+            velocityEnd: velocity of the last node [m/s].
+
+        Raises:
+            InputError: the two ends coincide, or a number is missing or not finite.
+        """
+        number = _element_count(numberOfElements)
+        start, end = _vectors("positionStart", positionStart), _vectors("positionEnd", positionEnd)
+        length = float(np.linalg.norm(end - start))
+        if length == 0.0:
+            raise InputError(
+                f"length = 0 m: positionStart and positionEnd are both {start.tolist()}; give two "
+                "different points, or a CableShape whose nodes lie apart."
+            )
+        at = np.linspace(0.0, 1.0, number + 1)[:, None]
+        v_start, v_end = _vectors("velocityStart", velocityStart), _vectors("velocityEnd", velocityEnd)
+        along = np.broadcast_to((end - start) / length, (number + 1, 3))
+        turning = np.broadcast_to((v_end - v_start) / length, (number + 1, 3))
+        return CableShape(
+            positions=start + at * (end - start),
+            slopes=along,
+            elementLengths=length / number,
+            velocities=v_start + at * (v_end - v_start),
+            slopeVelocities=turning,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class CheckedShape:
+    """A shape that an inextensible cable can have.
+
+    q, v: (n, 2, 3) coordinates [m, -] and velocities [m/s, 1/s].   lengths: (n - 1,) [m].
+    """
+
+    q: Array
+    v: Array
+    lengths: Array
+
+
+def check_shape(shape: CableShape) -> CheckedShape:
+    """Validate `shape`.
+
+    Raises:
+        InputError: wrong sizes, numbers that are not finite, slopes that are not unit vectors,
+            points that no inextensible cable of the given length joins.
+    """
+    positions, slopes = _rows("positions", shape.positions), _rows("slopes", shape.slopes)
+    nodes = len(positions)
+    if nodes < 2:
+        raise InputError(f"positions has {nodes} point(s): a cable needs at least 2.")
+    rates = [
+        np.zeros((nodes, 3)) if given is None else _rows(name, given)
+        for name, given in (
+            ("velocities", shape.velocities),
+            ("slopeVelocities", shape.slopeVelocities),
+        )
+    ]
+    for name, rows in (("slopes", slopes), ("velocities", rates[0]), ("slopeVelocities", rates[1])):
+        if len(rows) != nodes:
+            raise InputError(f"{name} has {len(rows)} rows: needs {nodes}, one for each position.")
+    _check_unit_slopes(slopes)
+    q = np.stack([positions, slopes], axis=1)
+    lengths = _checked_lengths(q, shape.elementLengths)
+    return CheckedShape(q, np.stack(rates, axis=1), lengths)
+
+
+def _element_count(number: Any) -> int:
+    if not isinstance(number, int | np.integer) or isinstance(number, bool) or number < 1:
+        raise InputError(f"numberOfElements = {number!r}: must be an integer of at least 1.")
+    return int(number)
+
+
+def _finite(name: str, values: Any) -> Array:
+    try:
+        array = np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(f"{name} = {values!r}: must be numbers.") from None
+    if not np.isfinite(array).all():
+        raise InputError(f"{name} = {array.tolist()}: all numbers must be finite.")
+    return array
+
+
+def _vectors(name: str, values: Any) -> Array:
+    """(..., 3) from (..., 2) or (..., 3)."""
+    array = _finite(name, values)
+    if array.ndim == 0 or array.shape[-1] not in (2, 3):
+        raise InputError(f"{name} has shape {array.shape}: needs 2 or 3 components a point.")
+    missing = 3 - array.shape[-1]
+    return np.concatenate([array, np.zeros((*array.shape[:-1], missing))], axis=-1)
+
+
+def _rows(name: str, values: Any) -> Array:
+    rows = _vectors(name, values)
+    if rows.ndim != 2:
+        raise InputError(f"{name} has shape {rows.shape}: needs one row of 2 or 3 numbers a node.")
+    return rows
+
+
+def _check_unit_slopes(slopes: Array) -> None:
+    norms = np.linalg.norm(slopes, axis=1)
+    worst = int(np.argmax(np.abs(norms - 1.0)))
+    if abs(norms[worst] - 1.0) > SLOPE_TOLERANCE:
+        raise InputError(
+            f"slopes[{worst}] = {slopes[worst].tolist()} has length {norms[worst]:.9g}: the slope of an "
+            f"inextensible cable is a unit vector (tolerance {SLOPE_TOLERANCE:g}); divide it by its length."
+        )
+
+
+def _curve_lengths(q: Array) -> Array:
+    """(N,) lengths l with int |r_x|^2 dx = l of the Hermite curves through positions and slopes."""
+    d = q[1:, 0] - q[:-1, 0]
+    ends = q[:-1, 1] + q[1:, 1]
+    cosine = np.einsum("ei,ei->e", q[:-1, 1], q[1:, 1])
+    chord = np.einsum("ei,ei->e", d, d)
+    turned = np.einsum("ei,ei->e", d, ends)
+    # q^T G q = l in closed form: (22 + 2 cosine) l^2 + 6 turned l - 36 chord = 0
+    a, b = 22.0 + 2.0 * cosine, 6.0 * turned
+    return (-b + np.sqrt(b * b + 144.0 * a * chord)) / (2.0 * a)
+
+
+def _checked_lengths(q: Array, given: Any) -> Array:
+    number = len(q) - 1
+    if given is None:
+        lengths = _curve_lengths(q)
+    else:
+        lengths = np.array(np.broadcast_to(_finite("elementLengths", given), (number,)))
+    for k, length in enumerate(lengths):
+        require_positive(f"length of element {k} [m]", length)
+    _check_reach(q, lengths)
+    return lengths
+
+
+def _check_reach(q: Array, lengths: Array) -> None:
+    chords = np.linalg.norm(q[1:, 0] - q[:-1, 0], axis=1)
+    k = int(np.argmax(chords / lengths))
+    if chords[k] > lengths[k] * (1.0 + SLOPE_TOLERANCE):
+        raise InputError(
+            f"nodes {k} and {k + 1} are {chords[k]:.9g} m apart, the element between them is "
+            f"{lengths[k]:.9g} m long: no inextensible cable joins them; lengthen the element or move "
+            "the points together."
+        )
+    mean_square = reference_lengths(q, lengths) / lengths
+    k = int(np.argmax(np.abs(mean_square - 1.0)))
+    if abs(mean_square[k] - 1.0) > LENGTH_TOLERANCE:
+        raise InputError(
+            f"the curve through nodes {k} and {k + 1} with the given slopes has a mean square stretch of "
+            f"{mean_square[k]:.6g} for an element of {lengths[k]:.9g} m: an inextensible cable allows "
+            f"1 +- {LENGTH_TOLERANCE:g}; correct elementLengths or the slopes, or use more elements."
+        )

@@ -1,0 +1,85 @@
+"""Section and discretisation of an inextensible cable, in the user's terms."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from exudyn.itemInterface import ObjectANCFCable, ObjectANCFCable2D
+
+from ..chain.cable import CurvatureMeasure, Section, require_positive
+from ..errors import InputError
+
+_NOT_YET = ("bendingDamping", "referenceCurvature", "bendingMomentUserFunction", "physicsBendingDamping")
+
+
+@dataclass(frozen=True)
+class InextensibleCable:
+    """Properties of an inextensible cable element; takes the place of a native beam template.
+
+    Args:
+        massPerLength: rho_A [kg/m].
+        bendingStiffness: EI [N m^2].
+        curvatureMeasure: 'secondDerivative' (kappa^2 = |r_xx|^2, cheaper and more accurate) or
+            'product' (kappa^2 = |r_x|^2 |r_xx|^2, the paper's Eq. (4)).
+        numberOfLengthConstraints: n_bar of Eq. (19), 0 to the number of elements; None: one per element.
+
+    Example:
+        InextensibleCable(massPerLength=0.0348, bendingStiffness=0.0866)
+    """
+
+    massPerLength: float
+    bendingStiffness: float
+    curvatureMeasure: str = CurvatureMeasure.SECOND_DERIVATIVE.value
+    numberOfLengthConstraints: int | None = None
+
+    @classmethod
+    def from_template(cls, template: Any) -> "InextensibleCable":
+        """`template` itself, or the inextensible counterpart of a native ANCF cable template.
+
+        The axial stiffness of a native template is left out: this is what inextensible means.
+
+        Raises:
+            InputError: not a cable template, or a property that has no counterpart yet.
+        """
+        if isinstance(template, cls):
+            return template
+        if not isinstance(template, ObjectANCFCable | ObjectANCFCable2D):
+            raise InputError(
+                f"beamTemplate = {template!r}: must be an InextensibleCable, or an ObjectANCFCable2D or "
+                "ObjectANCFCable whose massPerLength and bendingStiffness are taken over."
+            )
+        for name in _NOT_YET:
+            if getattr(template, name, None):
+                raise InputError(
+                    f"beamTemplate.{name} = {getattr(template, name)!r}: not supported by the "
+                    "inextensible cable yet; set it to zero."
+                )
+        return cls(template.massPerLength, template.bendingStiffness)
+
+    def section(self) -> Section:
+        """Checked constants of the cross-section."""
+        return Section(
+            require_positive("massPerLength", self.massPerLength),
+            require_positive("bendingStiffness", self.bendingStiffness),
+        )
+
+    def measure(self) -> CurvatureMeasure:
+        """Checked curvature measure."""
+        try:
+            return CurvatureMeasure(self.curvatureMeasure)
+        except ValueError:
+            known = [measure.value for measure in CurvatureMeasure]
+            raise InputError(
+                f"curvatureMeasure = {self.curvatureMeasure!r} is unknown: choose one of {known}."
+            ) from None
+
+    def length_constraints(self, number_of_elements: int) -> int:
+        """Checked n_bar for a cable of that many elements."""
+        number = self.numberOfLengthConstraints
+        if number is None:
+            return number_of_elements
+        if not (isinstance(number, int) and 0 <= number <= number_of_elements):
+            raise InputError(
+                f"numberOfLengthConstraints = {number!r}: must be an integer from 0 (none) to the number "
+                f"of elements, {number_of_elements}."
+            )
+        return number

@@ -1,0 +1,83 @@
+"""Stability limits of any scheme, measured on the two linear systems that decide.
+
+The undamped oscillator q'' = -w^2 q stands for the bending vibrations, the decay c' = -zeta c for the
+constraint stabilisation. The amplification matrix of one step is built column by column by the
+scheme itself, so that a limit is always that of the code that runs.
+"""
+
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..element.shape_functions import Array
+from ..system import implements, index_reduced_rates
+from .integrator import Integrator, LoadHistory
+
+GROWTH_TOLERANCE = 1e-9
+_TRIALS = 400
+_BISECTIONS = 40
+
+
+class LinearSystem(NamedTuple):
+    """q'' = -w^2 q, with velocity and position constraint terms that decay with rate zeta.
+
+    squared_frequency: w^2 [1/s^2].   zeta: [1/s]: v' and q' have the terms -zeta v and -zeta q.
+    """
+
+    squared_frequency: float
+    zeta: float
+
+
+@implements(index_reduced_rates, LinearSystem)
+def linear_rates(system, external, q, v, acceleration, rate):
+    """Right-hand side; with zeta > 0 it is what Eqs. (27), (28) leave of a constrained direction."""
+    for i in range(len(q)):
+        acceleration[i] = external[i] - system.squared_frequency * q[i] - system.zeta * v[i]
+        rate[i] = v[i] if system.zeta == 0.0 else -system.zeta * q[i]
+
+
+def amplification_matrix(integrator: Integrator, scheme: Any, system: LinearSystem) -> Array:
+    """One step h = 1 as a matrix on (q, v, and the history of a multi-step scheme)."""
+    loads = LoadHistory(np.zeros(1), np.zeros((0, 1)), np.zeros((1, len(integrator.stages), 0)))
+    fields = [name for name in ("q", "v", "a_previous") if hasattr(integrator.allocate(1), name)]
+    columns = []
+    for unit in fields:
+        state = integrator.allocate(1)
+        getattr(state, unit)[0] = 1.0
+        index_reduced_rates(system, np.zeros(1), state.q, state.v, state.a, state.rate)
+        integrator.advance(system, loads, scheme, state, 1.0, 1)
+        columns.append([getattr(state, name)[0] for name in fields])
+    return np.array(columns).T
+
+
+def _is_stable(integrator: Integrator, scheme: Any, system: LinearSystem) -> bool:
+    eigenvalues = np.linalg.eigvals(amplification_matrix(integrator, scheme, system))
+    return bool(np.abs(eigenvalues).max() <= 1.0 + GROWTH_TOLERANCE)
+
+
+def _first_unstable(integrator: Integrator, scheme: Any, family: Any, largest: float) -> float:
+    """The smallest argument of `family` at which a step grows, by scan and bisection."""
+    trials = np.linspace(0.0, largest, _TRIALS + 1)[1:]
+    unstable = (x for x in trials if not _is_stable(integrator, scheme, family(x)))
+    above = next(unstable, None)
+    if above is None:
+        return largest
+    below = above - largest / _TRIALS
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (below + above)
+        stable = _is_stable(integrator, scheme, family(middle))
+        below, above = (middle, above) if stable else (below, middle)
+    return float(below)
+
+
+@lru_cache
+def frequency_limit(integrator: Integrator, scheme: Any) -> float:
+    """Largest h w [-] up to which the undamped oscillator does not grow."""
+    return _first_unstable(integrator, scheme, lambda x: LinearSystem(x * x, 0.0), 4.0)
+
+
+@lru_cache
+def decay_limit(integrator: Integrator, scheme: Any) -> float:
+    """Largest h zeta [-] up to which constraint errors do not grow."""
+    return _first_unstable(integrator, scheme, lambda x: LinearSystem(0.0, x), 4.0)

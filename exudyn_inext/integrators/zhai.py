@@ -1,0 +1,114 @@
+"""Explicit Zhai method (paper, section 3.2) for the index-reduced equations.
+
+Read with the misprints of Eqs. (31), (33) corrected: v_n carries a factor h, and
+beta = 1/4 (1/2 + gamma)^2. In place of v_n the predictor uses the projected rate q'_n of Eq. (30),
+unless `projected_rate` is switched off.
+
+What the parameters do (undamped oscillator; see `frequency_limit`):
+psi = phi = 1/2 without corrector: neutral, no dissipation, stable up to h w = 2.
+psi = phi = 1/2 with the corrector: weakly unstable at every step.
+psi = phi = 0 with the corrector: stable up to h w = 2, dissipates.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..compiled import kernel
+from ..element.shape_functions import Array
+from ..system import index_reduced_rates
+from .integrator import Integrator, external_force
+from .linear_stability import decay_limit, frequency_limit
+
+
+class Zhai(NamedTuple):
+    """Parameters of the scheme.
+
+    psi, phi: predictor weights of Eqs. (31), (32) [-].
+    corrector: whether phases III and IV, Eqs. (33), (34), follow: two evaluations a step.
+    gamma_newmark: gamma of Eq. (34) [-].
+    projected_rate: whether the predictor uses q'_n of Eq. (30) in place of v_n.
+    """
+
+    psi: float = 0.5
+    phi: float = 0.5
+    corrector: bool = False
+    gamma_newmark: float = 0.5
+    projected_rate: bool = True
+
+
+class ZhaiState(NamedTuple):
+    """Coordinates, velocities, accelerations now and one step ago, projected rate, and memory."""
+
+    q: Array
+    v: Array
+    a: Array
+    a_previous: Array
+    rate: Array
+    external: Array
+    q_start: Array
+    v_start: Array
+    a_predicted: Array
+
+
+def allocate(n_dof: int) -> ZhaiState:
+    """State with all arrays (n_dof,) zero."""
+    return ZhaiState(*[np.zeros(n_dof) for _ in ZhaiState._fields])
+
+
+@kernel
+def start(system, external, state):
+    """Evaluate at the initial state; a_(-1) = a_0 makes the first step a Taylor step."""
+    index_reduced_rates(system, external, state.q, state.v, state.a, state.rate)
+    state.a_previous[:] = state.a
+
+
+@kernel
+def _predict(scheme, state, h):
+    """Phase I, Eqs. (31), (32); q_n and v_n are kept for the corrector."""
+    for i in range(len(state.q)):
+        q_rate = state.rate[i] if scheme.projected_rate else state.v[i]
+        a, a_previous = state.a[i], state.a_previous[i]
+        state.q_start[i] = state.q[i] + h * q_rate
+        state.v_start[i] = state.v[i]
+        state.q[i] = state.q_start[i] + h * h * ((0.5 + scheme.psi) * a - scheme.psi * a_previous)
+        state.v[i] += h * ((1.0 + scheme.phi) * a - scheme.phi * a_previous)
+        state.a_previous[i] = a
+
+
+@kernel
+def _correct(scheme, state, h):
+    """Phase III, Eqs. (33), (34), from the predicted acceleration."""
+    gamma = scheme.gamma_newmark
+    beta = 0.25 * (0.5 + gamma) ** 2
+    for i in range(len(state.q)):
+        a, a_predicted = state.a_previous[i], state.a_predicted[i]
+        state.q[i] = state.q_start[i] + h * h * ((0.5 - beta) * a + beta * a_predicted)
+        state.v[i] = state.v_start[i] + h * ((1.0 - gamma) * a + gamma * a_predicted)
+
+
+@kernel
+def advance(system, loads, scheme, state, h, steps):
+    """Take `steps` steps of size h [s]; see `Integrator.advance`."""
+    for step in range(steps):
+        _predict(scheme, state, h)
+        external_force(loads, step, 0, state.external)
+        if scheme.corrector:
+            index_reduced_rates(
+                system, state.external, state.q, state.v, state.a_predicted, state.rate
+            )
+            _correct(scheme, state, h)
+        index_reduced_rates(system, state.external, state.q, state.v, state.a, state.rate)
+
+
+INTEGRATOR = Integrator(
+    name="Zhai",
+    order=2,
+    stages=(1.0,),
+    scheme=Zhai,
+    allocate=allocate,
+    start=start,
+    advance=advance,
+    frequency_limit=lambda scheme: frequency_limit(INTEGRATOR, scheme),
+    decay_limit=lambda scheme: decay_limit(INTEGRATOR, scheme),
+)

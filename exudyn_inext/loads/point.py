@@ -1,0 +1,36 @@
+"""A concentrated force at any arc length of the cable."""
+
+import numpy as np
+
+from ..chain.cable import Cable
+from ..element.external_force import point_force
+from ..element.shape_functions import Array
+from ..errors import InputError
+
+
+def point_load(cable: Cable, force: Array, arc_length: float) -> Array:
+    """Generalised force of a concentrated force, Eq. (17).
+
+    Args:
+        cable: the cable.
+        force: (dim,) [N].
+        arc_length: where it acts, 0 to the cable's length [m].
+
+    Returns:
+        (n, 2, dim) [N, Nm].
+
+    Raises:
+        InputError: the arc length is not on the cable.
+    """
+    if not 0.0 <= arc_length <= cable.length:
+        raise InputError(
+            f"arc length = {arc_length!r} m is not on the cable: it runs from 0 to {cable.length} m."
+        )
+    ends = np.cumsum(cable.element_lengths)
+    k = min(int(np.searchsorted(ends, arc_length)), cable.number_of_elements - 1)
+    length = float(cable.element_lengths[k])
+    xi = (arc_length - (ends[k] - length)) / length
+    result = np.zeros(cable.reference.shape)
+    element = point_force(np.asarray(force, dtype=float), xi, length)
+    result[k], result[k + 1] = element[:2], element[2:]
+    return result

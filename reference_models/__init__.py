@@ -1,0 +1,6 @@
+"""The benchmark scenes, their reference trajectories, and the models that compute them.
+
+scenes        what is to be computed: data only, SI units
+data          independent reference trajectories with provenance
+conventional  a scene as native Exudyn ANCF cables, with native integrators
+"""

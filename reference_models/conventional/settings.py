@@ -1,0 +1,88 @@
+"""What an Exudyn solver is told: small settings objects, turned into exudyn.SimulationSettings."""
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import exudyn
+
+from exudyn_inext.errors import InputError
+
+Newton = Literal["full", "modified", "modifiedEachStep"]
+LinearSolver = Literal["dense", "sparse"]
+ImplicitIntegrator = Literal["generalizedAlpha", "trapezoidal"]
+ExplicitIntegrator = Literal["velocityVerlet", "rungeKutta44"]
+
+SENSOR_PERIOD = 0.01
+"""Time between two stored sensor values [s]."""
+
+_SOLVER_TYPES = {
+    "generalizedAlpha": exudyn.DynamicSolverType.GeneralizedAlpha,
+    "trapezoidal": exudyn.DynamicSolverType.TrapezoidalIndex2,
+    "velocityVerlet": exudyn.DynamicSolverType.VelocityVerlet,
+    "rungeKutta44": exudyn.DynamicSolverType.RK44,
+}
+_LINEAR_SOLVERS = {
+    "dense": exudyn.LinearSolverType.EXUdense,
+    "sparse": exudyn.LinearSolverType.EigenSparse,
+}
+
+
+@dataclass(frozen=True)
+class Implicit:
+    """An implicit native integrator.   step_size [s].
+
+    newton: "full", "modified" (new Jacobian when convergence is slow), "modifiedEachStep".
+    relative_tolerance: Newton residual; with 1e-8, Exudyn's default, the step size collapses
+        from about 30 elements on.
+    spectral_radius: of generalized-alpha, 1 undamped, 0 strongest damping of high frequencies.
+    """
+
+    step_size: float
+    newton: Newton = "modified"
+    linear_solver: LinearSolver = "dense"
+    relative_tolerance: float = 1e-6
+    spectral_radius: float = 0.9
+    integrator: ImplicitIntegrator = "generalizedAlpha"
+
+
+@dataclass(frozen=True)
+class Explicit:
+    """An explicit native integrator with constant steps.   step_size [s]."""
+
+    step_size: float
+    integrator: ExplicitIntegrator = "velocityVerlet"
+
+
+Solver = Implicit | Explicit
+
+
+def number_of_steps(step_size: float, end_time: float) -> int:
+    """Steps of equal size, as near to step_size [s] as the end time [s] allows."""
+    if not (math.isfinite(step_size) and step_size > 0):
+        raise InputError(f"step_size = {step_size!r} s must be a finite number > 0.")
+    return max(1, round(end_time / step_size))
+
+
+def simulation_settings(solver: Solver, end_time: float) -> Any:
+    """exudyn.SimulationSettings: silent, no files, sensors every SENSOR_PERIOD."""
+    settings = exudyn.SimulationSettings()
+    settings.solution.file.write = False
+    settings.solution.sensors.writePeriod = SENSOR_PERIOD
+    time = settings.timeIntegration
+    time.endTime = end_time
+    time.numberOfSteps = number_of_steps(solver.step_size, end_time)
+    time.verboseMode = 0
+    time.solverType = _SOLVER_TYPES[solver.integrator]
+    if isinstance(solver, Implicit):
+        _set_implicit(settings, solver)
+    return settings
+
+
+def _set_implicit(settings: Any, solver: Implicit) -> None:
+    settings.linearSolver.solverType = _LINEAR_SOLVERS[solver.linear_solver]
+    time = settings.timeIntegration
+    time.generalizedAlpha.spectralRadius = solver.spectral_radius
+    time.newton.useModifiedNewton = solver.newton != "full"
+    time.newton.modifiedNewtonJacUpdatePerStep = solver.newton == "modifiedEachStep"
+    time.newton.relativeTolerance = solver.relative_tolerance

@@ -1,0 +1,1 @@
+"""Measured comparisons: one file a study, `python -m studies list` shows them."""

@@ -1,0 +1,49 @@
+"""python -m studies: list and run the studies."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from exudyn_inext.errors import InputError
+
+from .harness.run import run_study
+from .registry import find_studies, find_study
+
+MAIN_STUDY = "table1"
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m studies", description=__doc__)
+    commands = parser.add_subparsers(dest="command")
+    commands.add_parser("list", help="show all studies and their questions")
+    run = commands.add_parser("run", help=f"run one study (without a command: {MAIN_STUDY})")
+    run.add_argument("name", help="as shown by 'list'")
+    run.add_argument("--quick", action="store_true", help="a short motion and few, cheap cases")
+    run.add_argument("--output", type=Path, default=Path("results"), help="default: results")
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Return the exit code: 0 done, 2 wrong input."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    options = _parser().parse_args(given or ["run", MAIN_STUDY])
+    try:
+        if options.command == "list":
+            _print_list()
+        else:
+            print(run_study(find_study(options.name), options.output, options.quick))
+            print(f"Written to {options.output}")
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def _print_list() -> None:
+    for name, study in find_studies().items():
+        print(f"{name}: {study.question}")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""How every study is run: timing, errors, storage, tables, plots. One concept a file."""

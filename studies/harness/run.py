@@ -1,0 +1,119 @@
+"""One study from start to files: measure, compare, store, draw, report."""
+
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from tqdm import tqdm
+
+from reference_models.data import reference_trajectory
+from reference_models.scenes import Scene
+from reference_models.trajectory import Case, Trajectory
+
+from .error import interpolation_error
+from .machine import machine, versions
+from .rows import make_row
+from .store import prepare_directory, write_json, write_text
+from .study import Results, Study
+from .table import number, rows_table
+from .timing import Measurement, measure
+
+QUICK_REPEATS = 2
+
+
+def run_study(study: Study, output: Path, quick: bool = False) -> str:
+    """Run the study, write NAME.json, NAME.md and pictures into `output`; return the report."""
+    prepare_directory(output)
+    scene = study.scene
+    if quick:
+        scene = replace(scene, end_time=min(scene.end_time, study.quick_end_time))
+    reference = reference_trajectory(scene)
+    _announce(study, "preparing the cases, finding stable steps")
+    cases = study.cases(scene, quick)
+    _require_distinct_labels(cases)
+    results = _results(scene, quick, _measure(study, cases, quick), reference)
+    document = _document(study, results, reference)
+    write_json(output / f"{study.name}.json", document)
+    _announce(study, "drawing the figures")
+    figures = study.figures(results, output)
+    report = _report(study, results, document["reference"])
+    write_text(output / f"{study.name}.md", report + _gallery(figures))
+    return report
+
+
+def _announce(study: Study, activity: str) -> None:
+    tqdm.write(f"{study.name}: {activity}", file=sys.stderr)
+
+
+def _measure(study: Study, cases: Sequence[Case], quick: bool) -> list[Measurement]:
+    repeats = QUICK_REPEATS if quick else study.repeats
+    with tqdm(total=len(cases) * (repeats + 1), desc=study.name, unit="run") as progress:
+
+        def advance(label: str) -> None:
+            progress.set_postfix_str(label[:48])
+            progress.update()
+
+        return measure(cases, repeats, advance)
+
+
+def _require_distinct_labels(cases: Sequence[Case]) -> None:
+    labels = [case.label for case in cases]
+    repeated = {label for label in labels if labels.count(label) > 1}
+    if repeated:
+        raise ValueError(f"labels {sorted(repeated)} occur more than once; make them distinct.")
+
+
+def _results(
+    scene: Scene, quick: bool, measurements: Sequence[Measurement], reference: Trajectory
+) -> Results:
+    return Results(
+        scene=scene,
+        quick=quick,
+        rows=[make_row(measurement, reference) for measurement in measurements],
+        trajectories={
+            measurement.case.label: measurement.trajectory
+            for measurement in measurements
+            if measurement.trajectory is not None
+        },
+    )
+
+
+def _document(study: Study, results: Results, reference: Trajectory) -> dict[str, Any]:
+    interpolation = interpolation_error(reference)
+    source = results.scene.reference
+    assert source is not None  # the reference trajectory has been read from it
+    return {
+        "study": study.name,
+        "quick": results.quick,
+        "paper": study.paper,
+        "reference": {
+            "file": source.file,
+            "source": source.source,
+            "uncertainty": source.uncertainty,
+            "interpolationErrorMax": interpolation.maximum,
+            "interpolationErrorRms": interpolation.rms,
+        },
+        "machine": machine(),
+        "versions": versions(),
+        "rows": results.rows,
+    }
+
+
+def _report(study: Study, results: Results, reference: dict[str, Any]) -> str:
+    """What is printed and stored as Markdown: question, table, conclusions."""
+    mode = f" (quick: {results.scene.end_time:g} s of motion)" if results.quick else ""
+    note = (
+        f"Errors are distances to: {reference['source']}, good to "
+        f"{reference['uncertainty']:.0e} m; between its samples a spline, whose error at twice "
+        "the sampling period is "
+        f"{number(reference['interpolationErrorMax'], 2)} m at most, "
+        f"{number(reference['interpolationErrorRms'], 2)} m rms."
+    )
+    paragraphs = [f"# {study.name}{mode}", study.question, rows_table(results.rows), note]
+    return "\n\n".join(paragraphs + study.conclusions(results)) + "\n"
+
+
+def _gallery(figures: Sequence[Path]) -> str:
+    return "".join(f"\n![{figure.stem}]({figure.name})\n" for figure in figures)

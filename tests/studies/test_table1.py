@@ -1,0 +1,55 @@
+"""Table 1 compares what it says it compares."""
+
+import pytest
+
+from reference_models.scenes import load_scene
+from studies.harness.study import Results
+from studies.table1 import PAPER_EXPLICIT, PAPER_IMPLICIT, PAPER_PROPOSED, make_conclusions
+
+SCENE = load_scene("planar_pendulum")
+
+
+def row(label, formulation, integrator, cpu, error):
+    return {
+        "label": label,
+        "formulation": formulation,
+        "integrator": integrator,
+        "cpuSeconds": cpu,
+        "errorMax": error,
+    }
+
+
+ROWS = [
+    row(PAPER_IMPLICIT, "conventional", "generalizedAlpha", 0.16, 5.8e-3),
+    row(PAPER_EXPLICIT, "conventional", "zhai", 8.0, 9e-3),
+    row(PAPER_PROPOSED, "inextensible", "zhai", 0.004, 4.6e-3),
+    row("quick but wrong", "inextensible", "zhai", 0.001, 1.0),
+    row("finer", "inextensible", "zhai", 0.02, 6.5e-4),
+    row("tuned", "conventional", "generalizedAlpha", 0.014, 5.1e-3),
+    row("tuned, finer", "conventional", "generalizedAlpha", 0.12, 6.1e-4),
+    row("tuned, explicit", "conventional", "velocityVerlet", 0.24, 5.8e-3),
+]
+
+
+def conclusion_lines(rows):
+    (table,) = make_conclusions(Results(SCENE, False, rows, {}))
+    return table.splitlines()[2:]
+
+
+@pytest.mark.parametrize(
+    ("line", "texts"),
+    [
+        (0, (PAPER_IMPLICIT, "2.42", "40.0")),
+        (1, (PAPER_EXPLICIT, "178", "2.00e+03")),
+        (2, ("implicit row with error <= 0.006", "tuned", "3.50")),
+        (3, ("implicit row with error <= 0.0007", "tuned, finer", "6.00")),
+        (4, ("explicit row with error <= 0.012", "tuned, explicit", "60.0")),
+    ],
+)
+def test_ratios_compare_rows_of_the_same_accuracy(line, texts):
+    assert all(text in conclusion_lines(ROWS)[line] for text in texts)
+
+
+def test_ratios_without_an_inextensible_row_are_left_open():
+    native = [row for row in ROWS if row["formulation"] == "conventional"]
+    assert all(line.endswith("| - |") for line in conclusion_lines(native))
