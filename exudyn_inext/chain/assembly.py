@@ -10,6 +10,8 @@ from ..element.inextensibility import (
     nodal_rate,
 )
 
+VALUE, RATE, GAMMA = 0, 1, 2  # entries of the `constraint` of a record
+
 
 @inlined
 def differences(axes, q, k, e):
@@ -21,16 +23,6 @@ def differences(axes, q, k, e):
 
 
 @inlined
-def add_element_force(axes, k, element_force, force):
-    """Add the force on (d, s_left, s_right) of element k to the nodal forces (n, 2, dim)."""
-    for i in range(len(axes)):
-        force[k, 0, i] -= element_force[0, i]
-        force[k + 1, 0, i] += element_force[0, i]
-        force[k, 1, i] += element_force[1, i]
-        force[k + 1, 1, i] += element_force[2, i]
-
-
-@inlined
 def clear(e):
     """All entries of a (3, 3) local array to zero."""
     for a in range(3):
@@ -39,13 +31,23 @@ def clear(e):
 
 
 @inlined
-def _set_nodal_gradient(axes, free, k, gradient, nodal):
+def add_element_force(axes, element_force, left, right):
+    """Add the force on (d, s_left, s_right) to the forces (2, dim) of the two nodes."""
+    for i in range(len(axes)):
+        left[0, i] -= element_force[0, i]
+        right[0, i] += element_force[0, i]
+        left[1, i] += element_force[1, i]
+        right[1, i] += element_force[2, i]
+
+
+@inlined
+def _set_gradient(axes, left_free, right_free, gradient, nodal):
     """Gradient on (d, s_left, s_right) to (r_left, s_left, r_right, s_right), supports taken out."""
     for i in range(len(axes)):
-        nodal[k, 0, i] = -free[k, 0] * gradient[0, i]
-        nodal[k, 1, i] = free[k, 1] * gradient[1, i]
-        nodal[k, 2, i] = free[k + 1, 0] * gradient[0, i]
-        nodal[k, 3, i] = free[k + 1, 1] * gradient[2, i]
+        nodal[0, i] = -left_free[0] * gradient[0, i]
+        nodal[1, i] = left_free[1] * gradient[1, i]
+        nodal[2, i] = right_free[0] * gradient[0, i]
+        nodal[3, i] = right_free[1] * gradient[2, i]
 
 
 @kernel
@@ -58,41 +60,43 @@ def add_elastic_force(chain, q, force):
         force: (n, 2, dim) [N, Nm].
     """
     e, element_force = local_array(3, 3), local_array(3, 3)
-    for k in range(len(chain.stiffness)):
+    for k in range(len(chain.elements)):
+        element = chain.elements[k]
         differences(chain.axes, q, k, e)
         clear(element_force)
-        add_bending_force(chain.axes, chain.stiffness, chain.tensor, k, e, element_force)
-        add_element_force(chain.axes, k, element_force, force)
+        add_bending_force(chain.axes, element.stiffness, element.tensor, e, element_force)
+        add_element_force(chain.axes, element_force, force[k], force[k + 1])
 
 
-@kernel
-def assemble(chain, q, v, force, nodal, length, gradient):
-    """All that the index-reduced equations need at (q, v): forces, constraints, Jacobian.
+@inlined
+def assemble(chain, q, v, column):
+    """All that the index-reduced equations need at (q, v), into the records of the chain.
+
+    Nodes: elastic forces, added to column `column` of `force`, and constraint terms (18), (27).
+    Elements: constraint terms (19), (27) and the Jacobian.
 
     Args:
-        chain: coefficients.
+        chain: coefficients and memory.
         q, v: (n, 2, dim) coordinates and velocities.
-        force: (n, 2, dim) [N, Nm]; elastic forces are added.
-        nodal: (n, 3) value [-], rate [1/s] and gamma [1/s^2] of the nodal constraints (18), (27).
-        length: (N, 3) the same of the length constraints (19), each element's share [m, ...].
-        gradient: (N, 4, dim) Jacobian of the length constraints on r_left, s_left, r_right, s_right.
+        column: of the forces.
     """
-    axes = chain.axes
-    for k in range(len(q)):
-        nodal[k, 0] = nodal_constraint(axes, q[k, 1])
-        nodal[k, 1] = nodal_rate(axes, q[k, 1], v[k, 1])
-        nodal[k, 2] = nodal_gamma(axes, v[k, 1])
-    e, e_t = local_array(3, 3), local_array(3, 3)
-    result = local_array(3, 3)
-    for k in range(len(chain.stiffness)):
+    axes, nodes = chain.axes, chain.nodes
+    for k in range(len(nodes)):
+        terms = nodes[k].constraint
+        terms[VALUE] = nodal_constraint(axes, q[k, 1])
+        terms[RATE] = nodal_rate(axes, q[k, 1], v[k, 1])
+        terms[GAMMA] = nodal_gamma(axes, v[k, 1])
+    e, e_t, result = local_array(3, 3), local_array(3, 3), local_array(3, 3)
+    for k in range(len(chain.elements)):
+        element = chain.elements[k]
         differences(axes, q, k, e)
         differences(axes, v, k, e_t)
         clear(result)
-        add_bending_force(axes, chain.stiffness, chain.tensor, k, e, result)
-        add_element_force(axes, k, result, force)
-        length_gradient(axes, chain.slope_gram, k, e_t, result)
-        length[k, 2] = -contract(axes, e_t, result)
-        length_gradient(axes, chain.slope_gram, k, e, result)
-        length[k, 0] = 0.5 * contract(axes, e, result) - chain.reference_length[k]
-        length[k, 1] = contract(axes, e_t, result)
-        _set_nodal_gradient(axes, chain.free, k, result, gradient)
+        add_bending_force(axes, element.stiffness, element.tensor, e, result)
+        add_element_force(axes, result, nodes[k].force[column], nodes[k + 1].force[column])
+        length_gradient(axes, element.slope_gram, e_t, result)
+        element.constraint[GAMMA] = -contract(axes, e_t, result)
+        length_gradient(axes, element.slope_gram, e, result)
+        element.constraint[VALUE] = 0.5 * contract(axes, e, result) - element.reference_length
+        element.constraint[RATE] = contract(axes, e_t, result)
+        _set_gradient(axes, nodes[k].free, nodes[k + 1].free, result, element.gradient)

@@ -1,4 +1,4 @@
-"""The cable in the form that the compiled kernels use: constant coefficients, node by node."""
+"""The cable in the form that the compiled kernels use: records of nodes and elements."""
 
 from typing import Any, NamedTuple
 
@@ -10,54 +10,45 @@ from ..element.inertia import mass_matrix
 from ..element.inextensibility import slope_gram_matrix
 from ..element.shape_functions import Array
 from .cable import Cable, CurvatureMeasure, reference_lengths
+from .records import element_type, node_type
 
 
 class Chain(NamedTuple):
-    """Constant coefficients of a chain of N elements and n = N + 1 nodes.
+    """A chain of N elements and n = N + 1 nodes.
 
     axes: (0, 1) or (0, 1, 2); its length is the space dimension, known when compiling.
-    mass_diagonal: (n, 3) [r-r, r-s, s-s] mass of a node with itself; supports replaced by unity.
-    mass_coupling: (N, 4) [r-r, r-s, s-r, s-s] of an element's left with its right node.
-    stiffness: (N, 3, 3) bending stiffness in difference coordinates, `secondDerivative`.
-    tensor: (N, 6, 6) bending stiffness over pairs, `product`, or None.
-    slope_gram: (N, 3, 3) slope Gram matrix in difference coordinates; zero without constraint.
-    free: (n, 2) 1.0 where position or slope of a node moves, 0.0 where a support holds it.
-    ends_group: (n,) whether a length constraint ends at this node.
-    reference_length: (N,) int |r_x|^2 dx in the reference configuration [m].
+    nodes: (n,) records of `records.node_type`.
+    elements: (N,) records of `records.element_type`.
     """
 
     axes: tuple[int, ...]
-    mass_diagonal: Array
-    mass_coupling: Array
-    stiffness: Array
-    tensor: Any
-    slope_gram: Array
-    free: Array
-    ends_group: np.ndarray
-    reference_length: Array
+    nodes: Any
+    elements: Any
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """(n, 2, dim): shape of the coordinates."""
+        return len(self.nodes), 2, len(self.axes)
 
 
 def build_chain(cable: Cable) -> Chain:
-    """Coefficients of `cable`, from the element formulas of `element/`."""
-    lengths = cable.element_lengths
-    section = cable.section
+    """Coefficients of `cable`, from the element formulas of `element/`, and memory for its solves."""
     product = cable.measure is CurvatureMeasure.PRODUCT
-    diagonal, coupling = _mass_bands(cable)
-    constrained = cable.length_constraints > 0
-    return Chain(
-        axes=tuple(range(cable.dimension)),
-        mass_diagonal=diagonal,
-        mass_coupling=coupling,
-        stiffness=section.bending_stiffness * _for_each(lengths, stiffness_matrix),
-        tensor=section.bending_stiffness
-        * np.stack([in_pairs(t) for t in _for_each(lengths, stiffness_tensor)])
-        if product
-        else None,
-        slope_gram=_for_each(lengths, slope_gram_matrix) * float(constrained),
-        free=np.where(cable.fixed, 0.0, 1.0),
-        ends_group=_ends_group(cable),
-        reference_length=reference_lengths(cable.reference, lengths),
-    )
+    dim, number = cable.dimension, cable.number_of_elements
+    nodes = np.zeros(number + 1, node_type(dim)).view(np.recarray)
+    elements = np.zeros(number, element_type(dim, product)).view(np.recarray)
+    nodes.free = np.where(cable.fixed, 0.0, 1.0)
+    nodes.ends_group = _ends_group(cable)
+    nodes.mass, elements.mass = _mass_bands(cable)
+    lengths, stiffness = cable.element_lengths, cable.section.bending_stiffness
+    elements.stiffness = stiffness * _for_each(lengths, stiffness_matrix)
+    if product:
+        tensors = _for_each(lengths, stiffness_tensor)
+        elements.tensor = stiffness * np.stack([in_pairs(tensor) for tensor in tensors])
+    if cable.length_constraints > 0:
+        elements.slope_gram = _for_each(lengths, slope_gram_matrix)
+    elements.reference_length = reference_lengths(cable.reference, lengths)
+    return Chain(tuple(range(dim)), nodes, elements)
 
 
 def _for_each(lengths: Array, form: Any) -> Array:
@@ -75,9 +66,8 @@ def _ends_group(cable: Cable) -> np.ndarray:
 
 def _mass_bands(cable: Cable) -> tuple[Array, Array]:
     """Diagonal (n, 3) and coupling (N, 4) of rho_A M, with held coordinates taken out."""
-    element = cable.section.mass_per_length * np.stack(
-        [mass_matrix(length) for length in cable.element_lengths]
-    )
+    unique, which = np.unique(cable.element_lengths, return_inverse=True)
+    element = cable.section.mass_per_length * np.stack([mass_matrix(x) for x in unique])[which]
     diagonal = np.zeros((cable.number_of_elements + 1, 3))
     diagonal[:-1] += element[:, [0, 0, 1], [0, 1, 1]]
     diagonal[1:] += element[:, [2, 2, 3], [2, 3, 3]]
@@ -85,4 +75,4 @@ def _mass_bands(cable: Cable) -> tuple[Array, Array]:
     diagonal *= np.stack([free[:, 0], free[:, 0] * free[:, 1], free[:, 1]], axis=1)
     diagonal[:, [0, 2]] += 1.0 - free
     pairs = free[:-1, [0, 0, 1, 1]] * free[1:, [0, 1, 0, 1]]
-    return diagonal, np.ascontiguousarray(element[:, [0, 0, 1, 1], [2, 3, 2, 3]] * pairs)
+    return diagonal, element[:, [0, 0, 1, 1], [2, 3, 2, 3]] * pairs

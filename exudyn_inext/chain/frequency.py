@@ -3,17 +3,18 @@
 import numpy as np
 from scipy.linalg import eigvalsh_tridiagonal
 
-from ..compiled import kernel, local_array
+from ..compiled import inlined, kernel, local_array
 from ..element.inextensibility import length_gradient
 from ..element.shape_functions import Array
+from ..system import index_reduced_rates
 from .assembly import add_elastic_force, add_element_force, differences
-from .index_reduction import ACCELERATION, CableSystem, cable_rates
+from .index_reduction import CableSystem
 from .saddle_point import apply_mass, nodal_multipliers, solve
 
 LANCZOS_STEPS = 40
 
 
-@kernel
+@inlined
 def _apply_elastic_tangent(chain, q, x, trial, force, y):
     """y = -(dQ_el/dq) x, exact: Q_el is cubic in q, so that two central differences suffice."""
     y[:] = 0.0
@@ -25,7 +26,7 @@ def _apply_elastic_tangent(chain, q, x, trial, force, y):
             y += sign * weight * force
 
 
-@kernel
+@inlined
 def _add_geometric_stiffness(chain, nodal, length, x, y):
     """y += sum lam d2c/dq2 x: the stiffness that the tension gives.   nodal: (n,); length: (N,)."""
     for k in range(len(nodal)):
@@ -34,34 +35,53 @@ def _add_geometric_stiffness(chain, nodal, length, x, y):
     e, gradient = local_array(3, 3), local_array(3, 3)
     for k in range(len(length)):
         differences(chain.axes, x, k, e)
-        length_gradient(chain.axes, chain.slope_gram, k, e, gradient)
+        length_gradient(chain.axes, chain.elements[k].slope_gram, e, gradient)
         for a in range(3):
             for i in range(len(chain.axes)):
                 gradient[a, i] *= length[k]
-        add_element_force(chain.axes, k, gradient, y)
+        add_element_force(chain.axes, gradient, y[k], y[k + 1])
+
+
+@inlined
+def _project(chain, force, x):
+    """x = constrained M^-1 force."""
+    for k in range(len(chain.nodes)):
+        chain.nodes[k].target[0] = 0.0
+        for i in range(len(chain.axes)):
+            chain.nodes[k].force[0, 0, i] = force[k, 0, i]
+            chain.nodes[k].force[0, 1, i] = force[k, 1, i]
+    for k in range(len(chain.elements)):
+        chain.elements[k].target[0] = 0.0
+    solve(chain, x)
 
 
 @kernel
-def _lanczos(system, q, nodal, start, diagonal, off_diagonal):
-    """Lanczos recursion of x -> projected M^-1 H x in the mass inner product.
+def _lanczos(system, external, q, start, diagonal, off_diagonal):
+    """Lanczos recursion of x -> constrained M^-1 H x in the mass inner product.
 
+    H is the elastic and the geometric stiffness, the latter with the tension at rest under `external`.
     Returns the number of rows of the tridiagonal matrix that were found before breakdown.
     """
-    chain, factor = system.chain, system.factor
-    zero_nodal, zero_length = np.zeros(len(start)), np.zeros(len(start) - 1)
-    multiplier = np.zeros(len(start) - 1)
+    chain = system.chain
     current, previous, image = np.zeros_like(q), np.zeros_like(q), np.zeros_like(q)
     trial, force, momentum = np.zeros_like(q), np.zeros_like(q), np.zeros_like(q)
-    solve(chain, factor, start, zero_nodal, zero_length, current, multiplier)
+    nodal, length = np.zeros(len(q)), np.zeros(len(q) - 1)
+    index_reduced_rates(
+        system, external.ravel(), q.ravel(), current.ravel(), image.ravel(), force.ravel()
+    )
+    nodal_multipliers(chain, image, momentum, nodal)
+    for k in range(len(length)):
+        length[k] = chain.elements[k].multiplier[0]
+    _project(chain, start, current)
     apply_mass(chain, current, momentum)
     current /= np.sqrt(np.sum(current * momentum))
     norm = 0.0
     for row in range(len(diagonal)):
         _apply_elastic_tangent(chain, q, current, trial, force, image)
-        _add_geometric_stiffness(chain, nodal, system.multiplier[ACCELERATION], current, image)
+        _add_geometric_stiffness(chain, nodal, length, current, image)
         diagonal[row] = np.sum(current * image)
         force[:] = image
-        solve(chain, factor, force, zero_nodal, zero_length, image, multiplier)
+        _project(chain, force, image)
         image -= diagonal[row] * current + norm * previous
         apply_mass(chain, image, momentum)
         norm = np.sqrt(max(np.sum(image * momentum), 0.0))
@@ -71,28 +91,6 @@ def _lanczos(system, q, nodal, start, diagonal, off_diagonal):
         previous[:] = current
         current[:] = image / norm
     return len(diagonal)
-
-
-@kernel
-def _tangent_space_recursion(system, external, q, start, diagonal, off_diagonal):
-    """Tension at rest under `external`, then Lanczos with elastic and geometric stiffness."""
-    rest = np.zeros_like(q)
-    acceleration = np.zeros_like(q)
-    cable_rates(
-        system, external.ravel(), q.ravel(), rest.ravel(), acceleration.ravel(), rest.copy().ravel()
-    )
-    nodal = np.zeros(len(q))
-    momentum = np.zeros_like(q)
-    nodal_multipliers(
-        system.chain,
-        system.factor,
-        system.force[ACCELERATION],
-        acceleration,
-        system.multiplier[ACCELERATION],
-        momentum,
-        nodal,
-    )
-    return _lanczos(system, q, nodal, start, diagonal, off_diagonal)
 
 
 def largest_frequency(system: CableSystem, external: Array, q: Array) -> float:
@@ -111,9 +109,8 @@ def largest_frequency(system: CableSystem, external: Array, q: Array) -> float:
     start = np.random.default_rng(1).standard_normal(q.shape)
     rows = min(LANCZOS_STEPS, q.size)
     diagonal, off_diagonal = np.zeros(rows), np.zeros(rows)
-    found = _tangent_space_recursion(
-        system, np.ascontiguousarray(external), np.ascontiguousarray(q), start, diagonal, off_diagonal
-    )
+    arguments = (np.ascontiguousarray(array) for array in (external, q, start))
+    found = _lanczos(system, *arguments, diagonal, off_diagonal)
     if not np.isfinite(diagonal[:found]).all():
         return 0.0
     top = eigvalsh_tridiagonal(diagonal[:found], off_diagonal[: found - 1])[-1]

@@ -54,39 +54,38 @@ def in_pairs(tensor: Array) -> Array:
 
 
 @inlined
-def add_second_derivative_force(axes, stiffness, element, differences, force):
+def add_second_derivative_force(axes, stiffness, differences, force):
     """force -= K e: elastic force of `secondDerivative`.
 
     Args:
         axes: (0, 1) or (0, 1, 2): its length is the space dimension, a compile-time constant.
-        stiffness: (N, 3, 3) EI times the stiffness matrices in difference coordinates.
-        element: index, 0 to N - 1.
+        stiffness: (3, 3) EI times the stiffness matrix in difference coordinates.
         differences: (3, dim) e = (d, s_left, s_right) [m, -, -].
         force: (3, dim) generalised force on e, added to [N, Nm, Nm].
     """
     for a in range(3):
         for i in range(len(axes)):
             force[a, i] -= (
-                stiffness[element, a, 0] * differences[0, i]
-                + stiffness[element, a, 1] * differences[1, i]
-                + stiffness[element, a, 2] * differences[2, i]
+                stiffness[a, 0] * differences[0, i]
+                + stiffness[a, 1] * differences[1, i]
+                + stiffness[a, 2] * differences[2, i]
             )
 
 
 @inlined
-def add_product_force(axes, tensor, element, differences, force):
+def add_product_force(axes, tensor, differences, force):
     """force -= k^{abmn} Q_mn e_b: elastic force of `product`, Eq. (16).
 
     Args:
-        axes, element, differences, force: see `add_second_derivative_force`.
-        tensor: (N, 6, 6) EI times the stiffness tensors over `PAIRS` of difference coordinates.
+        axes, differences, force: see `add_second_derivative_force`.
+        tensor: (6, 6) EI times the stiffness tensor over `PAIRS` of difference coordinates.
     """
     for row in range(6):
         weight = 0.0
         for column in range(6):
             m, n = PAIRS[column]
             for i in range(len(axes)):
-                weight += 0.5 * tensor[element, row, column] * differences[m, i] * differences[n, i]
+                weight += 0.5 * tensor[row, column] * differences[m, i] * differences[n, i]
         a, b = PAIRS[row]
         for i in range(len(axes)):
             force[a, i] -= weight * differences[b, i]
@@ -95,13 +94,13 @@ def add_product_force(axes, tensor, element, differences, force):
 
 
 @inlined
-def add_bending_force(axes, stiffness, tensor, element, differences, force):
+def add_bending_force(axes, stiffness, tensor, differences, force):
     """Elastic force of one element in the measure of its cable: `product` if there is a tensor.
 
-    `tensor` is None for `secondDerivative`: its type decides when compiling, not in the loop.
+    `tensor` is empty (0, 0) for `secondDerivative`; its shape is known when compiling.
     Arguments: see the two forces.
     """
-    if tensor is None:
-        add_second_derivative_force(axes, stiffness, element, differences, force)
+    if len(tensor) == 0:
+        add_second_derivative_force(axes, stiffness, differences, force)
     else:
-        add_product_force(axes, tensor, element, differences, force)
+        add_product_force(axes, tensor, differences, force)

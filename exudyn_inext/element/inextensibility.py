@@ -48,22 +48,21 @@ def nodal_gamma(axes, slope_rate):
 
 
 @inlined
-def length_gradient(axes, gram, element, differences, gradient):
+def length_gradient(axes, gram, differences, gradient):
     """gradient = 2 G e: Jacobian of int |r_x|^2 dx with respect to e = (d, s_left, s_right).
 
     Args:
         axes: (0, 1) or (0, 1, 2): its length is the space dimension, a compile-time constant.
-        gram: (N, 3, 3) slope Gram matrices in difference coordinates [1/m, -; -, m].
-        element: index, 0 to N - 1.
+        gram: (3, 3) slope Gram matrix in difference coordinates [1/m, -; -, m].
         differences: (3, dim) [m, -, -].
         gradient: (3, dim) output [-, m, m].
     """
     for a in range(3):
         for i in range(len(axes)):
             gradient[a, i] = 2.0 * (
-                gram[element, a, 0] * differences[0, i]
-                + gram[element, a, 1] * differences[1, i]
-                + gram[element, a, 2] * differences[2, i]
+                gram[a, 0] * differences[0, i]
+                + gram[a, 1] * differences[1, i]
+                + gram[a, 2] * differences[2, i]
             )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..chain.chain import build_chain
 from ..chain.frequency import largest_frequency
-from ..chain.index_reduction import CableSystem, cable_system
+from ..chain.index_reduction import CableSystem
 from ..constraints import constraints_of_cable
 from ..element.shape_functions import Array
 from ..errors import RedundantConstraintError, SceneError
@@ -30,7 +30,7 @@ class CableRun:
         self.scene_cable = scene_cable
         self.integrator = integrator
         self.loads = CableLoads(scene_cable)
-        self.system: CableSystem = cable_system(build_chain(scene_cable.cable), zeta)
+        self.system: CableSystem = CableSystem(build_chain(scene_cable.cable), zeta)
         self.state: Any = integrator.allocate(scene_cable.cable.reference.size)
         self._reference = scene_cable.cable.reference.ravel()
         self.set_coordinates(initial[0].ravel(), initial[1].ravel())
@@ -75,9 +75,9 @@ class CableRun:
 
     def _check_pivots(self) -> None:
         """Each length multiplier's pivot must be negative, clear of round-off."""
-        chain, factor = self.system.chain, self.system.factor
-        ends = np.flatnonzero(chain.ends_group)
-        pivots = 1.0 / factor.inverse_pivot[ends, -1]
+        nodes = self.system.chain.nodes
+        ends = np.flatnonzero(nodes.ends_group)
+        pivots = 1.0 / nodes.inverse_pivot[ends, -1]
         mass = self.scene_cable.cable.section.mass_per_length * self.scene_cable.cable.element_lengths
         dependent = ~(pivots < -PIVOT_TOLERANCE * 8.0 / mass[ends - 1])
         if dependent.any():

@@ -1,0 +1,75 @@
+"""Memory layout of a chain: one record a node, one record an element.
+
+A record holds the constant coefficients of a node or element and the memory for its share of a solve,
+side by side in memory. All shapes are part of the type, hence known when compiling.
+"""
+
+import numpy as np
+
+NUMBER = np.float64
+
+
+def node_type(dim: int) -> np.dtype:
+    """Record of a node in `dim` dimensions.
+
+    mass: r-r, r-s, s-s mass of the node with itself; supports replaced by unity [kg, kg m, kg m^2].
+    free: 1.0 where position or slope moves, 0.0 where a support holds it.
+    ends_group: whether a length constraint ends at this node.
+    slope: r_x of the configuration [-].
+    basis: orthonormal vectors transverse to the slope, as columns.
+    force: right-hand sides on position and slope [N, Nm], one for each column of Eq. (29).
+    constraint: value [-], rate [1/s], gamma [1/s^2] of the nodal constraint (18).
+    target: right-hand sides of the nodal constraint, one for each column.
+    along: known increments along the slope, one for each column.
+    lower, inverse_pivot: unit lower L and inverse of D of the node's diagonal block L D L^T.
+    coupling: D^-1 L^-1 E, where E couples the node with the next one.
+    solution: reduced right-hand sides, then their solutions.
+    """
+    size = 2 * dim
+    return np.dtype(
+        [
+            ("mass", NUMBER, (3,)),
+            ("free", NUMBER, (2,)),
+            ("ends_group", np.bool_),
+            ("slope", NUMBER, (dim,)),
+            ("basis", NUMBER, (dim, dim - 1)),
+            ("force", NUMBER, (2, 2, dim)),
+            ("constraint", NUMBER, (3,)),
+            ("target", NUMBER, (2,)),
+            ("along", NUMBER, (2,)),
+            ("lower", NUMBER, (size, size)),
+            ("inverse_pivot", NUMBER, (size,)),
+            ("coupling", NUMBER, (size, size)),
+            ("solution", NUMBER, (2, size)),
+        ],
+        align=True,
+    )
+
+
+def element_type(dim: int, product: bool) -> np.dtype:
+    """Record of an element in `dim` dimensions.
+
+    mass: r-r, r-s, s-r, s-s mass of the left with the right node [kg, kg m, kg m, kg m^2].
+    stiffness: EI times the stiffness matrix, in difference coordinates (`secondDerivative`).
+    tensor: EI times the stiffness tensor over pairs (`product`), empty for the other measure.
+    slope_gram: slope Gram matrix in difference coordinates; zero without length constraint.
+    reference_length: int |r_x|^2 dx in the reference configuration [m].
+    gradient: length constraint Jacobian on r_left, s_left, r_right, s_right, supports taken out.
+    constraint: value [m], rate [m/s], gamma [m/s^2] of the element's share of (19).
+    target: right-hand sides of the length constraint, one for each column of Eq. (29).
+    multiplier: of the length constraint that the element belongs to, one for each column.
+    """
+    return np.dtype(
+        [
+            ("mass", NUMBER, (4,)),
+            ("stiffness", NUMBER, (3, 3)),
+            ("tensor", NUMBER, (6, 6) if product else (0, 0)),
+            ("slope_gram", NUMBER, (3, 3)),
+            ("reference_length", NUMBER),
+            ("gradient", NUMBER, (4, dim)),
+            ("constraint", NUMBER, (3,)),
+            ("target", NUMBER, (2,)),
+            ("multiplier", NUMBER, (2,)),
+        ],
+        align=True,
+    )
