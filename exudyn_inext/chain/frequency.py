@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.linalg import eigvalsh_tridiagonal
 
-from ..compiled import inlined, kernel, local_array
+from ..compiled import kernel, local_array
 from ..element.inextensibility import length_gradient
 from ..element.shape_functions import Array
 from ..system import index_reduced_rates
@@ -14,19 +14,41 @@ from .saddle_point import apply_mass, nodal_multipliers, solve
 LANCZOS_STEPS = 40
 
 
-@inlined
-def _apply_elastic_tangent(chain, q, x, trial, force, y):
+@kernel
+def _combine(a, x, b, y, result):
+    """result = a x + b y for arrays of the shape (n, 2, dim)."""
+    for k in range(len(x)):
+        for i in range(x.shape[2]):
+            result[k, 0, i] = a * x[k, 0, i] + b * y[k, 0, i]
+            result[k, 1, i] = a * x[k, 1, i] + b * y[k, 1, i]
+
+
+@kernel
+def _inner(x, y):
+    """Inner product of arrays of the shape (n, 2, dim)."""
+    total = 0.0
+    for k in range(len(x)):
+        for i in range(x.shape[2]):
+            total += x[k, 0, i] * y[k, 0, i] + x[k, 1, i] * y[k, 1, i]
+    return total
+
+
+@kernel
+def _apply_elastic_tangent(chain, q, x, memory, y):
     """y = -(dQ_el/dq) x, exact: Q_el is cubic in q, so that two central differences suffice."""
-    y[:] = 0.0
-    for step, weight in ((1.0, -8.0 / 12.0), (2.0, 1.0 / 12.0)):
-        for sign in (1.0, -1.0):
-            trial[:] = q + sign * step * x
-            force[:] = 0.0
-            add_elastic_force(chain, trial, force)
-            y += sign * weight * force
+    trial, force = memory[0], memory[1]
+    _combine(0.0, x, 0.0, x, y)
+    for difference in range(4):
+        step = 1.0 + difference // 2
+        sign = 1.0 - 2.0 * (difference % 2)
+        weight = -8.0 / 12.0 if difference < 2 else 1.0 / 12.0
+        _combine(1.0, q, sign * step, x, trial)
+        _combine(0.0, x, 0.0, x, force)
+        add_elastic_force(chain, trial, force)
+        _combine(1.0, y, sign * weight, force, y)
 
 
-@inlined
+@kernel
 def _add_geometric_stiffness(chain, nodal, length, x, y):
     """y += sum lam d2c/dq2 x: the stiffness that the tension gives.   nodal: (n,); length: (N,)."""
     for k in range(len(nodal)):
@@ -42,7 +64,7 @@ def _add_geometric_stiffness(chain, nodal, length, x, y):
         add_element_force(chain.axes, gradient, y[k], y[k + 1])
 
 
-@inlined
+@kernel
 def _project(chain, force, x):
     """x = constrained M^-1 force."""
     for k in range(len(chain.nodes)):
@@ -56,41 +78,42 @@ def _project(chain, force, x):
 
 
 @kernel
-def _lanczos(system, external, q, start, diagonal, off_diagonal):
+def _lanczos(chain, q, tension, start, diagonal, off_diagonal):
     """Lanczos recursion of x -> constrained M^-1 H x in the mass inner product.
 
-    H is the elastic and the geometric stiffness, the latter with the tension at rest under `external`.
+    H is the elastic stiffness at q and the geometric one of `tension` (nodal, length multipliers).
     Returns the number of rows of the tridiagonal matrix that were found before breakdown.
     """
-    chain = system.chain
-    current, previous, image = np.zeros_like(q), np.zeros_like(q), np.zeros_like(q)
-    trial, force, momentum = np.zeros_like(q), np.zeros_like(q), np.zeros_like(q)
-    nodal, length = np.zeros(len(q)), np.zeros(len(q) - 1)
-    index_reduced_rates(
-        system, external.ravel(), q.ravel(), current.ravel(), image.ravel(), force.ravel()
-    )
-    nodal_multipliers(chain, image, momentum, nodal)
-    for k in range(len(length)):
-        length[k] = chain.elements[k].multiplier[0]
-    _project(chain, start, current)
-    apply_mass(chain, current, momentum)
-    current /= np.sqrt(np.sum(current * momentum))
+    memory = np.zeros((6, *q.shape))
+    current, previous, image, momentum = memory[2], memory[3], memory[4], memory[5]
+    apply_mass(chain, start, momentum)
+    _combine(1.0 / np.sqrt(_inner(start, momentum)), start, 0.0, start, current)
     norm = 0.0
     for row in range(len(diagonal)):
-        _apply_elastic_tangent(chain, q, current, trial, force, image)
-        _add_geometric_stiffness(chain, nodal, length, current, image)
-        diagonal[row] = np.sum(current * image)
-        force[:] = image
-        _project(chain, force, image)
-        image -= diagonal[row] * current + norm * previous
+        _apply_elastic_tangent(chain, q, current, memory, image)
+        _add_geometric_stiffness(chain, tension[0], tension[1], current, image)
+        diagonal[row] = _inner(current, image)
+        _combine(1.0, image, 0.0, image, momentum)
+        _project(chain, momentum, image)
+        _combine(1.0, image, -diagonal[row], current, image)
+        _combine(1.0, image, -norm, previous, image)
         apply_mass(chain, image, momentum)
-        norm = np.sqrt(max(np.sum(image * momentum), 0.0))
+        norm = np.sqrt(max(_inner(image, momentum), 0.0))
         off_diagonal[row] = norm
         if not norm > 1e-10 * abs(diagonal[row]):
             return row + 1
-        previous[:] = current
-        current[:] = image / norm
+        _combine(1.0, current, 0.0, current, previous)
+        _combine(1.0 / norm, image, 0.0, image, current)
     return len(diagonal)
+
+
+def _tension_at_rest(system: CableSystem, external: Array, q: Array) -> tuple[Array, Array]:
+    """Nodal (n,) and length (N,) multipliers at q without velocity; the chain is factorised at q."""
+    rest, acceleration, rate = (np.zeros(q.size) for _ in range(3))
+    index_reduced_rates(system, external.ravel(), q.ravel(), rest, acceleration, rate)
+    nodal = np.zeros(len(q))
+    nodal_multipliers(system.chain, acceleration.reshape(q.shape), np.zeros_like(q), nodal)
+    return nodal, system.chain.elements.multiplier[:, 0].copy()
 
 
 def largest_frequency(system: CableSystem, external: Array, q: Array) -> float:
@@ -106,11 +129,12 @@ def largest_frequency(system: CableSystem, external: Array, q: Array) -> float:
     Returns:
         Largest natural frequency [rad/s]; 0 if nothing can move.
     """
-    start = np.random.default_rng(1).standard_normal(q.shape)
+    tension = _tension_at_rest(system, external, q)
+    start = np.zeros_like(q)
+    _project(system.chain, np.random.default_rng(1).standard_normal(q.shape), start)
     rows = min(LANCZOS_STEPS, q.size)
     diagonal, off_diagonal = np.zeros(rows), np.zeros(rows)
-    arguments = (np.ascontiguousarray(array) for array in (external, q, start))
-    found = _lanczos(system, *arguments, diagonal, off_diagonal)
+    found = _lanczos(system.chain, q, tension, start, diagonal, off_diagonal)
     if not np.isfinite(diagonal[:found]).all():
         return 0.0
     top = eigvalsh_tridiagonal(diagonal[:found], off_diagonal[: found - 1])[-1]

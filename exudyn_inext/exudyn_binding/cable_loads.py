@@ -28,6 +28,11 @@ class CableLoads:
         rows = [row for load in self._histories for row in self._patterns(load)]
         self.pattern = np.array(rows).reshape(len(rows), len(self.constant))
 
+    @property
+    def has_histories(self) -> bool:
+        """Whether user functions give the loads."""
+        return bool(self._histories)
+
     def at(self, time: float) -> Array:
         """(n_dof,) external force at `time`."""
         return self.constant + self._factors(time) @ self.pattern

@@ -10,9 +10,10 @@ from ..chain.index_reduction import CableSystem
 from ..constraints import constraints_of_cable
 from ..element.shape_functions import Array
 from ..errors import RedundantConstraintError, SceneError
-from ..integrators.integrator import Integrator
+from ..integrators.integrator import Integrator, record
 from .cable_loads import CableLoads
 from .scene import CableInScene
+from .time_grid import TimeGrid
 
 CONSISTENCY_TOLERANCE = 1e-6  # of constraint values [-, m] and, relative to the speed, their rates
 PIVOT_TOLERANCE = 1e-10
@@ -21,29 +22,30 @@ PIVOT_TOLERANCE = 1e-10
 class CableRun:
     """A cable that an integrator moves.
 
-    system: the index-reduced equations.   loads: external force.   state: of the integrator.
+    system: the index-reduced equations.   state: of the integrator.
+    indices: (n_dof,) places of the coordinates in the system vector.
+    reference: (n_dof,) what separates total coordinates from Exudyn's displacements.
+    looks_ahead: whether several steps of the time loop can be computed at once.
     """
 
     def __init__(
         self, scene_cable: CableInScene, initial: tuple[Array, Array], zeta: float, integrator: Integrator
     ) -> None:
-        self.scene_cable = scene_cable
-        self.integrator = integrator
-        self.loads = CableLoads(scene_cable)
-        self.system: CableSystem = CableSystem(build_chain(scene_cable.cable), zeta)
-        self.state: Any = integrator.allocate(scene_cable.cable.reference.size)
-        self._reference = scene_cable.cable.reference.ravel()
-        self.set_coordinates(initial[0].ravel(), initial[1].ravel())
         check_consistency(scene_cable, *initial)
+        cable = scene_cable.cable
+        self.scene_cable = scene_cable
+        self.indices = scene_cable.indices
+        self.reference = cable.reference.ravel()
+        self.system = CableSystem(build_chain(cable), zeta)
+        self.state: Any = integrator.allocate(cable.reference.size)
+        self.state.q[:], self.state.v[:] = (array.ravel() for array in initial)
+        self._integrator = integrator
+        self._loads = CableLoads(scene_cable)
+        self.looks_ahead = not self._loads.has_histories
 
     @property
     def name(self) -> str:
         return f"cable '{self.scene_cable.name}'"
-
-    def set_coordinates(self, q: Array, v: Array) -> None:
-        """Take over total coordinates and velocities, (n_dof,) each."""
-        self.state.q[:] = q
-        self.state.v[:] = v
 
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; the history of a multi-step scheme begins here.
@@ -51,27 +53,24 @@ class CableRun:
         Raises:
             RedundantConstraintError: length constraints and supports depend on each other.
         """
-        self.integrator.start(self.system, self.loads.at(time), self.state)
+        self._integrator.start(self.system, self._loads.at(time), self.state)
         self._check_pivots()
 
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the present configuration."""
         shape = self.scene_cable.cable.reference.shape
-        external, q = self.loads.at(time), self.state.q
+        external, q = self._loads.at(time), self.state.q
         return largest_frequency(self.system, external.reshape(shape), q.reshape(shape).copy())
 
-    def advance(self, scheme: Any, time: float, h: float, steps: int) -> None:
-        """Take `steps` steps of size h [s] from `time` in one compiled call."""
-        loads = self.loads.sample(time, h, steps, self.integrator.stages)
-        self.integrator.advance(self.system, loads, scheme, self.state, h, steps)
+    def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> None:
+        """Advance through len(history) loop steps from loop step `first`, in one compiled call.
 
-    def is_finite(self) -> bool:
-        """Whether the state is made of finite numbers."""
-        return bool(np.isfinite(self.state.q.sum() + self.state.v.sum() + self.state.a.sum()))
-
-    def displacements(self) -> Array:
-        """(n_dof,) coordinates without reference values."""
-        return self.state.q - self._reference
+        history: (intervals, 3, n_dof) output: displacements from the reference, v, a after each.
+        """
+        steps = len(history) * grid.substeps
+        loads = self._loads.sample(grid.time(first), grid.h, steps, self._integrator.stages)
+        record(scheme, self.system, loads, self.state, grid.h, grid.substeps, history)
+        history[:, 0] -= self.reference
 
     def _check_pivots(self) -> None:
         """Each length multiplier's pivot must be negative, clear of round-off."""

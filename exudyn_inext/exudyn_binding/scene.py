@@ -46,6 +46,12 @@ def require_assembled(mbs: Any) -> None:
         raise SceneError("mbs is not assembled: call mbs.Assemble() before SolveExplicit.")
 
 
+def has_inextensible_cables(mbs: Any) -> bool:
+    """Whether any object of mbs is an inextensible cable."""
+    numbers = range(mbs.systemData.NumberOfObjects())
+    return any(find_cable_item(mbs.GetObject(number)) is not None for number in numbers)
+
+
 def read_scene(mbs: Any) -> list[CableInScene]:
     """All inextensible cables of an assembled mbs.
 

@@ -1,87 +1,25 @@
 """SolveExplicit: an explicit integrator inside Exudyn's own time loop."""
 
-import copy
 import math
 import warnings
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import exudyn
 import numpy as np
 
-from ..errors import DivergenceError, InextensibleError, InputError, SceneError
+from ..chain.cable import Cable
+from ..errors import SceneError
 from ..integrators import find_integrator
+from ..integrators.linear_stability import decay_limit, frequency_limit
 from ..integrators.step_size import StepSizeBounds, choose_step, rule_step, step_above_limit
 from .cable_run import CableRun
-from .scene import initial_state, read_scene, require_assembled
+from .native_run import NativeRun
+from .scene import has_inextensible_cables, initial_state, read_scene, require_assembled
 from .settings import ExplicitSettings
-
-
-@dataclass(frozen=True)
-class TimeGrid:
-    """Steps of Exudyn's time loop, each cut into equal steps of the integrator.
-
-    start: [s].   loop_steps: number of Exudyn steps.   substeps: integrator steps in each of them.
-    h: step of the integrator [s].
-    """
-
-    start: float
-    loop_steps: int
-    substeps: int
-    h: float
-
-
-class ExplicitTimeLoop:
-    """Exudyn calls `advance` once for each step of its time loop."""
-
-    def __init__(self, runs: list[CableRun], scheme: Any, grid: TimeGrid) -> None:
-        self.runs = runs
-        self.scheme = scheme
-        self.grid = grid
-        self.error: InextensibleError | None = None
-        self._written: list[list[float]] = []
-
-    def start(self, mbs: Any) -> None:
-        """Evaluate all cables at the start of the run."""
-        for run in self.runs:
-            run.start(self.grid.start)
-        self._written = [
-            mbs.systemData.GetODE2Coordinates(exudyn.ConfigurationType.Initial),
-            mbs.systemData.GetODE2Coordinates_t(exudyn.ConfigurationType.Initial),
-        ]
-
-    def advance(self, solver: Any, mbs: Any, settings: Any) -> bool:
-        """One step of Exudyn's time loop: from the start-of-step to the end-of-step state."""
-        data = mbs.systemData
-        end = data.GetTime()
-        begin = end - self.grid.substeps * self.grid.h
-        self._take_over_changes(data, begin)
-        coordinates = [np.zeros(len(self._written[0])) for _ in range(3)]
-        for run in self.runs:
-            run.advance(self.scheme, begin, self.grid.h, self.grid.substeps)
-            if not run.is_finite():
-                self.error = _divergence(run, begin, end)
-                raise self.error
-            for target, values in zip(
-                coordinates, (run.displacements(), run.state.v, run.state.a), strict=True
-            ):
-                target[run.scene_cable.indices] = values
-        data.SetODE2Coordinates(coordinates[0])
-        data.SetODE2Coordinates_t(coordinates[1])
-        data.SetODE2Coordinates_tt(coordinates[2])
-        self._written = [data.GetODE2Coordinates(), data.GetODE2Coordinates_t()]
-        return True
-
-    def _take_over_changes(self, data: Any, time: float) -> None:
-        """A user function may have set coordinates since the last step: restart from them."""
-        present = [data.GetODE2Coordinates(), data.GetODE2Coordinates_t()]
-        if np.array_equal(present[0], self._written[0]) and np.array_equal(present[1], self._written[1]):
-            return
-        q, v = np.asarray(present[0]), np.asarray(present[1])
-        for run in self.runs:
-            indices = run.scene_cable.indices
-            run.set_coordinates(q[indices] + run.scene_cable.cable.reference.ravel(), v[indices])
-            run.start(time)
+from .time_grid import TimeGrid, time_grid
+from .time_loop import ExplicitTimeLoop, Run
 
 
 def SolveExplicit(
@@ -89,10 +27,12 @@ def SolveExplicit(
 ) -> dict[str, Any]:
     """Explicit dynamics of a scene of inextensible cables, in Exudyn's own time loop.
 
+    Without any inextensible cable, native items of constant mass are moved instead, for comparisons.
+
     Sensors, solution files, pre- and post-step user functions and the SolutionViewer work as
     with mbs.SolveDynamic. Exudyn's steps are as long as the outputs allow: numberOfSteps of the
     time integration is a lower bound of their number, the write periods of sensors and solution
-    file another one; between them the integrator runs in one compiled call.
+    file are upper bounds of their length; the integrator's own steps lie between them.
 
     Args:
         mbs: assembled system; its inextensible cables start from the initial configuration.
@@ -102,7 +42,7 @@ def SolveExplicit(
 
     Returns:
         dict with 'success', 'integrator', 'stepSize' [s], 'steps', 'loopSteps', 'decidedBy' (what
-        bounded the step), 'bounds' (StepSizeBounds) and 'path' (which solver path ran and why).
+        bounded the step), 'bounds' (StepSizeBounds) and 'path' (which way the steps were computed).
 
     Raises:
         SceneError: mbs not assembled, inconsistent, or contains what is not supported yet.
@@ -113,64 +53,65 @@ def SolveExplicit(
     Example:
         report = SolveExplicit(mbs, simulationSettings, ExplicitSettings(stepSize=2.5e-3))
     """
-    settings = copy.deepcopy(simulationSettings or exudyn.SimulationSettings())
+    settings = simulationSettings or exudyn.SimulationSettings()
     explicit = explicitSettings or ExplicitSettings()
-    integrator = find_integrator(explicit.integrator)
-    scheme = explicit.scheme or integrator.scheme()
     require_assembled(mbs)
-    cables = read_scene(mbs)
-    if not cables:
-        raise SceneError(
-            "mbs has no inextensible cable: add one with CreateInextensibleCable, or use mbs.SolveDynamic."
-        )
-    start = float(settings.timeIntegration.startTime)
-    runs = [
-        CableRun(cable, initial_state(mbs, cable), explicit.stabilizationRate, integrator)
-        for cable in cables
-    ]
-    bounds = _bounds(runs, start, explicit, integrator, scheme)
+    solver = exudyn.MainSolverImplicitSecondOrder()
+    runs = _runs(mbs, solver, explicit)
+    bounds = _bounds(runs, float(settings.timeIntegration.startTime), explicit)
     wanted, decided_by = _wanted_step(bounds, explicit)
-    grid = _time_grid(mbs, settings, wanted)
-    loop = ExplicitTimeLoop(runs, scheme, grid)
-    loop.start(mbs)
-    mbs.sys["simulationSettings"] = simulationSettings or settings
-    _run(mbs, settings, loop)
+    grid = time_grid(mbs, settings, wanted)
+    loop = ExplicitTimeLoop(mbs, runs, _scheme(explicit), grid)
+    _run(mbs, solver, settings, loop)
     return {
         "success": True,
         "integrator": explicit.integrator,
         "stepSize": grid.h,
         "steps": grid.loop_steps * grid.substeps,
         "loopSteps": grid.loop_steps,
-        "decidedBy": decided_by if grid.substeps > 1 or grid.h > 0.999 * wanted else "output interval",
+        "decidedBy": decided_by if grid.substeps > 1 or grid.h > 0.99 * wanted else "output period",
         "bounds": bounds,
-        "path": f"compiled: {len(runs)} cable(s) with known loads, {grid.substeps} step(s) a call",
+        "path": loop.path,
     }
 
 
-def _bounds(
-    runs: list[CableRun], start: float, explicit: ExplicitSettings, integrator: Any, scheme: Any
-) -> StepSizeBounds:
-    """The tightest bounds over all cables."""
+def _scheme(explicit: ExplicitSettings) -> Any:
+    return explicit.scheme or find_integrator(explicit.integrator).scheme()
+
+
+def _runs(mbs: Any, solver: Any, explicit: ExplicitSettings) -> Sequence[Run]:
+    """One run for each inextensible cable; without any, one for all native items."""
+    integrator = find_integrator(explicit.integrator)
+    if not has_inextensible_cables(mbs):
+        return [NativeRun(mbs, solver, integrator)]
+    return [
+        CableRun(cable, initial_state(mbs, cable), explicit.stabilizationRate, integrator)
+        for cable in read_scene(mbs)
+    ]
+
+
+def _bounds(runs: Sequence[Run], start: float, explicit: ExplicitSettings) -> StepSizeBounds:
+    """The tightest bounds over all that moves."""
+    integrator, scheme = find_integrator(explicit.integrator), _scheme(explicit)
     frequencies = [run.largest_frequency(start) for run in runs]
     fastest = int(np.argmax(frequencies))
     frequency = frequencies[fastest]
-    limit = integrator.frequency_limit(scheme)
-    models = [run.scene_cable.cable for run in runs]
+    cables = [run.scene_cable.cable for run in runs if isinstance(run, CableRun)]
     return StepSizeBounds(
-        bending=limit / frequency if frequency > 0.0 else math.inf,
-        stabilisation=integrator.decay_limit(scheme) / explicit.stabilizationRate,
-        rule=min(
-            rule_step(
-                float(model.element_lengths.min()),
-                model.section.mass_per_length,
-                model.section.bending_stiffness,
-                explicit.stepConstant,
-            )
-            for model in models
-        ),
+        bending=frequency_limit(integrator, scheme) / frequency if frequency > 0.0 else math.inf,
+        stabilisation=decay_limit(integrator, scheme) / explicit.stabilizationRate
+        if cables
+        else math.inf,
+        rule=min((_rule(cable, explicit.stepConstant) for cable in cables), default=math.inf),
         largest_frequency=frequency,
         cable=runs[fastest].name,
     )
+
+
+def _rule(cable: Cable, constant: float) -> float:
+    section = cable.section
+    shortest = float(cable.element_lengths.min())
+    return rule_step(shortest, section.mass_per_length, section.bending_stiffness, constant)
 
 
 def _wanted_step(bounds: StepSizeBounds, explicit: ExplicitSettings) -> tuple[float, str]:
@@ -184,44 +125,36 @@ def _wanted_step(bounds: StepSizeBounds, explicit: ExplicitSettings) -> tuple[fl
     return explicit.stepSize, "stepSize"
 
 
-def _time_grid(mbs: Any, settings: Any, wanted: float) -> TimeGrid:
-    """As few loop steps as the outputs allow, each with equal integrator steps of at most `wanted`."""
+@contextmanager
+def _settings_of_the_loop(settings: Any, grid: TimeGrid) -> Iterator[None]:
+    """Exudyn's own integrator must do nothing: no accelerations, no step control, no dense matrix."""
     time = settings.timeIntegration
-    duration = time.endTime - time.startTime
-    if not (math.isfinite(duration) and duration > 0.0):
-        raise InputError(
-            f"endTime - startTime = {duration} s: must be a finite number > 0; set timeIntegration.endTime."
-        )
-    interval = duration / time.numberOfSteps
-    if settings.solution.file.write:
-        interval = min(interval, settings.solution.file.writePeriod)
-    if settings.solution.sensors.active and mbs.systemData.NumberOfSensors() > 0:
-        interval = min(interval, settings.solution.sensors.writePeriod)
-    interval = max(interval, min(wanted, duration / time.numberOfSteps))
-    loop_steps = math.ceil(duration / interval * (1.0 - 1e-9))
-    substeps = math.ceil(duration / loop_steps / wanted * (1.0 - 1e-9))
-    return TimeGrid(time.startTime, loop_steps, substeps, duration / (loop_steps * substeps))
-
-
-def _run(mbs: Any, settings: Any, loop: ExplicitTimeLoop) -> None:
-    settings.timeIntegration.numberOfSteps = loop.grid.loop_steps
-    settings.timeIntegration.adaptiveStep = False
-    settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
+    saved = (
+        time.numberOfSteps,
+        time.adaptiveStep,
+        time.generalizedAlpha.computeInitialAccelerations,
+        settings.linearSolver.solverType,
+    )
+    time.numberOfSteps = grid.loop_steps
+    time.adaptiveStep = False
+    time.generalizedAlpha.computeInitialAccelerations = False
     settings.linearSolver.solverType = exudyn.LinearSolverType.EigenSparse
-    solver = exudyn.MainSolverImplicitSecondOrder()
+    try:
+        yield
+    finally:
+        time.numberOfSteps, time.adaptiveStep = saved[:2]
+        time.generalizedAlpha.computeInitialAccelerations = saved[2]
+        settings.linearSolver.solverType = saved[3]
+
+
+def _run(mbs: Any, solver: Any, settings: Any, loop: ExplicitTimeLoop) -> None:
     solver.SetUserFunctionNewton(mbs, loop.advance)
     mbs.sys["dynamicSolver"] = solver
-    try:
-        success = solver.SolveSystem(mbs, settings)
-    except Exception as error:
-        raise loop.error or error from None
+    mbs.sys["simulationSettings"] = settings
+    with _settings_of_the_loop(settings, loop.grid):
+        try:
+            success = solver.SolveSystem(mbs, settings)
+        except Exception as error:
+            raise loop.error or error from None
     if not success:
         raise loop.error or SceneError("the run was stopped before its end time.")
-
-
-def _divergence(run: CableRun, begin: float, end: float) -> DivergenceError:
-    return DivergenceError(
-        f"{run.name} diverged between t = {begin:.6g} s and t = {end:.6g} s: its coordinates are not finite. "
-        "mbs holds the last finite state. Likely causes: a step close to the stability limit of a "
-        "cable that straightened, or a violent start; reduce stepSize, or change stabilizationRate."
-    )

@@ -1,16 +1,20 @@
-"""What an integrator is, and the load history that it reads."""
+"""What an integrator is, the load history that it reads, and the loop over its steps."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import singledispatch
 from typing import Any, NamedTuple
 
-from ..compiled import kernel
+import numpy as np
+from numba.extending import overload
+
+from ..compiled import inlined, kernel
 from ..element.shape_functions import Array
 
 
 @dataclass(frozen=True)
 class Integrator:
-    """An explicit one-step or multi-step scheme.
+    """An explicit one-step or multi-step scheme; its module implements `advance` for `scheme`.
 
     name: what the user calls it.
     order: order of convergence in the step.
@@ -18,9 +22,6 @@ class Integrator:
     scheme: NamedTuple type of its parameters, with defaults.
     allocate: n_dof -> state (NamedTuple of arrays with fields q, v, a at least).
     start: (system, external, state): sets all but q and v of the state; external (n_dof,).
-    advance: (system, loads, scheme, state, h, steps): steps in place, in one compiled call.
-    frequency_limit: scheme -> largest stable h w of an undamped oscillator [-].
-    decay_limit: scheme -> largest stable h zeta of the constraint stabilisation [-].
     """
 
     name: str
@@ -29,9 +30,6 @@ class Integrator:
     scheme: type[Any]
     allocate: Callable[[int], Any]
     start: Callable[..., None]
-    advance: Callable[..., None]
-    frequency_limit: Callable[[Any], float]
-    decay_limit: Callable[[Any], float]
 
 
 class LoadHistory(NamedTuple):
@@ -47,7 +45,44 @@ class LoadHistory(NamedTuple):
     factor: Array
 
 
+@singledispatch
+def advance(scheme, system, loads, state, h, first, steps):
+    """Take `steps` steps of size h [s] in place; the loads are those of step `first` and after.
+
+    Raises:
+        NotImplementedError: no integrator implements the type of `scheme`.
+    """
+    raise NotImplementedError(f"no integrator for {type(scheme).__name__}")
+
+
+@overload(advance, strict=False)
+def _compile_advance(scheme, system, loads, state, h, first, steps):
+    implementation = advance.dispatch(getattr(scheme, "instance_class", object))
+
+    def call(scheme, system, loads, state, h, first, steps):
+        implementation(scheme, system, loads, state, h, first, steps)
+
+    return call
+
+
 @kernel
+def record(scheme, system, loads, state, h, steps, history):
+    """Advance through len(history) intervals of `steps` steps each, in one compiled call.
+
+    Args:
+        scheme, system, loads, state, h: see `advance`.
+        steps: in each interval.
+        history: (intervals, 3, n_dof) output q, v, a at the end of each interval.
+    """
+    for interval in range(len(history)):
+        advance(scheme, system, loads, state, h, interval * steps, steps)
+        for i in range(len(state.q)):
+            history[interval, 0, i] = state.q[i]
+            history[interval, 1, i] = state.v[i]
+            history[interval, 2, i] = state.a[i]
+
+
+@inlined
 def external_force(loads, step, stage, external):
     """external = F at the given stage of the given step.   external: (n_dof,) output."""
     for i in range(len(external)):
@@ -55,3 +90,8 @@ def external_force(loads, step, stage, external):
     for p in range(len(loads.pattern)):
         for i in range(len(external)):
             external[i] += loads.factor[step, stage, p] * loads.pattern[p, i]
+
+
+def no_loads(n_dof: int, stages: int) -> LoadHistory:
+    """The load history of one free step."""
+    return LoadHistory(np.zeros(n_dof), np.zeros((0, n_dof)), np.zeros((1, stages, 0)))

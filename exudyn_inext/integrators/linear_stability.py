@@ -12,7 +12,7 @@ import numpy as np
 
 from ..element.shape_functions import Array
 from ..system import implements, index_reduced_rates
-from .integrator import Integrator, LoadHistory
+from .integrator import Integrator, advance, no_loads
 
 GROWTH_TOLERANCE = 1e-9
 _TRIALS = 400
@@ -39,14 +39,14 @@ def linear_rates(system, external, q, v, acceleration, rate):
 
 def amplification_matrix(integrator: Integrator, scheme: Any, system: LinearSystem) -> Array:
     """One step h = 1 as a matrix on (q, v, and the history of a multi-step scheme)."""
-    loads = LoadHistory(np.zeros(1), np.zeros((0, 1)), np.zeros((1, len(integrator.stages), 0)))
+    loads = no_loads(1, len(integrator.stages))
     fields = [name for name in ("q", "v", "a_previous") if hasattr(integrator.allocate(1), name)]
     columns = []
     for unit in fields:
         state = integrator.allocate(1)
         getattr(state, unit)[0] = 1.0
         index_reduced_rates(system, np.zeros(1), state.q, state.v, state.a, state.rate)
-        integrator.advance(system, loads, scheme, state, 1.0, 1)
+        advance(scheme, system, loads, state, 1.0, 0, 1)
         columns.append([getattr(state, name)[0] for name in fields])
     return np.array(columns).T
 

@@ -4,7 +4,7 @@ Read with the misprints of Eqs. (31), (33) corrected: v_n carries a factor h, an
 beta = 1/4 (1/2 + gamma)^2. In place of v_n the predictor uses the projected rate q'_n of Eq. (30),
 unless `projected_rate` is switched off.
 
-What the parameters do (undamped oscillator; see `frequency_limit`):
+What the parameters do (undamped oscillator; see `linear_stability`):
 psi = phi = 1/2 without corrector: neutral, no dissipation, stable up to h w = 2.
 psi = phi = 1/2 with the corrector: weakly unstable at every step.
 psi = phi = 0 with the corrector: stable up to h w = 2, dissipates.
@@ -14,11 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..compiled import kernel
+from ..compiled import inlined, kernel
 from ..element.shape_functions import Array
-from ..system import index_reduced_rates
-from .integrator import Integrator, external_force
-from .linear_stability import decay_limit, frequency_limit
+from ..system import implements, index_reduced_rates
+from .integrator import Integrator, advance, external_force
 
 
 class Zhai(NamedTuple):
@@ -48,7 +47,6 @@ class ZhaiState(NamedTuple):
     external: Array
     q_start: Array
     v_start: Array
-    a_predicted: Array
 
 
 def allocate(n_dof: int) -> ZhaiState:
@@ -63,7 +61,7 @@ def start(system, external, state):
     state.a_previous[:] = state.a
 
 
-@kernel
+@inlined
 def _predict(scheme, state, h):
     """Phase I, Eqs. (31), (32); q_n and v_n are kept for the corrector."""
     for i in range(len(state.q)):
@@ -76,39 +74,29 @@ def _predict(scheme, state, h):
         state.a_previous[i] = a
 
 
-@kernel
+@inlined
 def _correct(scheme, state, h):
     """Phase III, Eqs. (33), (34), from the predicted acceleration."""
     gamma = scheme.gamma_newmark
     beta = 0.25 * (0.5 + gamma) ** 2
     for i in range(len(state.q)):
-        a, a_predicted = state.a_previous[i], state.a_predicted[i]
-        state.q[i] = state.q_start[i] + h * h * ((0.5 - beta) * a + beta * a_predicted)
-        state.v[i] = state.v_start[i] + h * ((1.0 - gamma) * a + gamma * a_predicted)
+        a_start, a_predicted = state.a_previous[i], state.a[i]
+        state.q[i] = state.q_start[i] + h * h * ((0.5 - beta) * a_start + beta * a_predicted)
+        state.v[i] = state.v_start[i] + h * ((1.0 - gamma) * a_start + gamma * a_predicted)
 
 
-@kernel
-def advance(system, loads, scheme, state, h, steps):
-    """Take `steps` steps of size h [s]; see `Integrator.advance`."""
-    for step in range(steps):
+@implements(advance, Zhai)
+def advance_zhai(scheme, system, loads, state, h, first, steps):
+    """Take `steps` steps of size h [s]; see `advance`."""
+    for step in range(first, first + steps):
         _predict(scheme, state, h)
         external_force(loads, step, 0, state.external)
-        if scheme.corrector:
-            index_reduced_rates(
-                system, state.external, state.q, state.v, state.a_predicted, state.rate
-            )
-            _correct(scheme, state, h)
-        index_reduced_rates(system, state.external, state.q, state.v, state.a, state.rate)
+        for phase in range(1 + scheme.corrector):
+            if phase == 1:
+                _correct(scheme, state, h)
+            index_reduced_rates(system, state.external, state.q, state.v, state.a, state.rate)
 
 
 INTEGRATOR = Integrator(
-    name="Zhai",
-    order=2,
-    stages=(1.0,),
-    scheme=Zhai,
-    allocate=allocate,
-    start=start,
-    advance=advance,
-    frequency_limit=lambda scheme: frequency_limit(INTEGRATOR, scheme),
-    decay_limit=lambda scheme: decay_limit(INTEGRATOR, scheme),
+    name="Zhai", order=2, stages=(1.0,), scheme=Zhai, allocate=allocate, start=start
 )

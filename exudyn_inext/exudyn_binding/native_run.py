@@ -1,0 +1,127 @@
+"""Native items under the same integrators: right-hand side from Exudyn's C++, one call a step.
+
+This serves comparisons: the paper's middle column steps conventional ANCF cables with its explicit
+method. Supported are items of constant mass, with coordinate constraints to ground, which are taken
+out of the coupled mass matrix (Exudyn's own explicit solvers zero them after the solve, which is wrong
+for ANCF cables).
+"""
+
+from typing import Any, NamedTuple
+
+import exudyn
+import numpy as np
+from scipy.linalg import eigh, inv
+
+from ..element.shape_functions import Array
+from ..errors import SceneError
+from ..integrators.integrator import Integrator, advance, no_loads
+from ..system import index_reduced_rates
+from .scene import HeldCoordinate, read_held_coordinate
+from .time_grid import TimeGrid
+
+_CONSTANT_MASS = {"ANCFCable", "ANCFCable2D", "MassPoint", "MassPoint2D", "Mass1D"}
+_FORCES_ONLY = {
+    "Ground",
+    "ConnectorSpringDamper",
+    "ConnectorCartesianSpringDamper",
+    "ConnectorCoordinateSpringDamper",
+}
+
+
+class NativeSystem(NamedTuple):
+    """Native items of an mbs: the `system` of an integrator that runs in plain Python.
+
+    mbs, solver: of the running time loop.   inverse_mass: (n_dof, n_dof), zero where held.
+    """
+
+    mbs: Any
+    solver: Any
+    inverse_mass: Array
+
+
+@index_reduced_rates.register(NativeSystem)
+def native_rates(system, external, q, v, acceleration, rate):
+    """a = M^-1 F with F of all items and loads at the mbs' present time; the rate is v."""
+    data = system.mbs.systemData
+    data.SetODE2Coordinates(q)
+    data.SetODE2Coordinates_t(v)
+    system.solver.ComputeODE2RHS(system.mbs)
+    force = system.solver.GetSystemResidual()[: len(q)]
+    np.dot(system.inverse_mass, force, out=acceleration)
+    rate[:] = v
+
+
+class NativeRun:
+    """All native items of an mbs, moved together by one integrator."""
+
+    name = "native items"
+    looks_ahead = False
+
+    def __init__(self, mbs: Any, solver: Any, integrator: Integrator) -> None:
+        held = _require_supported(mbs)
+        size = mbs.systemData.ODE2Size()
+        configuration = exudyn.ConfigurationType.Initial
+        mass, stiffness, _ = mbs.ComputeLinearizedSystem()
+        self._free = np.setdiff1d(np.arange(size), held)
+        free = np.ix_(self._free, self._free)
+        inverse_mass = np.zeros((size, size))
+        inverse_mass[free] = inv(mass[free])
+        self._frequency = float(np.sqrt(eigh(stiffness[free], mass[free], eigvals_only=True)[-1]))
+        self._system = NativeSystem(mbs, solver, inverse_mass)
+        self._integrator = integrator
+        self._loads = no_loads(size, len(integrator.stages))
+        self._is_started = False
+        self.indices = np.arange(size)
+        self.reference = np.zeros(size)  # coordinates are displacements here
+        self.state = integrator.allocate(size)
+        self.state.q[:] = mbs.systemData.GetODE2Coordinates(configuration)
+        self.state.v[:] = mbs.systemData.GetODE2Coordinates_t(configuration)
+
+    def start(self, time: float) -> None:
+        """Begin anew from the present state, as soon as the time loop runs."""
+        self._is_started = False
+
+    def largest_frequency(self, time: float) -> float:
+        """w_max [rad/s] of small vibrations about the initial configuration."""
+        return self._frequency
+
+    def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> None:
+        """Advance through len(history) loop steps; history as in CableRun.record."""
+        take_step = advance.dispatch(type(scheme))
+        take_step = getattr(take_step, "py_func", take_step)
+        data = self._system.mbs.systemData
+        start = grid.time(first)
+        if not self._is_started:
+            data.SetTime(start)
+            begin = getattr(self._integrator.start, "py_func", self._integrator.start)
+            begin(self._system, np.zeros(0), self.state)
+            self._is_started = True
+        for step in range(len(history) * grid.substeps):
+            data.SetTime(start + (step + 1) * grid.h)
+            take_step(scheme, self._system, self._loads, self.state, grid.h, 0, 1)
+            if (step + 1) % grid.substeps == 0:
+                row = history[step // grid.substeps]
+                row[0], row[1], row[2] = self.state.q, self.state.v, self.state.a
+
+
+def _require_supported(mbs: Any) -> list[int]:
+    """System indices of the held coordinates.
+
+    Raises:
+        SceneError: an item whose mass is not constant, or a joint; all are named.
+    """
+    held: list[HeldCoordinate] = []
+    unsupported = []
+    for number in range(mbs.systemData.NumberOfObjects()):
+        data = mbs.GetObject(number)
+        constraint = read_held_coordinate(mbs, data)
+        if constraint is not None:
+            held.append(constraint)
+        elif data["objectType"] not in _CONSTANT_MASS | _FORCES_ONLY:
+            unsupported.append(f"object {number} '{data['name']}' ({data['objectType']})")
+    if unsupported:
+        raise SceneError(
+            "SolveExplicit moves native items of constant mass without joints, for comparisons; "
+            f"not supported yet: {'; '.join(unsupported)}."
+        )
+    return [mbs.systemData.GetNodeLTGODE2(c.node)[c.coordinate] for c in held]
