@@ -111,11 +111,7 @@ def _explicit_cases(scene: Scene) -> list[Case]:
 def make_figures(results: Results, directory: Path) -> list[Path]:
     """Fig. 6 (tip curves), Fig. 5 (mesh convergence), and cost against accuracy."""
     reference = reference_trajectory(results.scene)
-    curves = {
-        label: results.trajectories[label]
-        for label in PAPER_SECONDS
-        if label in results.trajectories
-    }
+    curves = {label: results.trajectories[label] for label in PAPER_SECONDS if label in results.trajectories}
     meshes = _meshes(results.scene, results.quick)
     return [
         draw_cost_and_accuracy(directory / "table1_cost.png", results.rows),

@@ -5,9 +5,10 @@ from enum import Enum
 
 import numpy as np
 
-from ..errors import InputError
+from ..arrays import Array
+from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
-from ..element.shape_functions import Array
+from ..errors import InputError
 
 
 class CurvatureMeasure(str, Enum):
@@ -79,7 +80,7 @@ def reference_lengths(reference: Array, element_lengths: Array) -> Array:
         (N,) [m]; equals the element length where the interpolation has unit slope everywhere.
     """
     nodal = np.concatenate([reference[:-1], reference[1:]], axis=1)
-    gram = np.stack([slope_gram_matrix(length) for length in element_lengths])
+    gram = forms_of_mesh(slope_gram_matrix, element_lengths)
     return np.einsum("eai,eab,ebi->e", nodal, gram, nodal)
 
 

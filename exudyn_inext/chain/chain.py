@@ -1,14 +1,16 @@
 """The cable in the form that the compiled kernels use: records of nodes and elements."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..element.bending import in_pairs, stiffness_matrix, stiffness_tensor
 from ..element.difference_coordinates import in_differences
+from ..element.forms import forms_of_mesh
 from ..element.inertia import mass_matrix
 from ..element.inextensibility import slope_gram_matrix
-from ..element.shape_functions import Array
 from .cable import Cable, CurvatureMeasure, reference_lengths
 from .records import element_type, node_type
 
@@ -41,20 +43,18 @@ def build_chain(cable: Cable) -> Chain:
     nodes.ends_group = _ends_group(cable)
     nodes.mass, elements.mass = _mass_bands(cable)
     lengths, stiffness = cable.element_lengths, cable.section.bending_stiffness
-    elements.stiffness = stiffness * _for_each(lengths, stiffness_matrix)
+    elements.stiffness = stiffness * _in_differences(stiffness_matrix, lengths)
     if product:
-        tensors = _for_each(lengths, stiffness_tensor)
+        tensors = _in_differences(stiffness_tensor, lengths)
         elements.tensor = stiffness * np.stack([in_pairs(tensor) for tensor in tensors])
     if cable.length_constraints > 0:
-        elements.slope_gram = _for_each(lengths, slope_gram_matrix)
+        elements.slope_gram = _in_differences(slope_gram_matrix, lengths)
     elements.reference_length = reference_lengths(cable.reference, lengths)
     return Chain(tuple(range(dim)), nodes, elements)
 
 
-def _for_each(lengths: Array, form: Any) -> Array:
-    """(N, ...) forms in difference coordinates; equal lengths are computed once."""
-    unique, which = np.unique(lengths, return_inverse=True)
-    return np.stack([in_differences(form(length)) for length in unique])[which]
+def _in_differences(form: Callable[[float], Array], lengths: Array) -> Array:
+    return forms_of_mesh(lambda length: in_differences(form(length)), lengths)
 
 
 def _ends_group(cable: Cable) -> np.ndarray:
@@ -66,8 +66,7 @@ def _ends_group(cable: Cable) -> np.ndarray:
 
 def _mass_bands(cable: Cable) -> tuple[Array, Array]:
     """Diagonal (n, 3) and coupling (N, 4) of rho_A M, with held coordinates taken out."""
-    unique, which = np.unique(cable.element_lengths, return_inverse=True)
-    element = cable.section.mass_per_length * np.stack([mass_matrix(x) for x in unique])[which]
+    element = cable.section.mass_per_length * forms_of_mesh(mass_matrix, cable.element_lengths)
     diagonal = np.zeros((cable.number_of_elements + 1, 3))
     diagonal[:-1] += element[:, [0, 0, 1], [0, 1, 1]]
     diagonal[1:] += element[:, [2, 2, 3], [2, 3, 3]]

@@ -3,9 +3,9 @@
 import numpy as np
 from scipy.linalg import eigvalsh_tridiagonal
 
+from ..arrays import Array
 from ..compiled import kernel, local_array
 from ..element.inextensibility import length_gradient
-from ..element.shape_functions import Array
 from ..system import index_reduced_rates
 from .assembly import add_elastic_force, add_element_force, differences
 from .index_reduction import CableSystem

@@ -228,8 +228,26 @@ def reduce_right_hand_side(chain, column):
 
 
 @inlined
+def _apply_inverse_lower(axes, columns, node, z):
+    """z = L^-1 z of one node."""
+    for j in range(2 * len(axes)):
+        for i in range(j + 1, 2 * len(axes)):
+            for c in range(len(columns)):
+                z[c, i] -= node.lower[i, j] * z[c, j]
+
+
+@inlined
+def _apply_inverse_lower_transposed(axes, columns, node, z):
+    """z = L^-T z of one node."""
+    for i in range(2 * len(axes) - 1, -1, -1):
+        for j in range(i):
+            for c in range(len(columns)):
+                z[c, j] -= node.lower[i, j] * z[c, i]
+
+
+@inlined
 def _substitute_forward(chain, columns):
-    size = 2 * len(chain.axes)
+    axes, size = chain.axes, 2 * len(chain.axes)
     z, passed_on = local_array(2, 6), local_array(2, 6)
     for c in range(len(columns)):
         for i in range(size):
@@ -243,22 +261,17 @@ def _substitute_forward(chain, columns):
             if not node.ends_group:
                 passed_on[c, size - 1] = z[c, size - 1]
                 z[c, size - 1] = 0.0
-        for j in range(size):
-            for i in range(j + 1, size):
-                for c in range(len(columns)):
-                    z[c, i] -= node.lower[i, j] * z[c, j]
+        _apply_inverse_lower(axes, columns, node, z)
         for c in range(len(columns)):
             for i in range(size):
-                product = 0.0
-                for r in range(size):
-                    product += node.coupling[r, i] * z[c, r]
-                passed_on[c, i] -= product
                 node.solution[c, i] = z[c, i] * node.inverse_pivot[i]
+                for r in range(size):
+                    passed_on[c, i] -= node.coupling[r, i] * z[c, r]
 
 
 @inlined
 def _substitute_backward(chain, columns):
-    size = 2 * len(chain.axes)
+    axes, size = chain.axes, 2 * len(chain.axes)
     z, right = local_array(2, 6), local_array(2, 6)
     for c in range(len(columns)):
         for i in range(size):
@@ -267,14 +280,10 @@ def _substitute_backward(chain, columns):
         node = chain.nodes[k]
         for c in range(len(columns)):
             for i in range(size):
-                product = 0.0
+                z[c, i] = node.solution[c, i]
                 for j in range(size):
-                    product += node.coupling[i, j] * right[c, j]
-                z[c, i] = node.solution[c, i] - product
-        for i in range(size - 1, -1, -1):
-            for j in range(i):
-                for c in range(len(columns)):
-                    z[c, j] -= node.lower[i, j] * z[c, i]
+                    z[c, i] -= node.coupling[i, j] * right[c, j]
+        _apply_inverse_lower_transposed(axes, columns, node, z)
         for c in range(len(columns)):
             if not node.ends_group:
                 z[c, size - 1] = right[c, size - 1]

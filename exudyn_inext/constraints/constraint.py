@@ -4,7 +4,7 @@ from typing import Protocol
 
 from scipy.sparse import csr_array
 
-from ..element.shape_functions import Array
+from ..arrays import Array
 
 
 class Constraint(Protocol):

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
-from ..element.shape_functions import Array
+from ..arrays import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,11 +28,11 @@ class HeldNodes:
         return len(self.nodes) * len(self.kinds) * self.reference.shape[2]
 
     def value(self, q: Array) -> Array:
-        held = np.ix_(self.nodes, self.kinds)
+        held = np.ix_(self.nodes, np.array(self.kinds))
         return (q[held] - self.reference[held]).ravel()
 
     def jacobian(self, q: Array) -> csr_array:
-        held = np.ix_(self.nodes, self.kinds)
+        held = np.ix_(self.nodes, np.array(self.kinds))
         columns = np.arange(q.size).reshape(q.shape)[held].ravel()
         entries = (np.ones(self.number), (np.arange(self.number), columns))
         return csr_array(entries, shape=(self.number, q.size))

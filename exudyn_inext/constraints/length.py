@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
+from ..arrays import Array
 from ..chain.cable import Cable, reference_lengths
+from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
-from ..element.shape_functions import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +30,9 @@ class LengthConstraint:
         return int(self.group.max(initial=-1)) + 1
 
     def _sum_groups(self, per_element: Array) -> Array:
-        return np.bincount(self.group, weights=per_element, minlength=self.number)
+        sums: Array = np.zeros(self.number)
+        np.add.at(sums, self.group, per_element)
+        return sums
 
     @staticmethod
     def _nodal(q: Array) -> Array:
@@ -60,7 +63,7 @@ class LengthConstraint:
 def of_cable(cable: Cable) -> LengthConstraint:
     """The length constraints of `cable`, none if its `length_constraints` is 0."""
     constrained = cable.length_constraints > 0
-    gram = np.stack([slope_gram_matrix(length) for length in cable.element_lengths])
+    gram = forms_of_mesh(slope_gram_matrix, cable.element_lengths)
     count = cable.number_of_elements if constrained else 0
     reference = reference_lengths(cable.reference, cable.element_lengths)
     return LengthConstraint(gram[:count], cable.group_of_element()[:count], reference[:count])

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_array
 
+from ..arrays import Array
 from ..chain.cable import Cable
-from ..element.shape_functions import Array
 
 
 @dataclass(frozen=True, eq=False)

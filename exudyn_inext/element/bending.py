@@ -6,8 +6,9 @@
 
 import numpy as np
 
+from ..arrays import Array
 from ..compiled import inlined
-from .shape_functions import Array, first_derivatives, quadrature, second_derivatives
+from .shape_functions import first_derivatives, quadrature, second_derivatives
 
 # Pairs (a, b) of the three difference coordinates, the off-diagonal ones once.
 PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
@@ -48,9 +49,7 @@ def in_pairs(tensor: Array) -> Array:
 
     W_ab = tensor^{abmn} Q_mn becomes six sums of six: columns of mixed pairs count twice.
     """
-    return np.array(
-        [[tensor[a, b, m, n] * (1 if m == n else 2) for m, n in PAIRS] for a, b in PAIRS]
-    )
+    return np.array([[tensor[a, b, m, n] * (1 if m == n else 2) for m, n in PAIRS] for a, b in PAIRS])
 
 
 @inlined

@@ -4,7 +4,7 @@ An element's curvature and stretch are quadratic forms of the three vectors e = 
 instead of the four nodal ones. The kernels use this form: 3x3 instead of 4x4 coefficients.
 """
 
-from .shape_functions import Array
+from ..arrays import Array
 
 _KEPT = [2, 1, 3]  # with r_left = 0 as origin: d = r_right, then both slopes
 

@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .shape_functions import Array, quadrature, shape_functions
+from ..arrays import Array
+from .shape_functions import quadrature, shape_functions
 
 
 def distributed_force(load: Callable[[Array], Array], start: float, length: float) -> Array:

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from .shape_functions import Array, quadrature, shape_functions
+from ..arrays import Array
+from .shape_functions import quadrature, shape_functions
 
 
 def mass_matrix(length: float) -> Array:

@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from ..arrays import Array
 from ..compiled import inlined
-from .shape_functions import Array, first_derivatives, quadrature
+from .shape_functions import first_derivatives, quadrature
 
 
 def slope_gram_matrix(length: float) -> Array:

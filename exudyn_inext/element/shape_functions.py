@@ -1,9 +1,9 @@
 """Hermite shape functions of the element, Eq. (9), and their quadrature."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from ..arrays import Array
 
 # Products of up to four shape function derivatives are polynomials of degree 6 or less.
 _GAUSS_ABSCISSAE, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(4)

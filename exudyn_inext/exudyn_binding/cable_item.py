@@ -14,8 +14,8 @@ from exudyn.itemInterface import (
     VObjectGenericODE2,
 )
 
+from ..arrays import Array
 from ..chain.cable import Cable
-from ..element.shape_functions import Array
 from ..errors import EnforcementError, InputError
 from .graphics import cable_graphics
 from .shape import CableShape, CheckedShape, _finite, check_shape
@@ -181,7 +181,7 @@ def _no_enforcement(*_: Any) -> Any:
 def _refusing_user_function(item: CableItem) -> Any:
     """User function of force and mass matrix; it also carries the cable's data."""
 
-    def inextensible_cable_user_function(mbs, t, itemNumber, q, q_t):  # noqa: N803
+    def inextensible_cable_user_function(mbs, t, itemNumber, q, q_t):
         return _no_enforcement()
 
     inextensible_cable_user_function.cable_item = item  # type: ignore[attr-defined]
@@ -201,9 +201,7 @@ def _add_items(
 ) -> dict[str, Any]:
     node_type = NodePoint2DSlope1 if cable.dimension == 2 else NodePointSlope1
     nodes = [
-        mbs.AddNode(
-            node_type(referenceCoordinates=q.ravel().tolist(), initialVelocities=v.ravel().tolist())
-        )
+        mbs.AddNode(node_type(referenceCoordinates=q.ravel().tolist(), initialVelocities=v.ravel().tolist()))
         for q, v in zip(cable.reference, velocities, strict=True)
     ]
     user_function = _refusing_user_function(CableItem(cable, gravity, tuple(map(int, nodes))))
@@ -227,14 +225,10 @@ def _add_items(
 def _add_ground_constraints(mbs: Any, nodes: list[int], flags: dict[int, list[bool]]) -> list[int]:
     if not any(any(held) for held in flags.values()):
         return []
-    ground = mbs.AddMarker(
-        MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0)
-    )
+    ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
     constraints = []
     for node, held in flags.items():
         for coordinate in np.flatnonzero(held).tolist():
             marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=nodes[node], coordinate=coordinate))
             constraints.append(mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, marker])))
     return constraints
-
-

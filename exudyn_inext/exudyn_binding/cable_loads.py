@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..element.shape_functions import Array
+from ..arrays import Array
 from ..errors import SceneError
 from ..integrators.integrator import LoadHistory
 from ..loads.gravity import gravity_force

@@ -4,11 +4,11 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
 from ..chain.chain import build_chain
 from ..chain.frequency import largest_frequency
 from ..chain.index_reduction import CableSystem
 from ..constraints import constraints_of_cable
-from ..element.shape_functions import Array
 from ..errors import RedundantConstraintError, SceneError
 from ..integrators.integrator import Integrator, record
 from .cable_loads import CableLoads
@@ -105,5 +105,5 @@ def check_consistency(scene_cable: CableInScene, q: Array, v: Array) -> None:
                 raise SceneError(
                     f"the {what} of cable '{scene_cable.name}' violate the {constraint.name} constraint at "
                     f"the {constraint.describe(worst)} by {violation[worst]:.3g} (limit "
-                    f"{CONSISTENCY_TOLERANCE:g}): correct initialCoordinates or initialVelocities of its nodes."
+                    f"{CONSISTENCY_TOLERANCE:g}): correct the initial values of its nodes."
                 )

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..element.shape_functions import Array
+from ..arrays import Array
 
 _POSITION_MARKERS = {"NodePosition", "NodeRigid"}
 

@@ -12,7 +12,7 @@ import exudyn
 import numpy as np
 from scipy.linalg import eigh, inv
 
-from ..element.shape_functions import Array
+from ..arrays import Array
 from ..errors import SceneError
 from ..integrators.integrator import Integrator, advance, no_loads
 from ..system import index_reduced_rates

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
 from ..chain.cable import reference_lengths, require_positive
-from ..element.shape_functions import Array
 from ..errors import InputError
 
 SLOPE_TOLERANCE = 1e-8  # |r_x| - 1 [-]

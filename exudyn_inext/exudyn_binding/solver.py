@@ -99,9 +99,7 @@ def _bounds(runs: Sequence[Run], start: float, explicit: ExplicitSettings) -> St
     cables = [run.scene_cable.cable for run in runs if isinstance(run, CableRun)]
     return StepSizeBounds(
         bending=frequency_limit(integrator, scheme) / frequency if frequency > 0.0 else math.inf,
-        stabilisation=decay_limit(integrator, scheme) / explicit.stabilizationRate
-        if cables
-        else math.inf,
+        stabilisation=decay_limit(integrator, scheme) / explicit.stabilizationRate if cables else math.inf,
         rule=min((_rule(cable, explicit.stepConstant) for cable in cables), default=math.inf),
         largest_frequency=frequency,
         cable=runs[fastest].name,

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 import exudyn
 import numpy as np
 
-from ..element.shape_functions import Array
+from ..arrays import Array
 from ..errors import DivergenceError, InextensibleError
 from .time_grid import TimeGrid
 

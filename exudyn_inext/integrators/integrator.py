@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba.extending import overload
 
+from ..arrays import Array
 from ..compiled import inlined, kernel
-from ..element.shape_functions import Array
 
 
 @dataclass(frozen=True)

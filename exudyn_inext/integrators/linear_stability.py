@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..element.shape_functions import Array
+from ..arrays import Array
 from ..system import implements, index_reduced_rates
 from .integrator import Integrator, advance, no_loads
 

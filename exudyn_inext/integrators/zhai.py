@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arrays import Array
 from ..compiled import inlined, kernel
-from ..element.shape_functions import Array
 from ..system import implements, index_reduced_rates
 from .integrator import Integrator, advance, external_force
 
@@ -97,6 +97,4 @@ def advance_zhai(scheme, system, loads, state, h, first, steps):
             index_reduced_rates(system, state.external, state.q, state.v, state.a, state.rate)
 
 
-INTEGRATOR = Integrator(
-    name="Zhai", order=2, stages=(1.0,), scheme=Zhai, allocate=allocate, start=start
-)
+INTEGRATOR = Integrator(name="Zhai", order=2, stages=(1.0,), scheme=Zhai, allocate=allocate, start=start)

@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..arrays import Array
 from ..chain.cable import Cable
 from ..element.external_force import distributed_force
-from ..element.shape_functions import Array
 
 
 def distributed_load(cable: Cable, load: Callable[[Array], Array]) -> Array:

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from ..arrays import Array
 from ..chain.cable import Cable
-from ..element.shape_functions import Array
 from .distributed import distributed_load
 
 

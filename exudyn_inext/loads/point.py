@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from ..arrays import Array
 from ..chain.cable import Cable
 from ..element.external_force import point_force
-from ..element.shape_functions import Array
 from ..errors import InputError
 
 

@@ -42,9 +42,7 @@ def add_spring(mbs: Any, node: int, support: Pin | Clamp, stiffness: float) -> N
             f"{support}: a clamp cannot be held by the spring of a pin; use an implicit "
             "integrator (pin_stiffness=None)."
         )
-    position = mbs.GetNodeOutput(
-        node, exudyn.OutputVariableType.Position, exudyn.ConfigurationType.Reference
-    )
+    position = mbs.GetNodeOutput(node, exudyn.OutputVariableType.Position, exudyn.ConfigurationType.Reference)
     anchor = mbs.AddNode(NodePointGround(referenceCoordinates=list(position)))
     markers = [mbs.AddMarker(MarkerNodePosition(nodeNumber=number)) for number in (anchor, node)]
     mbs.AddObject(CartesianSpringDamper(markerNumbers=markers, stiffness=[stiffness] * 3))

@@ -20,9 +20,7 @@ def _require_positive(owner: str, unit: str, name: str, value: float) -> None:
 
 def _require_fraction(owner: str, value: float) -> None:
     if not 0.0 <= value <= 1.0:
-        raise InputError(
-            f"{owner}: {value!r} must be a fraction of the arc length, 0 (start) to 1 (end)."
-        )
+        raise InputError(f"{owner}: {value!r} must be a fraction of the arc length, 0 (start) to 1 (end).")
 
 
 @dataclass(frozen=True)

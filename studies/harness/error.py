@@ -29,8 +29,7 @@ def distance_to_reference(trajectory: Trajectory, reference: Trajectory) -> Dist
     end = reference.times[-1]
     if trajectory.times[-1] > end + tolerance:
         raise InputError(
-            f"the trajectory ends at {trajectory.times[-1]:g} s, the reference at {end:g} s: "
-            "shorten the run."
+            f"the trajectory ends at {trajectory.times[-1]:g} s, the reference at {end:g} s: shorten the run."
         )
     spline = CubicSpline(reference.times, reference.positions)
     return distance(trajectory.positions, spline(trajectory.times))

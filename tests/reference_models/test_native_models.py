@@ -76,9 +76,7 @@ def test_a_turned_pendulum_in_space_moves_as_the_planar_one():
 
 
 def test_initial_velocity_grows_linearly_to_the_free_end():
-    moving = dataclasses.replace(
-        SHORT, gravity=(0.0, 0.0, 0.0), end_velocity=(0.0, 3.0, 0.0), end_time=0.01
-    )
+    moving = dataclasses.replace(SHORT, gravity=(0.0, 0.0, 0.0), end_velocity=(0.0, 3.0, 0.0), end_time=0.01)
     trajectory = solve(build(moving, 4), Implicit(1e-3))
     assert trajectory.positions[-1, 1] == pytest.approx(0.03, rel=1e-3)
 
@@ -128,9 +126,7 @@ def test_a_run_that_exudyn_gives_up_is_a_divergence(monkeypatch, capfd):
         settings.timeIntegration.newton.maxIterations = 1
         return settings
 
-    monkeypatch.setattr(
-        "reference_models.conventional.solve.simulation_settings", one_iteration_only
-    )
+    monkeypatch.setattr("reference_models.conventional.solve.simulation_settings", one_iteration_only)
     with pytest.raises(DivergenceError, match="use a smaller step"):
         solve(build(SHORT, 4), Implicit(5e-3))
     assert capfd.readouterr().out == ""

@@ -26,9 +26,7 @@ ROWS = [row("a", 1.0, 1e-2), row("b", 2.0, 1e-3), row("c", 3.0, 5e-3), row("d", 
 
 
 def test_not_a_number_is_stored_as_null(tmp_path):
-    write_json(
-        tmp_path / "a.json", {"x": math.nan, "y": [np.float64(2.5), np.inf], "n": np.int64(3)}
-    )
+    write_json(tmp_path / "a.json", {"x": math.nan, "y": [np.float64(2.5), np.inf], "n": np.int64(3)})
     assert json.loads((tmp_path / "a.json").read_text()) == {"x": None, "y": [2.5, None], "n": 3}
 
 

@@ -26,9 +26,7 @@ def offset_case(label, offset):
 
     def prepare():
         reference = reference_trajectory(SCENE)
-        return lambda: Trajectory(
-            reference.times, reference.positions + np.array([0.0, 0.0, offset])
-        )
+        return lambda: Trajectory(reference.times, reference.positions + np.array([0.0, 0.0, offset]))
 
     return Case(label, "inextensible", "zhai", 5, 0.01, 500, prepare, {"note": "moved"})
 
