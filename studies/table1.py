@@ -35,11 +35,15 @@ What is left out
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+from exudyn_inext import ExplicitSettings
 from reference_models.conventional.cases import largest_step_case, native_case
 from reference_models.conventional.convergence import explicit_solution
 from reference_models.conventional.settings import Implicit, Newton
+from reference_models.conventional.zhai import zhai_case
 from reference_models.data import reference_trajectory
+from reference_models.inextensible import Inextensible, fine_solution, inextensible_case
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case, Trajectory
 
@@ -64,16 +68,39 @@ PAPER = {
 
 def make_cases(scene: Scene, quick: bool) -> list[Case]:
     """All rows; a quick run leaves out the costly ones."""
-    implicit = _tuned_implicit_cases(scene)
+    inextensible, implicit = _inextensible_cases(scene), _tuned_implicit_cases(scene)
     if quick:
-        return [*_paper_cases(scene), *implicit[:4]]
-    return [*_paper_cases(scene), *implicit, *_explicit_cases(scene)]
+        return [*_paper_cases(scene), *inextensible[:3], *implicit[:4]]
+    return [*_paper_cases(scene), *inextensible, *implicit, *_explicit_cases(scene)]
 
 
 def _paper_cases(scene: Scene) -> list[Case]:
     """The columns of Table 1, at the paper's settings; the implicit one with Exudyn's defaults."""
     defaults = Implicit(5e-3, newton="modified", linear_solver="dense", relative_tolerance=1e-8)
-    return [native_case(scene, 10, defaults, label=PAPER_IMPLICIT)]
+    return [
+        native_case(scene, 10, defaults, label=PAPER_IMPLICIT),
+        zhai_case(scene, 10, 2e-5, label=PAPER_EXPLICIT),
+        inextensible_case(scene, Inextensible(5), label=PAPER_PROPOSED),
+    ]
+
+
+def _inextensible_cases(scene: Scene) -> list[Case]:
+    """Zhai with zeta = 100: coarser and finer meshes, mostly near their largest stable steps."""
+
+    def case(elements: int, step_size: float, **options: Any) -> Case:
+        settings = ExplicitSettings(stepSize=step_size)
+        return inextensible_case(scene, Inextensible(elements, settings, **options))
+
+    return [
+        case(3, 5e-3),
+        case(4, 2e-3),
+        case(5, 2.5e-3, measure="product"),
+        case(6, 1.67e-3),
+        case(8, 1e-3),
+        case(10, 6.7e-4),
+        case(10, 6e-4),
+        case(20, 1.25e-4),
+    ]
 
 
 def _tuned_implicit_cases(scene: Scene) -> list[Case]:
@@ -121,10 +148,12 @@ def make_figures(results: Results, directory: Path) -> list[Path]:
 
 
 def _meshes(scene: Scene, quick: bool) -> dict[str, dict[int, Trajectory]]:
-    """Explicit solutions of the conventional formulation on finer and finer meshes (untimed)."""
+    """Solutions of both formulations on finer and finer meshes, with negligible time steps (untimed)."""
     full: Sequence[int] = (4, 10) if quick else (4, 6, 8, 10, 12, 16, 20)
     lobatto: Sequence[int] = (4, 10) if quick else (4, 6, 8, 10, 12)
+    inextensible: Sequence[int] = (4, 10) if quick else (3, 4, 5, 6, 8, 10, 12, 16)
     return {
+        "inextensible": {n: fine_solution(scene, n) for n in inextensible},
         "native, full quadrature": {n: explicit_solution(scene, n) for n in full},
         "native, Lobatto quadrature": {n: explicit_solution(scene, n, "lobatto") for n in lobatto},
     }

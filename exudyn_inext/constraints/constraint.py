@@ -22,6 +22,9 @@ class Constraint(Protocol):
     def value(self, q: Array) -> Array:
         """c (number,)."""
 
+    def rate(self, q: Array, v: Array) -> Array:
+        """c_q v (number,)."""
+
     def jacobian(self, q: Array) -> csr_array:
         """c_q (number, n_dof)."""
 

@@ -27,13 +27,17 @@ class HeldNodes:
     def number(self) -> int:
         return len(self.nodes) * len(self.kinds) * self.reference.shape[2]
 
+    def _held(self, q: np.ndarray) -> np.ndarray:
+        return q[np.ix_(self.nodes, np.array(self.kinds))].ravel()
+
     def value(self, q: Array) -> Array:
-        held = np.ix_(self.nodes, np.array(self.kinds))
-        return (q[held] - self.reference[held]).ravel()
+        return self._held(q - self.reference)
+
+    def rate(self, q: Array, v: Array) -> Array:
+        return self._held(v)
 
     def jacobian(self, q: Array) -> csr_array:
-        held = np.ix_(self.nodes, np.array(self.kinds))
-        columns = np.arange(q.size).reshape(q.shape)[held].ravel()
+        columns = self._held(np.arange(q.size).reshape(q.shape))
         entries = (np.ones(self.number), (np.arange(self.number), columns))
         return csr_array(entries, shape=(self.number, q.size))
 

@@ -39,10 +39,15 @@ class LengthConstraint:
         """(N, 4, dim) coordinates of the elements."""
         return np.concatenate([q[:-1], q[1:]], axis=1)
 
+    def _product(self, a: Array, b: Array) -> Array:
+        """(N,) int a_x . b_x dx of each element."""
+        return np.einsum("eai,eab,ebi->e", self._nodal(a), self.gram, self._nodal(b))
+
     def value(self, q: Array) -> Array:
-        nodal = self._nodal(q)
-        squares = np.einsum("eai,eab,ebi->e", nodal, self.gram, nodal)
-        return self._sum_groups(squares - self.reference)
+        return self._sum_groups(self._product(q, q) - self.reference)
+
+    def rate(self, q: Array, v: Array) -> Array:
+        return self._sum_groups(2.0 * self._product(q, v))
 
     def jacobian(self, q: Array) -> csr_array:
         width = 2 * q.shape[2]
@@ -52,8 +57,7 @@ class LengthConstraint:
         return csr_array((entries.ravel(), (rows, columns.ravel())), shape=(self.number, q.size))
 
     def gamma(self, q: Array, v: Array) -> Array:
-        nodal = self._nodal(v)
-        return self._sum_groups(-2.0 * np.einsum("eai,eab,ebi->e", nodal, self.gram, nodal))
+        return self._sum_groups(-2.0 * self._product(v, v))
 
     def describe(self, row: int) -> str:
         elements = np.flatnonzero(self.group == row)

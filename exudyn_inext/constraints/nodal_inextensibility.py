@@ -27,6 +27,9 @@ class NodalInextensibility:
         slopes = q[self.nodes, 1]
         return np.einsum("ki,ki->k", slopes, slopes) - 1.0
 
+    def rate(self, q: Array, v: Array) -> Array:
+        return 2.0 * np.einsum("ki,ki->k", q[self.nodes, 1], v[self.nodes, 1])
+
     def jacobian(self, q: Array) -> csr_array:
         dim = q.shape[2]
         columns = (2 * dim * self.nodes[:, None] + dim + np.arange(dim)).ravel()

@@ -98,7 +98,7 @@ def check_consistency(scene_cable: CableInScene, q: Array, v: Array) -> None:
     speed = max(1.0, float(np.abs(v).max()))
     for constraint in constraints_of_cable(scene_cable.cable):
         value = constraint.value(q)
-        rate = constraint.jacobian(q) @ v.ravel() / speed
+        rate = constraint.rate(q, v) / speed
         for what, violation in (("initial coordinates", value), ("initial velocities", rate)):
             worst = int(np.argmax(np.abs(violation)))
             if not abs(violation[worst]) <= CONSISTENCY_TOLERANCE:

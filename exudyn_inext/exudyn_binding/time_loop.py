@@ -44,7 +44,8 @@ class ExplicitTimeLoop:
         self.grid = grid
         self.error: InextensibleError | None = None
         data = mbs.systemData
-        self._setters = (data.SetODE2Coordinates, data.SetODE2Coordinates_t, data.SetODE2Coordinates_tt)
+        self._set_q, self._set_v = data.SetODE2Coordinates, data.SetODE2Coordinates_t
+        self._set_a = data.SetODE2Coordinates_tt
         self._getters = (data.GetODE2Coordinates, data.GetODE2Coordinates_t)
         self._written = [get(exudyn.ConfigurationType.Initial) for get in self._getters]
         self._is_watched = _has_step_user_functions(mbs) or not all(run.looks_ahead for run in runs)
@@ -75,8 +76,9 @@ class ExplicitTimeLoop:
         if state is None:
             self.error = self._divergence(mbs.systemData.GetTime())
             raise self.error
-        for set_values, values in zip(self._setters, state, strict=True):
-            set_values(values)
+        self._set_q(state[0])
+        self._set_v(state[1])
+        self._set_a(state[2])
         if self._is_watched:
             self._written = [get() for get in self._getters]
         return True

@@ -4,7 +4,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..chain.cable import Cable
-from .distributed import distributed_load
+from ..element.external_force import uniform_force
+from ..element.forms import forms_of_mesh
 
 
 def gravity_force(cable: Cable, gravity: Array) -> Array:
@@ -18,4 +19,8 @@ def gravity_force(cable: Cable, gravity: Array) -> Array:
         (n, 2, dim) [N, Nm].
     """
     density = cable.section.mass_per_length * np.asarray(gravity, dtype=float)
-    return distributed_load(cable, lambda x: np.broadcast_to(density, (len(x), len(density))))
+    elements = np.multiply.outer(forms_of_mesh(uniform_force, cable.element_lengths), density)
+    force = np.zeros(cable.reference.shape)
+    force[:-1] += elements[:, :2]
+    force[1:] += elements[:, 2:]
+    return force
