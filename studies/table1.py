@@ -153,9 +153,9 @@ def _meshes(scene: Scene, quick: bool) -> dict[str, dict[int, Trajectory]]:
     lobatto: Sequence[int] = (4, 10) if quick else (4, 6, 8, 10, 12)
     inextensible: Sequence[int] = (4, 10) if quick else (3, 4, 5, 6, 8, 10, 12, 16)
     return {
-        "inextensible": {n: fine_solution(scene, n) for n in inextensible},
         "native, full quadrature": {n: explicit_solution(scene, n) for n in full},
         "native, Lobatto quadrature": {n: explicit_solution(scene, n, "lobatto") for n in lobatto},
+        "inextensible": {n: fine_solution(scene, n) for n in inextensible},
     }
 
 

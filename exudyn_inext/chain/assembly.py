@@ -69,26 +69,25 @@ def add_elastic_force(chain, q, force):
 
 
 @inlined
-def assemble(chain, q, v, column):
+def assemble(axes, nodes, elements, q, v, column):
     """All that the index-reduced equations need at (q, v), into the records of the chain.
 
     Nodes: elastic forces, added to column `column` of `force`, and constraint terms (18), (27).
     Elements: constraint terms (19), (27) and the Jacobian.
 
     Args:
-        chain: coefficients and memory.
+        axes, nodes, elements: of the chain.
         q, v: (n, 2, dim) coordinates and velocities.
         column: of the forces.
     """
-    axes, nodes = chain.axes, chain.nodes
     for k in range(len(nodes)):
         terms = nodes[k].constraint
         terms[VALUE] = nodal_constraint(axes, q[k, 1])
         terms[RATE] = nodal_rate(axes, q[k, 1], v[k, 1])
         terms[GAMMA] = nodal_gamma(axes, v[k, 1])
     e, e_t, result = local_array(3, 3), local_array(3, 3), local_array(3, 3)
-    for k in range(len(chain.elements)):
-        element = chain.elements[k]
+    for k in range(len(elements)):
+        element = elements[k]
         differences(axes, q, k, e)
         differences(axes, v, k, e_t)
         clear(result)

@@ -36,23 +36,23 @@ def cable_rates(system, external, q, v, acceleration, rate):
 
     q' is found as v plus a correction, M (q' - v) + C_q^T mu = 0: its force is zero.
     """
-    chain = system.chain
-    shape = (len(chain.nodes), 2, len(chain.axes))
+    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
+    shape = (len(nodes), 2, len(axes))
     q_nodes, v_nodes, force = q.reshape(shape), v.reshape(shape), external.reshape(shape)
-    for k in range(len(chain.nodes)):
-        for i in range(len(chain.axes)):
-            chain.nodes[k].force[ACCELERATION, 0, i] = force[k, 0, i]
-            chain.nodes[k].force[ACCELERATION, 1, i] = force[k, 1, i]
-    assemble(chain, q_nodes, v_nodes, ACCELERATION)
-    factorise(chain, q_nodes)
-    for k in range(len(chain.nodes)):
-        _set_targets(system.zeta, chain.nodes[k])
-    for k in range(len(chain.elements)):
-        _set_targets(system.zeta, chain.elements[k])
-    reduce_right_hand_side(chain, ACCELERATION)
-    reduce_right_hand_side(chain, CORRECTION)
-    substitute(chain, (ACCELERATION, CORRECTION))
-    expand_solution(chain, ACCELERATION, acceleration.reshape(shape))
-    expand_solution(chain, CORRECTION, rate.reshape(shape))
+    for k in range(len(nodes)):
+        for i in range(len(axes)):
+            nodes[k].force[ACCELERATION, 0, i] = force[k, 0, i]
+            nodes[k].force[ACCELERATION, 1, i] = force[k, 1, i]
+    assemble(axes, nodes, elements, q_nodes, v_nodes, ACCELERATION)
+    factorise(axes, nodes, elements, q_nodes)
+    for k in range(len(nodes)):
+        _set_targets(system.zeta, nodes[k])
+    for k in range(len(elements)):
+        _set_targets(system.zeta, elements[k])
+    reduce_right_hand_side(axes, nodes, elements, ACCELERATION)
+    reduce_right_hand_side(axes, nodes, elements, CORRECTION)
+    substitute(axes, nodes, (ACCELERATION, CORRECTION))
+    expand_solution(axes, nodes, elements, ACCELERATION, acceleration.reshape(shape))
+    expand_solution(axes, nodes, elements, CORRECTION, rate.reshape(shape))
     for i in range(len(v)):
         rate[i] += v[i]

@@ -6,7 +6,8 @@ of N are transverse to the slope and p, along it, is known from the constraint. 
 that it touches, so that a block tridiagonal LDL^T needs no pivoting. A length constraint over several
 elements is carried from node to node and eliminated at its last one.
 
-Everything that a solve needs and gives lies in the records of the chain, see `records`.
+Everything that a solve needs and gives lies in the records of the chain, see `records`. Inlined parts
+take these arrays one by one: unpacking a tuple in the loop would cost reference counts.
 """
 
 import numpy as np
@@ -138,9 +139,8 @@ def _set_next_block(axes, w, inverse_pivot, block):
 
 
 @inlined
-def factorise(chain, q):
+def factorise(axes, nodes, elements, q):
     """L D L^T at q (n, 2, dim); the `gradient` of the elements must be set, see `assembly`."""
-    axes, nodes, elements = chain.axes, chain.nodes, chain.elements
     size = 2 * len(axes)
     block, w, inverse_pivot = local_array(6, 6), local_array(6, 6), local_array(6, 1)
     for i in range(size):
@@ -195,9 +195,8 @@ def _length_target(axes, column, left, element, right):
 
 
 @inlined
-def reduce_right_hand_side(chain, column):
+def reduce_right_hand_side(axes, nodes, elements, column):
     """`solution` = [f_r, N^T f_s, b] less the share of the known p, from `force` and `target`."""
-    axes, nodes, elements = chain.axes, chain.nodes, chain.elements
     dim = len(axes)
     on_position, on_slope = local_array(3, 1), local_array(3, 1)
     for k in range(len(nodes)):
@@ -246,14 +245,14 @@ def _apply_inverse_lower_transposed(axes, columns, node, z):
 
 
 @inlined
-def _substitute_forward(chain, columns):
-    axes, size = chain.axes, 2 * len(chain.axes)
+def _substitute_forward(axes, nodes, columns):
+    size = 2 * len(axes)
     z, passed_on = local_array(2, 6), local_array(2, 6)
     for c in range(len(columns)):
         for i in range(size):
             passed_on[c, i] = 0.0
-    for k in range(len(chain.nodes)):
-        node = chain.nodes[k]
+    for k in range(len(nodes)):
+        node = nodes[k]
         for c in range(len(columns)):
             for i in range(size):
                 z[c, i] = node.solution[c, i] + passed_on[c, i]
@@ -270,14 +269,14 @@ def _substitute_forward(chain, columns):
 
 
 @inlined
-def _substitute_backward(chain, columns):
-    axes, size = chain.axes, 2 * len(chain.axes)
+def _substitute_backward(axes, nodes, columns):
+    size = 2 * len(axes)
     z, right = local_array(2, 6), local_array(2, 6)
     for c in range(len(columns)):
         for i in range(size):
             right[c, i] = 0.0
-    for k in range(len(chain.nodes) - 1, -1, -1):
-        node = chain.nodes[k]
+    for k in range(len(nodes) - 1, -1, -1):
+        node = nodes[k]
         for c in range(len(columns)):
             for i in range(size):
                 z[c, i] = node.solution[c, i]
@@ -293,30 +292,30 @@ def _substitute_backward(chain, columns):
 
 
 @inlined
-def substitute(chain, columns):
+def substitute(axes, nodes, columns):
     """Solve for the reduced right-hand sides in `solution`.
 
     Args:
-        chain: factorised.
+        axes, nodes: of a chain that is factorised.
         columns: (0,) or (0, 1): how many right-hand sides, as a compile-time constant.
     """
-    _substitute_forward(chain, columns)
-    _substitute_backward(chain, columns)
+    _substitute_forward(axes, nodes, columns)
+    _substitute_backward(axes, nodes, columns)
 
 
 @inlined
-def expand_solution(chain, column, x):
+def expand_solution(axes, nodes, elements, column, x):
     """x = [r, N beta + p] (n, 2, dim), zero where a support holds, and the length multipliers."""
-    dim = len(chain.axes)
-    for k in range(len(chain.nodes)):
-        node = chain.nodes[k]
+    dim = len(axes)
+    for k in range(len(nodes)):
+        node = nodes[k]
         for i in range(dim):
             x[k, 0, i] = node.solution[column, i]
             x[k, 1, i] = node.along[column] * node.slope[i]
             for j in range(dim - 1):
                 x[k, 1, i] += node.basis[i, j] * node.solution[column, dim + j]
         if k > 0:
-            chain.elements[k - 1].multiplier[column] = node.solution[column, 2 * dim - 1]
+            elements[k - 1].multiplier[column] = node.solution[column, 2 * dim - 1]
 
 
 @kernel
@@ -327,9 +326,10 @@ def solve(chain, x):
         chain: factorised.
         x: (n, 2, dim) solution; the multipliers are left in the elements.
     """
-    reduce_right_hand_side(chain, 0)
-    substitute(chain, (0,))
-    expand_solution(chain, 0, x)
+    axes, nodes, elements = chain.axes, chain.nodes, chain.elements
+    reduce_right_hand_side(axes, nodes, elements, 0)
+    substitute(axes, nodes, (0,))
+    expand_solution(axes, nodes, elements, 0, x)
 
 
 @kernel

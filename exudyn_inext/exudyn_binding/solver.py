@@ -146,7 +146,7 @@ def _settings_of_the_loop(settings: Any, grid: TimeGrid) -> Iterator[None]:
 
 
 def _run(mbs: Any, solver: Any, settings: Any, loop: ExplicitTimeLoop) -> None:
-    solver.SetUserFunctionNewton(mbs, loop.advance)
+    solver.SetUserFunctionNewton(mbs, loop.user_function)
     mbs.sys["dynamicSolver"] = solver
     mbs.sys["simulationSettings"] = settings
     with _settings_of_the_loop(settings, loop.grid):

@@ -1,6 +1,6 @@
 """The user function that Exudyn's time loop calls in place of Newton's method."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, Protocol
 
 import exudyn
@@ -32,7 +32,7 @@ class Run(Protocol):
 
 
 class ExplicitTimeLoop:
-    """Moves all cables of a scene; Exudyn calls `advance` once for each step of its time loop.
+    """Moves all cables of a scene; Exudyn calls `user_function` once for each step of its time loop.
 
     Where no user function can see or change the state between two steps of the loop, several of them
     are computed in one compiled call and handed out one by one.
@@ -43,16 +43,17 @@ class ExplicitTimeLoop:
         self.scheme = scheme
         self.grid = grid
         self.error: InextensibleError | None = None
-        data = mbs.systemData
-        self._set_q, self._set_v = data.SetODE2Coordinates, data.SetODE2Coordinates_t
-        self._set_a = data.SetODE2Coordinates_tt
-        self._getters = (data.GetODE2Coordinates, data.GetODE2Coordinates_t)
-        self._written = [get(exudyn.ConfigurationType.Initial) for get in self._getters]
+        self._data = mbs.systemData
         self._is_watched = _has_step_user_functions(mbs) or not all(run.looks_ahead for run in runs)
-        self._ahead: list[Any] = []  # states still to be handed out, the next one last
+        self._written = self._present(exudyn.ConfigurationType.Initial)
         self._computed = 0  # steps of the loop
         for run in runs:
             run.start(grid.start)
+
+    @property
+    def user_function(self) -> Any:
+        """f(solver, mbs, settings) that takes the state from the start to the end of a loop step."""
+        return self._watched_user_function() if self._is_watched else self._plain_user_function()
 
     @property
     def path(self) -> str:
@@ -66,22 +67,53 @@ class ExplicitTimeLoop:
         ahead = self._intervals(self.grid.loop_steps)
         return f"{names}: {ahead} of Exudyn's steps in one compiled call, because all loads are known"
 
-    def advance(self, solver: Any, mbs: Any, settings: Any) -> bool:
-        """One step of Exudyn's time loop: from the start-of-step to the end-of-step state."""
-        if self._is_watched:
+    def _plain_user_function(self) -> Any:
+        next_state = self._states().__next__
+        set_q, set_v = self._data.SetODE2Coordinates, self._data.SetODE2Coordinates_t
+        set_a = self._data.SetODE2Coordinates_tt
+
+        def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
+            q, v, a = next_state()
+            set_q(q)
+            set_v(v)
+            set_a(a)
+            return True
+
+        return take_step
+
+    def _watched_user_function(self) -> Any:
+        plain = self._plain_user_function()
+
+        def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
             self._take_over_changes()
-        if not self._ahead:
-            self._compute_ahead()
-        state = self._ahead.pop()
-        if state is None:
-            self.error = self._divergence(mbs.systemData.GetTime())
-            raise self.error
-        self._set_q(state[0])
-        self._set_v(state[1])
-        self._set_a(state[2])
-        if self._is_watched:
-            self._written = [get() for get in self._getters]
-        return True
+            plain(solver, mbs, settings)
+            self._written = self._present()
+            return True
+
+        return take_step
+
+    def _states(self) -> Iterator[list[list[float]]]:
+        """(q, v, a) of the system after each step of the loop; DivergenceError instead of a bad one."""
+        while True:
+            first = self._computed
+            states = self._compute_ahead()
+            finite = np.isfinite(states.sum(axis=(1, 2)))
+            good = len(states) if finite.all() else int(np.argmin(finite))
+            yield from (state.tolist() for state in states[:good])
+            if good < len(states):
+                self.error = self._divergence(self.grid.time(first + good + 1))
+                raise self.error
+
+    def _compute_ahead(self) -> Array:
+        """(intervals, 3, n) displacements, velocities, accelerations after the next loop steps."""
+        intervals = self._intervals(self.grid.loop_steps - self._computed)
+        states = np.zeros((intervals, 3, len(self._written[0])))
+        for run in self.runs:
+            history = np.empty((intervals, 3, len(run.indices)))
+            run.record(self.scheme, self.grid, self._computed, history)
+            states[:, :, run.indices] = history
+        self._computed += intervals
+        return states
 
     def _intervals(self, remaining: int) -> int:
         """Number of steps of the loop to compute in one call."""
@@ -90,21 +122,13 @@ class ExplicitTimeLoop:
         coordinates = sum(len(run.indices) for run in self.runs)
         return max(1, min(remaining, LOOK_AHEAD_LIMIT // (coordinates * self.grid.substeps)))
 
-    def _compute_ahead(self) -> None:
-        intervals = self._intervals(self.grid.loop_steps - self._computed)
-        states = np.zeros((intervals, 3, len(self._written[0])))
-        for run in self.runs:
-            history = np.zeros((intervals, 3, len(run.indices)))
-            run.record(self.scheme, self.grid, self._computed, history)
-            states[:, :, run.indices] = history
-        self._computed += intervals
-        finite = np.isfinite(states.sum(axis=(1, 2)))
-        good = intervals if finite.all() else int(np.argmin(finite))
-        self._ahead = [*states[:good].tolist(), *([None] if good < intervals else [])][::-1]
+    def _present(self, configuration: Any = exudyn.ConfigurationType.Current) -> list[list[float]]:
+        data = self._data
+        return [data.GetODE2Coordinates(configuration), data.GetODE2Coordinates_t(configuration)]
 
     def _take_over_changes(self) -> None:
         """A user function may have set coordinates since the last step: restart from them."""
-        present = [get() for get in self._getters]
+        present = self._present()
         if all(map(np.array_equal, present, self._written)):
             return
         q, v = map(np.asarray, present)

@@ -74,22 +74,24 @@ def record(scheme, system, loads, state, h, steps, history):
         steps: in each interval.
         history: (intervals, 3, n_dof) output q, v, a at the end of each interval.
     """
+    q, v, a = state.q, state.v, state.a
     for interval in range(len(history)):
         advance(scheme, system, loads, state, h, interval * steps, steps)
-        for i in range(len(state.q)):
-            history[interval, 0, i] = state.q[i]
-            history[interval, 1, i] = state.v[i]
-            history[interval, 2, i] = state.a[i]
+        for i in range(len(q)):
+            history[interval, 0, i] = q[i]
+            history[interval, 1, i] = v[i]
+            history[interval, 2, i] = a[i]
 
 
 @inlined
 def external_force(loads, step, stage, external):
     """external = F at the given stage of the given step.   external: (n_dof,) output."""
+    constant, pattern, factor = loads.constant, loads.pattern, loads.factor
     for i in range(len(external)):
-        external[i] = loads.constant[i]
-    for p in range(len(loads.pattern)):
+        external[i] = constant[i]
+    for p in range(len(pattern)):
         for i in range(len(external)):
-            external[i] += loads.factor[step, stage, p] * loads.pattern[p, i]
+            external[i] += factor[step, stage, p] * pattern[p, i]
 
 
 def no_loads(n_dof: int, stages: int) -> LoadHistory:

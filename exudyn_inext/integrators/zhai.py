@@ -62,39 +62,38 @@ def start(system, external, state):
 
 
 @inlined
-def _predict(scheme, state, h):
-    """Phase I, Eqs. (31), (32); q_n and v_n are kept for the corrector."""
-    for i in range(len(state.q)):
-        q_rate = state.rate[i] if scheme.projected_rate else state.v[i]
-        a, a_previous = state.a[i], state.a_previous[i]
-        state.q_start[i] = state.q[i] + h * q_rate
-        state.v_start[i] = state.v[i]
-        state.q[i] = state.q_start[i] + h * h * ((0.5 + scheme.psi) * a - scheme.psi * a_previous)
-        state.v[i] += h * ((1.0 + scheme.phi) * a - scheme.phi * a_previous)
-        state.a_previous[i] = a
+def _predict(scheme, h, q, v, a, a_previous, rate, q_start, v_start):
+    """Phase I, Eqs. (31), (32); what the corrector needs of q_n and v_n is kept."""
+    for i in range(len(q)):
+        q_start[i] = q[i] + h * (rate[i] if scheme.projected_rate else v[i])
+        v_start[i] = v[i]
+        q[i] = q_start[i] + h * h * ((0.5 + scheme.psi) * a[i] - scheme.psi * a_previous[i])
+        v[i] += h * ((1.0 + scheme.phi) * a[i] - scheme.phi * a_previous[i])
+        a_previous[i] = a[i]
 
 
 @inlined
-def _correct(scheme, state, h):
+def _correct(scheme, h, q, v, a_predicted, a_start, q_start, v_start):
     """Phase III, Eqs. (33), (34), from the predicted acceleration."""
     gamma = scheme.gamma_newmark
     beta = 0.25 * (0.5 + gamma) ** 2
-    for i in range(len(state.q)):
-        a_start, a_predicted = state.a_previous[i], state.a[i]
-        state.q[i] = state.q_start[i] + h * h * ((0.5 - beta) * a_start + beta * a_predicted)
-        state.v[i] = state.v_start[i] + h * ((1.0 - gamma) * a_start + gamma * a_predicted)
+    for i in range(len(q)):
+        q[i] = q_start[i] + h * h * ((0.5 - beta) * a_start[i] + beta * a_predicted[i])
+        v[i] = v_start[i] + h * ((1.0 - gamma) * a_start[i] + gamma * a_predicted[i])
 
 
 @implements(advance, Zhai)
 def advance_zhai(scheme, system, loads, state, h, first, steps):
     """Take `steps` steps of size h [s]; see `advance`."""
+    q, v, a, a_previous, rate = state.q, state.v, state.a, state.a_previous, state.rate
+    external, q_start, v_start = state.external, state.q_start, state.v_start
     for step in range(first, first + steps):
-        _predict(scheme, state, h)
-        external_force(loads, step, 0, state.external)
+        _predict(scheme, h, q, v, a, a_previous, rate, q_start, v_start)
+        external_force(loads, step, 0, external)
         for phase in range(1 + scheme.corrector):
             if phase == 1:
-                _correct(scheme, state, h)
-            index_reduced_rates(system, state.external, state.q, state.v, state.a, state.rate)
+                _correct(scheme, h, q, v, a, a_previous, q_start, v_start)
+            index_reduced_rates(system, external, q, v, a, rate)
 
 
 INTEGRATOR = Integrator(name="Zhai", order=2, stages=(1.0,), scheme=Zhai, allocate=allocate, start=start)
