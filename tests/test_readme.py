@@ -1,0 +1,20 @@
+"""What the README prints runs as printed."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+README = Path(__file__).parents[1] / "README.md"
+
+
+def test_the_readme_script_runs_and_swings_the_tip_to_where_the_reference_has_it(
+    tmp_path, monkeypatch, capsys
+):
+    (script,) = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+    monkeypatch.chdir(tmp_path)  # Exudyn writes its solution file here
+    variables = {}
+    exec(script, variables)
+    assert "decided by rule (37)" in capsys.readouterr().out
+    tip = variables["mbs"].GetSensorValues(variables["tip"])
+    assert tip == pytest.approx([1.7645, -0.1798, 0.0], abs=1e-3)  # MBDyn limit at 5 s
