@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import exudyn
-from exudyn.itemInterface import SensorNode
 
 from exudyn_inext import (
     CableShape,
@@ -15,9 +14,7 @@ from exudyn_inext import (
 )
 from exudyn_inext.errors import InputError
 
-from .conventional.model import Model
-from .conventional.settings import SENSOR_PERIOD, Explicit, simulation_settings
-from .conventional.solve import sensor_trajectory, silence
+from .model import SENSOR_PERIOD, Model, add_position_sensors, quiet_settings, sensor_trajectory, silence
 from .scenes import Clamp, Scene
 from .trajectory import Case, Run, Trajectory
 
@@ -52,16 +49,7 @@ def build(scene: Scene, elements: int, measure: str = "secondDerivative") -> Mod
         groundConstraintsEnd=end,
         shape=_shape(scene, elements),
     )
-    sensors = {
-        name: mbs.AddSensor(
-            SensorNode(
-                nodeNumber=cable["nodes"][round(fraction * elements)],
-                storeInternal=True,
-                outputVariableType=exudyn.OutputVariableType.Position,
-            )
-        )
-        for name, fraction in scene.observe.items()
-    }
+    sensors = add_position_sensors(mbs, scene, cable["nodes"])
     mbs.Assemble()
     return Model(scene, container, mbs, tuple(cable["nodes"]), sensors)
 
@@ -132,7 +120,6 @@ def _label(model: Inextensible, report: dict[str, Any]) -> str:
 
 def _solve(model: Model, scene: Scene, inextensible: Inextensible) -> dict[str, Any]:
     period = inextensible.output_period or SENSOR_PERIOD
-    settings = simulation_settings(Explicit(period), scene.end_time)
-    settings.solution.sensors.writePeriod = period
+    settings = quiet_settings(scene.end_time, round(scene.end_time / period), period)
     with silence():
         return SolveExplicit(model.mbs, settings, inextensible.settings)

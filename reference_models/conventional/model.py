@@ -1,35 +1,20 @@
 """A scene as an Exudyn model of native ANCF cable elements."""
 
-from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 import exudyn
 from exudyn.beams import GenerateBeamElementsAlongLine
-from exudyn.itemInterface import ObjectANCFCable, ObjectANCFCable2D, SensorNode
+from exudyn.itemInterface import ObjectANCFCable, ObjectANCFCable2D
 
 from exudyn_inext.errors import InputError
 
+from ..model import Model, add_position_sensors, node_index, require_elements
 from ..scenes import Clamp, Pin, Scene
 from ..scenes.scene import ZERO
 from .supports import add_constraint, add_spring
 
 Quadrature = Literal["full", "reduced", "lobatto"]
 """Exudyn's useReducedOrderIntegration = 0, 1, 2: the quadrature of the elastic forces."""
-
-
-@dataclass(frozen=True, eq=False)
-class Model:
-    """An assembled model.
-
-    container owns mbs and must outlive it.   nodes: node numbers along the cable.
-    sensors: observed point -> sensor number.
-    """
-
-    scene: Scene
-    container: Any
-    mbs: Any
-    nodes: tuple[int, ...]
-    sensors: dict[str, int]
 
 
 def build(
@@ -46,34 +31,15 @@ def build(
         quadrature: "lobatto" is cheapest and locks least, but has hourglass modes.
         pin_stiffness: [N/m] springs instead of constraints, needed by explicit integrators.
     """
-    _require_elements(elements)
+    require_elements(elements)
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     nodes = _add_cable(mbs, scene, elements, quadrature)
     for support in scene.supports:
-        _add_support(mbs, nodes[_node_index(support.at, elements)], support, scene, pin_stiffness)
-    sensors = {
-        name: _add_position_sensor(mbs, nodes[_node_index(fraction, elements)])
-        for name, fraction in scene.observe.items()
-    }
+        _add_support(mbs, nodes[node_index(support.at, elements)], support, scene, pin_stiffness)
+    sensors = add_position_sensors(mbs, scene, nodes)
     mbs.Assemble()
     return Model(scene, container, mbs, nodes, sensors)
-
-
-def _require_elements(elements: int) -> None:
-    if isinstance(elements, bool) or not isinstance(elements, int) or elements < 1:
-        raise InputError(f"elements = {elements!r}: must be an integer >= 1.")
-
-
-def _node_index(fraction: float, elements: int) -> int:
-    """Index of the node at that fraction of the arc length; equal elements."""
-    index = round(fraction * elements)
-    if abs(index - fraction * elements) > 1e-9:
-        raise InputError(
-            f"arc length fraction {fraction!r} is no node of {elements} equal elements; "
-            f"use a number of elements n for which {fraction!r} * n is an integer."
-        )
-    return index
 
 
 def _element_template(scene: Scene, quadrature: Quadrature) -> ObjectANCFCable | ObjectANCFCable2D:
@@ -124,9 +90,3 @@ def _add_support(
         add_constraint(mbs, node, support, dimension=2 if scene.is_planar else 3)
     else:
         add_spring(mbs, node, support, pin_stiffness)
-
-
-def _add_position_sensor(mbs: Any, node: int) -> int:
-    position = exudyn.OutputVariableType.Position
-    sensor = SensorNode(nodeNumber=node, storeInternal=True, outputVariableType=position)
-    return int(mbs.AddSensor(sensor))

@@ -8,13 +8,12 @@ import exudyn
 
 from exudyn_inext.errors import InputError
 
+from ..model import quiet_settings
+
 Newton = Literal["full", "modified", "modifiedEachStep"]
 LinearSolver = Literal["dense", "sparse"]
 ImplicitIntegrator = Literal["generalizedAlpha", "trapezoidal"]
 ExplicitIntegrator = Literal["velocityVerlet", "rungeKutta44"]
-
-SENSOR_PERIOD = 0.01
-"""Time between two stored sensor values [s]."""
 
 _SOLVER_TYPES = {
     "generalizedAlpha": exudyn.DynamicSolverType.GeneralizedAlpha,
@@ -65,14 +64,9 @@ def number_of_steps(step_size: float, end_time: float) -> int:
 
 
 def simulation_settings(solver: Solver, end_time: float) -> Any:
-    """exudyn.SimulationSettings: silent, no files, sensors every SENSOR_PERIOD."""
-    settings = exudyn.SimulationSettings()
-    settings.solution.file.write = False
-    settings.solution.sensors.writePeriod = SENSOR_PERIOD
+    """exudyn.SimulationSettings for `solver`: silent, no files, sensors every SENSOR_PERIOD."""
+    settings = quiet_settings(end_time, number_of_steps(solver.step_size, end_time))
     time = settings.timeIntegration
-    time.endTime = end_time
-    time.numberOfSteps = number_of_steps(solver.step_size, end_time)
-    time.verboseMode = 0
     time.solverType = _SOLVER_TYPES[solver.integrator]
     if isinstance(solver, Implicit):
         _set_implicit(settings, solver)

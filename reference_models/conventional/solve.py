@@ -1,15 +1,11 @@
 """One run of a built native model."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-
 import exudyn
-import numpy as np
 
 from exudyn_inext.errors import DivergenceError
 
+from ..model import Model, sensor_trajectory, silence
 from ..trajectory import Trajectory
-from .model import Model
 from .settings import Solver, simulation_settings
 
 
@@ -26,20 +22,3 @@ def solve(model: Model, solver: Solver, end_time: float | None = None) -> Trajec
     except exudyn.ExudynError as error:
         raise DivergenceError(f"{solver} stopped early: {error}; use a smaller step.") from error
     return sensor_trajectory(model, model.scene.main_point)
-
-
-def sensor_trajectory(model: Model, point: str) -> Trajectory:
-    """What the sensor of an observed point has stored."""
-    stored = np.asarray(model.mbs.GetSensorStoredData(model.sensors[point]))
-    return Trajectory(times=stored[:, 0].copy(), positions=stored[:, 1:4].copy())
-
-
-@contextmanager
-def silence() -> Iterator[None]:
-    """Keep Exudyn's notes and failure reports off the console; errors still come as exceptions."""
-    before = exudyn.config.printToConsole
-    exudyn.config.printToConsole = False
-    try:
-        yield
-    finally:
-        exudyn.config.printToConsole = before

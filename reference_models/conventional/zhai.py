@@ -2,11 +2,11 @@
 
 from exudyn_inext import ExplicitSettings, SolveExplicit
 
+from ..model import SENSOR_PERIOD, quiet_settings, sensor_trajectory, silence
 from ..scenes import Scene
 from ..trajectory import Case, Run, Trajectory
 from .model import build
-from .settings import SENSOR_PERIOD, Explicit, number_of_steps, simulation_settings
-from .solve import sensor_trajectory, silence
+from .settings import number_of_steps
 
 
 def zhai_case(scene: Scene, elements: int, step_size: float, label: str = "") -> Case:
@@ -14,7 +14,7 @@ def zhai_case(scene: Scene, elements: int, step_size: float, label: str = "") ->
 
     def prepare() -> Run:
         model = build(scene, elements)
-        settings = simulation_settings(Explicit(SENSOR_PERIOD), scene.end_time)
+        settings = quiet_settings(scene.end_time, round(scene.end_time / SENSOR_PERIOD))
 
         def run() -> Trajectory:
             with silence():

@@ -1,0 +1,94 @@
+"""A scene as an assembled Exudyn model, whatever its formulation; and what its sensors stored."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import exudyn
+import numpy as np
+from exudyn.itemInterface import SensorNode
+
+from exudyn_inext.errors import InputError
+
+from .scenes import Scene
+from .trajectory import Trajectory
+
+SENSOR_PERIOD = 0.01
+"""Time between two stored sensor values [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """An assembled model.
+
+    container owns mbs and must outlive it.   nodes: node numbers along the cable.
+    sensors: observed point -> sensor number.
+    """
+
+    scene: Scene
+    container: Any
+    mbs: Any
+    nodes: tuple[int, ...]
+    sensors: dict[str, int]
+
+
+def require_elements(elements: int) -> None:
+    if isinstance(elements, bool) or not isinstance(elements, int) or elements < 1:
+        raise InputError(f"elements = {elements!r}: must be an integer >= 1.")
+
+
+def node_index(fraction: float, elements: int) -> int:
+    """Index of the node at that fraction of the arc length; equal elements."""
+    index = round(fraction * elements)
+    if abs(index - fraction * elements) > 1e-9:
+        raise InputError(
+            f"arc length fraction {fraction!r} is no node of {elements} equal elements; "
+            f"use a number of elements n for which {fraction!r} * n is an integer."
+        )
+    return index
+
+
+def add_position_sensors(mbs: Any, scene: Scene, nodes: Sequence[int]) -> dict[str, int]:
+    """Observed point -> sensor number; equal elements between the nodes."""
+    elements = len(nodes) - 1
+    return {
+        name: int(
+            mbs.AddSensor(
+                SensorNode(
+                    nodeNumber=nodes[node_index(fraction, elements)],
+                    storeInternal=True,
+                    outputVariableType=exudyn.OutputVariableType.Position,
+                )
+            )
+        )
+        for name, fraction in scene.observe.items()
+    }
+
+
+def quiet_settings(end_time: float, steps: int, period: float = SENSOR_PERIOD) -> Any:
+    """exudyn.SimulationSettings: silent, no files, sensors every `period` [s]."""
+    settings = exudyn.SimulationSettings()
+    settings.solution.file.write = False
+    settings.solution.sensors.writePeriod = period
+    settings.timeIntegration.endTime = end_time
+    settings.timeIntegration.numberOfSteps = steps
+    settings.timeIntegration.verboseMode = 0
+    return settings
+
+
+def sensor_trajectory(model: Model, point: str) -> Trajectory:
+    """What the sensor of an observed point has stored."""
+    stored = np.asarray(model.mbs.GetSensorStoredData(model.sensors[point]))
+    return Trajectory(times=stored[:, 0].copy(), positions=stored[:, 1:4].copy())
+
+
+@contextmanager
+def silence() -> Iterator[None]:
+    """Keep Exudyn's notes and failure reports off the console; errors still come as exceptions."""
+    before = exudyn.config.printToConsole
+    exudyn.config.printToConsole = False
+    try:
+        yield
+    finally:
+        exudyn.config.printToConsole = before
