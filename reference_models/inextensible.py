@@ -95,6 +95,7 @@ def inextensible_case(scene: Scene, model: Inextensible, label: str = "") -> Cas
         details={
             "zeta": model.settings.stabilizationRate,
             "curvatureMeasure": model.measure,
+            "massScaling": model.settings.massScaling,
             "stepDecidedBy": report["decidedBy"],
             "stepLimit": report["bounds"].stability_limit,
             "ruleStep": report["bounds"].rule,
@@ -113,6 +114,8 @@ def fine_solution(scene: Scene, elements: int) -> Trajectory:
 def _label(model: Inextensible, report: dict[str, Any]) -> str:
     parts = [f"inextensible {model.settings.integrator}, N = {model.elements}"]
     parts.append(f"h = {report['stepSize']:.3g} s")
+    if model.settings.massScaling:
+        parts.append(f"mass scaling {model.settings.massScaling:g}")
     if model.measure != "secondDerivative":
         parts.append(model.measure)
     return ", ".join(parts)

@@ -85,21 +85,25 @@ def _paper_cases(scene: Scene) -> list[Case]:
 
 
 def _inextensible_cases(scene: Scene) -> list[Case]:
-    """Zhai with zeta = 100: coarser and finer meshes, mostly near their largest stable steps."""
+    """Zhai with zeta = 100: plain near its largest stable steps, and with scaled mass at larger ones."""
 
-    def case(elements: int, step_size: float, **options: Any) -> Case:
-        settings = ExplicitSettings(stepSize=step_size)
+    def case(elements: int, step_size: float, scaling: float = 0.0, **options: Any) -> Case:
+        settings = ExplicitSettings(stepSize=step_size, massScaling=scaling)
         return inextensible_case(scene, Inextensible(elements, settings, **options))
 
     return [
+        case(10, 6e-4),
+        case(5, 2.5e-3, measure="product"),
+        case(5, 5e-3, 0.3),
         case(3, 5e-3),
         case(4, 2e-3),
-        case(5, 2.5e-3, measure="product"),
         case(6, 1.67e-3),
         case(8, 1e-3),
         case(10, 6.7e-4),
-        case(10, 6e-4),
         case(20, 1.25e-4),
+        case(8, 2.5e-3, 0.3),
+        case(10, 2e-3, 0.3),
+        case(20, 1e-3, 0.3),
     ]
 
 

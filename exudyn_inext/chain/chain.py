@@ -33,15 +33,21 @@ class Chain(NamedTuple):
         return len(self.nodes), 2, len(self.axes)
 
 
-def build_chain(cable: Cable) -> Chain:
-    """Coefficients of `cable`, from the element formulas of `element/`, and memory for its solves."""
+def build_chain(cable: Cable, mass_scaling: float = 0.0) -> Chain:
+    """Coefficients of `cable`, from the element formulas of `element/`, and memory for its solves.
+
+    Args:
+        cable: the cable.
+        mass_scaling: theta h^2 [s^2]: the mass matrix becomes M + theta h^2 K with the constant K of
+            `secondDerivative`, which makes the bending part of an explicit scheme implicit.
+    """
     product = cable.measure is CurvatureMeasure.PRODUCT
     dim, number = cable.dimension, cable.number_of_elements
     nodes = np.zeros(number + 1, node_type(dim)).view(np.recarray)
     elements = np.zeros(number, element_type(dim, product)).view(np.recarray)
     nodes.free = np.where(cable.fixed, 0.0, 1.0)
     nodes.ends_group = _ends_group(cable)
-    nodes.mass, elements.mass = _mass_bands(cable)
+    nodes.mass, elements.mass = _mass_bands(cable, mass_scaling)
     lengths, stiffness = cable.element_lengths, cable.section.bending_stiffness
     elements.stiffness = stiffness * _in_differences(stiffness_matrix, lengths)
     if product:
@@ -64,9 +70,11 @@ def _ends_group(cable: Cable) -> np.ndarray:
     return np.append(False, ends)
 
 
-def _mass_bands(cable: Cable) -> tuple[Array, Array]:
-    """Diagonal (n, 3) and coupling (N, 4) of rho_A M, with held coordinates taken out."""
-    element = cable.section.mass_per_length * forms_of_mesh(mass_matrix, cable.element_lengths)
+def _mass_bands(cable: Cable, mass_scaling: float) -> tuple[Array, Array]:
+    """Diagonal (n, 3) and coupling (N, 4) of the scaled mass, with held coordinates taken out."""
+    section, lengths = cable.section, cable.element_lengths
+    element = section.mass_per_length * forms_of_mesh(mass_matrix, lengths)
+    element += mass_scaling * section.bending_stiffness * forms_of_mesh(stiffness_matrix, lengths)
     diagonal = np.zeros((cable.number_of_elements + 1, 3))
     diagonal[:-1] += element[:, [0, 0, 1], [0, 1, 1]]
     diagonal[1:] += element[:, [2, 2, 3], [2, 3, 3]]

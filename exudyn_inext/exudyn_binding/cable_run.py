@@ -47,6 +47,10 @@ class CableRun:
     def name(self) -> str:
         return f"cable '{self.scene_cable.name}'"
 
+    def scale_mass(self, mass_scaling: float) -> None:
+        """Move with the mass matrix M + mass_scaling K from now on; see `build_chain` [s^2]."""
+        self.system = CableSystem(build_chain(self.scene_cable.cable, mass_scaling), self.system.zeta)
+
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; the history of a multi-step scheme begins here.
 

@@ -46,17 +46,11 @@ def require_assembled(mbs: Any) -> None:
         raise SceneError("mbs is not assembled: call mbs.Assemble() before SolveExplicit.")
 
 
-def has_inextensible_cables(mbs: Any) -> bool:
-    """Whether any object of mbs is an inextensible cable."""
-    numbers = range(mbs.systemData.NumberOfObjects())
-    return any(find_cable_item(mbs.GetObject(number)) is not None for number in numbers)
-
-
 def read_scene(mbs: Any) -> list[CableInScene]:
-    """All inextensible cables of an assembled mbs.
+    """All inextensible cables of an assembled mbs; empty if there is none.
 
     Raises:
-        SceneError: the mbs contains other items that move, connect or load; all are named.
+        SceneError: besides cables, the mbs has other items that move, connect or load; all are named.
     """
     items: dict[int, CableItem] = {}
     held: list[HeldCoordinate] = []
@@ -71,6 +65,8 @@ def read_scene(mbs: Any) -> list[CableInScene]:
             held.append(constraint)
         elif data["objectType"] not in _HARMLESS:
             unsupported.append(f"object {number} '{data['name']}' ({data['objectType']})")
+    if not items:
+        return []
     on_cables = {node for item in items.values() for node in item.nodes}
     loads, other_loads = _read_loads(mbs, on_cables)
     unsupported += _foreign_nodes(mbs, on_cables) + other_loads

@@ -10,13 +10,13 @@ import exudyn
 import numpy as np
 
 from ..chain.cable import Cable
-from ..errors import SceneError
+from ..errors import InputError, SceneError
 from ..integrators import find_integrator
 from ..integrators.linear_stability import decay_limit, frequency_limit
 from ..integrators.step_size import StepSizeBounds, choose_step, rule_step, step_above_limit
 from .cable_run import CableRun
 from .native_run import NativeRun
-from .scene import has_inextensible_cables, initial_state, read_scene, require_assembled
+from .scene import initial_state, read_scene, require_assembled
 from .settings import ExplicitSettings
 from .time_grid import TimeGrid, time_grid
 from .time_loop import ExplicitTimeLoop, Run
@@ -58,6 +58,8 @@ def SolveExplicit(
     require_assembled(mbs)
     solver = exudyn.MainSolverImplicitSecondOrder()
     runs = _runs(mbs, solver, explicit)
+    if explicit.massScaling:
+        _scale_mass(runs, explicit, time_grid(mbs, settings, explicit.stepSize).h)
     bounds = _bounds(runs, float(settings.timeIntegration.startTime), explicit)
     wanted, decided_by = _wanted_step(bounds, explicit)
     grid = time_grid(mbs, settings, wanted)
@@ -82,12 +84,10 @@ def _scheme(explicit: ExplicitSettings) -> Any:
 def _runs(mbs: Any, solver: Any, explicit: ExplicitSettings) -> Sequence[Run]:
     """One run for each inextensible cable; without any, one for all native items."""
     integrator = find_integrator(explicit.integrator)
-    if not has_inextensible_cables(mbs):
-        return [NativeRun(mbs, solver, integrator)]
     return [
         CableRun(cable, initial_state(mbs, cable), explicit.stabilizationRate, integrator)
         for cable in read_scene(mbs)
-    ]
+    ] or [NativeRun(mbs, solver, integrator)]
 
 
 def _bounds(runs: Sequence[Run], start: float, explicit: ExplicitSettings) -> StepSizeBounds:
@@ -113,6 +113,7 @@ def _rule(cable: Cable, constant: float) -> float:
 
 
 def _wanted_step(bounds: StepSizeBounds, explicit: ExplicitSettings) -> tuple[float, str]:
+    """The given step, unless it is above the stability limit, or the largest safe one."""
     if explicit.stepSize is None:
         return choose_step(bounds, explicit.stepSafety)
     error = step_above_limit(explicit.stepSize, bounds, explicit.integrator)
@@ -121,6 +122,16 @@ def _wanted_step(bounds: StepSizeBounds, explicit: ExplicitSettings) -> tuple[fl
     if error is not None:
         warnings.warn(str(error), stacklevel=3)
     return explicit.stepSize, "stepSize"
+
+
+def _scale_mass(runs: Sequence[Run], explicit: ExplicitSettings, h: float) -> None:
+    """Scale the mass of all cables for steps of size h."""
+    for run in runs:
+        if not isinstance(run, CableRun):
+            raise InputError(
+                f"massScaling = {explicit.massScaling!r}: only inextensible cables have it; set it to zero."
+            )
+        run.scale_mass(explicit.massScaling * h**2)
 
 
 @contextmanager

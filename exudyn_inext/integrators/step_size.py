@@ -61,7 +61,7 @@ def step_above_limit(h: float, bounds: StepSizeBounds, integrator: str) -> StepS
         return None
     if bounds.bending <= bounds.stabilisation:
         cause = f"w_max = {bounds.largest_frequency:.6g} rad/s of {bounds.cable}"
-        remedy = "reduce the step, or use fewer elements"
+        remedy = "reduce the step, use fewer elements, or set massScaling"
     else:
         cause = "the constraint stabilisation"
         remedy = "reduce the step or the stabilisationRate"
