@@ -14,6 +14,7 @@ from .exudyn_binding.settings import ExplicitSettings
 from .exudyn_binding.shape import CableShape
 from .exudyn_binding.solver import SolveExplicit
 from .exudyn_binding.template import InextensibleCable
+from .integrators.rattle import Rattle
 from .integrators.zhai import Zhai
 
 __all__ = [
@@ -25,6 +26,7 @@ __all__ = [
     "InextensibleCable",
     "InextensibleError",
     "InputError",
+    "Rattle",
     "RedundantConstraintError",
     "SceneError",
     "SolveExplicit",

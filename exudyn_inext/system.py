@@ -30,6 +30,44 @@ def index_reduced_rates(system, external, q, v, acceleration, rate):
     raise NotImplementedError(f"no index-reduced rates for {type(system).__name__}")
 
 
+@singledispatch
+def accelerate_and_project(system, external, q, v, duration, acceleration, end_velocity):
+    """Constrained acceleration at q, and the velocity after it has acted, on the constraint manifold.
+
+    M a + C_q^T lam = F with C_q a = gamma; v_end = v + duration a + M^-1 C_q^T nu with C_q v_end = 0.
+
+    Args:
+        system: the mechanical system.
+        external: (n_dof,) external generalised force.
+        q: (n_dof,) coordinates.   v: (n_dof,) velocities.
+        duration: for which the acceleration acts [s].
+        acceleration: (n_dof,) output a.
+        end_velocity: (n_dof,) output v_end; must not be the array v.
+
+    Raises:
+        NotImplementedError: the type of `system` implements no such projection.
+    """
+    raise NotImplementedError(f"no projection for {type(system).__name__}")
+
+
+@singledispatch
+def correct_position(system, q, correction):
+    """One step back to the constraint manifold along the last Jacobian: C_q d = -c(q).
+
+    Args:
+        system: the mechanical system, after `accelerate_and_project`.
+        q: (n_dof,) coordinates off the manifold.
+        correction: (n_dof,) output d = -M^-1 C_q^T mu.
+
+    Returns:
+        Largest violation |c(q)| [-] before the correction; lengths relative to the element.
+
+    Raises:
+        NotImplementedError: the type of `system` implements no such correction.
+    """
+    raise NotImplementedError(f"no position correction for {type(system).__name__}")
+
+
 def implements(protocol: Any, system_type: type) -> Callable[[Any], Any]:
     """Register the decorated kernel as `protocol` for systems of `system_type`."""
 
@@ -47,5 +85,25 @@ def _compile_index_reduced_rates(system, external, q, v, acceleration, rate):
 
     def call(system, external, q, v, acceleration, rate):
         implementation(system, external, q, v, acceleration, rate)
+
+    return call
+
+
+@overload(accelerate_and_project, strict=False)
+def _compile_accelerate_and_project(system, external, q, v, duration, acceleration, end_velocity):
+    implementation = accelerate_and_project.dispatch(getattr(system, "instance_class", object))
+
+    def call(system, external, q, v, duration, acceleration, end_velocity):
+        implementation(system, external, q, v, duration, acceleration, end_velocity)
+
+    return call
+
+
+@overload(correct_position, strict=False)
+def _compile_correct_position(system, q, correction):
+    implementation = correct_position.dispatch(getattr(system, "instance_class", object))
+
+    def call(system, q, correction):
+        return implementation(system, q, correction)
 
     return call

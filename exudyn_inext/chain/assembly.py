@@ -69,6 +69,29 @@ def add_elastic_force(chain, q, force):
 
 
 @inlined
+def set_violations(axes, nodes, elements, q):
+    """Values of all constraints at q into the records; returns the largest, lengths relative."""
+    worst = 0.0
+    for k in range(len(nodes)):
+        value = nodes[k].free[1] * nodal_constraint(axes, q[k, 1])
+        nodes[k].constraint[VALUE] = value
+        worst = max(worst, abs(value))
+    e, gradient = local_array(3, 3), local_array(3, 3)
+    of_group = 0.0
+    for k in range(len(elements)):
+        element = elements[k]
+        differences(axes, q, k, e)
+        length_gradient(axes, element.slope_gram, e, gradient)
+        value = 0.5 * contract(axes, e, gradient) - element.reference_length
+        element.constraint[VALUE] = value
+        of_group += value / element.reference_length
+        if nodes[k + 1].ends_group:
+            worst = max(worst, abs(of_group))
+            of_group = 0.0
+    return worst
+
+
+@inlined
 def assemble(axes, nodes, elements, q, v, column):
     """All that the index-reduced equations need at (q, v), into the records of the chain.
 

@@ -3,8 +3,13 @@
 from typing import NamedTuple
 
 from ..compiled import inlined
-from ..system import implements, index_reduced_rates
-from .assembly import GAMMA, RATE, VALUE, assemble
+from ..system import (
+    accelerate_and_project,
+    correct_position,
+    implements,
+    index_reduced_rates,
+)
+from .assembly import GAMMA, RATE, VALUE, assemble, set_violations
 from .chain import Chain
 from .saddle_point import expand_solution, factorise, reduce_right_hand_side, substitute
 
@@ -23,7 +28,26 @@ class CableSystem(NamedTuple):
 
 
 @inlined
-def _set_targets(zeta, record):
+def _assemble_and_factorise(axes, nodes, elements, external, q, v):
+    for k in range(len(nodes)):
+        for i in range(len(axes)):
+            nodes[k].force[ACCELERATION, 0, i] = external[k, 0, i]
+            nodes[k].force[ACCELERATION, 1, i] = external[k, 1, i]
+    assemble(axes, nodes, elements, q, v, ACCELERATION)
+    factorise(axes, nodes, elements, q)
+
+
+@inlined
+def _solve_both(axes, nodes, elements, acceleration, correction):
+    reduce_right_hand_side(axes, nodes, elements, ACCELERATION)
+    reduce_right_hand_side(axes, nodes, elements, CORRECTION)
+    substitute(axes, nodes, (ACCELERATION, CORRECTION), ACCELERATION)
+    expand_solution(axes, nodes, elements, ACCELERATION, acceleration)
+    expand_solution(axes, nodes, elements, CORRECTION, correction)
+
+
+@inlined
+def _set_stabilised_targets(zeta, record):
     """Right-hand sides of the constraint rows of Eq. (29), from c, c_q v and gamma."""
     terms = record.constraint
     record.target[ACCELERATION] = terms[GAMMA] - zeta * terms[RATE]
@@ -38,21 +62,54 @@ def cable_rates(system, external, q, v, acceleration, rate):
     """
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     shape = (len(nodes), 2, len(axes))
-    q_nodes, v_nodes, force = q.reshape(shape), v.reshape(shape), external.reshape(shape)
+    _assemble_and_factorise(
+        axes, nodes, elements, external.reshape(shape), q.reshape(shape), v.reshape(shape)
+    )
     for k in range(len(nodes)):
-        for i in range(len(axes)):
-            nodes[k].force[ACCELERATION, 0, i] = force[k, 0, i]
-            nodes[k].force[ACCELERATION, 1, i] = force[k, 1, i]
-    assemble(axes, nodes, elements, q_nodes, v_nodes, ACCELERATION)
-    factorise(axes, nodes, elements, q_nodes)
-    for k in range(len(nodes)):
-        _set_targets(system.zeta, nodes[k])
+        _set_stabilised_targets(system.zeta, nodes[k])
     for k in range(len(elements)):
-        _set_targets(system.zeta, elements[k])
-    reduce_right_hand_side(axes, nodes, elements, ACCELERATION)
-    reduce_right_hand_side(axes, nodes, elements, CORRECTION)
-    substitute(axes, nodes, (ACCELERATION, CORRECTION))
-    expand_solution(axes, nodes, elements, ACCELERATION, acceleration.reshape(shape))
-    expand_solution(axes, nodes, elements, CORRECTION, rate.reshape(shape))
+        _set_stabilised_targets(system.zeta, elements[k])
+    _solve_both(axes, nodes, elements, acceleration.reshape(shape), rate.reshape(shape))
     for i in range(len(v)):
         rate[i] += v[i]
+
+
+@inlined
+def _set_projection_targets(duration, record):
+    """C_q a = gamma, and C_q d = -C_q (v + duration a): the velocity's way to the manifold."""
+    terms = record.constraint
+    record.target[ACCELERATION] = terms[GAMMA]
+    record.target[CORRECTION] = -terms[RATE] - duration * terms[GAMMA]
+
+
+@implements(accelerate_and_project, CableSystem)
+def accelerate_and_project_cable(system, external, q, v, duration, acceleration, end_velocity):
+    """One factorisation for both columns. Arguments: see `accelerate_and_project`."""
+    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
+    shape = (len(nodes), 2, len(axes))
+    _assemble_and_factorise(
+        axes, nodes, elements, external.reshape(shape), q.reshape(shape), v.reshape(shape)
+    )
+    for k in range(len(nodes)):
+        _set_projection_targets(duration, nodes[k])
+    for k in range(len(elements)):
+        _set_projection_targets(duration, elements[k])
+    _solve_both(axes, nodes, elements, acceleration.reshape(shape), end_velocity.reshape(shape))
+    for i in range(len(v)):
+        end_velocity[i] += v[i] + duration * acceleration[i]
+
+
+@implements(correct_position, CableSystem)
+def correct_cable_position(system, q, correction):
+    """One solve with the last factor. Arguments: see `correct_position`."""
+    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
+    shape = (len(nodes), 2, len(axes))
+    worst = set_violations(axes, nodes, elements, q.reshape(shape))
+    for k in range(len(nodes)):
+        nodes[k].target[CORRECTION] = -nodes[k].constraint[VALUE]
+    for k in range(len(elements)):
+        elements[k].target[CORRECTION] = -elements[k].constraint[VALUE]
+    reduce_right_hand_side(axes, nodes, elements, CORRECTION)
+    substitute(axes, nodes, (CORRECTION,), CORRECTION)
+    expand_solution(axes, nodes, elements, CORRECTION, correction.reshape(shape))
+    return worst

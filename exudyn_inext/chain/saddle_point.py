@@ -245,7 +245,7 @@ def _apply_inverse_lower_transposed(axes, columns, node, z):
 
 
 @inlined
-def _substitute_forward(axes, nodes, columns):
+def _substitute_forward(axes, nodes, columns, first):
     size = 2 * len(axes)
     z, passed_on = local_array(2, 6), local_array(2, 6)
     for c in range(len(columns)):
@@ -255,7 +255,7 @@ def _substitute_forward(axes, nodes, columns):
         node = nodes[k]
         for c in range(len(columns)):
             for i in range(size):
-                z[c, i] = node.solution[c, i] + passed_on[c, i]
+                z[c, i] = node.solution[first + c, i] + passed_on[c, i]
                 passed_on[c, i] = 0.0
             if not node.ends_group:
                 passed_on[c, size - 1] = z[c, size - 1]
@@ -263,13 +263,13 @@ def _substitute_forward(axes, nodes, columns):
         _apply_inverse_lower(axes, columns, node, z)
         for c in range(len(columns)):
             for i in range(size):
-                node.solution[c, i] = z[c, i] * node.inverse_pivot[i]
+                node.solution[first + c, i] = z[c, i] * node.inverse_pivot[i]
                 for r in range(size):
                     passed_on[c, i] -= node.coupling[r, i] * z[c, r]
 
 
 @inlined
-def _substitute_backward(axes, nodes, columns):
+def _substitute_backward(axes, nodes, columns, first):
     size = 2 * len(axes)
     z, right = local_array(2, 6), local_array(2, 6)
     for c in range(len(columns)):
@@ -279,7 +279,7 @@ def _substitute_backward(axes, nodes, columns):
         node = nodes[k]
         for c in range(len(columns)):
             for i in range(size):
-                z[c, i] = node.solution[c, i]
+                z[c, i] = node.solution[first + c, i]
                 for j in range(size):
                     z[c, i] -= node.coupling[i, j] * right[c, j]
         _apply_inverse_lower_transposed(axes, columns, node, z)
@@ -288,19 +288,20 @@ def _substitute_backward(axes, nodes, columns):
                 z[c, size - 1] = right[c, size - 1]
             for i in range(size):
                 right[c, i] = z[c, i]
-                node.solution[c, i] = z[c, i]
+                node.solution[first + c, i] = z[c, i]
 
 
 @inlined
-def substitute(axes, nodes, columns):
+def substitute(axes, nodes, columns, first):
     """Solve for the reduced right-hand sides in `solution`.
 
     Args:
         axes, nodes: of a chain that is factorised.
         columns: (0,) or (0, 1): how many right-hand sides, as a compile-time constant.
+        first: the first of them.
     """
-    _substitute_forward(axes, nodes, columns)
-    _substitute_backward(axes, nodes, columns)
+    _substitute_forward(axes, nodes, columns, first)
+    _substitute_backward(axes, nodes, columns, first)
 
 
 @inlined
@@ -328,7 +329,7 @@ def solve(chain, x):
     """
     axes, nodes, elements = chain.axes, chain.nodes, chain.elements
     reduce_right_hand_side(axes, nodes, elements, 0)
-    substitute(axes, nodes, (0,))
+    substitute(axes, nodes, (0,), 0)
     expand_solution(axes, nodes, elements, 0, x)
 
 

@@ -58,7 +58,7 @@ def SolveExplicit(
     require_assembled(mbs)
     solver = exudyn.MainSolverImplicitSecondOrder()
     runs = _runs(mbs, solver, explicit)
-    if explicit.massScaling:
+    if explicit.massScaling and explicit.stepSize is not None:
         _scale_mass(runs, explicit, time_grid(mbs, settings, explicit.stepSize).h)
     bounds = _bounds(runs, float(settings.timeIntegration.startTime), explicit)
     wanted, decided_by = _wanted_step(bounds, explicit)

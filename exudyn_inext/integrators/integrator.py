@@ -22,6 +22,7 @@ class Integrator:
     scheme: NamedTuple type of its parameters, with defaults.
     allocate: n_dof -> state (NamedTuple of arrays with fields q, v, a at least).
     start: (system, external, state): sets all but q and v of the state; external (n_dof,).
+    stabilised: whether it integrates the stabilised equations (30), whose zeta bounds the step.
     """
 
     name: str
@@ -30,6 +31,7 @@ class Integrator:
     scheme: type[Any]
     allocate: Callable[[int], Any]
     start: Callable[..., None]
+    stabilised: bool = True
 
 
 class LoadHistory(NamedTuple):

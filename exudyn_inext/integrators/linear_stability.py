@@ -5,13 +5,19 @@ constraint stabilisation. The amplification matrix of one step is built column b
 scheme itself, so that a limit is always that of the code that runs.
 """
 
+import math
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import Array
-from ..system import implements, index_reduced_rates
+from ..system import (
+    accelerate_and_project,
+    correct_position,
+    implements,
+    index_reduced_rates,
+)
 from .integrator import Integrator, advance, no_loads
 
 GROWTH_TOLERANCE = 1e-9
@@ -37,6 +43,21 @@ def linear_rates(system, external, q, v, acceleration, rate):
         rate[i] = v[i] if system.zeta == 0.0 else -system.zeta * q[i]
 
 
+@implements(accelerate_and_project, LinearSystem)
+def accelerate_and_project_linear(system, external, q, v, duration, acceleration, end_velocity):
+    """Without constraints there is nothing to project."""
+    for i in range(len(q)):
+        acceleration[i] = external[i] - system.squared_frequency * q[i]
+        end_velocity[i] = v[i] + duration * acceleration[i]
+
+
+@implements(correct_position, LinearSystem)
+def correct_linear_position(system, q, correction):
+    """Without constraints there is nothing to correct."""
+    correction[:] = 0.0
+    return 0.0
+
+
 def amplification_matrix(integrator: Integrator, scheme: Any, system: LinearSystem) -> Array:
     """One step h = 1 as a matrix on (q, v, and the history of a multi-step scheme)."""
     loads = no_loads(1, len(integrator.stages))
@@ -45,7 +66,10 @@ def amplification_matrix(integrator: Integrator, scheme: Any, system: LinearSyst
     for unit in fields:
         state = integrator.allocate(1)
         getattr(state, unit)[0] = 1.0
-        index_reduced_rates(system, np.zeros(1), state.q, state.v, state.a, state.rate)
+        given = [getattr(state, name).copy() for name in fields]
+        integrator.start(system, np.zeros(1), state)
+        for name, value in zip(fields, given, strict=True):
+            getattr(state, name)[:] = value
         advance(scheme, system, loads, state, 1.0, 0, 1)
         columns.append([getattr(state, name)[0] for name in fields])
     return np.array(columns).T
@@ -79,5 +103,7 @@ def frequency_limit(integrator: Integrator, scheme: Any) -> float:
 
 @lru_cache
 def decay_limit(integrator: Integrator, scheme: Any) -> float:
-    """Largest h zeta [-] up to which constraint errors do not grow."""
+    """Largest h zeta [-] up to which constraint errors do not grow; infinite without stabilisation."""
+    if not integrator.stabilised:
+        return math.inf
     return _first_unstable(integrator, scheme, lambda x: LinearSystem(0.0, x), 4.0)

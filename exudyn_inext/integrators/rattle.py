@@ -1,0 +1,93 @@
+"""RATTLE: constraints at position level, without stabilisation, and symplectic.
+
+H. C. Andersen, RATTLE: a "velocity" version of the SHAKE algorithm for molecular dynamics
+calculations, Journal of Computational Physics 52 (1983) 24-34. Of the step
+
+    v_(n+1/2) = v_n + h/2 a_n - M^-1 C_q(q_n)^T mu_n,    q_(n+1) = q_n + h v_(n+1/2),    c(q_(n+1)) = 0
+    v_(n+1) = v_(n+1/2) + h/2 a_(n+1) - M^-1 C_q(q_(n+1))^T nu_(n+1),    C_q(q_(n+1)) v_(n+1) = 0
+
+mu_n is found by fixed-point iteration with the factor at q_n, which also served a_n: one
+factorisation a step. The constrained acceleration is the first guess, so that two or three cheap
+solves reach round-off.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+from ..compiled import inlined, kernel
+from ..system import accelerate_and_project, correct_position, implements
+from .integrator import Integrator, advance, external_force
+
+
+class Rattle(NamedTuple):
+    """Parameters of the scheme.
+
+    tolerance: of the position constraints, |c| [-], lengths relative to the element.
+    iterations: largest number of position corrections in a step; beyond, the state is made NaN.
+    """
+
+    tolerance: float = 1e-10
+    iterations: int = 30
+
+
+class RattleState(NamedTuple):
+    """Coordinates, velocities, accelerations, and memory."""
+
+    q: Array
+    v: Array
+    a: Array
+    v_half: Array
+    external: Array
+    correction: Array
+
+
+def allocate(n_dof: int) -> RattleState:
+    """State with all arrays (n_dof,) zero."""
+    return RattleState(*[np.zeros(n_dof) for _ in RattleState._fields])
+
+
+@kernel
+def start(system, external, state):
+    """Evaluate at the initial state and project its velocity."""
+    state.v_half[:] = state.v
+    accelerate_and_project(system, external, state.q, state.v_half, 0.0, state.a, state.v)
+
+
+@inlined
+def _move(scheme, system, h, q, v, a, v_half, correction):
+    """v_(n+1/2) and q_(n+1) on the constraint manifold; NaN if the iteration does not converge."""
+    for i in range(len(q)):
+        v_half[i] = v[i] + 0.5 * h * a[i]
+        q[i] += h * v_half[i]
+    for _ in range(scheme.iterations):
+        violation = correct_position(system, q, correction)
+        if violation < scheme.tolerance:
+            return
+        for i in range(len(q)):
+            q[i] += correction[i]
+            v_half[i] += correction[i] / h
+    q[:] = np.nan
+
+
+@implements(advance, Rattle)
+def advance_rattle(scheme, system, loads, state, h, first, steps):
+    """Take `steps` steps of size h [s]; see `advance`."""
+    q, v, a, v_half = state.q, state.v, state.a, state.v_half
+    external, correction = state.external, state.correction
+    for step in range(first, first + steps):
+        _move(scheme, system, h, q, v, a, v_half, correction)
+        external_force(loads, step, 0, external)
+        accelerate_and_project(system, external, q, v_half, 0.5 * h, a, v)
+
+
+INTEGRATOR = Integrator(
+    name="RATTLE",
+    order=2,
+    stages=(1.0,),
+    scheme=Rattle,
+    allocate=allocate,
+    start=start,
+    stabilised=False,
+)

@@ -1,0 +1,139 @@
+"""Scenes to start from: fresh systems, the pendulum's cable, quiet runs, and what a system holds."""
+
+from types import SimpleNamespace
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.itemInterface import SensorNode
+
+from exudyn_inext import CreateInextensibleCable, ExplicitSettings, InextensibleCable, SolveExplicit
+from reference_models.model import quiet_settings, silence
+
+TEMPLATE = InextensibleCable(massPerLength=0.0348, bendingStiffness=0.0866)
+
+
+@pytest.fixture
+def new_mbs():
+    """() -> empty MainSystem; the containers live as long as the test."""
+    containers = []
+
+    def new():
+        containers.append(exudyn.SystemContainer())
+        return containers[-1].AddSystem()
+
+    return new
+
+
+@pytest.fixture
+def mbs(new_mbs):
+    return new_mbs()
+
+
+@pytest.fixture
+def add_cable():
+    """Adds a straight cable of 1.8 m, 5 elements, under gravity; keywords replace arguments."""
+
+    def add(mbs, **changes):
+        line = {"positionStart": [0, 0, 0], "positionEnd": [1.8, 0, 0], "numberOfElements": 5}
+        arguments = line | {"beamTemplate": TEMPLATE, "gravity": [0, -9.81, 0]} | changes
+        if arguments.get("shape") is not None:
+            arguments = {name: arguments[name] for name in arguments if name not in line}
+        return CreateInextensibleCable(mbs, **arguments)
+
+    return add
+
+
+@pytest.fixture
+def add_pendulum(add_cable):
+    """The cable of `add_cable`, pinned at its first node."""
+
+    def add(mbs, **changes):
+        return add_cable(mbs, **({"groundConstraintsStart": [True, True, False, False]} | changes))
+
+    return add
+
+
+@pytest.fixture
+def solve():
+    """Runs an mbs quietly; returns the report."""
+
+    def run(mbs, end_time=0.1, settings=None, steps=1, **explicit):
+        settings = settings or quiet_settings(end_time, steps)
+        with silence():
+            return SolveExplicit(mbs, settings, ExplicitSettings(**explicit))
+
+    return run
+
+
+@pytest.fixture
+def add_sensor():
+    """(mbs, node, output) -> number of a sensor with internal storage."""
+
+    def add(mbs, node, output="Position"):
+        kind = getattr(exudyn.OutputVariableType, output)
+        return mbs.AddSensor(SensorNode(nodeNumber=node, storeInternal=True, outputVariableType=kind))
+
+    return add
+
+
+@pytest.fixture
+def contents():
+    """mbs -> everything that a refused call must leave as it was."""
+
+    def read(mbs):
+        data = mbs.systemData
+        numbers = [
+            getattr(data, f"NumberOf{kind}")() for kind in ("Nodes", "Objects", "Markers", "Loads", "Sensors")
+        ]
+        if not mbs.systemIsConsistent:
+            return numbers
+        configurations = (exudyn.ConfigurationType.Current, exudyn.ConfigurationType.Initial)
+        state = [np.asarray(data.GetSystemState(c)[0]).tolist() for c in configurations]
+        rates = [np.asarray(data.GetSystemState(c)[1]).tolist() for c in configurations]
+        return [numbers, state, rates, data.GetTime()]
+
+    return read
+
+
+@pytest.fixture
+def centre_of_mass():
+    """(q (n, 2, dim), element length) -> (dim,) centre of mass of the Hermite curve [m]."""
+
+    def centre(q, length):
+        r, slope = q[:, 0], q[:, 1]
+        integrals = 0.5 * (r[1:] + r[:-1]) + length / 12.0 * (slope[:-1] - slope[1:])
+        return integrals.mean(axis=0)
+
+    return centre
+
+
+@pytest.fixture
+def coordinates():
+    """(mbs, nodes) -> (n, 2, dim) total coordinates in the current state."""
+
+    def read(mbs, nodes):
+        rows = [
+            np.add(
+                mbs.GetNodeOutput(node, exudyn.OutputVariableType.Coordinates),
+                mbs.GetNodeParameter(node, "referenceCoordinates"),
+            )
+            for node in nodes
+        ]
+        return np.reshape(rows, (len(nodes), 2, -1))
+
+    return read
+
+
+@pytest.fixture
+def twin(new_mbs, add_pendulum, add_sensor):
+    """() -> fresh assembled pendulum: mbs, cable, tip sensor."""
+
+    def build(**changes):
+        mbs = new_mbs()
+        cable = add_pendulum(mbs, **changes)
+        tip = add_sensor(mbs, cable["nodes"][-1])
+        mbs.Assemble()
+        return SimpleNamespace(mbs=mbs, cable=cable, tip=tip)
+
+    return build
