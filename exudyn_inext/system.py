@@ -51,16 +51,20 @@ def accelerate_and_project(system, external, q, v, duration, acceleration, end_v
 
 
 @singledispatch
-def correct_position(system, q, correction):
+def correct_position(system, q, tolerance, learning, correction):
     """One step back to the constraint manifold along the last Jacobian: C_q d = -c(q).
 
     Args:
         system: the mechanical system, after `accelerate_and_project`.
         q: (n_dof,) coordinates off the manifold.
+        tolerance: a smaller violation is not corrected [-].
+        learning: 2/h^2 [1/s^2] if the violation is to correct the next steps' constraint accelerations,
+            which are smooth in time; 0 otherwise.
         correction: (n_dof,) output d = -M^-1 C_q^T mu.
 
     Returns:
-        Largest violation |c(q)| [-] before the correction; lengths relative to the element.
+        Largest violation |c(q)| [-] before the correction; lengths relative to the element. Where it is
+        below the tolerance, the correction is not set.
 
     Raises:
         NotImplementedError: the type of `system` implements no such correction.
@@ -100,10 +104,10 @@ def _compile_accelerate_and_project(system, external, q, v, duration, accelerati
 
 
 @overload(correct_position, strict=False)
-def _compile_correct_position(system, q, correction):
+def _compile_correct_position(system, q, tolerance, learning, correction):
     implementation = correct_position.dispatch(getattr(system, "instance_class", object))
 
-    def call(system, q, correction):
-        return implementation(system, q, correction)
+    def call(system, q, tolerance, learning, correction):
+        return implementation(system, q, tolerance, learning, correction)
 
     return call

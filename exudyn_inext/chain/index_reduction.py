@@ -76,10 +76,17 @@ def cable_rates(system, external, q, v, acceleration, rate):
 
 @inlined
 def _set_projection_targets(duration, record):
-    """C_q a = gamma, and C_q d = -C_q (v + duration a): the velocity's way to the manifold."""
+    """C_q a = gamma, corrected by the last step; C_q d = -C_q (v + duration a) leads to the manifold."""
     terms = record.constraint
-    record.target[ACCELERATION] = terms[GAMMA]
-    record.target[CORRECTION] = -terms[RATE] - duration * terms[GAMMA]
+    record.target[ACCELERATION] = terms[GAMMA] + record.foresight
+    record.target[CORRECTION] = -terms[RATE] - duration * record.target[ACCELERATION]
+
+
+@inlined
+def _set_correction_target(learning, record):
+    violation = record.constraint[VALUE]
+    record.target[CORRECTION] = -violation
+    record.foresight -= learning * violation
 
 
 @implements(accelerate_and_project, CableSystem)
@@ -100,15 +107,17 @@ def accelerate_and_project_cable(system, external, q, v, duration, acceleration,
 
 
 @implements(correct_position, CableSystem)
-def correct_cable_position(system, q, correction):
+def correct_cable_position(system, q, tolerance, learning, correction):
     """One solve with the last factor. Arguments: see `correct_position`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     shape = (len(nodes), 2, len(axes))
     worst = set_violations(axes, nodes, elements, q.reshape(shape))
     for k in range(len(nodes)):
-        nodes[k].target[CORRECTION] = -nodes[k].constraint[VALUE]
+        _set_correction_target(learning, nodes[k])
     for k in range(len(elements)):
-        elements[k].target[CORRECTION] = -elements[k].constraint[VALUE]
+        _set_correction_target(learning, elements[k])
+    if worst < tolerance:
+        return worst
     reduce_right_hand_side(axes, nodes, elements, CORRECTION)
     substitute(axes, nodes, (CORRECTION,), CORRECTION)
     expand_solution(axes, nodes, elements, CORRECTION, correction.reshape(shape))

@@ -20,6 +20,7 @@ def node_type(dim: int) -> np.dtype:
     force: right-hand sides on position and slope [N, Nm], one for each column of Eq. (29).
     constraint: value [-], rate [1/s], gamma [1/s^2] of the nodal constraint (18).
     target: right-hand sides of the nodal constraint, one for each column.
+    foresight: what the constraint's acceleration lacked in the last step of a position-level scheme.
     along: known increments along the slope, one for each column.
     lower, inverse_pivot: unit lower L and inverse of D of the node's diagonal block L D L^T.
     coupling: D^-1 L^-1 E, where E couples the node with the next one.
@@ -36,6 +37,7 @@ def node_type(dim: int) -> np.dtype:
             ("force", NUMBER, (2, 2, dim)),
             ("constraint", NUMBER, (3,)),
             ("target", NUMBER, (2,)),
+            ("foresight", NUMBER),
             ("along", NUMBER, (2,)),
             ("lower", NUMBER, (size, size)),
             ("inverse_pivot", NUMBER, (size,)),
@@ -57,6 +59,7 @@ def element_type(dim: int, product: bool) -> np.dtype:
     gradient: length constraint Jacobian on r_left, s_left, r_right, s_right, supports taken out.
     constraint: value [m], rate [m/s], gamma [m/s^2] of the element's share of (19).
     target: right-hand sides of the length constraint, one for each column of Eq. (29).
+    foresight: as for nodes.
     multiplier: of the length constraint that the element belongs to, one for each column.
     """
     return np.dtype(
@@ -69,6 +72,7 @@ def element_type(dim: int, product: bool) -> np.dtype:
             ("gradient", NUMBER, (4, dim)),
             ("constraint", NUMBER, (3,)),
             ("target", NUMBER, (2,)),
+            ("foresight", NUMBER),
             ("multiplier", NUMBER, (2,)),
         ],
         align=True,

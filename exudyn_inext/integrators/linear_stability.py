@@ -52,7 +52,7 @@ def accelerate_and_project_linear(system, external, q, v, duration, acceleration
 
 
 @implements(correct_position, LinearSystem)
-def correct_linear_position(system, q, correction):
+def correct_linear_position(system, q, tolerance, learning, correction):
     """Without constraints there is nothing to correct."""
     correction[:] = 0.0
     return 0.0

@@ -61,8 +61,9 @@ def _move(scheme, system, h, q, v, a, v_half, correction):
     for i in range(len(q)):
         v_half[i] = v[i] + 0.5 * h * a[i]
         q[i] += h * v_half[i]
-    for _ in range(scheme.iterations):
-        violation = correct_position(system, q, correction)
+    for iteration in range(scheme.iterations):
+        learning = 2.0 / (h * h) if iteration == 0 else 0.0
+        violation = correct_position(system, q, scheme.tolerance, learning, correction)
         if violation < scheme.tolerance:
             return
         for i in range(len(q)):
