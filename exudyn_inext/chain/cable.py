@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 from enum import Enum
+from numbers import Real
+from typing import Any
 
 import numpy as np
 
@@ -84,12 +86,9 @@ def reference_lengths(reference: Array, element_lengths: Array) -> Array:
     return np.einsum("eai,eab,ebi->e", nodal, gram, nodal)
 
 
-def require_positive(name: str, value: float) -> float:
-    """Return `value` as a finite float above zero, or raise InputError with the remedy."""
-    try:
-        number = float(value)
-    except (TypeError, ValueError):
-        number = float("nan")
-    if not (np.isfinite(number) and number > 0):
+def require_positive(name: str, value: Any) -> float:
+    """Return `value` as a float, or raise InputError unless it is a finite number above zero."""
+    is_number = isinstance(value, Real) and not isinstance(value, bool)
+    if not (is_number and np.isfinite(value) and value > 0):
         raise InputError(f"{name} = {value!r}: must be a finite number > 0; check value and units.")
-    return number
+    return float(value)

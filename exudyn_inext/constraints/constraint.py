@@ -1,6 +1,7 @@
 """What a constraint offers."""
 
-from typing import Protocol
+from collections.abc import Sequence
+from typing import Any, Protocol
 
 from scipy.sparse import csr_array
 
@@ -31,5 +32,5 @@ class Constraint(Protocol):
     def gamma(self, q: Array, v: Array) -> Array:
         """-(c_q v)_q v (number,)."""
 
-    def describe(self, row: int) -> str:
-        """Where equation `row` acts, for messages."""
+    def describe(self, row: int, node_names: Sequence[Any]) -> str:
+        """Where equation `row` acts, for messages; node_names: (n,) what the nodes are called."""

@@ -1,6 +1,8 @@
 """Coordinates held at their reference values: what pins and clamps are made of."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -44,8 +46,8 @@ class HeldNodes:
     def gamma(self, q: Array, v: Array) -> Array:
         return np.zeros(self.number)
 
-    def describe(self, row: int) -> str:
+    def describe(self, row: int, node_names: Sequence[Any]) -> str:
         node, rest = divmod(row, len(self.kinds) * self.reference.shape[2])
         kind, axis = divmod(rest, self.reference.shape[2])
         what = ("position", "slope")[self.kinds[kind]]
-        return f"{what} {'xyz'[axis]} of node {self.nodes[node]}"
+        return f"{what} {'xyz'[axis]} of node {node_names[self.nodes[node]]}"

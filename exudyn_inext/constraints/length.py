@@ -1,6 +1,8 @@
 """Constant length of groups of elements, Eq. (19)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -59,9 +61,10 @@ class LengthConstraint:
     def gamma(self, q: Array, v: Array) -> Array:
         return self._sum_groups(-2.0 * self._product(v, v))
 
-    def describe(self, row: int) -> str:
+    def describe(self, row: int, node_names: Sequence[Any]) -> str:
         elements = np.flatnonzero(self.group == row)
-        return f"elements {elements[0]} to {elements[-1]}"
+        ends = node_names[elements[0]], node_names[elements[-1] + 1]
+        return f"elements between nodes {ends[0]} and {ends[1]}"
 
 
 def of_cable(cable: Cable) -> LengthConstraint:

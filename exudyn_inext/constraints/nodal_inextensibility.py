@@ -1,6 +1,8 @@
 """Unit slope at the nodes, Eq. (18)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -41,8 +43,8 @@ class NodalInextensibility:
         slope_rates = v[self.nodes, 1]
         return -2.0 * np.einsum("ki,ki->k", slope_rates, slope_rates)
 
-    def describe(self, row: int) -> str:
-        return f"slope of node {self.nodes[row]}"
+    def describe(self, row: int, node_names: Sequence[Any]) -> str:
+        return f"slope of node {node_names[self.nodes[row]]}"
 
 
 def of_cable(cable: Cable) -> NodalInextensibility:

@@ -62,7 +62,7 @@ def CreateInextensibleCable(
         beamTemplate: InextensibleCable, or a native ObjectANCFCable2D or ObjectANCFCable.
         gravity: vector of the gravity acceleration [m/s^2].
         groundConstraintsStart: True/False for each coordinate (positions, then slopes) of the first
-            node: all positions (pin), or all positions and the slopes (clamp); None: free.
+            node: all positions (pin), all slopes (guide), or both (clamp); None: free.
         groundConstraintsEnd: the same for the last node.
         shape: CableShape for curved cables and initial velocities, in place of the three arguments
             of the straight cable.
@@ -121,7 +121,7 @@ def _dimension(stated: int | None, shape: CheckedShape, gravity: Array) -> int:
     planar = not (shape.q[:, :, 2].any() or shape.v[:, :, 2].any() or gravity[2])
     if stated is None:
         return 2 if planar else 3
-    if stated not in (2, 3):
+    if isinstance(stated, float) or stated not in (2, 3):
         raise InputError(f"dimension = {stated!r}: must be 2, 3 or None.")
     if stated == 2 and not planar:
         raise InputError(
@@ -135,10 +135,11 @@ def _constraint_flags(name: str, given: list | None, node: Array) -> list[bool]:
     """One flag a coordinate; pins and clamps only, see `supports`."""
     if given is None:
         return [False] * node.size
-    flags = [bool(flag) for flag in given]
+    is_list = np.iterable(given) and not isinstance(given, str)
+    flags = [bool(flag) for flag in given] if is_list else []
     if len(flags) != node.size:
         raise InputError(
-            f"{name} has {len(flags)} entries: needs {node.size}, positions and slopes of the "
+            f"{name} = {given!r} has {len(flags)} entries: needs {node.size}, positions and slopes of the "
             f"{node.shape[1]}D node."
         )
     supports_of_flags(name, np.reshape(flags, node.shape), node)
@@ -156,7 +157,7 @@ def supports_of_flags(name: str, flags: np.ndarray, node: Array) -> tuple[bool, 
         node: (2, dim) reference position and slope.
 
     Raises:
-        InputError: a pattern other than free, pin or clamp.
+        InputError: only a part of the positions, or of the slopes, is held.
     """
     position = bool(flags[0].all())
     released = node[1][~flags[1]]
@@ -164,8 +165,8 @@ def supports_of_flags(name: str, flags: np.ndarray, node: Array) -> tuple[bool, 
     slope = bool(flags[1].all() or tangent_only)
     if flags[0].any() != position or flags[1].any() != slope:
         raise InputError(
-            f"{name} holds the coordinates {flags.astype(int).tolist()} ([positions], [slopes]): supported "
-            "are all positions (pin) and all slopes, the tangent one optional (clamp)."
+            f"{name} holds the coordinates {flags.astype(int).tolist()} ([positions], [slopes]): hold all or "
+            "no positions, and all or no slopes (the component along the cable may be left out)."
         )
     return position, slope
 

@@ -23,7 +23,8 @@ class CableLoads:
         self._histories = [load for load in cable.loads if load.history is not None]
         for load in cable.loads:
             if load.history is None:
-                for pattern, value in zip(self._patterns(load), load.constant, strict=True):
+                components = self._components(load, 0.0)
+                for pattern, value in zip(self._patterns(load), components, strict=True):
                     self.constant += value * pattern
         rows = [row for load in self._histories for row in self._patterns(load)]
         self.pattern = np.array(rows).reshape(len(rows), len(self.constant))
@@ -47,23 +48,41 @@ class CableLoads:
         return LoadHistory(self.constant, self.pattern, factor)
 
     def _factors(self, time: float) -> Array:
-        values = [load.history(time) for load in self._histories if load.history is not None]
+        values = [self._components(load, time) for load in self._histories]
         return np.concatenate(values) if values else np.zeros(0)
 
-    def _patterns(self, load: NodalLoad) -> list[Array]:
-        """One (n_dof,) unit force a component; an out-of-plane one of a planar cable must be zero."""
-        width = 2 * self._dimension
-        node = self._nodes.index(load.node)
-        patterns = []
-        for coordinate, value in zip(load.coordinates, load.constant, strict=True):
-            pattern = np.zeros(len(self.constant))
-            in_space = len(load.coordinates) == 1 or coordinate < self._dimension
-            if in_space:
-                pattern[node * width + coordinate] = 1.0
-            elif value != 0.0:
+    def _components(self, load: NodalLoad, time: float) -> Array:
+        """(m,) components of a load history.
+
+        Raises:
+            SceneError: the user function returns something else, or a force out of the cable's plane.
+        """
+        values = load.history(time) if load.history is not None else load.constant
+        if values.shape != load.constant.shape or not np.isfinite(values).all():
+            raise SceneError(
+                f"the user function of the load on node {load.node} returned {values.tolist()} at "
+                f"t = {time:g} s: must return {len(load.constant)} finite number(s)."
+            )
+        for coordinate, value in zip(load.coordinates, values, strict=True):
+            if not self._is_in_space(load, coordinate) and value != 0.0:
                 raise SceneError(
                     f"load on node {load.node} has the z component {value:g} N, but its cable is "
                     "planar: create the cable with dimension=3."
                 )
+        return values
+
+    def _is_in_space(self, load: NodalLoad, coordinate: int) -> bool:
+        """Whether a component acts on the cable; the z component of a force on a planar one does not."""
+        return len(load.coordinates) == 1 or coordinate < self._dimension
+
+    def _patterns(self, load: NodalLoad) -> list[Array]:
+        """One (n_dof,) unit force a component; zero for one that is out of the cable's plane."""
+        width = 2 * self._dimension
+        node = self._nodes.index(load.node)
+        patterns = []
+        for coordinate in load.coordinates:
+            pattern = np.zeros(len(self.constant))
+            if self._is_in_space(load, coordinate):
+                pattern[node * width + coordinate] = 1.0
             patterns.append(pattern)
         return patterns

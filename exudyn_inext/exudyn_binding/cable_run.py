@@ -17,6 +17,7 @@ from .time_grid import TimeGrid
 
 CONSISTENCY_TOLERANCE = 1e-6  # of constraint values [-, m] and, relative to the speed, their rates
 PIVOT_TOLERANCE = 1e-10
+STRETCH_LIMIT = 0.05  # |r_x|^2 - 1 [-] beyond which a run has diverged
 
 
 class CableRun:
@@ -76,6 +77,13 @@ class CableRun:
         record(scheme, self.system, loads, self.state, grid.h, grid.substeps, history)
         history[:, 0] -= self.reference
 
+    def is_credible(self, history: Array) -> np.ndarray:
+        """(intervals,) whether the slopes are still those of an inextensible cable; history as above."""
+        shape = self.scene_cable.cable.reference.shape
+        slopes = (history[:, 0] + self.reference).reshape(-1, *shape)[:, :, 1]
+        stretch = np.abs(np.einsum("tki,tki->tk", slopes, slopes) - 1.0)
+        return (stretch < STRETCH_LIMIT).all(axis=1)
+
     def _check_pivots(self) -> None:
         """Each length multiplier's pivot must be negative, clear of round-off."""
         nodes = self.system.chain.nodes
@@ -84,11 +92,11 @@ class CableRun:
         mass = self.scene_cable.cable.section.mass_per_length * self.scene_cable.cable.element_lengths
         dependent = ~(pivots < -PIVOT_TOLERANCE * 8.0 / mass[ends - 1])
         if dependent.any():
-            k = int(ends[np.argmax(dependent)])
+            k, names = int(ends[np.argmax(dependent)]), self.scene_cable.item.nodes
             raise RedundantConstraintError(
-                f"the length constraint of the element between nodes {k - 1} and {k} of {self.name} is not "
-                "independent of the other constraints (a straight cable between two supports as far apart "
-                "as it is long, or an element clamped at both ends): let the cable sag, free a support, "
+                f"the length constraint of the element between nodes {names[k - 1]} and {names[k]} of "
+                f"{self.name} is not independent of the other constraints (a straight cable between two "
+                "supports as far apart as it is long, or an element clamped at both ends): let the cable sag, free a support, "
                 "or use a smaller numberOfLengthConstraints."
             )
 
@@ -100,14 +108,17 @@ def check_consistency(scene_cable: CableInScene, q: Array, v: Array) -> None:
         SceneError: names the worst constraint and by how much it is violated.
     """
     speed = max(1.0, float(np.abs(v).max()))
+    worst = (0.0, "")
     for constraint in constraints_of_cable(scene_cable.cable):
-        value = constraint.value(q)
-        rate = constraint.rate(q, v) / speed
-        for what, violation in (("initial coordinates", value), ("initial velocities", rate)):
-            worst = int(np.argmax(np.abs(violation)))
-            if not abs(violation[worst]) <= CONSISTENCY_TOLERANCE:
-                raise SceneError(
-                    f"the {what} of cable '{scene_cable.name}' violate the {constraint.name} constraint at "
-                    f"the {constraint.describe(worst)} by {violation[worst]:.3g} (limit "
-                    f"{CONSISTENCY_TOLERANCE:g}): correct the initial values of its nodes."
-                )
+        value, rate = constraint.value(q), constraint.rate(q, v) / speed
+        for what, violations in (("initial coordinates", value), ("initial velocities", rate)):
+            sizes = np.nan_to_num(np.abs(violations), nan=np.inf)
+            row = int(np.argmax(sizes))
+            where = f"{constraint.name} constraint at the {constraint.describe(row, scene_cable.item.nodes)}"
+            text = f"the {what} of cable '{scene_cable.name}' violate the {where}"
+            worst = max(worst, (float(sizes[row]), text), key=lambda item: item[0])
+    if not worst[0] <= CONSISTENCY_TOLERANCE:
+        raise SceneError(
+            f"{worst[1]} by {worst[0]:.3g} (limit {CONSISTENCY_TOLERANCE:g}): correct the initial values of "
+            "its nodes."
+        )

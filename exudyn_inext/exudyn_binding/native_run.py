@@ -15,7 +15,7 @@ from scipy.linalg import eigh, inv
 from ..arrays import Array
 from ..errors import SceneError
 from ..integrators.integrator import Integrator, advance, no_loads
-from ..system import index_reduced_rates
+from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .scene import HeldCoordinate, read_held_coordinate
 from .time_grid import TimeGrid
 
@@ -49,6 +49,19 @@ def native_rates(system, external, q, v, acceleration, rate):
     force = system.solver.GetSystemResidual()[: len(q)]
     np.dot(system.inverse_mass, force, out=acceleration)
     rate[:] = v
+
+
+@accelerate_and_project.register(NativeSystem)
+def accelerate_native(system, external, q, v, duration, acceleration, end_velocity):
+    """Native items have no constraints but held coordinates: nothing to project."""
+    native_rates(system, external, q, v, acceleration, end_velocity)
+    end_velocity += duration * acceleration
+
+
+@correct_position.register(NativeSystem)
+def correct_native_position(system, q, tolerance, learning, correction):
+    """Nothing to correct."""
+    return 0.0
 
 
 class NativeRun:
@@ -94,7 +107,7 @@ class NativeRun:
         if not self._is_started:
             data.SetTime(start)
             begin = getattr(self._integrator.start, "py_func", self._integrator.start)
-            begin(self._system, np.zeros(0), self.state)
+            begin(self._system, np.zeros(self.state.q.size), self.state)
             self._is_started = True
         for step in range(len(history) * grid.substeps):
             data.SetTime(start + (step + 1) * grid.h)
@@ -102,6 +115,10 @@ class NativeRun:
             if (step + 1) % grid.substeps == 0:
                 row = history[step // grid.substeps]
                 row[0], row[1], row[2] = self.state.q, self.state.v, self.state.a
+
+    def is_credible(self, history: Array) -> np.ndarray:
+        """(intervals,) whether all coordinates are finite."""
+        return np.isfinite(history.sum(axis=(1, 2)))
 
 
 def _require_supported(mbs: Any) -> list[int]:

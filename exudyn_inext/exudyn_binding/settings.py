@@ -13,21 +13,22 @@ class ExplicitSettings:
     """How SolveExplicit integrates.
 
     Args:
-        integrator: name of the scheme, see exudyn_inext.integrators.INTEGRATORS.
+        integrator: name of the scheme, 'RATTLE' or the paper's 'Zhai'; see
+            exudyn_inext.integrators.INTEGRATORS.
         scheme: parameters of the scheme, e.g. Zhai(psi=0, phi=0, corrector=True); None: defaults.
         stepSize: upper bound of the integrator's step [s]; the step used divides the time between two
             outputs. None: the largest safe one.
-        stabilizationRate: zeta of Eqs. (24)-(28) [1/s].
+        stabilizationRate: zeta of Eqs. (24)-(28) [1/s]; RATTLE does not need it.
         stepConstant: C of Eq. (37), for stepSize = None [-].
         stepSafety: share of the stability limit that stepSize = None uses at most [-].
         massScaling: theta; the mass matrix becomes M + theta h^2 K with the constant bending stiffness K,
-            a trapezoidal-like treatment of bending without Newton iterations. From 1/4 on, bending no
-            longer bounds the step; vibrations faster than the step are then not resolved. Order 2 is
+            a trapezoidal-like treatment of bending without Newton iterations. Above 1/4, bending no
+            longer bounds the step; 0.3 leaves a margin for the tension. Vibrations faster than the step are then not resolved. Order 2 is
             kept. Needs a stepSize.
         allowUnstableStep: warn, rather than refuse, if stepSize is above the stability limit.
     """
 
-    integrator: str = "Zhai"
+    integrator: str = "RATTLE"
     scheme: Any = None
     stepSize: float | None = None
     stabilizationRate: float = 100.0
@@ -49,6 +50,8 @@ class ExplicitSettings:
             )
         for name in ("stabilizationRate", "stepConstant", "stepSafety"):
             require_positive(name, getattr(self, name))
+        if self.stepSafety > 1.0:
+            raise InputError(f"stepSafety = {self.stepSafety!r}: must be at most 1, the stability limit.")
         if self.stepSize is not None:
             require_positive("stepSize", self.stepSize)
         if self.massScaling != 0.0:

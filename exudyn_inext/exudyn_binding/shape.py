@@ -11,6 +11,7 @@ from ..errors import InputError
 
 SLOPE_TOLERANCE = 1e-8  # |r_x| - 1 [-]
 LENGTH_TOLERANCE = 1e-2  # int |r_x|^2 dx / l - 1 of an element [-]
+MIDDLE_TOLERANCE = 0.1  # |r_x| - 1 in the middle of an element [-]; 0.045 for half a turn
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +53,13 @@ class CableShape:
         Raises:
             InputError: the two ends coincide, or a number is missing or not finite.
         """
+        for name, given in (("positionStart", positionStart), ("positionEnd", positionEnd)):
+            if given is None:
+                raise InputError(
+                    f"{name} = None is missing: give both ends of the straight cable, or a shape."
+                )
         number = _element_count(numberOfElements)
-        start, end = _vectors("positionStart", positionStart), _vectors("positionEnd", positionEnd)
+        start, end = _point("positionStart", positionStart), _point("positionEnd", positionEnd)
         length = float(np.linalg.norm(end - start))
         if length == 0.0:
             raise InputError(
@@ -61,7 +67,7 @@ class CableShape:
                 "different points, or a CableShape whose nodes lie apart."
             )
         at = np.linspace(0.0, 1.0, number + 1)[:, None]
-        v_start, v_end = _vectors("velocityStart", velocityStart), _vectors("velocityEnd", velocityEnd)
+        v_start, v_end = _point("velocityStart", velocityStart), _point("velocityEnd", velocityEnd)
         along = np.broadcast_to((end - start) / length, (number + 1, 3))
         turning = np.broadcast_to((v_end - v_start) / length, (number + 1, 3))
         return CableShape(
@@ -92,6 +98,8 @@ def check_shape(shape: CableShape) -> CheckedShape:
         InputError: wrong sizes, numbers that are not finite, slopes that are not unit vectors,
             points that no inextensible cable of the given length joins.
     """
+    if not isinstance(shape, CableShape):
+        raise InputError(f"shape = {shape!r}: must be a CableShape(positions, slopes, ...).")
     positions, slopes = _rows("positions", shape.positions), _rows("slopes", shape.slopes)
     nodes = len(positions)
     if nodes < 2:
@@ -137,11 +145,18 @@ def _vectors(name: str, values: Any) -> Array:
     return np.concatenate([array, np.zeros((*array.shape[:-1], missing))], axis=-1)
 
 
+def _point(name: str, values: Any) -> Array:
+    array = _finite(name, values)
+    if array.ndim != 1:
+        raise InputError(f"{name} has shape {array.shape}: needs one point with 2 or 3 components.")
+    return _vectors(name, array)
+
+
 def _rows(name: str, values: Any) -> Array:
-    rows = _vectors(name, values)
-    if rows.ndim != 2:
-        raise InputError(f"{name} has shape {rows.shape}: needs one row of 2 or 3 numbers a node.")
-    return rows
+    array = _finite(name, values)
+    if array.ndim != 2:
+        raise InputError(f"{name} has shape {array.shape}: needs one row of 2 or 3 numbers a node.")
+    return _vectors(name, array)
 
 
 def _check_unit_slopes(slopes: Array) -> None:
@@ -171,9 +186,15 @@ def _checked_lengths(q: Array, given: Any) -> Array:
     if given is None:
         lengths = _curve_lengths(q)
     else:
-        lengths = np.array(np.broadcast_to(_finite("elementLengths", given), (number,)))
+        lengths = _finite("elementLengths", given)
+        if lengths.ndim != 0 and lengths.shape != (number,):
+            raise InputError(
+                f"elementLengths has shape {lengths.shape}: needs one number, or one for each of the "
+                f"{number} elements."
+            )
+        lengths = np.array(np.broadcast_to(lengths, (number,)))
     for k, length in enumerate(lengths):
-        require_positive(f"length of element {k} [m]", length)
+        require_positive(f"length of element {k}, between nodes {k} and {k + 1} [m]", float(length))
     _check_reach(q, lengths)
     return lengths
 
@@ -194,4 +215,18 @@ def _check_reach(q: Array, lengths: Array) -> None:
             f"the curve through nodes {k} and {k + 1} with the given slopes has a mean square stretch of "
             f"{mean_square[k]:.6g} for an element of {lengths[k]:.9g} m: an inextensible cable allows "
             f"1 +- {LENGTH_TOLERANCE:g}; correct elementLengths or the slopes, or use more elements."
+        )
+    _check_middles(q, lengths)
+
+
+def _check_middles(q: Array, lengths: Array) -> None:
+    """Slopes that point elsewhere than the curve show in the middle of the elements."""
+    middle = 1.5 * (q[1:, 0] - q[:-1, 0]) / lengths[:, None] - 0.25 * (q[1:, 1] + q[:-1, 1])
+    norms = np.linalg.norm(middle, axis=1)
+    k = int(np.argmax(np.abs(norms - 1.0)))
+    if abs(norms[k] - 1.0) > MIDDLE_TOLERANCE:
+        raise InputError(
+            f"the curve through nodes {k} and {k + 1} has |r_x| = {norms[k]:.4g} midway: an inextensible "
+            f"cable allows 1 +- {MIDDLE_TOLERANCE:g} there; check the direction of the slopes, which point "
+            "from the first to the last node, or use more elements."
         )

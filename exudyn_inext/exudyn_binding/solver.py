@@ -69,7 +69,7 @@ def SolveExplicit(
         "success": True,
         "integrator": explicit.integrator,
         "stepSize": grid.h,
-        "steps": grid.loop_steps * grid.substeps,
+        "steps": round((mbs.systemData.GetTime() - grid.start) / grid.h),
         "loopSteps": grid.loop_steps,
         "decidedBy": decided_by if grid.substeps > 1 or grid.h > 0.99 * wanted else "output period",
         "bounds": bounds,
@@ -84,6 +84,8 @@ def _scheme(explicit: ExplicitSettings) -> Any:
 def _runs(mbs: Any, solver: Any, explicit: ExplicitSettings) -> Sequence[Run]:
     """One run for each inextensible cable; without any, one for all native items."""
     integrator = find_integrator(explicit.integrator)
+    if mbs.systemData.ODE2Size() == 0:
+        raise SceneError("mbs has nothing that moves: add a cable with CreateInextensibleCable.")
     return [
         CableRun(cable, initial_state(mbs, cable), explicit.stabilizationRate, integrator)
         for cable in read_scene(mbs)

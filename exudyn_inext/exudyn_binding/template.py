@@ -1,6 +1,7 @@
 """Section and discretisation of an inextensible cable, in the user's terms."""
 
 from dataclasses import dataclass
+from numbers import Integral
 from typing import Any
 
 from exudyn.itemInterface import ObjectANCFCable, ObjectANCFCable2D
@@ -8,7 +9,14 @@ from exudyn.itemInterface import ObjectANCFCable, ObjectANCFCable2D
 from ..chain.cable import CurvatureMeasure, Section, require_positive
 from ..errors import InputError
 
-_NOT_YET = ("bendingDamping", "referenceCurvature", "bendingMomentUserFunction", "physicsBendingDamping")
+_NOT_YET = (
+    "bendingDamping",
+    "referenceCurvature",
+    "referenceAxialStrain",
+    "strainIsRelativeToReference",
+    "bendingMomentUserFunction",
+    "axialForceUserFunction",
+)
 
 
 @dataclass(frozen=True)
@@ -77,9 +85,10 @@ class InextensibleCable:
         number = self.numberOfLengthConstraints
         if number is None:
             return number_of_elements
-        if not (isinstance(number, int) and 0 <= number <= number_of_elements):
+        is_integer = isinstance(number, Integral) and not isinstance(number, bool)
+        if not (is_integer and 0 <= number <= number_of_elements):
             raise InputError(
                 f"numberOfLengthConstraints = {number!r}: must be an integer from 0 (none) to the number "
                 f"of elements, {number_of_elements}."
             )
-        return number
+        return int(number)

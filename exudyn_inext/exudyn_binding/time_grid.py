@@ -7,6 +7,7 @@ from typing import Any
 from ..errors import InputError
 
 _ROUND_OFF = 1.0 - 1e-9
+_LARGEST_FRACTION = 20
 
 
 @dataclass(frozen=True)
@@ -44,15 +45,23 @@ def time_grid(mbs: Any, settings: Any, wanted: float) -> TimeGrid:
         raise InputError(
             f"endTime - startTime = {duration} s: must be a finite number > 0; set timeIntegration.endTime."
         )
-    longest = duration / time.numberOfSteps
-    interval = min(longest, max(_output_period(mbs, settings), min(wanted, longest)))
-    loop_steps = math.ceil(duration / interval * _ROUND_OFF)
+    interval = min(duration / time.numberOfSteps, _output_period(mbs, settings) or wanted)
+    loop_steps = _commensurate_steps(duration, interval)
     substeps = math.ceil(duration / loop_steps / wanted * _ROUND_OFF)
     return TimeGrid(time.startTime, loop_steps, substeps, duration / (loop_steps * substeps))
 
 
+def _commensurate_steps(duration: float, interval: float) -> int:
+    """Number of equal steps, of `interval` or a small fraction of it, that end with the duration."""
+    for fraction in range(1, _LARGEST_FRACTION + 1):
+        steps = duration / interval * fraction
+        if abs(steps - round(steps)) < 1e-6:
+            return round(steps)
+    return math.ceil(duration / interval)
+
+
 def _output_period(mbs: Any, settings: Any) -> float:
-    """Shortest write period of the active outputs [s]."""
+    """Shortest write period of the active outputs [s]; 0: at every step."""
     period = math.inf
     if settings.solution.file.write:
         period = settings.solution.file.writePeriod

@@ -30,6 +30,8 @@ class Run(Protocol):
 
     def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> None: ...
 
+    def is_credible(self, history: Array) -> np.ndarray: ...
+
 
 class ExplicitTimeLoop:
     """Moves all cables of a scene; Exudyn calls `user_function` once for each step of its time loop.
@@ -97,11 +99,12 @@ class ExplicitTimeLoop:
         while True:
             first = self._computed
             states = self._compute_ahead()
-            finite = np.isfinite(states.sum(axis=(1, 2)))
-            good = len(states) if finite.all() else int(np.argmin(finite))
+            credible = [run.is_credible(states[:, :, run.indices]) for run in self.runs]
+            good = min(int(np.argmin(np.append(those, False))) for those in credible)
             yield from (state.tolist() for state in states[:good])
             if good < len(states):
-                self.error = self._divergence(self.grid.time(first + good + 1))
+                culprits = [r.name for r, those in zip(self.runs, credible, strict=True) if not those[good]]
+                self.error = _divergence(culprits, self.grid.time(first + good + 1))
                 raise self.error
 
     def _compute_ahead(self) -> Array:
@@ -137,13 +140,14 @@ class ExplicitTimeLoop:
             run.state.v[:] = v[run.indices]
             run.start(self.grid.time(self._computed))
 
-    def _divergence(self, time: float) -> DivergenceError:
-        names = [run.name for run in self.runs if not np.isfinite(run.state.q).all()]
-        return DivergenceError(
-            f"{', '.join(names) or 'the run'} diverged before t = {time:.6g} s: coordinates are not finite. "
-            "mbs holds the last finite state. Likely causes: a step close to the stability limit of a "
-            "cable that straightened, or a violent start; reduce stepSize, or change stabilizationRate."
-        )
+
+def _divergence(culprits: list[str], time: float) -> DivergenceError:
+    return DivergenceError(
+        f"{', '.join(culprits)} diverged before t = {time:.6g} s: its coordinates are not finite, or not "
+        "those of an inextensible cable. mbs holds the last good output. Likely causes: a step close to the "
+        "stability limit of a cable that straightened, or a violent start; reduce stepSize, use RATTLE, "
+        "or change stabilizationRate."
+    )
 
 
 def _has_step_user_functions(mbs: Any) -> bool:

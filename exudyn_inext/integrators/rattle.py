@@ -56,20 +56,18 @@ def start(system, external, state):
 
 
 @inlined
-def _move(scheme, system, h, q, v, a, v_half, correction):
-    """v_(n+1/2) and q_(n+1) on the constraint manifold; NaN if the iteration does not converge."""
+def _drift(h, q, v, a, v_half):
+    """v_(n+1/2) and q_(n+1) before the position constraints act."""
     for i in range(len(q)):
         v_half[i] = v[i] + 0.5 * h * a[i]
         q[i] += h * v_half[i]
-    for iteration in range(scheme.iterations):
-        learning = 2.0 / (h * h) if iteration == 0 else 0.0
-        violation = correct_position(system, q, scheme.tolerance, learning, correction)
-        if violation < scheme.tolerance:
-            return
-        for i in range(len(q)):
-            q[i] += correction[i]
-            v_half[i] += correction[i] / h
-    q[:] = np.nan
+
+
+@inlined
+def _add_correction(h, correction, q, v_half):
+    for i in range(len(q)):
+        q[i] += correction[i]
+        v_half[i] += correction[i] / h
 
 
 @implements(advance, Rattle)
@@ -78,7 +76,17 @@ def advance_rattle(scheme, system, loads, state, h, first, steps):
     q, v, a, v_half = state.q, state.v, state.a, state.v_half
     external, correction = state.external, state.correction
     for step in range(first, first + steps):
-        _move(scheme, system, h, q, v, a, v_half, correction)
+        _drift(h, q, v, a, v_half)
+        learning = 2.0 / (h * h)
+        violation = np.inf
+        for _ in range(scheme.iterations):
+            violation = correct_position(system, q, scheme.tolerance, learning, correction)
+            if violation < scheme.tolerance:
+                break
+            _add_correction(h, correction, q, v_half)
+            learning = 0.0
+        if not violation < scheme.tolerance:
+            q[:] = np.nan
         external_force(loads, step, 0, external)
         accelerate_and_project(system, external, q, v_half, 0.5 * h, a, v)
 

@@ -64,7 +64,7 @@ def step_above_limit(h: float, bounds: StepSizeBounds, integrator: str) -> StepS
         remedy = "reduce the step, use fewer elements, or set massScaling"
     else:
         cause = "the constraint stabilisation"
-        remedy = "reduce the step or the stabilisationRate"
+        remedy = "reduce the step or the stabilizationRate"
     return StepSizeError(
         f"stepSize = {h:.6g} s is above {bounds.stability_limit:.6g} s, the stability limit of "
         f"'{integrator}' for {cause}: {remedy}."

@@ -18,7 +18,7 @@ def zhai_case(scene: Scene, elements: int, step_size: float, label: str = "") ->
 
         def run() -> Trajectory:
             with silence():
-                SolveExplicit(model.mbs, settings, ExplicitSettings(stepSize=step_size))
+                SolveExplicit(model.mbs, settings, ExplicitSettings("Zhai", stepSize=step_size))
             return sensor_trajectory(model, scene.main_point)
 
         return run

@@ -1,4 +1,4 @@
-"""Scenes to start from: fresh systems, the pendulum's cable, quiet runs, and what a system holds."""
+"""Scenes to start from: fresh systems, the pendulum's cable, quiet runs, contents of a system."""
 
 from types import SimpleNamespace
 

@@ -1,0 +1,173 @@
+"""What SolveExplicit does not support yet, or cannot start from, is named; mbs stays as it was."""
+
+import exudyn
+import pytest
+from exudyn.itemInterface import (
+    CartesianSpringDamper,
+    CoordinateConstraint,
+    DistanceConstraint,
+    LoadForceVector,
+    LoadTorqueVector,
+    MarkerBodyPosition,
+    MarkerNodeCoordinate,
+    MarkerNodePosition,
+    MarkerNodeRigid,
+    MassPoint,
+    NodePoint,
+    NodePointGround,
+)
+from exudyn.utilities import InertiaCuboid
+
+from exudyn_inext import RedundantConstraintError, SceneError
+from reference_models.model import quiet_settings, silence
+
+
+def refused(mbs, solve, contents, message, error=SceneError):
+    before = contents(mbs)
+    with pytest.raises(error, match=message):
+        solve(mbs)
+    assert contents(mbs) == before
+
+
+def test_a_system_that_is_not_assembled_is_refused(mbs, add_pendulum, solve, contents):
+    add_pendulum(mbs)
+    refused(mbs, solve, contents, r"not assembled: call mbs.Assemble\(\)")
+    mbs.Assemble()
+    mbs.AddNode(NodePointGround())
+    refused(mbs, solve, contents, r"not assembled: call mbs.Assemble\(\)")
+
+
+def markers(mbs, node):
+    ground = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.CreateGround()))
+    return [ground, mbs.AddMarker(MarkerNodePosition(nodeNumber=node))]
+
+
+def rigid_body(mbs, node):
+    mbs.CreateRigidBody(inertia=InertiaCuboid(1000, [0.1] * 3), referencePosition=[3, 0, 0])
+
+
+def spring(mbs, node):
+    mbs.AddObject(CartesianSpringDamper(markerNumbers=markers(mbs, node), stiffness=[1] * 3, name="hook"))
+
+
+def distance(mbs, node):
+    mbs.AddObject(DistanceConstraint(markerNumbers=markers(mbs, node), distance=1, name="rod"))
+
+
+def offset_constraint(mbs, node):
+    ground = mbs.AddNode(NodePointGround())
+    pair = [MarkerNodeCoordinate(nodeNumber=n, coordinate=0) for n in (ground, node)]
+    numbers = [mbs.AddMarker(marker) for marker in pair]
+    mbs.AddObject(CoordinateConstraint(markerNumbers=numbers, offset=0.1, name="pulled"))
+
+
+def mass_point(mbs, node):
+    foreign = mbs.AddNode(NodePoint(name="elsewhere"))
+    mbs.AddObject(MassPoint(mass=1, nodeNumber=foreign))
+
+
+def foreign_load(mbs, node):
+    mass_point(mbs, node)
+    marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=node + 3))
+    mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=[1, 0, 0], name="push"))
+
+
+def torque(mbs, node):
+    marker = mbs.AddMarker(MarkerNodeRigid(nodeNumber=node))
+    mbs.AddLoad(LoadTorqueVector(markerNumber=marker, loadVector=[0, 0, 1], name="twist"))
+
+
+UNSUPPORTED = [
+    (rigid_body, r"object 3 .*\(RigidBody\)"),
+    (spring, r"object 4 'hook' \(ConnectorCartesianSpringDamper\)"),
+    (distance, r"object 4 'rod' \(ConnectorDistance\)"),
+    (offset_constraint, r"object 3 'pulled' \(ConnectorCoordinate\)"),
+    (mass_point, r"\(MassPoint\).*node 7 'elsewhere' \(Point\)"),
+    (foreign_load, r"load 0 'push' \(ForceVector\)"),
+    (torque, r"load 0 'twist' \(TorqueVector\)"),
+]
+
+
+@pytest.mark.parametrize(("add", "message"), UNSUPPORTED, ids=lambda value: getattr(value, "__name__", ""))
+def test_what_is_not_supported_is_named(mbs, add_pendulum, solve, contents, add, message):
+    cable = add_pendulum(mbs)
+    add(mbs, int(cable["nodes"][4]))
+    mbs.Assemble()
+    refused(mbs, solve, contents, f"not supported yet: .*{message}")
+
+
+def test_all_unsupported_items_are_named_at_once(mbs, add_pendulum, solve, contents):
+    node = int(add_pendulum(mbs)["nodes"][4])
+    spring(mbs, node)
+    distance(mbs, node)
+    mbs.Assemble()
+    refused(mbs, solve, contents, "'hook'.*'rod'")
+
+
+INCONSISTENT = [
+    ("initialCoordinates", 0, [0, 0.1, 0, 0], "initial coordinates .*pin .* position y of node 0"),
+    ("initialCoordinates", 3, [0.1, 0, 0, 0], "initial coordinates .*length constraint .* 2"),
+    ("initialCoordinates", 3, [0, 0, 0.1, 0], "initial coordinates .*nodal .* slope of node 3"),
+    ("initialVelocities", 0, [0, 0.1, 0, 0], "initial velocities .*pin .* position y of node 0"),
+    ("initialVelocities", 3, [0.1, 0, 0, 0], "initial velocities .*length constraint .* 2"),
+    ("initialVelocities", 3, [0, 0, 0.1, 0], "initial velocities .*nodal .* slope of node 3"),
+]
+
+
+@pytest.mark.parametrize(("what", "node", "values", "message"), INCONSISTENT)
+def test_inconsistent_initial_values_are_refused(
+    mbs, add_pendulum, solve, contents, what, node, values, message
+):
+    cable = add_pendulum(mbs)
+    mbs.SetNodeParameter(cable["nodes"][node], what, values)
+    mbs.Assemble()
+    refused(mbs, solve, contents, f"{message}.*limit 1e-06.*correct the initial values")
+
+
+def test_nodes_are_named_by_their_numbers_in_the_system(mbs, add_cable, solve, contents):
+    add_cable(mbs, numberOfElements=3)
+    cable = add_cable(mbs, positionStart=[0, 1, 0], positionEnd=[1.8, 1, 0])
+    assert int(cable["nodes"][3]) == 7
+    mbs.SetNodeParameter(cable["nodes"][3], "initialVelocities", [0, 0, 0.1, 0])
+    mbs.Assemble()
+    refused(mbs, solve, contents, r"cable 'object1' .* slope of node 7\b")
+
+
+def test_consistent_initial_velocities_of_nodes_are_taken_over(mbs, add_cable, solve):
+    cable = add_cable(mbs, gravity=[0, 0, 0])
+    for node in cable["nodes"]:
+        mbs.SetNodeParameter(node, "initialVelocities", [1, 2, 0, 0])
+    mbs.Assemble()
+    solve(mbs, 0.1)
+    assert mbs.systemData.GetODE2Coordinates()[:2] == pytest.approx([0.1, 0.2])
+
+
+def test_a_taut_cable_between_two_pins_is_refused(mbs, add_pendulum, solve, contents):
+    add_pendulum(mbs, groundConstraintsEnd=[True, True, False, False])
+    mbs.Assemble()
+    message = r"nodes \d and \d of cable 'object0' is not independent.*let the cable sag"
+    refused(mbs, solve, contents, message, RedundantConstraintError)
+
+
+@pytest.mark.parametrize("solver", ["VelocityVerlet", "RK44", "ExplicitEuler", "GeneralizedAlpha"])
+def test_native_solvers_refuse_the_cable(mbs, add_pendulum, solve, contents, solver):
+    add_pendulum(mbs)
+    mbs.Assemble()
+    before = contents(mbs)
+    settings = quiet_settings(0.1, 10)
+    settings.timeIntegration.solverType = getattr(exudyn.DynamicSolverType, solver)
+    message = "does not enforce inextensibility.*SolveExplicit"
+    with silence(), pytest.raises(exudyn.ExudynError, match=f"(?s){message}"):
+        mbs.SolveDynamic(settings)
+    assert contents(mbs) == before
+    assert solve(mbs)["success"]
+
+
+def test_the_native_static_solver_refuses_the_cable(mbs, add_pendulum, solve):
+    add_pendulum(mbs)
+    mbs.Assemble()
+    settings = quiet_settings(0.1, 1)
+    settings.staticSolver.verboseMode = 0
+    with silence(), pytest.raises(exudyn.ExudynError, match="does not enforce inextensibility"):
+        mbs.SolveStatic(settings)
+    assert solve(mbs)["success"]
