@@ -23,8 +23,8 @@ class ExplicitSettings:
         stepSafety: share of the stability limit that stepSize = None uses at most [-].
         massScaling: theta; the mass matrix becomes M + theta h^2 K with the constant bending stiffness K,
             a trapezoidal-like treatment of bending without Newton iterations. Above 1/4, bending no
-            longer bounds the step; 0.3 leaves a margin for the tension. Vibrations faster than the step are then not resolved. Order 2 is
-            kept. Needs a stepSize.
+            longer bounds the step; 0.3 leaves a margin for the tension. Vibrations faster than the step
+            are then not resolved. Order 2 is kept. Needs a stepSize.
         allowUnstableStep: warn, rather than refuse, if stepSize is above the stability limit.
     """
 
