@@ -96,7 +96,7 @@ class CableRun:
             raise RedundantConstraintError(
                 f"the length constraint of the element between nodes {names[k - 1]} and {names[k]} of "
                 f"{self.name} is not independent of the other constraints (a straight cable between two "
-                "supports as far apart as it is long, or an element clamped at both ends): let the cable sag, "
+                "supports as far apart as it is long, or an element clamped at both ends): let it sag, "
                 "free a support, or use a smaller numberOfLengthConstraints."
             )
 
