@@ -8,10 +8,12 @@ from ..compiled import kernel, local_array
 from ..element.inextensibility import length_gradient
 from ..system import index_reduced_rates
 from .assembly import add_elastic_force, add_element_force, differences
+from .chain import Chain
 from .index_reduction import CableSystem
 from .saddle_point import apply_mass, nodal_multipliers, solve
 
 LANCZOS_STEPS = 40
+BREAKDOWN = 1e-7  # what is left of a Lanczos vector, relative, that is nothing but round-off
 
 
 @kernel
@@ -100,7 +102,7 @@ def _lanczos(chain, q, tension, start, diagonal, off_diagonal):
         apply_mass(chain, image, momentum)
         norm = np.sqrt(max(_inner(image, momentum), 0.0))
         off_diagonal[row] = norm
-        if not norm > 1e-10 * abs(diagonal[row]):
+        if not norm > BREAKDOWN * abs(diagonal[row]):
             return row + 1
         _combine(1.0, current, 0.0, current, previous)
         _combine(1.0 / norm, image, 0.0, image, current)
@@ -114,6 +116,13 @@ def _tension_at_rest(system: CableSystem, external: Array, q: Array) -> tuple[Ar
     nodal = np.zeros(len(q))
     nodal_multipliers(system.chain, acceleration.reshape(q.shape), np.zeros_like(q), nodal)
     return nodal, system.chain.elements.multiplier[:, 0].copy()
+
+
+def _degrees_of_freedom(chain: Chain) -> int:
+    """Coordinates that move, less nodal and length constraints."""
+    free = chain.nodes.free.sum(axis=0)
+    dim = len(chain.axes)
+    return int(dim * free[0] + (dim - 1) * free[1] - chain.nodes.ends_group.sum())
 
 
 def largest_frequency(system: CableSystem, external: Array, q: Array) -> float:
@@ -132,7 +141,9 @@ def largest_frequency(system: CableSystem, external: Array, q: Array) -> float:
     tension = _tension_at_rest(system, external, q)
     start = np.zeros_like(q)
     _project(system.chain, np.random.default_rng(1).standard_normal(q.shape), start)
-    rows = min(LANCZOS_STEPS, q.size)
+    rows = min(LANCZOS_STEPS, _degrees_of_freedom(system.chain))
+    if rows < 1:
+        return 0.0
     diagonal, off_diagonal = np.zeros(rows), np.zeros(rows)
     found = _lanczos(system.chain, q, tension, start, diagonal, off_diagonal)
     if not np.isfinite(diagonal[:found]).all():

@@ -1,0 +1,147 @@
+"""The largest frequency equals that of a dense eigenvalue solve on the constraints' null space."""
+
+import numpy as np
+import pytest
+from scipy.linalg import eigvalsh
+
+from exudyn_inext.chain.chain import build_chain
+from exudyn_inext.chain.frequency import largest_frequency
+from exudyn_inext.chain.index_reduction import CableSystem
+from exudyn_inext.integrators import INTEGRATORS
+from exudyn_inext.integrators.integrator import no_loads, record
+from exudyn_inext.loads.gravity import gravity_force
+from tests.cables import (
+    DIMENSIONS,
+    MEASURES,
+    State,
+    dense_largest_frequency,
+    mass_matrix,
+    planar_pendulum,
+    random_state,
+    stiffness_matrix,
+    straight_cable,
+)
+
+both_measures = pytest.mark.parametrize("measure", MEASURES, ids=lambda measure: measure.value)
+both_dimensions = pytest.mark.parametrize("dim", DIMENSIONS)
+
+
+def tolerance(number):
+    """Small chains exhaust the Krylov space before the last Lanczos step."""
+    return 0.02 if number < 10 else 1e-6
+
+
+def frequency_of(state, mass_scaling=0.0):
+    system = CableSystem(build_chain(state.cable, mass_scaling), 100.0)
+    return largest_frequency(system, state.external, state.q)
+
+
+def at_rest(cable, q=None):
+    zero = np.zeros_like(cable.reference)
+    return State(cable, cable.reference if q is None else q, zero, zero)
+
+
+@both_measures
+@both_dimensions
+@pytest.mark.parametrize("number", [1, 2, 5, 11, 20])
+def test_straight_cable_agrees_with_the_dense_eigenvalue_solve(measure, dim, number):
+    for supports in ("free", "pinned", "clamped"):
+        state = at_rest(straight_cable(number, dim, supports, measure=measure))
+        if number > 1 or supports != "clamped":
+            expected = dense_largest_frequency(state)
+            assert frequency_of(state) == pytest.approx(expected, rel=tolerance(number))
+
+
+@pytest.mark.kernel
+@both_measures
+@both_dimensions
+@pytest.mark.parametrize("number", [2, 5, 11, 20])
+def test_curved_cable_under_load_agrees_with_the_dense_eigenvalue_solve(measure, dim, number):
+    for n_bar in (0, 1, number):
+        state = random_state(41, number, dim, measure, n_bar, "pinned")
+        expected = dense_largest_frequency(state)
+        assert frequency_of(state) == pytest.approx(expected, rel=tolerance(number))
+
+
+def test_chains_of_few_elements_have_accurate_frequencies_too():
+    for number in (2, 3, 4, 5, 8):
+        straight = at_rest(straight_cable(number, 3, "clamped"))
+        for state in (straight, random_state(43, number, 2, MEASURES[0], 1, "clamped")):
+            assert frequency_of(state) == pytest.approx(dense_largest_frequency(state), rel=1e-6)
+
+
+@both_dimensions
+def test_mass_scaling_lowers_the_frequency_as_the_dense_solve_says(dim):
+    state = random_state(42, 12, dim, MEASURES[0], 12, "pinned")
+    found = frequency_of(state, 0.01)
+    assert found == pytest.approx(dense_largest_frequency(state, 0.01), rel=1e-6)
+    assert found < 0.5 * frequency_of(state)
+
+
+@both_dimensions
+def test_tension_raises_the_frequency_as_the_dense_solve_says(dim):
+    cable, gravity = planar_pendulum(8, dim)
+    hanging = cable.reference[:, :, [1, 0, 2][:dim]] * [1, -1, 1][:dim]
+    for factor in (1.0, 1e3):
+        external = factor * gravity_force(cable, gravity)
+        state = State(cable, hanging, np.zeros_like(hanging), external)
+        assert frequency_of(state) == pytest.approx(dense_largest_frequency(state), rel=1e-6)
+    assert frequency_of(state) > 1.05 * frequency_of(at_rest(cable, hanging))
+
+
+@pytest.mark.kernel
+def test_free_straight_cable_of_five_elements_has_the_known_frequency():
+    found = frequency_of(at_rest(straight_cable(5, 2)))
+    assert found == pytest.approx(61.17, abs=5e-3)
+
+
+def beam_frequency(number):
+    """Largest frequency of the textbook's transversely vibrating beam, l = rho_A = EI = 1."""
+    size = 2 * (number + 1)
+    mass, stiffness = np.zeros((size, size)), np.zeros((size, size))
+    for k in range(0, size - 2, 2):
+        mass[k : k + 4, k : k + 4] += mass_matrix(1.0)
+        stiffness[k : k + 4, k : k + 4] += stiffness_matrix(1.0)
+    return np.sqrt(eigvalsh(stiffness, mass)[-1])
+
+
+@both_dimensions
+@pytest.mark.parametrize("number", [1, 5, 30])
+def test_straight_cable_vibrates_like_a_linear_beam(dim, number):
+    found = frequency_of(at_rest(straight_cable(number, dim)))
+    assert found == pytest.approx(beam_frequency(number), rel=1e-5)
+
+
+def test_long_straight_cable_has_the_known_frequency():
+    # without free ends, which add a localised mode
+    found = frequency_of(at_rest(straight_cable(300, 2, "pinned within")))
+    assert found == pytest.approx(beam_frequency(300), rel=1e-3)
+
+
+def test_frequency_scales_with_section_and_element_length():
+    cable, _ = planar_pendulum(5)
+    section, length = cable.section, cable.element_lengths[0]
+    unit = np.sqrt(section.bending_stiffness / section.mass_per_length) / length**2
+    free = straight_cable(5, 2, length=cable.length, section=section)
+    assert frequency_of(at_rest(free)) / unit == pytest.approx(61.17, abs=5e-3)
+
+
+def test_bending_grows_above_two_over_the_largest_frequency_and_not_below():
+    cable = straight_cable(6, 2)
+    limit = 2.0 / dense_largest_frequency(at_rest(cable))
+    assert growth(cable, 0.99 * limit) < 10.0
+    assert growth(cable, 1.01 * limit) > 1e3
+
+
+def growth(cable, h):
+    """Ratio of the final to the initial disturbance of a straight cable, 300 steps of size h."""
+    zhai = INTEGRATORS["Zhai"]
+    system, state = CableSystem(build_chain(cable), 1.0), zhai.allocate(cable.reference.size)
+    state.q[:] = cable.reference.ravel()
+    v = state.v.reshape(cable.reference.shape)
+    v[:, 0, 1] = 1e-9 * (-1.0) ** np.arange(len(v))
+    disturbance = np.abs(v[:, 0, 1]).max()
+    zhai.start(system, np.zeros(state.q.size), state)
+    history = np.zeros((1, 3, state.q.size))
+    record(zhai.scheme(), system, no_loads(state.q.size, 1), state, h, 300, history)
+    return np.abs(v[:, 0, 1]).max() / disturbance

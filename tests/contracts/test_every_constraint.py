@@ -1,0 +1,106 @@
+"""What every kind of constraint must fulfil, on cables with every kind of support."""
+
+import numpy as np
+import pytest
+
+from exudyn_inext.constraints import KINDS, constraints_of_cable
+from tests.cables import DIMENSIONS, MEASURES, SUPPORTS, dense_constraints, random_state
+
+NUMBER = 4
+STEP = 1e-4
+
+pytestmark = pytest.mark.kernel
+
+
+def states(dim):
+    for supports in SUPPORTS:
+        for n_bar in (0, 1, 2, 3, NUMBER):
+            yield random_state(11, NUMBER, dim, MEASURES[0], n_bar, supports)
+
+
+def all_constraints():
+    for dim in DIMENSIONS:
+        for state in states(dim):
+            for constraint in constraints_of_cable(state.cable):
+                yield state, constraint
+
+
+def expected_number(cable):
+    """Rows by kind, counted by hand."""
+    position, slope = cable.fixed.T
+    return {
+        "pin": cable.dimension * int((position & ~slope).sum()),
+        "clamp": 2 * cable.dimension * int((position & slope).sum()),
+        "nodal inextensibility": int((~slope).sum()),
+        "length": cable.length_constraints,
+    }
+
+
+def test_the_sweep_meets_every_kind():
+    names = {constraint.name for _, constraint in all_constraints()}
+    assert len(names) == len(KINDS)
+
+
+def test_jacobian_is_the_derivative_of_the_value():
+    for state, constraint in all_constraints():
+        columns = []
+        for unit in np.eye(state.q.size):
+            change = STEP * unit.reshape(state.q.shape)
+            above, below = constraint.value(state.q + change), constraint.value(state.q - change)
+            columns.append((above - below) / (2 * STEP))
+        jacobian = constraint.jacobian(state.q).toarray()
+        np.testing.assert_allclose(jacobian, np.array(columns).T, atol=1e-10)
+
+
+def test_rate_is_the_derivative_along_the_velocity():
+    for state, constraint in all_constraints():
+        above, below = (constraint.value(state.q + s * STEP * state.v) for s in (1, -1))
+        found = constraint.rate(state.q, state.v)
+        np.testing.assert_allclose(found, (above - below) / (2 * STEP), atol=1e-9)
+
+
+def test_gamma_is_minus_the_second_derivative_along_the_velocity():
+    for state, constraint in all_constraints():
+        above, below = (constraint.jacobian(state.q + s * STEP * state.v) for s in (1, -1))
+        expected = -((above - below) @ state.v.ravel()) / (2 * STEP)
+        np.testing.assert_allclose(constraint.gamma(state.q, state.v), expected, atol=1e-9)
+
+
+def test_sizes_agree_with_the_number_of_equations():
+    for state, constraint in all_constraints():
+        number = constraint.number
+        assert constraint.value(state.q).shape == (number,)
+        assert constraint.gamma(state.q, state.v).shape == (number,)
+        assert constraint.rate(state.q, state.v).shape == (number,)
+        assert constraint.jacobian(state.q).shape == (number, state.q.size)
+
+
+@pytest.mark.parametrize("dim", DIMENSIONS)
+def test_number_of_equations_by_kind(dim):
+    for state in states(dim):
+        numbers = {c.name: c.number for c in constraints_of_cable(state.cable)}
+        expected = {name: count for name, count in expected_number(state.cable).items() if count}
+        assert numbers == expected
+
+
+@pytest.mark.parametrize("dim", DIMENSIONS)
+def test_constraints_are_independent_on_a_slack_cable(dim):
+    for state in states(dim):
+        jacobian = dense_constraints(state.cable, state.q, state.v).jacobian
+        singular = np.linalg.svd(jacobian, compute_uv=False)
+        assert len(jacobian) < state.q.size
+        assert singular[-1] > 1e-3 * singular[0]
+
+
+def test_the_reference_configuration_fulfils_supports_and_lengths():
+    for state, constraint in all_constraints():
+        if constraint.name != "nodal inextensibility":
+            value = constraint.value(state.cable.reference)
+            np.testing.assert_allclose(value, 0.0, atol=1e-13)
+
+
+def test_every_row_has_its_own_description():
+    for _, constraint in all_constraints():
+        texts = [constraint.describe(row, range(100)) for row in range(constraint.number)]
+        assert len(set(texts)) == constraint.number
+        assert all("node" in text or "element" in text for text in texts)

@@ -1,0 +1,173 @@
+"""What every integrator must fulfil: the declared order, on an equation and on a cable."""
+
+from functools import partial
+from types import SimpleNamespace
+from typing import NamedTuple
+
+import numba.core.caching
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from exudyn_inext.chain.chain import build_chain
+from exudyn_inext.chain.index_reduction import CableSystem
+from exudyn_inext.errors import InputError
+from exudyn_inext.integrators import INTEGRATORS, find_integrator
+from exudyn_inext.integrators.integrator import LoadHistory, advance, record
+from exudyn_inext.integrators.linear_stability import decay_limit, frequency_limit
+from exudyn_inext.loads.gravity import gravity_force
+from exudyn_inext.system import (
+    accelerate_and_project,
+    correct_position,
+    implements,
+    index_reduced_rates,
+)
+from tests.cables import planar_pendulum
+
+every_integrator = pytest.mark.parametrize("integrator", INTEGRATORS.values(), ids=INTEGRATORS)
+
+
+@pytest.fixture
+def unsaved(monkeypatch):
+    """Code compiled for types of this file must not reach the package's cache on disk."""
+    monkeypatch.setattr(numba.core.caching.Cache, "save_overload", lambda *_: None)
+
+
+class Pendulum(NamedTuple):
+    """q'' = F(t) - w^2 sin q in each coordinate, without constraints."""
+
+    squared_frequency: float
+
+
+@implements(index_reduced_rates, Pendulum)
+def pendulum_rates(system, external, q, v, acceleration, rate):
+    for i in range(len(q)):
+        acceleration[i] = external[i] - system.squared_frequency * np.sin(q[i])
+        rate[i] = v[i]
+
+
+@implements(accelerate_and_project, Pendulum)
+def accelerate_pendulum(system, external, q, v, duration, acceleration, end_velocity):
+    for i in range(len(q)):
+        acceleration[i] = external[i] - system.squared_frequency * np.sin(q[i])
+        end_velocity[i] = v[i] + duration * acceleration[i]
+
+
+@implements(correct_position, Pendulum)
+def correct_pendulum(system, q, tolerance, learning, correction):
+    correction[:] = 0.0
+    return 0.0
+
+
+CONSTANT = np.array([0.2, -0.5])
+PATTERN = np.array([[1.0, 0.3], [0.0, 2.0]])
+INITIAL = np.array([1.2, -0.4, 0.1, 0.9])
+SQUARED_FREQUENCY = 4.0
+END = 2.0
+
+
+def factors(t):
+    return np.array([np.sin(3.0 * t), np.cos(2.0 * t)])
+
+
+def run_pendulum(integrator, steps):
+    """q, v at `END`."""
+    system, h = Pendulum(SQUARED_FREQUENCY), END / steps
+    times = [[(step + stage) * h for stage in integrator.stages] for step in range(steps)]
+    loads = LoadHistory(CONSTANT, PATTERN, np.array([[factors(t) for t in row] for row in times]))
+    state = integrator.allocate(2)
+    state.q[:], state.v[:] = INITIAL[:2], INITIAL[2:]
+    integrator.start(system, CONSTANT + factors(0.0) @ PATTERN, state)
+    history = np.zeros((1, 3, 2))
+    record(integrator.scheme(), system, loads, state, h, steps, history)
+    return history[0, :2].ravel()
+
+
+def exact_pendulum():
+    def right_hand_side(t, y):
+        force = CONSTANT + factors(t) @ PATTERN
+        return np.concatenate([y[2:], force - SQUARED_FREQUENCY * np.sin(y[:2])])
+
+    return solve_ivp(right_hand_side, (0, END), INITIAL, "DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
+
+
+@pytest.mark.kernel
+@every_integrator
+def test_observed_order_on_a_forced_nonlinear_equation_is_the_declared_one(integrator, unsaved):
+    exact = exact_pendulum()
+    errors = [np.abs(run_pendulum(integrator, steps) - exact).max() for steps in (200, 400, 800)]
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    np.testing.assert_allclose(orders, integrator.order, atol=0.2)
+    assert errors[-1] < 1e-4
+
+
+def run_cable(integrator, steps, duration=0.2, number=4, intervals=1):
+    """(intervals, 3, n_dof) history of the planar pendulum with N = 4."""
+    cable, gravity = planar_pendulum(number)
+    system = CableSystem(build_chain(cable), 100.0)
+    force = gravity_force(cable, gravity).ravel()
+    loads = LoadHistory(force, np.zeros((0, force.size)), np.zeros((0, len(integrator.stages), 0)))
+    loads = loads._replace(factor=np.zeros((steps, len(integrator.stages), 0)))
+    state = integrator.allocate(force.size)
+    state.q[:] = cable.reference.ravel()
+    integrator.start(system, force, state)
+    history = np.zeros((intervals, 3, force.size))
+    record(integrator.scheme(), system, loads, state, duration / steps, steps // intervals, history)
+    return history
+
+
+@every_integrator
+def test_observed_order_on_a_cable_is_the_declared_one(integrator):
+    ends = [run_cable(integrator, steps)[-1, 0] for steps in (400, 800, 1600, 3200)]
+    gaps = np.abs(np.diff(ends, axis=0)).max(axis=1)
+    np.testing.assert_allclose(np.log2(gaps[:-1] / gaps[1:]), integrator.order, atol=0.2)
+
+
+def test_all_integrators_converge_to_the_same_motion():
+    ends = [run_cable(integrator, 4000)[-1] for integrator in INTEGRATORS.values()]
+    for end in ends[1:]:
+        np.testing.assert_allclose(end[0], ends[0][0], atol=2e-6)
+        np.testing.assert_allclose(end[1], ends[0][1], atol=2e-4)
+
+
+@pytest.mark.kernel
+@every_integrator
+def test_recorded_intervals_are_the_states_of_one_run(integrator):
+    together = run_cable(integrator, 4, 0.004, intervals=1)[-1]
+    apart = run_cable(integrator, 4, 0.004, intervals=4)
+    assert np.ptp(apart[:, 0], axis=0).max() > 0.0
+    np.testing.assert_allclose(apart[-1], together, rtol=1e-12, atol=1e-13)
+
+
+@every_integrator
+def test_stability_limits_are_positive_and_frequency_limit_is_finite(integrator):
+    scheme = integrator.scheme()
+    assert 0.0 < frequency_limit(integrator, scheme) < 4.0
+    assert decay_limit(integrator, scheme) > 0.0
+    assert np.isfinite(decay_limit(integrator, scheme)) == integrator.stabilised
+
+
+@every_integrator
+def test_names_find_their_integrators(integrator):
+    assert find_integrator(integrator.name) is integrator
+    assert all(0.0 <= stage <= 1.0 for stage in integrator.stages)
+
+
+def test_an_unknown_name_is_refused_and_the_known_ones_are_listed():
+    with pytest.raises(InputError, match="integrator = 'Euler' is unknown") as refusal:
+        find_integrator("Euler")
+    assert all(name in str(refusal.value) for name in INTEGRATORS)
+
+
+@pytest.mark.parametrize(
+    ("protocol", "arguments"),
+    [
+        (index_reduced_rates, 5),
+        (accelerate_and_project, 6),
+        (correct_position, 4),
+        (partial(advance, SimpleNamespace()), 5),
+    ],
+)
+def test_a_type_that_implements_no_protocol_is_refused_by_name(protocol, arguments):
+    with pytest.raises(NotImplementedError, match=r"no .* for (object|SimpleNamespace)"):
+        protocol(*([object()] + [None] * arguments))

@@ -1,0 +1,76 @@
+"""The step size rule, what decides a step, and what a refusal says."""
+
+import numpy as np
+import pytest
+
+from exudyn_inext.errors import StepSizeError
+from exudyn_inext.integrators.step_size import (
+    StepSizeBounds,
+    choose_step,
+    rule_step,
+    step_above_limit,
+)
+
+pytestmark = pytest.mark.kernel
+
+
+def round_section(radius, density, youngs_modulus):
+    """rho_A and EI."""
+    return np.pi * radius**2 * density, np.pi / 4 * radius**4 * youngs_modulus
+
+
+def test_rule_reproduces_the_step_of_the_papers_ring():
+    length = 2 * np.pi * 0.5 / 20
+    h = rule_step(length, *round_section(5e-3, 2700.0, 7.0e9), 0.9)
+    assert h == pytest.approx(2.4842e-4, abs=5e-9)
+
+
+def test_rule_reproduces_the_step_of_the_papers_pendulum():
+    h = rule_step(1.8 / 5, *round_section(2e-3, 2766.76, 6.895e9), 0.7)
+    assert h == pytest.approx(2.588e-3, abs=5e-7)
+
+
+def bounds(bending=3.0, stabilisation=3.0, rule=3.0):
+    return StepSizeBounds(bending, stabilisation, rule, largest_frequency=123.5, cable="cable 'main'")
+
+
+@pytest.mark.parametrize(
+    ("given", "expected"),
+    [
+        (bounds(rule=1.0), (1.0, "rule (37)")),
+        (bounds(bending=1.0), (0.9, "bending")),
+        (bounds(stabilisation=1.0), (0.9, "stabilisation")),
+        (bounds(bending=1.05, rule=1.0), (0.945, "bending")),
+    ],
+)
+def test_smallest_bound_decides_and_is_named(given, expected):
+    h, decided_by = choose_step(given, safety=0.9)
+    assert (h, decided_by) == (pytest.approx(expected[0]), expected[1])
+
+
+def test_stability_limit_is_the_smaller_of_both_bounds_and_not_the_rule():
+    assert bounds(bending=2.0, rule=1.0).stability_limit == 2.0
+    assert bounds(stabilisation=1.5, rule=1.0).stability_limit == 1.5
+
+
+def test_steps_up_to_the_limit_are_accepted():
+    assert step_above_limit(2.0, bounds(bending=2.0), "Zhai") is None
+    assert step_above_limit(1.0, bounds(bending=2.0), "Zhai") is None
+
+
+@pytest.mark.parametrize(
+    ("given", "cause", "remedy"),
+    [
+        (bounds(bending=2.5), "w_max = 123.5 rad/s of cable 'main'", "fewer elements"),
+        (bounds(stabilisation=2.5), "constraint stabilisation", "reduce the step"),
+    ],
+)
+def test_refusal_names_value_limit_culprit_and_remedy(given, cause, remedy):
+    error = step_above_limit(2.75, given, "Zhai")
+    assert isinstance(error, StepSizeError)
+    for part in ("stepSize = 2.75 s", "above 2.5 s", "'Zhai'", cause, "reduce the step", remedy):
+        assert part in str(error)
+
+
+def test_refusal_names_the_parameter_as_the_user_spells_it():
+    assert "stabilizationRate" in str(step_above_limit(2.75, bounds(stabilisation=2.5), "Zhai"))
