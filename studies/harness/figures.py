@@ -86,9 +86,11 @@ def draw_convergence(
         curves, errors = figure.subplots(1, 2)
         _draw_meshes(curves, next(iter(meshes.values())), reference)
         label_axes(curves, TIME, f"{point} y [m]", f"{next(iter(meshes))}, N elements")
-        for (label, series), marker in zip(meshes.items(), "so^D", strict=False):
+        native_colors = iter(COLORS[1:])
+        for (label, series), marker in zip(meshes.items(), "s^oD", strict=False):
             maxima = [distance_to_reference(run, reference).maximum for run in series.values()]
-            errors.loglog(list(series), maxima, marker + "-", label=label)
+            color = COLORS[0] if label == "inextensible" else next(native_colors)
+            errors.loglog(list(series), maxima, marker + "-", color=color, label=label)
         label_axes(errors, "number of elements N [-]", "largest distance to the reference [m]")
         _name_ticks(errors, sorted({number for series in meshes.values() for number in series}))
         errors.legend()
