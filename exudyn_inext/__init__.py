@@ -15,6 +15,7 @@ from .exudyn_binding.shape import CableShape
 from .exudyn_binding.solver import SolveExplicit
 from .exudyn_binding.template import InextensibleCable
 from .integrators.rattle import Rattle
+from .integrators.runge_kutta import RungeKutta4
 from .integrators.zhai import Zhai
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "InputError",
     "Rattle",
     "RedundantConstraintError",
+    "RungeKutta4",
     "SceneError",
     "SolveExplicit",
     "StepSizeError",

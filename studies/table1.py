@@ -137,7 +137,6 @@ def _explicit_cases(scene: Scene) -> list[Case]:
         largest_step_case(scene, 4, "velocityVerlet", "lobatto"),
         largest_step_case(scene, 5, "velocityVerlet", "lobatto"),
         largest_step_case(scene, 10, "velocityVerlet"),
-        largest_step_case(scene, 5, "rungeKutta44", "lobatto"),
         largest_step_case(scene, 10, "rungeKutta44"),
     ]
 

@@ -27,7 +27,9 @@ SUPPORTS = {
     "clamped": [(0.0, True, True)],
     "both ends pinned": [(0.0, True, False), (1.0, True, False)],
     "clamped and pinned": [(0.0, True, True), (1.0, True, False)],
+    "both ends clamped": [(0.0, True, True), (1.0, True, True)],
     "pinned within": [(0.5, True, False)],
+    "clamped within": [(0.5, True, True)],
 }
 
 

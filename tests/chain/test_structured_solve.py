@@ -72,7 +72,6 @@ def test_small_chains_agree_with_the_dense_solve(measure, dim, supports):
                 compare(state)
 
 
-@pytest.mark.kernel
 @both_measures
 @both_dimensions
 @pytest.mark.parametrize("n_bar", LENGTH_CONSTRAINTS)

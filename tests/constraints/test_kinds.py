@@ -6,6 +6,8 @@ import pytest
 from exudyn_inext.constraints import clamp, constraints_of_cable, length, nodal_inextensibility, pin
 from tests.cables import MEASURES, fine_quadrature, hermite, random_state, straight_cable
 
+NAMES = "abcdef"
+
 pytestmark = pytest.mark.kernel
 
 
@@ -45,7 +47,8 @@ def test_nodal_constraint_is_the_squared_slope_less_one():
     q[1, 1], q[2, 1] = (0.6, 0.8), (3.0, 4.0)
     found = nodal_inextensibility.of_cable(cable)
     np.testing.assert_allclose(found.value(q), [0.0, 24.0], atol=1e-14)
-    assert [found.describe(row, "abc") for row in range(2)] == ["slope of node b", "slope of node c"]
+    texts = [found.describe(row, NAMES) for row in range(2)]
+    assert texts == ["slope of node b", "slope of node c"]
 
 
 def test_pin_and_clamp_measure_the_distance_from_the_reference():
@@ -55,14 +58,15 @@ def test_pin_and_clamp_measure_the_distance_from_the_reference():
     q[0, 1] += [4.0, 5.0, 6.0]
     np.testing.assert_allclose(pin.of_cable(pinned).value(q), [1, 2, 3])
     np.testing.assert_allclose(clamp.of_cable(clamped).value(q), [1, 2, 3, 4, 5, 6])
-    assert pin.of_cable(pinned).describe(2, [7, 8, 9]) == "position z of node 7"
-    assert clamp.of_cable(clamped).describe(4, [7, 8, 9]) == "slope y of node 7"
+    within = pin.of_cable(straight_cable(2, 3, "pinned within"))
+    assert within.describe(2, NAMES) == "position z of node b"
+    assert clamp.of_cable(clamped).describe(4, NAMES) == "slope y of node a"
     assert pin.of_cable(clamped).number == clamp.of_cable(pinned).number == 0
 
 
 def test_a_length_constraint_names_its_elements():
     found = length.of_cable(straight_cable(5, 2, length_constraints=2))
-    texts = [found.describe(row, "abcdef") for row in range(2)]
+    texts = [found.describe(row, NAMES) for row in range(2)]
     assert texts == ["elements between nodes a and d", "elements between nodes d and f"]
 
 
