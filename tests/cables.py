@@ -30,6 +30,7 @@ SUPPORTS = {
     "both ends clamped": [(0.0, True, True), (1.0, True, True)],
     "pinned within": [(0.5, True, False)],
     "clamped within": [(0.5, True, True)],
+    "pinned and guided": [(0.0, True, False), (1.0, False, True)],
 }
 
 

@@ -58,6 +58,9 @@ class CableRun:
         Raises:
             RedundantConstraintError: length constraints and supports depend on each other.
         """
+        chain = self.system.chain
+        chain.nodes.foresight = 0.0
+        chain.elements.foresight = 0.0
         self._integrator.start(self.system, self._loads.at(time), self.state)
         self._check_pivots()
 

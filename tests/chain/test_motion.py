@@ -136,3 +136,14 @@ def test_position_level_schemes_stay_on_the_constraint_manifold(name):
     found = dense_constraints(state.cable, q, v)
     assert np.abs(found.value).max() < 1e-9
     assert np.abs(found.jacobian @ v.ravel()).max() < 1e-11 * np.abs(v).max()
+
+
+@pytest.mark.parametrize("name", [n for n, i in INTEGRATORS.items() if not i.stabilised])
+def test_position_level_schemes_run_backwards_to_where_they_started(name):
+    state = pendulum_at_rest(5)
+    q, v, _ = move(state, 100.0, 2.5e-3, 400, 400, name=name)[-1]
+    turned = State(state.cable, q.copy(), -v, state.external)
+    back, rest, _ = move(turned, 100.0, 2.5e-3, 400, 400, name=name)[-1]
+    assert np.abs(q - state.q).max() > 1.0
+    np.testing.assert_allclose(back, state.q, atol=1e-7)
+    np.testing.assert_allclose(rest, 0.0, atol=1e-5)

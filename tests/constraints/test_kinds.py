@@ -73,3 +73,16 @@ def test_a_length_constraint_names_its_elements():
 def test_a_cable_without_supports_and_length_constraints_has_nodal_ones_only():
     (only,) = constraints_of_cable(straight_cable(3, 2, length_constraints=0))
     assert (only.name, only.number) == ("nodal inextensibility", 4)
+
+
+def test_a_guide_holds_the_slope_alone():
+    guided = straight_cable(3, 2, "pinned and guided")
+    found = {constraint.name: constraint for constraint in constraints_of_cable(guided)}
+    assert {name: kind.number for name, kind in found.items()} == {
+        "length": 3,
+        "nodal inextensibility": 3,
+        "pin": 2,
+        "guide": 2,
+    }
+    q = guided.reference + np.array([[5.0, 5.0], [0.1, 0.2]])
+    np.testing.assert_allclose(found["guide"].value(q), [0.1, 0.2])

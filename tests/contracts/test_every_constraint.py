@@ -31,6 +31,7 @@ def expected_number(cable):
     return {
         "pin": cable.dimension * int((position & ~slope).sum()),
         "clamp": 2 * cable.dimension * int((position & slope).sum()),
+        "guide": cable.dimension * int((~position & slope).sum()),
         "nodal inextensibility": int((~slope).sum()),
         "length": cable.length_constraints,
     }
