@@ -118,6 +118,7 @@ def _tuned_implicit_cases(scene: Scene) -> list[Case]:
         native_case(scene, 4, Implicit(6e-3, each_step, "dense", 1e-4), "lobatto"),
         native_case(scene, 5, Implicit(6e-3, each_step, "dense", 1e-5, 0.8), "lobatto"),
         native_case(scene, 10, Implicit(7e-3, "full", "dense", 1e-8)),
+        native_case(scene, 10, Implicit(7e-3, each_step, "sparse", 1e-5)),
         native_case(scene, 10, Implicit(7e-3, each_step, "sparse", 1e-5), "reduced"),
         native_case(scene, 6, Implicit(3.5e-3, each_step, "dense", 1e-4), "lobatto"),
         native_case(scene, 12, Implicit(5e-3, each_step, "sparse", 1e-5), "reduced"),
@@ -126,6 +127,7 @@ def _tuned_implicit_cases(scene: Scene) -> list[Case]:
         native_case(scene, 10, Implicit(1.6e-3, "modified", "sparse", 1e-4), "lobatto"),
         native_case(scene, 10, Implicit(1.8e-3, each_step, "sparse", 1e-5), "lobatto"),
         native_case(scene, 11, Implicit(1.4e-3, "modified", "sparse", 1e-4, 0.8), "lobatto"),
+        native_case(scene, 18, Implicit(1.5e-3, "modified", "sparse", 1e-5)),
         native_case(scene, 18, Implicit(1.5e-3, "modified", "sparse", 1e-5), "reduced"),
         native_case(scene, 20, Implicit(1e-3, "modified", "sparse", 1e-5)),
     ]
