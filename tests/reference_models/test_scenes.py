@@ -13,16 +13,19 @@ from reference_models.data import reference_trajectory
 from reference_models.scenes import SCENES, Cable, Line, Pin, Round, load_scene
 
 PENDULUM = load_scene("planar_pendulum")
+SPATIAL = load_scene("spatial_pendulum")
+PENDULUMS = pytest.mark.parametrize("scene", [PENDULUM, SPATIAL], ids=lambda scene: scene.name)
 
 
 @pytest.fixture
-def parameters():
-    text = files("reference_models.data").joinpath("planar_pendulum.json").read_text("utf-8")
+def parameters(scene):
+    text = files("reference_models.data").joinpath(f"{scene.name}.json").read_text("utf-8")
     return json.loads(text)["parameters"]
 
 
-def test_section_of_the_pendulum_is_that_of_the_reference(parameters):
-    section = PENDULUM.cable.section
+@PENDULUMS
+def test_section_of_a_pendulum_is_that_of_the_reference(scene, parameters):
+    section = scene.cable.section
     derived = {
         "A": section.area,
         "I": section.second_moment,
@@ -34,9 +37,11 @@ def test_section_of_the_pendulum_is_that_of_the_reference(parameters):
         assert value == pytest.approx(parameters[name], rel=1e-12), name
 
 
-def test_geometry_and_gravity_of_the_pendulum_are_those_of_the_reference(parameters):
-    assert PENDULUM.cable.length == parameters["L"]
-    assert PENDULUM.gravity == (0.0, -parameters["g"], 0.0)
+@PENDULUMS
+def test_length_and_gravity_of_a_pendulum_are_those_of_the_reference(scene, parameters):
+    assert scene.cable.length == parameters["L"]
+    down = (0.0, -1.0, 0.0) if scene.is_planar else (0.0, 0.0, -1.0)
+    assert scene.gravity == tuple(parameters["g"] * component for component in down)
 
 
 def test_reference_starts_straight_along_x_and_falls_along_minus_y():
@@ -47,14 +52,30 @@ def test_reference_starts_straight_along_x_and_falls_along_minus_y():
     assert np.all(reference.positions[:, 2] == 0.0)
 
 
-def test_reference_never_leaves_the_ball_of_the_cable_length():
-    reference = reference_trajectory(PENDULUM)
+def test_spatial_reference_starts_along_x_with_the_velocity_of_the_scene_and_falls_along_minus_z():
+    reference = reference_trajectory(SPATIAL)
+    np.testing.assert_allclose(reference.positions[0], [1.8, 0.0, 0.0], atol=1e-12)
+    assert reference.times[[0, -1]] == pytest.approx([0.0, SPATIAL.end_time])
+    time, step = reference.times[1], reference.positions[1] - reference.positions[0]
+    assert step[1] / time == pytest.approx(SPATIAL.end_velocity[1], rel=1e-3)
+    assert 2 * step[2] / time**2 == pytest.approx(SPATIAL.gravity[2], rel=1e-3)
+    assert SPATIAL.end_velocity == (0.0, 3.0, 0.0)
+
+
+@PENDULUMS
+def test_a_reference_never_leaves_the_ball_of_the_cable_length(scene):
+    reference = reference_trajectory(scene)
     distance = np.linalg.norm(reference.positions, axis=1)
-    assert distance.max() <= PENDULUM.cable.length + PENDULUM.reference.uncertainty
+    assert distance.max() <= scene.cable.length + scene.reference.uncertainty
+
+
+def test_both_pendulums_are_one_cable():
+    assert SPATIAL.cable == PENDULUM.cable
+    assert PENDULUM.is_planar and not SPATIAL.is_planar
 
 
 def test_every_scene_is_found_under_its_name():
-    assert "planar_pendulum" in SCENES
+    assert {"planar_pendulum", "spatial_pendulum"} <= set(SCENES)
     assert all(load_scene(name).name == name for name in SCENES)
 
 
