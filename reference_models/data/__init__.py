@@ -23,5 +23,7 @@ def reference_trajectory(scene: Scene) -> Trajectory:
 
 
 def _column(columns: dict[str, Array], axis: str) -> Array:
+    if axis == "0":
+        return np.zeros_like(columns["t"])
     sign = -1.0 if axis.startswith("-") else 1.0
     return sign * columns[axis.removeprefix("-")]

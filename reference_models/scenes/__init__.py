@@ -7,13 +7,18 @@ from types import MappingProxyType
 
 from exudyn_inext.errors import InputError
 
-from .scene import Cable, Clamp, Line, Pin, Reference, Round, Scene
+from .load import Constant, PointForce, Sine
+from .scene import Cable, Reference, Scene
+from .section import Round, Section
+from .shape import Circle, Line, Parabolas
+from .support import Clamp, Hanger, Pin
 
 
 def _find_scenes() -> Mapping[str, Scene]:
-    names = sorted(info.name for info in pkgutil.iter_modules(__path__) if info.name != "scene")
+    names = sorted(info.name for info in pkgutil.iter_modules(__path__))
     modules = (importlib.import_module(f"{__name__}.{name}") for name in names)
-    return MappingProxyType({module.SCENE.name: module.SCENE for module in modules})
+    scenes = (module.SCENE for module in modules if hasattr(module, "SCENE"))
+    return MappingProxyType({scene.name: scene for scene in scenes})
 
 
 SCENES = _find_scenes()
@@ -29,11 +34,18 @@ def load_scene(name: str) -> Scene:
 __all__ = [
     "SCENES",
     "Cable",
+    "Circle",
     "Clamp",
+    "Constant",
+    "Hanger",
     "Line",
+    "Parabolas",
     "Pin",
+    "PointForce",
     "Reference",
     "Round",
     "Scene",
+    "Section",
+    "Sine",
     "load_scene",
 ]

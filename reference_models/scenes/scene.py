@@ -1,109 +1,48 @@
-"""What a scene is made of: geometry, section, supports, loads, end time. Plain data in SI units."""
+"""A scene: cable, supports, loads, how it starts, what is observed. Plain data in SI units."""
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import Literal
+
+import numpy as np
 
 from exudyn_inext.errors import InputError
 
-Vector = tuple[float, float, float]
-ZERO: Vector = (0.0, 0.0, 0.0)
+from ..trajectory import Array
+from .checks import ZERO, Vector, require_fraction, require_positive
+from .load import PointForce
+from .section import Round, Section
+from .shape import Line, Shape
+from .support import Clamp, Hanger, Pin, Support
 
-
-def _require_positive(owner: str, unit: str, name: str, value: float) -> None:
-    if not (math.isfinite(value) and value > 0):
-        raise InputError(
-            f"{owner}: {name} = {value!r} {unit}: must be finite and > 0; check value and units."
-        )
-
-
-def _require_fraction(owner: str, value: float) -> None:
-    if not 0.0 <= value <= 1.0:
-        raise InputError(f"{owner}: {value!r} must be a fraction of the arc length, 0 (start) to 1 (end).")
-
-
-@dataclass(frozen=True)
-class Round:
-    """Solid round cross-section.   radius [m], density [kg/m^3], youngs_modulus [Pa]."""
-
-    radius: float
-    density: float
-    youngs_modulus: float
-
-    def __post_init__(self) -> None:
-        for name, unit in (("radius", "m"), ("density", "kg/m^3"), ("youngs_modulus", "Pa")):
-            _require_positive("Round section", unit, name, getattr(self, name))
-
-    @property
-    def area(self) -> float:
-        """A = pi R^2 [m^2]."""
-        return math.pi * self.radius**2
-
-    @property
-    def second_moment(self) -> float:
-        """I = pi R^4 / 4 [m^4]."""
-        return math.pi * self.radius**4 / 4
-
-    @property
-    def mass_per_length(self) -> float:
-        """rho_A = rho A [kg/m]."""
-        return self.density * self.area
-
-    @property
-    def bending_stiffness(self) -> float:
-        """EI [N m^2]."""
-        return self.youngs_modulus * self.second_moment
-
-    @property
-    def axial_stiffness(self) -> float:
-        """EA [N]."""
-        return self.youngs_modulus * self.area
-
-
-@dataclass(frozen=True)
-class Line:
-    """A straight initial shape.   start [m]; direction: unit vector [-]."""
-
-    start: Vector = ZERO
-    direction: Vector = (1.0, 0.0, 0.0)
-
-    def __post_init__(self) -> None:
-        norm = math.hypot(*self.direction)
-        if not abs(norm - 1.0) < 1e-12:
-            raise InputError(f"Line: direction has norm {norm!r}, not 1; divide it by its norm.")
+HANGER_TOLERANCE = 1e-9
+"""Gap between anchor and cable over the length of the hanger, minus 1 [-]."""
 
 
 @dataclass(frozen=True)
 class Cable:
-    """length [m], section, and the shape in which the motion starts (stress-free)."""
+    """length [m], section, initial shape, and what is free of stress.
+
+    stress_free: "shape": the initial shape; "straight": the straight cable of that length.
+    """
 
     length: float
-    section: Round
-    shape: Line = field(default_factory=Line)
+    section: Round | Section
+    shape: Shape = field(default_factory=Line)
+    stress_free: Literal["shape", "straight"] = "shape"
 
     def __post_init__(self) -> None:
-        _require_positive("Cable", "m", "length", self.length)
+        require_positive("Cable", "m", "length", self.length)
+        self.shape.require_length(self.length)
 
+    def nodes(self, elements: int) -> tuple[Array, Array]:
+        """Positions (n + 1, 3) [m] and unit slopes (n + 1, 3) [-] at the ends of n equal elements.
 
-@dataclass(frozen=True)
-class Pin:
-    """Holds the position, leaves the slope free.   at: fraction of the arc length [-]."""
-
-    at: float
-
-    def __post_init__(self) -> None:
-        _require_fraction("Pin(at)", self.at)
-
-
-@dataclass(frozen=True)
-class Clamp:
-    """Holds position and slope.   at: fraction of the arc length [-]."""
-
-    at: float
-
-    def __post_init__(self) -> None:
-        _require_fraction("Clamp(at)", self.at)
+        The last node of a closed cable is the first one again.
+        """
+        return self.shape.curve(np.linspace(0.0, 1.0, elements + 1), self.length)
 
 
 @dataclass(frozen=True)
@@ -111,7 +50,7 @@ class Reference:
     """An independent trajectory of the first observed point.
 
     file: name inside reference_models/data.   source: what computed it.
-    axes: the file's columns that are the scene's x, y, z; a leading minus turns the sign.
+    axes: the file's columns that are the scene's x, y, z; a leading minus turns the sign, "0" is zero.
     uncertainty: how far the true limit may be from it [m].
     """
 
@@ -127,34 +66,72 @@ class Scene:
 
     gravity [m/s^2]; end_time [s].
     observe: name -> fraction of the arc length; the first one is compared with the reference.
+    observe_slopes: name -> fraction of the arc length; points whose direction is observed, too.
     end_velocity: velocity of the free end [m/s]; the initial field grows linearly from zero.
+    loads: act during the motion.
+    starts_from_equilibrium: at rest in static equilibrium under gravity, loads(t = 0) and start_loads;
+        the cable's shape is then only where the search for it begins. Otherwise: from that shape.
+    start_loads: act in that equilibrium only, and are gone at t = 0.
     """
 
     name: str
     cable: Cable
-    supports: tuple[Pin | Clamp, ...]
+    supports: tuple[Support, ...]
     gravity: Vector
     end_time: float
     observe: Mapping[str, float]
     reference: Reference | None = None
     end_velocity: Vector = ZERO
+    loads: tuple[PointForce, ...] = ()
+    start_loads: tuple[PointForce, ...] = ()
+    starts_from_equilibrium: bool = False
+    observe_slopes: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        _require_positive(f"Scene '{self.name}'", "s", "end_time", self.end_time)
+        require_positive(f"Scene '{self.name}'", "s", "end_time", self.end_time)
         if not self.observe:
             raise InputError(f"Scene '{self.name}' observes no point; give observe={{'tip': 1.0}}.")
-        for point, fraction in self.observe.items():
-            _require_fraction(f"Scene '{self.name}', observe['{point}']", fraction)
-        object.__setattr__(self, "observe", MappingProxyType(dict(self.observe)))
+        for field_name in ("observe", "observe_slopes"):
+            points = getattr(self, field_name)
+            for point, fraction in points.items():
+                require_fraction(f"Scene '{self.name}', {field_name}['{point}']", fraction)
+            object.__setattr__(self, field_name, MappingProxyType(dict(points)))
+        self._require_consistent_start()
+
+    def _require_consistent_start(self) -> None:
+        owner = f"Scene '{self.name}'"
+        if self.start_loads and not self.starts_from_equilibrium:
+            raise InputError(f"{owner}: start_loads act in an equilibrium; set starts_from_equilibrium=True.")
+        if self.end_velocity != ZERO and (self.starts_from_equilibrium or self.cable.shape.closed):
+            raise InputError(
+                f"{owner}: end_velocity = {self.end_velocity} needs a free end that starts in the given "
+                "shape; leave it out."
+            )
+        for support in self.supports:
+            if isinstance(support, Hanger):
+                self._require_reach(support)
+
+    def _require_reach(self, hanger: Hanger) -> None:
+        positions, _ = self.cable.shape.curve(np.array([hanger.at]), self.cable.length)
+        gap = math.dist(positions[0], hanger.anchor)
+        if not abs(gap / hanger.length - 1.0) <= HANGER_TOLERANCE:
+            raise InputError(
+                f"Scene '{self.name}': hanger at {hanger.at!r} is {hanger.length!r} m long, but from its "
+                f"anchor to the cable it is {gap!r} m; move the anchor or change the length."
+            )
 
     @property
     def is_planar(self) -> bool:
         """Whether everything happens in the x-y plane."""
-        shape = self.cable.shape
-        vectors = (shape.start, shape.direction, self.gravity, self.end_velocity)
-        return all(vector[2] == 0.0 for vector in vectors)
+        forces = [load.force for load in (*self.loads, *self.start_loads)]
+        anchors = [support.anchor for support in self.supports if isinstance(support, Hanger)]
+        vectors = (self.gravity, self.end_velocity, *forces, *anchors)
+        return self.cable.shape.is_planar and all(vector[2] == 0.0 for vector in vectors)
 
     @property
     def main_point(self) -> str:
         """Name of the point that is compared with the reference."""
         return next(iter(self.observe))
+
+
+__all__ = ["ZERO", "Cable", "Clamp", "Line", "Pin", "Reference", "Round", "Scene", "Section", "Vector"]

@@ -1,0 +1,51 @@
+"""Dead loads at points of a cable, and how they vary in time."""
+
+import math
+from dataclasses import dataclass, field
+
+from .checks import Vector, require_finite, require_fraction, require_positive
+
+
+@dataclass(frozen=True)
+class Constant:
+    """factor(t) = 1."""
+
+    def factor(self, time: float) -> float:
+        """Factor [-] at a time [s]."""
+        return 1.0
+
+
+@dataclass(frozen=True)
+class Sine:
+    """factor(t) = amplitude sin(w t).   angular_frequency: w [rad/s]; amplitude [-]."""
+
+    angular_frequency: float
+    amplitude: float = 1.0
+
+    def __post_init__(self) -> None:
+        require_positive("Sine", "rad/s", "angular_frequency", self.angular_frequency)
+
+    def factor(self, time: float) -> float:
+        """Factor [-] at a time [s]."""
+        return self.amplitude * math.sin(self.angular_frequency * time)
+
+
+History = Constant | Sine
+
+
+@dataclass(frozen=True)
+class PointForce:
+    """A dead force on a point: force * history.factor(t).   at: fraction of the arc length; force [N]."""
+
+    at: float
+    force: Vector
+    history: History = field(default_factory=Constant)
+
+    def __post_init__(self) -> None:
+        require_fraction("PointForce(at)", self.at)
+        require_finite("PointForce", "force", self.force)
+
+    def value(self, time: float) -> Vector:
+        """Force [N] at a time [s]."""
+        factor = self.history.factor(time)
+        return (factor * self.force[0], factor * self.force[1], factor * self.force[2])
