@@ -48,9 +48,9 @@ from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case, Trajectory
 
 from .harness.figures import draw_convergence, draw_cost_and_accuracy, draw_trajectories
-from .harness.front import cheapest, is_implicit, time_ratio
-from .harness.study import Results, Row, Study
-from .harness.table import markdown_table, number
+from .harness.front import is_explicit, is_explicit_by_default, is_implicit, is_implicit_by_default
+from .harness.ratios import Comparison, ratio_table
+from .harness.study import Results, Study
 
 PAPER_IMPLICIT = "paper's conventional implicit: generalized-alpha, N = 10, h = 5e-3 s"
 PAPER_EXPLICIT = "paper's conventional explicit: Zhai, N = 10, h = 2e-5 s"
@@ -64,6 +64,16 @@ PAPER = {
     "conventionalExplicitSeconds": PAPER_SECONDS[PAPER_EXPLICIT],
     "proposedExplicitSeconds": PAPER_SECONDS[PAPER_PROPOSED],
 }
+
+COMPARISONS = (
+    Comparison("implicit row", is_implicit, 6e-3),
+    Comparison("implicit row", is_implicit, 7e-4),
+    Comparison("explicit row", is_explicit, 1.2e-2),
+    Comparison("explicit row", is_explicit, 6e-3),
+    Comparison("implicit row, default quadrature,", is_implicit_by_default, 6e-3),
+    Comparison("implicit row, default quadrature,", is_implicit_by_default, 7e-4),
+    Comparison("explicit row, default quadrature,", is_explicit_by_default, 1.2e-2),
+)
 
 
 def make_cases(scene: Scene, quick: bool) -> list[Case]:
@@ -169,51 +179,7 @@ def _meshes(scene: Scene, quick: bool) -> dict[str, dict[int, Trajectory]]:
 
 def make_conclusions(results: Results) -> list[str]:
     """The ratios, beside the paper's."""
-    header = ("CPU time over that of the inextensible cable", "paper", "here")
-    lines = [*_paper_ratios(results.rows), *_tuned_ratios(results.rows)]
-    return [markdown_table(header, lines)]
-
-
-def _paper_ratios(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
-    by_label = {row["label"]: row for row in rows}
-    proposed = by_label.get(PAPER_PROPOSED)
-    return [
-        (
-            label,
-            number(PAPER_SECONDS[label] / PAPER_SECONDS[PAPER_PROPOSED]),
-            number(time_ratio(by_label.get(label), proposed)),
-        )
-        for label in (PAPER_IMPLICIT, PAPER_EXPLICIT)
-    ]
-
-
-def _tuned_ratios(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
-    """Cheapest native row over the cheapest inextensible one, both within the same error."""
-    inextensible = [row for row in rows if row["formulation"] == "inextensible"]
-    native = [row for row in rows if row["formulation"] == "conventional"]
-    full = [row for row in native if row.get("quadrature", "full") == "full"]
-    comparisons = [
-        ("implicit row", [row for row in native if is_implicit(row)], 6e-3),
-        ("implicit row", [row for row in native if is_implicit(row)], 7e-4),
-        ("explicit row", [row for row in native if not is_implicit(row)], 1.2e-2),
-        ("explicit row", [row for row in native if not is_implicit(row)], 6e-3),
-        ("implicit row, default quadrature,", [row for row in full if is_implicit(row)], 6e-3),
-        ("implicit row, default quadrature,", [row for row in full if is_implicit(row)], 7e-4),
-        ("explicit row, default quadrature,", [row for row in full if not is_implicit(row)], 1.2e-2),
-    ]
-    return [
-        _tuned_ratio(f"cheapest native {kind}", members, inextensible, bound)
-        for kind, members, bound in comparisons
-    ]
-
-
-def _tuned_ratio(
-    text: str, native: Sequence[Row], inextensible: Sequence[Row], bound: float
-) -> tuple[str, str, str]:
-    best = cheapest(native, bound)
-    name = f": {best['label']}" if best else ""
-    ratio = time_ratio(best, cheapest(inextensible, bound))
-    return (f"{text} with error <= {bound:g} m{name}", "", number(ratio))
+    return [ratio_table(results.rows, PAPER_SECONDS, PAPER_PROPOSED, COMPARISONS)]
 
 
 STUDY = Study(

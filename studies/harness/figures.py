@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from scipy.interpolate import CubicSpline
 
-from reference_models.trajectory import Trajectory
+from reference_models.trajectory import Array, Trajectory
 
 from .error import distance_to_reference
 from .front import front, is_implicit, is_usable
@@ -15,6 +16,7 @@ from .plot import COLORS, REFERENCE_COLOR, label_axes, new_figure
 from .study import Row
 
 TIME = "time t [s]"
+_LINE_STYLES = ("--", "-.", ":")
 _KINDS = {
     "native, implicit": (COLORS[1], "s"),
     "native, explicit": (COLORS[2], "^"),
@@ -23,26 +25,32 @@ _KINDS = {
 
 
 def draw_trajectories(
-    path: Path, curves: Mapping[str, Trajectory], reference: Trajectory, point: str
+    path: Path, curves: Mapping[str, Trajectory], reference: Trajectory, point: str, components: str = "xy"
 ) -> Path:
-    """x(t), y(t) of a point over the reference, and the distance to it."""
-    end = max((curve.times[-1] for curve in curves.values()), default=reference.times[-1])
-    shown = reference.times <= end + 1e-9
-    with new_figure(path, 8.0, 9.0) as figure:
-        x, y, error = figure.subplots(3, 1, sharex=True)
-        for index, axes in enumerate((x, y)):
-            times, values = reference.times[shown], reference.positions[shown, index]
-            axes.plot(times, values, color=REFERENCE_COLOR, linewidth=4, label="reference")
+    """The components of a point over the reference, and the distance to it."""
+    times, positions = _until(reference, curves)
+    with new_figure(path, 8.0, 3.0 * (len(components) + 1)) as figure:
+        *tops, error = figure.subplots(len(components) + 1, 1, sharex=True)
+        for component, axes in zip(components, tops, strict=True):
+            index = "xyz".index(component)
+            axes.plot(times, positions[:, index], color=REFERENCE_COLOR, linewidth=4, label="reference")
             _draw_component(axes, curves, index)
-            label_axes(axes, "", f"{point} {'xy'[index]} [m]")
+            label_axes(axes, "", f"{point} {component} [m]")
         _draw_distances(error, curves, reference)
         label_axes(error, TIME, "distance to the reference [m]")
-        figure.legend(*x.get_legend_handles_labels(), loc="outside upper left")
+        figure.legend(*tops[0].get_legend_handles_labels(), loc="outside upper left")
     return path
 
 
+def _until(reference: Trajectory, curves: Mapping[Any, Trajectory]) -> tuple[Array, Array]:
+    """Times and positions of the reference, to the end of the longest curve."""
+    end = max((curve.times[-1] for curve in curves.values()), default=reference.times[-1])
+    shown = reference.times <= end + 1e-9
+    return reference.times[shown], reference.positions[shown]
+
+
 def _draw_component(axes: Axes, curves: Mapping[str, Trajectory], index: int) -> None:
-    for style, (label, curve) in zip(("--", "-.", ":"), curves.items(), strict=False):
+    for style, (label, curve) in zip(_LINE_STYLES, curves.items(), strict=False):
         axes.plot(curve.times, curve.positions[:, index], style, label=label)
 
 
@@ -52,6 +60,26 @@ def _draw_distances(axes: Axes, curves: Mapping[str, Trajectory], reference: Tra
         lengths = np.linalg.norm(curve.positions - spline(curve.times), axis=1)
         axes.semilogy(curve.times[1:], lengths[1:], linewidth=1.0)
     axes.set_ylim(bottom=1e-6)
+
+
+def draw_path(path: Path, curves: Mapping[str, Trajectory], reference: Trajectory, point: str) -> Path:
+    """The path of a point in space, and its plan view (seen along z)."""
+    _, positions = _until(reference, curves)
+    runs = [curve.positions for curve in curves.values()]
+    with new_figure(path, 10.0, 5.2) as figure:
+        space: Any = figure.add_subplot(1, 2, 1, projection="3d")
+        plan = figure.add_subplot(1, 2, 2, aspect="equal")
+        space.plot(*positions.T, color=REFERENCE_COLOR, linewidth=4, label="reference")
+        plan.plot(*positions.T[:2], color=REFERENCE_COLOR, linewidth=4)
+        for style, label, run in zip(_LINE_STYLES, curves, runs, strict=False):
+            space.plot(*run.T, style, label=label)
+            plan.plot(*run.T[:2], style)
+        space.set_aspect("equal")
+        label_axes(space, f"{point} x [m]", f"{point} y [m]")
+        space.set_zlabel(f"{point} z [m]")
+        label_axes(plan, f"{point} x [m]", f"{point} y [m]", "seen from above")
+        figure.legend(*space.get_legend_handles_labels(), loc="outside upper left")
+    return path
 
 
 def draw_cost_and_accuracy(path: Path, rows: Sequence[Row]) -> Path:
@@ -99,10 +127,8 @@ def draw_convergence(
 
 
 def _draw_meshes(axes: Axes, meshes: Mapping[int, Trajectory], reference: Trajectory) -> None:
-    end = max(run.times[-1] for run in meshes.values())
-    shown = reference.times <= end + 1e-9
-    times, values = reference.times[shown], reference.positions[shown, 1]
-    axes.plot(times, values, color=REFERENCE_COLOR, linewidth=4, label="reference")
+    times, positions = _until(reference, meshes)
+    axes.plot(times, positions[:, 1], color=REFERENCE_COLOR, linewidth=4, label="reference")
     for number, run in meshes.items():
         axes.plot(run.times, run.positions[:, 1], linewidth=1.0, label=f"N = {number}")
 

@@ -1,4 +1,4 @@
-"""Which rows win: cheapest at a given accuracy, the front of cost and accuracy, and ratios."""
+"""Which rows win: their kinds, cheapest at a given accuracy, the front of cost and accuracy, ratios."""
 
 from collections.abc import Iterable
 
@@ -9,6 +9,24 @@ IMPLICIT_INTEGRATORS = frozenset({"generalizedAlpha", "trapezoidal"})
 
 def is_implicit(row: Row) -> bool:
     return row["integrator"] in IMPLICIT_INTEGRATORS
+
+
+def is_explicit(row: Row) -> bool:
+    return not is_implicit(row)
+
+
+def is_implicit_by_default(row: Row) -> bool:
+    """Implicit, with Exudyn's default quadrature of the elastic forces."""
+    return is_implicit(row) and _has_default_quadrature(row)
+
+
+def is_explicit_by_default(row: Row) -> bool:
+    """Explicit, with Exudyn's default quadrature of the elastic forces."""
+    return is_explicit(row) and _has_default_quadrature(row)
+
+
+def _has_default_quadrature(row: Row) -> bool:
+    return bool(row.get("quadrature", "full") == "full")
 
 
 def is_usable(row: Row) -> bool:
