@@ -35,18 +35,17 @@ What is left out
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from exudyn_inext import ExplicitSettings
 from reference_models.conventional.cases import largest_step_case, native_case
-from reference_models.conventional.convergence import explicit_solution
 from reference_models.conventional.settings import Implicit, Newton
 from reference_models.conventional.zhai import zhai_case
 from reference_models.data import reference_trajectory
-from reference_models.inextensible import Inextensible, fine_solution, inextensible_case
+from reference_models.inextensible import Inextensible, inextensible_case
 from reference_models.scenes import Scene, load_scene
-from reference_models.trajectory import Case, Trajectory
+from reference_models.trajectory import Case
 
+from .harness.cases import explicit_case, mesh_series
 from .harness.figures import draw_convergence, draw_cost_and_accuracy, draw_trajectories
 from .harness.front import is_explicit, is_explicit_by_default, is_implicit, is_implicit_by_default
 from .harness.ratios import Comparison, ratio_table
@@ -75,6 +74,13 @@ COMPARISONS = (
     Comparison("explicit row, default quadrature,", is_explicit_by_default, 1.2e-2),
 )
 
+MESHES: dict[str, Sequence[int]] = {
+    "full": (4, 6, 8, 10, 12, 16, 20),
+    "lobatto": (4, 6, 8, 10, 12),
+    "inextensible": (3, 4, 5, 6, 8, 10, 12, 16),
+}
+QUICK_MESHES: dict[str, Sequence[int]] = dict.fromkeys(MESHES, (4, 10))
+
 
 def make_cases(scene: Scene, quick: bool) -> list[Case]:
     """All rows; a quick run leaves out the costly ones."""
@@ -96,27 +102,22 @@ def _paper_cases(scene: Scene) -> list[Case]:
 
 def _inextensible_cases(scene: Scene) -> list[Case]:
     """Near their largest stable steps, and with scaled mass at larger ones; zeta = 100 for Zhai."""
-
-    def case(integrator: str, elements: int, step_size: float, scaling: float = 0.0, **options: Any) -> Case:
-        settings = ExplicitSettings(integrator, stepSize=step_size, massScaling=scaling)
-        return inextensible_case(scene, Inextensible(elements, settings, **options))
-
     return [
-        case("Zhai", 10, 6e-4),
-        case("Zhai", 5, 2.5e-3, measure="product"),
-        case("RATTLE", 5, 2.5e-3),
-        case("Zhai", 3, 5e-3),
-        case("Zhai", 4, 2e-3),
-        case("Zhai", 6, 1.67e-3),
-        case("Zhai", 8, 1e-3),
-        case("Zhai", 10, 6.7e-4),
-        case("Zhai", 20, 1.25e-4),
-        case("Zhai", 5, 5e-3, 0.3),
-        case("Zhai", 8, 2.5e-3, 0.3),
-        case("Zhai", 10, 2e-3, 0.3),
-        case("RATTLE", 5, 5e-3, 0.25),
-        case("RATTLE", 8, 2.5e-3, 0.25),
-        case("RATTLE", 20, 1e-3, 0.25),
+        explicit_case(scene, "Zhai", 10, 6e-4),
+        explicit_case(scene, "Zhai", 5, 2.5e-3, measure="product"),
+        explicit_case(scene, "RATTLE", 5, 2.5e-3),
+        explicit_case(scene, "Zhai", 3, 5e-3),
+        explicit_case(scene, "Zhai", 4, 2e-3),
+        explicit_case(scene, "Zhai", 6, 1.67e-3),
+        explicit_case(scene, "Zhai", 8, 1e-3),
+        explicit_case(scene, "Zhai", 10, 6.7e-4),
+        explicit_case(scene, "Zhai", 20, 1.25e-4),
+        explicit_case(scene, "Zhai", 5, 5e-3, 0.3),
+        explicit_case(scene, "Zhai", 8, 2.5e-3, 0.3),
+        explicit_case(scene, "Zhai", 10, 2e-3, 0.3),
+        explicit_case(scene, "RATTLE", 5, 5e-3, 0.25),
+        explicit_case(scene, "RATTLE", 8, 2.5e-3, 0.25),
+        explicit_case(scene, "RATTLE", 20, 1e-3, 0.25),
     ]
 
 
@@ -157,24 +158,12 @@ def make_figures(results: Results, directory: Path) -> list[Path]:
     """Fig. 6 (tip curves), Fig. 5 (mesh convergence), and cost against accuracy."""
     reference = reference_trajectory(results.scene)
     curves = {label: results.trajectories[label] for label in PAPER_SECONDS if label in results.trajectories}
-    meshes = _meshes(results.scene, results.quick)
+    meshes = mesh_series(results.scene, **(QUICK_MESHES if results.quick else MESHES))
     return [
         draw_cost_and_accuracy(directory / "table1_cost.png", results.rows),
         draw_trajectories(directory / "table1_tip.png", curves, reference, "tip"),
         draw_convergence(directory / "table1_mesh.png", meshes, reference, "tip"),
     ]
-
-
-def _meshes(scene: Scene, quick: bool) -> dict[str, dict[int, Trajectory]]:
-    """Solutions of both formulations on finer and finer meshes, with negligible time steps (untimed)."""
-    full: Sequence[int] = (4, 10) if quick else (4, 6, 8, 10, 12, 16, 20)
-    lobatto: Sequence[int] = (4, 10) if quick else (4, 6, 8, 10, 12)
-    inextensible: Sequence[int] = (4, 10) if quick else (3, 4, 5, 6, 8, 10, 12, 16)
-    return {
-        "native, full quadrature": {n: explicit_solution(scene, n) for n in full},
-        "native, Lobatto quadrature": {n: explicit_solution(scene, n, "lobatto") for n in lobatto},
-        "inextensible": {n: fine_solution(scene, n) for n in inextensible},
-    }
 
 
 def make_conclusions(results: Results) -> list[str]:

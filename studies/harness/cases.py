@@ -1,0 +1,40 @@
+"""Cases and solutions that studies share."""
+
+from collections.abc import Sequence
+
+from exudyn_inext import ExplicitSettings
+from reference_models.conventional.convergence import explicit_solution
+from reference_models.inextensible import Inextensible, fine_solution, inextensible_case
+from reference_models.scenes import Scene
+from reference_models.trajectory import Case, Trajectory
+
+
+def explicit_case(
+    scene: Scene,
+    integrator: str,
+    elements: int,
+    step_size: float,
+    mass_scaling: float = 0.0,
+    measure: str = "secondDerivative",
+) -> Case:
+    """An inextensible row at a given step [s]; the stabilisation rate is the default."""
+    settings = ExplicitSettings(integrator, stepSize=step_size, massScaling=mass_scaling)
+    return inextensible_case(scene, Inextensible(elements, settings, measure=measure))
+
+
+def mesh_series(
+    scene: Scene, full: Sequence[int], lobatto: Sequence[int], inextensible: Sequence[int]
+) -> dict[str, dict[int, Trajectory]]:
+    """Solutions on finer and finer meshes, with negligible time steps (untimed).
+
+    Args:
+        scene: what to solve.
+        full: numbers of native elements with Exudyn's default quadrature.
+        lobatto: numbers of native elements with Lobatto quadrature.
+        inextensible: numbers of inextensible elements.
+    """
+    return {
+        "native, full quadrature": {n: explicit_solution(scene, n) for n in full},
+        "native, Lobatto quadrature": {n: explicit_solution(scene, n, "lobatto") for n in lobatto},
+        "inextensible": {n: fine_solution(scene, n) for n in inextensible},
+    }
