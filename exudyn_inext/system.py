@@ -19,7 +19,8 @@ def index_reduced_rates(system, external, q, v, acceleration, rate):
 
     Args:
         system: the mechanical system.
-        external: (n_dof,) external generalised force at the time of (q, v).
+        external: (n_dof, ...) external generalised force at the time of (q, v); a system whose
+            constraints move appends the motions.
         q: (n_dof,) coordinates.   v: (n_dof,) velocities.
         acceleration: (n_dof,) output dv/dt.
         rate: (n_dof,) output dq/dt: the velocity, projected and stabilised.
@@ -41,7 +42,8 @@ def accelerate_and_project(system, external, q, v, duration, acceleration, end_v
         external: (n_dof,) external generalised force.
         q: (n_dof,) coordinates.   v: (n_dof,) velocities.
         duration: for which the acceleration acts [s].
-        acceleration: (n_dof,) output a.
+        acceleration: (n_dof,) output a; on entry the last one: forces that depend on the velocity are
+            evaluated at v + duration times it.
         end_velocity: (n_dof,) output v_end; must not be the array v.
 
     Raises:
@@ -51,11 +53,12 @@ def accelerate_and_project(system, external, q, v, duration, acceleration, end_v
 
 
 @singledispatch
-def correct_position(system, q, tolerance, learning, correction):
+def correct_position(system, external, q, tolerance, learning, correction):
     """One step back to the constraint manifold along the last Jacobian: C_q d = -c(q).
 
     Args:
         system: the mechanical system, after `accelerate_and_project`.
+        external: what moves the constraints, at the time of q.
         q: (n_dof,) coordinates off the manifold.
         tolerance: a smaller violation is not corrected [-].
         learning: 2/h^2 [1/s^2] if the violation is to correct the next steps' constraint accelerations,
@@ -104,10 +107,10 @@ def _compile_accelerate_and_project(system, external, q, v, duration, accelerati
 
 
 @overload(correct_position, strict=False)
-def _compile_correct_position(system, q, tolerance, learning, correction):
+def _compile_correct_position(system, external, q, tolerance, learning, correction):
     implementation = correct_position.dispatch(getattr(system, "instance_class", object))
 
-    def call(system, q, tolerance, learning, correction):
-        return implementation(system, q, tolerance, learning, correction)
+    def call(system, external, q, tolerance, learning, correction):
+        return implementation(system, external, q, tolerance, learning, correction)
 
     return call

@@ -11,10 +11,13 @@ from typing import Any
 import numpy as np
 from scipy.linalg import block_diag, eigh, null_space
 
+from exudyn_inext.chain.border import all_links, motions_of
 from exudyn_inext.chain.cable import Cable, CurvatureMeasure, Section
-from exudyn_inext.chain.chain import build_chain
-from exudyn_inext.chain.index_reduction import CableSystem
+from exudyn_inext.chain.link import Motion, rest
+from exudyn_inext.chain.linked_cable import cable_system
 from exudyn_inext.constraints import constraints_of_cable
+from exudyn_inext.constraints.distance import hanger, rod
+from exudyn_inext.constraints.prescribed_motion import prescribed
 from exudyn_inext.system import index_reduced_rates
 
 MEASURES = list(CurvatureMeasure)
@@ -36,12 +39,19 @@ SUPPORTS = {
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """A cable, its coordinates and velocities, and the external force, each (n, 2, dim)."""
+    """A cable, its coordinates and velocities, and the external force, each (n, 2, dim), at a time."""
 
     cable: Cable
     q: Any
     v: Any
     external: Any
+    time: float = 0.0
+
+    @property
+    def inputs(self):
+        """(n_external,) what a system takes: the force, then the motions of the anchors."""
+        motions = [motion.at(self.time).ravel() for motion in motions_of(all_links(self.cable))]
+        return np.concatenate([self.external.ravel(), *motions])
 
 
 def fixed_nodes(number, supports):
@@ -110,13 +120,73 @@ def random_state(seed, number, dim, measure, n_bar=None, supports="free"):
     return State(cable, q, v, rng.standard_normal(q.shape))
 
 
+LINKS = {
+    "closed": [],
+    "closed and pinned": [],
+    "hanger": ["hanger"],
+    "rod": ["rod"],
+    "moving node": ["motion"],
+    "moving hanger, rod and node": ["hanger", "rod", "motion"],
+    "closed with a moving hanger and a rod": ["hanger", "rod"],
+}
+
+
+def shaken(point):
+    """A motion around a point (dim,) with derivatives of its own."""
+    dim = len(point)
+    size, phase = np.array([0.3, 0.2, 0.1])[:dim], np.arange(dim)
+
+    def at(t):
+        angle = 2.0 * t + phase
+        waves = [np.sin(angle) - np.sin(phase), 2.0 * np.cos(angle), -4.0 * np.sin(angle)]
+        return np.array([point, np.zeros(dim), np.zeros(dim)]) + size * np.array(waves)
+
+    return Motion(at)
+
+
+def some_links(kinds, q):
+    """Links of the given kinds that q (n, 2, dim) fulfils at t = 0."""
+    number, dim = len(q) - 1, q.shape[2]
+    found = []
+    if "hanger" in kinds:
+        above = q[number // 2, 0] + np.array([0.1, 0.5, 0.3])[:dim]
+        found.append(hanger(number // 2, shaken(above), np.linalg.norm(above - q[number // 2, 0])))
+    if "rod" in kinds:
+        ends = (0, number - 1)
+        found.append(rod(ends, dim, np.linalg.norm(q[ends[0], 0] - q[ends[1], 0])))
+    if "motion" in kinds:
+        found += prescribed(number, shaken(q[number, 0]), range(dim))
+    return tuple(found)
+
+
+def linked_state(seed, number, dim, measure, links, n_bar=None):
+    """As `random_state`, with one of the `LINKS`, whose constraints are violated a little, too."""
+    state = random_state(seed, number, dim, measure, n_bar, "pinned" if "pinned" in links else "free")
+    q, v = state.q, state.v
+    closed = "closed" in links
+    if closed:
+        for array in (q, v):
+            array[-1] = array[0]
+    fixed = state.cable.fixed.copy()
+    fixed[-1] |= closed & fixed[0]
+    reference = np.where(fixed[:, :, None], q, state.cable.reference)
+    links = some_links(LINKS[links], q + 0.01 * v)
+    cable = replace(state.cable, closed=closed, reference=reference, fixed=fixed, links=links)
+    return replace(state, cable=cable, time=0.1)
+
+
+def with_resting_anchors(state):
+    """The same state, its anchors held where they are."""
+    links = [replace(link, anchor=rest(link.anchor.at(state.time)[0])) for link in state.cable.links]
+    return replace(state, cable=replace(state.cable, links=tuple(links)))
+
+
 def structured_rates(state, zeta, mass_scaling=0.0):
     """Acceleration and projected rate (n_dof,) of the package, and the chain with its multipliers."""
-    chain = build_chain(state.cable, mass_scaling)
+    system = cable_system(state.cable, zeta, mass_scaling)
     acceleration, rate = np.zeros(state.q.size), np.zeros(state.q.size)
-    arrays = (state.external.ravel(), state.q.ravel(), state.v.ravel())
-    index_reduced_rates(CableSystem(chain, zeta), *arrays, acceleration, rate)
-    return acceleration, rate, chain
+    index_reduced_rates(system, state.inputs, state.q.ravel(), state.v.ravel(), acceleration, rate)
+    return acceleration, rate, system.chain
 
 
 # ------------------------------------------------------------------- formulas of one element
@@ -262,19 +332,29 @@ class DenseConstraints:
     """c, Jacobian and gamma of all constraints, and the slices of each kind."""
 
     value: Any
+    rate: Any
     jacobian: Any
     gamma: Any
     rows: dict[str, slice]
 
 
-def dense_constraints(cable, q, v):
+ORDERED = ["distance", "prescribed motion"]
+
+
+def _links_last(constraint):
+    """Links come last, in the order of `cable.links`."""
+    return ORDERED.index(constraint.name) if constraint.name in ORDERED else -1
+
+
+def dense_constraints(cable, q, v, t=0.0):
     """All constraints of the cable, stacked."""
-    found = constraints_of_cable(cable)
+    found = sorted(constraints_of_cable(cable), key=_links_last)
     starts = np.cumsum([0] + [constraint.number for constraint in found])
     return DenseConstraints(
-        value=np.concatenate([c.value(q) for c in found] or [np.zeros(0)]),
-        jacobian=np.vstack([c.jacobian(q).toarray() for c in found]),
-        gamma=np.concatenate([c.gamma(q, v) for c in found]),
+        value=np.concatenate([c.value(q, t) for c in found] or [np.zeros(0)]),
+        jacobian=np.vstack([c.jacobian(q, t).toarray() for c in found]),
+        rate=np.concatenate([c.rate(q, v, t) for c in found] or [np.zeros(0)]),
+        gamma=np.concatenate([c.gamma(q, v, t) for c in found]),
         rows={c.name: slice(a, b) for c, a, b in zip(found, starts, starts[1:], strict=False)},
     )
 
@@ -295,15 +375,15 @@ def refined_solve(matrix, right):
 def dense_rates(state, zeta, mass_scaling=0.0):
     """Eq. (29) solved densely: acceleration, projected rate, lam and mu, and the constraints."""
     cable, q, v = state.cable, state.q, state.v
-    c = dense_constraints(cable, q, v)
+    c = dense_constraints(cable, q, v, state.time)
     mass, speed = dense_mass(cable, mass_scaling), v.ravel()
     zero = np.zeros((len(c.value), len(c.value)))
     matrix = np.block([[mass, c.jacobian.T], [c.jacobian, zero]])
     force = (state.external + bending_force(cable, q)).ravel()
     right = np.stack(
         [
-            np.concatenate([force, c.gamma - zeta * c.jacobian @ speed]),
-            np.concatenate([mass @ speed, -zeta * c.value]),
+            np.concatenate([force, c.gamma - zeta * c.rate]),
+            np.concatenate([mass @ speed, c.jacobian @ speed - c.rate - zeta * c.value]),
         ],
         axis=1,
     )
@@ -323,6 +403,11 @@ def dense_largest_frequency(state, mass_scaling=0.0):
     if len(length):
         tension = iter(length[cable.group_of_element()])
         hessian += dense_form(cable, lambda x: 2 * next(tension) * slope_gram_matrix(x))
+    for link, multiplier in zip(cable.links, lam[len(lam) - len(cable.links) :], strict=True):
+        weights = np.zeros((len(state.q), 2))
+        weights[list(link.nodes)] = link.weights
+        rank_one = np.outer(weights.ravel(), weights.ravel()) * multiplier / link.length
+        hessian += np.kron(rank_one, np.eye(cable.dimension))
     free = null_space(c.jacobian, rcond=1e-9)
     reduced = [free.T @ matrix @ free for matrix in (hessian, dense_mass(cable, mass_scaling))]
     return np.sqrt(eigh(*reduced, eigvals_only=True)[-1])

@@ -2,6 +2,7 @@
 
 from ..compiled import inlined, kernel, local_array
 from ..element.bending import add_bending_force
+from ..element.bending_damping import add_damping_force
 from ..element.inextensibility import (
     contract,
     length_gradient,
@@ -9,6 +10,7 @@ from ..element.inextensibility import (
     nodal_gamma,
     nodal_rate,
 )
+from ..element.natural_curvature import add_natural_curvature_force
 
 VALUE, RATE, GAMMA = 0, 1, 2  # entries of the `constraint` of a record
 
@@ -65,6 +67,7 @@ def add_elastic_force(chain, q, force):
         differences(chain.axes, q, k, e)
         clear(element_force)
         add_bending_force(chain.axes, element.stiffness, element.tensor, e, element_force)
+        add_natural_curvature_force(element.natural, e, element_force)
         add_element_force(chain.axes, element_force, force[k], force[k + 1])
 
 
@@ -115,6 +118,7 @@ def assemble(axes, nodes, elements, q, v, column):
         differences(axes, v, k, e_t)
         clear(result)
         add_bending_force(axes, element.stiffness, element.tensor, e, result)
+        add_natural_curvature_force(element.natural, e, result)
         add_element_force(axes, result, nodes[k].force[column], nodes[k + 1].force[column])
         length_gradient(axes, element.slope_gram, e_t, result)
         element.constraint[GAMMA] = -contract(axes, e_t, result)
@@ -122,3 +126,34 @@ def assemble(axes, nodes, elements, q, v, column):
         element.constraint[VALUE] = 0.5 * contract(axes, e, result) - element.reference_length
         element.constraint[RATE] = contract(axes, e_t, result)
         _set_gradient(axes, nodes[k].free, nodes[k + 1].free, result, element.gradient)
+
+
+@inlined
+def add_damping(axes, nodes, elements, q, v, lead, a, column):
+    """Damping forces at the velocities v + lead a, added to column `column` of the nodes' `force`.
+
+    lead: [s]; a: (n, 2, dim) accelerations that v still lacks. Nothing happens without damping.
+    """
+    if elements[0].damping.shape[0] == 0:
+        return
+    e, e_t, lacking, result = local_array(3, 3), local_array(3, 3), local_array(3, 3), local_array(3, 3)
+    memory = (
+        local_array(3, 1),
+        local_array(3, 1),
+        local_array(3, 1),
+        local_array(3, 1),
+        local_array(3, 1),
+        local_array(3, 1),
+        local_array(3, 1),
+        local_array(3, 1),
+    )
+    for k in range(len(elements)):
+        differences(axes, q, k, e)
+        differences(axes, v, k, e_t)
+        differences(axes, a, k, lacking)
+        for row in range(3):
+            for i in range(len(axes)):
+                e_t[row, i] += lead * lacking[row, i]
+        clear(result)
+        add_damping_force(axes, elements[k].damping, e, e_t, memory, result)
+        add_element_force(axes, result, nodes[k].force[column], nodes[k + 1].force[column])

@@ -11,6 +11,7 @@ from ..arrays import Array
 from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
 from ..errors import InputError
+from .link import Link
 
 
 class CurvatureMeasure(str, Enum):
@@ -26,10 +27,14 @@ class Section:
 
     mass_per_length: rho_A [kg/m].
     bending_stiffness: EI [N m^2].
+    natural_curvature: kappa_0 of the stress-free cable [1/m]; planar cables only.
+    bending_damping: D of the moment D kappa_t [N m^2 s].
     """
 
     mass_per_length: float
     bending_stiffness: float
+    natural_curvature: float = 0.0
+    bending_damping: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +47,10 @@ class Cable:
     measure: curvature measure.
     length_constraints: n_bar of Eq. (19), 0 (none) to N; the groups are as equal as possible.
     fixed: (n, 2) whether position and slope of a node are held by a support.
+    links: further constraints on its nodes.
+    closed: whether the last node is the first one once more.
+    straight_lengths: whether the length constraints (19) ask for the element lengths, rather than for
+        the values of the discretised reference configuration.
     """
 
     reference: Array
@@ -50,6 +59,9 @@ class Cable:
     measure: CurvatureMeasure
     length_constraints: int
     fixed: np.ndarray
+    links: tuple[Link, ...] = ()
+    closed: bool = False
+    straight_lengths: bool = False
 
     @property
     def dimension(self) -> int:
@@ -62,6 +74,12 @@ class Cable:
     @property
     def length(self) -> float:
         return float(self.element_lengths.sum())
+
+    def constrained_lengths(self) -> Array:
+        """(N,) value of int |r_x|^2 dx that each element shall keep, Eq. (19) [m]."""
+        if self.straight_lengths:
+            return self.element_lengths
+        return reference_lengths(self.reference, self.element_lengths)
 
     def group_of_element(self) -> np.ndarray:
         """(N,) index of the length constraint that each element belongs to, or -1."""

@@ -7,11 +7,13 @@ import numpy as np
 
 from ..arrays import Array
 from ..element.bending import in_pairs, stiffness_matrix, stiffness_tensor
+from ..element.bending_damping import damping_table
 from ..element.difference_coordinates import in_differences
 from ..element.forms import forms_of_mesh
 from ..element.inertia import mass_matrix
 from ..element.inextensibility import slope_gram_matrix
-from .cable import Cable, CurvatureMeasure, reference_lengths
+from ..element.natural_curvature import turning_matrix
+from .cable import Cable, CurvatureMeasure
 from .records import element_type, node_type
 
 
@@ -44,18 +46,25 @@ def build_chain(cable: Cable, mass_scaling: float = 0.0) -> Chain:
     product = cable.measure is CurvatureMeasure.PRODUCT
     dim, number = cable.dimension, cable.number_of_elements
     nodes = np.zeros(number + 1, node_type(dim)).view(np.recarray)
-    elements = np.zeros(number, element_type(dim, product)).view(np.recarray)
+    section = cable.section
+    layout = element_type(dim, product, section.natural_curvature != 0.0, section.bending_damping != 0.0)
+    elements = np.zeros(number, layout).view(np.recarray)
     nodes.free = np.where(cable.fixed, 0.0, 1.0)
     nodes.ends_group = _ends_group(cable)
     nodes.mass, elements.mass = _mass_bands(cable, mass_scaling)
-    lengths, stiffness = cable.element_lengths, cable.section.bending_stiffness
+    lengths, stiffness = cable.element_lengths, section.bending_stiffness
     elements.stiffness = stiffness * _in_differences(stiffness_matrix, lengths)
     if product:
         tensors = _in_differences(stiffness_tensor, lengths)
         elements.tensor = stiffness * np.stack([in_pairs(tensor) for tensor in tensors])
+    if section.natural_curvature:
+        elements.natural = stiffness * section.natural_curvature * _in_differences(turning_matrix, lengths)
+    if section.bending_damping:
+        elements.damping = forms_of_mesh(damping_table, lengths)
+        elements.damping[:, :, 0] *= section.bending_damping
     if cable.length_constraints > 0:
         elements.slope_gram = _in_differences(slope_gram_matrix, lengths)
-    elements.reference_length = reference_lengths(cable.reference, lengths)
+    elements.reference_length = cable.constrained_lengths()
     return Chain(tuple(range(dim)), nodes, elements)
 
 

@@ -1,5 +1,7 @@
 """The largest natural frequency of the constrained chain, which bounds every explicit step."""
 
+from typing import Any
+
 import numpy as np
 from scipy.linalg import eigvalsh_tridiagonal
 
@@ -8,9 +10,10 @@ from ..compiled import kernel, local_array
 from ..element.inextensibility import length_gradient
 from ..system import index_reduced_rates
 from .assembly import add_elastic_force, add_element_force, differences
-from .chain import Chain
 from .index_reduction import CableSystem
-from .saddle_point import apply_mass, nodal_multipliers, solve
+from .linear_response import add_link_stiffness, constrained_inverse
+from .linked_cable import LinkedCableSystem
+from .saddle_point import apply_mass, nodal_multipliers
 
 LANCZOS_STEPS = 40
 BREAKDOWN = 1e-7  # what is left of a Lanczos vector, relative, that is nothing but round-off
@@ -67,25 +70,13 @@ def _add_geometric_stiffness(chain, nodal, length, x, y):
 
 
 @kernel
-def _project(chain, force, x):
-    """x = constrained M^-1 force."""
-    for k in range(len(chain.nodes)):
-        chain.nodes[k].target[0] = 0.0
-        for i in range(len(chain.axes)):
-            chain.nodes[k].force[0, 0, i] = force[k, 0, i]
-            chain.nodes[k].force[0, 1, i] = force[k, 1, i]
-    for k in range(len(chain.elements)):
-        chain.elements[k].target[0] = 0.0
-    solve(chain, x)
-
-
-@kernel
-def _lanczos(chain, q, tension, start, diagonal, off_diagonal):
+def _lanczos(system, q, tension, start, diagonal, off_diagonal):
     """Lanczos recursion of x -> constrained M^-1 H x in the mass inner product.
 
-    H is the elastic stiffness at q and the geometric one of `tension` (nodal, length multipliers).
+    H is the elastic stiffness at q and the geometric one of `tension` (nodal, length, link multipliers).
     Returns the number of rows of the tridiagonal matrix that were found before breakdown.
     """
+    chain = system.chain
     memory = np.zeros((6, *q.shape))
     current, previous, image, momentum = memory[2], memory[3], memory[4], memory[5]
     apply_mass(chain, start, momentum)
@@ -94,9 +85,10 @@ def _lanczos(chain, q, tension, start, diagonal, off_diagonal):
     for row in range(len(diagonal)):
         _apply_elastic_tangent(chain, q, current, memory, image)
         _add_geometric_stiffness(chain, tension[0], tension[1], current, image)
+        add_link_stiffness(system, tension[2], current, image)
         diagonal[row] = _inner(current, image)
         _combine(1.0, image, 0.0, image, momentum)
-        _project(chain, momentum, image)
+        constrained_inverse(system, momentum, image)
         _combine(1.0, image, -diagonal[row], current, image)
         _combine(1.0, image, -norm, previous, image)
         apply_mass(chain, image, momentum)
@@ -109,30 +101,40 @@ def _lanczos(chain, q, tension, start, diagonal, off_diagonal):
     return len(diagonal)
 
 
-def _tension_at_rest(system: CableSystem, external: Array, q: Array) -> tuple[Array, Array]:
-    """Nodal (n,) and length (N,) multipliers at q without velocity; the chain is factorised at q."""
+def _tension_at_rest(system: Any, external: Array, q: Array) -> tuple[Array, Array, Array]:
+    """Nodal (n,), length (N,) and link (m,) multipliers at q without velocities; factorised at q."""
     rest, acceleration, rate = (np.zeros(q.size) for _ in range(3))
-    index_reduced_rates(system, external.ravel(), q.ravel(), rest, acceleration, rate)
+    inputs = external.copy()
+    inputs[q.size :].reshape(-1, 3, q.shape[2])[:, 1] = 0.0  # velocities of the anchors
+    index_reduced_rates(system, inputs, q.ravel(), rest, acceleration, rate)
+    links = system.border.links if isinstance(system, LinkedCableSystem) else []
+    for link in links:
+        for k, gradient in zip(link.node, link.gradient, strict=True):
+            system.chain.nodes[k].force[0] -= link.multiplier[0] * gradient
     nodal = np.zeros(len(q))
     nodal_multipliers(system.chain, acceleration.reshape(q.shape), np.zeros_like(q), nodal)
-    return nodal, system.chain.elements.multiplier[:, 0].copy()
+    of_links = np.array([link.multiplier[0] for link in links], dtype=float)
+    return nodal, system.chain.elements.multiplier[:, 0].copy(), of_links
 
 
-def _degrees_of_freedom(chain: Chain) -> int:
-    """Coordinates that move, less nodal and length constraints."""
-    free = chain.nodes.free.sum(axis=0)
-    dim = len(chain.axes)
-    return int(dim * free[0] + (dim - 1) * free[1] - chain.nodes.ends_group.sum())
+def _degrees_of_freedom(system: Any) -> int:
+    """Coordinates that move, less nodal, length and link constraints."""
+    free = system.chain.nodes.free.sum(axis=0)
+    dim = len(system.chain.axes)
+    rows = system.chain.nodes.ends_group.sum()
+    if isinstance(system, LinkedCableSystem):
+        rows += len(system.border.links)
+    return int(dim * free[0] + (dim - 1) * free[1] - rows)
 
 
-def largest_frequency(system: CableSystem, external: Array, q: Array) -> float:
+def largest_frequency(system: CableSystem | LinkedCableSystem, external: Array, q: Array) -> float:
     """w_max of small vibrations about q, constraints and tension included.
 
     Lanczos iteration with the structured solve: O(N), no matrix is formed.
 
     Args:
         system: the cable's system; its memory is used.
-        external: (n, 2, dim) external force, which sets the tension [N, Nm].
+        external: (n_external,) external force, which sets the tension [N, Nm], and motions.
         q: (n, 2, dim) configuration.
 
     Returns:
@@ -140,12 +142,12 @@ def largest_frequency(system: CableSystem, external: Array, q: Array) -> float:
     """
     tension = _tension_at_rest(system, external, q)
     start = np.zeros_like(q)
-    _project(system.chain, np.random.default_rng(1).standard_normal(q.shape), start)
-    rows = min(LANCZOS_STEPS, _degrees_of_freedom(system.chain))
+    constrained_inverse(system, np.random.default_rng(1).standard_normal(q.shape), start)
+    rows = min(LANCZOS_STEPS, _degrees_of_freedom(system))
     if rows < 1:
         return 0.0
     diagonal, off_diagonal = np.zeros(rows), np.zeros(rows)
-    found = _lanczos(system.chain, q, tension, start, diagonal, off_diagonal)
+    found = _lanczos(system, q, tension, start, diagonal, off_diagonal)
     if not np.isfinite(diagonal[:found]).all():
         return 0.0
     top = eigvalsh_tridiagonal(diagonal[:found], off_diagonal[: found - 1])[-1]

@@ -9,7 +9,7 @@ from ..system import (
     implements,
     index_reduced_rates,
 )
-from .assembly import GAMMA, RATE, VALUE, assemble, set_violations
+from .assembly import GAMMA, RATE, VALUE, add_damping, assemble, set_violations
 from .chain import Chain
 from .saddle_point import expand_solution, factorise, reduce_right_hand_side, substitute
 
@@ -28,12 +28,14 @@ class CableSystem(NamedTuple):
 
 
 @inlined
-def _assemble_and_factorise(axes, nodes, elements, external, q, v):
+def assemble_and_factorise(axes, nodes, elements, external, q, v, lead, a):
+    """All of Eq. (29) at (q, v) but the links; damping acts at the velocity v + lead a."""
     for k in range(len(nodes)):
         for i in range(len(axes)):
             nodes[k].force[ACCELERATION, 0, i] = external[k, 0, i]
             nodes[k].force[ACCELERATION, 1, i] = external[k, 1, i]
     assemble(axes, nodes, elements, q, v, ACCELERATION)
+    add_damping(axes, nodes, elements, q, v, lead, a, ACCELERATION)
     factorise(axes, nodes, elements, q)
 
 
@@ -47,7 +49,7 @@ def _solve_both(axes, nodes, elements, acceleration, correction):
 
 
 @inlined
-def _set_stabilised_targets(zeta, record):
+def set_stabilised_targets(zeta, record):
     """Right-hand sides of the constraint rows of Eq. (29), from c, c_q v and gamma."""
     terms = record.constraint
     record.target[ACCELERATION] = terms[GAMMA] - zeta * terms[RATE]
@@ -62,20 +64,21 @@ def cable_rates(system, external, q, v, acceleration, rate):
     """
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     shape = (len(nodes), 2, len(axes))
-    _assemble_and_factorise(
-        axes, nodes, elements, external.reshape(shape), q.reshape(shape), v.reshape(shape)
+    known = v.reshape(shape)
+    assemble_and_factorise(
+        axes, nodes, elements, external.reshape(shape), q.reshape(shape), known, 0.0, known
     )
     for k in range(len(nodes)):
-        _set_stabilised_targets(system.zeta, nodes[k])
+        set_stabilised_targets(system.zeta, nodes[k])
     for k in range(len(elements)):
-        _set_stabilised_targets(system.zeta, elements[k])
+        set_stabilised_targets(system.zeta, elements[k])
     _solve_both(axes, nodes, elements, acceleration.reshape(shape), rate.reshape(shape))
     for i in range(len(v)):
         rate[i] += v[i]
 
 
 @inlined
-def _set_projection_targets(duration, record):
+def set_projection_targets(duration, record):
     """C_q a = gamma, corrected by the last step; C_q d = -C_q (v + duration a) leads to the manifold."""
     terms = record.constraint
     record.target[ACCELERATION] = terms[GAMMA] + record.foresight
@@ -83,7 +86,7 @@ def _set_projection_targets(duration, record):
 
 
 @inlined
-def _set_correction_target(learning, record):
+def set_correction_target(learning, record):
     violation = record.constraint[VALUE]
     record.target[CORRECTION] = -violation
     record.foresight -= learning * violation
@@ -94,28 +97,35 @@ def accelerate_and_project_cable(system, external, q, v, duration, acceleration,
     """One factorisation for both columns. Arguments: see `accelerate_and_project`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     shape = (len(nodes), 2, len(axes))
-    _assemble_and_factorise(
-        axes, nodes, elements, external.reshape(shape), q.reshape(shape), v.reshape(shape)
+    assemble_and_factorise(
+        axes,
+        nodes,
+        elements,
+        external.reshape(shape),
+        q.reshape(shape),
+        v.reshape(shape),
+        duration,
+        acceleration.reshape(shape),
     )
     for k in range(len(nodes)):
-        _set_projection_targets(duration, nodes[k])
+        set_projection_targets(duration, nodes[k])
     for k in range(len(elements)):
-        _set_projection_targets(duration, elements[k])
+        set_projection_targets(duration, elements[k])
     _solve_both(axes, nodes, elements, acceleration.reshape(shape), end_velocity.reshape(shape))
     for i in range(len(v)):
         end_velocity[i] += v[i] + duration * acceleration[i]
 
 
 @implements(correct_position, CableSystem)
-def correct_cable_position(system, q, tolerance, learning, correction):
+def correct_cable_position(system, external, q, tolerance, learning, correction):
     """One solve with the last factor. Arguments: see `correct_position`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     shape = (len(nodes), 2, len(axes))
     worst = set_violations(axes, nodes, elements, q.reshape(shape))
     for k in range(len(nodes)):
-        _set_correction_target(learning, nodes[k])
+        set_correction_target(learning, nodes[k])
     for k in range(len(elements)):
-        _set_correction_target(learning, elements[k])
+        set_correction_target(learning, elements[k])
     if worst < tolerance:
         return worst
     reduce_right_hand_side(axes, nodes, elements, CORRECTION)

@@ -48,12 +48,14 @@ def node_type(dim: int) -> np.dtype:
     )
 
 
-def element_type(dim: int, product: bool) -> np.dtype:
-    """Record of an element in `dim` dimensions.
+def element_type(dim: int, product: bool, natural: bool = False, damped: bool = False) -> np.dtype:
+    """Record of an element in `dim` dimensions; what a cable does not have takes no memory.
 
     mass: r-r, r-s, s-r, s-s mass of the left with the right node [kg, kg m, kg m, kg m^2].
     stiffness: EI times the stiffness matrix, in difference coordinates (`secondDerivative`).
     tensor: EI times the stiffness tensor over pairs (`product`), empty for the other measure.
+    natural: EI kappa_0 times the turning matrix in difference coordinates, empty without kappa_0.
+    damping: table of the damping force, empty without damping.
     slope_gram: slope Gram matrix in difference coordinates; zero without length constraint.
     reference_length: int |r_x|^2 dx in the reference configuration [m].
     gradient: length constraint Jacobian on r_left, s_left, r_right, s_right, supports taken out.
@@ -67,9 +69,44 @@ def element_type(dim: int, product: bool) -> np.dtype:
             ("mass", NUMBER, (4,)),
             ("stiffness", NUMBER, (3, 3)),
             ("tensor", NUMBER, (6, 6) if product else (0, 0)),
+            ("natural", NUMBER, (3, 3) if natural else (0, 0)),
+            ("damping", NUMBER, (4, 7) if damped else (0, 7)),
             ("slope_gram", NUMBER, (3, 3)),
             ("reference_length", NUMBER),
             ("gradient", NUMBER, (4, dim)),
+            ("constraint", NUMBER, (3,)),
+            ("target", NUMBER, (2,)),
+            ("foresight", NUMBER),
+            ("multiplier", NUMBER, (2,)),
+        ],
+        align=True,
+    )
+
+
+def link_type(dim: int) -> np.dtype:
+    """Record of a link, see `link.Link`, between two nodes, or on one that stands twice.
+
+    node: indices.   weight: of position and slope of each node in u [-, m].
+    normal: n [-]; inverse_length: 1/L [1/m], 0 for linear links; length: L [m], 0 for linear links.
+    follows: column of the basis at the first node that n follows, or -1.
+    motion: index of the anchor's motion.   scale: 1/m, makes the violation a number.
+    offset: u [m].
+    gradient: of c on position and slope of each node, supports taken out.
+    constraint: value [m], rate [m/s], gamma [m/s^2].
+    target, foresight, multiplier: as for elements.
+    """
+    return np.dtype(
+        [
+            ("node", np.int64, (2,)),
+            ("weight", NUMBER, (2, 2)),
+            ("normal", NUMBER, (dim,)),
+            ("inverse_length", NUMBER),
+            ("length", NUMBER),
+            ("follows", np.int64),
+            ("motion", np.int64),
+            ("scale", NUMBER),
+            ("offset", NUMBER, (dim,)),
+            ("gradient", NUMBER, (2, 2, dim)),
             ("constraint", NUMBER, (3,)),
             ("target", NUMBER, (2,)),
             ("foresight", NUMBER),

@@ -32,18 +32,18 @@ class HeldNodes:
     def _held(self, q: np.ndarray) -> np.ndarray:
         return q[np.ix_(self.nodes, np.array(self.kinds))].ravel()
 
-    def value(self, q: Array) -> Array:
+    def value(self, q: Array, t: float = 0.0) -> Array:
         return self._held(q - self.reference)
 
-    def rate(self, q: Array, v: Array) -> Array:
+    def rate(self, q: Array, v: Array, t: float = 0.0) -> Array:
         return self._held(v)
 
-    def jacobian(self, q: Array) -> csr_array:
+    def jacobian(self, q: Array, t: float = 0.0) -> csr_array:
         columns = self._held(np.arange(q.size).reshape(q.shape))
         entries = (np.ones(self.number), (np.arange(self.number), columns))
         return csr_array(entries, shape=(self.number, q.size))
 
-    def gamma(self, q: Array, v: Array) -> Array:
+    def gamma(self, q: Array, v: Array, t: float = 0.0) -> Array:
         return np.zeros(self.number)
 
     def describe(self, row: int, node_names: Sequence[Any]) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from ..arrays import Array
-from ..chain.cable import Cable, reference_lengths
+from ..chain.cable import Cable
 from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
 
@@ -19,7 +19,7 @@ class LengthConstraint:
 
     gram: (N, 4, 4) slope Gram matrices [1/m, -; -, m].
     group: (N,) group of each element, 0 to n_bar - 1.
-    reference: (N,) int |r_x|^2 dx in the discretised reference configuration [m].
+    reference: (N,) what int |r_x|^2 dx shall be [m].
     """
 
     gram: Array
@@ -45,20 +45,20 @@ class LengthConstraint:
         """(N,) int a_x . b_x dx of each element."""
         return np.einsum("eai,eab,ebi->e", self._nodal(a), self.gram, self._nodal(b))
 
-    def value(self, q: Array) -> Array:
+    def value(self, q: Array, t: float = 0.0) -> Array:
         return self._sum_groups(self._product(q, q) - self.reference)
 
-    def rate(self, q: Array, v: Array) -> Array:
+    def rate(self, q: Array, v: Array, t: float = 0.0) -> Array:
         return self._sum_groups(2.0 * self._product(q, v))
 
-    def jacobian(self, q: Array) -> csr_array:
+    def jacobian(self, q: Array, t: float = 0.0) -> csr_array:
         width = 2 * q.shape[2]
         entries = 2.0 * np.einsum("eab,ebi->eai", self.gram, self._nodal(q))
         columns = width * np.arange(len(self.group))[:, None] + np.arange(2 * width)
         rows = np.repeat(self.group, 2 * width)
         return csr_array((entries.ravel(), (rows, columns.ravel())), shape=(self.number, q.size))
 
-    def gamma(self, q: Array, v: Array) -> Array:
+    def gamma(self, q: Array, v: Array, t: float = 0.0) -> Array:
         return self._sum_groups(-2.0 * self._product(v, v))
 
     def describe(self, row: int, node_names: Sequence[Any]) -> str:
@@ -72,5 +72,6 @@ def of_cable(cable: Cable) -> LengthConstraint:
     constrained = cable.length_constraints > 0
     gram = forms_of_mesh(slope_gram_matrix, cable.element_lengths)
     count = cable.number_of_elements if constrained else 0
-    reference = reference_lengths(cable.reference, cable.element_lengths)
-    return LengthConstraint(gram[:count], cable.group_of_element()[:count], reference[:count])
+    return LengthConstraint(
+        gram[:count], cable.group_of_element()[:count], cable.constrained_lengths()[:count]
+    )

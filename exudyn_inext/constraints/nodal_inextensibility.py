@@ -25,21 +25,21 @@ class NodalInextensibility:
     def number(self) -> int:
         return len(self.nodes)
 
-    def value(self, q: Array) -> Array:
+    def value(self, q: Array, t: float = 0.0) -> Array:
         slopes = q[self.nodes, 1]
         return np.einsum("ki,ki->k", slopes, slopes) - 1.0
 
-    def rate(self, q: Array, v: Array) -> Array:
+    def rate(self, q: Array, v: Array, t: float = 0.0) -> Array:
         return 2.0 * np.einsum("ki,ki->k", q[self.nodes, 1], v[self.nodes, 1])
 
-    def jacobian(self, q: Array) -> csr_array:
+    def jacobian(self, q: Array, t: float = 0.0) -> csr_array:
         dim = q.shape[2]
         columns = (2 * dim * self.nodes[:, None] + dim + np.arange(dim)).ravel()
         rows = np.repeat(np.arange(self.number), dim)
         entries = 2.0 * q[self.nodes, 1].ravel()
         return csr_array((entries, (rows, columns)), shape=(self.number, q.size))
 
-    def gamma(self, q: Array, v: Array) -> Array:
+    def gamma(self, q: Array, v: Array, t: float = 0.0) -> Array:
         slope_rates = v[self.nodes, 1]
         return -2.0 * np.einsum("ki,ki->k", slope_rates, slope_rates)
 

@@ -38,7 +38,7 @@ class CableRun:
         self.indices = scene_cable.indices
         self.reference = cable.reference.ravel()
         self.system = CableSystem(build_chain(cable), zeta)
-        self.state: Any = integrator.allocate(cable.reference.size)
+        self.state: Any = integrator.allocate(cable.reference.size, cable.reference.size)
         self.state.q[:], self.state.v[:] = (array.ravel() for array in initial)
         self._integrator = integrator
         self._loads = CableLoads(scene_cable)

@@ -59,7 +59,7 @@ def accelerate_native(system, external, q, v, duration, acceleration, end_veloci
 
 
 @correct_position.register(NativeSystem)
-def correct_native_position(system, q, tolerance, learning, correction):
+def correct_native_position(system, external, q, tolerance, learning, correction):
     """Nothing to correct."""
     return 0.0
 
@@ -86,7 +86,7 @@ class NativeRun:
         self._is_started = False
         self.indices = np.arange(size)
         self.reference = np.zeros(size)  # coordinates are displacements here
-        self.state = integrator.allocate(size)
+        self.state = integrator.allocate(size, size)
         self.state.q[:] = mbs.systemData.GetODE2Coordinates(configuration)
         self.state.v[:] = mbs.systemData.GetODE2Coordinates_t(configuration)
 

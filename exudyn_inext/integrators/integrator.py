@@ -20,7 +20,7 @@ class Integrator:
     order: order of convergence in the step.
     stages: abscissae within a step, in steps, at which loads are needed; 1.0 is its end.
     scheme: NamedTuple type of its parameters, with defaults.
-    allocate: n_dof -> state (NamedTuple of arrays with fields q, v, a at least).
+    allocate: (n_dof, n_external) -> state (NamedTuple of arrays with fields q, v, a, external at least).
     start: (system, external, state): sets all but q and v of the state; external (n_dof,).
     stabilised: whether it integrates the stabilised equations (30), whose zeta bounds the step.
     """
@@ -29,7 +29,7 @@ class Integrator:
     order: int
     stages: tuple[float, ...]
     scheme: type[Any]
-    allocate: Callable[[int], Any]
+    allocate: Callable[[int, int], Any]
     start: Callable[..., None]
     stabilised: bool = True
 
@@ -37,8 +37,10 @@ class Integrator:
 class LoadHistory(NamedTuple):
     """External force F(t) = constant + sum_p factor_p(t) pattern_p, sampled where a scheme needs it.
 
-    constant: (n_dof,) [N, Nm].
-    pattern: (P, n_dof) [N, Nm] per unit factor.
+    Prescribed motions, where a system has them, follow the force: n_external >= n_dof.
+
+    constant: (n_external,) [N, Nm].
+    pattern: (P, n_external) [N, Nm] per unit factor.
     factor: (steps, stages, P) [-].
     """
 
@@ -87,13 +89,19 @@ def record(scheme, system, loads, state, h, steps, history):
 
 @inlined
 def external_force(loads, step, stage, external):
-    """external = F at the given stage of the given step.   external: (n_dof,) output."""
+    """external = F at the given stage of the given step.   external: (n_external,) output."""
     constant, pattern, factor = loads.constant, loads.pattern, loads.factor
     for i in range(len(external)):
         external[i] = constant[i]
     for p in range(len(pattern)):
         for i in range(len(external)):
             external[i] += factor[step, stage, p] * pattern[p, i]
+
+
+def allocate_state(state_type: Any, n_dof: int, n_external: int) -> Any:
+    """A state of that NamedTuple type, all zero: `external` (n_external,), the others (n_dof,)."""
+    sizes = {"external": n_external}
+    return state_type(*[np.zeros(sizes.get(field, n_dof)) for field in state_type._fields])
 
 
 def no_loads(n_dof: int, stages: int) -> LoadHistory:

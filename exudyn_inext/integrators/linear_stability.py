@@ -52,7 +52,7 @@ def accelerate_and_project_linear(system, external, q, v, duration, acceleration
 
 
 @implements(correct_position, LinearSystem)
-def correct_linear_position(system, q, tolerance, learning, correction):
+def correct_linear_position(system, external, q, tolerance, learning, correction):
     """Without constraints there is nothing to correct."""
     correction[:] = 0.0
     return 0.0
@@ -61,10 +61,10 @@ def correct_linear_position(system, q, tolerance, learning, correction):
 def amplification_matrix(integrator: Integrator, scheme: Any, system: LinearSystem) -> Array:
     """One step h = 1 as a matrix on (q, v, and the history of a multi-step scheme)."""
     loads = no_loads(1, len(integrator.stages))
-    fields = [name for name in ("q", "v", "a_previous") if hasattr(integrator.allocate(1), name)]
+    fields = [name for name in ("q", "v", "a_previous") if hasattr(integrator.allocate(1, 1), name)]
     columns = []
     for unit in fields:
-        state = integrator.allocate(1)
+        state = integrator.allocate(1, 1)
         getattr(state, unit)[0] = 1.0
         given = [getattr(state, name).copy() for name in fields]
         integrator.start(system, np.zeros(1), state)

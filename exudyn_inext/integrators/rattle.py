@@ -18,7 +18,7 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import inlined, kernel
 from ..system import accelerate_and_project, correct_position, implements
-from .integrator import Integrator, advance, external_force
+from .integrator import Integrator, advance, allocate_state, external_force
 
 
 class Rattle(NamedTuple):
@@ -43,9 +43,9 @@ class RattleState(NamedTuple):
     correction: Array
 
 
-def allocate(n_dof: int) -> RattleState:
-    """State with all arrays (n_dof,) zero."""
-    return RattleState(*[np.zeros(n_dof) for _ in RattleState._fields])
+def allocate(n_dof: int, n_external: int) -> RattleState:
+    """State with all arrays zero: external (n_external,), the others (n_dof,)."""
+    return allocate_state(RattleState, n_dof, n_external)
 
 
 @kernel
@@ -77,17 +77,17 @@ def advance_rattle(scheme, system, loads, state, h, first, steps):
     external, correction = state.external, state.correction
     for step in range(first, first + steps):
         _drift(h, q, v, a, v_half)
+        external_force(loads, step, 0, external)
         learning = 2.0 / (h * h)
         violation = np.inf
         for _ in range(scheme.iterations):
-            violation = correct_position(system, q, scheme.tolerance, learning, correction)
+            violation = correct_position(system, external, q, scheme.tolerance, learning, correction)
             if violation < scheme.tolerance:
                 break
             _add_correction(h, correction, q, v_half)
             learning = 0.0
         if not violation < scheme.tolerance:
             q[:] = np.nan
-        external_force(loads, step, 0, external)
         accelerate_and_project(system, external, q, v_half, 0.5 * h, a, v)
 
 

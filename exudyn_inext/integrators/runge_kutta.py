@@ -6,12 +6,10 @@ II.1.2. Four evaluations a step; the last one, at the end of the step, is the fi
 
 from typing import NamedTuple
 
-import numpy as np
-
 from ..arrays import Array
 from ..compiled import inlined, kernel
 from ..system import implements, index_reduced_rates
-from .integrator import Integrator, advance, external_force
+from .integrator import Integrator, advance, allocate_state, external_force
 
 WEIGHTS = (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0)
 ABSCISSAE = (0.5, 0.5, 1.0, 1.0)  # where the evaluation after each stage takes place
@@ -38,9 +36,9 @@ class RungeKuttaState(NamedTuple):
     v_sum: Array
 
 
-def allocate(n_dof: int) -> RungeKuttaState:
-    """State with all arrays (n_dof,) zero."""
-    return RungeKuttaState(*[np.zeros(n_dof) for _ in RungeKuttaState._fields])
+def allocate(n_dof: int, n_external: int) -> RungeKuttaState:
+    """State with all arrays zero: external (n_external,), the others (n_dof,)."""
+    return allocate_state(RungeKuttaState, n_dof, n_external)
 
 
 @kernel

@@ -12,12 +12,10 @@ psi = phi = 0 with the corrector: stable up to h w = 2, dissipates.
 
 from typing import NamedTuple
 
-import numpy as np
-
 from ..arrays import Array
 from ..compiled import inlined, kernel
 from ..system import implements, index_reduced_rates
-from .integrator import Integrator, advance, external_force
+from .integrator import Integrator, advance, allocate_state, external_force
 
 
 class Zhai(NamedTuple):
@@ -49,9 +47,9 @@ class ZhaiState(NamedTuple):
     v_start: Array
 
 
-def allocate(n_dof: int) -> ZhaiState:
-    """State with all arrays (n_dof,) zero."""
-    return ZhaiState(*[np.zeros(n_dof) for _ in ZhaiState._fields])
+def allocate(n_dof: int, n_external: int) -> ZhaiState:
+    """State with all arrays zero: external (n_external,), the others (n_dof,)."""
+    return allocate_state(ZhaiState, n_dof, n_external)
 
 
 @kernel

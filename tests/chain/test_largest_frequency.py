@@ -7,19 +7,23 @@ from scipy.linalg import eigvalsh
 from exudyn_inext.chain.chain import build_chain
 from exudyn_inext.chain.frequency import largest_frequency
 from exudyn_inext.chain.index_reduction import CableSystem
+from exudyn_inext.chain.linked_cable import cable_system
 from exudyn_inext.integrators import INTEGRATORS
 from exudyn_inext.integrators.integrator import no_loads, record
 from exudyn_inext.loads.gravity import gravity_force
 from tests.cables import (
     DIMENSIONS,
+    LINKS,
     MEASURES,
     State,
     dense_largest_frequency,
+    linked_state,
     mass_matrix,
     planar_pendulum,
     random_state,
     stiffness_matrix,
     straight_cable,
+    with_resting_anchors,
 )
 
 both_measures = pytest.mark.parametrize("measure", MEASURES, ids=lambda measure: measure.value)
@@ -27,8 +31,8 @@ both_dimensions = pytest.mark.parametrize("dim", DIMENSIONS)
 
 
 def frequency_of(state, mass_scaling=0.0):
-    system = CableSystem(build_chain(state.cable, mass_scaling), 100.0)
-    return largest_frequency(system, state.external, state.q)
+    system = cable_system(state.cable, 100.0, mass_scaling)
+    return largest_frequency(system, state.inputs, state.q)
 
 
 def at_rest(cable, q=None):
@@ -45,6 +49,15 @@ def test_straight_cable_agrees_with_the_dense_eigenvalue_solve(measure, dim, num
         if number > 1 or supports != "clamped":
             expected = dense_largest_frequency(state)
             assert frequency_of(state) == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.kernel
+@both_dimensions
+@pytest.mark.parametrize("links", LINKS)
+def test_linked_cable_under_load_agrees_with_the_dense_eigenvalue_solve(dim, links):
+    for number in (5, 12):
+        state = with_resting_anchors(linked_state(43, number, dim, MEASURES[0], links))
+        assert frequency_of(state) == pytest.approx(dense_largest_frequency(state), rel=1e-6)
 
 
 @pytest.mark.kernel
@@ -131,7 +144,10 @@ def test_bending_grows_above_two_over_the_largest_frequency_and_not_below():
 def growth(cable, h):
     """Ratio of the final to the initial disturbance of a straight cable, 300 steps of size h."""
     zhai = INTEGRATORS["Zhai"]
-    system, state = CableSystem(build_chain(cable), 1.0), zhai.allocate(cable.reference.size)
+    system, state = (
+        CableSystem(build_chain(cable), 1.0),
+        zhai.allocate(cable.reference.size, cable.reference.size),
+    )
     state.q[:] = cable.reference.ravel()
     v = state.v.reshape(cable.reference.shape)
     v[:, 0, 1] = 1e-9 * (-1.0) ** np.arange(len(v))

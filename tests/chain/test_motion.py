@@ -29,7 +29,7 @@ def move(state, zeta, h, steps, every=1, scheme=None, name="Zhai"):
     integrator = INTEGRATORS[name]
     system = CableSystem(build_chain(state.cable), zeta)
     loads = LoadHistory(state.external.ravel(), np.zeros((0, state.q.size)), np.zeros((steps, 1, 0)))
-    memory = integrator.allocate(state.q.size)
+    memory = integrator.allocate(state.q.size, state.q.size)
     memory.q[:], memory.v[:] = state.q.ravel(), state.v.ravel()
     integrator.start(system, state.external.ravel(), memory)
     history = np.zeros((steps // every, 3, state.q.size))

@@ -111,7 +111,7 @@ def test_projection_of_positions_and_velocities_agrees_with_the_dense_solve(dim)
     a, end, correction = (np.zeros(q.size) for _ in range(3))
     accelerate_and_project(system, state.external.ravel(), q, v, duration, a, end)
     moved = state.q + 0.01 * state.v
-    worst = correct_position(system, moved.ravel(), 1e-10, 0.0, correction)
+    worst = correct_position(system, state.external.ravel(), moved.ravel(), 1e-10, 0.0, correction)
 
     expected, *_ = dense_rates(state, 0.0)
     assert relative_error(a, expected) < TOLERANCE

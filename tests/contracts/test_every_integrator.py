@@ -54,7 +54,7 @@ def accelerate_pendulum(system, external, q, v, duration, acceleration, end_velo
 
 
 @implements(correct_position, Pendulum)
-def correct_pendulum(system, q, tolerance, learning, correction):
+def correct_pendulum(system, external, q, tolerance, learning, correction):
     correction[:] = 0.0
     return 0.0
 
@@ -75,7 +75,7 @@ def run_pendulum(integrator, steps):
     system, h = Pendulum(SQUARED_FREQUENCY), END / steps
     times = [[(step + stage) * h for stage in integrator.stages] for step in range(steps)]
     loads = LoadHistory(CONSTANT, PATTERN, np.array([[factors(t) for t in row] for row in times]))
-    state = integrator.allocate(2)
+    state = integrator.allocate(2, 2)
     state.q[:], state.v[:] = INITIAL[:2], INITIAL[2:]
     integrator.start(system, CONSTANT + factors(0.0) @ PATTERN, state)
     history = np.zeros((1, 3, 2))
@@ -108,7 +108,7 @@ def run_cable(integrator, steps, duration=0.2, number=4, intervals=1):
     force = gravity_force(cable, gravity).ravel()
     loads = LoadHistory(force, np.zeros((0, force.size)), np.zeros((0, len(integrator.stages), 0)))
     loads = loads._replace(factor=np.zeros((steps, len(integrator.stages), 0)))
-    state = integrator.allocate(force.size)
+    state = integrator.allocate(force.size, force.size)
     state.q[:] = cable.reference.ravel()
     integrator.start(system, force, state)
     history = np.zeros((intervals, 3, force.size))

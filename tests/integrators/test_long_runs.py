@@ -29,7 +29,7 @@ def run(name, h, steps, zeta=100.0):
     """q and v after every SUBSTEPS steps, each (steps / SUBSTEPS, n, 2, dim); and the cable."""
     cable = pendulum()
     system, integrator = CableSystem(build_chain(cable), zeta), INTEGRATORS[name]
-    state = integrator.allocate(cable.reference.size)
+    state = integrator.allocate(cable.reference.size, cable.reference.size)
     state.q[:] = cable.reference.ravel()
     gravity = gravity_force(cable, np.array([0.0, -9.81])).ravel()
     integrator.start(system, gravity, state)

@@ -74,7 +74,7 @@ def test_corrector_with_half_weights_is_weakly_unstable():
 
 def run(scheme, system, loads, h, steps, initial):
     """(steps, 3) q, v, a after each step of one degree of freedom."""
-    state = INTEGRATOR.allocate(1)
+    state = INTEGRATOR.allocate(1, 1)
     state.q[0], state.v[0] = initial
     INTEGRATOR.start(system, loads.constant + loads.factor[0, 0] @ loads.pattern, state)
     history = np.zeros((steps, 3, 1))
@@ -99,7 +99,7 @@ def test_forced_oscillator_follows_the_closed_form():
     w, drive, h, steps = 3.0, 2.0, 1e-3, 4000
     t = h * np.arange(1, steps + 1)
     loads = LoadHistory(np.array([0.5]), np.array([[4.0]]), np.cos(drive * t).reshape(-1, 1, 1))
-    state = INTEGRATOR.allocate(1)
+    state = INTEGRATOR.allocate(1, 1)
     INTEGRATOR.start(LinearSystem(w * w, 0.0), np.array([0.5 + 4.0]), state)
     history = np.zeros((steps, 3, 1))
     record(PLAIN, LinearSystem(w * w, 0.0), loads, state, h, 1, history)
@@ -114,7 +114,7 @@ def test_several_steps_an_interval_are_the_same_steps():
     system, loads = LinearSystem(4.0, 0.0), free(12)
     loads = LoadHistory(np.array([1.0]), np.array([[1.0]]), np.arange(12.0).reshape(12, 1, 1))
     each = run(PLAIN, system, loads, 0.1, 12, (0.3, 0.1))
-    state = INTEGRATOR.allocate(1)
+    state = INTEGRATOR.allocate(1, 1)
     state.q[0], state.v[0] = 0.3, 0.1
     INTEGRATOR.start(system, np.array([1.0]), state)
     history = np.zeros((3, 3, 1))

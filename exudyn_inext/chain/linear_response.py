@@ -1,0 +1,107 @@
+"""What small vibrations need of a system: two operators, dispatched on its type as in `system`."""
+
+from functools import singledispatch
+
+from numba.extending import overload
+
+from ..system import implements
+from .border import apply_links
+from .index_reduction import ACCELERATION, CableSystem
+from .linked_cable import LinkedCableSystem
+from .saddle_point import expand_solution, reduce_right_hand_side, solve, substitute
+
+
+@singledispatch
+def constrained_inverse(system, force, x):
+    """x = constrained M^-1 force: M x + C_q^T lam = force, C_q x = 0.
+
+    Args:
+        system: factorised.
+        force: (n, 2, dim) [N, Nm].   x: (n, 2, dim) output.
+    """
+    raise NotImplementedError(f"no constrained inverse for {type(system).__name__}")
+
+
+@singledispatch
+def add_link_stiffness(system, multiplier, x, y):
+    """y += sum nu d2c/dq2 x over the links of a system.   multiplier: (m,) nu; x, y: (n, 2, dim)."""
+    raise NotImplementedError(f"no link stiffness for {type(system).__name__}")
+
+
+@overload(constrained_inverse, strict=False)
+def _compile_constrained_inverse(system, force, x):
+    implementation = constrained_inverse.dispatch(getattr(system, "instance_class", object))
+
+    def call(system, force, x):
+        implementation(system, force, x)
+
+    return call
+
+
+@overload(add_link_stiffness, strict=False)
+def _compile_add_link_stiffness(system, multiplier, x, y):
+    implementation = add_link_stiffness.dispatch(getattr(system, "instance_class", object))
+
+    def call(system, multiplier, x, y):
+        implementation(system, multiplier, x, y)
+
+    return call
+
+
+@implements(constrained_inverse, CableSystem)
+def constrained_inverse_of_cable(system, force, x):
+    """Arguments: see `constrained_inverse`."""
+    chain = system.chain
+    for k in range(len(chain.nodes)):
+        chain.nodes[k].target[ACCELERATION] = 0.0
+        for i in range(len(chain.axes)):
+            chain.nodes[k].force[ACCELERATION, 0, i] = force[k, 0, i]
+            chain.nodes[k].force[ACCELERATION, 1, i] = force[k, 1, i]
+    for k in range(len(chain.elements)):
+        chain.elements[k].target[ACCELERATION] = 0.0
+    solve(chain, x)
+
+
+@implements(constrained_inverse, LinkedCableSystem)
+def constrained_inverse_of_linked_cable(system, force, x):
+    """Arguments: see `constrained_inverse`."""
+    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
+    links = system.border.links
+    for k in range(len(nodes)):
+        nodes[k].target[ACCELERATION] = 0.0
+        for i in range(len(axes)):
+            nodes[k].force[ACCELERATION, 0, i] = force[k, 0, i]
+            nodes[k].force[ACCELERATION, 1, i] = force[k, 1, i]
+    for k in range(len(elements)):
+        elements[k].target[ACCELERATION] = 0.0
+    for r in range(len(links)):
+        links[r].target[ACCELERATION] = 0.0
+    reduce_right_hand_side(axes, nodes, elements, ACCELERATION)
+    substitute(axes, nodes, (ACCELERATION,), ACCELERATION)
+    apply_links(axes, nodes, system.border, ACCELERATION)
+    expand_solution(axes, nodes, elements, ACCELERATION, x)
+    if system.closed:
+        x[len(nodes) - 1] = x[0]
+
+
+@implements(add_link_stiffness, CableSystem)
+def no_link_stiffness(system, multiplier, x, y):
+    """A cable without links has none."""
+
+
+@implements(add_link_stiffness, LinkedCableSystem)
+def add_rod_stiffness(system, multiplier, x, y):
+    """d2c/dq2 = w w^T / L. Arguments: see `add_link_stiffness`."""
+    links = system.border.links
+    for r in range(len(links)):
+        link = links[r]
+        for i in range(x.shape[2]):
+            u = 0.0
+            for t in range(2):
+                k = link.node[t]
+                u += link.weight[t, 0] * x[k, 0, i] + link.weight[t, 1] * x[k, 1, i]
+            u *= multiplier[r] * link.inverse_length
+            for t in range(2):
+                k = link.node[t]
+                y[k, 0, i] += link.weight[t, 0] * u
+                y[k, 1, i] += link.weight[t, 1] * u

@@ -1,0 +1,56 @@
+"""A link: one scalar constraint on nodes of a cable that the chain's structure does not hold, Eq. (20).
+
+    c(q, t) = n . u + (u . u - L^2) / (2 L),    u = sum of weighted nodal vectors - p(t)
+
+covers a rod of length L (n = 0), and a coordinate that follows a motion (L infinite).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A point that moves as given, or rests.
+
+    at: t [s] -> (3, dim): p [m], p_t [m/s], p_tt [m/s^2].
+    rests: whether it does not depend on the time.
+    is_pure: whether `at` depends on nothing but the time, so that it may be asked ahead of time.
+    """
+
+    at: Callable[[float], Array]
+    rests: bool = False
+    is_pure: bool = True
+
+
+def rest(point: Array) -> Motion:
+    """A fixed point (dim,) [m]."""
+    values = np.zeros((3, len(point)))
+    values[0] = point
+    return Motion(lambda t: values, rests=True)
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """One constraint.
+
+    kind: what it is called.
+    nodes: (k,) one or two node indices.
+    weights: (k, 2) of position and slope of each node in u [-, m].
+    anchor: p(t).
+    normal: (dim,) n [-].
+    length: L [m]; infinite for a linear constraint.
+    follows: the column of the basis transverse to the first node's slope that n follows, or -1.
+    """
+
+    kind: str
+    nodes: tuple[int, ...]
+    weights: Array
+    anchor: Motion
+    normal: Array
+    length: float = np.inf
+    follows: int = -1

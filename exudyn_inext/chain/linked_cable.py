@@ -1,0 +1,160 @@
+"""Index reduction of a chain with links: closed rings, hangers, nodes that follow a motion.
+
+The external force is followed by the motions of the anchors: (n_dof + 3 dim M,) numbers, p, p_t, p_tt each.
+"""
+
+from typing import NamedTuple
+
+from ..compiled import inlined
+from ..system import accelerate_and_project, correct_position, implements, index_reduced_rates
+from .assembly import set_violations
+from .border import (
+    Border,
+    all_links,
+    apply_links,
+    assemble_links,
+    build_border,
+    factorise_border,
+    set_link_violations,
+)
+from .cable import Cable
+from .chain import Chain, build_chain
+from .index_reduction import (
+    ACCELERATION,
+    CORRECTION,
+    CableSystem,
+    assemble_and_factorise,
+    set_correction_target,
+    set_projection_targets,
+    set_stabilised_targets,
+)
+from .saddle_point import expand_solution, reduce_right_hand_side, substitute
+
+
+class LinkedCableSystem(NamedTuple):
+    """A chain, its links and its stabilisation: a `system` of the integrators.
+
+    chain: coefficients and memory.   border: links.   zeta: see `CableSystem` [1/s].
+    closed: whether the last node is the first one once more.
+    """
+
+    chain: Chain
+    border: Border
+    zeta: float
+    closed: bool
+
+
+def cable_system(cable: Cable, zeta: float, mass_scaling: float = 0.0) -> CableSystem | LinkedCableSystem:
+    """The index-reduced equations of `cable`; only with links they have to deal with links.
+
+    Args:
+        cable: the cable.   zeta: stabilisation rate [1/s].   mass_scaling: see `build_chain` [s^2].
+    """
+    chain = build_chain(cable, mass_scaling)
+    if not all_links(cable):
+        return CableSystem(chain, zeta)
+    return LinkedCableSystem(chain, build_border(cable), zeta, cable.closed)
+
+
+@inlined
+def _motions(axes, external, n_dof):
+    """(M, 3, dim) motions of the anchors behind the force."""
+    number = (len(external) - n_dof) // (3 * len(axes))
+    return external[n_dof:].reshape((number, 3, len(axes)))
+
+
+@inlined
+def _solve(axes, nodes, elements, border, column, x):
+    """Solve for one column, links included; x (n, 2, dim)."""
+    reduce_right_hand_side(axes, nodes, elements, column)
+    substitute(axes, nodes, (0,), column)
+    apply_links(axes, nodes, border, column)
+    expand_solution(axes, nodes, elements, column, x)
+
+
+@inlined
+def _assemble(axes, nodes, elements, border, external, q, v, lead, a):
+    """All of Eq. (29), links included, factorised."""
+    shape = (len(nodes), 2, len(axes))
+    n_dof = q.size
+    known, rates = q.reshape(shape), v.reshape(shape)
+    force = external[:n_dof].reshape(shape)
+    assemble_and_factorise(axes, nodes, elements, force, known, rates, lead, a.reshape(shape))
+    assemble_links(axes, nodes, border.links, known, rates, _motions(axes, external, n_dof))
+    factorise_border(axes, nodes, border)
+
+
+@inlined
+def _join(closed, x):
+    """Round-off must not separate the two ends of a closed cable.   x: (n, 2, dim)."""
+    if closed:
+        for i in range(x.shape[2]):
+            x[len(x) - 1, 0, i] = x[0, 0, i]
+            x[len(x) - 1, 1, i] = x[0, 1, i]
+
+
+@implements(index_reduced_rates, LinkedCableSystem)
+def linked_rates(system, external, q, v, acceleration, rate):
+    """Eq. (30). Arguments: see `index_reduced_rates`."""
+    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
+    border, links = system.border, system.border.links
+    shape = (len(nodes), 2, len(axes))
+    _assemble(axes, nodes, elements, border, external, q, v, 0.0, v)
+    for k in range(len(nodes)):
+        set_stabilised_targets(system.zeta, nodes[k])
+    for k in range(len(elements)):
+        set_stabilised_targets(system.zeta, elements[k])
+    for k in range(len(links)):
+        set_stabilised_targets(system.zeta, links[k])
+    a, correction = acceleration.reshape(shape), rate.reshape(shape)
+    _solve(axes, nodes, elements, border, ACCELERATION, a)
+    _solve(axes, nodes, elements, border, CORRECTION, correction)
+    _join(system.closed, a)
+    _join(system.closed, correction)
+    for i in range(len(v)):
+        rate[i] += v[i]
+
+
+@implements(accelerate_and_project, LinkedCableSystem)
+def accelerate_and_project_linked(system, external, q, v, duration, acceleration, end_velocity):
+    """Arguments: see `accelerate_and_project`."""
+    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
+    border, links = system.border, system.border.links
+    shape = (len(nodes), 2, len(axes))
+    _assemble(axes, nodes, elements, border, external, q, v, duration, acceleration)
+    for k in range(len(nodes)):
+        set_projection_targets(duration, nodes[k])
+    for k in range(len(elements)):
+        set_projection_targets(duration, elements[k])
+    for k in range(len(links)):
+        set_projection_targets(duration, links[k])
+    a, end = acceleration.reshape(shape), end_velocity.reshape(shape)
+    _solve(axes, nodes, elements, border, ACCELERATION, a)
+    _solve(axes, nodes, elements, border, CORRECTION, end)
+    _join(system.closed, a)
+    _join(system.closed, end)
+    for i in range(len(v)):
+        end_velocity[i] += v[i] + duration * acceleration[i]
+
+
+@implements(correct_position, LinkedCableSystem)
+def correct_linked_position(system, external, q, tolerance, learning, correction):
+    """Arguments: see `correct_position`."""
+    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
+    border, links = system.border, system.border.links
+    shape = (len(nodes), 2, len(axes))
+    known = q.reshape(shape)
+    worst = set_violations(axes, nodes, elements, known)
+    worst = max(worst, set_link_violations(axes, links, known, _motions(axes, external, q.size)))
+    for k in range(len(nodes)):
+        set_correction_target(learning, nodes[k])
+    for k in range(len(elements)):
+        set_correction_target(learning, elements[k])
+    for k in range(len(links)):
+        set_correction_target(learning, links[k])
+    if worst < tolerance:
+        return worst
+    x = correction.reshape(shape)
+    _solve(axes, nodes, elements, border, CORRECTION, x)
+    _join(system.closed, x)
+    return worst

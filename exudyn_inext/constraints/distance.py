@@ -1,0 +1,28 @@
+"""Distance: a rigid, massless rod that swings freely holds a node at a distance from a point or a node."""
+
+import numpy as np
+
+from ..chain.cable import Cable, require_positive
+from ..chain.link import Link, Motion, rest
+from .links import LinkConstraint, of_kind
+
+KIND = "distance"
+
+
+def hanger(node: int, anchor: Motion, length: float) -> Link:
+    """A rod of that length [m] from a fixed or moving anchor to a node."""
+    dim = anchor.at(0.0).shape[1]
+    require_positive("length of the hanger [m]", length)
+    return Link(KIND, (node,), np.array([[1.0, 0.0]]), anchor, np.zeros(dim), length)
+
+
+def rod(nodes: tuple[int, int], dim: int, length: float) -> Link:
+    """A rod of that length [m] between two nodes of one cable in `dim` dimensions."""
+    require_positive("length of the rod [m]", length)
+    weights = np.array([[1.0, 0.0], [-1.0, 0.0]])
+    return Link(KIND, nodes, weights, rest(np.zeros(dim)), np.zeros(dim), length)
+
+
+def of_cable(cable: Cable) -> LinkConstraint:
+    """All hangers and rods of `cable`."""
+    return of_kind(cable.links, KIND)

@@ -1,0 +1,23 @@
+"""Prescribed motion: coordinates of a node's position follow a given function of time, Eqs. (27), (28)."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..chain.cable import Cable
+from ..chain.link import Link, Motion
+from .links import LinkConstraint, of_kind
+
+KIND = "prescribed motion"
+
+
+def prescribed(node: int, motion: Motion, axes: Sequence[int]) -> list[Link]:
+    """The given coordinates (0 for x, ...) of a node's position follow `motion`."""
+    dim = motion.at(0.0).shape[1]
+    weights = np.array([[1.0, 0.0]])
+    return [Link(KIND, (node,), weights, motion, np.eye(dim)[axis]) for axis in axes]
+
+
+def of_cable(cable: Cable) -> LinkConstraint:
+    """All prescribed motions of `cable`."""
+    return of_kind(cable.links, KIND)
