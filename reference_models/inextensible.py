@@ -114,6 +114,8 @@ def fine_solution(scene: Scene, elements: int) -> Trajectory:
 def _label(model: Inextensible, report: dict[str, Any]) -> str:
     parts = [f"inextensible {model.settings.integrator}, N = {model.elements}"]
     parts.append(f"h = {report['stepSize']:.3g} s")
+    if model.settings.stabilizationRate != ExplicitSettings.stabilizationRate:
+        parts.append(f"zeta = {model.settings.stabilizationRate:g} 1/s")
     if model.settings.massScaling:
         parts.append(f"mass scaling {model.settings.massScaling:g}")
     if model.measure != "secondDerivative":

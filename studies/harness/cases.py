@@ -16,9 +16,12 @@ def explicit_case(
     step_size: float,
     mass_scaling: float = 0.0,
     measure: str = "secondDerivative",
+    zeta: float = ExplicitSettings.stabilizationRate,
 ) -> Case:
-    """An inextensible row at a given step [s]; the stabilisation rate is the default."""
-    settings = ExplicitSettings(integrator, stepSize=step_size, massScaling=mass_scaling)
+    """An inextensible row at a given step [s].   zeta: stabilisation rate of Zhai [1/s]."""
+    settings = ExplicitSettings(
+        integrator, stepSize=step_size, massScaling=mass_scaling, stabilizationRate=zeta
+    )
     return inextensible_case(scene, Inextensible(elements, settings, measure=measure))
 
 

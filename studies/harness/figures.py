@@ -66,7 +66,7 @@ def draw_path(path: Path, curves: Mapping[str, Trajectory], reference: Trajector
     """The path of a point in space, and its plan view (seen along z)."""
     _, positions = _until(reference, curves)
     runs = [curve.positions for curve in curves.values()]
-    with new_figure(path, 10.0, 5.2) as figure:
+    with new_figure(path, 11.0, 5.2) as figure:
         space: Any = figure.add_subplot(1, 2, 1, projection="3d")
         plan = figure.add_subplot(1, 2, 2, aspect="equal")
         space.plot(*positions.T, color=REFERENCE_COLOR, linewidth=4, label="reference")
@@ -74,9 +74,10 @@ def draw_path(path: Path, curves: Mapping[str, Trajectory], reference: Trajector
         for style, label, run in zip(_LINE_STYLES, curves, runs, strict=False):
             space.plot(*run.T, style, label=label)
             plan.plot(*run.T[:2], style)
-        space.set_aspect("equal")
+        space.set_box_aspect(np.ptp(positions, axis=0))
+        space.locator_params(nbins=5)
         label_axes(space, f"{point} x [m]", f"{point} y [m]")
-        space.set_zlabel(f"{point} z [m]")
+        space.set_zlabel(f"{point} z [m]", labelpad=5)
         label_axes(plan, f"{point} x [m]", f"{point} y [m]", "seen from above")
         figure.legend(*space.get_legend_handles_labels(), loc="outside upper left")
     return path

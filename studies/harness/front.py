@@ -15,6 +15,11 @@ def is_explicit(row: Row) -> bool:
     return not is_implicit(row)
 
 
+def is_explicit_zhai(row: Row) -> bool:
+    """The paper's scheme."""
+    return bool(row["integrator"].lower() == "zhai")
+
+
 def is_implicit_by_default(row: Row) -> bool:
     """Implicit, with Exudyn's default quadrature of the elastic forces."""
     return is_implicit(row) and _has_default_quadrature(row)
