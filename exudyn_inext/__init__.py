@@ -10,6 +10,7 @@ from .errors import (
     StepSizeError,
 )
 from .exudyn_binding.cable_item import CreateInextensibleCable
+from .exudyn_binding.prescribed_motion import CreatePrescribedMotion
 from .exudyn_binding.settings import ExplicitSettings
 from .exudyn_binding.shape import CableShape
 from .exudyn_binding.solver import SolveExplicit
@@ -21,6 +22,7 @@ from .integrators.zhai import Zhai
 __all__ = [
     "CableShape",
     "CreateInextensibleCable",
+    "CreatePrescribedMotion",
     "DivergenceError",
     "EnforcementError",
     "ExplicitSettings",

@@ -170,6 +170,7 @@ def linked_state(seed, number, dim, measure, links, n_bar=None):
     fixed = state.cable.fixed.copy()
     fixed[-1] |= closed & fixed[0]
     reference = np.where(fixed[:, :, None], q, state.cable.reference)
+    reference[-1] = reference[0] if closed else reference[-1]
     links = some_links(LINKS[links], q + 0.01 * v)
     cable = replace(state.cable, closed=closed, reference=reference, fixed=fixed, links=links)
     return replace(state, cable=cable, time=0.1)

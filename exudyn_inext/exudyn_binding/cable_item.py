@@ -28,12 +28,17 @@ class CableItem:
 
     cable: model without supports; these are the constraint objects of the mbs.
     gravity: (dim,) [m/s^2].
-    nodes: node numbers in the order of the arc length.
+    nodes: node numbers in the order of the arc length, each once.
     """
 
     cable: Cable
     gravity: Array
     nodes: tuple[int, ...]
+
+    @property
+    def node_names(self) -> tuple[int, ...]:
+        """(n,) node numbers; the first one of a closed cable comes again at the end."""
+        return (*self.nodes, self.nodes[0]) if self.cable.closed else self.nodes
 
 
 def CreateInextensibleCable(
@@ -90,11 +95,18 @@ def CreateInextensibleCable(
     cable = Cable(
         reference=np.ascontiguousarray(checked.q[:, :, :dim]),
         element_lengths=checked.lengths,
-        section=template.section(),
+        section=template.section(dim),
         measure=template.measure(),
         length_constraints=template.length_constraints(number),
         fixed=np.zeros((number + 1, 2), dtype=bool),
+        closed=checked.closed,
+        straight_lengths=checked.straight_lengths,
     )
+    if checked.closed and groundConstraintsEnd is not None:
+        raise InputError(
+            "groundConstraintsEnd is given, but a closed cable has no end: use groundConstraintsStart for "
+            "its first node."
+        )
     flags = {
         node: _constraint_flags(name, given, cable.reference[node])
         for name, node, given in (
@@ -132,7 +144,7 @@ def _dimension(stated: int | None, shape: CheckedShape, gravity: Array) -> int:
 
 
 def _constraint_flags(name: str, given: list | None, node: Array) -> list[bool]:
-    """One flag a coordinate; pins and clamps only, see `supports`."""
+    """One flag a coordinate; see `supports_of_flags`."""
     if given is None:
         return [False] * node.size
     is_list = np.iterable(given) and not isinstance(given, str)
@@ -149,7 +161,8 @@ def _constraint_flags(name: str, given: list | None, node: Array) -> list[bool]:
 def supports_of_flags(name: str, flags: np.ndarray, node: Array) -> tuple[bool, bool]:
     """Whether position and slope of a node are held, from the flags of its coordinates.
 
-    A unit slope is held as soon as all components transverse to it are.
+    A unit slope is held as soon as all components transverse to it are. A position of which only some
+    coordinates are held does not count.
 
     Args:
         name: culprit for messages.
@@ -157,16 +170,16 @@ def supports_of_flags(name: str, flags: np.ndarray, node: Array) -> tuple[bool, 
         node: (2, dim) reference position and slope.
 
     Raises:
-        InputError: only a part of the positions, or of the slopes, is held.
+        InputError: only a part of the slopes is held.
     """
     position = bool(flags[0].all())
     released = node[1][~flags[1]]
     tangent_only = len(released) == 1 and abs(abs(released[0]) - 1.0) < 1e-12
     slope = bool(flags[1].all() or tangent_only)
-    if flags[0].any() != position or flags[1].any() != slope:
+    if flags[1].any() != slope:
         raise InputError(
             f"{name} holds the coordinates {flags.astype(int).tolist()} ([positions], [slopes]): hold all or "
-            "no positions, and all or no slopes (the component along the cable may be left out)."
+            "no slopes (the component along the cable may be left out)."
         )
     return position, slope
 
@@ -201,23 +214,25 @@ def _add_items(
     mbs: Any, cable: Cable, velocities: Array, gravity: Array, flags: dict[int, list[bool]]
 ) -> dict[str, Any]:
     node_type = NodePoint2DSlope1 if cable.dimension == 2 else NodePointSlope1
+    count = len(cable.reference) - cable.closed
     nodes = [
         mbs.AddNode(node_type(referenceCoordinates=q.ravel().tolist(), initialVelocities=v.ravel().tolist()))
-        for q, v in zip(cable.reference, velocities, strict=True)
+        for q, v in zip(cable.reference[:count], velocities[:count], strict=True)
     ]
-    user_function = _refusing_user_function(CableItem(cable, gravity, tuple(map(int, nodes))))
+    item = CableItem(cable, gravity, tuple(map(int, nodes)))
+    user_function = _refusing_user_function(item)
     element = mbs.AddObject(
         ObjectGenericODE2(
             nodeNumbers=nodes,
             forceUserFunction=user_function,
             massMatrixUserFunction=user_function,
-            visualization=VObjectGenericODE2(graphicsDataUserFunction=cable_graphics(cable, nodes)),
+            visualization=VObjectGenericODE2(graphicsDataUserFunction=cable_graphics(cable, item.node_names)),
         )
     )
     return {
         "nodes": nodes,
         "elements": [element],
-        "nodePositions": [[*q[0].tolist(), 0.0][:3] for q in cable.reference],
+        "nodePositions": [[*q[0].tolist(), 0.0][:3] for q in cable.reference[:count]],
         "constraintObjects": _add_ground_constraints(mbs, nodes, flags),
         "loads": [],
     }

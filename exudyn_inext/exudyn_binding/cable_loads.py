@@ -1,8 +1,10 @@
-"""The external force of one cable: gravity, constant forces, and sampled histories."""
+"""The external force of one cable: gravity, constant forces, and sampled histories; and its motions."""
 
 import numpy as np
 
 from ..arrays import Array
+from ..chain.border import all_links, motions_of
+from ..chain.link import Motion
 from ..errors import SceneError
 from ..integrators.integrator import LoadHistory
 from ..loads.gravity import gravity_force
@@ -10,16 +12,25 @@ from .load_items import NodalLoad
 from .scene import CableInScene
 
 
-class CableLoads:
-    """External force of a cable as a function of time.
+def _at_rest(motion: Motion, dim: int) -> Array:
+    """(3 dim,) p, p_t, p_tt of a motion that rests; zero for one that does not."""
+    return motion.at(0.0).ravel() if motion.rests else np.zeros(3 * dim)
 
-    constant: (n_dof,) [N, Nm].   pattern: (P, n_dof), one row a component of a load history.
+
+class CableLoads:
+    """External force of a cable, and motions of its links' anchors behind it, as functions of time.
+
+    constant: (n_external,) [N, Nm].   pattern: (P, n_external), one row a component of a load history or
+    a motion.
     """
 
     def __init__(self, cable: CableInScene) -> None:
         self._dimension = cable.cable.dimension
         self._nodes = cable.item.nodes
-        self.constant = gravity_force(cable.cable, cable.item.gravity).ravel()
+        motions = motions_of(all_links(cable.cable))
+        force = gravity_force(cable.cable, cable.item.gravity).ravel()
+        self.constant = np.concatenate([force, *(_at_rest(motion, self._dimension) for motion in motions)])
+        self._motions = [motion for motion in motions if not motion.rests]
         self._histories = [load for load in cable.loads if load.history is not None]
         for load in cable.loads:
             if load.history is None:
@@ -27,21 +38,22 @@ class CableLoads:
                 for pattern, value in zip(self._patterns(load), components, strict=True):
                     self.constant += value * pattern
         rows = [row for load in self._histories for row in self._patterns(load)]
+        rows += self._motion_patterns(len(force), motions)
         self.pattern = np.array(rows).reshape(len(rows), len(self.constant))
 
     @property
-    def has_histories(self) -> bool:
-        """Whether user functions give the loads."""
-        return bool(self._histories)
+    def known_ahead(self) -> bool:
+        """Whether nothing but the time decides on loads and motions."""
+        return not self._histories and all(motion.is_pure for motion in self._motions)
 
     def at(self, time: float) -> Array:
-        """(n_dof,) external force at `time`."""
+        """(n_external,) external force and motions at `time`."""
         return self.constant + self._factors(time) @ self.pattern
 
     def sample(self, start: float, h: float, steps: int, stages: tuple[float, ...]) -> LoadHistory:
         """Load history of `steps` steps from `start`, at the stages of a scheme."""
         factor = np.zeros((steps, len(stages), len(self.pattern)))
-        if self._histories:
+        if len(self.pattern):
             for step in range(steps):
                 for stage, abscissa in enumerate(stages):
                     factor[step, stage] = self._factors(start + (step + abscissa) * h)
@@ -49,6 +61,7 @@ class CableLoads:
 
     def _factors(self, time: float) -> Array:
         values = [self._components(load, time) for load in self._histories]
+        values += [motion.at(time).ravel() for motion in self._motions]
         return np.concatenate(values) if values else np.zeros(0)
 
     def _components(self, load: NodalLoad, time: float) -> Array:
@@ -70,6 +83,13 @@ class CableLoads:
                     "planar: create the cable with dimension=3."
                 )
         return values
+
+    def _motion_patterns(self, n_dof: int, motions: list[Motion]) -> list[Array]:
+        """One unit row a component of p, p_t, p_tt of each motion."""
+        width = 3 * self._dimension
+        unit = np.eye(len(self.constant))
+        starts = [n_dof + k * width for k, motion in enumerate(motions) if not motion.rests]
+        return [row for start in starts for row in unit[start : start + width]]
 
     def _is_in_space(self, load: NodalLoad, coordinate: int) -> bool:
         """Whether a component acts on the cable; the z component of a force on a planar one does not."""

@@ -1,5 +1,6 @@
 """Drawing of a cable in the renderer."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import exudyn
@@ -12,7 +13,7 @@ POINTS_PER_ELEMENT = 6
 COLOUR = [0.0, 0.45, 0.7, 1.0]
 
 
-def cable_graphics(cable: Cable, nodes: list[int]) -> Any:
+def cable_graphics(cable: Cable, nodes: Sequence[int]) -> Any:
     """Graphics user function that draws the Hermite curve through the nodes."""
     weights = [
         shape_functions(np.linspace(0, 1, POINTS_PER_ELEMENT), length) for length in cable.element_lengths

@@ -1,14 +1,17 @@
 """What an mbs contains, as far as the explicit solver is concerned."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import exudyn
 import numpy as np
 
 from ..chain.cable import Cable
+from ..chain.link import Link, rest
+from ..constraints.prescribed_motion import prescribed
 from ..errors import SceneError
 from .cable_item import CableItem, find_cable_item, supports_of_flags
+from .link_items import MovingCoordinate, Rod, links_of_motions, read_moving_coordinate, read_rod
 from .load_items import NodalLoad, read_load
 
 _HARMLESS = {"Ground"}
@@ -18,10 +21,11 @@ _HARMLESS = {"Ground"}
 class CableInScene:
     """A cable with its supports and loads.
 
-    cable: model with supports.
+    cable: model with supports and links.
     item: the items that it came from.
     indices: (n_dof,) places of its coordinates in the system vector.
     loads: nodal loads.
+    moving: coordinates that follow a motion.
     name: for messages.
     """
 
@@ -29,7 +33,19 @@ class CableInScene:
     item: CableItem
     indices: np.ndarray
     loads: list[NodalLoad]
+    moving: list[MovingCoordinate]
     name: str
+
+
+@dataclass(eq=False)
+class Contents:
+    """The objects of an mbs, sorted.   unsupported: descriptions for messages."""
+
+    items: dict[int, CableItem] = field(default_factory=dict)
+    held: list["HeldCoordinate"] = field(default_factory=list)
+    moving: list[MovingCoordinate] = field(default_factory=list)
+    rods: list[Rod] = field(default_factory=list)
+    unsupported: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,33 +68,62 @@ def read_scene(mbs: Any) -> list[CableInScene]:
     Raises:
         SceneError: besides cables, the mbs has other items that move, connect or load; all are named.
     """
-    items: dict[int, CableItem] = {}
-    held: list[HeldCoordinate] = []
-    unsupported: list[str] = []
-    for number in range(mbs.systemData.NumberOfObjects()):
-        data = mbs.GetObject(number)
-        item = find_cable_item(data)
-        constraint = read_held_coordinate(mbs, data)
-        if item is not None:
-            items[number] = item
-        elif constraint is not None:
-            held.append(constraint)
-        elif data["objectType"] not in _HARMLESS:
-            unsupported.append(f"object {number} '{data['name']}' ({data['objectType']})")
-    if not items:
+    contents = _contents(mbs)
+    if not contents.items:
         return []
-    on_cables = {node for item in items.values() for node in item.nodes}
+    on_cables = {node for item in contents.items.values() for node in item.nodes}
     loads, other_loads = _read_loads(mbs, on_cables)
-    unsupported += _foreign_nodes(mbs, on_cables) + other_loads
-    unsupported += [
-        f"constraint on coordinate {c.coordinate} of node {c.node}" for c in held if c.node not in on_cables
+    unsupported = [
+        *contents.unsupported,
+        *_foreign_nodes(mbs, on_cables),
+        *other_loads,
+        *_foreign_constraints(contents),
     ]
     if unsupported:
         raise SceneError(
-            "SolveExplicit supports inextensible cables, coordinate constraints that pin or clamp their "
-            "nodes, and forces on their nodes; not supported yet: " + "; ".join(unsupported) + "."
+            "SolveExplicit supports inextensible cables, coordinate constraints that hold or move positions "
+            "of their nodes or clamp them, distance constraints between ground and their nodes, and forces "
+            "on their nodes; not supported yet: " + "; ".join(unsupported) + "."
         )
-    return [_cable_in_scene(mbs, number, item, held, loads) for number, item in items.items()]
+    return [_cable_in_scene(mbs, number, contents, loads) for number in contents.items]
+
+
+def _contents(mbs: Any) -> Contents:
+    contents = Contents()
+    for number in range(mbs.systemData.NumberOfObjects()):
+        data = mbs.GetObject(number)
+        item = find_cable_item(data)
+        if item is not None:
+            contents.items[number] = item
+        elif (held := read_held_coordinate(mbs, data)) is not None:
+            contents.held.append(held)
+        elif (moving := read_moving_coordinate(mbs, number, data)) is not None:
+            contents.moving.append(moving)
+        elif (rod := read_rod(mbs, data)) is not None:
+            contents.rods.append(rod)
+        elif data["objectType"] not in _HARMLESS:
+            contents.unsupported.append(f"object {number} '{data['name']}' ({data['objectType']})")
+    return contents
+
+
+def _foreign_constraints(contents: Contents) -> list[str]:
+    """Constraints that do not act on one cable."""
+    cables = [set(item.nodes) for item in contents.items.values()]
+    found = [
+        f"constraint on coordinate {c.coordinate} of node {c.node}"
+        for c in contents.held
+        if not any(c.node in nodes for nodes in cables)
+    ]
+    found += [
+        f"constraint {moving.name} on node {moving.node}"
+        for moving in contents.moving
+        if not any(moving.node in nodes for nodes in cables)
+    ]
+    return found + [
+        f"distance constraint {rod.name} between nodes that are not of one cable"
+        for rod in contents.rods
+        if not any(nodes.issuperset(rod.nodes) for nodes in cables)
+    ]
 
 
 def read_held_coordinate(mbs: Any, data: dict[str, Any]) -> HeldCoordinate | None:
@@ -122,27 +167,46 @@ def _foreign_nodes(mbs: Any, on_cables: set[int]) -> list[str]:
     return foreign
 
 
-def _cable_in_scene(
-    mbs: Any, number: int, item: CableItem, held: list[HeldCoordinate], loads: list[NodalLoad]
-) -> CableInScene:
+def _cable_in_scene(mbs: Any, number: int, contents: Contents, loads: list[NodalLoad]) -> CableInScene:
     name = mbs.GetObject(number)["name"]
-    flags = np.zeros(item.cable.reference.shape, dtype=bool)
-    for constraint in held:
-        if constraint.node in item.nodes:
-            flags[item.nodes.index(constraint.node)].flat[constraint.coordinate] = True
-    fixed = np.array(
-        [
-            supports_of_flags(f"node {item.nodes[k]} of cable '{name}'", flags[k], item.cable.reference[k])
-            for k in range(len(flags))
-        ]
-    )
+    item = contents.items[number]
+    moving = [coordinate for coordinate in contents.moving if coordinate.node in item.nodes]
+    fixed, links = _supports(item, [c for c in contents.held if c.node in item.nodes], name)
+    places = {node: place for place, node in enumerate(item.nodes)}
+    links += links_of_motions(moving, places, item.cable.dimension)
+    for rod in contents.rods:
+        if set(rod.nodes) <= set(item.nodes):
+            links += rod.links([places[node] for node in rod.nodes], item.cable.dimension)
+    indices = np.array(mbs.systemData.GetObjectLTGODE2(number))
+    if item.cable.closed:
+        indices = np.append(indices, indices[: 2 * item.cable.dimension])
     return CableInScene(
-        cable=replace(item.cable, fixed=fixed),
+        cable=replace(item.cable, fixed=fixed, links=tuple(links)),
         item=item,
-        indices=np.array(mbs.systemData.GetObjectLTGODE2(number)),
+        indices=indices,
         loads=[load for load in loads if load.node in item.nodes],
+        moving=moving,
         name=name,
     )
+
+
+def _supports(item: CableItem, held: list[HeldCoordinate], name: str) -> tuple[np.ndarray, list[Link]]:
+    """(n, 2) held nodes, and links where only some coordinates of a position are held."""
+    reference = item.cable.reference
+    flags = np.zeros(reference.shape, dtype=bool)
+    for constraint in held:
+        flags[item.nodes.index(constraint.node)].flat[constraint.coordinate] = True
+    if item.cable.closed:
+        flags[-1] = flags[0]
+    fixed = np.zeros(flags.shape[:2], dtype=bool)
+    links: list[Link] = []
+    for k, node in enumerate(item.nodes):
+        fixed[k] = supports_of_flags(f"node {node} of cable '{name}'", flags[k], reference[k])
+        if not fixed[k, 0]:
+            links += prescribed(k, rest(reference[k, 0]), np.flatnonzero(flags[k, 0]).tolist())
+    if item.cable.closed:
+        fixed[-1] = fixed[0]
+    return fixed, links
 
 
 def initial_state(mbs: Any, scene_cable: CableInScene) -> tuple[np.ndarray, np.ndarray]:

@@ -25,6 +25,9 @@ class ExplicitSettings:
             a trapezoidal-like treatment of bending without Newton iterations. Above 1/4, bending no
             longer bounds the step; 0.3 leaves a margin for the tension. Vibrations faster than the step
             are then not resolved. Order 2 is kept. Needs a stepSize.
+        startTolerance: largest violation of a constraint by the initial state: of values [-, m] and,
+            relative to the speed, of rates. Up to it the state is projected onto the constraints, above it
+            refused.
         allowUnstableStep: warn, rather than refuse, if stepSize is above the stability limit.
     """
 
@@ -35,6 +38,7 @@ class ExplicitSettings:
     stepConstant: float = 0.7
     stepSafety: float = 0.95
     massScaling: float = 0.0
+    startTolerance: float = 1e-6
     allowUnstableStep: bool = False
 
     def __post_init__(self) -> None:
@@ -48,7 +52,7 @@ class ExplicitSettings:
             raise InputError(
                 f"scheme = {self.scheme!r}: integrator '{self.integrator}' takes {scheme_type.__name__}(...)."
             )
-        for name in ("stabilizationRate", "stepConstant", "stepSafety"):
+        for name in ("stabilizationRate", "stepConstant", "stepSafety", "startTolerance"):
             require_positive(name, getattr(self, name))
         if self.stepSafety > 1.0:
             raise InputError(f"stepSafety = {self.stepSafety!r}: must be at most 1, the stability limit.")

@@ -11,6 +11,8 @@ from ..errors import InputError
 
 SLOPE_TOLERANCE = 1e-8  # |r_x| - 1 [-]
 LENGTH_TOLERANCE = 1e-2  # int |r_x|^2 dx / l - 1 of an element [-]
+SMALLEST_RING = 3  # elements
+LENGTH_REFERENCES = ("shape", "straight")
 MIDDLE_TOLERANCE = 0.1  # |r_x| - 1 in the middle of an element [-]; 0.045 for half a turn
 
 
@@ -25,6 +27,11 @@ class CableShape:
             lengths of the curves through positions and slopes.
         velocities: like positions [m/s]; None: at rest.
         slopeVelocities: like positions, d(dr/dx)/dt [1/s]; None: zero.
+        closed: whether one more element joins the last node to the first one; every node is given once,
+            and there are as many elements as nodes.
+        lengthReference: what Eq. (19) keeps constant: 'shape': int |r_x|^2 dx of each element as it is in
+            this shape; 'straight': its arc length, where the shape is only near one that the cable can
+            have, for SolveEquilibrium to start from.
     """
 
     positions: Any
@@ -32,6 +39,38 @@ class CableShape:
     elementLengths: Any = None
     velocities: Any = None
     slopeVelocities: Any = None
+    closed: bool = False
+    lengthReference: str = "shape"
+
+    @staticmethod
+    def Circle(
+        center: Any, radius: float, numberOfElements: int, normal: Any = (0, 0, 1), start: Any = (1, 0, 0)
+    ) -> "CableShape":
+        """Closed ring, counterclockwise about `normal`.
+
+        Args:
+            center: (2,) or (3,) [m].
+            radius: [m].
+            numberOfElements: at least 3.
+            normal: (3,) axis of the ring; need not be a unit vector.
+            start: (2,) or (3,) direction from the center to the first node, not along `normal`.
+
+        Raises:
+            InputError: a number out of range, or start and normal are parallel.
+        """
+        number = _element_count(numberOfElements)
+        if number < SMALLEST_RING:
+            raise InputError(f"numberOfElements = {number}: a ring needs at least {SMALLEST_RING}.")
+        size = require_positive("radius [m]", radius)
+        first, second = _axes_of_plane(_point("normal", normal), _point("start", start))
+        angle = 2.0 * np.pi * np.arange(number)[:, None] / number
+        outward = np.cos(angle) * first + np.sin(angle) * second
+        return CableShape(
+            positions=_point("center", center) + size * outward,
+            slopes=np.cos(angle) * second - np.sin(angle) * first,
+            elementLengths=2.0 * np.pi * size / number,
+            closed=True,
+        )
 
     @staticmethod
     def Line(
@@ -83,12 +122,15 @@ class CableShape:
 class CheckedShape:
     """A shape that an inextensible cable can have.
 
-    q, v: (n, 2, 3) coordinates [m, -] and velocities [m/s, 1/s].   lengths: (n - 1,) [m].
+    q, v: (n, 2, 3) coordinates [m, -] and velocities [m/s, 1/s]; the first node of a closed cable is
+        repeated.   lengths: (n - 1,) [m].   closed, straight_lengths: see `Cable`.
     """
 
     q: Array
     v: Array
     lengths: Array
+    closed: bool
+    straight_lengths: bool
 
 
 def check_shape(shape: CableShape) -> CheckedShape:
@@ -115,9 +157,38 @@ def check_shape(shape: CableShape) -> CheckedShape:
         if len(rows) != nodes:
             raise InputError(f"{name} has {len(rows)} rows: needs {nodes}, one for each position.")
     _check_unit_slopes(slopes)
-    q = np.stack([positions, slopes], axis=1)
+    if shape.lengthReference not in LENGTH_REFERENCES:
+        raise InputError(f"lengthReference = {shape.lengthReference!r}: choose one of {LENGTH_REFERENCES}.")
+    q, v = np.stack([positions, slopes], axis=1), np.stack(rates, axis=1)
+    if shape.closed:
+        _check_ring(positions)
+        q, v = np.concatenate([q, q[:1]]), np.concatenate([v, v[:1]])
     lengths = _checked_lengths(q, shape.elementLengths)
-    return CheckedShape(q, np.stack(rates, axis=1), lengths)
+    return CheckedShape(q, v, lengths, bool(shape.closed), shape.lengthReference == "straight")
+
+
+def _check_ring(positions: Array) -> None:
+    if len(positions) < SMALLEST_RING:
+        raise InputError(f"positions has {len(positions)} points: a ring needs at least {SMALLEST_RING}.")
+    if np.array_equal(positions[0], positions[-1]):
+        raise InputError(
+            f"positions[0] and positions[-1] are both {positions[0].tolist()}: with closed=True every node "
+            "is given once, and an element joins the last one to the first one; leave the last row out."
+        )
+
+
+def _axes_of_plane(normal: Array, start: Array) -> tuple[Array, Array]:
+    """Unit vectors in the plane of a ring: towards `start`, and a quarter turn further."""
+    second = np.cross(normal, start)
+    size = float(np.linalg.norm(second))
+    if not size > 1e-9 * float(np.linalg.norm(normal) * np.linalg.norm(start)):
+        raise InputError(
+            f"normal = {normal.tolist()} and start = {start.tolist()} must not be zero or parallel: the ring "
+            "lies in a plane across the normal; choose another start."
+        )
+    second = second / size
+    first = np.cross(second, normal)
+    return first / float(np.linalg.norm(first)), second
 
 
 def _element_count(number: Any) -> int:
@@ -194,7 +265,7 @@ def _checked_lengths(q: Array, given: Any) -> Array:
             )
         lengths = np.array(np.broadcast_to(lengths, (number,)))
     for k, length in enumerate(lengths):
-        require_positive(f"length of element {k}, between nodes {k} and {k + 1} [m]", float(length))
+        require_positive(f"length of element {k}, between nodes {k} and {_next(k, q)} [m]", float(length))
     _check_reach(q, lengths)
     return lengths
 
@@ -204,7 +275,7 @@ def _check_reach(q: Array, lengths: Array) -> None:
     k = int(np.argmax(chords / lengths))
     if chords[k] > lengths[k] * (1.0 + SLOPE_TOLERANCE):
         raise InputError(
-            f"nodes {k} and {k + 1} are {chords[k]:.9g} m apart, the element between them is "
+            f"nodes {k} and {_next(k, q)} are {chords[k]:.9g} m apart, the element between them is "
             f"{lengths[k]:.9g} m long: no inextensible cable joins them; lengthen the element or move "
             "the points together."
         )
@@ -212,11 +283,17 @@ def _check_reach(q: Array, lengths: Array) -> None:
     k = int(np.argmax(np.abs(mean_square - 1.0)))
     if abs(mean_square[k] - 1.0) > LENGTH_TOLERANCE:
         raise InputError(
-            f"the curve through nodes {k} and {k + 1} with the given slopes has a mean square stretch of "
-            f"{mean_square[k]:.6g} for an element of {lengths[k]:.9g} m: an inextensible cable allows "
+            f"the curve through nodes {k} and {_next(k, q)} with the given slopes has a mean square stretch "
+            f"of {mean_square[k]:.6g} for an element of {lengths[k]:.9g} m: an inextensible cable allows "
             f"1 +- {LENGTH_TOLERANCE:g}; correct elementLengths or the slopes, or use more elements."
         )
     _check_middles(q, lengths)
+
+
+def _next(k: int, q: Array) -> int:
+    """Number of the node after node k; a ring's last element ends at its first node."""
+    ends_at_start = k == len(q) - 2 and np.array_equal(q[0], q[-1])
+    return 0 if ends_at_start else k + 1
 
 
 def _check_middles(q: Array, lengths: Array) -> None:
@@ -226,7 +303,7 @@ def _check_middles(q: Array, lengths: Array) -> None:
     k = int(np.argmax(np.abs(norms - 1.0)))
     if abs(norms[k] - 1.0) > MIDDLE_TOLERANCE:
         raise InputError(
-            f"the curve through nodes {k} and {k + 1} has |r_x| = {norms[k]:.4g} midway: an inextensible "
-            f"cable allows 1 +- {MIDDLE_TOLERANCE:g} there; check the direction of the slopes, which point "
-            "from the first to the last node, or use more elements."
+            f"the curve through nodes {k} and {_next(k, q)} has |r_x| = {norms[k]:.4g} midway: an "
+            f"inextensible cable allows 1 +- {MIDDLE_TOLERANCE:g} there; check the direction of the slopes, "
+            "which point from the first to the last node, or use more elements."
         )

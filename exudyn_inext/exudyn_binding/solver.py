@@ -12,9 +12,10 @@ import numpy as np
 from ..chain.cable import Cable
 from ..errors import InputError, SceneError
 from ..integrators import find_integrator
+from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import decay_limit, frequency_limit
 from ..integrators.step_size import StepSizeBounds, choose_step, rule_step, step_above_limit
-from .cable_run import CableRun
+from .cable_run import CableRun, Start
 from .native_run import NativeRun
 from .scene import initial_state, read_scene, require_assembled
 from .settings import ExplicitSettings
@@ -42,7 +43,8 @@ def SolveExplicit(
 
     Returns:
         dict with 'success', 'integrator', 'stepSize' [s], 'steps', 'loopSteps', 'decidedBy' (what
-        bounded the step), 'bounds' (StepSizeBounds) and 'path' (which way the steps were computed).
+        bounded the step), 'bounds' (StepSizeBounds), 'path' (which way the steps were computed) and
+        'startCorrections' (of each cable: how far its initial state was from its constraints).
 
     Raises:
         SceneError: mbs not assembled, inconsistent, or contains what is not supported yet.
@@ -57,9 +59,7 @@ def SolveExplicit(
     explicit = explicitSettings or ExplicitSettings()
     require_assembled(mbs)
     solver = exudyn.MainSolverImplicitSecondOrder()
-    runs = _runs(mbs, solver, explicit)
-    if explicit.massScaling and explicit.stepSize is not None:
-        _scale_mass(runs, explicit, time_grid(mbs, settings, explicit.stepSize).h)
+    runs = _runs(mbs, solver, settings, explicit)
     bounds = _bounds(runs, float(settings.timeIntegration.startTime), explicit)
     wanted, decided_by = _wanted_step(bounds, explicit)
     grid = time_grid(mbs, settings, wanted)
@@ -74,6 +74,7 @@ def SolveExplicit(
         "decidedBy": decided_by if grid.substeps > 1 or grid.h > 0.99 * wanted else "output period",
         "bounds": bounds,
         "path": loop.path,
+        "startCorrections": [run.start_correction for run in runs if isinstance(run, CableRun)],
     }
 
 
@@ -81,31 +82,59 @@ def _scheme(explicit: ExplicitSettings) -> Any:
     return explicit.scheme or find_integrator(explicit.integrator).scheme()
 
 
-def _runs(mbs: Any, solver: Any, explicit: ExplicitSettings) -> Sequence[Run]:
+def _runs(mbs: Any, solver: Any, settings: Any, explicit: ExplicitSettings) -> Sequence[Run]:
     """One run for each inextensible cable; without any, one for all native items."""
     integrator = find_integrator(explicit.integrator)
     if mbs.systemData.ODE2Size() == 0:
         raise SceneError("mbs has nothing that moves: add a cable with CreateInextensibleCable.")
-    return [
-        CableRun(cable, initial_state(mbs, cable), explicit.stabilizationRate, integrator)
-        for cable in read_scene(mbs)
-    ] or [NativeRun(mbs, solver, integrator)]
+    cables = read_scene(mbs)
+    if not cables:
+        return [_native_run(mbs, solver, integrator, explicit)]
+    h = 0.0
+    if explicit.massScaling and explicit.stepSize is not None:
+        h = time_grid(mbs, settings, explicit.stepSize).h
+    start = Start(
+        time=float(settings.timeIntegration.startTime),
+        tolerance=explicit.startTolerance,
+        zeta=explicit.stabilizationRate,
+        mass_scaling=explicit.massScaling * h**2,
+    )
+    return [CableRun(cable, initial_state(mbs, cable), start, integrator) for cable in cables]
+
+
+def _native_run(mbs: Any, solver: Any, integrator: Integrator, explicit: ExplicitSettings) -> NativeRun:
+    if explicit.massScaling:
+        raise InputError(
+            f"massScaling = {explicit.massScaling!r}: only inextensible cables have it; set it to zero."
+        )
+    return NativeRun(mbs, solver, integrator)
 
 
 def _bounds(runs: Sequence[Run], start: float, explicit: ExplicitSettings) -> StepSizeBounds:
     """The tightest bounds over all that moves."""
     integrator, scheme = find_integrator(explicit.integrator), _scheme(explicit)
     frequencies = [run.largest_frequency(start) for run in runs]
-    fastest = int(np.argmax(frequencies))
-    frequency = frequencies[fastest]
+    limits = [
+        frequency_limit(integrator, scheme, w * _damping_time(run)) / w if w > 0.0 else math.inf
+        for run, w in zip(runs, frequencies, strict=True)
+    ]
+    fastest = int(np.argmin(limits))
     cables = [run.scene_cable.cable for run in runs if isinstance(run, CableRun)]
     return StepSizeBounds(
-        bending=frequency_limit(integrator, scheme) / frequency if frequency > 0.0 else math.inf,
+        bending=limits[fastest],
         stabilisation=decay_limit(integrator, scheme) / explicit.stabilizationRate if cables else math.inf,
         rule=min((_rule(cable, explicit.stepConstant) for cable in cables), default=math.inf),
-        largest_frequency=frequency,
+        largest_frequency=frequencies[fastest],
         cable=runs[fastest].name,
     )
+
+
+def _damping_time(run: Run) -> float:
+    """D / EI [s] of a cable."""
+    if not isinstance(run, CableRun):
+        return 0.0
+    section = run.scene_cable.cable.section
+    return section.bending_damping / section.bending_stiffness
 
 
 def _rule(cable: Cable, constant: float) -> float:
@@ -124,16 +153,6 @@ def _wanted_step(bounds: StepSizeBounds, explicit: ExplicitSettings) -> tuple[fl
     if error is not None:
         warnings.warn(str(error), stacklevel=3)
     return explicit.stepSize, "stepSize"
-
-
-def _scale_mass(runs: Sequence[Run], explicit: ExplicitSettings, h: float) -> None:
-    """Scale the mass of all cables for steps of size h."""
-    for run in runs:
-        if not isinstance(run, CableRun):
-            raise InputError(
-                f"massScaling = {explicit.massScaling!r}: only inextensible cables have it; set it to zero."
-            )
-        run.scale_mass(explicit.massScaling * h**2)
 
 
 @contextmanager

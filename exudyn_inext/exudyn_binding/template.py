@@ -1,17 +1,16 @@
 """Section and discretisation of an inextensible cable, in the user's terms."""
 
 from dataclasses import dataclass
-from numbers import Integral
+from numbers import Integral, Real
 from typing import Any
 
+import numpy as np
 from exudyn.itemInterface import ObjectANCFCable, ObjectANCFCable2D
 
 from ..chain.cable import CurvatureMeasure, Section, require_positive
 from ..errors import InputError
 
 _NOT_YET = (
-    "bendingDamping",
-    "referenceCurvature",
     "referenceAxialStrain",
     "strainIsRelativeToReference",
     "bendingMomentUserFunction",
@@ -28,6 +27,8 @@ class InextensibleCable:
         bendingStiffness: EI [N m^2].
         curvatureMeasure: 'secondDerivative' (kappa^2 = |r_xx|^2, cheaper and more accurate) or
             'product' (kappa^2 = |r_x|^2 |r_xx|^2, the paper's Eq. (4)).
+        bendingDamping: D of the bending moment D kappa_t (Kelvin-Voigt) [N m^2 s], as in native cables.
+        referenceCurvature: natural curvature [1/m] of a planar cable, positive if it turns to the left.
         numberOfLengthConstraints: n_bar of Eq. (19), 0 to the number of elements; None: one per element.
 
     Example:
@@ -38,6 +39,8 @@ class InextensibleCable:
     bendingStiffness: float
     curvatureMeasure: str = CurvatureMeasure.SECOND_DERIVATIVE.value
     numberOfLengthConstraints: int | None = None
+    bendingDamping: float = 0.0
+    referenceCurvature: float = 0.0
 
     @classmethod
     def from_template(cls, template: Any) -> "InextensibleCable":
@@ -61,13 +64,29 @@ class InextensibleCable:
                     f"beamTemplate.{name} = {getattr(template, name)!r}: not supported by the "
                     "inextensible cable yet; set it to zero."
                 )
-        return cls(template.massPerLength, template.bendingStiffness)
+        return cls(
+            template.massPerLength,
+            template.bendingStiffness,
+            bendingDamping=template.bendingDamping,
+            referenceCurvature=getattr(template, "referenceCurvature", 0.0),
+        )
 
-    def section(self) -> Section:
-        """Checked constants of the cross-section."""
+    def section(self, dimension: int) -> Section:
+        """Checked constants of the cross-section of a cable in that many dimensions."""
+        curvature = self.referenceCurvature
+        if isinstance(curvature, bool) or not isinstance(curvature, Real) or not np.isfinite(curvature):
+            raise InputError(f"referenceCurvature = {curvature!r}: must be a finite number [1/m].")
+        if curvature and dimension == 3:
+            raise InputError(
+                f"referenceCurvature = {curvature!r} in 3D: which way the section faces is not modelled; set "
+                "it to zero, or use dimension=2."
+            )
+        damping = self.bendingDamping
         return Section(
             require_positive("massPerLength", self.massPerLength),
             require_positive("bendingStiffness", self.bendingStiffness),
+            float(curvature),
+            0.0 if damping == 0.0 else require_positive("bendingDamping", damping),
         )
 
     def measure(self) -> CurvatureMeasure:

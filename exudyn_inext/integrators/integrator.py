@@ -22,6 +22,7 @@ class Integrator:
     scheme: NamedTuple type of its parameters, with defaults.
     allocate: (n_dof, n_external) -> state (NamedTuple of arrays with fields q, v, a, external at least).
     start: (system, external, state): sets all but q and v of the state; external (n_dof,).
+    carries: fields of the state that a step needs besides q and v, and does not compute from them.
     stabilised: whether it integrates the stabilised equations (30), whose zeta bounds the step.
     """
 
@@ -31,6 +32,7 @@ class Integrator:
     scheme: type[Any]
     allocate: Callable[[int, int], Any]
     start: Callable[..., None]
+    carries: tuple[str, ...] = ()
     stabilised: bool = True
 
 

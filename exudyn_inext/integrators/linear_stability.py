@@ -29,17 +29,21 @@ class LinearSystem(NamedTuple):
     """q'' = -w^2 q, with velocity and position constraint terms that decay with rate zeta.
 
     squared_frequency: w^2 [1/s^2].   zeta: [1/s]: v' and q' have the terms -zeta v and -zeta q.
+    damping: of the oscillator [1/s].
     """
 
     squared_frequency: float
     zeta: float
+    damping: float = 0.0
 
 
 @implements(index_reduced_rates, LinearSystem)
 def linear_rates(system, external, q, v, acceleration, rate):
     """Right-hand side; with zeta > 0 it is what Eqs. (27), (28) leave of a constrained direction."""
     for i in range(len(q)):
-        acceleration[i] = external[i] - system.squared_frequency * q[i] - system.zeta * v[i]
+        acceleration[i] = (
+            external[i] - system.squared_frequency * q[i] - (system.zeta + system.damping) * v[i]
+        )
         rate[i] = v[i] if system.zeta == 0.0 else -system.zeta * q[i]
 
 
@@ -47,7 +51,8 @@ def linear_rates(system, external, q, v, acceleration, rate):
 def accelerate_and_project_linear(system, external, q, v, duration, acceleration, end_velocity):
     """Without constraints there is nothing to project."""
     for i in range(len(q)):
-        acceleration[i] = external[i] - system.squared_frequency * q[i]
+        leading = v[i] + duration * acceleration[i]
+        acceleration[i] = external[i] - system.squared_frequency * q[i] - system.damping * leading
         end_velocity[i] = v[i] + duration * acceleration[i]
 
 
@@ -61,7 +66,7 @@ def correct_linear_position(system, external, q, tolerance, learning, correction
 def amplification_matrix(integrator: Integrator, scheme: Any, system: LinearSystem) -> Array:
     """One step h = 1 as a matrix on (q, v, and the history of a multi-step scheme)."""
     loads = no_loads(1, len(integrator.stages))
-    fields = [name for name in ("q", "v", "a_previous") if hasattr(integrator.allocate(1, 1), name)]
+    fields = ["q", "v", *integrator.carries]
     columns = []
     for unit in fields:
         state = integrator.allocate(1, 1)
@@ -96,9 +101,9 @@ def _first_unstable(integrator: Integrator, scheme: Any, family: Any, largest: f
 
 
 @lru_cache
-def frequency_limit(integrator: Integrator, scheme: Any) -> float:
-    """Largest h w [-] up to which the undamped oscillator does not grow."""
-    return _first_unstable(integrator, scheme, lambda x: LinearSystem(x * x, 0.0), 4.0)
+def frequency_limit(integrator: Integrator, scheme: Any, damping_ratio: float = 0.0) -> float:
+    """Largest h w [-] up to which the oscillator q'' = -w^2 q - damping_ratio w q' does not grow."""
+    return _first_unstable(integrator, scheme, lambda x: LinearSystem(x * x, 0.0, damping_ratio * x), 4.0)
 
 
 @lru_cache

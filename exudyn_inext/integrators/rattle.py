@@ -98,5 +98,6 @@ INTEGRATOR = Integrator(
     scheme=Rattle,
     allocate=allocate,
     start=start,
+    carries=("a",),
     stabilised=False,
 )

@@ -94,4 +94,12 @@ def advance_zhai(scheme, system, loads, state, h, first, steps):
             index_reduced_rates(system, external, q, v, a, rate)
 
 
-INTEGRATOR = Integrator(name="Zhai", order=2, stages=(1.0,), scheme=Zhai, allocate=allocate, start=start)
+INTEGRATOR = Integrator(
+    name="Zhai",
+    order=2,
+    stages=(1.0,),
+    scheme=Zhai,
+    allocate=allocate,
+    start=start,
+    carries=("a_previous",),
+)

@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 from exudyn_inext.constraints import KINDS, constraints_of_cable
-from tests.cables import DIMENSIONS, MEASURES, SUPPORTS, dense_constraints, random_state
+from tests.cables import (
+    DIMENSIONS,
+    LINKS,
+    MEASURES,
+    SUPPORTS,
+    dense_constraints,
+    linked_state,
+    random_state,
+)
 
 NUMBER = 4
 STEP = 1e-4
@@ -18,9 +26,14 @@ def states(dim):
             yield random_state(11, NUMBER, dim, MEASURES[0], n_bar, supports)
 
 
+def linked_states(dim):
+    for links in LINKS:
+        yield linked_state(12, NUMBER, dim, MEASURES[0], links)
+
+
 def all_constraints():
     for dim in DIMENSIONS:
-        for state in states(dim):
+        for state in (*states(dim), *linked_states(dim)):
             for constraint in constraints_of_cable(state.cable):
                 yield state, constraint
 
@@ -47,24 +60,27 @@ def test_jacobian_is_the_derivative_of_the_value():
         columns = []
         for unit in np.eye(state.q.size):
             change = STEP * unit.reshape(state.q.shape)
-            above, below = constraint.value(state.q + change), constraint.value(state.q - change)
+            above, below = (constraint.value(state.q + s * change, state.time) for s in (1, -1))
             columns.append((above - below) / (2 * STEP))
-        jacobian = constraint.jacobian(state.q).toarray()
+        jacobian = constraint.jacobian(state.q, state.time).toarray()
         np.testing.assert_allclose(jacobian, np.array(columns).T, atol=1e-10)
 
 
-def test_rate_is_the_derivative_along_the_velocity():
+def test_rate_is_the_derivative_along_the_velocity_and_in_time():
     for state, constraint in all_constraints():
-        above, below = (constraint.value(state.q + s * STEP * state.v) for s in (1, -1))
-        found = constraint.rate(state.q, state.v)
-        np.testing.assert_allclose(found, (above - below) / (2 * STEP), atol=1e-9)
+        steps = (STEP, -STEP)
+        above, below = (constraint.value(state.q + s * state.v, state.time + s) for s in steps)
+        found = constraint.rate(state.q, state.v, state.time)
+        np.testing.assert_allclose(found, (above - below) / (2 * STEP), atol=1e-7)
 
 
-def test_gamma_is_minus_the_second_derivative_along_the_velocity():
+def test_gamma_is_minus_the_second_derivative_along_the_velocity_and_in_time():
     for state, constraint in all_constraints():
-        above, below = (constraint.jacobian(state.q + s * STEP * state.v) for s in (1, -1))
-        expected = -((above - below) @ state.v.ravel()) / (2 * STEP)
-        np.testing.assert_allclose(constraint.gamma(state.q, state.v), expected, atol=1e-9)
+        steps = (STEP, -STEP)
+        above, below = (constraint.rate(state.q + s * state.v, state.v, state.time + s) for s in steps)
+        expected = -(above - below) / (2 * STEP)
+        found = constraint.gamma(state.q, state.v, state.time)
+        np.testing.assert_allclose(found, expected, atol=1e-6)
 
 
 def test_sizes_agree_with_the_number_of_equations():
@@ -95,7 +111,7 @@ def test_constraints_are_independent_on_a_slack_cable(dim):
 
 def test_the_reference_configuration_fulfils_supports_and_lengths():
     for state, constraint in all_constraints():
-        if constraint.name != "nodal inextensibility":
+        if constraint.name != "nodal inextensibility" and not state.cable.links:
             value = constraint.value(state.cable.reference)
             np.testing.assert_allclose(value, 0.0, atol=1e-13)
 

@@ -164,7 +164,7 @@ def test_an_unknown_name_is_refused_and_the_known_ones_are_listed():
     [
         (index_reduced_rates, 5),
         (accelerate_and_project, 6),
-        (correct_position, 4),
+        (correct_position, 5),
         (partial(advance, SimpleNamespace()), 5),
     ],
 )

@@ -58,12 +58,12 @@ BAD_CABLES = [
     ({"groundConstraintsEnd": [True] * 6}, r"groundConstraintsEnd = .* has 6 entries: needs 4"),
     ({"groundConstraintsStart": True}, r"groundConstraintsStart"),
     (
-        {"groundConstraintsStart": [True, False, False, False]},
-        r"groundConstraintsStart .*\[\[1, 0\], \[0, 0\]\].* hold all or no positions",
+        {"groundConstraintsStart": [True, False, True, False]},
+        r"groundConstraintsStart .*\[\[1, 0\], \[1, 0\]\].* hold all or no slopes",
     ),
     (
         {"groundConstraintsEnd": [True, True, True, False]},
-        r"groundConstraintsEnd .*\[\[1, 1\], \[1, 0\]\].* hold all or no positions",
+        r"groundConstraintsEnd .*\[\[1, 1\], \[1, 0\]\].* hold all or no slopes",
     ),
     (template(curvatureMeasure="exact"), r"curvatureMeasure = 'exact' .*secondDerivative.*product"),
     *[
@@ -73,13 +73,19 @@ BAD_CABLES = [
     ({"beamTemplate": None}, r"beamTemplate = None: must be an InextensibleCable"),
     ({"beamTemplate": ObjectMassPoint()}, r"beamTemplate = .*: must be an InextensibleCable"),
     *[
-        ({"beamTemplate": native(**NATIVE, bendingDamping=0.1)}, r"bendingDamping = 0.1: .* zero")
+        ({"beamTemplate": native(**NATIVE, bendingDamping=-0.1)}, r"bendingDamping = -0.1: .*> 0")
+        for native in (ObjectANCFCable, ObjectANCFCable2D)
+    ],
+    *[
+        ({"beamTemplate": native(**NATIVE, referenceAxialStrain=0.1)}, r"referenceAxialStrain = 0.1: .* zero")
         for native in (ObjectANCFCable, ObjectANCFCable2D)
     ],
     (
-        {"beamTemplate": ObjectANCFCable2D(**NATIVE, referenceCurvature=2.0)},
-        r"referenceCurvature = 2.0: .* zero",
+        {"beamTemplate": ObjectANCFCable2D(**NATIVE, referenceCurvature=2.0), "dimension": 3},
+        r"referenceCurvature = 2.0 in 3D: .*dimension=2",
     ),
+    (template(referenceCurvature=float("nan")), r"referenceCurvature = nan: .*finite"),
+    (template(bendingDamping=float("inf")), r"bendingDamping = inf: .*finite"),
     ({"beamTemplate": ObjectANCFCable2D(bendingStiffness=1.0)}, r"massPerLength = 0.*> 0"),
     (shape(slopes=[[1, 0], [0.6, 0.6], [1, 0]]), r"slopes\[1\] = .*0\.848.* unit .*divide"),
     (shape(slopes=[[1, 0]] * 2), r"slopes has 2 rows: needs 3"),

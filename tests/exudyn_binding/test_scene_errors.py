@@ -50,13 +50,15 @@ def spring(mbs, node):
     mbs.AddObject(CartesianSpringDamper(markerNumbers=markers(mbs, node), stiffness=[1] * 3, name="hook"))
 
 
-def distance(mbs, node):
-    mbs.AddObject(DistanceConstraint(markerNumbers=markers(mbs, node), distance=1, name="rod"))
+def distance_to_a_body(mbs, node):
+    body = mbs.AddObject(MassPoint(mass=1, nodeNumber=mbs.AddNode(NodePoint())))
+    pair = [mbs.AddMarker(MarkerBodyPosition(bodyNumber=body)), markers(mbs, node)[1]]
+    mbs.AddObject(DistanceConstraint(markerNumbers=pair, distance=1, name="rod"))
 
 
 def offset_constraint(mbs, node):
     ground = mbs.AddNode(NodePointGround())
-    pair = [MarkerNodeCoordinate(nodeNumber=n, coordinate=0) for n in (ground, node)]
+    pair = [MarkerNodeCoordinate(nodeNumber=n, coordinate=c) for n, c in ((ground, 0), (node, 3))]
     numbers = [mbs.AddMarker(marker) for marker in pair]
     mbs.AddObject(CoordinateConstraint(markerNumbers=numbers, offset=0.1, name="pulled"))
 
@@ -80,7 +82,7 @@ def torque(mbs, node):
 UNSUPPORTED = [
     (rigid_body, r"object 3 .*\(RigidBody\)"),
     (spring, r"object 4 'hook' \(ConnectorCartesianSpringDamper\)"),
-    (distance, r"object 4 'rod' \(ConnectorDistance\)"),
+    (distance_to_a_body, r"object 5 'rod' \(ConnectorDistance\)"),
     (offset_constraint, r"object 3 'pulled' \(ConnectorCoordinate\)"),
     (mass_point, r"\(MassPoint\).*node 7 'elsewhere' \(Point\)"),
     (foreign_load, r"load 0 'push' \(ForceVector\)"),
@@ -99,9 +101,9 @@ def test_what_is_not_supported_is_named(mbs, add_pendulum, solve, contents, add,
 def test_all_unsupported_items_are_named_at_once(mbs, add_pendulum, solve, contents):
     node = int(add_pendulum(mbs)["nodes"][4])
     spring(mbs, node)
-    distance(mbs, node)
+    offset_constraint(mbs, node)
     mbs.Assemble()
-    refused(mbs, solve, contents, "'hook'.*'rod'")
+    refused(mbs, solve, contents, "'hook'.*'pulled'")
 
 
 INCONSISTENT = [

@@ -1,0 +1,88 @@
+"""A given motion with its first two derivatives, analytic or by differences."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..chain.link import Motion
+from ..errors import InputError
+
+STEP = 1e-4  # of the differences [s]
+_SMOOTH = 0.75  # a jump of the derivative stays as the step is halved, a smooth change becomes half
+_NOTICEABLE = 1e-6
+
+Function = Callable[[float], Any]
+
+
+def motion_of(
+    position: Function,
+    velocity: Function | None = None,
+    acceleration: Function | None = None,
+    is_pure: bool = True,
+) -> Motion:
+    """The motion t -> position(t); missing derivatives are central differences.
+
+    Args:
+        position: t [s] -> (dim,) [m].   velocity: [m/s].   acceleration: [m/s^2].
+        is_pure: see `Motion`.
+    """
+
+    def p(t: float) -> Array:
+        return np.atleast_1d(np.asarray(position(t), dtype=float))
+
+    def p_t(t: float) -> Array:
+        if velocity is not None:
+            return np.atleast_1d(np.asarray(velocity(t), dtype=float))
+        return (p(t + STEP) - p(t - STEP)) / (2.0 * STEP)
+
+    def p_tt(t: float) -> Array:
+        if acceleration is not None:
+            return np.atleast_1d(np.asarray(acceleration(t), dtype=float))
+        if velocity is not None:
+            return (p_t(t + STEP) - p_t(t - STEP)) / (2.0 * STEP)
+        return (p(t + STEP) - 2.0 * p(t) + p(t - STEP)) / STEP**2
+
+    return Motion(lambda t: np.stack([p(t), p_t(t), p_tt(t)]), is_pure=is_pure)
+
+
+def require_smooth(motion: Motion, t: float, name: str) -> None:
+    """Raise InputError unless the motion has at t [s] the derivatives that it states.
+
+    Args:
+        motion: to be checked.   t: time [s].   name: culprit for messages.
+    """
+    stated = motion.at(t)
+    if not np.isfinite(stated).all():
+        raise InputError(
+            f"{name} is not finite at t = {t:g} s ([p, p_t, p_tt] = {stated.tolist()}): it must be defined "
+            f"and differentiable twice there; without given derivatives also {STEP:g} s before."
+        )
+    for order, what in ((0, "velocity"), (1, "acceleration")):
+        _require_derivative(motion, t, order, what, name)
+
+
+def _require_derivative(motion: Motion, t: float, order: int, what: str, name: str) -> None:
+    def after(step: float) -> Array:
+        return (motion.at(t + step)[order] - motion.at(t)[order]) / step
+
+    def before(step: float) -> Array:
+        return (motion.at(t)[order] - motion.at(t - step)[order]) / step
+
+    scale = 1.0 + float(np.abs(motion.at(t)[: order + 1]).max())
+    step = 8.0 * STEP
+    jumps = [float(np.abs(after(s) - before(s)).max()) for s in (step, 0.5 * step)]
+    tolerance = _NOTICEABLE * scale / step
+    if jumps[1] > max(_SMOOTH * jumps[0], tolerance):
+        raise InputError(
+            f"{name} is not smooth at t = {t:g} s: its {what} jumps by {jumps[1]:.3g} there; let it begin "
+            "smoothly, or start the cable with the motion's velocity."
+        )
+    centred = 0.5 * (after(0.5 * step) + before(0.5 * step))
+    error = float(np.abs(centred - motion.at(t)[order + 1]).max())
+    if error > max(1e-2 * scale, tolerance):
+        raise InputError(
+            f"{name}: the given {what} at t = {t:g} s is {motion.at(t)[order + 1].tolist()}, differences "
+            f"give {centred.tolist()}: correct it, or leave it out."
+        )

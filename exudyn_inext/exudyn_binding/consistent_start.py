@@ -1,0 +1,90 @@
+"""Initial coordinates and velocities of a cable on its constraint manifold."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..constraints import constraints_of_cable
+from ..errors import SceneError
+from ..system import accelerate_and_project, correct_position
+from .scene import CableInScene
+
+ROUND_OFF = 1e-12
+_ITERATIONS = 20
+
+
+@dataclass(frozen=True)
+class Violation:
+    """The worst violated constraint of an initial state.
+
+    size: of c [-, m], or of its rate over the speed.   culprit: for messages.
+    """
+
+    size: float
+    culprit: str
+
+
+@dataclass(frozen=True)
+class StartCorrection:
+    """How far the projection onto the constraints moved an initial state.
+
+    position, slope: largest change of a coordinate [m, -].   velocity: of a velocity [m/s, 1/s].
+    """
+
+    position: float = 0.0
+    slope: float = 0.0
+    velocity: float = 0.0
+
+
+def worst_violation(scene_cable: CableInScene, q: Array, v: Array, time: float) -> Violation:
+    """The worst violation of all constraints by initial q, v (n, 2, dim)."""
+    speed = max(1.0, float(np.abs(v).max()))
+    worst = Violation(0.0, "")
+    for constraint in constraints_of_cable(scene_cable.cable):
+        value, rate = constraint.value(q, time), constraint.rate(q, v, time) / speed
+        for what, violations in (("initial coordinates", value), ("initial velocities", rate)):
+            sizes = np.nan_to_num(np.abs(violations), nan=np.inf)
+            row = int(np.argmax(sizes))
+            if sizes[row] > worst.size:
+                where = constraint.describe(row, scene_cable.item.node_names)
+                culprit = (
+                    f"the {what} of cable '{scene_cable.name}' violate the {constraint.name} constraint "
+                    f"at the {where}"
+                )
+                worst = Violation(float(sizes[row]), culprit)
+    return worst
+
+
+def require_consistent(violation: Violation, tolerance: float) -> None:
+    """Raise SceneError, which names the worst constraint and by how much it is violated."""
+    if not violation.size <= tolerance:
+        raise SceneError(
+            f"{violation.culprit} by {violation.size:.3g} (limit {tolerance:g}): correct the initial values "
+            "of its nodes, start from an equilibrium (SolveEquilibrium), or let a larger "
+            "startTolerance project them."
+        )
+
+
+def project(system: Any, inputs: Array, cable: Any, q: Array, v: Array) -> StartCorrection:
+    """Move q and v (n_dof,) onto the constraints of `cable`, in the mass metric, in place.
+
+    Args:
+        system: of the cable; its memory is used.   inputs: (n_external,) at the start.
+    """
+    given_q, given_v = q.copy(), v.copy()
+    held = np.repeat(cable.fixed[:, :, None], cable.dimension, axis=2).ravel()
+    q[held] = cable.reference.ravel()[held]
+    v[held] = 0.0
+    memory, end_velocity, correction = (np.zeros(q.size) for _ in range(3))
+    for _ in range(_ITERATIONS):
+        accelerate_and_project(system, inputs, q, v, 0.0, memory, end_velocity)
+        if not correct_position(system, inputs, q, ROUND_OFF, 0.0, correction) > ROUND_OFF:
+            break
+        q += correction
+    v[:] = end_velocity
+    moved = np.abs(q - given_q).reshape(cable.reference.shape)
+    return StartCorrection(
+        float(moved[:, 0].max()), float(moved[:, 1].max()), float(np.abs(v - given_v).max())
+    )

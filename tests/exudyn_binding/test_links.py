@@ -1,0 +1,367 @@
+"""Rings, hangers, rollers and moved nodes, against native cables and independent trajectories."""
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.beams import GenerateBeamElementsAlongLine
+from exudyn.itemInterface import (
+    CoordinateConstraint,
+    DistanceConstraint,
+    LoadForceVector,
+    MarkerBodyPosition,
+    MarkerNodeCoordinate,
+    MarkerNodePosition,
+    NodePointGround,
+    ObjectANCFCable,
+    ObjectANCFCable2D,
+)
+
+from exudyn_inext import (
+    CableShape,
+    CreatePrescribedMotion,
+    InextensibleCable,
+    InputError,
+    RedundantConstraintError,
+    SceneError,
+)
+from reference_models.data import reference_trajectory
+from reference_models.model import quiet_settings, silence
+from reference_models.scenes import load_scene
+
+SECTION = {"massPerLength": 0.0348, "bendingStiffness": 0.0866}
+
+
+def trajectory(mbs, sensor):
+    return np.asarray(mbs.GetSensorStoredData(sensor))
+
+
+def hang(mbs, node, anchor, length):
+    """A rigid rod from a point to a node."""
+    ground = mbs.CreateGround(referencePosition=[0.5 * x for x in anchor])
+    markers = [
+        mbs.AddMarker(MarkerBodyPosition(bodyNumber=ground, localPosition=[0.5 * x for x in anchor])),
+        mbs.AddMarker(MarkerNodePosition(nodeNumber=node)),
+    ]
+    return mbs.AddObject(DistanceConstraint(markerNumbers=markers, distance=length))
+
+
+def native_cable(mbs, dim, elements, **section):
+    template = ObjectANCFCable2D if dim == 2 else ObjectANCFCable
+    return GenerateBeamElementsAlongLine(
+        mbs,
+        positionStart=[0, 0, 0],
+        positionEnd=[1.8, 0, 0],
+        numberOfElements=elements,
+        beamTemplate=template(**SECTION, axialStiffness=8e4, **section),
+        gravity=[0, -9.81, 0],
+    )["nodes"]
+
+
+def solve_native(mbs, end_time, step=1e-3):
+    settings = quiet_settings(end_time, round(end_time / step))
+    settings.timeIntegration.newton.useModifiedNewton = True
+    settings.timeIntegration.newton.relativeTolerance = 1e-6
+    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
+    with silence():
+        mbs.SolveDynamic(settings)
+
+
+def largest_distance(new_mbs, add_sensor, build_ours, build_native, solve, end_time):
+    """Between the tip of our cable and of a native one, over the whole run."""
+    ours, native = new_mbs(), new_mbs()
+    tip = add_sensor(ours, build_ours(ours)[-1])
+    native_tip = add_sensor(native, build_native(native)[-1])
+    ours.Assemble()
+    native.Assemble()
+    solve(ours, end_time)
+    solve_native(native, end_time)
+    return np.abs(trajectory(ours, tip) - trajectory(native, native_tip)).max()
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_cable_on_a_hanger_moves_like_a_native_one(new_mbs, add_cable, add_sensor, solve, dim):
+    anchor = [0.0, 0.3, 0.0] if dim == 2 else [0.0, 0.3, 0.4]
+    length = float(np.linalg.norm(anchor))
+
+    def ours(mbs):
+        nodes = add_cable(mbs, numberOfElements=10, dimension=dim)["nodes"]
+        hang(mbs, nodes[0], anchor, length)
+        return nodes
+
+    def native(mbs):
+        nodes = native_cable(mbs, dim, 20)
+        hang(mbs, nodes[0], anchor, length)
+        return nodes
+
+    assert largest_distance(new_mbs, add_sensor, ours, native, solve, 0.8) < 3e-3
+
+
+def shake(t):
+    return [0.1 * (1.0 - np.cos(6.0 * t)), 0.05 * np.sin(3.0 * t) ** 2]
+
+
+def shake_rate(t):
+    return [0.6 * np.sin(6.0 * t), 0.15 * np.sin(6.0 * t)]
+
+
+def shake_rate_of_change(t):
+    return [3.6 * np.cos(6.0 * t), 0.9 * np.cos(6.0 * t)]
+
+
+def native_shaken(mbs):
+    nodes = native_cable(mbs, 2, 20)
+    CreatePrescribedMotion(mbs, nodes[0], shake, shake_rate)
+    return nodes
+
+
+@pytest.mark.parametrize(
+    "derivatives", [(), (shake_rate,), (shake_rate, shake_rate_of_change)], ids=["0", "1", "2"]
+)
+def test_shaken_cable_moves_like_a_native_one(new_mbs, add_cable, add_sensor, solve, derivatives):
+    def ours(mbs):
+        nodes = add_cable(mbs, numberOfElements=10)["nodes"]
+        CreatePrescribedMotion(mbs, nodes[0], shake, *derivatives)
+        return nodes
+
+    assert largest_distance(new_mbs, add_sensor, ours, native_shaken, solve, 0.8) < 3e-3
+
+
+@pytest.mark.parametrize("integrator", ["RATTLE", "Zhai", "RK4"])
+def test_moved_node_is_where_it_shall_be(mbs, add_cable, add_sensor, solve, integrator):
+    nodes = add_cable(mbs)["nodes"]
+    CreatePrescribedMotion(mbs, nodes[0], shake, shake_rate, shake_rate_of_change)
+    outputs = [add_sensor(mbs, nodes[0], output) for output in ("Position", "Velocity", "Acceleration")]
+    mbs.Assemble()
+    report = solve(mbs, 1.0, integrator=integrator)
+    tolerances = {
+        "RATTLE": (1e-9, 1e-8, 2e-2),
+        "RK4": (1e-7, 1e-6, 2e-2),
+        "Zhai": (1e-5, 1e-3, 2e-2),
+    }[integrator]
+    for sensor, function, tolerance in zip(
+        outputs, (shake, shake_rate, shake_rate_of_change), tolerances, strict=True
+    ):
+        stored = trajectory(mbs, sensor)
+        expected = np.array([function(t) for t in stored[:, 0]])
+        first = 1 if function is shake_rate_of_change else 0
+        assert np.abs(stored[first:, 1:3] - expected[first:]).max() < tolerance
+    assert "in one compiled call" in report["path"]
+
+
+def test_offset_user_function_of_a_native_constraint_moves_a_node(mbs, add_cable, add_sensor, solve):
+    nodes = add_cable(mbs, groundConstraintsStart=[False, True, False, False])["nodes"]
+    pair = [(mbs.AddNode(NodePointGround()), 0), (nodes[0], 0)]
+    markers = [mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=n, coordinate=c)) for n, c in pair]
+    times = []
+
+    def offset(mbs, t, item, constant):
+        times.append(t)
+        return constant + 0.1 * (1.0 - np.cos(6.0 * t)) - 0.25
+
+    mbs.AddObject(CoordinateConstraint(markerNumbers=markers, offset=0.25, offsetUserFunction=offset))
+    sensor = add_sensor(mbs, nodes[0])
+    mbs.Assemble()
+    report = solve(mbs, 0.5)
+    stored = trajectory(mbs, sensor)
+    assert stored[:, 1] == pytest.approx(0.1 * (1.0 - np.cos(6.0 * stored[:, 0])), abs=1e-7)
+    assert np.abs(stored[:, 2]).max() < 1e-9
+    assert max(times) >= 0.5
+    assert "one call for each of Exudyn's steps" in report["path"]
+
+
+def test_roller_lets_one_coordinate_go(mbs, add_cable, add_sensor, solve):
+    nodes = add_cable(mbs, groundConstraintsStart=[False, True, False, False])["nodes"]
+    sensor = add_sensor(mbs, nodes[0])
+    mbs.Assemble()
+    solve(mbs, 0.5)
+    stored = trajectory(mbs, sensor)
+    assert np.abs(stored[:, 2]).max() < 1e-9
+    assert stored[:, 1].max() > 0.05
+
+
+@pytest.fixture
+def add_ring():
+    """A ring of the paper's section 4.1 with its pair of forces; returns its nodes."""
+
+    def add(mbs, number=20, **changes):
+        scene = load_scene("vibrating_ring")
+        section = scene.cable.section
+        template = InextensibleCable(section.mass_per_length, section.bending_stiffness, **changes)
+        shape = CableShape.Circle([0, 0], 0.5, number)
+        from exudyn_inext import CreateInextensibleCable
+
+        nodes = CreateInextensibleCable(mbs, shape=shape, beamTemplate=template)["nodes"]
+        for node, sign in ((nodes[0], 1.0), (nodes[number // 2], -1.0)):
+            marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+
+            def force(mbs, t, load, sign=sign):
+                return [sign * 10.0 * np.sin(10.0 * np.pi * t), 0.0, 0.0]
+
+            mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVectorUserFunction=force))
+        return nodes
+
+    return add
+
+
+def test_ring_follows_the_independent_trajectory(mbs, add_ring, add_sensor, solve):
+    nodes = add_ring(mbs)
+    sensor = add_sensor(mbs, nodes[0])
+    mbs.Assemble()
+    solve(mbs, 1.0, integrator="Zhai", stepSize=2.4842e-4)
+    stored = trajectory(mbs, sensor)
+    reference = reference_trajectory(load_scene("vibrating_ring"))
+    rows = np.searchsorted(reference.times, stored[:, 0] - 1e-9)
+    assert np.abs(stored[:, 1:3] - reference.positions[rows, :2]).max() < 2e-4
+
+
+def test_ring_has_one_node_an_element(mbs, add_ring):
+    nodes = add_ring(mbs, 12)
+    mbs.Assemble()
+    assert len(nodes) == 12
+    assert mbs.systemData.ODE2Size() == 48
+
+
+BAD_RINGS = [
+    ({"closed": True, "positions": [[0, 0], [1, 0]], "slopes": [[1, 0]] * 2}, "needs at least 3"),
+    (
+        {
+            "closed": True,
+            "positions": [[0, 0], [1, 0], [1, 1], [0, 0]],
+            "slopes": [[1, 0], [0, 1], [-1, 0], [1, 0]],
+        },
+        r"positions\[0\] and positions\[-1\] are both .*leave the last row out",
+    ),
+    (
+        {
+            "closed": True,
+            "positions": [[0, 0], [1, 0], [2, 0], [3, 0]],
+            "slopes": [[1, 0]] * 4,
+            "elementLengths": 1.0,
+        },
+        "nodes 3 and 0 are 3 m apart.*1 m long",
+    ),
+    (
+        {"closed": False, "lengthReference": "curved", "positions": [[0, 0], [1, 0]], "slopes": [[1, 0]] * 2},
+        "lengthReference = 'curved': choose one of",
+    ),
+]
+
+
+@pytest.mark.parametrize(("shape", "message"), BAD_RINGS)
+def test_points_that_do_not_close_are_refused(mbs, add_cable, contents, shape, message):
+    before = contents(mbs)
+    with pytest.raises(InputError, match=message):
+        add_cable(mbs, shape=CableShape(**shape))
+    assert contents(mbs) == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"radius": -1.0}, "radius .* = -1.0: must be a finite number > 0"),
+        ({"numberOfElements": 2}, "numberOfElements = 2: a ring needs at least 3"),
+        ({"normal": [1, 0, 0]}, "normal = .* and start = .* must not be zero or parallel"),
+    ],
+)
+def test_bad_circles_are_refused(arguments, message):
+    with pytest.raises(InputError, match=message):
+        CableShape.Circle(**({"center": [0, 0], "radius": 1.0, "numberOfElements": 8} | arguments))
+
+
+def test_end_constraints_of_a_ring_are_refused(mbs, add_cable):
+    with pytest.raises(InputError, match="a closed cable has no end"):
+        add_cable(mbs, shape=CableShape.Circle([0, 0], 1.0, 8), groundConstraintsEnd=[True] * 4)
+
+
+def test_circle_in_space_lies_across_its_normal(mbs, add_cable, solve):
+    shape = CableShape.Circle([1, 2, 3], 0.5, 12, normal=[1, 1, 1], start=[1, -1, 0])
+    nodes = np.array(shape.positions) - [1, 2, 3]
+    assert np.abs(nodes @ [1, 1, 1]).max() < 1e-14
+    assert np.linalg.norm(nodes, axis=1) == pytest.approx(0.5)
+    assert np.cross(nodes, shape.slopes) == pytest.approx(np.full((12, 3), 0.5 / np.sqrt(3)))
+    add_cable(mbs, shape=shape, groundConstraintsStart=[True] * 3 + [False] * 3)
+    mbs.Assemble()
+    assert solve(mbs, 0.1)["success"]
+
+
+def test_hanger_of_another_length_than_its_gap_is_refused(mbs, add_pendulum, solve, contents):
+    nodes = add_pendulum(mbs)["nodes"]
+    hang(mbs, nodes[-1], [1.8, 0.5, 0.0], 0.4)
+    mbs.Assemble()
+    before = contents(mbs)
+    with pytest.raises(SceneError, match=r"violate the distance constraint at the .*node 5.* by 0.11"):
+        solve(mbs)
+    assert contents(mbs) == before
+
+
+def test_hanger_out_of_the_plane_is_refused(mbs, add_pendulum, solve):
+    nodes = add_pendulum(mbs)["nodes"]
+    hang(mbs, nodes[-1], [1.8, 0.0, 0.5], 0.5)
+    mbs.Assemble()
+    with pytest.raises(SceneError, match=r"out of the plane.*dimension=3"):
+        solve(mbs)
+
+
+def test_node_that_is_held_and_moved_is_redundant(mbs, add_pendulum, solve):
+    nodes = add_pendulum(mbs)["nodes"]
+    CreatePrescribedMotion(mbs, nodes[0], lambda t: [0.0, 0.0])
+    mbs.Assemble()
+    with pytest.raises(RedundantConstraintError, match="prescribed motion constraint at node 0"):
+        solve(mbs)
+
+
+NOT_SMOOTH = [
+    (lambda t: [abs(t), 0.0], None, "velocity jumps by 2"),
+    (lambda t: [t * abs(t), 0.0], None, "acceleration jumps"),
+    (lambda t: [0.1 * t**2, 0.0], lambda t: [0.3, 0.0], "differences give"),
+    (lambda t: [float("nan") if t < 0 else 0.0, 0.0], None, "is not finite at t = 0 s"),
+]
+
+
+@pytest.mark.parametrize(("position", "velocity", "message"), NOT_SMOOTH)
+def test_motion_that_is_not_smooth_at_the_start_is_refused(
+    mbs, add_cable, solve, contents, position, velocity, message
+):
+    nodes = add_cable(mbs)["nodes"]
+    CreatePrescribedMotion(mbs, nodes[0], position, velocity)
+    mbs.Assemble()
+    before = contents(mbs)
+    with pytest.raises((InputError, SceneError), match=message):
+        solve(mbs)
+    assert contents(mbs) == before
+
+
+def test_motion_that_starts_with_a_velocity_the_cable_does_not_have_is_refused(mbs, add_cable, solve):
+    nodes = add_cable(mbs)["nodes"]
+    CreatePrescribedMotion(mbs, nodes[0], lambda t: [0.5 * t, 0.0])
+    mbs.Assemble()
+    with pytest.raises(SceneError, match=r"initial velocities .* prescribed motion .* by 0.5"):
+        solve(mbs)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"nodeNumber": 99}, "mbs has no such node"),
+        ({"position": [0, 0]}, "must be a function of the time"),
+        ({"position": lambda t: 1.0}, "must be 2 finite numbers"),
+        ({"velocity": lambda t: [1.0, float("nan")]}, "must be 2 finite numbers"),
+    ],
+)
+def test_bad_motions_are_refused(mbs, add_cable, contents, changes, message):
+    nodes = add_cable(mbs)["nodes"]
+    before = contents(mbs)
+    arguments = {"nodeNumber": nodes[0], "position": shake} | changes
+    with pytest.raises(InputError, match=message):
+        CreatePrescribedMotion(mbs, **arguments)
+    assert contents(mbs) == before
+
+
+def test_small_violations_are_projected_and_reported(mbs, add_pendulum, solve):
+    nodes = add_pendulum(mbs)["nodes"]
+    mbs.SetNodeParameter(nodes[3], "initialCoordinates", [1e-4, 0, 0, 0])
+    mbs.Assemble()
+    report = solve(mbs, 0.1, startTolerance=1e-3)
+    (correction,) = report["startCorrections"]
+    assert 1e-5 < correction.position < 2e-4
+    assert exudyn.config.printToConsole
