@@ -1,0 +1,91 @@
+"""Table 2 compares what it says it compares, and runs."""
+
+import json
+
+import pytest
+
+from reference_models.scenes import load_scene
+from studies.__main__ import main
+from studies.harness.study import Results
+from studies.registry import find_study
+from studies.table2 import PAPER_EXPLICIT, PAPER_IMPLICIT, PAPER_PROPOSED, make_conclusions
+
+SCENE = load_scene("spatial_pendulum")
+
+
+def row(label, formulation, integrator, cpu, error, quadrature="full"):
+    return {
+        "label": label,
+        "formulation": formulation,
+        "integrator": integrator,
+        "cpuSeconds": cpu,
+        "errorMax": error,
+        "quadrature": quadrature,
+    }
+
+
+ROWS = [
+    row(PAPER_IMPLICIT, "conventional", "generalizedAlpha", 0.8, 2.7e-3),
+    row(PAPER_EXPLICIT, "conventional", "zhai", 4.0, 3.5e-3),
+    row(PAPER_PROPOSED, "inextensible", "Zhai", 0.02, 3e-3),
+    row("quick", "inextensible", "Zhai", 0.01, 4e-3),
+    row("quicker but coarse", "inextensible", "Zhai", 0.001, 6e-3),
+    row("finer", "inextensible", "RATTLE", 0.025, 5e-4),
+    row("coarse", "conventional", "generalizedAlpha", 0.05, 6.5e-3, "lobatto"),
+    row("coarse, default", "conventional", "generalizedAlpha", 0.2, 6.5e-3),
+    row("fine", "conventional", "generalizedAlpha", 0.4, 6e-4, "lobatto"),
+    row("explicit", "conventional", "velocityVerlet", 0.6, 4e-3, "lobatto"),
+]
+
+
+def conclusion_line(text):
+    (table,) = make_conclusions(Results(SCENE, False, ROWS, {}))
+    (line,) = [line for line in table.splitlines() if line.startswith(f"| {text}")]
+    return line
+
+
+@pytest.mark.parametrize(
+    ("text", "rest"),
+    [
+        (PAPER_IMPLICIT, "| 1.95 | 40.0 |"),
+        (PAPER_EXPLICIT, "| 163 | 200 |"),
+        (
+            "cheapest native implicit row with error <= 0.007 m, inextensible <= 0.0045 m",
+            ": coarse |  | 5.00 |",
+        ),
+        ("cheapest native implicit row with error <= 0.0045 m", ": fine |  | 40.0 |"),
+        ("cheapest native implicit row with error <= 0.0007 m", ": fine |  | 16.0 |"),
+        ("cheapest native explicit row with error <= 0.0045 m", ": explicit |  | 60.0 |"),
+        ("cheapest native explicit Zhai row with error <= 0.0045 m", f": {PAPER_EXPLICIT} |  | 400 |"),
+        ("cheapest native implicit row, default quadrature, with error <= 0.007 m", "default |  | 20.0 |"),
+    ],
+)
+def test_ratios_compare_the_cheapest_rows_within_their_bounds(text, rest):
+    assert conclusion_line(text).endswith(rest)
+
+
+@pytest.fixture(scope="module")
+def quick_run(tmp_path_factory):
+    """Directory of a quick run."""
+    directory = tmp_path_factory.mktemp("table2")
+    assert main(["run", "table2", "--quick", "--output", str(directory)]) == 0
+    return directory
+
+
+def test_every_row_of_a_quick_run_is_close_to_the_reference(quick_run):
+    rows = json.loads((quick_run / "table2.json").read_text())["rows"]
+    assert {PAPER_IMPLICIT, PAPER_EXPLICIT, PAPER_PROPOSED} <= {row["label"] for row in rows}
+    assert [row["zeta"] for row in rows if row.get("zeta") and row["elements"] == 10] == [1000.0]
+    assert all(row["status"] == "ok" and row["errorMax"] < 2e-3 for row in rows)
+
+
+def test_the_report_of_a_quick_run_shows_all_pictures_and_the_ratios_of_the_paper(quick_run):
+    report = (quick_run / "table2.md").read_text()
+    assert "| 1.95 |" in report and "| 163 |" in report
+    names = {picture.name for picture in quick_run.glob("*.png")}
+    assert names == {"table2_cost.png", "table2_path.png", "table2_mesh.png", "table2_tip.png"}
+    assert all(f"({name})" in report for name in names)
+
+
+def test_the_full_study_repeats_five_times_at_least():
+    assert find_study("table2").repeats >= 5
