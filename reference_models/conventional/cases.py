@@ -4,21 +4,21 @@ from functools import partial
 
 from ..scenes import Scene
 from ..trajectory import Case, Run
-from .model import Quadrature, build
+from .model import Quadrature, build, build_for_explicit
 from .settings import Explicit, ExplicitIntegrator, Implicit, Solver, number_of_steps
 from .solve import solve
 from .stability import largest_stable_step
-from .supports import PIN_STIFFNESS
+from .supports import spring_stiffness
 
 
 def native_case(
     scene: Scene, elements: int, solver: Solver, quadrature: Quadrature = "full", label: str = ""
 ) -> Case:
-    """A native run; pins are constraints for implicit integrators and springs for explicit ones."""
-    pin_stiffness = PIN_STIFFNESS if isinstance(solver, Explicit) else None
+    """A native run; supports are constraints for implicit integrators and springs for explicit ones."""
+    build_model = build_for_explicit if isinstance(solver, Explicit) else build
 
     def prepare() -> Run:
-        return partial(solve, build(scene, elements, quadrature, pin_stiffness), solver)
+        return partial(solve, build_model(scene, elements, quadrature), solver)
 
     steps = number_of_steps(solver.step_size, scene.end_time)
     return Case(
@@ -29,7 +29,7 @@ def native_case(
         step_size=scene.end_time / steps,
         steps=steps,
         prepare=prepare,
-        details={"quadrature": quadrature} | _details(solver),
+        details={"quadrature": quadrature, **_details(solver, scene)},
     )
 
 
@@ -53,9 +53,9 @@ def native_label(elements: int, solver: Solver, quadrature: Quadrature) -> str:
     return ", ".join(parts)
 
 
-def _details(solver: Solver) -> dict[str, object]:
+def _details(solver: Solver, scene: Scene) -> dict[str, object]:
     if isinstance(solver, Explicit):
-        return {"pinStiffness": PIN_STIFFNESS}
+        return {"pinStiffness": spring_stiffness(scene)}
     return {
         "newton": solver.newton,
         "linearSolver": solver.linear_solver,

@@ -19,12 +19,12 @@ import numpy as np
 
 from exudyn_inext.errors import DivergenceError
 
+from ..model import Model
 from ..scenes import Scene
 from ..trajectory import Array
-from .model import Model, Quadrature, build
+from .model import Quadrature, build_for_explicit
 from .settings import Explicit, ExplicitIntegrator
 from .solve import solve
-from .supports import PIN_STIFFNESS
 
 IMAGINARY_LIMIT: dict[ExplicitIntegrator, float] = {
     "velocityVerlet": 2.0,
@@ -50,11 +50,11 @@ def largest_stable_step(
     scene: Scene, elements: int, integrator: ExplicitIntegrator, quadrature: Quadrature = "full"
 ) -> float:
     """Largest step [s] with which the whole scene runs without divergence, to about 0.5 %."""
-    model = build(scene, elements, quadrature, PIN_STIFFNESS)
+    model = build_for_explicit(scene, elements, quadrature)
     estimate = IMAGINARY_LIMIT[integrator] / largest_frequency(model)
 
     def stable(step_size: float, end_time: float) -> bool:
-        fresh = build(scene, elements, quadrature, PIN_STIFFNESS)
+        fresh = build_for_explicit(scene, elements, quadrature)
         return is_stable(fresh, Explicit(step_size, integrator), end_time)
 
     def stable_briefly(step_size: float) -> bool:

@@ -5,15 +5,18 @@ from exudyn_inext import ExplicitSettings, SolveExplicit
 from ..model import SENSOR_PERIOD, quiet_settings, sensor_trajectory, silence
 from ..scenes import Scene
 from ..trajectory import Case, Run, Trajectory
-from .model import build
+from .model import Quadrature, build
 from .settings import number_of_steps
+from .supports import spring_stiffness
 
 
-def zhai_case(scene: Scene, elements: int, step_size: float, label: str = "") -> Case:
-    """Explicit Zhai (psi = phi = 1/2, no corrector) on native cables; pins are exact."""
+def zhai_case(
+    scene: Scene, elements: int, step_size: float, label: str = "", quadrature: Quadrature = "full"
+) -> Case:
+    """Explicit Zhai (psi = phi = 1/2, no corrector) on native cables; pins are exact, hangers springs."""
 
     def prepare() -> Run:
-        model = build(scene, elements)
+        model = build(scene, elements, quadrature, hanger_stiffness=spring_stiffness(scene))
         settings = quiet_settings(scene.end_time, round(scene.end_time / SENSOR_PERIOD))
 
         def run() -> Trajectory:
@@ -25,11 +28,17 @@ def zhai_case(scene: Scene, elements: int, step_size: float, label: str = "") ->
 
     steps = number_of_steps(step_size, scene.end_time)
     return Case(
-        label=label or f"native Zhai, N = {elements}, h = {step_size:.3g} s",
+        label=label or _label(elements, step_size, quadrature),
         formulation="conventional",
         integrator="zhai",
         elements=elements,
         step_size=scene.end_time / steps,
         steps=steps,
         prepare=prepare,
+        details={"quadrature": quadrature},
     )
+
+
+def _label(elements: int, step_size: float, quadrature: Quadrature) -> str:
+    label = f"native Zhai, N = {elements}, h = {step_size:.3g} s"
+    return label if quadrature == "full" else f"{label}, {quadrature} quadrature"
