@@ -82,7 +82,7 @@ COMPARISONS = (
     Comparison("implicit row", is_implicit, 4.5e-3),
     Comparison("implicit row", is_implicit, 1e-3),
     Comparison("implicit row", is_implicit, 7e-4),
-    Comparison("explicit row", is_explicit, 7e-3, 4.5e-3),
+    Comparison("explicit row", is_explicit, 7.5e-3),
     Comparison("explicit row", is_explicit, 4.5e-3),
     Comparison("explicit Zhai row", is_explicit_zhai, 4.5e-3),
     Comparison("implicit row, default quadrature,", is_implicit_by_default, 7e-3, 4.5e-3),
@@ -91,7 +91,7 @@ COMPARISONS = (
 )
 
 MESHES: dict[str, Sequence[int]] = {
-    "full": (4, 6, 8, 10, 12, 16),
+    "full": (2, 4, 6, 8, 10, 12, 16),
     "lobatto": (4, 6, 8, 10, 12),
     "inextensible": (3, 4, 5, 6, 8, 10, 12, 16),
 }
@@ -175,15 +175,19 @@ def _explicit_cases(scene: Scene) -> list[Case]:
 
 
 def make_figures(results: Results, directory: Path) -> list[Path]:
-    """Fig. 8 (path of the tip), Fig. 9 (mesh convergence), Fig. 10 (components), and cost."""
+    """Fig. 8 (path of the tip), Fig. 9 (mesh convergence), Fig. 10 (components), and cost.
+
+    Fig. 9 is drawn with velocity Verlet instead of Zhai: of either, only the mesh error is seen.
+    """
     reference = reference_trajectory(results.scene)
     curves = {label: results.trajectories[label] for label in PAPER_SECONDS if label in results.trajectories}
     proposed = {label: curve for label, curve in curves.items() if label == PAPER_PROPOSED}
     meshes = mesh_series(results.scene, **(QUICK_MESHES if results.quick else MESHES))
+    window = None if results.quick else (3.1, 3.7)  # a reversal, where coarse meshes stand out
     return [
         draw_cost_and_accuracy(directory / "table2_cost.png", results.rows),
         draw_path(directory / "table2_path.png", proposed, reference, "tip"),
-        draw_convergence(directory / "table2_mesh.png", meshes, reference, "tip"),
+        draw_convergence(directory / "table2_mesh.png", meshes, reference, "tip", window),
         draw_trajectories(directory / "table2_tip.png", curves, reference, "tip", "xyz"),
     ]
 

@@ -108,12 +108,21 @@ def _points(rows: Sequence[Row]) -> tuple[list[float], list[float]]:
 
 
 def draw_convergence(
-    path: Path, meshes: Mapping[str, Mapping[int, Trajectory]], reference: Trajectory, point: str
+    path: Path,
+    meshes: Mapping[str, Mapping[int, Trajectory]],
+    reference: Trajectory,
+    point: str,
+    window: tuple[float, float] | None = None,
 ) -> Path:
-    """Left: y(t) for the meshes of the first series; right: error against elements, all series."""
+    """Left: y(t) for the meshes of the first series; right: error against elements, all series.
+
+    window: the part of the motion that is shown on the left [s]; None: all of it.
+    """
     with new_figure(path, 10.0, 4.6) as figure:
         curves, errors = figure.subplots(1, 2)
         _draw_meshes(curves, next(iter(meshes.values())), reference)
+        if window:
+            _zoom(curves, reference, window)
         label_axes(curves, TIME, f"{point} y [m]", f"{next(iter(meshes))}, N elements")
         native_colors = iter(COLORS[1:])
         for (label, series), marker in zip(meshes.items(), "s^oD", strict=False):
@@ -132,6 +141,15 @@ def _draw_meshes(axes: Axes, meshes: Mapping[int, Trajectory], reference: Trajec
     axes.plot(times, positions[:, 1], color=REFERENCE_COLOR, linewidth=4, label="reference")
     for number, run in meshes.items():
         axes.plot(run.times, run.positions[:, 1], linewidth=1.0, label=f"N = {number}")
+
+
+def _zoom(axes: Axes, reference: Trajectory, window: tuple[float, float]) -> None:
+    """Show y(t) of the reference within the window [s], and a fifth of its range around it."""
+    start, end = window
+    values = reference.positions[(reference.times >= start) & (reference.times <= end), 1]
+    margin = 0.2 * np.ptp(values)
+    axes.set_xlim(start, end)
+    axes.set_ylim(values.min() - margin, values.max() + margin)
 
 
 def _name_ticks(axes: Axes, numbers: Sequence[int]) -> None:
