@@ -3,28 +3,34 @@
 from .errors import (
     DivergenceError,
     EnforcementError,
+    EquilibriumError,
     InextensibleError,
     InputError,
     RedundantConstraintError,
     SceneError,
     StepSizeError,
 )
+from .exudyn_binding.cable_forces import CableForces, CreateCableForceSensor
 from .exudyn_binding.cable_item import CreateInextensibleCable
 from .exudyn_binding.prescribed_motion import CreatePrescribedMotion
 from .exudyn_binding.settings import ExplicitSettings
 from .exudyn_binding.shape import CableShape
 from .exudyn_binding.solver import SolveExplicit
+from .exudyn_binding.static_solver import SolveEquilibrium, StaticSettings
 from .exudyn_binding.template import InextensibleCable
 from .integrators.rattle import Rattle
 from .integrators.runge_kutta import RungeKutta4
 from .integrators.zhai import Zhai
 
 __all__ = [
+    "CableForces",
     "CableShape",
+    "CreateCableForceSensor",
     "CreateInextensibleCable",
     "CreatePrescribedMotion",
     "DivergenceError",
     "EnforcementError",
+    "EquilibriumError",
     "ExplicitSettings",
     "InextensibleCable",
     "InextensibleError",
@@ -33,7 +39,9 @@ __all__ = [
     "RedundantConstraintError",
     "RungeKutta4",
     "SceneError",
+    "SolveEquilibrium",
     "SolveExplicit",
+    "StaticSettings",
     "StepSizeError",
     "Zhai",
 ]

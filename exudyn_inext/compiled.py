@@ -4,8 +4,8 @@
 loops over it have constant bounds and no aliases, so that the compiler keeps it in registers.
 
 Numba invalidates a cached function when *its own* file changes, not when a function that it inlines
-does. The cache folder therefore carries a hash of all sources of the package: an edit anywhere
-starts a new folder and removes the stale ones.
+does. The cache folder therefore carries a hash of all sources that hold kernels: an edit of one of
+them starts a new folder and removes the stale ones.
 """
 
 import hashlib
@@ -27,13 +27,18 @@ FAST_MATH = {"contract", "reassoc", "nsz", "arcp"}  # neither nnan nor ninf: div
 
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": FAST_MATH}
 
+# What a source imports, or is, that defines kernels.
+_MARKS_OF_KERNELS = (b"compiled import", b"system import", b"numba.njit")
+
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
 def _source_hash() -> str:
     digest = hashlib.sha256(f"numba {numba.__version__} numpy {np.__version__}".encode())
     for source in sorted(PACKAGE.rglob("*.py")):
-        digest.update(source.relative_to(PACKAGE).as_posix().encode() + source.read_bytes())
+        text = source.read_bytes()
+        if any(mark in text for mark in _MARKS_OF_KERNELS):
+            digest.update(source.relative_to(PACKAGE).as_posix().encode() + text)
     return digest.hexdigest()[:16]
 
 

@@ -1,5 +1,7 @@
 """What can go wrong, as exception types. Every message says value, limit, culprit and remedy."""
 
+from typing import Any
+
 
 class InextensibleError(Exception):
     """Base of all errors that the package raises on purpose."""
@@ -27,3 +29,11 @@ class RedundantConstraintError(InextensibleError, ArithmeticError):
 
 class DivergenceError(InextensibleError, ArithmeticError):
     """The run left the range of finite numbers."""
+
+
+class EquilibriumError(InextensibleError, ArithmeticError):
+    """No stable static equilibrium was found.   report: figures and last state."""
+
+    def __init__(self, message: str, report: dict[str, Any]) -> None:
+        super().__init__(message)
+        self.report = report

@@ -107,14 +107,27 @@ def _tension_at_rest(system: Any, external: Array, q: Array) -> tuple[Array, Arr
     inputs = external.copy()
     inputs[q.size :].reshape(-1, 3, q.shape[2])[:, 1] = 0.0  # velocities of the anchors
     index_reduced_rates(system, inputs, q.ravel(), rest, acceleration, rate)
-    links = system.border.links if isinstance(system, LinkedCableSystem) else []
-    for link in links:
+    nodal = nodal_multipliers_of(system, acceleration.reshape(q.shape))
+    of_links = np.array([link.multiplier[0] for link in _links(system)], dtype=float)
+    return nodal, system.chain.elements.multiplier[:, 0].copy(), of_links
+
+
+def _links(system: Any) -> Any:
+    return system.border.links if isinstance(system, LinkedCableSystem) else []
+
+
+def nodal_multipliers_of(system: Any, acceleration: Array) -> Array:
+    """(n,) multipliers of the nodal constraints (18) [N m].
+
+    Args:
+        system: just evaluated by `index_reduced_rates`.   acceleration: (n, 2, dim) that it gave.
+    """
+    for link in _links(system):
         for k, gradient in zip(link.node, link.gradient, strict=True):
             system.chain.nodes[k].force[0] -= link.multiplier[0] * gradient
-    nodal = np.zeros(len(q))
-    nodal_multipliers(system.chain, acceleration.reshape(q.shape), np.zeros_like(q), nodal)
-    of_links = np.array([link.multiplier[0] for link in links], dtype=float)
-    return nodal, system.chain.elements.multiplier[:, 0].copy(), of_links
+    nodal = np.zeros(len(acceleration))
+    nodal_multipliers(system.chain, acceleration, np.zeros_like(acceleration), nodal)
+    return nodal
 
 
 def _degrees_of_freedom(system: Any) -> int:

@@ -32,5 +32,8 @@ class Constraint(Protocol):
     def gamma(self, q: Array, v: Array, t: float = 0.0) -> Array:
         """-(c_q v)_q v - 2 c_qt v - c_tt (number,)."""
 
+    def hessian(self, multipliers: Array, shape: tuple[int, ...]) -> csr_array:
+        """sum_r multipliers_r d2c_r/dq2 (n_dof, n_dof) for coordinates of that shape; constant in q."""
+
     def describe(self, row: int, node_names: Sequence[Any]) -> str:
         """Where equation `row` acts, for messages; node_names: (n,) what the nodes are called."""

@@ -46,6 +46,10 @@ class HeldNodes:
     def gamma(self, q: Array, v: Array, t: float = 0.0) -> Array:
         return np.zeros(self.number)
 
+    def hessian(self, multipliers: Array, shape: tuple[int, ...]) -> csr_array:
+        size = int(np.prod(shape))
+        return csr_array((size, size))
+
     def describe(self, row: int, node_names: Sequence[Any]) -> str:
         node, rest = divmod(row, len(self.kinds) * self.reference.shape[2])
         kind, axis = divmod(rest, self.reference.shape[2])

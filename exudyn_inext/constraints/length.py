@@ -9,6 +9,7 @@ from scipy.sparse import csr_array
 
 from ..arrays import Array
 from ..chain.cable import Cable
+from ..chain.sparse_forms import assembled
 from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
 
@@ -60,6 +61,10 @@ class LengthConstraint:
 
     def gamma(self, q: Array, v: Array, t: float = 0.0) -> Array:
         return self._sum_groups(-2.0 * self._product(v, v))
+
+    def hessian(self, multipliers: Array, shape: tuple[int, ...]) -> csr_array:
+        weighted = 2.0 * multipliers[self.group][:, None, None] * self.gram
+        return assembled(weighted, shape)
 
     def describe(self, row: int, node_names: Sequence[Any]) -> str:
         elements = np.flatnonzero(self.group == row)

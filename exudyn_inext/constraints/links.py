@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, eye_array, kron
 
 from ..arrays import Array
 from ..chain.link import Link
@@ -62,6 +62,16 @@ class LinkConstraint:
             u_t = self._speed(link, v, t)
             values.append(direction @ link.anchor.at(t)[2] - u_t @ u_t / link.length)
         return np.array(values)
+
+    def hessian(self, multipliers: Array, shape: tuple[int, ...]) -> csr_array:
+        nodes, dim = shape[0], shape[2]
+        total = csr_array((2 * nodes, 2 * nodes))
+        for link, multiplier in zip(self.links, multipliers, strict=True):
+            weights = np.zeros((nodes, 2))
+            weights[list(link.nodes)] = link.weights
+            column = csr_array(weights.reshape(-1, 1))
+            total = total + multiplier / link.length * (column @ column.T)
+        return csr_array(kron(total, eye_array(dim)))
 
     def describe(self, row: int, node_names: Sequence[Any]) -> str:
         link = self.links[row]

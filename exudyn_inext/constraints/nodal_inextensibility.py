@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, diags_array
 
 from ..arrays import Array
 from ..chain.cable import Cable
@@ -42,6 +42,11 @@ class NodalInextensibility:
     def gamma(self, q: Array, v: Array, t: float = 0.0) -> Array:
         slope_rates = v[self.nodes, 1]
         return -2.0 * np.einsum("ki,ki->k", slope_rates, slope_rates)
+
+    def hessian(self, multipliers: Array, shape: tuple[int, ...]) -> csr_array:
+        diagonal = np.zeros(shape)
+        diagonal[self.nodes, 1] = 2.0 * multipliers[:, None]
+        return csr_array(diags_array(diagonal.ravel()))
 
     def describe(self, row: int, node_names: Sequence[Any]) -> str:
         return f"slope of node {node_names[self.nodes[row]]}"

@@ -26,7 +26,7 @@ class CableInScene:
     indices: (n_dof,) places of its coordinates in the system vector.
     loads: nodal loads.
     moving: coordinates that follow a motion.
-    name: for messages.
+    number: of its object.   name: for messages.
     """
 
     cable: Cable
@@ -34,6 +34,7 @@ class CableInScene:
     indices: np.ndarray
     loads: list[NodalLoad]
     moving: list[MovingCoordinate]
+    number: int
     name: str
 
 
@@ -186,6 +187,7 @@ def _cable_in_scene(mbs: Any, number: int, contents: Contents, loads: list[Nodal
         indices=indices,
         loads=[load for load in loads if load.node in item.nodes],
         moving=moving,
+        number=number,
         name=name,
     )
 

@@ -1,0 +1,166 @@
+"""Tension, shear force and bending moment along a cable, from its multipliers and accelerations.
+
+The force in the section is n(x) = N t + Q. Virtual displacements of an element that turn no node give the
+mean of n over the element, weighted with 6 xi (1 - xi), from bending, damping and the length multiplier;
+the balance of momentum, n_x = rho_A r_tt - f, gives how it varies within. So N(x) is found element by
+element, past point loads and supports.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array
+from ..compiled import kernel, local_array
+from ..element.bending import add_bending_force
+from ..element.bending_damping import add_damping_force
+from ..element.inextensibility import length_gradient
+from ..element.natural_curvature import add_natural_curvature_force
+from ..element.shape_functions import first_derivatives, quadrature, second_derivatives, shape_functions
+from .assembly import clear, differences
+from .cable import Cable
+from .chain import Chain
+
+
+@dataclass(frozen=True, eq=False)
+class SectionForces:
+    """At m points of a cable.
+
+    arc_length: (m,) [m].   position: (m, dim) [m].
+    tension: (m,) N [N].   shear_force: (m, dim) Q, across the cable [N].
+    bending_moment: (m,) EI (kappa - kappa_0) with its sign in the plane, its size in space [N m].
+    """
+
+    arc_length: Array
+    position: Array
+    tension: Array
+    shear_force: Array
+    bending_moment: Array
+
+
+@kernel
+def _mean_section_forces(chain, q, v, multiplier, mean):
+    """mean (N, dim): n of each element weighted with 6 xi (1 - xi).   multiplier: (N,) of length."""
+    axes = chain.axes
+    e, e_t, force, gradient = local_array(3, 3), local_array(3, 3), local_array(3, 3), local_array(3, 3)
+    memory = (
+        local_array(3, 1),
+        local_array(3, 1),
+        local_array(3, 1),
+        local_array(3, 1),
+        local_array(3, 1),
+        local_array(3, 1),
+        local_array(3, 1),
+        local_array(3, 1),
+    )
+    for k in range(len(chain.elements)):
+        element = chain.elements[k]
+        differences(axes, q, k, e)
+        differences(axes, v, k, e_t)
+        clear(force)
+        add_bending_force(axes, element.stiffness, element.tensor, e, force)
+        add_natural_curvature_force(element.natural, e, force)
+        add_damping_force(axes, element.damping, e, e_t, memory, force)
+        length_gradient(axes, element.slope_gram, e, gradient)
+        for i in range(len(axes)):
+            mean[k, i] = multiplier[k] * gradient[0, i] - force[0, i]
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedState:
+    """A cable in motion: q, v, a (n, 2, dim), and its length multipliers (N,)."""
+
+    q: Array
+    v: Array
+    a: Array
+    multiplier: Array
+
+
+def section_forces(
+    cable: Cable, chain: Chain, state: SolvedState, density: Array, arc_length: Array
+) -> SectionForces:
+    """Section forces at the given points.
+
+    Args:
+        cable, chain: the cable and its kernel form.
+        state: of `cable`, solved.
+        density: (dim,) force density f that acts all along the cable, such as rho_A g [N/m].
+        arc_length: (m,) within 0 and the cable's length [m]; at a node, those of the element before it.
+
+    Returns:
+        `SectionForces` at these points.
+    """
+    mean = np.zeros((cable.number_of_elements, cable.dimension))
+    _mean_section_forces(chain, state.q, state.v, state.multiplier, mean)
+    ends = np.cumsum(cable.element_lengths)
+    k = np.minimum(np.searchsorted(ends, arc_length - 1e-12 * cable.length), len(ends) - 1)
+    length = cable.element_lengths[k]
+    xi = np.clip((arc_length - (ends[k] - length)) / length, 0.0, 1.0)
+    nodal = np.concatenate([state.q[:-1], state.q[1:]], axis=1)[k]
+    force = mean[k] + _variation(cable, state.a, density, k, xi)
+    position, r_x, r_xx = (
+        np.stack([s(x, h).T @ q for x, h, q in zip(xi, length, nodal, strict=True)])
+        for s in (shape_functions, first_derivatives, second_derivatives)
+    )
+    tangent = r_x / np.linalg.norm(r_x, axis=1)[:, None]
+    tension = np.einsum("mi,mi->m", force, tangent)
+    return SectionForces(
+        arc_length, position, tension, force - tension[:, None] * tangent, _bending_moment(cable, r_x, r_xx)
+    )
+
+
+def _variation(cable: Cable, a: Array, density: Array, k: np.ndarray, xi: Array) -> Array:
+    """(m, dim) n less its weighted mean, from the balance of momentum within element k."""
+    rho = cable.section.mass_per_length
+    nodal = np.concatenate([a[:-1], a[1:]], axis=1)[k]
+    points, weights = quadrature(1.0)
+    weights = weights * 6.0 * points * (1.0 - points)
+    variation = np.zeros((len(k), cable.dimension))
+    for row, (element, x) in enumerate(zip(k, xi, strict=True)):
+        length = float(cable.element_lengths[element])
+
+        def running(at: Array, length: float = length, row: int = row) -> Array:
+            shapes = _integrated_shape_functions(np.asarray(at), length)
+            return rho * (nodal[row].T @ shapes) - np.multiply.outer(density, length * np.asarray(at))
+
+        variation[row] = running(np.array([x]))[:, 0] - running(points) @ weights
+    return variation
+
+
+def _integrated_shape_functions(xi: Array, length: float) -> Array:
+    """(4, ...) integral of the shape functions from the left end to xi [m, m^2, m, m^2]."""
+    x = xi
+    return length * np.stack(
+        [
+            x - x**3 + x**4 / 2,
+            length * (x**2 / 2 - 2 * x**3 / 3 + x**4 / 4),
+            x**3 - x**4 / 2,
+            length * (x**4 / 4 - x**3 / 3),
+        ]
+    )
+
+
+def _bending_moment(cable: Cable, r_x: Array, r_xx: Array) -> Array:
+    cube = np.linalg.norm(r_x, axis=1) ** 3
+    if cable.dimension == 2:
+        curvature = (r_x[:, 0] * r_xx[:, 1] - r_x[:, 1] * r_xx[:, 0]) / cube
+    else:
+        curvature = np.linalg.norm(np.cross(r_x, r_xx), axis=1) / cube
+    return cable.section.bending_stiffness * (curvature - cable.section.natural_curvature)
+
+
+def multiplier_tension(cable: Cable, nodal: Array, length: Array) -> Array:
+    """Mean tension of each element (N,) [N], from the multipliers alone.
+
+    A length multiplier lam is a tension 2 lam; a nodal one is concentrated, 2 lam at a point, half of it
+    on either side.
+
+    Args:
+        nodal: (n,) multipliers of Eq. (18) [N m].   length: (N,) of Eq. (19) [N].
+    """
+    share = nodal.copy()
+    if not cable.closed:
+        share[[0, -1]] *= 2.0
+    else:
+        share[[0, -1]] = share[0] + share[-1]
+    return 2.0 * length + (share[1:] + share[:-1]) / cable.element_lengths

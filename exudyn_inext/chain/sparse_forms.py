@@ -1,0 +1,63 @@
+"""Sparse matrices of a whole cable, for statics and as plain formulas: no kernels."""
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array, eye_array, kron
+
+from ..arrays import Array
+from ..element.forms import forms_of_mesh
+from .assembly import add_elastic_force
+from .cable import Cable
+from .chain import Chain
+
+
+def assembled(forms: Array, shape: tuple[int, ...]) -> csr_array:
+    """(n_dof, n_dof) matrix of element forms (N, 4, 4) that act alike in every direction."""
+    nodes, _, dim = shape
+    places = 2 * np.arange(len(forms))[:, None] + np.arange(4)
+    rows = np.broadcast_to(places[:, :, None], forms.shape)
+    columns = np.broadcast_to(places[:, None, :], forms.shape)
+    entries = (forms.ravel(), (rows.ravel(), columns.ravel()))
+    return csr_array(kron(coo_array(entries, shape=(2 * nodes, 2 * nodes)), eye_array(dim)))
+
+
+def form_of_cable(cable: Cable, form: Callable[[float], Array]) -> csr_array:
+    """`assembled` form of all elements of `cable`."""
+    return assembled(forms_of_mesh(form, cable.element_lengths), cable.reference.shape)
+
+
+def elastic_tangent(chain: Chain, q: Array) -> csr_array:
+    """-dQ_el/dq (n_dof, n_dof) at q (n, 2, dim).
+
+    Exact: Q_el is cubic in q, so that differences with two steps suffice. Nodes three apart do not
+    interact: all columns are found with 6 dim products.
+    """
+    nodes, _, dim = q.shape
+    rows, columns, values = [], [], []
+    numbers = np.arange(q.size).reshape(q.shape)
+    for colour in range(3):
+        chosen = np.arange(colour, nodes, 3)
+        for kind in range(2):
+            for axis in range(dim):
+                direction = np.zeros_like(q)
+                direction[chosen, kind, axis] = 1.0
+                image = _apply_tangent(chain, q, direction)
+                owner = np.clip(3 * ((np.arange(nodes) - colour + 1) // 3) + colour, 0, None)
+                exists = owner < nodes
+                rows.append(numbers[exists].ravel())
+                of_owner = numbers[owner[exists], kind, axis]
+                columns.append(np.repeat(of_owner, 2 * dim))
+                values.append(image[exists].ravel())
+    entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
+    return csr_array(coo_array(entries, shape=(q.size, q.size)))
+
+
+def _apply_tangent(chain: Chain, q: Array, x: Array) -> Array:
+    image = np.zeros_like(q)
+    for step, weight in ((1.0, 8.0 / 12.0), (2.0, -1.0 / 12.0)):
+        for sign in (1.0, -1.0):
+            force = np.zeros_like(q)
+            add_elastic_force(chain, q + sign * step * x, force)
+            image -= sign * weight * force
+    return image

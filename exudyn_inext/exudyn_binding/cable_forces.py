@@ -1,0 +1,182 @@
+"""Tension, shear force and bending moment of a cable of an mbs: as values and as sensors."""
+
+from typing import Any
+
+import numpy as np
+from exudyn.itemInterface import SensorUserFunction
+
+from ..arrays import Array
+from ..chain.frequency import nodal_multipliers_of
+from ..chain.linked_cable import cable_system
+from ..chain.section_forces import SectionForces, SolvedState, multiplier_tension, section_forces
+from ..errors import InputError, SceneError
+from ..system import index_reduced_rates
+from .cable_item import find_cable_item
+from .cable_loads import CableLoads
+from .scene import CableInScene, read_scene, require_assembled
+
+
+class CableEvaluator:
+    """Evaluates one cable of an mbs at its present state, apart from any running solver."""
+
+    def __init__(self, mbs: Any, number: int) -> None:
+        require_assembled(mbs)
+        self._data = mbs.systemData
+        self._cable = _find_cable(mbs, number)
+        self._system = cable_system(self._cable.cable, 0.0)
+        self._loads = CableLoads(self._cable)
+
+    @property
+    def length(self) -> float:
+        """Of the cable [m]."""
+        return self._cable.cable.length
+
+    @property
+    def elements(self) -> int:
+        """Number of elements."""
+        return self._cable.cable.number_of_elements
+
+    def forces(self, arc_length: Array) -> SectionForces:
+        """Section forces at arc lengths (m,) [m]."""
+        cable, item = self._cable.cable, self._cable.item
+        density = cable.section.mass_per_length * item.gravity
+        return section_forces(cable, self._system.chain, self._solve(), density, arc_length)
+
+    def multiplier_tension(self) -> Array:
+        """(N,) mean tension of the elements, from the multipliers alone [N]."""
+        state = self._solve()
+        nodal = nodal_multipliers_of(self._system, state.a)
+        return multiplier_tension(self._cable.cable, nodal, state.multiplier)
+
+    def _solve(self) -> SolvedState:
+        cable = self._cable.cable
+        shape, indices = cable.reference.shape, self._cable.indices
+        q = cable.reference.ravel() + np.asarray(self._data.GetODE2Coordinates())[indices]
+        v = np.asarray(self._data.GetODE2Coordinates_t())[indices]
+        a, rate = np.zeros(q.size), np.zeros(q.size)
+        index_reduced_rates(self._system, self._loads.at(self._data.GetTime()), q, v, a, rate)
+        multiplier = self._system.chain.elements.multiplier[:, 0].copy()
+        return SolvedState(q.reshape(shape), v.reshape(shape), a.reshape(shape), multiplier)
+
+
+def CableForces(mbs: Any, cable: Any, arcLengths: Any = None) -> dict[str, Any]:
+    """Section forces along a cable in the present state of mbs.
+
+    Args:
+        mbs: assembled system.
+        cable: what CreateInextensibleCable returned, or the number of its object.
+        arcLengths: (m,) points along the cable [m], or a number of equidistant points; None: 10 for
+            each element and the last end. At a node, values are those of the element before it.
+
+    Returns:
+        dict with arrays 'arcLength' (m,) [m], 'position' (m, dim) [m], 'tension' (m,) [N], 'shearForce'
+        (m, dim) [N], 'bendingMoment' (m,) [N m] (signed in the plane, its size in space), and
+        'multiplierTension' (N,) [N]: the mean over each element, from the Lagrange multipliers alone.
+
+    Raises:
+        InputError: not a cable, or a point that is not on it.
+        SceneError: mbs not assembled, or contains what is not supported.
+
+    Example:
+        forces = CableForces(mbs, cable, 101)
+        plt.plot(forces["arcLength"], forces["tension"])
+    """
+    evaluator = CableEvaluator(mbs, _object_number(cable))
+    forces = evaluator.forces(_points(arcLengths, evaluator))
+    return {
+        "arcLength": forces.arc_length,
+        "position": forces.position,
+        "tension": forces.tension,
+        "shearForce": forces.shear_force,
+        "bendingMoment": forces.bending_moment,
+        "multiplierTension": evaluator.multiplier_tension(),
+    }
+
+
+def CreateCableForceSensor(
+    mbs: Any, cable: Any, arcLength: float, storeInternal: bool = True, fileName: str = ""
+) -> int:
+    """Sensor of tension [N] and bending moment [N m] at one point of a cable.
+
+    Args:
+        mbs: the system where the sensor is added.
+        cable: what CreateInextensibleCable returned, or the number of its object.
+        arcLength: where, 0 to the cable's length [m].
+        storeInternal, fileName: as in native sensors; an empty name writes no file.
+
+    Returns:
+        sensor number; its values are [tension, bendingMoment].
+
+    Raises:
+        InputError: not a cable, or the point is not on it; mbs is unchanged then.
+    """
+    number = _object_number(cable)
+    item = _require_item(mbs, number)
+    point = np.array([_on_cable(arcLength, item.cable.length)])
+    cache: dict[str, Any] = {"time": np.inf, "evaluator": None}
+
+    def cable_force_user_function(mbs, t, sensorNumbers, factors, configuration):
+        if cache["evaluator"] is None or t <= cache["time"]:  # a new run: loads may have changed
+            cache["evaluator"] = CableEvaluator(mbs, number)
+        cache["time"] = t
+        forces = cache["evaluator"].forces(point)
+        return [float(forces.tension[0]), float(forces.bending_moment[0])]
+
+    return int(
+        mbs.AddSensor(
+            SensorUserFunction(
+                sensorUserFunction=cable_force_user_function,
+                storeInternal=storeInternal,
+                fileName=fileName,
+                writeToFile=bool(fileName),
+            )
+        )
+    )
+
+
+def _object_number(cable: Any) -> int:
+    number = cable["elements"][0] if isinstance(cable, dict) and cable.get("elements") else cable
+    try:
+        return int(number)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"cable = {cable!r}: must be what CreateInextensibleCable returned, or its object number."
+        ) from None
+
+
+def _require_item(mbs: Any, number: int) -> Any:
+    try:
+        item = find_cable_item(mbs.GetObject(number))
+    except Exception:
+        item = None
+    if item is None:
+        raise InputError(f"object {number} is no inextensible cable: use CreateInextensibleCable's result.")
+    return item
+
+
+def _find_cable(mbs: Any, number: int) -> CableInScene:
+    _require_item(mbs, number)
+    for cable in read_scene(mbs):
+        if cable.number == number:
+            return cable
+    raise SceneError(f"object {number} is not in the assembled system: call mbs.Assemble().")
+
+
+def _points(given: Any, evaluator: CableEvaluator) -> Array:
+    if given is None:
+        return np.linspace(0.0, evaluator.length, 10 * evaluator.elements + 1)
+    if isinstance(given, int | np.integer) and not isinstance(given, bool) and given >= 2:
+        return np.linspace(0.0, evaluator.length, int(given))
+    if np.ndim(given) == 0:
+        raise InputError(f"arcLengths = {given!r}: must be points (m,) [m], or how many, at least 2.")
+    return np.array([_on_cable(x, evaluator.length) for x in given])
+
+
+def _on_cable(arc_length: Any, length: float) -> float:
+    try:
+        x = float(arc_length)
+    except (TypeError, ValueError):
+        x = np.nan
+    if not 0.0 <= x <= length * (1.0 + 1e-12):
+        raise InputError(f"arcLength = {arc_length!r} m is not on the cable: it runs from 0 to {length} m.")
+    return x
