@@ -1,5 +1,6 @@
 """A scene as an inextensible cable, moved by the plugin's explicit integrators."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,12 +11,25 @@ from exudyn_inext import (
     CreateInextensibleCable,
     ExplicitSettings,
     InextensibleCable,
+    SolveEquilibrium,
     SolveExplicit,
 )
 from exudyn_inext.errors import InputError
 
-from .model import SENSOR_PERIOD, Model, add_position_sensors, quiet_settings, sensor_trajectory, silence
-from .scenes import Clamp, Scene
+from .conventional.loads import add_forces, follow_history, remove_force
+from .conventional.supports import add_constraint
+from .model import (
+    SENSOR_PERIOD,
+    Model,
+    add_position_sensors,
+    add_slope_sensors,
+    node_index,
+    quiet_settings,
+    require_elements,
+    sensor_trajectory,
+    silence,
+)
+from .scenes import Clamp, Hanger, Line, Scene
 from .trajectory import Case, Run, Trajectory
 
 
@@ -35,6 +49,7 @@ class Inextensible:
 
 def build(scene: Scene, elements: int, measure: str = "secondDerivative") -> Model:
     """Build and assemble the scene with one inextensible cable of equal elements."""
+    require_elements(elements)
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     section = scene.cable.section
@@ -48,16 +63,44 @@ def build(scene: Scene, elements: int, measure: str = "secondDerivative") -> Mod
         groundConstraintsStart=start,
         groundConstraintsEnd=end,
         shape=_shape(scene, elements),
+        dimension=2 if scene.is_planar else 3,
     )
-    sensors = add_position_sensors(mbs, scene, cable["nodes"])
+    nodes = tuple(cable["nodes"])
+    if scene.cable.shape.closed:
+        nodes += nodes[:1]
+    _add_hangers(mbs, scene, nodes)
+    start_loads, loads = (add_forces(mbs, forces, nodes) for forces in (scene.start_loads, scene.loads))
+    sensors, slope_sensors = add_position_sensors(mbs, scene, nodes), add_slope_sensors(mbs, scene, nodes)
     mbs.Assemble()
-    return Model(scene, container, mbs, tuple(cable["nodes"]), sensors)
+    if scene.starts_from_equilibrium:
+        SolveEquilibrium(mbs)
+    for number in start_loads:
+        remove_force(mbs, number)
+    for number, load in loads.items():
+        follow_history(mbs, number, load)
+    return Model(scene, container, mbs, nodes, sensors, slope_sensors)
 
 
 def _shape(scene: Scene, elements: int) -> CableShape:
-    line, length = scene.cable.shape, scene.cable.length
-    end = [a + length * d for a, d in zip(line.start, line.direction, strict=True)]
-    return CableShape.Line(line.start, end, elements, velocityEnd=scene.end_velocity)
+    cable = scene.cable
+    if isinstance(cable.shape, Line):
+        end = [a + cable.length * d for a, d in zip(cable.shape.start, cable.shape.direction, strict=True)]
+        return CableShape.Line(cable.shape.start, end, elements, velocityEnd=scene.end_velocity)
+    positions, slopes = cable.nodes(elements)
+    closed = cable.shape.closed
+    if cable.stress_free == "shape" and not closed:
+        raise InputError(
+            f"scene '{scene.name}': an open cable that is stress free in a curved shape is not built; use "
+            "stress_free='straight'."
+        )
+    last = len(positions) - 1 if closed else len(positions)
+    return CableShape(
+        positions[:last],
+        slopes[:last],
+        elementLengths=cable.length / elements,
+        closed=closed,
+        lengthReference="straight" if scene.starts_from_equilibrium else "shape",
+    )
 
 
 def _ground_constraints(scene: Scene) -> tuple[list[bool] | None, list[bool] | None]:
@@ -65,10 +108,19 @@ def _ground_constraints(scene: Scene) -> tuple[list[bool] | None, list[bool] | N
     dimension = 2 if scene.is_planar else 3
     flags: dict[float, list[bool]] = {}
     for support in scene.supports:
+        if isinstance(support, Hanger):
+            continue
         if support.at not in (0.0, 1.0):
-            raise InputError(f"{support}: supports are at the ends, at 0.0 or 1.0.")
+            raise InputError(f"{support}: pins and clamps are at the ends, at 0.0 or 1.0.")
         flags[support.at] = [True] * dimension + [isinstance(support, Clamp)] * dimension
     return flags.get(0.0), flags.get(1.0)
+
+
+def _add_hangers(mbs: Any, scene: Scene, nodes: Sequence[int]) -> None:
+    for support in scene.supports:
+        if isinstance(support, Hanger):
+            node = nodes[node_index(support.at, len(nodes) - 1)]
+            add_constraint(mbs, node, support, dimension=2 if scene.is_planar else 3)
 
 
 def inextensible_case(scene: Scene, model: Inextensible, label: str = "") -> Case:

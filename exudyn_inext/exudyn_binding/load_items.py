@@ -19,12 +19,14 @@ class NodalLoad:
     coordinates: the nodal coordinate that each component acts on.
     constant: (m,) components [N, Nm].
     history: t -> (m,) components, or None if the load is constant.
+    is_pure: whether the history depends on the time alone, so that it may be asked ahead of time.
     """
 
     node: int
     coordinates: tuple[int, ...]
     constant: Array
     history: Callable[[float], Array] | None
+    is_pure: bool = False
 
 
 def read_load(mbs: Any, number: int) -> NodalLoad | None:
@@ -45,6 +47,7 @@ def read_load(mbs: Any, number: int) -> NodalLoad | None:
         coordinates=coordinates,
         constant=np.atleast_1d(np.asarray(value, dtype=float)),
         history=_history(mbs, user_function, value),
+        is_pure=bool(user_function) and getattr(user_function["function"], "dependsOnTimeOnly", False),
     )
 
 

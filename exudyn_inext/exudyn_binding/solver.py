@@ -35,6 +35,10 @@ def SolveExplicit(
     time integration is a lower bound of their number, the write periods of sensors and solution
     file are upper bounds of their length; the integrator's own steps lie between them.
 
+    Many of Exudyn's steps are computed in one compiled call where no user function sees the states in
+    between. A user function of a load that depends on the time alone may say so by an attribute,
+    function.dependsOnTimeOnly = True, in order not to stand in the way.
+
     Args:
         mbs: assembled system; its inextensible cables start from the initial configuration.
         simulationSettings: exudyn.SimulationSettings; used are startTime, endTime, numberOfSteps,

@@ -5,11 +5,11 @@ from typing import Any
 import exudyn
 
 from ..model import Model, add_position_sensors, add_slope_sensors, node_index, require_elements
-from ..scenes import Hanger, PointForce, Scene
+from ..scenes import Hanger, Scene
 from ..scenes.support import Support
 from .cable import Quadrature, add_cable
 from .equilibrium import settle
-from .loads import add_force, follow_history, remove_force
+from .loads import add_forces, follow_history, remove_force
 from .supports import add_constraint, add_spring, spring_stiffness
 
 __all__ = ["Quadrature", "build", "build_for_explicit"]
@@ -38,8 +38,8 @@ def build(
     for support in scene.supports:
         stiffness = hanger_stiffness if isinstance(support, Hanger) else pin_stiffness
         _add_support(mbs, nodes[node_index(support.at, elements)], support, scene, stiffness)
-    start_loads = _add_forces(mbs, scene.start_loads, nodes)
-    loads = _add_forces(mbs, scene.loads, nodes)
+    start_loads = add_forces(mbs, scene.start_loads, nodes)
+    loads = add_forces(mbs, scene.loads, nodes)
     model = Model(
         scene,
         container,
@@ -69,9 +69,3 @@ def _add_support(mbs: Any, node: int, support: Support, scene: Scene, stiffness:
         add_constraint(mbs, node, support, dimension=2 if scene.is_planar else 3)
     else:
         add_spring(mbs, node, support, stiffness)
-
-
-def _add_forces(mbs: Any, loads: tuple[PointForce, ...], nodes: tuple[int, ...]) -> dict[int, PointForce]:
-    """Load number -> load."""
-    elements = len(nodes) - 1
-    return {add_force(mbs, nodes[node_index(load.at, elements)], load): load for load in loads}
