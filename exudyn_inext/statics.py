@@ -15,7 +15,7 @@ from scipy.sparse import block_array, csc_array, csr_array, vstack
 from scipy.sparse.linalg import SuperLU, splu
 
 from .arrays import Array
-from .chain.assembly import add_elastic_force
+from .chain.assembly import add_elastic_force, elastic_energy
 from .chain.cable import Cable
 from .chain.chain import build_chain
 from .chain.sparse_forms import assembled, elastic_tangent, form_of_cable
@@ -29,6 +29,7 @@ LARGEST_TURN = 0.4  # of a slope in one step [-]
 LARGEST_EXCURSION = 100.0  # of a node, in lengths of the cable: no equilibrium there
 LANCZOS_STEPS = 60
 NEGLIGIBLE = 1e-10  # of the inverse eigenvalues: round-off of those that are infinite
+RESOLUTION = 1e-10  # gain of energy that round-off hides, relative
 _ARMIJO = 1e-4
 PROJECTIONS = 100
 SMALLEST_STEP = 1e-6
@@ -84,15 +85,8 @@ class Potential:
         self._scale = lengths.ravel()
 
     def energy(self, q: Array) -> float:
-        """Bending energy less the work of the loads [J]; from quadrature of the elastic force.
-
-        The elastic force is a polynomial of degree three in q: Simpson's rule along a ray is exact.
-        """
-        half, full = np.zeros_like(q), np.zeros_like(q)
-        add_elastic_force(self._chain, 0.5 * q, half)
-        add_elastic_force(self._chain, q, full)
-        elastic = -float(np.sum((4.0 * half + full) * q)) / 6.0
-        return elastic - float(np.sum(self._external * q))
+        """Bending energy less the work of the loads [J]."""
+        return float(elastic_energy(self._chain, q)) - float(np.sum(self._external * q))
 
     def force(self, q: Array) -> Array:
         """(n_dof,) elastic and external force."""
@@ -210,14 +204,18 @@ def _step(potential: Potential, q: Array, multipliers: Array, shift: float) -> t
 def _line_search(
     potential: Potential, q: Array, direction: Array, slope: float, feasibility: float
 ) -> Array | None:
-    """The next state on the constraints with less energy; None if there is none along the step."""
+    """The next state on the constraints with less energy; None if there is none along the step.
+
+    Close to the equilibrium, where round-off hides the gain of energy, Newton's step is trusted.
+    """
     step = direction.reshape(q.shape)
     size = _cautious(step)
     energy = potential.energy(q)
-    noise = 1e-13 * (abs(energy) + abs(slope))
+    is_resolved = -slope > RESOLUTION * (abs(energy) + potential.largest_load * potential.cable.length)
     for _ in range(30):
         trial, left = feasible(potential, q + size * step, feasibility)
-        if left <= 1e3 * feasibility and potential.energy(trial) <= energy + _ARMIJO * size * slope + noise:
+        falls = not is_resolved or potential.energy(trial) <= energy + _ARMIJO * size * slope
+        if left <= 1e3 * feasibility and falls:
             return trial
         size *= 0.5
     return None
@@ -269,9 +267,13 @@ def find_equilibrium(potential: Potential, start: Array, options: StaticOptions)
     while iterations < options.iterations:
         iterations += 1
         direction, multipliers, slope = _step(potential, q, multipliers, shift)
-        residual = potential.size(potential.force(q) - potential.jacobian(q).T @ multipliers)
+        previous, residual = (
+            residual,
+            potential.size(potential.force(q) - potential.jacobian(q).T @ multipliers),
+        )
         following = None
-        if residual > limit and slope < 0.0:
+        is_stalled = -slope < RESOLUTION**2 * potential.largest_load * potential.cable.length
+        if residual > limit and slope < 0.0 and not (is_stalled and residual > 0.5 * previous):
             following = _line_search(potential, q, direction, slope, options.feasibility)
         if following is None:
             eigenvalue, worst = smallest_eigenvalue(potential, q, multipliers)

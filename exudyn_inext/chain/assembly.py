@@ -71,6 +71,32 @@ def add_elastic_force(chain, q, force):
         add_element_force(chain.axes, element_force, force[k], force[k + 1])
 
 
+@kernel
+def elastic_energy(chain, q):
+    """Bending energy at q (n, 2, dim) less that of all nodes in one point [J].
+
+    The force along the ray from there is a polynomial of degree three: Simpson's rule is exact. Element
+    by element in differences, so that the energy of a fine mesh is not lost in round-off.
+    """
+    axes = chain.axes
+    e, half, force = local_array(3, 3), local_array(3, 3), local_array(3, 3)
+    energy = 0.0
+    for k in range(len(chain.elements)):
+        element = chain.elements[k]
+        differences(axes, q, k, e)
+        for a in range(3):
+            for i in range(len(axes)):
+                half[a, i] = 0.5 * e[a, i]
+        clear(force)
+        for _ in range(4):
+            add_bending_force(axes, element.stiffness, element.tensor, half, force)
+            add_natural_curvature_force(element.natural, half, force)
+        add_bending_force(axes, element.stiffness, element.tensor, e, force)
+        add_natural_curvature_force(element.natural, e, force)
+        energy -= contract(axes, e, force) / 6.0
+    return energy
+
+
 @inlined
 def set_violations(axes, nodes, elements, q):
     """Values of all constraints at q into the records; returns the largest, lengths relative."""
