@@ -69,7 +69,7 @@ def build_chain(cable: Cable, mass_scaling: float = 0.0) -> Chain:
 
 
 def _in_differences(form: Callable[[float], Array], lengths: Array) -> Array:
-    return forms_of_mesh(lambda length: in_differences(form(length)), lengths)
+    return in_differences(forms_of_mesh(form, lengths))
 
 
 def _ends_group(cable: Cable) -> np.ndarray:

@@ -44,7 +44,8 @@ class CableLoads:
     @property
     def known_ahead(self) -> bool:
         """Whether nothing but the time decides on loads and motions."""
-        return all(source.is_pure for source in (*self._histories, *self._motions))
+        histories_are_pure = all(load.is_pure for load in self._histories)
+        return histories_are_pure and all(motion.is_pure for motion in self._motions)
 
     def at(self, time: float) -> Array:
         """(n_external,) external force and motions at `time`."""

@@ -61,7 +61,7 @@ class CableRun:
     ) -> None:
         require_smooth_motions(scene_cable.moving, start.time)
         violation = worst_violation(scene_cable, *initial, start.time)
-        require_consistent(violation, start.tolerance)
+        require_consistent(scene_cable, violation, start.tolerance)
         cable = scene_cable.cable
         self.scene_cable = scene_cable
         self.indices = scene_cable.indices

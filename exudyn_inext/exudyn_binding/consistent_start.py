@@ -19,11 +19,14 @@ _ITERATIONS = 20
 class Violation:
     """The worst violated constraint of an initial state.
 
-    size: of c [-, m], or of its rate over the speed.   culprit: for messages.
+    size: of c [-, m], or of its rate over the speed.   what: what is violated.
+    constraint, row: equation `row` of it is violated.
     """
 
     size: float
-    culprit: str
+    what: str = ""
+    constraint: Any = None
+    row: int = 0
 
 
 @dataclass(frozen=True)
@@ -41,28 +44,27 @@ class StartCorrection:
 def worst_violation(scene_cable: CableInScene, q: Array, v: Array, time: float) -> Violation:
     """The worst violation of all constraints by initial q, v (n, 2, dim)."""
     speed = max(1.0, float(np.abs(v).max()))
-    worst = Violation(0.0, "")
+    worst = Violation(0.0)
     for constraint in constraints_of_cable(scene_cable.cable):
         value, rate = constraint.value(q, time), constraint.rate(q, v, time) / speed
         for what, violations in (("initial coordinates", value), ("initial velocities", rate)):
-            sizes = np.nan_to_num(np.abs(violations), nan=np.inf)
-            row = int(np.argmax(sizes))
-            if sizes[row] > worst.size:
-                where = constraint.describe(row, scene_cable.item.node_names)
-                culprit = (
-                    f"the {what} of cable '{scene_cable.name}' violate the {constraint.name} constraint "
-                    f"at the {where}"
-                )
-                worst = Violation(float(sizes[row]), culprit)
+            sizes = np.abs(violations)
+            row = int(np.argmax(sizes))  # that of a NaN, if there is one
+            if not sizes[row] <= worst.size:
+                worst = Violation(float(sizes[row]), what, constraint, row)
+                if not np.isfinite(worst.size):
+                    return worst
     return worst
 
 
-def require_consistent(violation: Violation, tolerance: float) -> None:
+def require_consistent(scene_cable: CableInScene, violation: Violation, tolerance: float) -> None:
     """Raise SceneError, which names the worst constraint and by how much it is violated."""
     if not violation.size <= tolerance:
+        where = violation.constraint.describe(violation.row, scene_cable.item.node_names)
         raise SceneError(
-            f"{violation.culprit} by {violation.size:.3g} (limit {tolerance:g}): correct the initial values "
-            "of its nodes, start from an equilibrium (SolveEquilibrium), or let a larger "
+            f"the {violation.what} of cable '{scene_cable.name}' violate the {violation.constraint.name} "
+            f"constraint at the {where} by {violation.size:.3g} (limit {tolerance:g}): correct the initial "
+            "values of its nodes, start from an equilibrium (SolveEquilibrium), or let a larger "
             "startTolerance project them."
         )
 

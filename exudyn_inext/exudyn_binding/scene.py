@@ -162,8 +162,10 @@ def _read_loads(mbs: Any, on_cables: set[int]) -> tuple[list[NodalLoad], list[st
 def _foreign_nodes(mbs: Any, on_cables: set[int]) -> list[str]:
     foreign = []
     for number in range(mbs.systemData.NumberOfNodes()):
+        if number in on_cables:
+            continue
         data = mbs.GetNode(number)
-        if number not in on_cables and data["nodeType"] != "PointGround":
+        if data["nodeType"] != "PointGround":
             foreign.append(f"node {number} '{data['name']}' ({data['nodeType']})")
     return foreign
 

@@ -17,6 +17,7 @@ from ..integrators.linear_stability import decay_limit, frequency_limit
 from ..integrators.step_size import StepSizeBounds, choose_step, rule_step, step_above_limit
 from .cable_run import CableRun, Start
 from .native_run import NativeRun
+from .observed import observed_derivatives
 from .scene import initial_state, read_scene, require_assembled
 from .settings import ExplicitSettings
 from .time_grid import TimeGrid, time_grid
@@ -67,7 +68,7 @@ def SolveExplicit(
     bounds = _bounds(runs, float(settings.timeIntegration.startTime), explicit)
     wanted, decided_by = _wanted_step(bounds, explicit)
     grid = time_grid(mbs, settings, wanted)
-    loop = ExplicitTimeLoop(mbs, runs, _scheme(explicit), grid)
+    loop = ExplicitTimeLoop(mbs, runs, _scheme(explicit), grid, observed_derivatives(mbs, settings))
     _run(mbs, solver, settings, loop)
     return {
         "success": True,
@@ -190,5 +191,7 @@ def _run(mbs: Any, solver: Any, settings: Any, loop: ExplicitTimeLoop) -> None:
             success = solver.SolveSystem(mbs, settings)
         except Exception as error:
             raise loop.error or error from None
+        finally:
+            loop.complete_state()
     if not success:
         raise loop.error or SceneError("the run was stopped before its end time.")

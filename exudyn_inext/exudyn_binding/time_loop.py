@@ -8,9 +8,11 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import DivergenceError, InextensibleError
+from .observed import ACCELERATIONS
 from .time_grid import TimeGrid
 
 LOOK_AHEAD_LIMIT = 1_000_000  # coordinates times steps in a call: some 30 ms, so that Ctrl-C works
+HANDED_OUT = 64  # states that are turned into Python numbers at once
 
 
 class Run(Protocol):
@@ -37,10 +39,13 @@ class ExplicitTimeLoop:
     """Moves all cables of a scene; Exudyn calls `user_function` once for each step of its time loop.
 
     Where no user function can see or change the state between two steps of the loop, several of them
-    are computed in one compiled call and handed out one by one.
+    are computed in one compiled call and handed out one by one: coordinates, and derivatives as far as
+    they are `observed`; the last ones when the run ends.
     """
 
-    def __init__(self, mbs: Any, runs: Sequence[Run], scheme: Any, grid: TimeGrid) -> None:
+    def __init__(
+        self, mbs: Any, runs: Sequence[Run], scheme: Any, grid: TimeGrid, observed: int = ACCELERATIONS
+    ) -> None:
         self.runs = runs
         self.scheme = scheme
         self.grid = grid
@@ -48,7 +53,9 @@ class ExplicitTimeLoop:
         self._data = mbs.systemData
         self._is_watched = _has_step_user_functions(mbs) or not all(run.looks_ahead for run in runs)
         self._written = self._present(exudyn.ConfigurationType.Initial)
+        self._observed = ACCELERATIONS if self._is_watched else observed
         self._computed = 0  # steps of the loop
+        self._ahead: tuple[int, Array] = (0, np.zeros((0, ACCELERATIONS, 0)))  # first step and its states
         for run in runs:
             run.start(grid.start)
 
@@ -71,17 +78,34 @@ class ExplicitTimeLoop:
 
     def _plain_user_function(self) -> Any:
         next_state = self._states().__next__
-        set_q, set_v = self._data.SetODE2Coordinates, self._data.SetODE2Coordinates_t
-        set_a = self._data.SetODE2Coordinates_tt
+        set_q, *set_others = self._setters()[: self._observed]
 
-        def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
-            q, v, a = next_state()
+        def take_step_of_positions(solver: Any, mbs: Any, settings: Any) -> bool:
+            (q,) = next_state()
             set_q(q)
-            set_v(v)
-            set_a(a)
             return True
 
-        return take_step
+        def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
+            q, *others = next_state()
+            set_q(q)
+            for put, values in zip(set_others, others, strict=True):
+                put(values)
+            return True
+
+        return take_step if set_others else take_step_of_positions
+
+    def _setters(self) -> list[Any]:
+        data = self._data
+        return [data.SetODE2Coordinates, data.SetODE2Coordinates_t, data.SetODE2Coordinates_tt]
+
+    def complete_state(self) -> None:
+        """Give mbs the derivatives of its present coordinates that nobody observed so far."""
+        first, states = self._ahead
+        taken = round((self._data.GetTime() - self.grid.start) / (self.grid.substeps * self.grid.h)) - first
+        if len(states) and taken >= 1:
+            state = states[min(taken, len(states)) - 1]
+            for put, values in zip(self._setters()[1:], state[1:].tolist(), strict=True):
+                put(values)
 
     def _watched_user_function(self) -> Any:
         plain = self._plain_user_function()
@@ -95,13 +119,16 @@ class ExplicitTimeLoop:
         return take_step
 
     def _states(self) -> Iterator[list[list[float]]]:
-        """(q, v, a) of the system after each step of the loop; DivergenceError instead of a bad one."""
+        """q and what is observed after each step of the loop; DivergenceError instead of a bad one."""
         while True:
             first = self._computed
             states = self._compute_ahead()
             credible = [run.is_credible(states[:, :, run.indices]) for run in self.runs]
             good = min(int(np.argmin(np.append(those, False))) for those in credible)
-            yield from (state.tolist() for state in states[:good])
+            self._ahead = (first, states[:good])
+            observed = states[:good, : self._observed]
+            for block in range(0, good, HANDED_OUT):
+                yield from observed[block : block + HANDED_OUT].tolist()
             if good < len(states):
                 culprits = [r.name for r, those in zip(self.runs, credible, strict=True) if not those[good]]
                 self.error = _divergence(culprits, self.grid.time(first + good + 1))

@@ -1,0 +1,45 @@
+"""Which parts of the state somebody looks at between the start and the end of a run."""
+
+from typing import Any
+
+import exudyn
+
+POSITIONS, VELOCITIES, ACCELERATIONS = 1, 2, 3
+
+_Type = exudyn.OutputVariableType
+_OF_POSITIONS = {
+    _Type.Position,
+    _Type.Displacement,
+    _Type.Coordinates,
+    _Type.CoordinatesTotal,
+    _Type.Rotation,
+    _Type.Director1,
+    _Type.Director2,
+    _Type.Director3,
+}
+_OF_VELOCITIES = {_Type.Velocity, _Type.Coordinates_t, _Type.AngularVelocity}
+
+
+def observed_derivatives(mbs: Any, settings: Any) -> int:
+    """How many of coordinates, velocities, accelerations are needed at each step, the first ones always.
+
+    Args:
+        mbs: its sensors decide.   settings: exudyn.SimulationSettings, whose solution file decides.
+    """
+    needed = POSITIONS
+    if settings.solution.file.write:
+        export = settings.solution.file.export
+        needed = VELOCITIES if export.velocities else needed
+        needed = ACCELERATIONS if export.accelerations else needed
+    if settings.solution.sensors.active:
+        for number in range(mbs.systemData.NumberOfSensors()):
+            needed = max(needed, _derivatives_of(mbs.GetSensor(number)))
+    return needed
+
+
+def _derivatives_of(sensor: dict[str, Any]) -> int:
+    if sensor["sensorType"] != "Node":
+        return ACCELERATIONS  # whatever it may look at
+    if sensor["outputVariableType"] in _OF_POSITIONS:
+        return POSITIONS
+    return VELOCITIES if sensor["outputVariableType"] in _OF_VELOCITIES else ACCELERATIONS
