@@ -13,6 +13,8 @@ from .links import LinkConstraint
 
 def of_cable(cable: Cable) -> LinkConstraint:
     """The closure of `cable`; slopes coincide transverse to the first one of the reference."""
+    if not cable.closed:
+        return LinkConstraint(CLOSURE, ())
     transverse = np.linalg.svd(cable.reference[0, 1][None, :])[2][1:]
     links = tuple(_with_constant_normal(link, transverse) for link in closure_links(cable))
     return LinkConstraint(CLOSURE, links)

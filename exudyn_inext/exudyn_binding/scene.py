@@ -204,7 +204,8 @@ def _supports(item: CableItem, held: list[HeldCoordinate], name: str) -> tuple[n
         flags[-1] = flags[0]
     fixed = np.zeros(flags.shape[:2], dtype=bool)
     links: list[Link] = []
-    for k, node in enumerate(item.nodes):
+    for k in np.unique([item.nodes.index(constraint.node) for constraint in held]).tolist():
+        node = item.nodes[k]
         fixed[k] = supports_of_flags(f"node {node} of cable '{name}'", flags[k], reference[k])
         if not fixed[k, 0]:
             links += prescribed(k, rest(reference[k, 0]), np.flatnonzero(flags[k, 0]).tolist())
