@@ -32,6 +32,7 @@ NEGLIGIBLE = 1e-10  # of the inverse eigenvalues: round-off of those that are in
 RESOLUTION = 1e-10  # gain of energy that round-off hides, relative
 _ARMIJO = 1e-4
 PROJECTIONS = 100
+BOW = 0.3  # slope at the ends of the sag that a taut start is given [-]
 SMALLEST_STEP = 1e-6
 
 
@@ -139,6 +140,12 @@ class Potential:
         return float(np.abs(force * self._scale).max(initial=0.0))
 
     @property
+    def total_force(self) -> Array:
+        """(dim,) sum of the external forces [N]."""
+        total: Array = self._external[:, 0].sum(axis=0)
+        return total
+
+    @property
     def largest_load(self) -> float:
         """Of the external forces [N], and of bending to a radius of the cable's length."""
         section = self.cable.section
@@ -165,7 +172,10 @@ def feasible(potential: Potential, q: Array, tolerance: float) -> tuple[Array, f
     for _ in range(PROJECTIONS):
         if float(np.abs(values).max(initial=0.0)) <= tolerance:
             break
-        factor = _factor(potential.metric, potential.jacobian(q))
+        try:
+            factor = _factor(potential.metric, potential.jacobian(q))
+        except RuntimeError:  # constraints depend on each other here
+            break
         step = _solve(factor, np.zeros(q.size), -values)[0].reshape(q.shape)
         size = _cautious(step)
         while size > SMALLEST_STEP:
@@ -177,6 +187,22 @@ def feasible(potential: Potential, q: Array, tolerance: float) -> tuple[Array, f
             break
         q, values = q + size * step, trial
     return q, float(np.abs(values).max(initial=0.0))
+
+
+def _bowed(potential: Potential, q: Array) -> Array:
+    """q with a sag towards the loads, or anywhere: on a straight line no step makes a cable longer."""
+    arc = np.append(0.0, np.cumsum(potential.cable.element_lengths)) * np.pi / potential.cable.length
+    chord = q[-1, 0] - q[0, 0]
+    chord = chord / max(float(np.linalg.norm(chord)), 1e-300)
+    candidates = np.stack([potential.total_force, *np.eye(q.shape[2])])
+    across = candidates - np.outer(candidates @ chord, chord)
+    sizes = np.linalg.norm(across, axis=1)
+    chosen = 0 if sizes[0] > 1e-6 * potential.largest_load else 1 + int(np.argmax(sizes[1:]))
+    sag = BOW * potential.cable.length / np.pi * across[chosen] / sizes[chosen]
+    bowed = q.copy()
+    bowed[:, 0] += np.outer(np.sin(arc), sag)
+    bowed[:, 1] += np.outer(np.cos(arc), sag * np.pi / potential.cable.length)
+    return bowed
 
 
 def _cautious(step: Array) -> float:
@@ -198,6 +224,8 @@ def _step(potential: Potential, q: Array, multipliers: Array, shift: float) -> t
         curvature = float(direction @ (exact @ direction))
         if np.isfinite(slope) and slope < 0.0 and (curvature > 0.0 or model is not exact):
             return direction, new, slope
+        if np.isfinite(new).all():  # where forces are balanced there is no direction, but tension
+            multipliers = new
     return np.zeros(q.size), multipliers, 0.0
 
 
@@ -232,7 +260,10 @@ def smallest_eigenvalue(potential: Potential, q: Array, multipliers: Array) -> t
     if rows < 1:
         return np.inf, np.zeros(q.size)
     zero = np.zeros(jacobian.shape[0])
-    inverse, project = _factor(hessian, jacobian), _factor(potential.mass, jacobian)
+    try:
+        inverse, project = _factor(hessian, jacobian), _factor(potential.mass, jacobian)
+    except RuntimeError:  # singular: something moves without any force
+        return 0.0, np.zeros(q.size)
     vector, _ = _solve(project, np.random.default_rng(1).standard_normal(q.size), zero)
     basis = np.zeros((rows, q.size))
     reduced = np.zeros((rows, rows))
@@ -257,6 +288,8 @@ def find_equilibrium(potential: Potential, start: Array, options: StaticOptions)
         options: tolerances.
     """
     q, violation = feasible(potential, start, options.feasibility)
+    if violation > 1e3 * options.feasibility:
+        q, violation = feasible(potential, _bowed(potential, start), options.feasibility)
     if violation > 1e3 * options.feasibility:
         return Equilibrium(q, False, "the constraints cannot be met", np.inf, violation, 0, np.nan)
     multipliers = np.zeros(potential.jacobian(q).shape[0])

@@ -79,6 +79,21 @@ def straight_cable(number, dim, supports="free", length=None, **changes):
     return replace(cable, **changes)
 
 
+def arc(length, number, radius, dim=2):
+    """(n, 2, dim) nodes of a circular arc of that length, turning left; right if the radius is negative."""
+    s = np.linspace(0.0, length, number + 1) / radius
+    q = np.zeros((number + 1, 2, dim))
+    q[:, 0, 0], q[:, 0, 1] = radius * np.sin(s), radius * (1 - np.cos(s))
+    q[:, 1, 0], q[:, 1, 1] = np.cos(s), np.sin(s)
+    return q
+
+
+def opening_arc(length, number, radius, dim=2):
+    """(n, 2, dim) derivative of `arc` with respect to its radius."""
+    step = 1e-5
+    return (arc(length, number, radius + step, dim) - arc(length, number, radius - step, dim)) / (2 * step)
+
+
 def planar_pendulum(number, dim=2, **changes):
     """The pendulum of the paper's section 4.2, straight along x, and its gravity."""
     area = np.pi * 2e-3**2
@@ -157,6 +172,11 @@ def some_links(kinds, q):
     if "motion" in kinds:
         found += prescribed(number, shaken(q[number, 0]), range(dim))
     return tuple(found)
+
+
+def with_section(state, **changes):
+    """The same state; `changes` replaces constants of the section."""
+    return replace(state, cable=replace(state.cable, section=replace(state.cable.section, **changes)))
 
 
 def linked_state(seed, number, dim, measure, links, n_bar=None):
@@ -272,11 +292,14 @@ def curvature_terms(measure, length, nodal):
 
 
 def bending_energy(cable, q):
-    """1/2 EI int kappa^2 dx; works with complex coordinates."""
+    """1/2 EI int kappa^2 - 2 kappa_0 r_x x r_xx dx; works with complex coordinates."""
     total = 0.0
     for _, length, nodal in elements_of(cable, q):
-        _, r_xx, stretch, _, _, weight, _ = curvature_terms(cable.measure, length, nodal)
-        total += 0.5 * cable.section.bending_stiffness * weight @ (stretch * (r_xx**2).sum(axis=1))
+        r_x, r_xx, stretch, _, _, weight, _ = curvature_terms(cable.measure, length, nodal)
+        square = stretch * (r_xx**2).sum(axis=1)
+        if natural := cable.section.natural_curvature:
+            square = square - 2 * natural * (r_x[:, 0] * r_xx[:, 1] - r_x[:, 1] * r_xx[:, 0])
+        total += 0.5 * cable.section.bending_stiffness * weight @ square
     return total
 
 
@@ -288,6 +311,9 @@ def bending_force(cable, q):
         square = product * (r_xx**2).sum(axis=1)
         integral = np.einsum("g,ag,gi->ai", weight * stretch, s_xx, r_xx)
         integral += np.einsum("g,ag,gi->ai", weight * square, s_x, r_x)
+        if natural := cable.section.natural_curvature:
+            turned = np.einsum("ag,gi->agi", s_x, r_xx) - np.einsum("ag,gi->agi", s_xx, r_x)
+            integral -= natural * np.einsum("g,agi->ai", weight, turned[:, :, ::-1]) * [1.0, -1.0]
         force[k : k + 2] -= cable.section.bending_stiffness * integral.reshape(2, 2, -1)
     return force
 
@@ -303,9 +329,42 @@ def bending_tangent(cable, q):
         same += np.einsum("g,ag,bg->ab", weight * square, s_x, s_x)
         mixed = np.einsum("g,ag,gi,bg,gj->aibj", 2 * product * weight, s_x, r_x, s_xx, r_xx)
         block = np.einsum("ab,ij->aibj", same, np.eye(dim)) + mixed + mixed.transpose(2, 3, 0, 1)
+        if natural := cable.section.natural_curvature:
+            half = np.einsum("g,ag,bg->ab", weight, s_x, s_xx)
+            block -= natural * np.einsum("ab,ij->aibj", half - half.T, [[0.0, 1.0], [-1.0, 0.0]])
         at = slice(2 * dim * k, 2 * dim * (k + 2))
         tangent[at, at] += cable.section.bending_stiffness * block.reshape(4 * dim, 4 * dim)
     return tangent
+
+
+def curvature_rates(cable, q, v):
+    """Rate of |r_x x r_xx| (with its sign in the plane) along v, and weights, at the points of all elements.
+
+    By a complex step. In space the integrands of damping are no polynomials: the package's Gauss points.
+    """
+    rates, weights = [], []
+    for (_, length, nodal), (_, _, speed) in zip(elements_of(cable, q), elements_of(cable, v), strict=True):
+        x, weight = np.polynomial.legendre.leggauss(12 if cable.dimension == 2 else 4)
+        shapes = [np.array([p.deriv(d)(0.5 * length * (x + 1)) for p in hermite(length)]) for d in (1, 2)]
+        r_x, r_xx = (shape.T @ (nodal + 1e-30j * speed) for shape in shapes)
+        if cable.dimension == 2:
+            curvature = r_x[:, 0] * r_xx[:, 1] - r_x[:, 1] * r_xx[:, 0]
+        else:
+            curvature = np.sqrt((np.cross(r_x, r_xx) ** 2).sum(axis=1))
+        rates.append(curvature.imag / 1e-30)
+        weights.append(0.5 * length * weight)
+    return np.concatenate(rates), np.concatenate(weights)
+
+
+def damping_force(cable, q, v):
+    """(n, 2, dim) -D int kappa_t d(kappa)/dq dx; zero without damping."""
+    force = np.zeros(q.shape)
+    if cable.section.bending_damping:
+        rate, weight = curvature_rates(cable, q, v)
+        for unit, place in zip(np.eye(q.size), np.ndindex(q.shape), strict=True):
+            gradient, _ = curvature_rates(cable, q, unit.reshape(q.shape))
+            force[place] = -cable.section.bending_damping * weight @ (rate * gradient)
+    return force
 
 
 def dense_form(cable, form):
@@ -380,7 +439,7 @@ def dense_rates(state, zeta, mass_scaling=0.0):
     mass, speed = dense_mass(cable, mass_scaling), v.ravel()
     zero = np.zeros((len(c.value), len(c.value)))
     matrix = np.block([[mass, c.jacobian.T], [c.jacobian, zero]])
-    force = (state.external + bending_force(cable, q)).ravel()
+    force = (state.external + bending_force(cable, q) + damping_force(cable, q, v)).ravel()
     right = np.stack(
         [
             np.concatenate([force, c.gamma - zeta * c.rate]),

@@ -66,6 +66,19 @@ def test_jacobian_is_the_derivative_of_the_value():
         np.testing.assert_allclose(jacobian, np.array(columns).T, atol=1e-10)
 
 
+def test_hessian_is_the_derivative_of_the_jacobian_weighted_with_multipliers():
+    rng = np.random.default_rng(7)
+    for state, constraint in all_constraints():
+        multipliers = rng.standard_normal(constraint.number)
+        columns = []
+        for unit in np.eye(state.q.size):
+            change = unit.reshape(state.q.shape)  # the Jacobian is linear in q: differences are exact
+            above, below = (constraint.jacobian(state.q + s * change, state.time) for s in (1, -1))
+            columns.append(0.5 * (above - below).T @ multipliers)
+        hessian = constraint.hessian(multipliers, state.q.shape).toarray()
+        np.testing.assert_allclose(hessian, np.array(columns).T, atol=1e-12)
+
+
 def test_rate_is_the_derivative_along_the_velocity_and_in_time():
     for state, constraint in all_constraints():
         steps = (STEP, -STEP)

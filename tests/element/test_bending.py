@@ -12,8 +12,10 @@ from exudyn_inext.element.bending import stiffness_matrix, stiffness_tensor
 from tests.cables import (
     DIMENSIONS,
     MEASURES,
+    arc,
     bending_energy,
     bending_force,
+    opening_arc,
     random_state,
     relative_error,
     straight_cable,
@@ -96,18 +98,9 @@ RADIUS, ANGLE = 0.8, 2.0
 ARC_LENGTH = RADIUS * ANGLE
 
 
-def arc(number, radius, dim=2):
-    """Nodes of a circular arc of the length `ARC_LENGTH`."""
-    s = np.linspace(0.0, ARC_LENGTH, number + 1) / radius
-    q = np.zeros((number + 1, 2, dim))
-    q[:, 0, 0], q[:, 0, 1] = radius * np.sin(s), radius * (1 - np.cos(s))
-    q[:, 1, 0], q[:, 1, 1] = np.cos(s), np.sin(s)
-    return q
-
-
 def energies(number):
     """Energy of the arc in both measures, from the element matrices, with EI = 1."""
-    q, length = arc(number, RADIUS), ARC_LENGTH / number
+    q, length = arc(ARC_LENGTH, number, RADIUS), ARC_LENGTH / number
     nodal = np.concatenate([q[:-1], q[1:]], axis=1)
     pairs = 0.5 * np.einsum("eai,ebi->eab", nodal, nodal)
     second = 0.5 * np.einsum("eai,ab,ebi->", nodal, stiffness_matrix(length), nodal)
@@ -136,15 +129,13 @@ def test_the_two_measures_agree_as_the_mesh_is_refined():
 @both_dimensions
 def test_work_on_an_opening_arc_converges_to_the_exact_one_in_both_measures(dim):
     exact = ARC_LENGTH / RADIUS**3  # -dU/dR of EI L / (2 R^2)
-    step = 1e-5
     errors = []
     for number in (4, 8, 16, 32):
-        opening = (arc(number, RADIUS + step, dim) - arc(number, RADIUS - step, dim)) / (2 * step)
+        opening, q = (shape(ARC_LENGTH, number, RADIUS, dim) for shape in (opening_arc, arc))
         cable = straight_cable(number, dim, length=ARC_LENGTH)
         errors.append(
             [
-                (elastic_force(replace(cable, measure=m), arc(number, RADIUS, dim)) * opening).sum() / exact
-                - 1.0
+                (elastic_force(replace(cable, measure=m), q) * opening).sum() / exact - 1.0
                 for m in (CurvatureMeasure.SECOND_DERIVATIVE, CurvatureMeasure.PRODUCT)
             ]
         )
