@@ -155,12 +155,17 @@ def inextensible_case(scene: Scene, model: Inextensible, label: str = "") -> Cas
     )
 
 
+def solved(scene: Scene, inextensible: Inextensible) -> Model:
+    """The scene, built and run to its end."""
+    model = build(scene, inextensible.elements, inextensible.measure)
+    _solve(model, scene, inextensible)
+    return model
+
+
 def fine_solution(scene: Scene, elements: int) -> Trajectory:
     """A run whose error is that of the mesh: a fifth of the default step."""
     settings = ExplicitSettings(stepConstant=0.14)
-    model = build(scene, elements)
-    _solve(model, scene, Inextensible(elements, settings))
-    return sensor_trajectory(model, scene.main_point)
+    return sensor_trajectory(solved(scene, Inextensible(elements, settings)), scene.main_point)
 
 
 def _label(model: Inextensible, report: dict[str, Any]) -> str:

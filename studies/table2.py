@@ -47,7 +47,6 @@ from exudyn_inext import ExplicitSettings
 from reference_models.conventional.cases import largest_step_case, native_case
 from reference_models.conventional.settings import Implicit, Newton
 from reference_models.conventional.zhai import zhai_case
-from reference_models.data import reference_trajectory
 from reference_models.inextensible import Inextensible, inextensible_case
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case
@@ -179,7 +178,7 @@ def make_figures(results: Results, directory: Path) -> list[Path]:
 
     Fig. 9 is drawn with velocity Verlet instead of Zhai: of either, only the mesh error is seen.
     """
-    reference = reference_trajectory(results.scene)
+    reference = results.reference.trajectory
     curves = {label: results.trajectories[label] for label in PAPER_SECONDS if label in results.trajectories}
     proposed = {label: curve for label, curve in curves.items() if label == PAPER_PROPOSED}
     meshes = mesh_series(results.scene, **(QUICK_MESHES if results.quick else MESHES))

@@ -8,12 +8,12 @@ from typing import Any
 
 from tqdm import tqdm
 
-from reference_models.data import reference_trajectory
 from reference_models.scenes import Scene
-from reference_models.trajectory import Case, Trajectory
+from reference_models.trajectory import Case
 
 from .error import interpolation_error
 from .machine import machine, versions
+from .reference import ReferenceSolution
 from .rows import make_row
 from .store import prepare_directory, write_json, write_text
 from .study import Results, Study
@@ -29,12 +29,12 @@ def run_study(study: Study, output: Path, quick: bool = False) -> str:
     scene = study.scene
     if quick:
         scene = replace(scene, end_time=min(scene.end_time, study.quick_end_time))
-    reference = reference_trajectory(scene)
-    _announce(study, "preparing the cases, finding stable steps")
+    _announce(study, "preparing the reference and the cases, finding stable steps")
+    reference = study.reference(scene)
     cases = study.cases(scene, quick)
     _require_distinct_labels(cases)
     results = _results(scene, quick, _measure(study, cases, quick), reference)
-    document = _document(study, results, reference)
+    document = _document(study, results)
     write_json(output / f"{study.name}.json", document)
     _announce(study, "drawing the figures")
     figures = study.figures(results, output)
@@ -66,32 +66,32 @@ def _require_distinct_labels(cases: Sequence[Case]) -> None:
 
 
 def _results(
-    scene: Scene, quick: bool, measurements: Sequence[Measurement], reference: Trajectory
+    scene: Scene, quick: bool, measurements: Sequence[Measurement], reference: ReferenceSolution
 ) -> Results:
     return Results(
         scene=scene,
         quick=quick,
-        rows=[make_row(measurement, reference) for measurement in measurements],
+        rows=[make_row(measurement, reference.trajectory) for measurement in measurements],
         trajectories={
             measurement.case.label: measurement.trajectory
             for measurement in measurements
             if measurement.trajectory is not None
         },
+        reference=reference,
     )
 
 
-def _document(study: Study, results: Results, reference: Trajectory) -> dict[str, Any]:
-    interpolation = interpolation_error(reference)
-    source = results.scene.reference
-    assert source is not None  # the reference trajectory has been read from it
+def _document(study: Study, results: Results) -> dict[str, Any]:
+    reference = results.reference
+    interpolation = interpolation_error(reference.trajectory)
     return {
         "study": study.name,
         "quick": results.quick,
         "paper": study.paper,
         "reference": {
-            "file": source.file,
-            "source": source.source,
-            "uncertainty": source.uncertainty,
+            "file": reference.file,
+            "source": reference.source,
+            "uncertainty": reference.uncertainty,
             "interpolationErrorMax": interpolation.maximum,
             "interpolationErrorRms": interpolation.rms,
         },

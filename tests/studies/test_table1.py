@@ -3,6 +3,7 @@
 import pytest
 
 from reference_models.scenes import load_scene
+from studies.harness.reference import from_data
 from studies.harness.study import Results
 from studies.table1 import PAPER_EXPLICIT, PAPER_IMPLICIT, PAPER_PROPOSED, make_conclusions
 
@@ -32,7 +33,7 @@ ROWS = [
 
 
 def conclusion_lines(rows):
-    (table,) = make_conclusions(Results(SCENE, False, rows, {}))
+    (table,) = make_conclusions(Results(SCENE, False, rows, {}, from_data(SCENE)))
     return table.splitlines()[2:]
 
 

@@ -6,6 +6,7 @@ import pytest
 
 from reference_models.scenes import load_scene
 from studies.__main__ import main
+from studies.harness.reference import from_data
 from studies.harness.study import Results
 from studies.registry import find_study
 from studies.table2 import PAPER_EXPLICIT, PAPER_IMPLICIT, PAPER_PROPOSED, make_conclusions
@@ -39,7 +40,7 @@ ROWS = [
 
 
 def conclusion_line(text):
-    (table,) = make_conclusions(Results(SCENE, False, ROWS, {}))
+    (table,) = make_conclusions(Results(SCENE, False, ROWS, {}, from_data(SCENE)))
     (line,) = [line for line in table.splitlines() if line.startswith(f"| {text}")]
     return line
 
