@@ -1,5 +1,7 @@
 """The external force of one cable: gravity, constant forces, and sampled histories; and its motions."""
 
+from typing import Any
+
 import numpy as np
 
 from ..arrays import Array
@@ -15,6 +17,25 @@ from .scene import CableInScene
 def _at_rest(motion: Motion, dim: int) -> Array:
     """(3 dim,) p, p_t, p_tt of a motion that rests; zero for one that does not."""
     return motion.at(0.0).ravel() if motion.rests else np.zeros(3 * dim)
+
+
+def _as_rows(returned: list[Any], times: list[float], load: NodalLoad) -> Array:
+    """(T, m) what a user function returned, all of it numbers; SceneError at the first that is not."""
+    number = len(load.constant)
+    try:
+        values = np.array(returned, dtype=float).reshape(len(times), -1)
+    except (TypeError, ValueError):
+        values = np.zeros((0, 0))
+    if values.shape == (len(times), number) and np.isfinite(values).all():
+        return values
+    for value, t in zip(returned, times, strict=True):
+        row = np.ravel(value)
+        if row.shape != (number,) or row.dtype.kind not in "fiu" or not np.isfinite(row).all():
+            raise SceneError(
+                f"the user function of the load on node {load.node} returned {row.tolist()} at "
+                f"t = {t:g} s: must return {number} finite number(s)."
+            )
+    return np.array([np.ravel(value) for value in returned], dtype=float)
 
 
 class CableLoads:
@@ -34,7 +55,7 @@ class CableLoads:
         self._histories = [load for load in cable.loads if load.history is not None]
         for load in cable.loads:
             if load.history is None:
-                components = self._components(load, 0.0)
+                (components,) = self._components(load, [0.0])
                 for pattern, value in zip(self._patterns(load), components, strict=True):
                     self.constant += value * pattern
         rows = [row for load in self._histories for row in self._patterns(load)]
@@ -49,36 +70,36 @@ class CableLoads:
 
     def at(self, time: float) -> Array:
         """(n_external,) external force and motions at `time`."""
-        return self.constant + self._factors(time) @ self.pattern
+        forces: Array = self.constant + (self._factors([time]) @ self.pattern)[0]
+        return forces
 
     def sample(self, start: float, h: float, steps: int, stages: tuple[float, ...]) -> LoadHistory:
         """Load history of `steps` steps from `start`, at the stages of a scheme."""
-        factor = np.zeros((steps, len(stages), len(self.pattern)))
-        if len(self.pattern):
-            for step in range(steps):
-                for stage, abscissa in enumerate(stages):
-                    factor[step, stage] = self._factors(start + (step + abscissa) * h)
-        return LoadHistory(self.constant, self.pattern, factor)
+        shape = (steps, len(stages), len(self.pattern))
+        if not len(self.pattern):
+            return LoadHistory(self.constant, self.pattern, np.zeros(shape))
+        times = start + h * np.add.outer(np.arange(steps), stages).ravel()
+        return LoadHistory(self.constant, self.pattern, self._factors(times.tolist()).reshape(shape))
 
-    def _factors(self, time: float) -> Array:
-        values = [self._components(load, time) for load in self._histories]
-        values += [motion.at(time).ravel() for motion in self._motions]
-        return np.concatenate(values) if values else np.zeros(0)
+    def _factors(self, times: list[float]) -> Array:
+        """(T, P) of all load histories and motions."""
+        columns = [self._components(load, times) for load in self._histories]
+        columns += [np.array([motion.at(t).ravel() for t in times]) for motion in self._motions]
+        return np.concatenate(columns, axis=1) if columns else np.zeros((len(times), 0))
 
-    def _components(self, load: NodalLoad, time: float) -> Array:
-        """(m,) components of a load history.
+    def _components(self, load: NodalLoad, times: list[float]) -> Array:
+        """(T, m) components of a load.
 
         Raises:
             SceneError: the user function returns something else, or a force out of the cable's plane.
         """
-        values = load.history(time) if load.history is not None else load.constant
-        if values.shape != load.constant.shape or not np.isfinite(values).all():
-            raise SceneError(
-                f"the user function of the load on node {load.node} returned {values.tolist()} at "
-                f"t = {time:g} s: must return {len(load.constant)} finite number(s)."
-            )
-        for coordinate, value in zip(load.coordinates, values, strict=True):
-            if not self._is_in_space(load, coordinate) and value != 0.0:
+        if load.history is None:
+            values = np.tile(load.constant, (len(times), 1))
+        else:
+            values = _as_rows([load.history(t) for t in times], times, load)
+        for coordinate, column in zip(load.coordinates, values.T, strict=True):
+            if not self._is_in_space(load, coordinate) and column.any():
+                value = column[np.flatnonzero(column)[0]]
                 raise SceneError(
                     f"load on node {load.node} has the z component {value:g} N, but its cable is "
                     "planar: create the cable with dimension=3."

@@ -18,14 +18,14 @@ class NodalLoad:
     node: node number.
     coordinates: the nodal coordinate that each component acts on.
     constant: (m,) components [N, Nm].
-    history: t -> (m,) components, or None if the load is constant.
+    history: t -> its components as the user function returns them, or None if the load is constant.
     is_pure: whether the history depends on the time alone, so that it may be asked ahead of time.
     """
 
     node: int
     coordinates: tuple[int, ...]
     constant: Array
-    history: Callable[[float], Array] | None
+    history: Callable[[float], Any] | None
     is_pure: bool = False
 
 
@@ -51,8 +51,8 @@ def read_load(mbs: Any, number: int) -> NodalLoad | None:
     )
 
 
-def _history(mbs: Any, user_function: Any, value: Any) -> Callable[[float], Array] | None:
+def _history(mbs: Any, user_function: Any, value: Any) -> Callable[[float], Any] | None:
     if not user_function:
         return None
     function = user_function["function"]
-    return lambda t: np.atleast_1d(np.asarray(function(mbs, t, value), dtype=float))
+    return lambda t: function(mbs, t, value)
