@@ -1,13 +1,14 @@
 """Static equilibrium of a cable: a minimum of the potential energy on the constraint manifold.
 
 Newton's method on the manifold: a step along it, found from the Hessian of the Lagrangian, is followed by
-a projection onto the constraints; the energy must fall. Where the Hessian is not positive along the step, a
-convex model takes its place: bending stiffness, the tension where it is positive, and some mass. So the
+a projection onto the constraints; the energy must fall. Where the Hessian is not positive along the step,
+some mass is added; where this does not help, a convex model takes its place: bending stiffness, the tension
+where it is positive, and some mass. So the
 search runs downhill to a stable equilibrium, whether it starts taut, slack or upside down. A point where the
 constrained Hessian is not positive definite is left along its worst direction.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import eigh
@@ -19,7 +20,7 @@ from .chain.assembly import add_elastic_force, elastic_energy
 from .chain.cable import Cable
 from .chain.chain import build_chain
 from .chain.sparse_forms import assembled, elastic_tangent, form_of_cable
-from .constraints import constraints_of_cable
+from .constraints import closure, constraints_of_cable
 from .element.bending import stiffness_matrix
 from .element.forms import forms_of_mesh
 from .element.inertia import mass_matrix
@@ -32,6 +33,7 @@ NEGLIGIBLE = 1e-10  # of the inverse eigenvalues: round-off of those that are in
 RESOLUTION = 1e-10  # gain of energy that round-off hides, relative
 _ARMIJO = 1e-4
 PROJECTIONS = 100
+SHIFTS = (1.0, 10.0)  # of an indefinite Hessian, in units of the loads' own [-]
 BOW = 0.3  # slope at the ends of the sag that a taut start is given [-]
 SMALLEST_STEP = 1e-6
 
@@ -84,6 +86,12 @@ class Potential:
         lengths = np.ones(cable.reference.shape)
         lengths[:, 1] = 1.0 / float(cable.element_lengths.mean())
         self._scale = lengths.ravel()
+
+    def turn_with(self, q: Array) -> None:
+        """The slopes at both ends of a ring are joined transverse to the first one, which may turn."""
+        if self.cable.closed:
+            turned = closure.of_cable(replace(self.cable, reference=q))
+            self._constraints = [turned if c.name == turned.name else c for c in self._constraints]
 
     def energy(self, q: Array) -> float:
         """Bending energy less the work of the loads [J]."""
@@ -215,14 +223,14 @@ def _step(potential: Potential, q: Array, multipliers: Array, shift: float) -> t
     jacobian, force = potential.jacobian(q), potential.force(q)
     exact = potential.hessian(q, multipliers)
     zero = np.zeros(jacobian.shape[0])
-    for model in (exact, potential.convex_model(multipliers, shift)):
+    shifted = [csr_array(exact + factor * shift * potential.mass) for factor in SHIFTS]
+    for model in (exact, *shifted, potential.convex_model(multipliers, shift)):
         try:
             direction, new = _solve(_factor(model, jacobian), force, zero)
         except RuntimeError:  # singular
             continue
         slope = -float(force @ direction)
-        curvature = float(direction @ (exact @ direction))
-        if np.isfinite(slope) and slope < 0.0 and (curvature > 0.0 or model is not exact):
+        if np.isfinite(slope) and slope < 0.0:
             return direction, new, slope
         if np.isfinite(new).all():  # where forces are balanced there is no direction, but tension
             multipliers = new
@@ -287,6 +295,7 @@ def find_equilibrium(potential: Potential, start: Array, options: StaticOptions)
         start: (n, 2, dim) coordinates, not necessarily on the constraints.
         options: tolerances.
     """
+    potential.turn_with(start)
     q, violation = feasible(potential, start, options.feasibility)
     if violation > 1e3 * options.feasibility:
         q, violation = feasible(potential, _bowed(potential, start), options.feasibility)
@@ -299,6 +308,7 @@ def find_equilibrium(potential: Potential, start: Array, options: StaticOptions)
     iterations = 0
     while iterations < options.iterations:
         iterations += 1
+        potential.turn_with(q)
         direction, multipliers, slope = _step(potential, q, multipliers, shift)
         previous, residual = (
             residual,

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..chain.cable import Cable, require_positive
+from ..constraints.prescribed_motion import KIND
 from ..errors import EquilibriumError, InputError, SceneError
 from ..statics import Equilibrium, Potential, StaticOptions, find_equilibrium
 from .cable_loads import CableLoads
@@ -172,8 +173,12 @@ def _require_reach(cable: Cable, time: float, scene_cable: CableInScene) -> None
 
 
 def _held_points(cable: Cable, time: float) -> list[tuple[int, Array, float]]:
-    """(node, point, how far the node may be from it) of pins, clamps and hangers."""
+    """(node, point, how far the node may be from it) of pins, clamps, moving supports and hangers."""
     nodes = np.flatnonzero(cable.fixed[:, 0])
     points = [(int(k), cable.reference[k, 0], 0.0) for k in nodes if not (cable.closed and k == nodes[-1])]
+    for node in {link.nodes[0] for link in cable.links if link.kind == KIND}:
+        held = [link for link in cable.links if link.kind == KIND and link.nodes == (node,)]
+        if len(held) == cable.dimension:
+            points.append((node, sum(link.normal * link.anchor.at(time)[0] for link in held), 0.0))
     hangers = [link for link in cable.links if len(link.nodes) == 1 and np.isfinite(link.length)]
     return points + [(link.nodes[0], link.anchor.at(time)[0], link.length) for link in hangers]

@@ -3,17 +3,12 @@
 import exudyn
 import numpy as np
 import pytest
-from exudyn.beams import GenerateBeamElementsAlongLine
 from exudyn.itemInterface import (
     CoordinateConstraint,
-    DistanceConstraint,
     LoadForceVector,
-    MarkerBodyPosition,
     MarkerNodeCoordinate,
     MarkerNodePosition,
     NodePointGround,
-    ObjectANCFCable,
-    ObjectANCFCable2D,
 )
 
 from exudyn_inext import (
@@ -25,45 +20,8 @@ from exudyn_inext import (
     SceneError,
 )
 from reference_models.data import reference_trajectory
-from reference_models.model import quiet_settings, silence
 from reference_models.scenes import load_scene
-
-SECTION = {"massPerLength": 0.0348, "bendingStiffness": 0.0866}
-
-
-def trajectory(mbs, sensor):
-    return np.asarray(mbs.GetSensorStoredData(sensor))
-
-
-def hang(mbs, node, anchor, length):
-    """A rigid rod from a point to a node."""
-    ground = mbs.CreateGround(referencePosition=[0.5 * x for x in anchor])
-    markers = [
-        mbs.AddMarker(MarkerBodyPosition(bodyNumber=ground, localPosition=[0.5 * x for x in anchor])),
-        mbs.AddMarker(MarkerNodePosition(nodeNumber=node)),
-    ]
-    return mbs.AddObject(DistanceConstraint(markerNumbers=markers, distance=length))
-
-
-def native_cable(mbs, dim, elements, **section):
-    template = ObjectANCFCable2D if dim == 2 else ObjectANCFCable
-    return GenerateBeamElementsAlongLine(
-        mbs,
-        positionStart=[0, 0, 0],
-        positionEnd=[1.8, 0, 0],
-        numberOfElements=elements,
-        beamTemplate=template(**SECTION, axialStiffness=8e4, **section),
-        gravity=[0, -9.81, 0],
-    )["nodes"]
-
-
-def solve_native(mbs, end_time, step=1e-3):
-    settings = quiet_settings(end_time, round(end_time / step))
-    settings.timeIntegration.newton.useModifiedNewton = True
-    settings.timeIntegration.newton.relativeTolerance = 1e-6
-    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
-    with silence():
-        mbs.SolveDynamic(settings)
+from tests.exudyn_binding.items import hang, native_cable, solve_native, trajectory
 
 
 def largest_distance(new_mbs, add_sensor, build_ours, build_native, solve, end_time):
@@ -89,7 +47,7 @@ def test_cable_on_a_hanger_moves_like_a_native_one(new_mbs, add_cable, add_senso
         return nodes
 
     def native(mbs):
-        nodes = native_cable(mbs, dim, 20)
+        nodes = native_cable(mbs, dim, 20)["nodes"]
         hang(mbs, nodes[0], anchor, length)
         return nodes
 
@@ -109,7 +67,7 @@ def shake_rate_of_change(t):
 
 
 def native_shaken(mbs):
-    nodes = native_cable(mbs, 2, 20)
+    nodes = native_cable(mbs, 2, 20)["nodes"]
     CreatePrescribedMotion(mbs, nodes[0], shake, shake_rate)
     return nodes
 

@@ -1,0 +1,57 @@
+"""Native items beside our cables, and runs with Exudyn's own solvers."""
+
+import numpy as np
+from exudyn.beams import GenerateBeamElementsAlongLine
+from exudyn.itemInterface import (
+    DistanceConstraint,
+    LoadForceVector,
+    MarkerBodyPosition,
+    MarkerNodePosition,
+    ObjectANCFCable,
+    ObjectANCFCable2D,
+)
+
+from reference_models.model import quiet_settings, silence
+
+SECTION = {"massPerLength": 0.0348, "bendingStiffness": 0.0866}
+
+
+def trajectory(mbs, sensor):
+    return np.asarray(mbs.GetSensorStoredData(sensor))
+
+
+def hang(mbs, node, anchor, length):
+    """A rigid rod from a point to a node."""
+    ground = mbs.CreateGround(referencePosition=[0.5 * x for x in anchor])
+    markers = [
+        mbs.AddMarker(MarkerBodyPosition(bodyNumber=ground, localPosition=[0.5 * x for x in anchor])),
+        mbs.AddMarker(MarkerNodePosition(nodeNumber=node)),
+    ]
+    return mbs.AddObject(DistanceConstraint(markerNumbers=markers, distance=length))
+
+
+def load_node(mbs, node, force, **function):
+    """A force on a node; `function`: loadVectorUserFunction."""
+    marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+    return mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=force, **function))
+
+
+def native_cable(mbs, dim, elements, section=SECTION, axial_stiffness=8e4, **line):
+    """Nodes of a native cable of 1.8 m along x under gravity; `line` replaces arguments."""
+    template = ObjectANCFCable2D if dim == 2 else ObjectANCFCable
+    arguments = {
+        "positionStart": [0, 0, 0],
+        "positionEnd": [1.8, 0, 0],
+        "beamTemplate": template(**section, axialStiffness=axial_stiffness),
+        "gravity": [0, -9.81, 0],
+    }
+    return GenerateBeamElementsAlongLine(mbs, numberOfElements=elements, **(arguments | line))
+
+
+def solve_native(mbs, end_time, step=1e-3):
+    settings = quiet_settings(end_time, round(end_time / step))
+    settings.timeIntegration.newton.useModifiedNewton = True
+    settings.timeIntegration.newton.relativeTolerance = 1e-6
+    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
+    with silence():
+        mbs.SolveDynamic(settings)
