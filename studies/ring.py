@@ -179,8 +179,8 @@ def make_conclusions(results: Results) -> list[str]:
     limit = simpler["stepLimit"]
     rule = (
         f"The paper's step {PAPER_STEP:g} s, Eq. (37) with C = 0.9, is {PAPER_STEP / limit:.3f} of the "
-        f"stability limit {limit:.4g} s of the ring at rest; the critical C is {0.9 * limit / PAPER_STEP:.3f}. "
-        f"{_tried_around(results.scene, limit)}"
+        f"stability limit {limit:.4g} s of the ring at rest; the critical C is "
+        f"{0.9 * limit / PAPER_STEP:.3f}. {_tried_around(results.scene, limit)}"
     )
     return [markdown_table(header, lines), rule, ratio_table(results.rows, {}, PROPOSED, COMPARISONS)]
 

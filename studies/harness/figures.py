@@ -130,7 +130,7 @@ def draw_convergence(
             color = COLORS[0] if label == "inextensible" else next(native_colors)
             errors.loglog(list(series), maxima, marker + "-", color=color, label=label)
         label_axes(errors, "number of elements N [-]", "largest distance to the reference [m]")
-        _name_ticks(errors, sorted({number for series in meshes.values() for number in series}))
+        name_ticks(errors, sorted({number for series in meshes.values() for number in series}))
         errors.legend()
         figure.legend(*curves.get_legend_handles_labels(), loc="outside lower left", ncols=8)
     return path
@@ -152,7 +152,7 @@ def _zoom(axes: Axes, reference: Trajectory, window: tuple[float, float]) -> Non
     axes.set_ylim(values.min() - margin, values.max() + margin)
 
 
-def _name_ticks(axes: Axes, numbers: Sequence[int]) -> None:
-    """Plain numbers at the element counts instead of powers of ten."""
-    axes.set_xticks(numbers, [str(number) for number in numbers])
+def name_ticks(axes: Axes, numbers: Sequence[float]) -> None:
+    """Plain numbers where the markers are, instead of powers of ten."""
+    axes.set_xticks(numbers, [f"{number:g}" for number in numbers])
     axes.set_xticks([], minor=True)
