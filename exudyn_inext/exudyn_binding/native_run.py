@@ -111,10 +111,8 @@ class NativeRun:
             self._is_started = True
         for step in range(len(history) * grid.substeps):
             data.SetTime(start + (step + 1) * grid.h)
-            take_step(scheme, self._system, self._loads, self.state, grid.h, 0, 1)
-            if (step + 1) % grid.substeps == 0:
-                row = history[step // grid.substeps]
-                row[0], row[1], row[2] = self.state.q, self.state.v, self.state.a
+            row = history[step // grid.substeps]
+            take_step(scheme, self._system, self._loads, self.state, grid.h, 1, row[None])
 
     def is_credible(self, history: Array) -> np.ndarray:
         """(intervals,) whether all coordinates are finite."""

@@ -52,8 +52,10 @@ class LoadHistory(NamedTuple):
 
 
 @singledispatch
-def advance(scheme, system, loads, state, h, first, steps):
-    """Take `steps` steps of size h [s] in place; the loads are those of step `first` and after.
+def advance(scheme, system, loads, state, h, steps, history):
+    """Take `steps` steps of size h [s] for each row of `history`, in place; `store` keeps the results.
+
+    history: (intervals, 3, n_dof) output q, v, a at the end of each interval.
 
     Raises:
         NotImplementedError: no integrator implements the type of `scheme`.
@@ -62,11 +64,11 @@ def advance(scheme, system, loads, state, h, first, steps):
 
 
 @overload(advance, strict=False)
-def _compile_advance(scheme, system, loads, state, h, first, steps):
+def _compile_advance(scheme, system, loads, state, h, steps, history):
     implementation = advance.dispatch(getattr(scheme, "instance_class", object))
 
-    def call(scheme, system, loads, state, h, first, steps):
-        implementation(scheme, system, loads, state, h, first, steps)
+    def call(scheme, system, loads, state, h, steps, history):
+        implementation(scheme, system, loads, state, h, steps, history)
 
     return call
 
@@ -80,9 +82,14 @@ def record(scheme, system, loads, state, h, steps, history):
         steps: in each interval.
         history: (intervals, 3, n_dof) output q, v, a at the end of each interval.
     """
-    q, v, a = state.q, state.v, state.a
-    for interval in range(len(history)):
-        advance(scheme, system, loads, state, h, interval * steps, steps)
+    advance(scheme, system, loads, state, h, steps, history)
+
+
+@inlined
+def store(history, step, steps, q, v, a):
+    """Keep q, v, a after step number `step` if it ends an interval of `steps` steps."""
+    if (step + 1) % steps == 0:
+        interval = step // steps
         for i in range(len(q)):
             history[interval, 0, i] = q[i]
             history[interval, 1, i] = v[i]

@@ -75,7 +75,7 @@ def amplification_matrix(integrator: Integrator, scheme: Any, system: LinearSyst
         integrator.start(system, np.zeros(1), state)
         for name, value in zip(fields, given, strict=True):
             getattr(state, name)[:] = value
-        advance(scheme, system, loads, state, 1.0, 0, 1)
+        advance(scheme, system, loads, state, 1.0, 1, np.zeros((1, 3, 1)))
         columns.append([getattr(state, name)[0] for name in fields])
     return np.array(columns).T
 

@@ -18,7 +18,7 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import inlined, kernel
 from ..system import accelerate_and_project, correct_position, implements
-from .integrator import Integrator, advance, allocate_state, external_force
+from .integrator import Integrator, advance, allocate_state, external_force, store
 
 
 class Rattle(NamedTuple):
@@ -71,11 +71,11 @@ def _add_correction(h, correction, q, v_half):
 
 
 @implements(advance, Rattle)
-def advance_rattle(scheme, system, loads, state, h, first, steps):
-    """Take `steps` steps of size h [s]; see `advance`."""
+def advance_rattle(scheme, system, loads, state, h, steps, history):
+    """Arguments: see `advance`."""
     q, v, a, v_half = state.q, state.v, state.a, state.v_half
     external, correction = state.external, state.correction
-    for step in range(first, first + steps):
+    for step in range(len(history) * steps):
         _drift(h, q, v, a, v_half)
         external_force(loads, step, 0, external)
         learning = 2.0 / (h * h)
@@ -89,6 +89,7 @@ def advance_rattle(scheme, system, loads, state, h, first, steps):
         if not violation < scheme.tolerance:
             q[:] = np.nan
         accelerate_and_project(system, external, q, v_half, 0.5 * h, a, v)
+        store(history, step, steps, q, v, a)
 
 
 INTEGRATOR = Integrator(

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from ..arrays import Array
 from ..compiled import inlined, kernel
 from ..system import implements, index_reduced_rates
-from .integrator import Integrator, advance, allocate_state, external_force
+from .integrator import Integrator, advance, allocate_state, external_force, store
 
 WEIGHTS = (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0)
 ABSCISSAE = (0.5, 0.5, 1.0, 1.0)  # where the evaluation after each stage takes place
@@ -58,12 +58,12 @@ def _next_stage(h, stage, x, rate, x_sum, x_stage):
 
 
 @implements(advance, RungeKutta4)
-def advance_runge_kutta(scheme, system, loads, state, h, first, steps):
-    """Take `steps` steps of size h [s]; see `advance`."""
+def advance_runge_kutta(scheme, system, loads, state, h, steps, history):
+    """Arguments: see `advance`."""
     q, v, a, rate = state.q, state.v, state.a, state.rate
     external, q_stage, v_stage = state.external, state.q_stage, state.v_stage
     q_sum, v_sum = state.q_sum, state.v_sum
-    for step in range(first, first + steps):
+    for step in range(len(history) * steps):
         for stage in range(4):
             _next_stage(h, stage, q, rate, q_sum, q_stage)
             _next_stage(h, stage, v, a, v_sum, v_stage)
@@ -72,6 +72,7 @@ def advance_runge_kutta(scheme, system, loads, state, h, first, steps):
         for i in range(len(q)):
             q[i] = q_stage[i]
             v[i] = v_stage[i]
+        store(history, step, steps, q, v, a)
 
 
 INTEGRATOR = Integrator(

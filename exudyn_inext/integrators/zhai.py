@@ -15,7 +15,7 @@ from typing import NamedTuple
 from ..arrays import Array
 from ..compiled import inlined, kernel
 from ..system import implements, index_reduced_rates
-from .integrator import Integrator, advance, allocate_state, external_force
+from .integrator import Integrator, advance, allocate_state, external_force, store
 
 
 class Zhai(NamedTuple):
@@ -81,17 +81,18 @@ def _correct(scheme, h, q, v, a_predicted, a_start, q_start, v_start):
 
 
 @implements(advance, Zhai)
-def advance_zhai(scheme, system, loads, state, h, first, steps):
-    """Take `steps` steps of size h [s]; see `advance`."""
+def advance_zhai(scheme, system, loads, state, h, steps, history):
+    """Arguments: see `advance`."""
     q, v, a, a_previous, rate = state.q, state.v, state.a, state.a_previous, state.rate
     external, q_start, v_start = state.external, state.q_start, state.v_start
-    for step in range(first, first + steps):
+    for step in range(len(history) * steps):
         _predict(scheme, h, q, v, a, a_previous, rate, q_start, v_start)
         external_force(loads, step, 0, external)
         for phase in range(1 + scheme.corrector):
             if phase == 1:
                 _correct(scheme, h, q, v, a, a_previous, q_start, v_start)
             index_reduced_rates(system, external, q, v, a, rate)
+        store(history, step, steps, q, v, a)
 
 
 INTEGRATOR = Integrator(
