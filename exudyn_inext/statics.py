@@ -17,10 +17,11 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from .arrays import Array
 from .chain.assembly import add_elastic_force, elastic_energy
+from .chain.border import CLOSURE
 from .chain.cable import Cable
 from .chain.chain import build_chain
 from .chain.sparse_forms import assembled, elastic_tangent, form_of_cable
-from .constraints import closure, constraints_of_cable
+from .constraints import constraints_of_cable
 from .element.bending import stiffness_matrix
 from .element.forms import forms_of_mesh
 from .element.inertia import mass_matrix
@@ -90,8 +91,9 @@ class Potential:
     def turn_with(self, q: Array) -> None:
         """The slopes at both ends of a ring are joined transverse to the first one, which may turn."""
         if self.cable.closed:
-            turned = closure.of_cable(replace(self.cable, reference=q))
-            self._constraints = [turned if c.name == turned.name else c for c in self._constraints]
+            turned = constraints_of_cable(replace(self.cable, reference=q))
+            pairs = zip(self._constraints, turned, strict=True)
+            self._constraints = [new if new.name == CLOSURE else old for old, new in pairs]
 
     def energy(self, q: Array) -> float:
         """Bending energy less the work of the loads [J]."""
