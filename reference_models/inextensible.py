@@ -7,6 +7,7 @@ from typing import Any
 import exudyn
 
 from exudyn_inext import (
+    CableForces,
     CableShape,
     CreateInextensibleCable,
     ExplicitSettings,
@@ -32,6 +33,8 @@ from .model import (
 from .scenes import Clamp, Hanger, Line, Scene
 from .trajectory import Case, Run, Trajectory
 
+_CABLE = 0  # number of the cable's object
+
 
 @dataclass(frozen=True)
 class Inextensible:
@@ -49,6 +52,22 @@ class Inextensible:
 
 def build(scene: Scene, elements: int, measure: str = "secondDerivative") -> Model:
     """Build and assemble the scene with one inextensible cable of equal elements."""
+    model, start_loads, loads = _build_at_rest(scene, elements, measure)
+    for number in start_loads:
+        remove_force(model.mbs, number)
+    for number, load in loads.items():
+        follow_history(model.mbs, number, load)
+    return model
+
+
+def equilibrium_forces(scene: Scene, elements: int, points: int) -> dict[str, Any]:
+    """What CableForces finds in the equilibrium that the scene starts from, start loads included."""
+    model, *_ = _build_at_rest(scene, elements)
+    return CableForces(model.mbs, _CABLE, points)
+
+
+def _build_at_rest(scene: Scene, elements: int, measure: str = "secondDerivative") -> tuple[Model, Any, Any]:
+    """The assembled model before its motion begins, and load numbers -> start loads and loads."""
     require_elements(elements)
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
@@ -74,11 +93,7 @@ def build(scene: Scene, elements: int, measure: str = "secondDerivative") -> Mod
     mbs.Assemble()
     if scene.starts_from_equilibrium:
         SolveEquilibrium(mbs)
-    for number in start_loads:
-        remove_force(mbs, number)
-    for number, load in loads.items():
-        follow_history(mbs, number, load)
-    return Model(scene, container, mbs, nodes, sensors, slope_sensors)
+    return Model(scene, container, mbs, nodes, sensors, slope_sensors), start_loads, loads
 
 
 def _shape(scene: Scene, elements: int) -> CableShape:
