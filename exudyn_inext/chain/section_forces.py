@@ -18,7 +18,7 @@ from ..element.inextensibility import length_gradient
 from ..element.natural_curvature import add_natural_curvature_force
 from ..element.shape_functions import first_derivatives, quadrature, second_derivatives, shape_functions
 from .assembly import clear, differences
-from .cable import Cable
+from .cable import Cable, CurvatureMeasure
 from .chain import Chain
 
 
@@ -149,18 +149,37 @@ def _bending_moment(cable: Cable, r_x: Array, r_xx: Array) -> Array:
     return cable.section.bending_stiffness * (curvature - cable.section.natural_curvature)
 
 
-def multiplier_tension(cable: Cable, nodal: Array, length: Array) -> Array:
-    """Mean tension of each element (N,) [N], from the multipliers alone.
+def multiplier_tension(cable: Cable, q: Array, nodal: Array, length: Array) -> Array:
+    """Mean tension of each element (N,) [N], from the multipliers and the curvature.
 
     A length multiplier lam is a tension 2 lam; a nodal one is concentrated, 2 lam at a point, half of it
-    on either side.
+    on either side. To both comes what the bending energy does on a stretch.
 
     Args:
-        nodal: (n,) multipliers of Eq. (18) [N m].   length: (N,) of Eq. (19) [N].
+        q: (n, 2, dim).   nodal: (n,) multipliers of Eq. (18) [N m].   length: (N,) of Eq. (19) [N].
     """
     share = nodal.copy()
     if not cable.closed:
         share[[0, -1]] *= 2.0
     else:
         share[[0, -1]] = share[0] + share[-1]
-    return 2.0 * length + (share[1:] + share[:-1]) / cable.element_lengths
+    return 2.0 * length + (share[1:] + share[:-1]) / cable.element_lengths + _bending_tension(cable, q)
+
+
+def _bending_tension(cable: Cable, q: Array) -> Array:
+    """(N,) mean of r_x . (dU/dr_x - (dU/dr_xx)_x) [N].
+
+    EI kappa^2 for U = EI |r_xx|^2 / 2, twice that for EI |r_x|^2 |r_xx|^2 / 2; -2 EI kappa_0 kappa for
+    -EI kappa_0 r_x x r_xx.
+    """
+    section, share = cable.section, 2.0 if cable.measure is CurvatureMeasure.PRODUCT else 1.0
+    means = np.zeros(cable.number_of_elements)
+    for k, length in enumerate(cable.element_lengths):
+        xi, weight = quadrature(float(length))
+        nodal = np.concatenate([q[k], q[k + 1]])
+        r_x, r_xx = (s(xi, float(length)).T @ nodal for s in (first_derivatives, second_derivatives))
+        density = share * np.einsum("gi,gi->g", r_xx, r_xx)
+        if section.natural_curvature:
+            density -= 2.0 * section.natural_curvature * (r_x[:, 0] * r_xx[:, 1] - r_x[:, 1] * r_xx[:, 0])
+        means[k] = section.bending_stiffness * (weight @ density) / length
+    return means

@@ -43,10 +43,10 @@ class CableEvaluator:
         return section_forces(cable, self._system.chain, self._solve(), density, arc_length)
 
     def multiplier_tension(self) -> Array:
-        """(N,) mean tension of the elements, from the multipliers alone [N]."""
+        """(N,) mean tension of the elements, from the multipliers [N]."""
         state = self._solve()
         nodal = nodal_multipliers_of(self._system, state.a)
-        return multiplier_tension(self._cable.cable, nodal, state.multiplier)
+        return multiplier_tension(self._cable.cable, state.q, nodal, state.multiplier)
 
     def _solve(self) -> SolvedState:
         cable = self._cable.cable
@@ -71,7 +71,7 @@ def CableForces(mbs: Any, cable: Any, arcLengths: Any = None) -> dict[str, Any]:
     Returns:
         dict with arrays 'arcLength' (m,) [m], 'position' (m, dim) [m], 'tension' (m,) [N], 'shearForce'
         (m, dim) [N], 'bendingMoment' (m,) [N m] (signed in the plane, its size in space), and
-        'multiplierTension' (N,) [N]: the mean over each element, from the Lagrange multipliers alone.
+        'multiplierTension' (N,) [N]: the mean over each element, from Lagrange multipliers and curvature.
 
     Raises:
         InputError: not a cable, or a point that is not on it.
@@ -178,5 +178,7 @@ def _on_cable(arc_length: Any, length: float) -> float:
     except (TypeError, ValueError):
         x = np.nan
     if not 0.0 <= x <= length * (1.0 + 1e-12):
-        raise InputError(f"arcLength = {arc_length!r} m is not on the cable: it runs from 0 to {length} m.")
+        raise InputError(
+            f"arcLength = {arc_length!r} m is not on the cable: it runs from 0 to {length:.9g} m."
+        )
     return x

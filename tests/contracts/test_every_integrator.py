@@ -1,5 +1,7 @@
 """What every integrator must fulfil: the declared order, on an equation and on a cable."""
 
+import math
+from dataclasses import replace
 from functools import partial
 from types import SimpleNamespace
 from typing import NamedTuple
@@ -15,6 +17,8 @@ from exudyn_inext.errors import InputError
 from exudyn_inext.integrators import INTEGRATORS, find_integrator
 from exudyn_inext.integrators.integrator import LoadHistory, advance, record
 from exudyn_inext.integrators.linear_stability import decay_limit, frequency_limit
+from exudyn_inext.integrators.rattle import Rattle
+from exudyn_inext.integrators.runge_kutta import RungeKutta4
 from exudyn_inext.loads.gravity import gravity_force
 from exudyn_inext.system import (
     accelerate_and_project,
@@ -59,6 +63,8 @@ def correct_pendulum(system, external, q, tolerance, learning, correction):
     return 0.0
 
 
+TRIED = np.array([0.2, 0.5, 0.9, 0.99, 1.01, 1.05])  # in stability limits
+
 CONSTANT = np.array([0.2, -0.5])
 PATTERN = np.array([[1.0, 0.3], [0.0, 2.0]])
 INITIAL = np.array([1.2, -0.4, 0.1, 0.9])
@@ -101,9 +107,10 @@ def test_observed_order_on_a_forced_nonlinear_equation_is_the_declared_one(integ
     assert errors[-1] < 1e-4
 
 
-def run_cable(integrator, steps, duration=0.2, number=4, intervals=1):
+def run_cable(integrator, steps, duration=0.2, number=4, intervals=1, damping=0.0):
     """(intervals, 3, n_dof) history of the planar pendulum with N = 4."""
     cable, gravity = planar_pendulum(number)
+    cable = replace(cable, section=replace(cable.section, bending_damping=damping))
     system = CableSystem(build_chain(cable), 100.0)
     force = gravity_force(cable, gravity).ravel()
     loads = LoadHistory(force, np.zeros((0, force.size)), np.zeros((0, len(integrator.stages), 0)))
@@ -117,8 +124,9 @@ def run_cable(integrator, steps, duration=0.2, number=4, intervals=1):
 
 
 @every_integrator
-def test_observed_order_on_a_cable_is_the_declared_one(integrator):
-    ends = [run_cable(integrator, steps)[-1, 0] for steps in (400, 800, 1600, 3200)]
+@pytest.mark.parametrize("damping", [0.0, 2e-4])
+def test_observed_order_on_a_cable_is_the_declared_one(integrator, damping):
+    ends = [run_cable(integrator, steps, damping=damping)[-1, 0] for steps in (400, 800, 1600, 3200)]
     gaps = np.abs(np.diff(ends, axis=0)).max(axis=1)
     np.testing.assert_allclose(np.log2(gaps[:-1] / gaps[1:]), integrator.order, atol=0.2)
 
@@ -145,6 +153,44 @@ def test_stability_limits_are_positive_and_frequency_limit_is_finite(integrator)
     assert 0.0 < frequency_limit(integrator, scheme) < 4.0
     assert decay_limit(integrator, scheme) > 0.0
     assert np.isfinite(decay_limit(integrator, scheme)) == integrator.stabilised
+
+
+def by_hand(x, ratio):
+    """One step h = 1 of q'' = -x^2 q - ratio x q' on (q, v, a[, a_(n-1)]), read off the papers."""
+    y = ratio * x
+    # q' = q + v + a / 2;  a' = -x^2 q' - y (v + a);  v' = v + (a + a') / 2
+    q = np.array([1.0, 1.0, 0.5])
+    a = -(x**2) * q - y * np.array([0.0, 1.0, 1.0])
+    rattle = np.array([q, [0.0, 1.0, 0.5] + 0.5 * a, a])
+    # q' = q + v + a - b / 2;  v' = v + 3 a / 2 - b / 2;  a' = -x^2 q' - y v';  b' = a
+    q, v = np.array([1.0, 1.0, 1.0, -0.5]), np.array([0.0, 1.0, 1.5, -0.5])
+    zhai = np.array([q, v, -(x**2) * q - y * v, [0.0, 0.0, 1.0, 0.0]])
+    a = np.array([[0.0, 1.0], [-(x**2), -y]])
+    powers = [np.linalg.matrix_power(a, k) / math.factorial(k) for k in range(5)]
+    return {"RATTLE": rattle, "Zhai": zhai, "RK4": sum(powers)}
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.3, 1.0, 2.0, 5.0])
+@every_integrator
+def test_frequency_limit_with_damping_is_that_of_the_step_by_hand(integrator, ratio):
+    limit = frequency_limit(integrator, integrator.scheme(), ratio)
+    radius = [np.abs(np.linalg.eigvals(by_hand(x, ratio)[integrator.name])).max() for x in limit * TRIED]
+    below, above = np.array(radius)[TRIED < 1.0], np.array(radius)[TRIED > 1.0]
+    assert below.max() < 1.0 + 1e-7
+    assert above.min() > 1.0 + 1e-4
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.3, 1.0, 2.0, 5.0])
+def test_frequency_limit_of_rattle_with_damping_has_a_closed_form(ratio):
+    """A step changes the sign of everything where x^2 / 4 + ratio x = 1."""
+    exact = 2.0 * (np.hypot(1.0, ratio) - ratio)
+    assert frequency_limit(INTEGRATORS["RATTLE"], Rattle(), ratio) == pytest.approx(exact, rel=1e-6)
+
+
+def test_frequency_limits_of_rk4_are_the_textbooks():
+    """On the imaginary axis 2 sqrt(2), on the real one (critical damping) 2.7853."""
+    found = [frequency_limit(INTEGRATORS["RK4"], RungeKutta4(), ratio) for ratio in (0.0, 2.0)]
+    np.testing.assert_allclose(found, [np.sqrt(8.0), 2.785293563], rtol=1e-5)
 
 
 @every_integrator

@@ -1,0 +1,104 @@
+"""Bending damping and natural curvature: against native cables, closed forms, and at the stability limit."""
+
+import numpy as np
+import pytest
+
+from exudyn_inext import CableShape, DivergenceError, InextensibleCable, SolveEquilibrium
+from reference_models.model import quiet_settings
+from tests.cables import arc
+from tests.exudyn_binding.items import SECTION, native_cable, solve_native, trajectory
+
+LINE = {"positionEnd": [1, 0, 0]}
+DAMPED = SECTION | {"bendingDamping": 1e-3}
+CURVED = DAMPED | {"referenceCurvature": 1.5}
+
+
+@pytest.fixture
+def tip_of(new_mbs, add_cable, add_sensor, solve):
+    """(dim, section, elements) -> tip (m, 3) of a cantilever that is let go straight, ours or native."""
+
+    def ours(dim, section, elements):
+        mbs = new_mbs()
+        template = InextensibleCable(**section)
+        clamp = {"dimension": dim, "groundConstraintsStart": [True] * (2 * dim)}
+        nodes = add_cable(mbs, beamTemplate=template, numberOfElements=elements, **LINE, **clamp)["nodes"]
+        tip = add_sensor(mbs, nodes[-1])
+        mbs.Assemble()
+        solve(mbs, 1.0)
+        return trajectory(mbs, tip)[:, 1:]
+
+    def native(dim, section, elements):
+        mbs = new_mbs()
+        clamp = {"groundConstraintsStart": [True] * (2 * dim)}
+        nodes = native_cable(mbs, dim, elements, section=section, **LINE, **clamp)["nodes"]
+        tip = add_sensor(mbs, nodes[-1])
+        mbs.Assemble()
+        solve_native(mbs, 1.0)
+        return trajectory(mbs, tip)[:, 1:]
+
+    return {"ours": ours, "native": native}
+
+
+@pytest.mark.parametrize(
+    ("dim", "section"), [(2, DAMPED), (3, DAMPED), (2, CURVED)], ids=["plane", "space", "curved"]
+)
+def test_damped_vibration_is_that_of_a_native_cable(tip_of, dim, section):
+    found = tip_of["ours"](dim, section, 8)
+    expected = tip_of["native"](dim, section, 48)
+    swing = np.ptp(expected[:, 1])
+    np.testing.assert_allclose(found, expected, atol=5e-3 * swing)
+
+
+def test_damping_of_that_size_is_seen_in_the_vibration(tip_of):
+    undamped, damped = (tip_of["native"](2, section, 24) for section in (SECTION, DAMPED))
+    assert np.abs(undamped - damped).max() > 0.1 * np.ptp(damped[:, 1])
+
+
+@pytest.mark.parametrize("natural", [1.5, -0.8])
+def test_clamped_cable_rests_as_the_arc_of_its_natural_curvature(mbs, add_cable, coordinates, natural):
+    template = InextensibleCable(**SECTION, referenceCurvature=natural)
+    clamp = {"gravity": [0, 0, 0], "groundConstraintsStart": [True] * 4}
+    nodes = add_cable(mbs, beamTemplate=template, numberOfElements=12, **LINE, **clamp)["nodes"]
+    mbs.Assemble()
+    SolveEquilibrium(mbs)
+    exact = arc(1.0, 12, 1.0 / natural)
+    np.testing.assert_allclose(coordinates(mbs, nodes)[:, 0], exact[:, 0], atol=1e-5)
+    np.testing.assert_allclose(coordinates(mbs, nodes)[:, 1], exact[:, 1], atol=1e-4)
+
+
+@pytest.mark.parametrize("integrator", ["RATTLE", "Zhai", "RK4"])
+def test_reported_stability_limit_of_a_damped_cantilever_separates_growth_from_decay(
+    new_mbs, add_cable, add_sensor, solve, integrator
+):
+    """The fastest vibration is damped as much as 0.43 of the critical."""
+
+    def run(factor, limit=None):
+        mbs = new_mbs()
+        nudged = np.zeros((5, 2))
+        nudged[-1, 1] = 1e-6
+        q = np.linspace(0.0, 1.0, 5)
+        shape = CableShape(
+            np.stack([q, 0 * q], 1), np.tile([1.0, 0.0], (5, 1)), velocities=nudged, elementLengths=0.25
+        )
+        template = InextensibleCable(**(SECTION | {"bendingDamping": 5e-5}))
+        clamp = {"gravity": [0, 0, 0], "groundConstraintsStart": [True] * 4}
+        nodes = add_cable(mbs, shape=shape, beamTemplate=template, **clamp)["nodes"]
+        speed = add_sensor(mbs, nodes[-1], "Velocity")
+        mbs.Assemble()
+        if limit is None:
+            return solve(mbs, 1e-4, integrator=integrator, stabilizationRate=1.0)["bounds"]
+        step = factor * limit
+        settings = {"integrator": integrator, "stabilizationRate": 1.0, "allowUnstableStep": True}
+        whole = quiet_settings(500 * step, 1, period=500 * step)
+        assert solve(mbs, settings=whole, stepSize=step, **settings)["stepSize"] == pytest.approx(step)
+        return np.abs(trajectory(mbs, speed)[-1, 1:]).max()
+
+    bounds = run(1.0)
+    assert bounds.largest_frequency * 5e-5 / SECTION["bendingStiffness"] > 0.4
+    assert run(0.95, bounds.bending) < 2e-6
+    with pytest.warns(UserWarning, match="stability limit"):
+        try:
+            grown = run(1.05, bounds.bending)
+        except DivergenceError:
+            grown = np.inf
+    assert grown > 1e-3
