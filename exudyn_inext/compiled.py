@@ -25,7 +25,7 @@ from numba.extending import intrinsic, overload
 PACKAGE = Path(__file__).parent
 FAST_MATH = {"contract", "reassoc", "nsz", "arcp"}  # neither nnan nor ninf: divergence must be seen
 
-_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": FAST_MATH}
+_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": FAST_MATH, "nogil": True}
 
 # What a source imports, or is, that defines kernels.
 _MARKS_OF_KERNELS = (b"compiled import", b"system import", b"numba.njit")
@@ -67,7 +67,10 @@ CACHE_FOLDER = _cache_folder()
 
 
 def kernel(function: _Function) -> _Function:
-    """Compile `function` in nopython mode, cached on disk. Runs as plain Python without the JIT."""
+    """Compile `function` in nopython mode, cached on disk. Runs as plain Python without the JIT.
+
+    Kernels release Python's global lock, so that threads run them side by side.
+    """
     if numba.config.DISABLE_JIT:
         return function
     shared_setting = numba.config.CACHE_DIR
