@@ -181,7 +181,32 @@ def test_rotating_ring_is_under_its_hoop_tension(new_mbs, add_cable, rate):
     assert np.log2(errors[0] / errors[-1]) > 6.0
 
 
+def test_means_of_a_ring_that_is_pulled_apart_are_those_of_its_tension(mbs, add_cable):
+    """Also beside its first node, where its two ends are joined and the tension jumps."""
+    shape = CableShape.Circle([0, 0], 0.5, 24)
+    cable = add_cable(mbs, shape=shape, gravity=[0, 0, 0])
+    for node, sign in ((cable["nodes"][0], 1.0), (cable["nodes"][12], -1.0)):
+        load_node(mbs, node, [0.6 * sign, 0.8 * sign, 0.0])
+    mbs.Assemble()
+    forces = CableForces(mbs, cable)
+    means = forces["multiplierTension"]
+    assert np.ptp(means) > 0.6
+    np.testing.assert_allclose(means, forces["tension"][5::10], atol=6e-3)
+    np.testing.assert_allclose(means[:12], means[12:], atol=1e-9)  # half a turn changes nothing
+
+
 # ------------------------------------------------------------------- in motion
+
+
+def test_free_end_of_a_damped_cable_in_motion_is_free_of_forces(mbs, add_cable, solve):
+    template = InextensibleCable(RHO, 0.0866, bendingDamping=5e-3)
+    cable = add_cable(mbs, beamTemplate=template, numberOfElements=8, groundConstraintsStart=CLAMP)
+    mbs.Assemble()
+    solve(mbs, 0.1)
+    forces = CableForces(mbs, cable)
+    assert np.abs(forces["shearForce"][0]).max() > 0.1
+    assert np.abs(forces["shearForce"][-1]).max() < 1e-12
+    assert abs(forces["tension"][-1]) < 1e-12
 
 
 def test_tension_in_motion_is_that_of_a_native_cable(new_mbs, add_pendulum, solve):
@@ -214,9 +239,11 @@ def test_tension_in_motion_is_that_of_a_native_cable(new_mbs, add_pendulum, solv
 
 def test_sensor_stores_what_the_function_returns(mbs, add_pendulum, solve):
     cable = add_pendulum(mbs)
+    load = load_node(mbs, cable["nodes"][-1], [0.0, 0.0, 0.0])
     sensor = CreateCableForceSensor(mbs, cable, 0.5)
     mbs.Assemble()
-    for end in (0.1, 0.25):  # a second run starts anew
+    for end, force in ((0.1, 0.0), (0.25, -1.0)):  # a second run starts anew, under another load
+        mbs.SetLoadParameter(load, "loadVector", [0.0, force, 0.0])
         solve(mbs, end)
         stored = trajectory(mbs, sensor)
         forces = CableForces(mbs, cable["elements"][0], [0.5])
