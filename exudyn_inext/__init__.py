@@ -17,6 +17,7 @@ from .exudyn_binding.settings import ExplicitSettings
 from .exudyn_binding.shape import CableShape
 from .exudyn_binding.solver import SolveExplicit
 from .exudyn_binding.static_solver import SolveEquilibrium, StaticSettings
+from .exudyn_binding.stepper import ExplicitStepper
 from .exudyn_binding.template import InextensibleCable
 from .integrators.rattle import Rattle
 from .integrators.runge_kutta import RungeKutta4
@@ -32,6 +33,7 @@ __all__ = [
     "EnforcementError",
     "EquilibriumError",
     "ExplicitSettings",
+    "ExplicitStepper",
     "InextensibleCable",
     "InextensibleError",
     "InputError",

@@ -73,12 +73,17 @@ class CableLoads:
         forces: Array = self.constant + (self._factors([time]) @ self.pattern)[0]
         return forces
 
-    def sample(self, start: float, h: float, steps: int, stages: tuple[float, ...]) -> LoadHistory:
-        """Load history of `steps` steps from `start`, at the stages of a scheme."""
+    def sample(
+        self, start: float, h: float, steps: int, stages: tuple[float, ...], first: int = 0
+    ) -> LoadHistory:
+        """Load history at the stages of a scheme, of `steps` steps after the first `first` ones.
+
+        Times are counted from `start`, so that they do not depend on how a run is cut into calls.
+        """
         shape = (steps, len(stages), len(self.pattern))
         if not len(self.pattern):
             return LoadHistory(self.constant, self.pattern, np.zeros(shape))
-        times = start + h * np.add.outer(np.arange(steps), stages).ravel()
+        times = start + h * np.add.outer(first + np.arange(steps), stages).ravel()
         return LoadHistory(self.constant, self.pattern, self._factors(times.tolist()).reshape(shape))
 
     def _factors(self, times: list[float]) -> Array:

@@ -48,6 +48,7 @@ class CableRun:
     system: the index-reduced equations.   state: of the integrator.
     indices: (n_dof,) places of the coordinates in the system vector.
     reference: (n_dof,) what separates total coordinates from Exudyn's displacements.
+    loads: external force and motions.
     looks_ahead: whether several steps of the time loop can be computed at once.
     start_correction: how far the initial state was from its constraints.
     """
@@ -68,10 +69,10 @@ class CableRun:
         self.reference = cable.reference.ravel()
         self.system = cable_system(cable, start.zeta, start.mass_scaling)
         self._integrator = integrator
-        self._loads = CableLoads(scene_cable)
-        self.state: Any = integrator.allocate(cable.reference.size, len(self._loads.constant))
+        self.loads = CableLoads(scene_cable)
+        self.state: Any = integrator.allocate(cable.reference.size, len(self.loads.constant))
         self.state.q[:], self.state.v[:] = (array.ravel() for array in initial)
-        self.looks_ahead = self._loads.known_ahead
+        self.looks_ahead = self.loads.known_ahead
         self.start_correction = self._project(violation, start.time)
 
     def _project(self, violation: Violation, time: float) -> StartCorrection:
@@ -79,7 +80,7 @@ class CableRun:
             return StartCorrection()
         self.start(time)  # redundant constraints are named before the projection meets them
         cable = self.scene_cable.cable
-        return project(self.system, self._loads.at(time), cable, self.state.q, self.state.v)
+        return project(self.system, self.loads.at(time), cable, self.state.q, self.state.v)
 
     @property
     def name(self) -> str:
@@ -93,13 +94,13 @@ class CableRun:
         """
         for records in self._records():
             records.foresight = 0.0
-        self._integrator.start(self.system, self._loads.at(time), self.state)
+        self._integrator.start(self.system, self.loads.at(time), self.state)
         self._check_pivots()
 
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the present configuration."""
         q = self.state.q.reshape(self.scene_cable.cable.reference.shape)
-        return largest_frequency(self.system, self._loads.at(time), q.copy())
+        return largest_frequency(self.system, self.loads.at(time), q.copy())
 
     def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> None:
         """Advance through len(history) loop steps from loop step `first`, in one compiled call.
@@ -107,7 +108,9 @@ class CableRun:
         history: (intervals, 3, n_dof) output: displacements from the reference, v, a after each.
         """
         steps = len(history) * grid.substeps
-        loads = self._loads.sample(grid.time(first), grid.h, steps, self._integrator.stages)
+        loads = self.loads.sample(
+            grid.start, grid.h, steps, self._integrator.stages, first=first * grid.substeps
+        )
         record(scheme, self.system, loads, self.state, grid.h, grid.substeps, history)
         history[:, 0] -= self.reference
 

@@ -1,24 +1,19 @@
 """SolveExplicit: an explicit integrator inside Exudyn's own time loop."""
 
-import math
-import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 import exudyn
-import numpy as np
 
-from ..chain.cable import Cable
 from ..errors import InputError, SceneError
 from ..integrators import find_integrator
 from ..integrators.integrator import Integrator
-from ..integrators.linear_stability import decay_limit, frequency_limit
-from ..integrators.step_size import StepSizeBounds, choose_step, rule_step, step_above_limit
-from .cable_run import CableRun, Start
+from .cable_run import CableRun
+from .explicit_runs import cable_runs, scheme_of, step_bounds, wanted_step
 from .native_run import NativeRun
 from .observed import observed_derivatives
-from .scene import initial_state, read_scene, require_assembled
+from .scene import require_assembled
 from .settings import ExplicitSettings
 from .time_grid import TimeGrid, time_grid
 from .time_loop import ExplicitTimeLoop, Run
@@ -65,10 +60,10 @@ def SolveExplicit(
     require_assembled(mbs)
     solver = exudyn.MainSolverImplicitSecondOrder()
     runs = _runs(mbs, solver, settings, explicit)
-    bounds = _bounds(runs, float(settings.timeIntegration.startTime), explicit)
-    wanted, decided_by = _wanted_step(bounds, explicit)
+    bounds = step_bounds(runs, float(settings.timeIntegration.startTime), explicit)
+    wanted, decided_by = wanted_step(bounds, explicit)
     grid = time_grid(mbs, settings, wanted)
-    loop = ExplicitTimeLoop(mbs, runs, _scheme(explicit), grid, observed_derivatives(mbs, settings))
+    loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, observed_derivatives(mbs, settings))
     _run(mbs, solver, settings, loop)
     return {
         "success": True,
@@ -83,28 +78,15 @@ def SolveExplicit(
     }
 
 
-def _scheme(explicit: ExplicitSettings) -> Any:
-    return explicit.scheme or find_integrator(explicit.integrator).scheme()
-
-
 def _runs(mbs: Any, solver: Any, settings: Any, explicit: ExplicitSettings) -> Sequence[Run]:
     """One run for each inextensible cable; without any, one for all native items."""
-    integrator = find_integrator(explicit.integrator)
     if mbs.systemData.ODE2Size() == 0:
         raise SceneError("mbs has nothing that moves: add a cable with CreateInextensibleCable.")
-    cables = read_scene(mbs)
-    if not cables:
-        return [_native_run(mbs, solver, integrator, explicit)]
     h = 0.0
     if explicit.massScaling and explicit.stepSize is not None:
         h = time_grid(mbs, settings, explicit.stepSize).h
-    start = Start(
-        time=float(settings.timeIntegration.startTime),
-        tolerance=explicit.startTolerance,
-        zeta=explicit.stabilizationRate,
-        mass_scaling=explicit.massScaling * h**2,
-    )
-    return [CableRun(cable, initial_state(mbs, cable), start, integrator) for cable in cables]
+    cables = cable_runs(mbs, float(settings.timeIntegration.startTime), h, explicit)
+    return cables or [_native_run(mbs, solver, find_integrator(explicit.integrator), explicit)]
 
 
 def _native_run(mbs: Any, solver: Any, integrator: Integrator, explicit: ExplicitSettings) -> NativeRun:
@@ -113,51 +95,6 @@ def _native_run(mbs: Any, solver: Any, integrator: Integrator, explicit: Explici
             f"massScaling = {explicit.massScaling!r}: only inextensible cables have it; set it to zero."
         )
     return NativeRun(mbs, solver, integrator)
-
-
-def _bounds(runs: Sequence[Run], start: float, explicit: ExplicitSettings) -> StepSizeBounds:
-    """The tightest bounds over all that moves."""
-    integrator, scheme = find_integrator(explicit.integrator), _scheme(explicit)
-    frequencies = [run.largest_frequency(start) for run in runs]
-    limits = [
-        frequency_limit(integrator, scheme, w * _damping_time(run)) / w if w > 0.0 else math.inf
-        for run, w in zip(runs, frequencies, strict=True)
-    ]
-    fastest = int(np.argmin(limits))
-    cables = [run.scene_cable.cable for run in runs if isinstance(run, CableRun)]
-    return StepSizeBounds(
-        bending=limits[fastest],
-        stabilisation=decay_limit(integrator, scheme) / explicit.stabilizationRate if cables else math.inf,
-        rule=min((_rule(cable, explicit.stepConstant) for cable in cables), default=math.inf),
-        largest_frequency=frequencies[fastest],
-        cable=runs[fastest].name,
-    )
-
-
-def _damping_time(run: Run) -> float:
-    """D / EI [s] of a cable."""
-    if not isinstance(run, CableRun):
-        return 0.0
-    section = run.scene_cable.cable.section
-    return section.bending_damping / section.bending_stiffness
-
-
-def _rule(cable: Cable, constant: float) -> float:
-    section = cable.section
-    shortest = float(cable.element_lengths.min())
-    return rule_step(shortest, section.mass_per_length, section.bending_stiffness, constant)
-
-
-def _wanted_step(bounds: StepSizeBounds, explicit: ExplicitSettings) -> tuple[float, str]:
-    """The given step, unless it is above the stability limit, or the largest safe one."""
-    if explicit.stepSize is None:
-        return choose_step(bounds, explicit.stepSafety)
-    error = step_above_limit(explicit.stepSize, bounds, explicit.integrator)
-    if error is not None and not explicit.allowUnstableStep:
-        raise error
-    if error is not None:
-        warnings.warn(str(error), stacklevel=3)
-    return explicit.stepSize, "stepSize"
 
 
 @contextmanager

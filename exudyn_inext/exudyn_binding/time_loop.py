@@ -131,7 +131,8 @@ class ExplicitTimeLoop:
                 yield from observed[block : block + HANDED_OUT].tolist()
             if good < len(states):
                 culprits = [r.name for r, those in zip(self.runs, credible, strict=True) if not those[good]]
-                self.error = _divergence(culprits, self.grid.time(first + good + 1))
+                end = self.grid.time(first + good + 1)
+                self.error = divergence(culprits, end, "mbs holds the last good output.")
                 raise self.error
 
     def _compute_ahead(self) -> Array:
@@ -168,10 +169,11 @@ class ExplicitTimeLoop:
             run.start(self.grid.time(self._computed))
 
 
-def _divergence(culprits: list[str], time: float) -> DivergenceError:
+def divergence(culprits: list[str], time: float, what_is_left: str) -> DivergenceError:
+    """The error of a run that left what a cable can do before `time` [s]."""
     return DivergenceError(
         f"{', '.join(culprits)} diverged before t = {time:.6g} s: its coordinates are not finite, or not "
-        "those of an inextensible cable. mbs holds the last good output. Likely causes: a step close to the "
+        f"those of an inextensible cable. {what_is_left} Likely causes: a step close to the "
         "stability limit of a cable that straightened, or a violent start; reduce stepSize, use RATTLE, "
         "or change stabilizationRate."
     )

@@ -1,0 +1,84 @@
+"""What an explicit run moves, and with which step: shared by the time loop and the stepper."""
+
+import math
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..chain.cable import Cable
+from ..integrators import find_integrator
+from ..integrators.linear_stability import decay_limit, frequency_limit
+from ..integrators.step_size import StepSizeBounds, choose_step, rule_step, step_above_limit
+from .cable_run import CableRun, Start
+from .scene import initial_state, read_scene
+from .settings import ExplicitSettings
+from .time_loop import Run
+
+
+def scheme_of(explicit: ExplicitSettings) -> Any:
+    """Parameters of the scheme: those given, or its defaults."""
+    return explicit.scheme or find_integrator(explicit.integrator).scheme()
+
+
+def cable_runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> list[CableRun]:
+    """One run for each inextensible cable of an assembled mbs; empty if there is none.
+
+    Args:
+        mbs: the system.   time: of the start [s].   explicit: settings.
+        h: step that scales the mass [s]; 0 without mass scaling.
+    """
+    start = Start(
+        time=time,
+        tolerance=explicit.startTolerance,
+        zeta=explicit.stabilizationRate,
+        mass_scaling=explicit.massScaling * h**2,
+    )
+    integrator = find_integrator(explicit.integrator)
+    return [CableRun(cable, initial_state(mbs, cable), start, integrator) for cable in read_scene(mbs)]
+
+
+def step_bounds(runs: Sequence[Run], start: float, explicit: ExplicitSettings) -> StepSizeBounds:
+    """The tightest bounds over all that moves."""
+    integrator, scheme = find_integrator(explicit.integrator), scheme_of(explicit)
+    frequencies = [run.largest_frequency(start) for run in runs]
+    limits = [
+        frequency_limit(integrator, scheme, w * _damping_time(run)) / w if w > 0.0 else math.inf
+        for run, w in zip(runs, frequencies, strict=True)
+    ]
+    fastest = int(np.argmin(limits))
+    cables = [run.scene_cable.cable for run in runs if isinstance(run, CableRun)]
+    return StepSizeBounds(
+        bending=limits[fastest],
+        stabilisation=decay_limit(integrator, scheme) / explicit.stabilizationRate if cables else math.inf,
+        rule=min((_rule(cable, explicit.stepConstant) for cable in cables), default=math.inf),
+        largest_frequency=frequencies[fastest],
+        cable=runs[fastest].name,
+    )
+
+
+def _damping_time(run: Run) -> float:
+    """D / EI [s] of a cable."""
+    if not isinstance(run, CableRun):
+        return 0.0
+    section = run.scene_cable.cable.section
+    return section.bending_damping / section.bending_stiffness
+
+
+def _rule(cable: Cable, constant: float) -> float:
+    section = cable.section
+    shortest = float(cable.element_lengths.min())
+    return rule_step(shortest, section.mass_per_length, section.bending_stiffness, constant)
+
+
+def wanted_step(bounds: StepSizeBounds, explicit: ExplicitSettings) -> tuple[float, str]:
+    """The given step, unless it is above the stability limit, or the largest safe one."""
+    if explicit.stepSize is None:
+        return choose_step(bounds, explicit.stepSafety)
+    error = step_above_limit(explicit.stepSize, bounds, explicit.integrator)
+    if error is not None and not explicit.allowUnstableStep:
+        raise error
+    if error is not None:
+        warnings.warn(str(error), stacklevel=3)
+    return explicit.stepSize, "stepSize"

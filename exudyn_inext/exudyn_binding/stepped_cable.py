@@ -1,0 +1,91 @@
+"""One cable of a stepper: memory that is allocated once, and forces that are set in place."""
+
+from collections.abc import Sequence
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import InputError
+from ..integrators import find_integrator
+from ..integrators.integrator import LoadHistory, record
+from .cable_run import STRETCH_LIMIT, CableRun
+
+
+class SteppedCable:
+    """A `CableRun` that is advanced without allocation.
+
+    run: the cable.   nodes: node number -> place along the cable.
+    q, v: (n, 2, dim) views of the present state.
+    """
+
+    def __init__(self, run: CableRun, integrator: str, scheme: Any) -> None:
+        shape = run.scene_cable.cable.reference.shape
+        self.run = run
+        self.nodes = {node: place for place, node in enumerate(run.scene_cable.item.nodes)}
+        self.q: Array = run.state.q.reshape(shape)
+        self.v: Array = run.state.v.reshape(shape)
+        self._scheme = scheme
+        self._stages = find_integrator(integrator).stages
+        loads = run.loads
+        self._without_forces = loads.constant.copy()
+        self._constant_loads = (
+            LoadHistory(loads.constant, loads.pattern, np.zeros((1, len(self._stages), 0)))
+            if not len(loads.pattern)
+            else None
+        )
+        self._initial = run.state.q.copy(), run.state.v.copy()
+        self._present, self._before = (np.zeros((1, 3, run.state.q.size)) for _ in range(2))
+        self._squares = np.ones(shape[0])
+
+    def start(self, time: float) -> None:
+        """Back to the initial state; see `CableRun.start`."""
+        state = self.run.state
+        for memory in state:
+            memory[:] = 0.0
+        state.q[:], state.v[:] = self._initial
+        self.run.start(time)
+        self._present[0] = state.q, state.v, state.a
+
+    def step(self, start: float, h: float, first: int, steps: int) -> None:
+        """Take `steps` steps of size h [s] after the first `first` ones since the time `start` [s]."""
+        run = self.run
+        self._present, self._before = self._before, self._present
+        loads = self._constant_loads or run.loads.sample(start, h, steps, self._stages, first=first)
+        record(self._scheme, run.system, loads, run.state, h, steps, self._present)
+
+    def is_credible(self) -> bool:
+        """Whether the slopes are still those of an inextensible cable; see `CableRun.is_credible`."""
+        slopes = self.q[:, 1]
+        np.einsum("ki,ki->k", slopes, slopes, out=self._squares)
+        least, largest = self._squares.min(), self._squares.max()
+        return bool(largest - 1.0 < STRETCH_LIMIT and 1.0 - least < STRETCH_LIMIT)
+
+    def restore(self) -> None:
+        """Coordinates, velocities and accelerations before the last call of `step`."""
+        self._present[:] = self._before
+        state = self.run.state
+        state.q[:], state.v[:], state.a[:] = self._present[0]
+
+    def set_force(self, node: int, force: Sequence[float]) -> None:
+        """Set the force (3,) [N] on a node, in place of the last one that was set."""
+        dim = self.q.shape[2]
+        first = self.nodes[node] * 2 * dim
+        if len(force) != 3 or not all(map(isfinite, force)):
+            raise InputError(f"force = {force!r} on node {node}: must be 3 finite numbers [N].")
+        if dim == 2 and force[2] != 0.0:
+            raise InputError(
+                f"force on node {node} has the z component {force[2]:g} N, but its cable is planar: create "
+                "the cable with dimension=3."
+            )
+        constant = self.run.loads.constant
+        for i in range(dim):
+            constant[first + i] = self._without_forces[first + i] + force[i]
+
+    def write(self, states: Array) -> None:
+        """Displacements, velocities, accelerations into the system's (3, n_ode2)."""
+        indices, state = self.run.indices, self.run.state
+        states[0, indices] = state.q - self.run.reference
+        states[1, indices] = state.v
+        states[2, indices] = state.a

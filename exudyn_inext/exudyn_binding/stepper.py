@@ -1,0 +1,193 @@
+"""ExplicitStepper: the cables of an mbs, step by step, for hardware in the loop and co-simulation."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import isfinite
+from typing import Any
+
+import exudyn
+import numpy as np
+
+from ..arrays import Array
+from ..errors import InputError, SceneError
+from .explicit_runs import cable_runs, scheme_of, step_bounds, wanted_step
+from .scene import require_assembled
+from .settings import ExplicitSettings
+from .stepped_cable import SteppedCable
+from .time_loop import divergence
+
+_SHOWN = (exudyn.ConfigurationType.Current, exudyn.ConfigurationType.Visualization)
+
+
+class ExplicitStepper:
+    """Moves the inextensible cables of an mbs by a given number of steps at a time.
+
+    Everything is allocated here; `Step` is one compiled call for each cable, keeps no memory and
+    gives the states of `SolveExplicit` at the same step size, bit by bit. The mbs is left alone until
+    `WriteToSystem`.
+
+    Args:
+        mbs: assembled system; its cables start from the initial configuration.
+        explicitSettings: as for SolveExplicit.
+        stepSize: of each step [s], taken as it is; replaces that of explicitSettings. None in both: the
+            largest safe one.
+        startTime: [s].
+
+    Attributes:
+        stepSize: [s].   decidedBy: what bounded it.   bounds: StepSizeBounds.
+        startCorrections: of each cable: how far its initial state was from its constraints.
+
+    Raises:
+        SceneError: mbs not assembled, without a cable, or with items that are not supported.
+        StepSizeError: the step is above the stability limit.
+        RedundantConstraintError: constraints that depend on each other.
+
+    Example:
+        stepper = ExplicitStepper(mbs, stepSize=1e-3)
+        stepper.Start()
+        while running:
+            stepper.SetNodeForce(node, measuredForce)
+            stepper.Step()
+            q, v, time = stepper.State()
+    """
+
+    def __init__(
+        self,
+        mbs: Any,
+        explicitSettings: ExplicitSettings | None = None,
+        stepSize: float | None = None,
+        startTime: float = 0.0,
+    ) -> None:
+        explicit = explicitSettings or ExplicitSettings()
+        if stepSize is not None:
+            explicit = replace(explicit, stepSize=stepSize)
+        if not isfinite(startTime):
+            raise InputError(f"startTime = {startTime!r}: must be a finite number [s].")
+        require_assembled(mbs)
+        runs = cable_runs(mbs, startTime, explicit.stepSize or 0.0, explicit)
+        if not runs:
+            raise SceneError(
+                "mbs has no inextensible cable to step: add one with CreateInextensibleCable, or use "
+                "SolveExplicit for native items."
+            )
+        self.bounds = step_bounds(runs, startTime, explicit)
+        step, self.decidedBy = wanted_step(self.bounds, explicit)
+        self.stepSize = float(step)
+        self.startCorrections = [run.start_correction for run in runs]
+        self._mbs = mbs
+        self._start_time = startTime
+        self._cables = [SteppedCable(run, explicit.integrator, scheme_of(explicit)) for run in runs]
+        self._cable_of_node = {node: cable for cable in self._cables for node in cable.nodes}
+        self._steps = 0
+        self._error: Exception = InputError("the stepper has not been started: call Start() before Step().")
+        self._is_ready = False
+
+    @property
+    def time(self) -> float:
+        """Of the present state [s]."""
+        return self._start_time + self._steps * self.stepSize
+
+    def Start(self) -> None:
+        """Begin, or begin anew, from the initial configuration, with the forces that are set.
+
+        Raises:
+            RedundantConstraintError: constraints that depend on each other.
+        """
+        self._steps = 0
+        self._is_ready = False
+        for cable in self._cables:
+            cable.start(self._start_time)
+        self._is_ready = True
+
+    def Step(self, n: int = 1) -> None:
+        """Take n steps.
+
+        User functions of loads and moving supports are called for the n steps ahead, with the mbs as
+        it is; they may allocate memory, the rest does not.
+
+        Raises:
+            InputError: n is not a positive integer, or `Start` has not been called.
+            DivergenceError: the state left what a cable can do. `State` is the one before this call;
+                the stepper has to be started anew.
+        """
+        if not self._is_ready:
+            raise self._error
+        if not (isinstance(n, int | np.integer) and n >= 1):
+            raise InputError(f"n = {n!r}: the number of steps must be an integer >= 1.")
+        for cable in self._cables:
+            cable.step(self._start_time, self.stepSize, self._steps, int(n))
+        for cable in self._cables:
+            if not cable.is_credible():
+                self._stop(n)
+        self._steps += n
+
+    def _stop(self, n: int) -> None:
+        """Back to the last good state of all cables; raises."""
+        culprits = [cable.run.name for cable in self._cables if not cable.is_credible()]
+        for cable in self._cables:
+            cable.restore()
+        self._is_ready = False
+        self._error = divergence(
+            culprits,
+            self.time + n * self.stepSize,
+            f"The stepper holds the state at t = {self.time:.6g} s; Start() begins anew.",
+        )
+        raise self._error
+
+    def State(self, cable: int = 0) -> tuple[Array, Array, float]:
+        """Present state of a cable: q, v, time.
+
+        q and v are views of the stepper's memory: cheap, always the present state, and not to be
+        written to. Take copies of what shall last.
+
+        Args:
+            cable: which one, in the order of their creation.
+
+        Returns:
+            q: (n, 2, dim) total positions [m] and slopes [-] of the nodes along the cable; the last
+                node of a closed one is the first once more.
+            v: (n, 2, dim) their velocities [m/s, 1/s].
+            time: [s].
+        """
+        if not -len(self._cables) <= cable < len(self._cables):
+            raise InputError(f"cable = {cable!r}: there are {len(self._cables)} cables, counted from 0.")
+        chosen = self._cables[cable]
+        return chosen.q, chosen.v, self.time
+
+    def SetNodeForce(self, node: int, force: Sequence[float]) -> None:
+        """Set the force [N] on a node, besides gravity and the loads of the mbs, until it is set again.
+
+        It is the force at the end of the next step; within a step, a scheme of order 2 sees it change
+        linearly from that at its start. Forces that follow the time are thus integrated with the order
+        of the scheme.
+
+        Args:
+            node: node number.   force: (3,) components; z must be zero for a planar cable.
+
+        Raises:
+            InputError: not a node of a cable, or not a force that the cable can take.
+        """
+        number = int(node)
+        cable = self._cable_of_node.get(number)
+        if cable is None:
+            raise InputError(
+                f"node = {number} is on no inextensible cable: their nodes lie between "
+                f"{min(self._cable_of_node)} and {max(self._cable_of_node)}."
+            )
+        cable.set_force(number, force)
+
+    def WriteToSystem(self) -> None:
+        """Write coordinates, velocities, accelerations and the time to the current state of the mbs.
+
+        Sensors, node outputs and, after mbs.SendRedrawSignal(), the renderer then show it.
+        """
+        data = self._mbs.systemData
+        states = np.zeros((3, data.ODE2Size()))
+        for cable in self._cables:
+            cable.write(states)
+        displacements, velocities, accelerations = states.tolist()
+        for configuration in _SHOWN:
+            data.SetODE2Coordinates(displacements, configuration)
+            data.SetODE2Coordinates_t(velocities, configuration)
+            data.SetODE2Coordinates_tt(accelerations, configuration)
+            data.SetTime(self.time, configuration)
