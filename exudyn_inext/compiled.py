@@ -28,7 +28,7 @@ FAST_MATH = {"contract", "reassoc", "nsz", "arcp"}  # neither nnan nor ninf: div
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": FAST_MATH, "nogil": True}
 
 # What a source imports, or is, that defines kernels.
-_MARKS_OF_KERNELS = (b"compiled import", b"system import", b"numba.njit")
+_MARKS_OF_KERNELS = (b"compiled import", b"implements", b"numba.njit")
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 

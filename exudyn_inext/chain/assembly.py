@@ -163,16 +163,7 @@ def add_damping(axes, nodes, elements, q, v, lead, a, column):
     if elements[0].damping.shape[0] == 0:
         return
     e, e_t, lacking, result = local_array(3, 3), local_array(3, 3), local_array(3, 3), local_array(3, 3)
-    memory = (
-        local_array(3, 1),
-        local_array(3, 1),
-        local_array(3, 1),
-        local_array(3, 1),
-        local_array(3, 1),
-        local_array(3, 1),
-        local_array(3, 1),
-        local_array(3, 1),
-    )
+    memory = local_array(8, 3)
     for k in range(len(elements)):
         differences(axes, q, k, e)
         differences(axes, v, k, e_t)

@@ -28,11 +28,16 @@ def damping_table(length: float) -> Array:
     return np.concatenate([weight[:, None], slope.T, curvature.T], axis=1)
 
 
+# Rows of the memory of the force.
+R_X, R_XX, V_X, V_XX, B, B_T, ON_SLOPE, ON_CURVATURE = range(8)
+
+
 @inlined
-def _at_point(axes, table, first, differences, vector):
-    """vector (3, 1) = sum_a table[first + a] e_a; the third component of planar ones is left alone."""
+def _at_point(axes, table, first, differences, memory, row):
+    """memory[row] = sum_a table[first + a] e_a; the third component of planar vectors is zero."""
+    memory[row, 2] = 0.0
     for i in range(len(axes)):
-        vector[i, 0] = (
+        memory[row, i] = (
             table[first] * differences[0, i]
             + table[first + 1] * differences[1, i]
             + table[first + 2] * differences[2, i]
@@ -40,10 +45,11 @@ def _at_point(axes, table, first, differences, vector):
 
 
 @inlined
-def _cross(a, b, result):
-    result[0, 0] = a[1, 0] * b[2, 0] - a[2, 0] * b[1, 0]
-    result[1, 0] = a[2, 0] * b[0, 0] - a[0, 0] * b[2, 0]
-    result[2, 0] = a[0, 0] * b[1, 0] - a[1, 0] * b[0, 0]
+def _cross(memory, a, b, row):
+    """memory[row] = memory[a] x memory[b]."""
+    memory[row, 0] = memory[a, 1] * memory[b, 2] - memory[a, 2] * memory[b, 1]
+    memory[row, 1] = memory[a, 2] * memory[b, 0] - memory[a, 0] * memory[b, 2]
+    memory[row, 2] = memory[a, 0] * memory[b, 1] - memory[a, 1] * memory[b, 0]
 
 
 @inlined
@@ -54,35 +60,29 @@ def add_damping_force(axes, table, differences, rates, memory, force):
         axes: (0, 1) or (0, 1, 2): its length is the space dimension, a compile-time constant.
         table: (4, 7) `damping_table` with its weights times D, or (0, 7).
         differences, rates: (3, dim) e = (d, s_left, s_right) [m, -, -] and its time derivative.
-        memory: eight (3, 1) local arrays.
+        memory: (8, 3) local array.
         force: (3, dim) generalised force on e, added to [N, Nm, Nm].
     """
-    r_x, r_xx, v_x, v_xx, b, b_t, on_slope, on_curvature = memory
     for g in range(table.shape[0]):
-        for vector in (r_x, r_xx, v_x, v_xx):
-            vector[2, 0] = 0.0
-        _at_point(axes, table[g], 1, differences, r_x)
-        _at_point(axes, table[g], 4, differences, r_xx)
-        _at_point(axes, table[g], 1, rates, v_x)
-        _at_point(axes, table[g], 4, rates, v_xx)
-        _cross(r_x, r_xx, b)
-        _cross(v_x, r_xx, b_t)
-        _cross(r_x, v_xx, on_slope)
+        _at_point(axes, table[g], 1, differences, memory, R_X)
+        _at_point(axes, table[g], 4, differences, memory, R_XX)
+        _at_point(axes, table[g], 1, rates, memory, V_X)
+        _at_point(axes, table[g], 4, rates, memory, V_XX)
+        _cross(memory, R_X, R_XX, B)
+        _cross(memory, V_X, R_XX, B_T)
+        _cross(memory, R_X, V_XX, ON_SLOPE)
         square, power = 0.0, 0.0
         for i in range(3):
-            b_t[i, 0] += on_slope[i, 0]
-            square += b[i, 0] * b[i, 0]
-            power += b[i, 0] * b_t[i, 0]
+            memory[B_T, i] += memory[ON_SLOPE, i]
+            square += memory[B, i] * memory[B, i]
+            power += memory[B, i] * memory[B_T, i]
         scale = power / max(square, NO_CURVATURE)
         if len(axes) == 2:  # the sign of kappa is known, also where kappa is zero
-            b[2, 0] = 1.0
-            scale = b_t[2, 0]
-        _cross(r_xx, b, on_slope)
-        _cross(b, r_x, on_curvature)
+            memory[B, 2] = 1.0
+            scale = memory[B_T, 2]
+        _cross(memory, R_XX, B, ON_SLOPE)
+        _cross(memory, B, R_X, ON_CURVATURE)
         for a in range(3):
             for i in range(len(axes)):
-                force[a, i] -= (
-                    table[g, 0]
-                    * scale
-                    * (table[g, 1 + a] * on_slope[i, 0] + table[g, 4 + a] * on_curvature[i, 0])
-                )
+                weighted = table[g, 1 + a] * memory[ON_SLOPE, i] + table[g, 4 + a] * memory[ON_CURVATURE, i]
+                force[a, i] -= table[g, 0] * scale * weighted

@@ -30,7 +30,7 @@ def found_force(cable, q, v):
     """(n, 2, dim) of the package, element by element."""
     force = np.zeros(q.shape)
     axes = tuple(range(cable.dimension))
-    memory = tuple(np.zeros((3, 1)) for _ in range(8))
+    memory = np.zeros((8, 3))
     for k, length in enumerate(cable.element_lengths):
         table = damping_table(length)
         table[:, 0] *= cable.section.bending_damping
