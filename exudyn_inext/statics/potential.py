@@ -1,0 +1,110 @@
+"""Energy, forces, Hessians and constraints of one cable under static loads."""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.sparse import csr_array, vstack
+
+from ..arrays import Array
+from ..chain.assembly import add_elastic_force, elastic_energy
+from ..chain.border import CLOSURE
+from ..chain.cable import Cable
+from ..chain.chain import build_chain
+from ..chain.sparse_forms import assembled, elastic_tangent, form_of_cable
+from ..constraints import constraints_of_cable
+from ..element.bending import stiffness_matrix
+from ..element.forms import forms_of_mesh
+from ..element.inertia import mass_matrix
+from ..element.inextensibility import slope_gram_matrix
+
+
+class Potential:
+    """Energy, forces and Hessians of one cable under given loads, and its constraints at a time."""
+
+    def __init__(self, cable: Cable, external: Array, time: float) -> None:
+        self.cable = cable
+        self.time = time
+        self._chain = build_chain(cable)
+        self._external = external.reshape(cable.reference.shape)
+        self._constraints = constraints_of_cable(cable)
+        section = cable.section
+        self.mass = section.mass_per_length * form_of_cable(cable, mass_matrix)
+        self._stiffness = section.bending_stiffness * form_of_cable(cable, stiffness_matrix)
+        smoothing = cable.element_lengths.mean() * cable.length**3 * section.mass_per_length
+        self.metric = self.mass + smoothing / section.bending_stiffness * self._stiffness
+        lengths = np.ones(cable.reference.shape)
+        lengths[:, 1] = 1.0 / float(cable.element_lengths.mean())
+        self._scale = lengths.ravel()
+
+    def turn_with(self, q: Array) -> None:
+        """The slopes at both ends of a ring are joined transverse to the first one, which may turn."""
+        if self.cable.closed:
+            turned = constraints_of_cable(replace(self.cable, reference=q))
+            pairs = zip(self._constraints, turned, strict=True)
+            self._constraints = [new if new.name == CLOSURE else old for old, new in pairs]
+
+    def energy(self, q: Array) -> float:
+        """Bending energy less the work of the loads [J]."""
+        return float(elastic_energy(self._chain, q)) - float(np.sum(self._external * q))
+
+    def force(self, q: Array) -> Array:
+        """(n_dof,) elastic and external force."""
+        force = self._external.copy()
+        add_elastic_force(self._chain, q, force)
+        return force.ravel()
+
+    def values(self, q: Array) -> Array:
+        """(m,) all constraints."""
+        return np.concatenate([c.value(q, self.time) for c in self._constraints])
+
+    def jacobian(self, q: Array) -> csr_array:
+        """(m, n_dof) of all constraints."""
+        return csr_array(vstack([c.jacobian(q, self.time) for c in self._constraints]))
+
+    def hessian(self, q: Array, multipliers: Array) -> csr_array:
+        """Of the Lagrangian."""
+        total = elastic_tangent(self._chain, q)
+        first = 0
+        for constraint in self._constraints:
+            mine = multipliers[first : first + constraint.number]
+            total = total + constraint.hessian(mine, q.shape)
+            first += constraint.number
+        return csr_array(total)
+
+    def convex_model(self, multipliers: Array, shift: float) -> csr_array:
+        """Bending stiffness, mean tension of the elements where it pulls, and shift times the mass."""
+        gram = forms_of_mesh(slope_gram_matrix, self.cable.element_lengths)
+        tension = np.maximum(self._mean_tension(multipliers), 0.0)
+        geometric = assembled(tension[:, None, None] * gram, self.cable.reference.shape)
+        return csr_array(self._stiffness + geometric + shift * self.mass)
+
+    def _mean_tension(self, multipliers: Array) -> Array:
+        """(N,) [N]: 2 lam of the length constraint, and the nodal multipliers' share."""
+        cable, first = self.cable, 0
+        tension = np.zeros(cable.number_of_elements)
+        for constraint in self._constraints:
+            mine = multipliers[first : first + constraint.number]
+            first += constraint.number
+            if constraint.name == "length":
+                tension += 2.0 * mine[cable.group_of_element()]
+            elif constraint.name == "nodal inextensibility":
+                nodal = np.zeros(len(cable.reference))
+                nodal[~cable.fixed[:, 1]] = mine
+                tension += (nodal[1:] + nodal[:-1]) / cable.element_lengths
+        return tension
+
+    def size(self, force: Array) -> float:
+        """Largest component [N], moments over the element length."""
+        return float(np.abs(force * self._scale).max(initial=0.0))
+
+    @property
+    def total_force(self) -> Array:
+        """(dim,) sum of the external forces [N]."""
+        total: Array = self._external[:, 0].sum(axis=0)
+        return total
+
+    @property
+    def largest_load(self) -> float:
+        """Of the external forces [N], and of bending to a radius of the cable's length."""
+        section = self.cable.section
+        return self.size(self._external.ravel()) + section.bending_stiffness / self.cable.length**2

@@ -1,0 +1,41 @@
+"""Whether an equilibrium is stable: the smallest eigenvalue of the constrained Hessian."""
+
+import numpy as np
+from scipy.linalg import eigh
+
+from ..arrays import Array
+from .potential import Potential
+from .saddle_point import factorise, solve
+
+LANCZOS_STEPS = 60
+NEGLIGIBLE = 1e-10  # of the inverse eigenvalues: round-off of those that are infinite
+
+
+def smallest_eigenvalue(potential: Potential, q: Array, multipliers: Array) -> tuple[float, Array]:
+    """Of the Hessian on the constraints' null space, over the mass [1/s^2], and its vector (n_dof,).
+
+    Lanczos iteration with the inverse, orthogonalised: if some eigenvalues are negative, the one nearest
+    to zero of these.
+    """
+    hessian, jacobian = potential.hessian(q, multipliers), potential.jacobian(q)
+    rows = min(LANCZOS_STEPS, q.size - jacobian.shape[0])
+    if rows < 1:
+        return np.inf, np.zeros(q.size)
+    zero = np.zeros(jacobian.shape[0])
+    try:
+        inverse, project = factorise(hessian, jacobian), factorise(potential.mass, jacobian)
+    except RuntimeError:  # singular: something moves without any force
+        return 0.0, np.zeros(q.size)
+    vector, _ = solve(project, np.random.default_rng(1).standard_normal(q.size), zero)
+    basis = np.zeros((rows, q.size))
+    reduced = np.zeros((rows, rows))
+    for row in range(rows):
+        for _ in range(2):
+            vector = vector - basis[:row].T @ (basis[:row] @ (potential.mass @ vector))
+        norm = np.sqrt(vector @ (potential.mass @ vector))
+        basis[row] = vector / norm
+        vector, _ = solve(inverse, potential.mass @ basis[row], zero)
+        reduced[row, : row + 1] = basis[: row + 1] @ (potential.mass @ vector)
+    values, vectors = eigh(reduced, lower=True)
+    worst = 0 if values[0] < -NEGLIGIBLE * abs(values).max() else rows - 1
+    return float(1.0 / values[worst]), basis.T @ vectors[:, worst]
