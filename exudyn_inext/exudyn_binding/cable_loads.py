@@ -114,9 +114,11 @@ class CableLoads:
     def _motion_patterns(self, n_dof: int, motions: list[Motion]) -> list[Array]:
         """One unit row a component of p, p_t, p_tt of each motion."""
         width = 3 * self._dimension
-        unit = np.eye(len(self.constant))
         starts = [n_dof + k * width for k, motion in enumerate(motions) if not motion.rests]
-        return [row for start in starts for row in unit[start : start + width]]
+        places = [place for start in starts for place in range(start, start + width)]
+        rows = np.zeros((len(places), len(self.constant)))
+        rows[np.arange(len(places)), places] = 1.0
+        return list(rows)
 
     def _is_in_space(self, load: NodalLoad, coordinate: int) -> bool:
         """Whether a component acts on the cable; the z component of a force on a planar one does not."""

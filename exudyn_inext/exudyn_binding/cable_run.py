@@ -7,6 +7,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..chain.border import all_links
+from ..chain.cable import Cable
 from ..chain.frequency import largest_frequency
 from ..chain.linked_cable import LinkedCableSystem, cable_system
 from ..errors import RedundantConstraintError
@@ -68,6 +69,7 @@ class CableRun:
         self.indices = scene_cable.indices
         self.reference = cable.reference.ravel()
         self.system = cable_system(cable, start.zeta, start.mass_scaling)
+        self._element_masses = _element_masses(cable, start.mass_scaling)
         self._integrator = integrator
         self.loads = CableLoads(scene_cable)
         self.state: Any = integrator.allocate(cable.reference.size, len(self.loads.constant))
@@ -132,8 +134,7 @@ class CableRun:
         nodes = self.system.chain.nodes
         ends = np.flatnonzero(nodes.ends_group)
         pivots = 1.0 / nodes.inverse_pivot[ends, -1]
-        mass = self.scene_cable.cable.section.mass_per_length * self.scene_cable.cable.element_lengths
-        dependent = ~(pivots < -PIVOT_TOLERANCE * 8.0 / mass[ends - 1])
+        dependent = ~(pivots < -PIVOT_TOLERANCE * 8.0 / self._element_masses[ends - 1])
         if dependent.any():
             k, names = int(ends[np.argmax(dependent)]), self.scene_cable.item.node_names
             raise RedundantConstraintError(
@@ -156,3 +157,10 @@ class CableRun:
                 "constraints (a node that is held or moved twice, or a cable pulled straight between what "
                 "holds it): remove one of them, or let the cable sag."
             )
+
+
+def _element_masses(cable: Cable, mass_scaling: float) -> Array:
+    """(N,) rho_A l, and what mass scaling adds to it [kg]."""
+    section, lengths = cable.section, cable.element_lengths
+    masses: Array = section.mass_per_length * lengths
+    return masses + mass_scaling * 24.0 * section.bending_stiffness / lengths**3

@@ -297,3 +297,17 @@ def test_a_system_that_is_not_assembled_is_refused(mbs, add_pendulum):
 def test_a_start_time_that_is_no_number_is_refused(twin, time):
     with pytest.raises(InputError, match="startTime"):
         ExplicitStepper(twin().mbs, startTime=time)
+
+
+def test_ten_thousand_elements_with_mass_scaling_start_in_little_memory(twin):
+    """Neither round-off in pivots nor dense arrays of the size of the cable are in the way."""
+    built = twin(numberOfElements=10_000)
+    tracemalloc.start()
+    try:
+        stepper = started(built.mbs, 2e-3, massScaling=0.3)
+        stepper.Step(2)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 1e4 * 10_000
+    assert stepper.State()[0][-1, 0, 1] < -1e-4
