@@ -33,7 +33,7 @@ def add_force(mbs, node, user_function):
 
 
 def started(mbs, stepSize=STEP, **settings):
-    stepper = ExplicitStepper(mbs, ExplicitSettings(**settings), stepSize)
+    stepper = ExplicitStepper(mbs, ExplicitSettings(stepSize=stepSize, **settings))
     stepper.Start()
     return stepper
 
@@ -73,8 +73,7 @@ def test_any_portions_of_steps_give_the_bits_of_a_run(twin, solve, integrator, p
 def test_mass_scaling_gives_the_bits_of_a_run(twin, solve):
     run, stepped = twin(), twin()
     solve(run.mbs, 0.1, stepSize=5e-3, massScaling=0.3)
-    stepper = ExplicitStepper(stepped.mbs, ExplicitSettings(stepSize=5e-3, massScaling=0.3))
-    stepper.Start()
+    stepper = started(stepped.mbs, 5e-3, massScaling=0.3)
     stepper.Step(20)
     stepper.WriteToSystem()
     np.testing.assert_array_equal(system_state(stepped.mbs), system_state(run.mbs))
@@ -225,7 +224,7 @@ def test_a_step_above_the_limit_is_refused(twin, contents):
     mbs = twin().mbs
     before = contents(mbs)
     with pytest.raises(StepSizeError, match=r"stepSize = 0\.004 s is above 0\.00274159 s.*reduce the step"):
-        ExplicitStepper(mbs, stepSize=4e-3)
+        ExplicitStepper(mbs, ExplicitSettings(stepSize=1e-3), stepSize=4e-3)
     assert contents(mbs) == before
 
 
