@@ -6,18 +6,9 @@ from reference_models.scenes import load_scene
 from studies.harness.reference import from_data
 from studies.harness.study import Results
 from studies.table1 import PAPER_EXPLICIT, PAPER_IMPLICIT, PAPER_PROPOSED, make_conclusions
+from tests.studies.rows import row
 
 SCENE = load_scene("planar_pendulum")
-
-
-def row(label, formulation, integrator, cpu, error):
-    return {
-        "label": label,
-        "formulation": formulation,
-        "integrator": integrator,
-        "cpuSeconds": cpu,
-        "errorMax": error,
-    }
 
 
 ROWS = [

@@ -10,19 +10,9 @@ from studies.harness.reference import from_data
 from studies.harness.study import Results
 from studies.registry import find_study
 from studies.table2 import PAPER_EXPLICIT, PAPER_IMPLICIT, PAPER_PROPOSED, make_conclusions
+from tests.studies.rows import row
 
 SCENE = load_scene("spatial_pendulum")
-
-
-def row(label, formulation, integrator, cpu, error, quadrature="full"):
-    return {
-        "label": label,
-        "formulation": formulation,
-        "integrator": integrator,
-        "cpuSeconds": cpu,
-        "errorMax": error,
-        "quadrature": quadrature,
-    }
 
 
 ROWS = [
