@@ -12,6 +12,7 @@ from .errors import (
 )
 from .exudyn_binding.cable_forces import CableForces, CreateCableForceSensor
 from .exudyn_binding.cable_item import CreateInextensibleCable
+from .exudyn_binding.ensemble import SolveEnsemble
 from .exudyn_binding.prescribed_motion import CreatePrescribedMotion
 from .exudyn_binding.settings import ExplicitSettings
 from .exudyn_binding.shape import CableShape
@@ -41,6 +42,7 @@ __all__ = [
     "RedundantConstraintError",
     "RungeKutta4",
     "SceneError",
+    "SolveEnsemble",
     "SolveEquilibrium",
     "SolveExplicit",
     "StaticSettings",

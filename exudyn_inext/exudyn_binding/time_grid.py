@@ -39,13 +39,18 @@ def time_grid(mbs: Any, settings: Any, wanted: float) -> TimeGrid:
     Raises:
         InputError: the end time is not after the start time.
     """
+    return grid_of_period(settings, wanted, _output_period(mbs, settings))
+
+
+def grid_of_period(settings: Any, wanted: float, period: float) -> TimeGrid:
+    """The grid of `time_grid` for outputs at a given period [s]; 0: at every step of the integrator."""
     time = settings.timeIntegration
     duration = time.endTime - time.startTime
     if not (math.isfinite(duration) and duration > 0.0):
         raise InputError(
             f"endTime - startTime = {duration} s: must be a finite number > 0; set timeIntegration.endTime."
         )
-    interval = min(duration / time.numberOfSteps, _output_period(mbs, settings) or wanted)
+    interval = min(duration / time.numberOfSteps, period or wanted)
     loop_steps = _commensurate_steps(duration, interval)
     substeps = math.ceil(duration / loop_steps / wanted * _ROUND_OFF)
     return TimeGrid(time.startTime, loop_steps, substeps, duration / (loop_steps * substeps))

@@ -1,0 +1,158 @@
+"""The members of an ensemble: systems of the same structure, read one by one, and their common step."""
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+from ..chain.border import all_links
+from ..errors import InextensibleError, InputError, SceneError
+from ..integrators.step_size import StepSizeBounds
+from .cable_run import CableRun
+from .explicit_runs import cable_runs, step_bounds
+from .scene import require_assembled
+from .settings import ExplicitSettings
+
+REMEDY = "members must not differ in it; put the others into an ensemble of their own."
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """One system of an ensemble.
+
+    runs: one for each cable.   size: number of coordinates of the mbs.   bounds: of its step.
+    """
+
+    runs: list[CableRun]
+    size: int
+    bounds: StepSizeBounds
+
+
+def all_systems(systems: Any, parameters: Iterable[Any] | None) -> Iterator[Callable[[], Any]]:
+    """One function for each member that gives its mbs.
+
+    Raises:
+        InputError: `parameters` without a builder, or a builder without `parameters`.
+    """
+    if callable(systems) != (parameters is not None):
+        raise InputError(
+            "SolveEnsemble takes a sequence of assembled systems, or a function that builds one and the "
+            "list of its parameters: "
+            + ("parameters are missing." if callable(systems) else "systems is no function.")
+        )
+    if parameters is None:
+        return (partial(_as_it_is, mbs) for mbs in systems)
+    return (partial(systems, values) for values in parameters)
+
+
+def _as_it_is(mbs: Any) -> Any:
+    return mbs
+
+
+def read_members(
+    systems: Any, parameters: Iterable[Any] | None, time: float, h: float, explicit: ExplicitSettings
+) -> list[Member]:
+    """All members, ready to start.
+
+    Args:
+        systems, parameters: see `SolveEnsemble`.   time: of the start [s].   explicit: settings.
+        h: step that scales the mass [s]; 0 without mass scaling.
+
+    Raises:
+        InputError: no member at all, or members of different structure.
+        SceneError: a member that is not assembled, or contains what is not supported.
+    """
+    members: list[Member] = []
+    for number, mbs_of in enumerate(all_systems(systems, parameters)):
+        with _naming(number):
+            mbs = mbs_of()
+            runs = _runs(mbs, time, h, explicit)
+            if members:
+                _require_same_structure(members[0].runs, runs)
+            members.append(Member(runs, mbs.systemData.ODE2Size(), step_bounds(runs, time, explicit)))
+    if not members:
+        raise InputError("the ensemble is empty: give at least one system.")
+    return members
+
+
+@contextmanager
+def _naming(number: int) -> Iterator[None]:
+    """Every error of the package says which member it is about."""
+    try:
+        yield
+    except InextensibleError as error:
+        error.args = (f"member {number} of the ensemble: {error}", *error.args[1:])
+        raise
+
+
+def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> list[CableRun]:
+    if not hasattr(mbs, "systemIsConsistent"):
+        raise InputError(f"{mbs!r} is no system of Exudyn (mbs): a builder must return it.")
+    require_assembled(mbs)
+    if mbs.GetPreStepUserFunction() or mbs.GetPostStepUserFunction():
+        raise SceneError(
+            "it has a pre- or post-step user function, which nobody calls within an ensemble: remove it, or "
+            "use SolveExplicit."
+        )
+    runs = cable_runs(mbs, time, h, explicit)
+    if not runs:
+        raise SceneError("it has no inextensible cable: add one with CreateInextensibleCable.")
+    for run in runs:
+        _require_known_ahead(run)
+    return runs
+
+
+def _require_known_ahead(run: CableRun) -> None:
+    if run.looks_ahead:
+        return
+    scene = run.scene_cable
+    culprits = [f"load on node {load.node}" for load in scene.loads if load.history and not load.is_pure]
+    culprits += [f"constraint {moving.name}" for moving in scene.moving if not moving.motion.is_pure]
+    raise SceneError(
+        f"{run.name}: the user function of {', '.join(culprits)} may depend on the state, but is asked ahead "
+        "of the run: if it depends on the time alone, set function.dependsOnTimeOnly = True; otherwise use "
+        "SolveExplicit."
+    )
+
+
+def _require_same_structure(first: Sequence[CableRun], others: Sequence[CableRun]) -> None:
+    if len(first) != len(others):
+        raise InputError(f"number of cables = {len(others)}, that of member 0 is {len(first)}: {REMEDY}")
+    for expected, run in zip(first, others, strict=True):
+        wanted, found = structure(expected), structure(run)
+        for what, value in wanted.items():
+            if found[what] != value:
+                raise InputError(
+                    f"{what} of {run.name} = {found[what]!r}, that of member 0 is {value!r}: {REMEDY}"
+                )
+
+
+def structure(run: CableRun) -> dict[str, Any]:
+    """What decides on the shapes of a cable's arrays and on the compiled code that moves it."""
+    cable = run.scene_cable.cable
+    links = Counter(link.kind for link in all_links(cable))
+    return {
+        "dimension": cable.dimension,
+        "number of elements": cable.number_of_elements,
+        "curvature measure": cable.measure.value,
+        "natural curvature is present": cable.section.natural_curvature != 0.0,
+        "bending damping is present": cable.section.bending_damping != 0.0,
+        "closed": cable.closed,
+        "links": ", ".join(f"{number} {kind}" for kind, number in sorted(links.items())) or "none",
+        "components of load histories and motions": len(run.loads.pattern),
+        "coordinates and anchors of links": len(run.loads.constant),
+    }
+
+
+def tightest_bounds(members: Sequence[Member]) -> StepSizeBounds:
+    """Bounds within which every member is stable, and the cable that decides."""
+    all_bounds = [member.bounds for member in members]
+    fastest = min(range(len(members)), key=lambda m: all_bounds[m].bending)
+    return replace(
+        all_bounds[fastest],
+        stabilisation=min(bounds.stabilisation for bounds in all_bounds),
+        rule=min(bounds.rule for bounds in all_bounds),
+        cable=f"{all_bounds[fastest].cable} of member {fastest}",
+    )

@@ -1,0 +1,90 @@
+"""Many systems of one type in one compiled call: an ensemble.
+
+The arrays of all members are stacked along a new first axis; a member is a slice of each of them, of the
+same compiled type as a system that stands alone, so that the same machine code moves it.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numba.core import types
+from numba.extending import overload
+
+from ..compiled import inlined, kernel
+from .integrator import LoadHistory, record
+
+
+def stacked(members: Sequence[Any]) -> Any:
+    """NamedTuples of equal structure as one, each array with a new first axis; the rest from the first."""
+    first = members[0]
+    if isinstance(first, np.ndarray):
+        return np.stack(members).view(type(first))
+    if hasattr(first, "_fields"):
+        return type(first)(*[stacked(parts) for parts in zip(*members, strict=True)])
+    return first
+
+
+def member(stack: Any, m: Any) -> Any:
+    """Member `m` of what `stacked` made: its arrays are views into the stack."""
+    if isinstance(stack, np.ndarray):
+        return stack[m]
+    return type(stack)(*_parts(stack, m)) if hasattr(stack, "_fields") else stack
+
+
+def _parts(fields: Any, m: Any) -> Any:
+    return tuple(member(field, m) for field in fields)
+
+
+@overload(member)
+def _compile_member(stack, m):
+    if isinstance(stack, types.Array):
+        return lambda stack, m: stack[m]
+    if isinstance(stack, types.BaseNamedTuple):
+        build = stack.instance_class
+        return lambda stack, m: build(*_parts(tuple(stack), m))
+    return lambda stack, m: stack
+
+
+@overload(_parts)
+def _compile_parts(fields, m):
+    if len(fields) == 0:
+        return lambda fields, m: ()
+    return lambda fields, m: (member(fields[0], m), *_parts(fields[1:], m))
+
+
+@inlined
+def _of_interval(loads, interval, steps):
+    """What `loads` holds of the `steps` steps of one interval."""
+    first = interval * steps
+    return LoadHistory(loads.constant, loads.pattern, loads.factor[first : first + steps])
+
+
+@inlined
+def _copy(history, interval, output):
+    """Keep one interval of a member; returns whether its coordinates are finite."""
+    is_finite = True
+    for i in range(history.shape[2]):
+        is_finite &= np.isfinite(history[0, 0, i])
+        for d in range(len(output)):
+            output[d, interval, i] = history[0, d, i]
+    return is_finite
+
+
+@kernel
+def record_members(scheme, systems, loads, states, h, steps, output):
+    """Advance one member after the other, as `record` does, each until its end or its divergence.
+
+    Args:
+        scheme, h, steps: see `advance`; the same for all members.
+        systems, loads, states: of all members, see `stacked`.
+        output: (derivatives, members, intervals, n_dof) q, v, a at the end of each interval, as many of
+            them as it has room for; on entry what shall stand where a member has not got to.
+    """
+    history = np.empty((1, 3, output.shape[3]))
+    for m in range(output.shape[1]):
+        system, state, forces = member(systems, m), member(states, m), member(loads, m)
+        for interval in range(output.shape[2]):
+            record(scheme, system, _of_interval(forces, interval, steps), state, h, steps, history)
+            if not _copy(history, interval, output[:, m]):
+                break
