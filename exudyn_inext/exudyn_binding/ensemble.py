@@ -2,9 +2,10 @@
 
 import os
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import islice, tee
 from typing import Any
 
 import exudyn
@@ -14,8 +15,9 @@ from ..arrays import Array
 from ..errors import InputError
 from ..integrators import find_integrator
 from ..integrators.ensemble import record_members, stacked
+from ..integrators.step_size import StepSizeBounds
 from .cable_run import CableRun
-from .ensemble_members import Member, read_members, tightest_bounds
+from .ensemble_members import Member, all_systems, read_members, tightest_bounds
 from .explicit_runs import scheme_of, wanted_step
 from .settings import ExplicitSettings
 from .time_grid import TimeGrid, grid_of_period
@@ -74,21 +76,15 @@ def SolveEnsemble(
     if derivatives not in (0, 1, 2) or isinstance(derivatives, bool):
         raise InputError(f"derivatives = {derivatives!r}: choose 0, 1 or 2.")
     h = _grid(settings, explicit.stepSize).h if explicit.massScaling and explicit.stepSize else 0.0
-    start = float(settings.timeIntegration.startTime)
-    members = read_members(systems, parameters, start, h, explicit)
-    bounds = tightest_bounds(members)
-    wanted, decided_by = wanted_step(bounds, explicit)
-    ensemble = _Ensemble(members, _grid(settings, wanted), explicit, derivatives + 1)
-    ensemble.solve(workers)
-    grid = ensemble.grid
-    return ensemble.results() | {
-        "integrator": explicit.integrator,
-        "stepSize": grid.h,
-        "steps": grid.loop_steps * grid.substeps,
-        "decidedBy": decided_by if grid.substeps > 1 or grid.h > 0.99 * wanted else "output period",
-        "bounds": bounds,
-        "threads": workers,
-    }
+    builders = all_systems(systems, parameters)
+    members = read_members(builders, float(settings.timeIntegration.startTime), h, explicit)
+    wanted = explicit.stepSize
+    if wanted is None:  # all members decide on it before the first one moves
+        members, all_of_them = tee(members)
+        wanted, _ = wanted_step(tightest_bounds([member.bounds for member in all_of_them]), explicit)
+    ensemble = _Ensemble(len(builders), _grid(settings, wanted), explicit, derivatives + 1)
+    ensemble.solve(members, workers)
+    return ensemble.results() | {"threads": workers}
 
 
 def _number_of_threads(threads: int | None) -> int:
@@ -105,10 +101,10 @@ def _grid(settings: Any, wanted: float) -> TimeGrid:
 
 @dataclass(frozen=True, eq=False)
 class _Chunk:
-    """Some members, by their numbers, their runs of cable number `cable`, and stacks, see `stacked`."""
+    """Members from number `first`: their runs of cable number `cable`, and these stacked."""
 
     cable: int
-    numbers: range
+    first: int
     runs: list[CableRun]
     systems: Any
     loads: Any
@@ -119,22 +115,73 @@ class _Ensemble:
     """States of all members, while they are computed.
 
     grid: output intervals and steps.   states: (derivatives, members, T, n).
+    bounds: of the members that have been started.
     """
 
-    def __init__(
-        self, members: Sequence[Member], grid: TimeGrid, explicit: ExplicitSettings, derivatives: int
-    ) -> None:
+    def __init__(self, number: int, grid: TimeGrid, explicit: ExplicitSettings, derivatives: int) -> None:
         self.grid = grid
-        self._members = members
+        self.bounds: list[StepSizeBounds] = []
+        self._explicit = explicit
         self._scheme = scheme_of(explicit)
         self._stages = find_integrator(explicit.integrator).stages
-        intervals, size = grid.loop_steps, members[0].size
-        self.states = np.full((derivatives, len(members), intervals + 1, size), np.nan)
-        self.reference = np.zeros((len(members), size))
-        self._good = np.full((len(members[0].runs), len(members)), intervals)  # before a divergence
-        for number, member in enumerate(members):
-            for run in member.runs:
-                self._start(number, run)
+        self._number, self._derivatives = number, derivatives
+
+    def solve(self, members: Iterator[Member], threads: int) -> None:
+        """Advance all members, `threads` at the same time.
+
+        The calling thread reads systems and samples loads while the others compute.
+        """
+        if threads == 1:
+            for chunk in self._chunks(members, threads):
+                self._advance(chunk)
+            return
+        pending: deque[Future[None]] = deque()
+        with ThreadPoolExecutor(threads) as pool:
+            for chunk in self._chunks(members, threads):
+                pending.append(pool.submit(self._advance, chunk))
+                if len(pending) > 2 * threads:  # the chunks that wait hold memory
+                    pending.popleft().result()
+            for future in pending:
+                future.result()
+
+    def _chunks(self, members: Iterator[Member], threads: int) -> Iterator[_Chunk]:
+        while len(self.bounds) < self._number:
+            first = len(self.bounds)
+            size = self._size_of_chunk(threads) if first else 1
+            together = list(islice(members, size))
+            if first == 0:
+                self._allocate(together[0])
+            self.bounds += [member.bounds for member in together]
+            for cable in range(len(together[0].runs)):
+                yield self._chunk(cable, first, [member.runs[cable] for member in together])
+
+    def _allocate(self, member: Member) -> None:
+        """Memory of all members, which are of the same size as the given one."""
+        shape = (self._derivatives, self._number, self.grid.loop_steps + 1, member.size)
+        self.states = np.full(shape, np.nan)
+        self.reference = np.zeros((self._number, member.size))
+        self._good = np.zeros((len(member.runs), self._number), dtype=int)  # intervals before a divergence
+        outputs = self._derivatives * self.grid.loop_steps * member.size
+        patterns = sum(len(run.loads.pattern) for run in member.runs)
+        factors = self.grid.loop_steps * self.grid.substeps * len(self._stages) * patterns
+        self._numbers_of_a_member = outputs + factors
+
+    def _size_of_chunk(self, threads: int) -> int:
+        fair = -(-self._number // (CHUNKS_OF_A_THREAD * threads))
+        return max(1, min(fair, NUMBERS_IN_A_CHUNK // self._numbers_of_a_member))
+
+    def _chunk(self, cable: int, first: int, runs: list[CableRun]) -> _Chunk:
+        grid, steps = self.grid, self.grid.loop_steps * self.grid.substeps
+        for number, run in enumerate(runs, first):
+            self._start(number, run)
+        return _Chunk(
+            cable,
+            first,
+            runs,
+            systems=stacked([run.system for run in runs]),
+            loads=stacked([run.loads.sample(grid.start, grid.h, steps, self._stages) for run in runs]),
+            states=stacked([run.state for run in runs]),
+        )
 
     def _start(self, number: int, run: CableRun) -> None:
         run.start(self.grid.start)
@@ -143,46 +190,6 @@ class _Ensemble:
         for states, values in zip(self.states[:, number, 0], first, strict=False):
             states[run.indices] = values
 
-    def solve(self, threads: int) -> None:
-        """Advance all members, `threads` at the same time; loads are sampled by the calling thread."""
-        if threads == 1:
-            for chunk in self._chunks(threads):
-                self._advance(chunk)
-            return
-        pending: deque[Future[None]] = deque()
-        with ThreadPoolExecutor(threads) as pool:
-            for chunk in self._chunks(threads):
-                pending.append(pool.submit(self._advance, chunk))
-                if len(pending) > 2 * threads:  # the chunks that wait hold memory
-                    pending.popleft().result()
-            for future in pending:
-                future.result()
-
-    def _chunks(self, threads: int) -> Iterator[_Chunk]:
-        number = len(self._members)
-        for cable in range(len(self._members[0].runs)):
-            runs = [member.runs[cable] for member in self._members]
-            size = min(-(-number // (CHUNKS_OF_A_THREAD * threads)), self._most_at_once(runs[0]))
-            for first in range(0, number, size):
-                numbers = range(first, min(first + size, number))
-                yield self._chunk(cable, numbers, [runs[m] for m in numbers])
-
-    def _most_at_once(self, run: CableRun) -> int:
-        outputs = len(self.states) * self.grid.loop_steps * len(run.indices)
-        factors = self.grid.loop_steps * self.grid.substeps * len(self._stages) * len(run.loads.pattern)
-        return max(1, NUMBERS_IN_A_CHUNK // (outputs + factors))
-
-    def _chunk(self, cable: int, numbers: range, runs: list[CableRun]) -> _Chunk:
-        grid, steps = self.grid, self.grid.loop_steps * self.grid.substeps
-        return _Chunk(
-            cable,
-            numbers,
-            runs,
-            systems=stacked([run.system for run in runs]),
-            loads=stacked([run.loads.sample(grid.start, grid.h, steps, self._stages) for run in runs]),
-            states=stacked([run.state for run in runs]),
-        )
-
     def _advance(self, chunk: _Chunk) -> None:
         """Compute the chunk's states and put them into their places, up to a divergence."""
         grid, run = self.grid, chunk.runs[0]
@@ -190,7 +197,8 @@ class _Ensemble:
         output = np.full(shape, np.nan)
         stacks = (chunk.systems, chunk.loads, chunk.states)
         record_members(self._scheme, *stacks, grid.h, grid.substeps, output)
-        for place, (number, run) in enumerate(zip(chunk.numbers, chunk.runs, strict=True)):
+        for place, run in enumerate(chunk.runs):
+            number = chunk.first + place
             history = output[:, place].transpose(1, 0, 2)
             history[:, 0] -= run.reference
             good = int(np.argmin(np.append(run.is_credible(history), False)))
@@ -198,20 +206,30 @@ class _Ensemble:
             self.states[:, number, 1 : good + 1][..., run.indices] = output[:, place, :good]
 
     def results(self) -> dict[str, Any]:
-        """Arrays and statuses; of several cables, the first divergence ends their member."""
-        grid = self.grid
-        ends = np.full(len(self._members), np.nan)
-        good = self._good.min(axis=0)
-        for number in np.flatnonzero(good < grid.loop_steps):
-            self.states[:, number, good[number] + 1 :] = np.nan
-            ends[number] = grid.time(int(good[number]) + 1)
-        times = np.array([grid.time(step) for step in range(grid.loop_steps + 1)])
-        arrays: dict[str, Array] = dict(zip(DERIVATIVES, self.states, strict=False))
+        """What `SolveEnsemble` returns; of several cables, the first divergence ends their member."""
+        grid, explicit = self.grid, self._explicit
+        bounds = tightest_bounds(self.bounds)
+        wanted, decided_by = wanted_step(bounds, explicit)
+        ends = self._divergence_times()
         return {
             "success": bool(np.isnan(ends).all()),
-            "times": times,
-            **arrays,
+            "times": np.array([grid.time(step) for step in range(grid.loop_steps + 1)]),
+            **dict(zip(DERIVATIVES, self.states, strict=False)),
             "referenceCoordinates": self.reference,
             "status": [OK if np.isnan(end) else f"diverged before t = {end:.6g} s" for end in ends],
             "divergenceTimes": ends,
+            "integrator": explicit.integrator,
+            "stepSize": grid.h,
+            "steps": grid.loop_steps * grid.substeps,
+            "decidedBy": decided_by if grid.substeps > 1 or grid.h > 0.99 * wanted else "output period",
+            "bounds": bounds,
         }
+
+    def _divergence_times(self) -> Array:
+        """(members,) NaN where there was none; later states are made NaN."""
+        ends = np.full(self._number, np.nan)
+        good = self._good.min(axis=0)
+        for number in np.flatnonzero(good < self.grid.loop_steps):
+            self.states[:, number, good[number] + 1 :] = np.nan
+            ends[number] = self.grid.time(int(good[number]) + 1)
+        return ends

@@ -11,7 +11,7 @@ from ..chain.border import all_links
 from ..errors import InextensibleError, InputError, SceneError
 from ..integrators.step_size import StepSizeBounds
 from .cable_run import CableRun
-from .explicit_runs import cable_runs, step_bounds
+from .explicit_runs import cable_runs, step_bounds, wanted_step
 from .scene import require_assembled
 from .settings import ExplicitSettings
 
@@ -30,11 +30,11 @@ class Member:
     bounds: StepSizeBounds
 
 
-def all_systems(systems: Any, parameters: Iterable[Any] | None) -> Iterator[Callable[[], Any]]:
-    """One function for each member that gives its mbs.
+def all_systems(systems: Any, parameters: Iterable[Any] | None) -> list[Callable[[], Any]]:
+    """One function for each member that gives its mbs; arguments: see `SolveEnsemble`.
 
     Raises:
-        InputError: `parameters` without a builder, or a builder without `parameters`.
+        InputError: no member at all, `parameters` without a builder, or a builder without `parameters`.
     """
     if callable(systems) != (parameters is not None):
         raise InputError(
@@ -42,9 +42,11 @@ def all_systems(systems: Any, parameters: Iterable[Any] | None) -> Iterator[Call
             "list of its parameters: "
             + ("parameters are missing." if callable(systems) else "systems is no function.")
         )
-    if parameters is None:
-        return (partial(_as_it_is, mbs) for mbs in systems)
-    return (partial(systems, values) for values in parameters)
+    function, values = (_as_it_is, systems) if parameters is None else (systems, parameters)
+    builders: list[Callable[[], Any]] = [partial(function, value) for value in values]
+    if not builders:
+        raise InputError("the ensemble is empty: give at least one system.")
+    return builders
 
 
 def _as_it_is(mbs: Any) -> Any:
@@ -52,29 +54,34 @@ def _as_it_is(mbs: Any) -> Any:
 
 
 def read_members(
-    systems: Any, parameters: Iterable[Any] | None, time: float, h: float, explicit: ExplicitSettings
-) -> list[Member]:
-    """All members, ready to start.
+    builders: Iterable[Callable[[], Any]], time: float, h: float, explicit: ExplicitSettings
+) -> Iterator[Member]:
+    """All members, one after the other, ready to start.
 
     Args:
-        systems, parameters: see `SolveEnsemble`.   time: of the start [s].   explicit: settings.
+        builders: see `all_systems`.   time: of the start [s].   explicit: settings.
         h: step that scales the mass [s]; 0 without mass scaling.
 
     Raises:
-        InputError: no member at all, or members of different structure.
+        InputError: members of different structure.
         SceneError: a member that is not assembled, or contains what is not supported.
+        StepSizeError: the given step is above the stability limit of a member.
     """
-    members: list[Member] = []
-    for number, mbs_of in enumerate(all_systems(systems, parameters)):
+    first: Member | None = None
+    for number, mbs_of in enumerate(builders):
         with _naming(number):
-            mbs = mbs_of()
-            runs = _runs(mbs, time, h, explicit)
-            if members:
-                _require_same_structure(members[0].runs, runs)
-            members.append(Member(runs, mbs.systemData.ODE2Size(), step_bounds(runs, time, explicit)))
-    if not members:
-        raise InputError("the ensemble is empty: give at least one system.")
-    return members
+            member = _member(mbs_of(), time, h, explicit)
+            first = first or member
+            _require_same_structure(first.runs, member.runs)
+        yield member
+
+
+def _member(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> Member:
+    runs = _runs(mbs, time, h, explicit)
+    bounds = step_bounds(runs, time, explicit)
+    if explicit.stepSize is not None and not explicit.allowUnstableStep:
+        wanted_step(bounds, explicit)
+    return Member(runs, mbs.systemData.ODE2Size(), bounds)
 
 
 @contextmanager
@@ -146,10 +153,9 @@ def structure(run: CableRun) -> dict[str, Any]:
     }
 
 
-def tightest_bounds(members: Sequence[Member]) -> StepSizeBounds:
+def tightest_bounds(all_bounds: Sequence[StepSizeBounds]) -> StepSizeBounds:
     """Bounds within which every member is stable, and the cable that decides."""
-    all_bounds = [member.bounds for member in members]
-    fastest = min(range(len(members)), key=lambda m: all_bounds[m].bending)
+    fastest = min(range(len(all_bounds)), key=lambda m: all_bounds[m].bending)
     return replace(
         all_bounds[fastest],
         stabilisation=min(bounds.stabilisation for bounds in all_bounds),
