@@ -8,16 +8,19 @@ from exudyn_inext import (
     CableShape,
     CreateInextensibleCable,
     CreatePrescribedMotion,
+    DivergenceError,
     ExplicitSettings,
     InextensibleCable,
+    InputError,
+    SceneError,
     SolveEnsemble,
     SolveExplicit,
+    StepSizeError,
 )
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import hang, load_node
 
 END = 0.3
-TABLE = {"x": (0.0, 0.3), "y": (-0.2, 0.1)}
 
 
 def pendulum(stiffness=0.0866, tip_speed=0.0, elements=5, build=lambda mbs, nodes: None, **changes):
@@ -42,13 +45,13 @@ def ring(stiffness):
     return pendulum(stiffness, shape=shape)
 
 
-def pushed(strength):
+def pushed(strength, time_only=True):
     """A force on the tip that depends on the time."""
 
     def force(mbs, t, load):
         return [0.0, strength * np.sin(10.0 * t), 0.0]
 
-    force.dependsOnTimeOnly = True
+    force.dependsOnTimeOnly = time_only
     return pendulum(build=lambda mbs, nodes: load_node(mbs, nodes[-1], [0] * 3, loadVectorUserFunction=force))
 
 
@@ -86,10 +89,10 @@ def spatial(speed):
     )
 
 
-def moved(mbs, h, **explicit):
+def moved(mbs, steps=1, **explicit):
     """(3, n) last coordinates, velocities and accelerations of a run of its own."""
     with silence():
-        SolveExplicit(mbs, quiet_settings(END, 1), ExplicitSettings(stepSize=h, **explicit))
+        SolveExplicit(mbs, quiet_settings(END, steps), ExplicitSettings(**explicit))
     data = mbs.systemData
     return np.array([data.GetODE2Coordinates(), data.GetODE2Coordinates_t(), data.GetODE2Coordinates_tt()])
 
@@ -122,9 +125,147 @@ def last(result):
 def test_every_member_moves_bit_for_bit_as_it_does_alone(build, parameters, explicit):
     result = ensemble(build, parameters, **explicit)
     assert result["status"] == ["ok"] * len(parameters)
-    alone = dict(explicit, stepSize=result["stepSize"])
-    alone = {"integrator": alone.pop("integrator", "RATTLE")} | alone
-    h = alone.pop("stepSize")
     for member, values in zip(last(result), parameters, strict=True):
-        np.testing.assert_array_equal(member, moved(build(values), h, **alone))
+        alone = moved(build(values), **(explicit | {"stepSize": result["stepSize"]}))
+        np.testing.assert_array_equal(member, alone)
     assert np.abs(np.diff(last(result), axis=0)).max() > 1e-3  # the parameters matter
+
+
+def test_threads_change_no_bit():
+    parameters = np.linspace(0.05, 0.1, 11)
+    one, two = (ensemble(pendulum, parameters, threads) for threads in (1, 2))
+    for name in ("coordinates", "velocities", "accelerations", "times", "referenceCoordinates"):
+        np.testing.assert_array_equal(one[name], two[name])
+    assert (one["threads"], two["threads"]) == (1, 2)
+
+
+def test_results_are_what_a_sensor_stores(add_sensor):
+    mbs = pendulum(tip_speed=0.5)
+    tip = add_sensor(mbs, 5)
+    mbs.Assemble()
+    settings = quiet_settings(END, 1, period=0.02)
+    result = SolveEnsemble([mbs, pendulum()], settings, derivatives=1)
+    assert mbs.GetSensorStoredData(tip).size == 0
+    with silence():
+        SolveExplicit(mbs, settings, ExplicitSettings(stepSize=result["stepSize"]))
+    stored = np.asarray(mbs.GetSensorStoredData(tip))
+    assert result["coordinates"].shape == result["velocities"].shape == (2, 16, 24)
+    assert "accelerations" not in result
+    positions = result["coordinates"][0] + result["referenceCoordinates"][0]
+    np.testing.assert_allclose(positions[:, -4:-2], stored[:, 1:3], atol=1e-14)
+    np.testing.assert_allclose(result["times"], stored[:, 0], atol=1e-14)
+    assert result["velocities"][0, 0, -3] == 0.5
+    assert result["steps"] == pytest.approx(END / result["stepSize"])
+
+
+def test_the_systems_stay_as_they_are(contents):
+    systems = [pendulum(), pendulum(0.1)]
+    before = [contents(mbs) for mbs in systems]
+    SolveEnsemble(systems, quiet_settings(END, 1))
+    assert [contents(mbs) for mbs in systems] == before
+
+
+def test_a_builder_may_change_and_return_the_same_system():
+    mbs = pendulum()
+
+    def with_speed(speed):
+        mbs.SetNodeParameter(5, "initialVelocities", [0, speed, 0, speed / 1.8])
+        for node in range(1, 6):
+            share = node / 5
+            mbs.SetNodeParameter(node, "initialVelocities", [0, share * speed, 0, speed / 1.8])
+        mbs.SetNodeParameter(0, "initialVelocities", [0, 0, 0, speed / 1.8])
+        mbs.Assemble()
+        return mbs
+
+    result = ensemble(with_speed, [0.0, 0.5])
+    expected = ensemble(lambda speed: pendulum(tip_speed=speed), [0.0, 0.5])
+    np.testing.assert_allclose(result["coordinates"], expected["coordinates"], atol=1e-12)
+
+
+def test_the_common_step_is_the_smallest_safe_one():
+    stiff = ensemble(pendulum, [0.2])
+    both = ensemble(pendulum, [0.05, 0.2])
+    assert both["bounds"].stability_limit == stiff["bounds"].stability_limit
+    assert both["stepSize"] == stiff["stepSize"]
+    assert "member 1" in both["bounds"].cable
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_member_that_diverges_leaves_the_others_alone(threads):
+    """With this step the pendulum of 0.0866 N m^2 is stable, the one of 0.4 N m^2 is not."""
+    step = {"stepSize": 2.5e-3, "allowUnstableStep": True}
+    with pytest.warns(UserWarning, match="of member 1"):
+        result = ensemble(pendulum, [0.0866, 0.4, 0.05], threads, **step)
+    assert not result["success"]
+    assert [status == "ok" for status in result["status"]] == [True, False, True]
+    with pytest.warns(UserWarning), pytest.raises(DivergenceError, match="before t") as alone:
+        moved(pendulum(0.4), steps=30, **step)
+    assert result["status"][1] in str(alone.value)
+    time = result["divergenceTimes"][1]
+    states = result["coordinates"]
+    np.testing.assert_array_equal(np.isnan(states[1]).all(axis=1), result["times"] > time - 1e-9)
+    np.testing.assert_array_equal(np.isfinite(states[1]).all(axis=1), result["times"] < time - 1e-9)
+    assert np.isnan(result["divergenceTimes"][[0, 2]]).all()
+    for number, stiffness in ((0, 0.0866), (2, 0.05)):
+        np.testing.assert_array_equal(last(result)[number], moved(pendulum(stiffness), stepSize=2.5e-3))
+
+
+def test_a_step_above_the_limit_of_one_member_is_refused():
+    with pytest.raises(StepSizeError, match=r"member 1 of the ensemble: stepSize = 0.0025 s is above"):
+        ensemble(pendulum, [0.0866, 0.4], stepSize=2.5e-3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"elements": 6}, "number of elements of cable .* = 6, that of member 0 is 5"),
+        ({"dimension": 3, "groundConstraintsStart": None}, "dimension of .* = 3, that of member 0 is 2"),
+        ({"section": {"curvatureMeasure": "product"}}, "curvature measure of .* = 'product'"),
+        ({"section": {"bendingDamping": 1e-4}}, "bending damping is present of .* = True"),
+        ({"groundConstraintsStart": [True, False, False, False]}, "links of .* = '1 .*', .* is 'none'"),
+        ({"shape": CableShape.Circle([0, 0], 0.5, 5)}, "closed of .* = True"),
+    ],
+)
+def test_members_of_another_structure_are_refused(changes, message):
+    systems = [pendulum(), pendulum(0.1), pendulum(**changes)]
+    with pytest.raises(InputError, match=f"member 2 of the ensemble: {message}"):
+        SolveEnsemble(systems, quiet_settings(END, 1), ExplicitSettings(stepSize=1e-3))
+
+
+def test_other_numbers_of_cables_or_load_histories_are_refused():
+    with pytest.raises(InputError, match=r"member 1 .*: number of cables = 2, that of member 0 is 1"):
+        SolveEnsemble([pendulum(), two_cables(0.05)], quiet_settings(END, 1))
+    with pytest.raises(InputError, match=r"member 1 .*: components of load histories .* = 3, .* is 0"):
+        SolveEnsemble([pendulum(), pushed(1.0)], quiet_settings(END, 1))
+
+
+def watched():
+    mbs = pendulum()
+    mbs.SetPreStepUserFunction(lambda mbs, t: True)
+    return mbs
+
+
+def not_assembled():
+    mbs = pendulum()
+    CreateInextensibleCable(mbs, [0, 1, 0], [1.8, 1, 0], 4, InextensibleCable(0.0348, 0.0866))
+    return mbs
+
+
+@pytest.mark.parametrize(
+    ("systems", "arguments", "error", "message"),
+    [
+        (list, {}, InputError, "the ensemble is empty"),
+        (lambda: [pendulum()], {"parameters": [1.0]}, InputError, "systems is no function"),
+        (lambda: pendulum, {}, InputError, "parameters are missing"),
+        (lambda: pendulum, {"parameters": []}, InputError, "the ensemble is empty"),
+        (lambda: lambda p: None, {"parameters": [1]}, InputError, "member 0 .*: None is no system"),
+        (lambda: [pendulum(), not_assembled()], {}, SceneError, "member 1 .*: mbs is not assembled"),
+        (lambda: [watched()], {}, SceneError, "member 0 .*: it has a pre- or post-step user function"),
+        (lambda: [pushed(1.0, time_only=False)], {}, SceneError, "load on node 5 may depend on the state"),
+        (lambda: [pendulum()], {"threads": 0}, InputError, "threads = 0: must be an integer >= 1"),
+        (lambda: [pendulum()], {"derivatives": 3}, InputError, "derivatives = 3: choose 0, 1 or 2"),
+    ],
+)
+def test_what_is_no_ensemble_is_refused(systems, arguments, error, message):
+    with pytest.raises(error, match=message):
+        SolveEnsemble(systems(), quiet_settings(END, 1), **arguments)
