@@ -7,7 +7,7 @@ from pathlib import Path
 
 from exudyn_inext.errors import InputError
 
-from .harness.run import run_study
+from .harness.run import run
 from .registry import find_studies, find_study
 
 MAIN_STUDY = "table1"
@@ -17,10 +17,10 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m studies", description=__doc__)
     commands = parser.add_subparsers(dest="command")
     commands.add_parser("list", help="show all studies and their questions")
-    run = commands.add_parser("run", help=f"run one study (without a command: {MAIN_STUDY})")
-    run.add_argument("name", help="as shown by 'list'")
-    run.add_argument("--quick", action="store_true", help="a short motion and few, cheap cases")
-    run.add_argument("--output", type=Path, default=Path("results"), help="default: results")
+    one = commands.add_parser("run", help=f"run one study (without a command: {MAIN_STUDY})")
+    one.add_argument("name", help="as shown by 'list'")
+    one.add_argument("--quick", action="store_true", help="a short motion and few, cheap cases")
+    one.add_argument("--output", type=Path, default=Path("results"), help="default: results")
     return parser
 
 
@@ -32,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.command == "list":
             _print_list()
         else:
-            print(run_study(find_study(options.name), options.output, options.quick))
+            print(run(find_study(options.name), options.output, options.quick))
             print(f"Written to {options.output}")
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)

@@ -5,13 +5,14 @@ import pkgutil
 
 from exudyn_inext.errors import InputError
 
+from .harness.benchmark import Benchmark
 from .harness.study import Study
 
 _PACKAGE = "studies"
 _NO_STUDIES = {"__main__", "harness", "registry"}
 
 
-def find_studies() -> dict[str, Study]:
+def find_studies() -> dict[str, Study | Benchmark]:
     """Name -> study, in alphabetical order."""
     path = importlib.import_module(_PACKAGE).__path__
     names = sorted(info.name for info in pkgutil.iter_modules(path))
@@ -19,7 +20,7 @@ def find_studies() -> dict[str, Study]:
     return {module.STUDY.name: module.STUDY for module in modules if hasattr(module, "STUDY")}
 
 
-def find_study(name: str) -> Study:
+def find_study(name: str) -> Study | Benchmark:
     """The study of that name."""
     studies = find_studies()
     if name not in studies:

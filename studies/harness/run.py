@@ -1,6 +1,5 @@
 """One study from start to files: measure, compare, store, draw, report."""
 
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,11 +10,13 @@ from tqdm import tqdm
 from reference_models.scenes import Scene
 from reference_models.trajectory import Case
 
+from .benchmark import Benchmark, run_benchmark
 from .error import interpolation_error
 from .machine import machine, versions
+from .progress import announce
 from .reference import ReferenceSolution
 from .rows import make_row
-from .store import prepare_directory, write_json, write_text
+from .store import gallery, prepare_directory, write_json, write_text
 from .study import Results, Study
 from .table import number, rows_table
 from .timing import Measurement, measure
@@ -23,28 +24,31 @@ from .timing import Measurement, measure
 QUICK_REPEATS = 2
 
 
+def run(study: Study | Benchmark, output: Path, quick: bool = False) -> str:
+    """Run a study of either kind, write NAME.json, NAME.md and pictures; return the report."""
+    if isinstance(study, Benchmark):
+        return run_benchmark(study, output, quick)
+    return run_study(study, output, quick)
+
+
 def run_study(study: Study, output: Path, quick: bool = False) -> str:
-    """Run the study, write NAME.json, NAME.md and pictures into `output`; return the report."""
+    """Run the comparison, write NAME.json, NAME.md and pictures into `output`; return the report."""
     prepare_directory(output)
     scene = study.scene
     if quick:
         scene = replace(scene, end_time=min(scene.end_time, study.quick_end_time))
-    _announce(study, "preparing the reference and the cases, finding stable steps")
+    announce(study.name, "preparing the reference and the cases, finding stable steps")
     reference = study.reference(scene)
     cases = study.cases(scene, quick)
     _require_distinct_labels(cases)
     results = _results(scene, quick, _measure(study, cases, quick), reference)
     document = _document(study, results)
     write_json(output / f"{study.name}.json", document)
-    _announce(study, "drawing the figures")
+    announce(study.name, "drawing the figures")
     figures = study.figures(results, output)
     report = _report(study, results, document["reference"])
-    write_text(output / f"{study.name}.md", report + _gallery(figures))
+    write_text(output / f"{study.name}.md", report + gallery(figures))
     return report
-
-
-def _announce(study: Study, activity: str) -> None:
-    tqdm.write(f"{study.name}: {activity}", file=sys.stderr)
 
 
 def _measure(study: Study, cases: Sequence[Case], quick: bool) -> list[Measurement]:
@@ -113,7 +117,3 @@ def _report(study: Study, results: Results, reference: dict[str, Any]) -> str:
     )
     paragraphs = [f"# {study.name}{mode}", study.question, rows_table(results.rows), note]
     return "\n\n".join(paragraphs + study.conclusions(results)) + "\n"
-
-
-def _gallery(figures: Sequence[Path]) -> str:
-    return "".join(f"\n![{figure.stem}]({figure.name})\n" for figure in figures)

@@ -1,6 +1,7 @@
 """Rows and conclusions as Markdown."""
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 from .study import Row
 
@@ -21,6 +22,13 @@ def rows_table(rows: Iterable[Row]) -> str:
 def number(value: float | None, digits: int = 3) -> str:
     """A number to that many significant digits; a hyphen where there is none."""
     return "-" if value is None else f"{value:#.{digits}g}".removesuffix(".")
+
+
+def cell(value: Any) -> str:
+    """A text as it is, a number to three digits."""
+    if isinstance(value, float):
+        return number(value)
+    return "-" if value is None else str(value)
 
 
 def _cells(row: Row) -> list[str]:

@@ -55,7 +55,7 @@ def _run_once(measurement: Measurement) -> None:
     is_warm_up = measurement.trajectory is None
     try:
         run = measurement.case.prepare()
-        with _garbage_collection_off():
+        with garbage_collection_off():
             start = time.process_time()
             trajectory = run()
             elapsed = time.process_time() - start
@@ -73,7 +73,8 @@ def _run_once(measurement: Measurement) -> None:
 
 
 @contextmanager
-def _garbage_collection_off() -> Iterator[None]:
+def garbage_collection_off() -> Iterator[None]:
+    """As little else as possible inside of the block; garbage is collected before it."""
     gc.collect()
     was_enabled = gc.isenabled()
     gc.disable()

@@ -1,0 +1,48 @@
+"""Time of short tasks: samples round robin, so that a busy spell hits all alike."""
+
+import statistics
+import time
+from collections.abc import Callable, Mapping
+
+from tqdm import tqdm
+
+from .timing import garbage_collection_off
+
+Task = Callable[[int], None]
+"""Does its work that many times."""
+
+
+def seconds_per_time(
+    tasks: Mapping[str, Task], repeats: int, least_seconds: float, name: str = "timing"
+) -> dict[str, list[float]]:
+    """CPU seconds of each task, done once, in each of `repeats` rounds over all tasks.
+
+    Every task is first run untimed (compilation, caches), then as often in a sample as takes
+    `least_seconds`.
+    """
+    times = {label: _times_of(task, least_seconds) for label, task in tasks.items()}
+    samples: dict[str, list[float]] = {label: [] for label in tasks}
+    for _ in tqdm(range(repeats), desc=name, unit="round"):
+        with garbage_collection_off():
+            for label, task in tasks.items():
+                samples[label].append(_seconds(task, times[label]) / times[label])
+    return samples
+
+
+def medians(samples: Mapping[str, list[float]]) -> dict[str, float]:
+    """Label -> median."""
+    return {label: statistics.median(values) for label, values in samples.items()}
+
+
+def _times_of(task: Task, least_seconds: float) -> int:
+    task(1)
+    times = 1
+    while (seconds := _seconds(task, times)) < 0.2 * least_seconds:
+        times *= 4
+    return max(1, round(times * least_seconds / seconds))
+
+
+def _seconds(task: Task, times: int) -> float:
+    start = time.process_time()
+    task(times)
+    return max(time.process_time() - start, 1e-9)

@@ -1,0 +1,82 @@
+"""Studies of speed run in quick mode, and their files hold what they promise; no timing is asserted."""
+
+import json
+
+import pytest
+
+from studies.__main__ import main
+from studies.harness.benchmark import Benchmark, Table
+from studies.harness.interleaved import medians, seconds_per_time
+from studies.harness.operations import Counted, tally
+from studies.registry import find_study
+
+DOCUMENT_KEYS = {"study", "quick", "machine", "versions", "rows", "conclusions"}
+
+
+@pytest.fixture
+def run_quick(tmp_path):
+    """name -> rows of a quick run by kind; files are checked."""
+
+    def run(name):
+        assert main(["run", name, "--quick", "--output", str(tmp_path)]) == 0
+        document = json.loads((tmp_path / f"{name}.json").read_text())
+        assert set(document) == DOCUMENT_KEYS and document["quick"] is True
+        report = (tmp_path / f"{name}.md").read_text()
+        assert find_study(name).question in report
+        assert all(sentence in report for sentence in document["conclusions"])
+        pictures = list(tmp_path.glob("*.png"))
+        assert pictures and all(f"({picture.name})" in report for picture in pictures)
+        kinds = {row["kind"] for row in document["rows"]}
+        return {kind: [row for row in document["rows"] if row["kind"] == kind] for kind in kinds}
+
+    return run
+
+
+def test_kernel_compares_steps_with_native_evaluations_and_counts_operations(run_quick):
+    rows = run_quick("kernel")
+    assert {(row["dimension"], row["elements"]) for row in rows["ratio"]} == {
+        (2, 5),
+        (2, 20),
+        (3, 5),
+        (3, 20),
+    }
+    assert {row["integrator"] for row in rows["ratio"]} == {"Zhai", "RATTLE", "rates alone"}
+    assert all(row["ratio"] > 0 and row["nativeMicroseconds"] > 0 for row in rows["ratio"])
+    for row in rows["share"]:
+        parts = [row[part] for part in ("assembly", "factorisation", "substitution", "update")]
+        assert sum(parts) == pytest.approx(1.0)
+    assert {row["label"] for row in rows["machine"]} == {"scalar multiply-adds", "vector multiply-adds"}
+    operations = {(row["label"], row["elements"]): row["perElement"] for row in rows["floor"]}
+    assert operations["2D, Zhai", 20] < operations["2D, RATTLE", 20] < operations["3D, RATTLE", 20]
+
+
+def test_numbers_that_count_do_count():
+    tally.update(dict.fromkeys(tally, 0))
+    x, y = Counted(2.0), Counted(5.0)
+    z = 1.0 - (0.0 + x * y + 3.0) / -y
+    assert float(z) == 1.0 + 13.0 / 5.0
+    assert tally == {"add": 2, "multiply": 1, "divide": 1, "root": 0}
+
+
+def test_tasks_are_sampled_in_turn_after_a_warm_up():
+    order = []
+    tasks = {name: lambda times, name=name: order.append(name) for name in "ab"}
+    samples = seconds_per_time(tasks, repeats=3, least_seconds=0.0)
+    assert order[-6:] == ["a", "b"] * 3
+    assert [len(values) for values in samples.values()] == [3, 3]
+    assert set(medians(samples)) == {"a", "b"}
+
+
+def test_a_benchmark_runs_from_the_command_line(monkeypatch, tmp_path, capsys):
+    tiny = Benchmark(
+        name="tiny",
+        question="How fast is nothing?",
+        measure=lambda quick: [{"kind": "speed", "label": "nothing", "time": 0.5}],
+        tables=(Table("speed", "Speeds:", {"what": "label", "t [s]": "time"}),),
+        conclusions=lambda figures: [f"{len(figures.of_kind('speed'))} speed"],
+    )
+    monkeypatch.setattr("studies.__main__.find_study", lambda name: tiny)
+    assert main(["run", "tiny", "--output", str(tmp_path)]) == 0
+    assert "| nothing | 0.500 |" in capsys.readouterr().out
+    document = json.loads((tmp_path / "tiny.json").read_text())
+    assert set(document) == DOCUMENT_KEYS and document["conclusions"] == ["1 speed"]
