@@ -80,3 +80,13 @@ def test_a_benchmark_runs_from_the_command_line(monkeypatch, tmp_path, capsys):
     assert "| nothing | 0.500 |" in capsys.readouterr().out
     document = json.loads((tmp_path / "tiny.json").read_text())
     assert set(document) == DOCUMENT_KEYS and document["conclusions"] == ["1 speed"]
+
+
+def test_scaling_measures_cost_memory_and_accuracy(run_quick):
+    rows = run_quick("scaling")
+    chains = {"2D", "3D", "2D, closed"}
+    assert {row["label"] for row in rows["cost"]} == {f"{c}, {i}" for c in chains for i in ("Zhai", "RATTLE")}
+    assert all(row["microseconds"] > 0 and row["megabytes"] > 0 for row in rows["cost"])
+    for row in rows["memory"]:
+        assert row["librariesMegabytes"] < row["modelMegabytes"] <= row["peakMegabytes"] < 1000
+    assert all(row["status"] == "ok" and row["errorMax"] < 1e-3 for row in rows["accuracy"])
