@@ -58,16 +58,17 @@ def run_benchmark(benchmark: Benchmark, output: Path, quick: bool = False) -> st
     prepare_directory(output)
     announce(benchmark.name, "measuring")
     figures = Figures(quick, benchmark.measure(quick))
+    conclusions = benchmark.conclusions(figures)
     document = {
         "study": benchmark.name,
         "quick": quick,
         "machine": machine(),
         "versions": versions(),
         "rows": figures.rows,
-        "conclusions": benchmark.conclusions(figures),
+        "conclusions": conclusions,
     }
     write_json(output / f"{benchmark.name}.json", document)
-    report = _report(benchmark, figures, document["conclusions"])
+    report = _report(benchmark, figures, conclusions)
     pictures = benchmark.pictures(figures, output)
     write_text(output / f"{benchmark.name}.md", report + gallery(pictures))
     return report
