@@ -204,8 +204,8 @@ def _gain_sentence(rows: Sequence[Row], end_time: float) -> str:
     slowest = min(measured, key=lambda row: float(row["gain"]))
     bar = GAIN_PER_CORE * cores
     return (
-        f"Motions of {end_time:g} s: {cores} cores do {slowest['gain']:.2f} times as much as one at least (N = "
-        f"{slowest['elements']}, {slowest['label']}); the bar of {bar:g} is "
+        f"Motions of {end_time:g} s: {cores} cores do at least {slowest['gain']:.2f} times as much as one ("
+        f"N = {slowest['elements']}, {slowest['label']}); the bar of {bar:g} is "
         f"{'kept' if slowest['gain'] >= bar else 'MISSED'}."
     )
 
