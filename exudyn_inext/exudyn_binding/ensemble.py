@@ -23,7 +23,7 @@ from .settings import ExplicitSettings
 from .time_grid import TimeGrid, grid_of_period
 
 NUMBERS_IN_A_CHUNK = 4_000_000  # coordinates and load factors that a thread handles at once
-CHUNKS_OF_A_THREAD = 4  # so that threads end together
+CHUNKS_OF_A_THREAD = 16  # so that threads begin at once and end together
 DERIVATIVES = ("coordinates", "velocities", "accelerations")
 OK = "ok"
 
