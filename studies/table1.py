@@ -29,6 +29,8 @@ How the native rows were chosen
     1.1e-2 m; that of the time integration cancels a part of it, which is luck, and is kept.
 
 What is left out
+    The curvature measure `product`, which the ring compares. RK44 with full quadrature, which takes three
+    times as long as velocity Verlet for the same error.
     Exudyn's module without range checks (EXUDYN_MODULE=fast, about 10 % quicker native runs; which
     one ran is stored). MBDyn's own time. Energy and long runs: other studies.
 """
@@ -74,7 +76,7 @@ COMPARISONS = (
 )
 
 MESHES: dict[str, Sequence[int]] = {
-    "full": (4, 6, 8, 10, 12, 16, 20),
+    "full": (4, 6, 8, 10, 12, 16),
     "lobatto": (4, 6, 8, 10, 12),
     "inextensible": (3, 4, 5, 6, 8, 10, 12, 16),
 }
@@ -103,7 +105,6 @@ def _inextensible_cases(scene: Scene) -> list[Case]:
     """Near their largest stable steps, and with scaled mass at larger ones; zeta = 100 for Zhai."""
     return [
         explicit_case(scene, "Zhai", 10, 6e-4),
-        explicit_case(scene, "Zhai", 5, 2.5e-3, measure="product"),
         explicit_case(scene, "RATTLE", 5, 2.5e-3),
         explicit_case(scene, "Zhai", 3, 5e-3),
         explicit_case(scene, "Zhai", 4, 2e-3),
@@ -149,7 +150,7 @@ def _explicit_cases(scene: Scene) -> list[Case]:
         largest_step_case(scene, 4, "velocityVerlet", "lobatto"),
         largest_step_case(scene, 5, "velocityVerlet", "lobatto"),
         largest_step_case(scene, 10, "velocityVerlet"),
-        largest_step_case(scene, 10, "rungeKutta44"),
+        largest_step_case(scene, 5, "rungeKutta44", "lobatto"),
     ]
 
 
