@@ -17,8 +17,8 @@ from exudyn_inext import (
 )
 from exudyn_inext.errors import InputError
 
-from .conventional.loads import add_forces, follow_history, remove_force
 from .conventional.supports import add_constraint
+from .loads import add_forces, follow_history, remove_force
 from .model import (
     SENSOR_PERIOD,
     Model,

@@ -36,19 +36,19 @@ class CableEvaluator:
         """Number of elements."""
         return self._cable.cable.number_of_elements
 
-    def forces(self, arc_length: Array) -> SectionForces:
+    def forces(self, state: SolvedState, arc_length: Array) -> SectionForces:
         """Section forces at arc lengths (m,) [m]."""
         cable, item = self._cable.cable, self._cable.item
         density = cable.section.mass_per_length * item.gravity
-        return section_forces(cable, self._system.chain, self._solve(), density, arc_length)
+        return section_forces(cable, self._system.chain, state, density, arc_length)
 
-    def multiplier_tension(self) -> Array:
-        """(N,) mean tension of the elements, from the multipliers [N]."""
-        state = self._solve()
+    def multiplier_tension(self, state: SolvedState) -> Array:
+        """(N,) mean tension of the elements, from the multipliers [N]; once for each `solve`."""
         nodal = nodal_multipliers_of(self._system, state.a)
         return multiplier_tension(self._cable.cable, state.q, nodal, state.multiplier)
 
-    def _solve(self) -> SolvedState:
+    def solve(self) -> SolvedState:
+        """The present state of the mbs, with its accelerations and multipliers."""
         cable = self._cable.cable
         shape, indices = cable.reference.shape, self._cable.indices
         q = cable.reference.ravel() + np.asarray(self._data.GetODE2Coordinates())[indices]
@@ -82,14 +82,15 @@ def CableForces(mbs: Any, cable: Any, arcLengths: Any = None) -> dict[str, Any]:
         plt.plot(forces["arcLength"], forces["tension"])
     """
     evaluator = CableEvaluator(mbs, _object_number(cable))
-    forces = evaluator.forces(_points(arcLengths, evaluator))
+    points, state = _points(arcLengths, evaluator), evaluator.solve()
+    forces = evaluator.forces(state, points)
     return {
         "arcLength": forces.arc_length,
         "position": forces.position,
         "tension": forces.tension,
         "shearForce": forces.shear_force,
         "bendingMoment": forces.bending_moment,
-        "multiplierTension": evaluator.multiplier_tension(),
+        "multiplierTension": evaluator.multiplier_tension(state),
     }
 
 
@@ -119,7 +120,8 @@ def CreateCableForceSensor(
         if cache["evaluator"] is None or t <= cache["time"]:  # a new run: loads may have changed
             cache["evaluator"] = CableEvaluator(mbs, number)
         cache["time"] = t
-        forces = cache["evaluator"].forces(point)
+        evaluator = cache["evaluator"]
+        forces = evaluator.forces(evaluator.solve(), point)
         return [float(forces.tension[0]), float(forces.bending_moment[0])]
 
     return int(

@@ -4,12 +4,12 @@ from typing import Any
 
 import exudyn
 
+from ..loads import add_forces, follow_history, remove_force
 from ..model import Model, add_position_sensors, add_slope_sensors, node_index, require_elements
 from ..scenes import Hanger, Scene
 from ..scenes.support import Support
 from .cable import Quadrature, add_cable
 from .equilibrium import settle
-from .loads import add_forces, follow_history, remove_force
 from .supports import add_constraint, add_spring, spring_stiffness
 
 __all__ = ["Quadrature", "build", "build_for_explicit"]

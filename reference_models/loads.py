@@ -5,8 +5,8 @@ from typing import Any
 
 from exudyn.itemInterface import LoadForceVector, MarkerNodePosition
 
-from ..model import node_index
-from ..scenes import Constant, PointForce
+from .model import node_index
+from .scenes import Constant, PointForce
 
 ForceFunction = Callable[[Any, float, Any], list[float]]
 
