@@ -1,4 +1,6 @@
-"""Rows as a study stores them, made up."""
+"""Rows as a study stores them: made up, and read back."""
+
+import json
 
 
 def row(label, formulation, integrator, cpu, error, quadrature="full"):
@@ -10,3 +12,8 @@ def row(label, formulation, integrator, cpu, error, quadrature="full"):
         "errorMax": error,
         "quadrature": quadrature,
     }
+
+
+def rows_of(directory, name):
+    document = json.loads((directory / f"{name}.json").read_text())
+    return {row["label"]: row for row in document["rows"]}, document
