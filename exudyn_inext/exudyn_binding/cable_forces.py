@@ -13,7 +13,7 @@ from ..errors import InputError, SceneError
 from ..system import index_reduced_rates
 from .cable_item import find_cable_item
 from .cable_loads import CableLoads
-from .scene import CableInScene, read_scene, require_assembled
+from .scene import CableInScene, read_cables, require_assembled
 
 
 class CableEvaluator:
@@ -158,7 +158,7 @@ def _require_item(mbs: Any, number: int) -> Any:
 
 def _find_cable(mbs: Any, number: int) -> CableInScene:
     _require_item(mbs, number)
-    for cable in read_scene(mbs):
+    for cable in read_cables(mbs, "CableForces"):
         if cable.number == number:
             return cable
     raise SceneError(f"object {number} is not in the assembled system: call mbs.Assemble().")

@@ -94,10 +94,27 @@ class CableRun:
         Raises:
             RedundantConstraintError: length constraints and supports depend on each other.
         """
+        self.forget()
+        self._integrator.start(self.system, self.loads.at(time), self.state)
+        self.check_pivots()
+
+    def forget(self) -> None:
+        """What earlier steps taught the constraints does not hold any more."""
         for records in self._records():
             records.foresight = 0.0
-        self._integrator.start(self.system, self.loads.at(time), self.state)
-        self._check_pivots()
+
+    @property
+    def cables(self) -> list[Cable]:
+        return [self.scene_cable.cable]
+
+    @property
+    def start_corrections(self) -> list[StartCorrection]:
+        return [self.start_correction]
+
+    def damping_ratio(self, frequency: float) -> float:
+        """Of a vibration of that frequency [rad/s]: bending damping grows with it."""
+        section = self.scene_cable.cable.section
+        return frequency * section.bending_damping / section.bending_stiffness
 
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the present configuration."""
@@ -129,8 +146,12 @@ class CableRun:
         links = [self.system.border.links] if isinstance(self.system, LinkedCableSystem) else []
         return [chain.nodes, chain.elements, *links]
 
-    def _check_pivots(self) -> None:
-        """Each length multiplier's pivot must be negative, each link's positive, clear of round-off."""
+    def check_pivots(self) -> None:
+        """Each length multiplier's pivot must be negative, each link's positive, clear of round-off.
+
+        Raises:
+            RedundantConstraintError: it is not; at the latest evaluation.
+        """
         nodes = self.system.chain.nodes
         ends = np.flatnonzero(nodes.ends_group)
         pivots = 1.0 / nodes.inverse_pivot[ends, -1]

@@ -12,7 +12,7 @@ from ..system import accelerate_and_project, correct_position
 from .scene import CableInScene
 
 ROUND_OFF = 1e-12
-_ITERATIONS = 20
+ITERATIONS = 20
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def project(system: Any, inputs: Array, cable: Any, q: Array, v: Array) -> Start
     q[held] = cable.reference.ravel()[held]
     v[held] = 0.0
     memory, end_velocity, correction = (np.zeros(q.size) for _ in range(3))
-    for _ in range(_ITERATIONS):
+    for _ in range(ITERATIONS):
         accelerate_and_project(system, inputs, q, v, 0.0, memory, end_velocity)
         if not correct_position(system, inputs, q, ROUND_OFF, 0.0, correction) > ROUND_OFF:
             break

@@ -12,7 +12,7 @@ from ..errors import InextensibleError, InputError, SceneError
 from ..integrators.step_size import StepSizeBounds
 from .cable_run import CableRun
 from .explicit_runs import cable_runs, step_bounds, wanted_step
-from .scene import require_assembled
+from .scene import read_cables, require_assembled
 from .settings import ExplicitSettings
 
 REMEDY = "members must not differ in it; put the others into an ensemble of their own."
@@ -103,7 +103,7 @@ def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> list[C
             "it has a pre- or post-step user function, which nobody calls within an ensemble: remove it, or "
             "use SolveExplicit."
         )
-    runs = cable_runs(mbs, time, h, explicit)
+    runs = cable_runs(mbs, read_cables(mbs, "SolveEnsemble"), time, h, explicit)
     if not runs:
         raise SceneError("it has no inextensible cable: add one with CreateInextensibleCable.")
     for run in runs:

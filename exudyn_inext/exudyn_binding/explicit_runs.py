@@ -12,7 +12,7 @@ from ..integrators import find_integrator
 from ..integrators.linear_stability import decay_limit, frequency_limit
 from ..integrators.step_size import StepSizeBounds, choose_step, rule_step, step_above_limit
 from .cable_run import CableRun, Start
-from .scene import initial_state, read_scene
+from .scene import CableInScene, initial_state
 from .settings import ExplicitSettings
 from .time_loop import Run
 
@@ -22,11 +22,13 @@ def scheme_of(explicit: ExplicitSettings) -> Any:
     return explicit.scheme or find_integrator(explicit.integrator).scheme()
 
 
-def cable_runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> list[CableRun]:
-    """One run for each inextensible cable of an assembled mbs; empty if there is none.
+def cable_runs(
+    mbs: Any, cables: Sequence[CableInScene], time: float, h: float, explicit: ExplicitSettings
+) -> list[CableRun]:
+    """One run for each inextensible cable.
 
     Args:
-        mbs: the system.   time: of the start [s].   explicit: settings.
+        mbs: the system.   cables: of it.   time: of the start [s].   explicit: settings.
         h: step that scales the mass [s]; 0 without mass scaling.
     """
     start = Start(
@@ -36,7 +38,7 @@ def cable_runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> l
         mass_scaling=explicit.massScaling * h**2,
     )
     integrator = find_integrator(explicit.integrator)
-    return [CableRun(cable, initial_state(mbs, cable), start, integrator) for cable in read_scene(mbs)]
+    return [CableRun(cable, initial_state(mbs, cable), start, integrator) for cable in cables]
 
 
 def step_bounds(runs: Sequence[Run], start: float, explicit: ExplicitSettings) -> StepSizeBounds:
@@ -44,11 +46,11 @@ def step_bounds(runs: Sequence[Run], start: float, explicit: ExplicitSettings) -
     integrator, scheme = find_integrator(explicit.integrator), scheme_of(explicit)
     frequencies = [run.largest_frequency(start) for run in runs]
     limits = [
-        frequency_limit(integrator, scheme, w * _damping_time(run)) / w if w > 0.0 else math.inf
+        frequency_limit(integrator, scheme, run.damping_ratio(w)) / w if w > 0.0 else math.inf
         for run, w in zip(runs, frequencies, strict=True)
     ]
     fastest = int(np.argmin(limits))
-    cables = [run.scene_cable.cable for run in runs if isinstance(run, CableRun)]
+    cables = [cable for run in runs for cable in run.cables]
     return StepSizeBounds(
         bending=limits[fastest],
         stabilisation=decay_limit(integrator, scheme) / explicit.stabilizationRate if cables else math.inf,
@@ -56,14 +58,6 @@ def step_bounds(runs: Sequence[Run], start: float, explicit: ExplicitSettings) -
         largest_frequency=frequencies[fastest],
         cable=runs[fastest].name,
     )
-
-
-def _damping_time(run: Run) -> float:
-    """D / EI [s] of a cable."""
-    if not isinstance(run, CableRun):
-        return 0.0
-    section = run.scene_cable.cable.section
-    return section.bending_damping / section.bending_stiffness
 
 
 def _rule(cable: Cable, constant: float) -> float:

@@ -6,16 +6,17 @@ out of the coupled mass matrix (Exudyn's own explicit solvers zero them after th
 for ANCF cables).
 """
 
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import exudyn
 import numpy as np
 from scipy.linalg import eigh, inv
 
 from ..arrays import Array
-from ..errors import SceneError
+from ..chain.cable import Cable
 from ..integrators.integrator import Integrator, advance, no_loads
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
+from .consistent_start import StartCorrection
 from .scene import HeldCoordinate, read_held_coordinate
 from .time_grid import TimeGrid
 
@@ -69,9 +70,11 @@ class NativeRun:
 
     name = "native items"
     looks_ahead = False
+    cables: ClassVar[list[Cable]] = []
+    start_corrections: ClassVar[list[StartCorrection]] = []
 
     def __init__(self, mbs: Any, solver: Any, integrator: Integrator) -> None:
-        held = _require_supported(mbs)
+        held = _held_coordinates(mbs)
         size = mbs.systemData.ODE2Size()
         configuration = exudyn.ConfigurationType.Initial
         mass, stiffness, _ = mbs.ComputeLinearizedSystem()
@@ -98,6 +101,10 @@ class NativeRun:
         """w_max [rad/s] of small vibrations about the initial configuration."""
         return self._frequency
 
+    def damping_ratio(self, frequency: float) -> float:
+        """Dampers are not looked at."""
+        return 0.0
+
     def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> None:
         """Advance through len(history) loop steps; history as in CableRun.record."""
         take_step = advance.dispatch(type(scheme))
@@ -119,24 +126,20 @@ class NativeRun:
         return np.isfinite(history.sum(axis=(1, 2)))
 
 
-def _require_supported(mbs: Any) -> list[int]:
-    """System indices of the held coordinates.
+def has_only_forces(mbs: Any) -> bool:
+    """Whether a NativeRun can move all of mbs: constant masses, forces, coordinates held to ground."""
+    if mbs.NumberOfGeneralContacts() or mbs.systemData.ODE1Size():
+        return False
+    objects = (mbs.GetObject(number) for number in range(mbs.systemData.NumberOfObjects()))
+    return all(
+        data["objectType"] in _CONSTANT_MASS | _FORCES_ONLY or read_held_coordinate(mbs, data) is not None
+        for data in objects
+    )
 
-    Raises:
-        SceneError: an item whose mass is not constant, or a joint; all are named.
-    """
-    held: list[HeldCoordinate] = []
-    unsupported = []
-    for number in range(mbs.systemData.NumberOfObjects()):
-        data = mbs.GetObject(number)
-        constraint = read_held_coordinate(mbs, data)
-        if constraint is not None:
-            held.append(constraint)
-        elif data["objectType"] not in _CONSTANT_MASS | _FORCES_ONLY:
-            unsupported.append(f"object {number} '{data['name']}' ({data['objectType']})")
-    if unsupported:
-        raise SceneError(
-            "SolveExplicit moves native items of constant mass without joints, for comparisons; "
-            f"not supported yet: {'; '.join(unsupported)}."
-        )
+
+def _held_coordinates(mbs: Any) -> list[int]:
+    """System indices of the held coordinates."""
+    objects = (mbs.GetObject(number) for number in range(mbs.systemData.NumberOfObjects()))
+    constraints = (read_held_coordinate(mbs, data) for data in objects)
+    held: list[HeldCoordinate] = [constraint for constraint in constraints if constraint is not None]
     return [mbs.systemData.GetNodeLTGODE2(c.node)[c.coordinate] for c in held]

@@ -1,5 +1,6 @@
 """What an mbs contains, as far as the explicit solver is concerned."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -38,15 +39,28 @@ class CableInScene:
     name: str
 
 
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """The inextensible cables of an mbs, and what else it contains.
+
+    foreign: what does not belong to the cables alone: bodies, connectors, joints, other loads.
+    own_constraints: numbers of the objects that are supports and links of the cables.
+    """
+
+    cables: list[CableInScene]
+    foreign: list[str]
+    own_constraints: frozenset[int]
+
+
 @dataclass(eq=False)
 class Contents:
-    """The objects of an mbs, sorted.   unsupported: descriptions for messages."""
+    """The objects of an mbs by number, sorted.   others: descriptions for messages."""
 
     items: dict[int, CableItem] = field(default_factory=dict)
-    held: list["HeldCoordinate"] = field(default_factory=list)
-    moving: list[MovingCoordinate] = field(default_factory=list)
-    rods: list[Rod] = field(default_factory=list)
-    unsupported: list[str] = field(default_factory=list)
+    held: dict[int, "HeldCoordinate"] = field(default_factory=dict)
+    moving: dict[int, MovingCoordinate] = field(default_factory=dict)
+    rods: dict[int, Rod] = field(default_factory=dict)
+    others: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,33 +74,42 @@ class HeldCoordinate:
 def require_assembled(mbs: Any) -> None:
     """Raise SceneError unless mbs.Assemble() has been called after the last change."""
     if not mbs.systemIsConsistent:
-        raise SceneError("mbs is not assembled: call mbs.Assemble() before SolveExplicit.")
+        raise SceneError("mbs is not assembled: call mbs.Assemble() before it is solved or evaluated.")
 
 
-def read_scene(mbs: Any) -> list[CableInScene]:
-    """All inextensible cables of an assembled mbs; empty if there is none.
+def read_scene(mbs: Any) -> Scene:
+    """Inextensible cables of an assembled mbs, and what else there is."""
+    contents = _contents(mbs)
+    on_cables = {node for item in contents.items.values() for node in item.nodes}
+    loads, other_loads = _read_loads(mbs, on_cables)
+    foreign = [*contents.others, *_foreign_nodes(mbs, on_cables), *other_loads]
+    foreign += _take_foreign_constraints(mbs, contents)
+    if mbs.NumberOfGeneralContacts():
+        foreign.append("a general contact")
+    return Scene(
+        cables=[_cable_in_scene(mbs, number, contents, loads) for number in contents.items],
+        foreign=foreign,
+        own_constraints=frozenset([*contents.held, *contents.moving, *contents.rods]),
+    )
+
+
+def read_cables(mbs: Any, who: str) -> list[CableInScene]:
+    """All inextensible cables of an assembled mbs that contains nothing else; empty if there is none.
+
+    Args:
+        mbs: the system.   who: asks, for messages.
 
     Raises:
         SceneError: besides cables, the mbs has other items that move, connect or load; all are named.
     """
-    contents = _contents(mbs)
-    if not contents.items:
-        return []
-    on_cables = {node for item in contents.items.values() for node in item.nodes}
-    loads, other_loads = _read_loads(mbs, on_cables)
-    unsupported = [
-        *contents.unsupported,
-        *_foreign_nodes(mbs, on_cables),
-        *other_loads,
-        *_foreign_constraints(contents),
-    ]
-    if unsupported:
+    scene = read_scene(mbs)
+    if scene.cables and scene.foreign:
         raise SceneError(
-            "SolveExplicit supports inextensible cables, coordinate constraints that hold or move positions "
-            "of their nodes or clamp them, distance constraints between ground and their nodes, and forces "
-            "on their nodes; not supported yet: " + "; ".join(unsupported) + "."
+            f"{who} deals with inextensible cables, coordinate constraints that hold or move positions of "
+            "their nodes or clamp them, distance constraints between ground and their nodes, and forces on "
+            f"their nodes; mbs has also: {'; '.join(scene.foreign)}. SolveExplicit takes such scenes."
         )
-    return [_cable_in_scene(mbs, number, contents, loads) for number in contents.items]
+    return scene.cables
 
 
 def _contents(mbs: Any) -> Contents:
@@ -97,34 +120,34 @@ def _contents(mbs: Any) -> Contents:
         if item is not None:
             contents.items[number] = item
         elif (held := read_held_coordinate(mbs, data)) is not None:
-            contents.held.append(held)
+            contents.held[number] = held
         elif (moving := read_moving_coordinate(mbs, number, data)) is not None:
-            contents.moving.append(moving)
+            contents.moving[number] = moving
         elif (rod := read_rod(mbs, data)) is not None:
-            contents.rods.append(rod)
+            contents.rods[number] = rod
         elif data["objectType"] not in _HARMLESS:
-            contents.unsupported.append(f"object {number} '{data['name']}' ({data['objectType']})")
+            contents.others.append(_described(data, number))
     return contents
 
 
-def _foreign_constraints(contents: Contents) -> list[str]:
-    """Constraints that do not act on one cable."""
+def _described(data: dict[str, Any], number: int) -> str:
+    return f"object {number} '{data['name']}' ({data['objectType']})"
+
+
+def _take_foreign_constraints(mbs: Any, contents: Contents) -> list[str]:
+    """Remove constraints that do not act on one cable alone; returns what they are."""
     cables = [set(item.nodes) for item in contents.items.values()]
-    found = [
-        f"constraint on coordinate {c.coordinate} of node {c.node}"
-        for c in contents.held
-        if not any(c.node in nodes for nodes in cables)
-    ]
-    found += [
-        f"constraint {moving.name} on node {moving.node}"
-        for moving in contents.moving
-        if not any(moving.node in nodes for nodes in cables)
-    ]
-    return found + [
-        f"distance constraint {rod.name} between nodes that are not of one cable"
-        for rod in contents.rods
-        if not any(nodes.issuperset(rod.nodes) for nodes in cables)
-    ]
+
+    def is_on_one(nodes: Sequence[int]) -> bool:
+        return any(cable.issuperset(nodes) for cable in cables)
+
+    foreign = [number for number, held in contents.held.items() if not is_on_one([held.node])]
+    foreign += [number for number, moving in contents.moving.items() if not is_on_one([moving.node])]
+    foreign += [number for number, rod in contents.rods.items() if not is_on_one(rod.nodes)]
+    for number in foreign:
+        for kind in (contents.held, contents.moving, contents.rods):
+            kind.pop(number, None)
+    return [_described(mbs.GetObject(number), number) for number in foreign]
 
 
 def read_held_coordinate(mbs: Any, data: dict[str, Any]) -> HeldCoordinate | None:
@@ -173,11 +196,11 @@ def _foreign_nodes(mbs: Any, on_cables: set[int]) -> list[str]:
 def _cable_in_scene(mbs: Any, number: int, contents: Contents, loads: list[NodalLoad]) -> CableInScene:
     name = mbs.GetObject(number)["name"]
     item = contents.items[number]
-    moving = [coordinate for coordinate in contents.moving if coordinate.node in item.nodes]
-    fixed, links = _supports(item, [c for c in contents.held if c.node in item.nodes], name)
+    moving = [coordinate for coordinate in contents.moving.values() if coordinate.node in item.nodes]
+    fixed, links = _supports(item, [c for c in contents.held.values() if c.node in item.nodes], name)
     places = {node: place for place, node in enumerate(item.nodes)}
     links += links_of_motions(moving, places, item.cable.dimension)
-    for rod in contents.rods:
+    for rod in contents.rods.values():
         if set(rod.nodes) <= set(item.nodes):
             links += rod.links([places[node] for node in rod.nodes], item.cable.dimension)
     indices = np.array(mbs.systemData.GetObjectLTGODE2(number))

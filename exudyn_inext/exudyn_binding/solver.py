@@ -1,22 +1,20 @@
 """SolveExplicit: an explicit integrator inside Exudyn's own time loop."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import exudyn
 
-from ..errors import InputError, SceneError
-from ..integrators import find_integrator
-from ..integrators.integrator import Integrator
-from .cable_run import CableRun
-from .explicit_runs import cable_runs, scheme_of, step_bounds, wanted_step
-from .native_run import NativeRun
+from ..errors import SceneError
+from .explicit_runs import scheme_of, step_bounds, wanted_step
+from .general.surroundings import switched_off
 from .observed import observed_derivatives
-from .scene import require_assembled
+from .scene import read_scene, require_assembled
+from .scene_runs import needs_coupling, runs_of_scene
 from .settings import ExplicitSettings
 from .time_grid import TimeGrid, time_grid
-from .time_loop import ExplicitTimeLoop, Run
+from .time_loop import ExplicitTimeLoop
 
 
 def SolveExplicit(
@@ -59,12 +57,16 @@ def SolveExplicit(
     explicit = explicitSettings or ExplicitSettings()
     require_assembled(mbs)
     solver = exudyn.MainSolverImplicitSecondOrder()
-    runs = _runs(mbs, solver, settings, explicit)
-    bounds = step_bounds(runs, float(settings.timeIntegration.startTime), explicit)
-    wanted, decided_by = wanted_step(bounds, explicit)
-    grid = time_grid(mbs, settings, wanted)
-    loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, observed_derivatives(mbs, settings))
-    _run(mbs, solver, settings, loop)
+    scene = read_scene(mbs)
+    start = float(settings.timeIntegration.startTime)
+    cables = [cable.number for cable in scene.cables] if needs_coupling(mbs, scene) else []
+    with switched_off(mbs, cables):
+        runs = runs_of_scene(mbs, scene, solver, start, _scaling_step(mbs, settings, explicit), explicit)
+        bounds = step_bounds(runs, start, explicit)
+        wanted, decided_by = wanted_step(bounds, explicit)
+        grid = time_grid(mbs, settings, wanted)
+        loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, observed_derivatives(mbs, settings))
+        _run(mbs, solver, settings, loop)
     return {
         "success": True,
         "integrator": explicit.integrator,
@@ -74,27 +76,15 @@ def SolveExplicit(
         "decidedBy": decided_by if grid.substeps > 1 or grid.h > 0.99 * wanted else "output period",
         "bounds": bounds,
         "path": loop.path,
-        "startCorrections": [run.start_correction for run in runs if isinstance(run, CableRun)],
+        "startCorrections": [correction for run in runs for correction in run.start_corrections],
     }
 
 
-def _runs(mbs: Any, solver: Any, settings: Any, explicit: ExplicitSettings) -> Sequence[Run]:
-    """One run for each inextensible cable; without any, one for all native items."""
-    if mbs.systemData.ODE2Size() == 0:
-        raise SceneError("mbs has nothing that moves: add a cable with CreateInextensibleCable.")
-    h = 0.0
-    if explicit.massScaling and explicit.stepSize is not None:
-        h = time_grid(mbs, settings, explicit.stepSize).h
-    cables = cable_runs(mbs, float(settings.timeIntegration.startTime), h, explicit)
-    return cables or [_native_run(mbs, solver, find_integrator(explicit.integrator), explicit)]
-
-
-def _native_run(mbs: Any, solver: Any, integrator: Integrator, explicit: ExplicitSettings) -> NativeRun:
-    if explicit.massScaling:
-        raise InputError(
-            f"massScaling = {explicit.massScaling!r}: only inextensible cables have it; set it to zero."
-        )
-    return NativeRun(mbs, solver, integrator)
+def _scaling_step(mbs: Any, settings: Any, explicit: ExplicitSettings) -> float:
+    """The step that scales the mass [s]; 0 without mass scaling."""
+    if not explicit.massScaling or explicit.stepSize is None:
+        return 0.0
+    return time_grid(mbs, settings, explicit.stepSize).h
 
 
 @contextmanager
@@ -120,7 +110,8 @@ def _settings_of_the_loop(settings: Any, grid: TimeGrid) -> Iterator[None]:
 
 
 def _run(mbs: Any, solver: Any, settings: Any, loop: ExplicitTimeLoop) -> None:
-    solver.SetUserFunctionNewton(mbs, loop.user_function)
+    # In place of the iteration that calls Newton's method until contacts have settled: they do in a run.
+    solver.SetUserFunctionDiscontinuousIteration(mbs, loop.user_function)
     mbs.sys["dynamicSolver"] = solver
     mbs.sys["simulationSettings"] = settings
     with _settings_of_the_loop(settings, loop.grid):

@@ -14,7 +14,7 @@ from ..constraints.prescribed_motion import KIND
 from ..errors import EquilibriumError, InputError, SceneError
 from ..statics import Equilibrium, Potential, StaticOptions, find_equilibrium
 from .cable_loads import CableLoads
-from .scene import CableInScene, initial_state, read_scene, require_assembled
+from .scene import CableInScene, initial_state, read_cables, require_assembled
 
 REACH_TOLERANCE = 1e-9
 
@@ -81,7 +81,7 @@ def SolveEquilibrium(
     static = staticSettings or StaticSettings()
     require_assembled(mbs)
     time = float(settings.timeIntegration.startTime)
-    cables = read_scene(mbs)
+    cables = read_cables(mbs, "SolveEquilibrium")
     if not cables:
         raise SceneError("mbs has no inextensible cable: use mbs.SolveStatic for native items.")
     found = [_solve_cable(mbs, cable, time, static) for cable in cables]

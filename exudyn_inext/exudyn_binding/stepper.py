@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import Array
 from ..errors import InputError, SceneError
 from .explicit_runs import cable_runs, scheme_of, step_bounds, wanted_step
-from .scene import require_assembled
+from .scene import read_cables, require_assembled
 from .settings import ExplicitSettings
 from .stepped_cable import SteppedCable
 from .time_loop import divergence
@@ -64,7 +64,9 @@ class ExplicitStepper:
         if not isfinite(startTime):
             raise InputError(f"startTime = {startTime!r}: must be a finite number [s].")
         require_assembled(mbs)
-        runs = cable_runs(mbs, startTime, explicit.stepSize or 0.0, explicit)
+        runs = cable_runs(
+            mbs, read_cables(mbs, "ExplicitStepper"), startTime, explicit.stepSize or 0.0, explicit
+        )
         if not runs:
             raise SceneError(
                 "mbs has no inextensible cable to step: add one with CreateInextensibleCable, or use "

@@ -7,7 +7,9 @@ import exudyn
 import numpy as np
 
 from ..arrays import Array
+from ..chain.cable import Cable
 from ..errors import DivergenceError, InextensibleError
+from .consistent_start import StartCorrection
 from .observed import ACCELERATIONS
 from .time_grid import TimeGrid
 
@@ -24,11 +26,19 @@ class Run(Protocol):
     looks_ahead: bool
 
     @property
+    def cables(self) -> Sequence[Cable]: ...
+
+    @property
+    def start_corrections(self) -> Sequence[StartCorrection]: ...
+
+    @property
     def name(self) -> str: ...
 
     def start(self, time: float) -> None: ...
 
     def largest_frequency(self, time: float) -> float: ...
+
+    def damping_ratio(self, frequency: float) -> float: ...
 
     def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> None: ...
 

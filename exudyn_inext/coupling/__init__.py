@@ -1,0 +1,1 @@
+"""Cables, bodies and joints as one system: each part keeps its own solve, joints couple them."""

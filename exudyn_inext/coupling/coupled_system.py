@@ -1,0 +1,120 @@
+"""Cables, bodies and joints as one `system` of the integrators.
+
+The parts are evaluated by the same protocols as alone; joints then correct what they give, see `joints`.
+Runs in plain Python: forces come from outside, and each part is one call.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from ..arrays import Array
+from ..system import accelerate_and_project, correct_position, index_reduced_rates
+from .joints import JointSolve, JointTerms
+
+
+class Part(NamedTuple):
+    """One part.   system: its equations.   dofs: its place in the coupled vectors."""
+
+    system: Any
+    dofs: slice
+
+
+class Surroundings(Protocol):
+    """What acts on the parts, and joins them.   joints: what each row is called, for messages."""
+
+    joints: Sequence[str]
+
+    def forces(self, t: float, q: Array, v: Array) -> Sequence[Array]:
+        """External force on each part, as its protocols take it; sets masses that depend on q."""
+
+    def constrain(self, t: float, q: Array, v: Array) -> JointTerms:
+        """The joints at (t, q, v)."""
+
+    def violations(self, t: float, q: Array) -> Array:
+        """c(q, t) (m,)."""
+
+    def motions(self, t: float) -> Sequence[Array]:
+        """What moves the constraints of each part, as its `correct_position` takes it."""
+
+
+class CoupledSystem:
+    """A `system` of the integrators; their external force is the time alone, (1,).
+
+    zeta: stabilisation rate of the joints [1/s], as of the cables.
+    multipliers: nu (m,) of the joints at the last evaluation: M a + C_q^T nu = F.
+    """
+
+    def __init__(self, parts: Sequence[Part], surroundings: Surroundings, zeta: float) -> None:
+        self.parts = parts
+        self.surroundings = surroundings
+        self.zeta = zeta
+        self.foresight = np.zeros(len(surroundings.joints))
+        self.multipliers = np.zeros(len(surroundings.joints))
+        self._solve: JointSolve | None = None
+
+    @property
+    def has_joints(self) -> bool:
+        return len(self.surroundings.joints) > 0
+
+    def join(self, t: float, q: Array, v: Array) -> tuple[JointTerms, JointSolve]:
+        """Joints at (t, q, v) and their factorised Schur complement; the parts are factorised at q."""
+        terms = self.surroundings.constrain(t, q, v)
+        self._solve = JointSolve(terms.blocks, self.surroundings.joints)
+        return terms, self._solve
+
+    @property
+    def last_solve(self) -> JointSolve:
+        """Of the last evaluation."""
+        if self._solve is None:
+            raise RuntimeError("the joints have not been evaluated yet")
+        return self._solve
+
+
+@index_reduced_rates.register(CoupledSystem)
+def coupled_rates(system, external, q, v, acceleration, rate):
+    """Eq. (30). Arguments: see `index_reduced_rates`; external: (1,) time [s]."""
+    t = float(external[0])
+    forces = system.surroundings.forces(t, q, v)
+    for (part, dofs), force in zip(system.parts, forces, strict=True):
+        index_reduced_rates(part, force, q[dofs], v[dofs], acceleration[dofs], rate[dofs])
+    if not system.has_joints:
+        return
+    terms, solve = system.join(t, q, v)
+    speed = solve.times_jacobian(v) + terms.drift
+    system.multipliers = solve.apply(acceleration, terms.gamma - system.zeta * speed)
+    solve.apply(rate, -system.zeta * terms.value - terms.drift)
+
+
+@accelerate_and_project.register(CoupledSystem)
+def accelerate_and_project_coupled(system, external, q, v, duration, acceleration, end_velocity):
+    """Arguments: see `accelerate_and_project`; external: (1,) time [s]."""
+    t = float(external[0])
+    forces = system.surroundings.forces(t, q, v + duration * acceleration)
+    for (part, dofs), force in zip(system.parts, forces, strict=True):
+        accelerate_and_project(
+            part, force, q[dofs], v[dofs], duration, acceleration[dofs], end_velocity[dofs]
+        )
+    if not system.has_joints:
+        return
+    terms, solve = system.join(t, q, v)
+    system.multipliers = solve.apply(acceleration, terms.gamma + system.foresight)
+    solve.apply(end_velocity, -terms.drift)
+
+
+@correct_position.register(CoupledSystem)
+def correct_coupled_position(system, external, q, tolerance, learning, correction):
+    """Arguments: see `correct_position`; external: (1,) time [s]."""
+    t = float(external[0])
+    value = system.surroundings.violations(t, q) if system.has_joints else np.zeros(0)
+    system.foresight -= learning * value
+    worst = float(np.abs(value).max(initial=0.0))
+    for (part, dofs), inputs in zip(system.parts, system.surroundings.motions(t), strict=True):
+        violation = correct_position(part, inputs, q[dofs], tolerance, learning, correction[dofs])
+        if violation < tolerance:
+            correction[dofs] = 0.0
+        worst = float(np.maximum(worst, violation))  # unlike max, keeps a NaN
+    if system.has_joints and not worst < tolerance:
+        system.last_solve.apply(correction, -value)
+    return worst

@@ -1,0 +1,1 @@
+"""Scenes of cables among other items: bodies, connectors, joints, loads on anything."""

@@ -1,0 +1,207 @@
+"""Everything with mass but the inextensible cables: which coordinates, which mass matrix."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import exudyn
+import numpy as np
+from exudyn.exudynCPP import ObjectIndex
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from ...arrays import Array
+from ...coupling.bodies import BodiesSystem, MassBlock
+from ...errors import SceneError
+
+_MASS = exudyn.ComputeItemType.MassMatrix
+_CONSTANT_MASS = {
+    "ANCFCable",
+    "ANCFCable2D",
+    "MassPoint",
+    "MassPoint2D",
+    "Mass1D",
+    "Rotor1D",
+}
+_NOT_ADDITIVE = {"RigidBodyRotVecLG", "RigidBodyRotVecDataLG"}
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """An object with mass.
+
+    number: of the object.   coordinates: (k,) places in the system vector.
+    has_constant_mass: whether its mass does not depend on the configuration.
+    tells_mass: whether Exudyn gives the mass matrix of this object alone.
+    """
+
+    number: int
+    coordinates: np.ndarray
+    has_constant_mass: bool
+    tells_mass: bool
+
+    def mass(self, mbs: Any) -> Array:
+        """(k, k) in the current configuration."""
+        return np.asarray(mbs.ComputeItem(ObjectIndex(self.number), _MASS))
+
+
+@dataclass(frozen=True, eq=False)
+class Quaternion:
+    """Euler parameters of a node.   node: number.   coordinates: (4,) places.   row: of its constraint.
+
+    reference: (4,) what Exudyn's coordinates are displacements from.
+    """
+
+    node: int
+    coordinates: np.ndarray
+    row: int
+    reference: Array
+
+
+def system_mass(mbs: Any, solver: Any) -> Array:
+    """(n, n) mass matrix of all items in the current configuration."""
+    solver.ComputeMassMatrix(mbs)
+    return np.asarray(solver.GetSystemMassMatrix())
+
+
+def _mass_of_object(mbs: Any, number: int, coordinates: np.ndarray, total: Array) -> tuple[Array, bool]:
+    """Mass matrix of an object (empty if it has none), and whether it is given for this object alone."""
+    index = ObjectIndex(number)
+    if _MASS not in mbs.ComputeItem(index):
+        return np.zeros((0, 0)), False
+    try:
+        return np.asarray(mbs.ComputeItem(index, _MASS)), True
+    except exudyn.InternalError:  # stored as sparse matrix, or not at all
+        return total[np.ix_(coordinates, coordinates)], False
+
+
+def read_bodies(mbs: Any, cables: Sequence[int], on_cables: np.ndarray, total: Array) -> list[Body]:
+    """All objects with mass but the inextensible cables.
+
+    Args:
+        mbs: assembled.   cables: object numbers.   on_cables: system coordinates of the cables.
+        total: (n, n) mass matrix of all items.
+
+    Raises:
+        SceneError: an object with mass on nodes of an inextensible cable.
+    """
+    bodies = []
+    for number in range(mbs.systemData.NumberOfObjects()):
+        coordinates = np.array(mbs.systemData.GetObjectLTGODE2(number), dtype=int)
+        if number in cables or not len(coordinates):
+            continue
+        mass, tells_mass = _mass_of_object(mbs, number, coordinates, total)
+        if not mass.any():
+            continue
+        data = mbs.GetObject(number)
+        if np.isin(coordinates, on_cables).any():
+            raise SceneError(
+                f"object {number} '{data['name']}' ({data['objectType']}) has mass and lies on nodes of an "
+                "inextensible cable: give it no mass (a companion for markers and contact), or its own "
+                "nodes and a joint."
+            )
+        bodies.append(Body(number, coordinates, _has_constant_mass(data), tells_mass))
+    return bodies
+
+
+def _has_constant_mass(data: dict[str, Any]) -> bool:
+    if data["objectType"] == "GenericODE2":
+        return not data["massMatrixUserFunction"]
+    if data["objectType"] == "RigidBody2D":
+        return not np.any(data.get("physicsCenterOfMass", 0.0))
+    return data["objectType"] in _CONSTANT_MASS
+
+
+def read_quaternions(mbs: Any) -> list[Quaternion]:
+    """Euler parameters of all nodes; SceneError for nodes whose coordinates do not add up."""
+    found = []
+    for number in range(mbs.systemData.NumberOfNodes()):
+        data = mbs.GetNode(number)
+        if data["nodeType"] in _NOT_ADDITIVE:
+            raise SceneError(
+                f"node {number} '{data['name']}' ({data['nodeType']}) has rotations that an explicit scheme "
+                "cannot add up: use nodeType RotationEulerParameters or RotationRxyz."
+            )
+        if data["nodeType"] == "RigidBodyEP":
+            coordinates = np.array(mbs.systemData.GetNodeLTGODE2(number)[3:7])
+            (row,) = mbs.systemData.GetNodeLTGAE(number)
+            reference = np.array(data["referenceCoordinates"][3:7], dtype=float)
+            found.append(Quaternion(number, coordinates, int(row), reference))
+    return found
+
+
+class BodyMasses:
+    """Mass of the bodies: constant blocks are inverted once, the others at each configuration.
+
+    A quaternion adds s C^T C, C its constraint's Jacobian, which makes its mass regular and, with
+    the constraint enforced, changes no acceleration.
+
+    coordinates: (n,) places of the bodies' coordinates in the system vector.   system: M a = F.
+    """
+
+    def __init__(
+        self, mbs: Any, solver: Any, bodies: Sequence[Body], quaternions: Sequence[Quaternion], total: Array
+    ) -> None:
+        self._mbs = mbs
+        self._solver = solver
+        self.coordinates = np.unique(np.concatenate([np.zeros(0, int), *(b.coordinates for b in bodies)]))
+        groups = self._groups(bodies)
+        constant = [self._block(group, total) for group in groups if all(b.has_constant_mass for b in group)]
+        self._variable = [group for group in groups if not all(b.has_constant_mass for b in group)]
+        self._needs_total = not all(body.tells_mass for group in self._variable for body in group)
+        self._dofs = [self._dofs_of(group) for group in self._variable]
+        self._quaternions = [self._of_group(dofs, quaternions) for dofs in self._dofs]
+        self.system = BodiesSystem(len(self.coordinates), constant, self._dofs)
+
+    def update(self, q: Array) -> None:
+        """Masses of the current configuration of mbs, which is q (n,)."""
+        total = system_mass(self._mbs, self._solver) if self._needs_total else None
+        for number, group in enumerate(self._variable):
+            dofs = self._dofs[number]
+            mass = self._mass(group, dofs) if total is None else self._part_of(total, dofs)
+            for places, dofs, reference in self._quaternions[number]:
+                normal = q[dofs] + reference
+                scale = 0.25 * np.trace(mass[np.ix_(places, places)])
+                mass[np.ix_(places, places)] += scale * np.outer(normal, normal)
+            self.system.set_mass(number, mass)
+
+    def _local(self, coordinates: np.ndarray) -> np.ndarray:
+        return np.searchsorted(self.coordinates, coordinates)
+
+    def _groups(self, bodies: Sequence[Body]) -> list[list[Body]]:
+        """Bodies that share coordinates."""
+        entries = [(k, c) for k, body in enumerate(bodies) for c in self._local(body.coordinates)]
+        if not entries:
+            return []
+        rows, columns = np.transpose(entries)
+        incidence = coo_array((np.ones(len(rows)), (rows, columns)))
+        count, labels = connected_components(incidence @ incidence.T, directed=False)
+        return [[bodies[k] for k in np.flatnonzero(labels == label).tolist()] for label in range(count)]
+
+    def _dofs_of(self, group: Sequence[Body]) -> np.ndarray:
+        return self._local(np.unique(np.concatenate([body.coordinates for body in group])))
+
+    def _mass(self, group: Sequence[Body], dofs: np.ndarray) -> Array:
+        mass = np.zeros((len(dofs), len(dofs)))
+        for body in group:
+            places = np.searchsorted(dofs, self._local(body.coordinates))
+            mass[np.ix_(places, places)] += body.mass(self._mbs)
+        return mass
+
+    def _part_of(self, total: Array, dofs: np.ndarray) -> Array:
+        places = self.coordinates[dofs]
+        part: Array = total[np.ix_(places, places)]
+        return part
+
+    def _block(self, group: Sequence[Body], total: Array) -> MassBlock:
+        dofs = self._dofs_of(group)
+        return MassBlock(dofs, self._part_of(total, dofs))
+
+    def _of_group(self, dofs: np.ndarray, quaternions: Sequence[Quaternion]) -> list[tuple[Any, Any, Array]]:
+        """Places in the block, dofs, and reference of the quaternions on these dofs."""
+        found = []
+        for quaternion in quaternions:
+            own = self._local(quaternion.coordinates)
+            if np.isin(own, dofs).all() and np.isin(quaternion.coordinates, self.coordinates).all():
+                found.append((np.searchsorted(dofs, own), own, quaternion.reference))
+        return found

@@ -1,0 +1,73 @@
+"""Where the coordinates of an mbs lie in the parts of a coupled system."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ...arrays import Array
+
+
+@dataclass(frozen=True, eq=False)
+class PartCoordinates:
+    """One part.
+
+    indices: (n,) places in the system vector of second order coordinates.
+    reference: (n,) what separates the part's coordinates from Exudyn's displacements.
+    """
+
+    indices: np.ndarray
+    reference: Array
+
+
+class CoordinateMap:
+    """Between coordinates of the parts, one after the other, and the system vector of an mbs.
+
+    A coordinate may stand twice (first and last node of a closed cable): forces and Jacobians then go
+    to the first one.
+
+    indices, reference: (n,) of all parts.   slices: of the parts.
+    """
+
+    def __init__(self, size: int, parts: Sequence[PartCoordinates]) -> None:
+        ends = np.cumsum([0, *(len(part.indices) for part in parts)])
+        self.size = size
+        self.indices = np.concatenate([part.indices for part in parts]).astype(int)
+        self.reference = np.concatenate([part.reference for part in parts])
+        self.slices = [slice(a, b) for a, b in pairwise(ends)]
+        first = np.full(size, -1)
+        first[self.indices[::-1]] = np.arange(len(self.indices))[::-1]
+        self._first = first
+        self._is_first = (first[self.indices] == np.arange(len(self.indices))).astype(float)
+        self._part_of = np.repeat(np.arange(len(parts)), np.diff(ends))
+
+    def displacements(self, q: Array) -> Array:
+        """(size,) system vector of displacements from coordinates (n,)."""
+        vector = np.zeros(self.size)
+        vector[self.indices] = q - self.reference
+        return vector
+
+    def rates(self, v: Array) -> Array:
+        """(size,) system vector of velocities or accelerations (n,)."""
+        vector = np.zeros(self.size)
+        vector[self.indices] = v
+        return vector
+
+    def forces(self, vector: Array) -> Array:
+        """(n,) forces on the parts from the system vector."""
+        return vector[self.indices] * self._is_first
+
+    def places(self, coordinates: np.ndarray) -> list[tuple[int, np.ndarray, np.ndarray]]:
+        """(part, which of `coordinates` lie in it, their places there), for each part that is met."""
+        at = self._first[coordinates]
+        parts = np.where(at >= 0, self._part_of[at], -1)
+        found = []
+        for part in np.unique(parts[parts >= 0]):
+            own = np.flatnonzero(parts == part)
+            found.append((int(part), own, at[own] - self.slices[part].start))
+        return found
+
+    def missing(self) -> np.ndarray:
+        """System coordinates that lie in no part."""
+        return np.flatnonzero(self._first < 0)

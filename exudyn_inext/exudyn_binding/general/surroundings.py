@@ -1,0 +1,162 @@
+"""Forces, masses and joints of an mbs for a coupled system, evaluated by Exudyn."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import exudyn
+import numpy as np
+
+from ...arrays import Array
+from ...coupling.coupled_system import Part
+from ...coupling.joints import JointTerms
+from ...errors import DivergenceError
+from ..cable_loads import CableLoads
+from .bodies import BodyMasses
+from .coordinates import CoordinateMap
+from .joint_rows import JointRows
+
+
+class NativeSurroundings:
+    """What Exudyn knows of a scene: all forces by one call, joints, masses that change.
+
+    joints: names of the rows.
+    """
+
+    joints: Sequence[str]
+
+    def __init__(
+        self,
+        mbs: Any,
+        solver: Any,
+        parts: Sequence[Part],
+        coordinates: CoordinateMap,
+        loads: Sequence[CableLoads],
+        masses: BodyMasses,
+        rows: JointRows,
+    ) -> None:
+        self.joints = rows.names
+        self._mbs = mbs
+        self._data = mbs.systemData
+        self._solver = solver
+        self._coordinates = coordinates
+        self._dofs = [part.dofs for part in parts]
+        self._loads = loads
+        self._masses = masses
+        self._rows = rows
+        self._sizes = self._data.ODE2Size(), self._data.ODE1Size()
+        self._bodies = self._dofs[len(loads)]
+
+    def forces(self, t: float, q: Array, v: Array) -> Sequence[Array]:
+        """Gravity and motions of the cables, and all that Exudyn's items do to the parts."""
+        self._set_state(t, q, v)
+        self._solver.ComputeODE2RHS(self._mbs)
+        second, first = self._sizes
+        if first:
+            self._solver.ComputeODE1RHS(self._mbs)
+        residual = self._solver.GetSystemResidual()
+        forces = self._coordinates.forces(residual[:second])
+        result = []
+        for loads, dofs in zip(self._loads, self._dofs, strict=False):
+            force = loads.at(t)
+            force[: dofs.stop - dofs.start] += forces[dofs]
+            result.append(force)
+        self._masses.update(q[self._bodies])
+        result.append(forces[self._bodies])
+        if first:
+            result.append(residual[second : second + first])
+        return result
+
+    def motions(self, t: float) -> Sequence[Array]:
+        """Of the cables' own constraints; bodies and first order states have none."""
+        nothing = np.zeros(0)
+        return [loads.at(t) for loads in self._loads] + [nothing] * (len(self._dofs) - len(self._loads))
+
+    def violations(self, t: float, q: Array) -> Array:
+        """c(q, t) (m,)."""
+        self._set_positions(t, q)
+        self._solver.ComputeAlgebraicEquations(self._mbs, False)
+        return self._rows.values(self._solver.GetSystemResidual()[sum(self._sizes) :])
+
+    def constrain(self, t: float, q: Array, v: Array) -> JointTerms:
+        """The joints at (t, q, v)."""
+        self._set_positions(t, q)
+        self._rows.update_jacobian(self._mbs, q)
+        return self._rows.terms(self.violations, t, q, v)
+
+    def finish_step(self, t: float, q: Array, v: Array) -> None:
+        """Let contact and friction update what they remember, in the state at the end of a step."""
+        self._set_state(t, q, v)
+        if self._data.DataSize():
+            self._solver.PostNewton(self._mbs)
+
+    def show_reactions(self, multipliers: Array) -> None:
+        """Give Exudyn the Lagrange multipliers of the joints, for its sensors.   multipliers: (m,)."""
+        self._data.SetAECoordinates(self._rows.equations(multipliers, self._data.AEsize()))
+
+    def _set_positions(self, t: float, q: Array) -> None:
+        if not np.isfinite(q).all():
+            raise DivergenceError("the coordinates are not finite: reduce stepSize.")
+        self._data.SetTime(t)
+        self._data.SetODE2Coordinates(self._coordinates.displacements(q[: len(self._coordinates.indices)]))
+
+    def _set_state(self, t: float, q: Array, v: Array) -> None:
+        self._set_positions(t, q)
+        number = len(self._coordinates.indices)
+        self._data.SetODE2Coordinates_t(self._coordinates.rates(v[:number]))
+        if self._sizes[1]:
+            self._data.SetODE1Coordinates(v[number:])
+
+
+def evaluator(mbs: Any) -> Any:
+    """A solver of Exudyn that evaluates right-hand sides; the current state of mbs stays as it is."""
+    data, current = mbs.systemData, exudyn.ConfigurationType.Current
+    settings = exudyn.SimulationSettings()
+    settings.solution.file.write = False
+    settings.solution.sensors.active = False
+    settings.timeIntegration.verboseMode = 0
+    settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
+    settings.linearSolver.solverType = exudyn.LinearSolverType.EigenSparse
+    state, time = data.GetSystemState(current), data.GetTime()
+    solver: Any = exudyn.MainSolverImplicitSecondOrder()
+    solver.InitializeSolver(mbs, settings)
+    data.SetSystemState(state, current)
+    data.SetTime(time)
+    return solver
+
+
+@contextmanager
+def switched_off(mbs: Any, cables: Sequence[int]) -> Iterator[None]:
+    """Exudyn evaluates no force and no mass of these objects: their own kernels do.
+
+    Args:
+        mbs: the system.   cables: numbers of ObjectGenericODE2.
+    """
+    nothing = {
+        "forceUserFunction": 0,
+        "massMatrixUserFunction": 0,
+        "jacobianUserFunction": 0,
+        "massMatrix": np.zeros((0, 0)),
+        "stiffnessMatrix": np.zeros((0, 0)),
+        "dampingMatrix": np.zeros((0, 0)),
+        "forceVector": [],
+    }
+    saved = {number: mbs.GetObject(number) for number in cables}
+    try:
+        for number in cables:
+            for name, value in nothing.items():
+                if _is_set(saved[number][name]):
+                    mbs.SetObjectParameter(number, name, value)
+        yield
+    finally:
+        for number, data in saved.items():
+            for name in nothing:
+                if _is_set(data[name]):
+                    value = data[name]
+                    mbs.SetObjectParameter(
+                        number, name, value["function"] if isinstance(value, dict) else value
+                    )
+
+
+def _is_set(value: Any) -> bool:
+    return bool(value) if isinstance(value, dict | int) else np.size(value) > 0

@@ -1,0 +1,52 @@
+"""Which runs move a scene: the cheapest way that is valid for what it contains."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from ..errors import InputError, SceneError
+from ..integrators import find_integrator
+from .explicit_runs import cable_runs
+from .general.coupled_run import CoupledRun
+from .native_run import NativeRun, has_only_forces
+from .scene import Scene
+from .settings import ExplicitSettings
+from .time_loop import Run
+
+
+def needs_coupling(mbs: Any, scene: Scene) -> bool:
+    """Whether cables and other items have to be moved together, by one right-hand side of Exudyn."""
+    return bool(scene.foreign) if scene.cables else not has_only_forces(mbs)
+
+
+def runs_of_scene(
+    mbs: Any, scene: Scene, solver: Any, time: float, h: float, explicit: ExplicitSettings
+) -> Sequence[Run]:
+    """One run for each cable; or one for cables, bodies and joints together; or one for native items.
+
+    Args:
+        mbs: the system; the user functions of its cables are switched off if it needs coupling.
+        scene: what it contains.   solver: of the time loop.   time: of the start [s].
+        h: step that scales the mass [s]; 0 without mass scaling.   explicit: settings.
+    """
+    if mbs.systemData.ODE2Size() == 0:
+        raise SceneError("mbs has nothing that moves: add a cable with CreateInextensibleCable.")
+    if explicit.massScaling and not scene.cables:
+        raise InputError(
+            f"massScaling = {explicit.massScaling!r}: only inextensible cables have it; set it to zero."
+        )
+    if not needs_coupling(mbs, scene):
+        cables = cable_runs(mbs, scene.cables, time, h, explicit)
+        return cables or [NativeRun(mbs, solver, find_integrator(explicit.integrator))]
+    unloaded = [replace(cable, loads=[]) for cable in scene.cables]  # Exudyn evaluates the loads
+    return [
+        CoupledRun(
+            mbs,
+            cable_runs(mbs, unloaded, time, h, explicit),
+            scene.own_constraints,
+            find_integrator(explicit.integrator),
+            zeta=explicit.stabilizationRate,
+            tolerance=explicit.startTolerance,
+            time=time,
+        )
+    ]
