@@ -28,23 +28,30 @@ class BodiesSystem:
     Args:
         size: number of coordinates.
         constant: blocks that never change, inverted once.
-        variable: dofs of the blocks that `set_mass` gives at each evaluation.
+        variable: dofs (B, k) of the blocks, by their size k, that `set_masses` gives at each evaluation.
     """
 
     def __init__(self, size: int, constant: Sequence[MassBlock], variable: Sequence[np.ndarray] = ()) -> None:
-        self.variable = list(variable)
-        self._inverses: list[Array] = [np.zeros((len(dofs), len(dofs))) for dofs in self.variable]
+        self._variable = list(variable)
+        self._inverses = [np.zeros((*dofs.shape, dofs.shape[1])) for dofs in self._variable]
         self._constant = _inverse_of_blocks(size, constant)
 
-    def set_mass(self, block: int, mass: Array) -> None:
-        """Mass (k, k) of variable block number `block` in the present configuration."""
-        self._inverses[block] = np.asarray(np.linalg.inv(mass), dtype=float)
+    def set_masses(self, stack: int, masses: Array) -> None:
+        """Masses (B, k, k) of the variable blocks of one size in the present configuration."""
+        self._inverses[stack] = np.asarray(np.linalg.inv(masses), dtype=float)
 
     def accelerations(self, force: Array) -> Array:
-        """M^-1 F.   force: (n,) or (n, columns) [N, Nm]."""
+        """M^-1 F.   force: (n,) [N, Nm]."""
         result: Array = self._constant @ force
-        for dofs, inverse in zip(self.variable, self._inverses, strict=True):
-            result[dofs] = inverse @ force[dofs]
+        for dofs, inverses in zip(self._variable, self._inverses, strict=True):
+            result[dofs] = (inverses @ force[dofs][:, :, None])[:, :, 0]
+        return result
+
+    def responses(self, forces: Array) -> Array:
+        """M^-1 F for rows F of forces (rows, n)."""
+        result: Array = (self._constant @ forces.T).T
+        for dofs, inverses in zip(self._variable, self._inverses, strict=True):
+            result[:, dofs] = (inverses @ forces[:, dofs][..., None])[..., 0]
         return result
 
 
@@ -86,4 +93,4 @@ def correct_bodies(system, external, q, tolerance, learning, correction):
 @respond.register(BodiesSystem)
 def respond_as_bodies(system, jacobian, response):
     """Arguments: see `respond`."""
-    response[:] = system.accelerations(jacobian.T).T
+    response[:] = system.responses(jacobian)

@@ -44,9 +44,8 @@ class JointRows:
         for number, part in enumerate(parts):
             rows = [own[k] for k, met in enumerate(places) if any(p == number for p, _, _ in met)]
             if rows:
-                size = part.dofs.stop - part.dofs.start
                 everything = np.concatenate(rows)
-                block = JointBlock(part.system, part.dofs, everything, np.zeros((len(everything), size)))
+                block = JointBlock(part.system, part.dofs, everything)
                 self.blocks.append(block)
                 position[number] = (block, everything)
         self._targets = [
@@ -112,7 +111,7 @@ class JointRows:
         """
         value = value_at(t, q)
         if not (self.follows_time or v.any()):
-            return JointTerms(value, np.zeros(self.number), np.zeros(self.number), self.blocks)
+            return JointTerms(value, np.zeros(self.number), np.zeros(self.number))
         step = STEP / max(1.0, float(np.abs(v).max()))
         after, before = (value_at(t + s, self._moved(q, v, s)) for s in (step, -step))
         gamma = (2.0 * value - after - before) / step**2
@@ -122,4 +121,4 @@ class JointRows:
         drift = np.zeros(self.number)
         if self.follows_time:
             drift = (value_at(t + STEP, q) - value_at(t - STEP, q)) / (2.0 * STEP)
-        return JointTerms(value, drift, gamma, self.blocks)
+        return JointTerms(value, drift, gamma)

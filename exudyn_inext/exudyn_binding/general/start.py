@@ -38,7 +38,7 @@ def consistent_start(
 
 
 def _require_consistent(system: CoupledSystem, time: float, q: Array, v: Array, tolerance: float) -> None:
-    terms, solve = system.join(time, q, v)
+    terms, solve = system.join(time, q, v), system.solve
     speed = max(1.0, float(np.abs(v).max(initial=0.0)))
     rates = (solve.times_jacobian(v) + terms.drift) / speed
     for what, violation in (("coordinates", terms.value), ("velocities", rates)):

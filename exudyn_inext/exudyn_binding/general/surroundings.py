@@ -9,7 +9,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...coupling.coupled_system import Part
-from ...coupling.joints import JointTerms
+from ...coupling.joints import JointBlock, JointTerms
 from ...errors import DivergenceError
 from ..cable_loads import CableLoads
 from .bodies import BodyMasses
@@ -20,10 +20,11 @@ from .joint_rows import JointRows
 class NativeSurroundings:
     """What Exudyn knows of a scene: all forces by one call, joints, masses that change.
 
-    joints: names of the rows.
+    joints: names of the rows.   blocks: their Jacobian by parts.
     """
 
     joints: Sequence[str]
+    blocks: Sequence[JointBlock]
 
     def __init__(
         self,
@@ -36,6 +37,7 @@ class NativeSurroundings:
         rows: JointRows,
     ) -> None:
         self.joints = rows.names
+        self.blocks = rows.blocks
         self._mbs = mbs
         self._data = mbs.systemData
         self._solver = solver
@@ -46,6 +48,8 @@ class NativeSurroundings:
         self._rows = rows
         self._sizes = self._data.ODE2Size(), self._data.ODE1Size()
         self._bodies = self._dofs[len(loads)]
+        self._positions: tuple[float, Array] = (np.nan, np.zeros(0))  # that mbs has at present
+        self._values: Array | None = None  # of all algebraic equations, if they are known there
 
     def forces(self, t: float, q: Array, v: Array) -> Sequence[Array]:
         """Gravity and motions of the cables, and all that Exudyn's items do to the parts."""
@@ -75,8 +79,10 @@ class NativeSurroundings:
     def violations(self, t: float, q: Array) -> Array:
         """c(q, t) (m,)."""
         self._set_positions(t, q)
-        self._solver.ComputeAlgebraicEquations(self._mbs, False)
-        return self._rows.values(self._solver.GetSystemResidual()[sum(self._sizes) :])
+        if self._values is None:
+            self._solver.ComputeAlgebraicEquations(self._mbs, False)
+            self._values = self._rows.values(self._solver.GetSystemResidual()[sum(self._sizes) :])
+        return self._values
 
     def constrain(self, t: float, q: Array, v: Array) -> JointTerms:
         """The joints at (t, q, v)."""
@@ -95,8 +101,11 @@ class NativeSurroundings:
         self._data.SetAECoordinates(self._rows.equations(multipliers, self._data.AEsize()))
 
     def _set_positions(self, t: float, q: Array) -> None:
+        if self._positions[0] == t and np.array_equal(self._positions[1], q):
+            return
         if not np.isfinite(q).all():
             raise DivergenceError("the coordinates are not finite: reduce stepSize.")
+        self._positions, self._values = (t, q.copy()), None
         self._data.SetTime(t)
         self._data.SetODE2Coordinates(self._coordinates.displacements(q[: len(self._coordinates.indices)]))
 
