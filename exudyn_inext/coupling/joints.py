@@ -77,6 +77,14 @@ class JointSolve:
             result[block.rows] += block.jacobian @ x[block.dofs]
         return result
 
+    def joint_force(self, nu: Array, dofs: slice) -> Array:
+        """J^T nu on one part.   nu: (m,).   dofs: its place."""
+        force = np.zeros(dofs.stop - dofs.start)
+        for block in self._blocks:
+            if block.dofs == dofs:
+                force += nu[block.rows] @ block.jacobian
+        return force
+
     def apply(self, x: Array, target: Array) -> Array:
         """x -= A^-1 J^T nu in place, such that J x = target; returns nu (m,)."""
         nu: Array

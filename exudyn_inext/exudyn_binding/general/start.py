@@ -7,11 +7,10 @@ from ...coupling.coupled_system import CoupledSystem
 from ...errors import SceneError
 from ...system import accelerate_and_project, correct_position
 from ..consistent_start import ITERATIONS, ROUND_OFF, StartCorrection
-from .coordinates import CoordinateMap
 
 
 def consistent_start(
-    system: CoupledSystem, time: float, q: Array, v: Array, tolerance: float, coordinates: CoordinateMap
+    system: CoupledSystem, time: float, q: Array, v: Array, tolerance: float
 ) -> StartCorrection:
     """Move q and v (n,) onto the joints, in place; returns how far.
 

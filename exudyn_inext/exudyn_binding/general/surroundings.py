@@ -48,8 +48,12 @@ class NativeSurroundings:
         self._rows = rows
         self._sizes = self._data.ODE2Size(), self._data.ODE1Size()
         self._bodies = self._dofs[len(loads)]
+        self._values: Array | None = None  # of all joints, if they are known at these positions
+        self.forget()
+
+    def forget(self) -> None:
+        """Somebody else may have set the state of mbs."""
         self._positions: tuple[float, Array] = (np.nan, np.zeros(0))  # that mbs has at present
-        self._values: Array | None = None  # of all algebraic equations, if they are known there
 
     def forces(self, t: float, q: Array, v: Array) -> Sequence[Array]:
         """Gravity and motions of the cables, and all that Exudyn's items do to the parts."""
@@ -119,19 +123,28 @@ class NativeSurroundings:
 
 def evaluator(mbs: Any) -> Any:
     """A solver of Exudyn that evaluates right-hand sides; the current state of mbs stays as it is."""
-    data, current = mbs.systemData, exudyn.ConfigurationType.Current
     settings = exudyn.SimulationSettings()
     settings.solution.file.write = False
     settings.solution.sensors.active = False
     settings.timeIntegration.verboseMode = 0
     settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
     settings.linearSolver.solverType = exudyn.LinearSolverType.EigenSparse
-    state, time = data.GetSystemState(current), data.GetTime()
     solver: Any = exudyn.MainSolverImplicitSecondOrder()
-    solver.InitializeSolver(mbs, settings)
-    data.SetSystemState(state, current)
-    data.SetTime(time)
+    with state_kept(mbs):
+        solver.InitializeSolver(mbs, settings)
     return solver
+
+
+@contextmanager
+def state_kept(mbs: Any) -> Iterator[None]:
+    """The current state of mbs is afterwards what it was before."""
+    data, current = mbs.systemData, exudyn.ConfigurationType.Current
+    state, time = data.GetSystemState(current), data.GetTime()
+    try:
+        yield
+    finally:
+        data.SetSystemState(state, current)
+        data.SetTime(time)
 
 
 @contextmanager
