@@ -168,6 +168,10 @@ class BodyMasses:
         stacked = [stack.dofs for stack in self._stacks]
         self.system = BodiesSystem(len(self.coordinates), blocks, stacked)
 
+    @property
+    def number_of_variable(self) -> int:
+        return sum(len(bodies) for stack in self._stacks for bodies in stack.bodies)
+
     def update(self, q: Array) -> None:
         """Masses of the current configuration of mbs, which is q (n,)."""
         total = system_mass(self._mbs, self._solver) if self._needs_total else None

@@ -22,7 +22,7 @@ from .start import consistent_start
 class CoupledRun:
     """All of a scene, see `time_loop.Run`.
 
-    cables: models of the inextensible cables.   start_corrections: one for each of them.
+    cables: models of the inextensible cables.   start_corrections: one for each of them, and for joints.
     """
 
     looks_ahead = False
@@ -36,8 +36,10 @@ class CoupledRun:
         zeta: float,
         tolerance: float,
         time: float,
+        why: str,
     ) -> None:
         self._runs = cable_runs
+        self._why = why
         self._integrator = integrator
         self._time = time
         cables = [
@@ -77,6 +79,15 @@ class CoupledRun:
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the present configuration, joints included."""
         return self._rates.frequency
+
+    @property
+    def reason(self) -> str:
+        """What an evaluation needs."""
+        joints, bodies = len(self._scene.joints), self._scene.bodies_of_variable_mass
+        needs = ["one right-hand side of Exudyn"]
+        needs += [f"the mass of {bodies} bodies"] if bodies else ["no mass (all constant, inverted once)"]
+        needs += [f"the Jacobians of {joints} joints"] if joints else ["no Jacobian (no joints)"]
+        return f"each evaluation takes {', '.join(needs)}, as mbs contains {self._why}"
 
     def damping_ratio(self, frequency: float) -> float:
         """Strongest damping [1/s], as a share of that frequency."""

@@ -60,7 +60,7 @@ class CoupledScene:
         on_cables = np.concatenate([np.zeros(0, int), *(cable.indices for cable in cables)])
         bodies = read_bodies(mbs, [cable.number for cable in cables], on_cables, total)
         quaternions = read_quaternions(mbs)
-        masses = BodyMasses(mbs, solver, bodies, quaternions, total)
+        self._masses = masses = BodyMasses(mbs, solver, bodies, quaternions, total)
         places = [PartCoordinates(cable.indices, cable.reference) for cable in cables]
         places.append(PartCoordinates(masses.coordinates, np.zeros(len(masses.coordinates))))
         self.map = CoordinateMap(mbs.systemData.ODE2Size(), places)
@@ -78,6 +78,11 @@ class CoupledScene:
     def size(self) -> int:
         """Number of coordinates of all parts."""
         return self.system.parts[-1].dofs.stop
+
+    @property
+    def bodies_of_variable_mass(self) -> int:
+        """How many bodies Exudyn is asked for their mass at each evaluation."""
+        return self._masses.number_of_variable
 
     @property
     def has_bodies(self) -> bool:
