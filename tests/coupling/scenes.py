@@ -8,7 +8,7 @@ from scipy.linalg import block_diag
 
 from exudyn_inext.chain.cable import CurvatureMeasure
 from exudyn_inext.chain.linked_cable import cable_system
-from exudyn_inext.coupling.bodies import BodiesSystem, MassBlock
+from exudyn_inext.coupling.bodies import BodiesSystem, MassBlock, VariableBlocks
 from exudyn_inext.coupling.coupled_system import CoupledSystem, Part
 from exudyn_inext.coupling.joints import JointBlock, JointTerms
 from tests.cables import (
@@ -140,8 +140,12 @@ def whole(seed, dim, joints=3, zeta=5.0, damped=False, linked=False):
     states = [replace(state, time=TIME) for state in states]
     roots = [rng.standard_normal((k, k)) for k in (2, 3)]
     masses = [root @ root.T + np.eye(len(root)) for root in roots]
-    bodies = BodiesSystem(5, [MassBlock(np.array([0, 1]), masses[0])], [np.array([[2, 3, 4]])])
-    bodies.set_masses(0, masses[1][None])
+    bodies = BodiesSystem(
+        5,
+        [MassBlock(np.array([0, 1]), masses[0])],
+        [VariableBlocks(np.array([[2, 3, 4]]), np.array([-1]), np.zeros((1, 4)))],
+    )
+    bodies.set_masses(0, masses[1][None].copy(), np.zeros(5))
     systems = [*(cable_system(state.cable, zeta) for state in states), bodies]
     ends = np.cumsum([0, *(state.q.size for state in states), 5])
     slices = [slice(a, b) for a, b in pairwise(ends)]

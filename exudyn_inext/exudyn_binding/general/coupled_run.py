@@ -96,7 +96,7 @@ class CoupledRun:
 
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; see `CableRun.start`."""
-        self._scene.system.foresight[:] = 0.0
+        self._scene.forget()
         for run in self._runs:
             run.forget()
         begin = _plain(self._integrator.start)
