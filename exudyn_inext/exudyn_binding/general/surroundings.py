@@ -8,6 +8,7 @@ import exudyn
 import numpy as np
 
 from ...arrays import Array
+from ...compiled import kernel
 from ...coupling.coupled_system import Part
 from ...coupling.joints import JointBlock, JointTerms
 from ...errors import DivergenceError
@@ -48,12 +49,13 @@ class NativeSurroundings:
         self._rows = rows
         self._sizes = self._data.ODE2Size(), self._data.ODE1Size()
         self._bodies = self._dofs[len(loads)]
-        self._values: Array | None = None  # of all joints, if they are known at these positions
+        self._positions = np.zeros(self._dofs[-1].stop)  # that mbs has at the time self._time
+        self._values: Array | None = None  # of all joints, if they are known there
         self.forget()
 
     def forget(self) -> None:
         """Somebody else may have set the state of mbs."""
-        self._positions: tuple[float, Array] = (np.nan, np.zeros(0))  # that mbs has at present
+        self._time = np.nan
 
     def forces(self, t: float, q: Array, v: Array) -> Sequence[Array]:
         """Gravity and motions of the cables, and all that Exudyn's items do to the parts."""
@@ -96,8 +98,8 @@ class NativeSurroundings:
 
     def finish_step(self, t: float, q: Array, v: Array) -> None:
         """Let contact and friction update what they remember, in the state at the end of a step."""
-        self._set_state(t, q, v)
         if self._data.DataSize():
+            self._set_state(t, q, v)
             self._solver.PostNewton(self._mbs)
 
     def show_reactions(self, multipliers: Array) -> None:
@@ -105,11 +107,13 @@ class NativeSurroundings:
         self._data.SetAECoordinates(self._rows.equations(multipliers, self._data.AEsize()))
 
     def _set_positions(self, t: float, q: Array) -> None:
-        if self._positions[0] == t and np.array_equal(self._positions[1], q):
+        same, finite = _compare(q, self._positions)
+        if same and self._time == t:
             return
-        if not np.isfinite(q).all():
+        if not finite:
             raise DivergenceError("the coordinates are not finite: reduce stepSize.")
-        self._positions, self._values = (t, q.copy()), None
+        self._time, self._values = t, None
+        self._positions[:] = q
         self._data.SetTime(t)
         self._data.SetODE2Coordinates(self._coordinates.displacements(q[: len(self._coordinates.indices)]))
 
@@ -133,6 +137,16 @@ def evaluator(mbs: Any) -> Any:
     with state_kept(mbs):
         solver.InitializeSolver(mbs, settings)
     return solver
+
+
+@kernel
+def _compare(x, y):
+    """Whether x = y, and whether x is finite.   x, y: (n,)."""
+    same, finite = True, True
+    for i in range(len(x)):
+        same = same and x[i] == y[i]
+        finite = finite and np.isfinite(x[i])
+    return same, finite
 
 
 @contextmanager
