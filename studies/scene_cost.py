@@ -133,7 +133,8 @@ def conclude(figures: Figures) -> list[str]:
     alone = {row["elements"]: row["microseconds"] for row in series["elements, cable alone"]}
     sentences = [
         f"{name.removeprefix('elements, ').capitalize()}, N = {row['elements']}: "
-        f"{row['microseconds']:.0f} us a step, {row['microseconds'] / alone[row['elements']]:.1f} times the compiled path."
+        f"{row['microseconds']:.0f} us a step, "
+        f"{row['microseconds'] / alone[row['elements']]:.1f} times the compiled path."
         for name in ("elements, watched", "elements, with a spring", "elements, with a body")
         for row in (series[name][0], series[name][-1])
     ]
