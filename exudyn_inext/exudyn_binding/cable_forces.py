@@ -11,7 +11,7 @@ from ..chain.linked_cable import cable_system
 from ..chain.section_forces import SectionForces, SolvedState, multiplier_tension, section_forces
 from ..errors import InputError, SceneError
 from ..system import index_reduced_rates
-from .cable_item import find_cable_item
+from .cable_data import find_cable_item
 from .cable_loads import CableLoads
 from .scene import CableInScene, read_scene, require_assembled
 

@@ -10,7 +10,9 @@ from ..chain.cable import Cable
 from ..chain.link import Link, rest
 from ..constraints.prescribed_motion import prescribed
 from ..errors import SceneError
-from .cable_item import CableItem, find_cable_item, supports_of_flags
+from .cable_data import CableItem, find_cable_item
+from .cable_item import supports_of_flags
+from .enforcement.algebraic import belongs_to_a_cable
 from .link_items import MovingCoordinate, Rod, links_of_motions, read_moving_coordinate, read_rod
 from .load_items import NodalLoad, read_load
 
@@ -102,7 +104,7 @@ def _contents(mbs: Any) -> Contents:
             contents.moving.append(moving)
         elif (rod := read_rod(mbs, data)) is not None:
             contents.rods.append(rod)
-        elif data["objectType"] not in _HARMLESS:
+        elif data["objectType"] not in _HARMLESS and not belongs_to_a_cable(data):
             contents.unsupported.append(f"object {number} '{data['name']}' ({data['objectType']})")
     return contents
 
@@ -197,14 +199,14 @@ def _cable_in_scene(mbs: Any, number: int, contents: Contents, loads: list[Nodal
 def _supports(item: CableItem, held: list[HeldCoordinate], name: str) -> tuple[np.ndarray, list[Link]]:
     """(n, 2) held nodes, and links where only some coordinates of a position are held."""
     reference = item.cable.reference
-    flags = np.zeros(reference.shape, dtype=bool)
+    flags = item.held.copy()
     for constraint in held:
         flags[item.nodes.index(constraint.node)].flat[constraint.coordinate] = True
     if item.cable.closed:
         flags[-1] = flags[0]
     fixed = np.zeros(flags.shape[:2], dtype=bool)
     links: list[Link] = []
-    for k in np.unique([item.nodes.index(constraint.node) for constraint in held]).tolist():
+    for k in np.flatnonzero(flags[: len(item.nodes)].any(axis=(1, 2))).tolist():
         node = item.nodes[k]
         fixed[k] = supports_of_flags(f"node {node} of cable '{name}'", flags[k], reference[k])
         if not fixed[k, 0]:
