@@ -24,14 +24,14 @@ class ConstraintRows(NamedTuple):
     number: int
 
 
-def build_rows(cable: Cable, held_slopes: np.ndarray) -> ConstraintRows:
+def build_rows(cable: Cable, held: np.ndarray) -> ConstraintRows:
     """The rows of `cable` where all supports are constraints of somebody else.
 
     Args:
         cable: without supports and links.
-        held_slopes: (n,) nodes whose slope is held completely: (18) is redundant there.
+        held: (n, 2, dim) held coordinates; (18) is redundant where they are all of a slope.
     """
-    needed = ~held_slopes
+    needed: np.ndarray = np.logical_not(np.all(held[:, 1], axis=1))
     if cable.closed:
         needed = np.append(needed[:-1], False)
     nodal = np.flatnonzero(needed)

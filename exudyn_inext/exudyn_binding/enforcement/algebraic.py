@@ -51,7 +51,7 @@ class Algebraic:
 
     def add_constraints(self, mbs: Any, number: int, item: CableItem, held: np.ndarray) -> list[int]:
         """One constraint object with all rows; those of clamped nodes, redundant there, are left out."""
-        rows = build_rows(item.cable, held[:, 1].all(axis=1))
+        rows = build_rows(item.cable, held)
         ground = mbs.AddMarker(MarkerNodeCoordinates(nodeNumber=mbs.AddNode(NodePointGround())))
         marker = mbs.AddMarker(MarkerObjectODE2Coordinates(objectNumber=number))
         values, jacobian = _constraint_user_functions(rows, Coordinates(item.cable))
