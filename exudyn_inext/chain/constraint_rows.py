@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..compiled import inlined, kernel, local_array
-from ..element.inextensibility import length_gradient
-from .assembly import RATE, VALUE, add_damping, assemble, differences, set_gradient
+from ..element.inextensibility import contract, length_gradient, nodal_constraint, nodal_rate
+from .assembly import add_damping, assemble, differences, set_gradient
 from .cable import Cable
 from .chain import Chain, build_chain
 
@@ -92,15 +92,19 @@ def constraint_values(rows, q, v, values):
         values: (2, number) output: c [-, m], c_q v [1/s, m/s].
     """
     axes, nodes, elements = rows.chain.axes, rows.chain.nodes, rows.chain.elements
-    assemble(axes, nodes, elements, q, v, 0)
     row = 0
     for k in rows.nodal:
-        values[0, row], values[1, row] = nodes[k].constraint[VALUE], nodes[k].constraint[RATE]
+        values[0, row] = nodal_constraint(axes, q[k, 1])
+        values[1, row] = nodal_rate(axes, q[k, 1], v[k, 1])
         row += 1
+    e, e_t, gradient = local_array(3, 3), local_array(3, 3), local_array(3, 3)
     value = rate = 0.0
     for k in range(len(elements)):
-        value += elements[k].constraint[VALUE]
-        rate += elements[k].constraint[RATE]
+        differences(axes, q, k, e)
+        differences(axes, v, k, e_t)
+        length_gradient(axes, elements[k].slope_gram, e, gradient)
+        value += 0.5 * contract(axes, e, gradient) - elements[k].reference_length
+        rate += contract(axes, e_t, gradient)
         if nodes[k + 1].ends_group:
             values[0, row], values[1, row] = value, rate
             row += 1
