@@ -22,13 +22,15 @@ class PenaltyMass:
     """Bayo's penalty formulation in the user functions of the cable's object, supports included.
 
     (M + k C_q^T C_q) a = F + k C_q^T (gamma - 2 z C' - z^2 C) takes the place of M a = F. Loads and
-    connectors act on the nodes as usual. For native RK44, DOPRI5, ExplicitMidpoint and VelocityVerlet.
+    connectors act on the nodes as usual. For native RK44, DOPRI5, ExplicitMidpoint and VelocityVerlet; DOPRI5
+    with tolerances of 1e-5 or more (its step control may stall below). The mass matrix is dense: up to some
+    20 elements.
 
     Source: E. Bayo, J. Garcia de Jalon, M. A. Serna, A modified Lagrangian formulation for the dynamic
     analysis of constrained mechanical systems, CMAME 71 (1988) 183-195.
 
     Args:
-        penalty: k over the mass of an element [-]; 1e3 to 1e5 give nearly the same motion.
+        penalty: k over the mass of an element [-]; 1e4 and 1e5 give nearly the same motion.
         stabilizationRate: z, at which violations of the constraints decay [1/s]; z h must be well below 1.
 
     Raises:
