@@ -97,7 +97,7 @@ def _demand(terms, z):
 
 @kernel
 def penalty_force(system, external, q, v, force):
-    """force = Q_ext + Q_el + Q_damping + k C_q^T (gamma - 2 z C' - z^2 C), Eq. (12) of the source.
+    """force = Q_ext + Q_el + Q_damping + k C_q^T (gamma - 2 z C' - z^2 C).
 
     Args:
         system: coefficients and memory.
@@ -134,7 +134,7 @@ def penalty_force(system, external, q, v, force):
 
 @kernel
 def penalty_mass(system, q, mass):
-    """mass = M + k C_q^T C_q, Eq. (12) of the source.
+    """mass = M + k C_q^T C_q.
 
     Args:
         system: coefficients and memory.

@@ -229,7 +229,7 @@ def test_a_native_solver_on_the_default_is_told_what_to_choose(twin, contents, s
 
 def test_the_native_static_solver_on_the_default_is_told_what_to_choose(twin):
     mbs = twin().mbs
-    message = r"enforcement='algebraic' for native implicit and static"
+    message = r"SolveEquilibrium\(mbs\) for statics"
     with silence(), pytest.raises(exudyn.ModelError, match=message):
         mbs.SolveStatic(quiet_settings(1.0, 1))
 
