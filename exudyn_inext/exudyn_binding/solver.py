@@ -59,9 +59,9 @@ def SolveExplicit(
     solver = exudyn.MainSolverImplicitSecondOrder()
     scene = read_scene(mbs)
     start = float(settings.timeIntegration.startTime)
-    cables = [cable.number for cable in scene.cables] if needs_coupling(mbs, scene) else []
-    with switched_off(mbs, cables):
-        with state_kept(mbs) if cables else nullcontext():
+    coupled = needs_coupling(mbs, scene)
+    with switched_off(mbs, *scene.evaluated_by_kernels) if coupled else nullcontext():
+        with state_kept(mbs) if coupled else nullcontext():
             runs = runs_of_scene(mbs, scene, solver, start, _scaling_step(mbs, settings, explicit), explicit)
             bounds = step_bounds(runs, start, explicit)
             wanted, decided_by = wanted_step(bounds, explicit)

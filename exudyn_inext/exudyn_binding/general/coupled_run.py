@@ -124,7 +124,8 @@ class CoupledRun:
                     return
             history[interval] = row[0, :, :number]
             history[interval, 0] -= self.reference
-        self._scene.surroundings.show_reactions(self._scene.system.multipliers)
+        end = grid.time(first + len(history))
+        self._scene.surroundings.show(end, self.state.q, self.state.v, self._scene.system.multipliers)
 
     def is_credible(self, history: Array) -> np.ndarray:
         """(intervals,) whether all is finite and the cables' slopes are those of inextensible ones."""

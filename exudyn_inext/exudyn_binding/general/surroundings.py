@@ -102,8 +102,9 @@ class NativeSurroundings:
             self._set_state(t, q, v)
             self._solver.PostNewton(self._mbs)
 
-    def show_reactions(self, multipliers: Array) -> None:
-        """Give Exudyn the Lagrange multipliers of the joints, for its sensors.   multipliers: (m,)."""
+    def show(self, t: float, q: Array, v: Array, multipliers: Array) -> None:
+        """Leave the state at t in mbs, with the Lagrange multipliers (m,) of the joints for its sensors."""
+        self._set_state(t, q, v)
         self._data.SetAECoordinates(self._rows.equations(multipliers, self._data.AEsize()))
 
     def _set_positions(self, t: float, q: Array) -> None:
@@ -162,11 +163,11 @@ def state_kept(mbs: Any) -> Iterator[None]:
 
 
 @contextmanager
-def switched_off(mbs: Any, cables: Sequence[int]) -> Iterator[None]:
-    """Exudyn evaluates no force and no mass of these objects: their own kernels do.
+def switched_off(mbs: Any, cables: Sequence[int], constraints: Sequence[int] = ()) -> Iterator[None]:
+    """Exudyn evaluates no force, mass or constraint of these objects: their own kernels do.
 
     Args:
-        mbs: the system.   cables: numbers of ObjectGenericODE2.
+        mbs: the system.   cables: numbers of ObjectGenericODE2.   constraints: numbers of constraints.
     """
     nothing = {
         "forceUserFunction": 0,
@@ -177,21 +178,20 @@ def switched_off(mbs: Any, cables: Sequence[int]) -> Iterator[None]:
         "dampingMatrix": np.zeros((0, 0)),
         "forceVector": [],
     }
-    saved = {number: mbs.GetObject(number) for number in cables}
+    saved = [(number, name, mbs.GetObject(number)[name]) for number in cables for name in nothing]
+    saved = [(number, name, value) for number, name, value in saved if _is_set(value)]
+    active = [number for number in constraints if mbs.GetObjectParameter(number, "activeConnector")]
     try:
-        for number in cables:
-            for name, value in nothing.items():
-                if _is_set(saved[number][name]):
-                    mbs.SetObjectParameter(number, name, value)
+        for number, name, _ in saved:
+            mbs.SetObjectParameter(number, name, nothing[name])
+        for number in active:
+            mbs.SetObjectParameter(number, "activeConnector", False)
         yield
     finally:
-        for number, data in saved.items():
-            for name in nothing:
-                if _is_set(data[name]):
-                    value = data[name]
-                    mbs.SetObjectParameter(
-                        number, name, value["function"] if isinstance(value, dict) else value
-                    )
+        for number, name, value in saved:
+            mbs.SetObjectParameter(number, name, value["function"] if isinstance(value, dict) else value)
+        for number in active:
+            mbs.SetObjectParameter(number, "activeConnector", True)
 
 
 def _is_set(value: Any) -> bool:

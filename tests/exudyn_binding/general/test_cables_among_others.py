@@ -14,7 +14,7 @@ from exudyn.itemInterface import (
 )
 from exudyn.utilities import InertiaCuboid
 
-from exudyn_inext import CableForces, CableShape, DivergenceError
+from exudyn_inext import CableForces, CableShape, CreateCableForceSensor, DivergenceError
 from exudyn_inext.exudyn_binding.cable_item import find_cable_item
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import load_node, native_cable, solve_native, trajectory
@@ -162,6 +162,32 @@ def test_loads_on_cables_are_the_same_whether_exudyn_or_the_kernels_evaluate_the
         solve(mbs, 0.2, stepSize=1e-3)
         paths.append(trajectory(mbs, sensor))
     np.testing.assert_allclose(*paths, atol=1e-10)
+
+
+def evaluated(mbs):
+    """What Exudyn evaluates of each object, as text."""
+    objects = [mbs.GetObject(number) for number in range(mbs.systemData.NumberOfObjects())]
+    return [str({k: v for k, v in data.items() if not k.startswith("temp")}) for data in objects]
+
+
+def test_how_a_cable_keeps_its_length_elsewhere_does_not_matter_here(
+    new_mbs, add_pendulum, add_sensor, solve
+):
+    """Forces, masses and constraints for other solvers are switched off, and on again."""
+    paths = []
+    for enforcement in ("projection", "penaltyMass", "algebraic"):
+        mbs = new_mbs()
+        cable = add_pendulum(mbs, numberOfElements=3, enforcement=enforcement)
+        mbs.CreateMassPoint(mass=1.0, referencePosition=[5, 0, 0])
+        sensors = add_sensor(mbs, cable["nodes"][-1]), CreateCableForceSensor(mbs, cable, 0.9)
+        mbs.Assemble()
+        before = evaluated(mbs)
+        solve(mbs, 0.1, stepSize=1e-3)
+        assert evaluated(mbs) == before
+        paths.append([trajectory(mbs, sensor) for sensor in sensors])
+    for other in paths[1:]:
+        for path, expected in zip(other, paths[0], strict=True):
+            np.testing.assert_allclose(path, expected, rtol=1e-9, atol=1e-12)
 
 
 def test_a_closed_cable_takes_forces_and_joints_at_its_first_node(new_mbs, add_cable, add_sensor, solve):
