@@ -128,6 +128,29 @@ def largest_of_tridiagonal(diagonal, off_diagonal):
     return upper
 
 
+@kernel
+def _power_iteration(system, q, tension, iterations, x):
+    """Rayleigh quotient of x under x -> constrained M^-1 H x, H as in `_lanczos`, which x is iterated with.
+
+    x: (n, 2, dim), improved in place towards the fastest vibration.
+    """
+    chain = system.chain
+    memory = np.zeros((4, *q.shape))
+    image, momentum = memory[2], memory[3]
+    quotient = 0.0
+    for _ in range(iterations):
+        apply_mass(chain, x, momentum)
+        norm = np.sqrt(_inner(x, momentum))
+        _combine(1.0 / norm, x, 0.0, x, x)
+        _apply_elastic_tangent(chain, q, x, memory, image)
+        _add_geometric_stiffness(chain, tension[0], tension[1], x, image)
+        add_link_stiffness(system, tension[2], x, image)
+        quotient = _inner(x, image)
+        constrained_inverse(system, image, momentum)
+        _combine(1.0, momentum, 0.0, momentum, x)
+    return quotient
+
+
 def _tension_at_rest(system: Any, external: Array, q: Array) -> tuple[Array, Array, Array]:
     """Nodal (n,), length (N,) and link (m,) multipliers at q without velocities; factorised at q."""
     rest, acceleration, rate = (np.zeros(q.size) for _ in range(3))
@@ -192,6 +215,38 @@ def largest_frequency(system: CableSystem | LinkedCableSystem, external: Array, 
         return 0.0
     top = largest_of_tridiagonal(diagonal[:found], off_diagonal)
     return float(np.sqrt(max(top, 0.0)))
+
+
+class FrequencyTracker:
+    """w_max of a cable in motion, cheaply: the fastest vibration is kept and improved from time to time.
+
+    Args:
+        system: of the cable.   shape: (n, 2, dim) of its coordinates.
+    """
+
+    FIRST, LATER = 40, 4  # iterations
+
+    def __init__(self, system: CableSystem | LinkedCableSystem, shape: tuple[int, ...]) -> None:
+        self._system = system
+        self._vibration = np.zeros(shape)
+
+    def frequency(self, q: Array, a: Array) -> float:
+        """w_max [rad/s] of small vibrations about the state that `system` was evaluated at last.
+
+        Args:
+            q, a: (n, 2, dim) of that state; its velocities count by the tension that they cause.
+        """
+        system, x = self._system, self._vibration
+        links = np.array([link.multiplier[0] for link in _links(system)], dtype=float)
+        tension = (nodal_multipliers_of(system, a), system.chain.elements.multiplier[:, 0].copy(), links)
+        iterations = self.LATER
+        if not x.any():
+            constrained_inverse(system, _scattered(q.shape), x)
+            iterations = self.FIRST
+        squared = _power_iteration(system, q, tension, iterations, x) if x.any() else 0.0
+        if not np.isfinite(x).all():
+            x[:] = 0.0
+        return float(np.sqrt(max(squared, 0.0)))
 
 
 def _scattered(shape: tuple[int, ...]) -> Array:

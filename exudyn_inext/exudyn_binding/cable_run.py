@@ -8,7 +8,7 @@ import numpy as np
 from ..arrays import Array
 from ..chain.border import all_links
 from ..chain.cable import Cable
-from ..chain.frequency import largest_frequency
+from ..chain.frequency import FrequencyTracker, largest_frequency
 from ..chain.linked_cable import LinkedCableSystem, cable_system
 from ..errors import RedundantConstraintError
 from ..integrators.integrator import Integrator, record
@@ -23,6 +23,7 @@ from .consistent_start import (
 )
 from .link_items import require_smooth_motions
 from .scene import CableInScene
+from .step_control import StepControl, StepRule
 from .time_grid import TimeGrid
 
 PIVOT_TOLERANCE = 1e-10
@@ -52,7 +53,10 @@ class CableRun:
     loads: external force and motions.
     looks_ahead: whether several steps of the time loop can be computed at once.   reason: why not.
     start_correction: how far the initial state was from its constraints.
+    control: chooses the steps, if they are not all equal.
     """
+
+    control: StepControl | None = None
 
     reason = (
         "user functions of loads or moving supports may depend on more than the time (if they do not, set "
@@ -93,6 +97,11 @@ class CableRun:
     def name(self) -> str:
         return f"cable '{self.scene_cable.name}'"
 
+    def follow_frequency(self, rule: StepRule) -> None:
+        """Let the steps follow the present stability limit."""
+        tracker = FrequencyTracker(self.system, self.scene_cable.cable.reference.shape)
+        self.control = StepControl(rule, tracker)
+
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; the history of a multi-step scheme begins here.
 
@@ -107,6 +116,39 @@ class CableRun:
         """What earlier steps taught the constraints does not hold any more."""
         for records in self._records():
             records.foresight = 0.0
+
+    def _record_under_control(
+        self, control: StepControl, scheme: Any, grid: TimeGrid, first: int, history: Array
+    ) -> None:
+        """As `record`, with steps of its own choice in each interval."""
+        interval = grid.substeps * grid.h
+        history[:] = np.nan
+        for k in range(len(history)):
+            end = grid.time(first + k + 1)
+            remaining = interval
+            while remaining > ROUND_OFF * interval:
+                taken = self._take_steps(control, scheme, end, remaining, history[k : k + 1])
+                remaining -= taken
+                if taken == 0.0 or not np.isfinite(self.state.q).all():
+                    history[k:] = np.nan
+                    return
+        history[:, 0] -= self.reference
+
+    def _take_steps(
+        self, control: StepControl, scheme: Any, end: float, remaining: float, history: Array
+    ) -> float:
+        """Some steps towards the time `end` [s]; returns the time that they took."""
+        shape = self.scene_cable.cable.reference.shape
+        steps, h, ratio = control.next_steps(
+            remaining, self.state.q.reshape(shape), self.state.a.reshape(shape)
+        )
+        if not steps:
+            return 0.0
+        if ratio != 1.0:
+            self._integrator.change_step(self.state, ratio)
+        loads = self.loads.sample(end - remaining, h, steps, self._integrator.stages)
+        record(scheme, self.system, loads, self.state, h, steps, history)
+        return steps * h
 
     @property
     def cables(self) -> list[Cable]:
@@ -131,12 +173,19 @@ class CableRun:
 
         history: (intervals, 3, n_dof) output: displacements from the reference, v, a after each.
         """
+        if self.control is not None:
+            self._record_under_control(self.control, scheme, grid, first, history)
+            return
         steps = len(history) * grid.substeps
         loads = self.loads.sample(
             grid.start, grid.h, steps, self._integrator.stages, first=first * grid.substeps
         )
         record(scheme, self.system, loads, self.state, grid.h, grid.substeps, history)
         history[:, 0] -= self.reference
+
+    def trouble(self, scheme: Any) -> str:
+        """What the scheme could not do; see `Integrator`."""
+        return self._integrator.trouble(scheme, self.state)
 
     def is_credible(self, history: Array) -> np.ndarray:
         """(intervals,) whether the slopes are still those of an inextensible cable; history as above."""

@@ -11,7 +11,7 @@ from ..chain.border import all_links
 from ..errors import InextensibleError, InputError, SceneError
 from ..integrators.step_size import StepSizeBounds
 from .cable_run import CableRun
-from .explicit_runs import cable_runs, step_bounds, wanted_step
+from .explicit_runs import cable_runs, require_fixed_steps, step_bounds, wanted_step
 from .scene import read_cables, require_assembled
 from .settings import ExplicitSettings
 
@@ -103,6 +103,7 @@ def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> list[C
             "it has a pre- or post-step user function, which nobody calls within an ensemble: remove it, or "
             "use SolveExplicit."
         )
+    require_fixed_steps(explicit, "SolveEnsemble")
     runs = cable_runs(mbs, read_cables(mbs, "SolveEnsemble"), time, h, explicit)
     if not runs:
         raise SceneError("it has no inextensible cable: add one with CreateInextensibleCable.")

@@ -8,12 +8,14 @@ from typing import Any
 import numpy as np
 
 from ..chain.cable import Cable
+from ..errors import InputError, SceneError
 from ..integrators import find_integrator
 from ..integrators.linear_stability import decay_limit, frequency_limit
 from ..integrators.step_size import StepSizeBounds, choose_step, rule_step, step_above_limit
 from .cable_run import CableRun, Start
 from .scene import CableInScene, initial_state
 from .settings import ExplicitSettings
+from .step_control import StepRule
 from .time_loop import Run
 
 
@@ -66,10 +68,40 @@ def _rule(cable: Cable, constant: float) -> float:
     return rule_step(shortest, section.mass_per_length, section.bending_stiffness, constant)
 
 
+def follow_frequencies(runs: Sequence[Run], bounds: StepSizeBounds, explicit: ExplicitSettings) -> None:
+    """Let each cable choose its steps, if the settings ask for it.
+
+    Raises:
+        SceneError: something else than cables moves, too.
+    """
+    if not explicit.adaptiveStep:
+        return
+    others = [run.name for run in runs if not isinstance(run, CableRun)]
+    if others:
+        raise SceneError(
+            f"adaptiveStep deals with cables alone, not with {', '.join(others)}: choose a fixed stepSize, "
+            "with a margin for what is pulled tight."
+        )
+    integrator, scheme = find_integrator(explicit.integrator), scheme_of(explicit)
+    largest = min(explicit.stepSize or math.inf, explicit.stepSafety * bounds.stabilisation)
+    for run in runs:
+        if isinstance(run, CableRun):
+            limit = frequency_limit(integrator, scheme, run.damping_ratio(bounds.largest_frequency))
+            run.follow_frequency(StepRule(limit, explicit.stepSafety, largest))
+
+
+def require_fixed_steps(explicit: ExplicitSettings, who: str) -> None:
+    """Raise InputError if the steps are to adapt."""
+    if explicit.adaptiveStep:
+        raise InputError(f"adaptiveStep: {who} takes equal steps; use SolveExplicit, or leave it out.")
+
+
 def wanted_step(bounds: StepSizeBounds, explicit: ExplicitSettings) -> tuple[float, str]:
     """The given step, unless it is above the stability limit, or the largest safe one."""
     if explicit.stepSize is None:
         return choose_step(bounds, explicit.stepSafety)
+    if explicit.adaptiveStep:
+        return explicit.stepSize, "stepSize"
     error = step_above_limit(explicit.stepSize, bounds, explicit.integrator)
     if error is not None and not explicit.allowUnstableStep:
         raise error

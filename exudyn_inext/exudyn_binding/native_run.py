@@ -122,6 +122,10 @@ class NativeRun:
             row = history[step // grid.substeps]
             take_step(scheme, self._system, self._loads, self.state, grid.h, 1, row[None])
 
+    def trouble(self, scheme: Any) -> str:
+        """What the scheme could not do; see `Integrator`."""
+        return self._integrator.trouble(scheme, self.state)
+
     def is_credible(self, history: Array) -> np.ndarray:
         """(intervals,) whether all coordinates are finite."""
         return np.isfinite(history.sum(axis=(1, 2)))

@@ -29,6 +29,9 @@ class ExplicitSettings:
             relative to the speed, of rates. Up to it the state is projected onto the constraints, above it
             refused.
         allowUnstableStep: warn, rather than refuse, if stepSize is above the stability limit.
+        adaptiveStep: between two outputs, take as many equal steps as the present largest frequency of the
+            cable asks for, so that one that straightens or is pulled tight stays within its stability limit;
+            stepSize is then an upper bound. For scenes of cables alone.
     """
 
     integrator: str = "RATTLE"
@@ -40,6 +43,7 @@ class ExplicitSettings:
     massScaling: float = 0.0
     startTolerance: float = 1e-6
     allowUnstableStep: bool = False
+    adaptiveStep: bool = False
 
     def __post_init__(self) -> None:
         """Check all numbers.
@@ -60,6 +64,11 @@ class ExplicitSettings:
             require_positive("stepSize", self.stepSize)
         if self.massScaling != 0.0:
             require_positive("massScaling", self.massScaling)
+        if self.massScaling and self.adaptiveStep:
+            raise InputError(
+                f"massScaling = {self.massScaling!r} with adaptiveStep: the scaled mass belongs to one step "
+                "size, and bending does not bound the step then; leave one of them out."
+            )
         if self.massScaling and self.stepSize is None:
             raise InputError(
                 f"massScaling = {self.massScaling!r} without stepSize: bending does not bound the step "

@@ -7,7 +7,8 @@ from typing import Any
 import exudyn
 
 from ..errors import SceneError
-from .explicit_runs import scheme_of, step_bounds, wanted_step
+from .cable_run import CableRun
+from .explicit_runs import follow_frequencies, scheme_of, step_bounds, wanted_step
 from .general.surroundings import state_kept, switched_off
 from .observed import observed_derivatives
 from .scene import read_scene, require_assembled
@@ -40,12 +41,13 @@ def SolveExplicit(
         explicitSettings: integrator, step size, stabilisation.
 
     Returns:
-        dict with 'success', 'integrator', 'stepSize' [s], 'steps', 'loopSteps', 'decidedBy' (what
-        bounded the step), 'bounds' (StepSizeBounds), 'path' (which way the steps were computed) and
-        'startCorrections' (of each cable: how far its initial state was from its constraints).
+        dict with 'success', 'integrator', 'stepSize' [s] (the smallest, if they adapt), 'steps',
+        'loopSteps', 'decidedBy' (what bounded the step), 'bounds' (StepSizeBounds), 'path' (which way the
+        steps were computed) and 'startCorrections' (of each cable, and of joints: how far the initial
+        state was from the constraints).
 
     Raises:
-        SceneError: mbs not assembled, inconsistent, or contains what is not supported yet.
+        SceneError: mbs not assembled, inconsistent, or contains what explicit steps cannot take.
         StepSizeError: stepSize is above the stability limit.
         RedundantConstraintError: constraints that depend on each other.
         DivergenceError: the run left the finite numbers; mbs holds the last finite state.
@@ -66,14 +68,17 @@ def SolveExplicit(
             bounds = step_bounds(runs, start, explicit)
             wanted, decided_by = wanted_step(bounds, explicit)
             grid = time_grid(mbs, settings, wanted)
+            follow_frequencies(runs, bounds, explicit)
             observed = observed_derivatives(mbs, settings)
             loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, observed)
         _run(mbs, solver, settings, loop)
+    controls = [run.control for run in runs if isinstance(run, CableRun) and run.control]
     return {
         "success": True,
         "integrator": explicit.integrator,
-        "stepSize": grid.h,
-        "steps": round((mbs.systemData.GetTime() - grid.start) / grid.h),
+        "stepSize": min([control.smallest for control in controls], default=grid.h),
+        "steps": sum(control.steps for control in controls)
+        or round((mbs.systemData.GetTime() - grid.start) / grid.h),
         "loopSteps": grid.loop_steps,
         "decidedBy": decided_by if grid.substeps > 1 or grid.h > 0.99 * wanted else "output period",
         "bounds": bounds,

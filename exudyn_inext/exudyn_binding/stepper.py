@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InputError, SceneError
-from .explicit_runs import cable_runs, scheme_of, step_bounds, wanted_step
+from .explicit_runs import cable_runs, require_fixed_steps, scheme_of, step_bounds, wanted_step
 from .scene import read_cables, require_assembled
 from .settings import ExplicitSettings
 from .stepped_cable import SteppedCable
@@ -59,6 +59,7 @@ class ExplicitStepper:
         startTime: float = 0.0,
     ) -> None:
         explicit = explicitSettings or ExplicitSettings()
+        require_fixed_steps(explicit, "ExplicitStepper")
         if stepSize is not None:
             explicit = replace(explicit, stepSize=stepSize)
         if not isfinite(startTime):

@@ -47,6 +47,8 @@ class Run(Protocol):
 
     def is_credible(self, history: Array) -> np.ndarray: ...
 
+    def trouble(self, scheme: Any) -> str: ...
+
 
 class ExplicitTimeLoop:
     """Moves all cables of a scene; Exudyn calls `user_function` once for each step of its time loop.
@@ -144,7 +146,8 @@ class ExplicitTimeLoop:
             if good < len(states):
                 culprits = [r.name for r, those in zip(self.runs, credible, strict=True) if not those[good]]
                 end = self.grid.time(first + good + 1)
-                self.error = divergence(culprits, end, "mbs holds the last good output.")
+                troubles = " ".join(run.trouble(self.scheme) for run in self.runs).strip()
+                self.error = divergence(culprits, end, f"mbs holds the last good output. {troubles}".strip())
                 raise self.error
 
     def _compute_ahead(self) -> Array:

@@ -24,6 +24,8 @@ class Integrator:
     start: (system, external, state): sets all but q and v of the state; external (n_dof,).
     carries: fields of the state that a step needs besides q and v, and does not compute from them.
     stabilised: whether it integrates the stabilised equations (30), whose zeta bounds the step.
+    change_step: (state, ratio): prepares the memory of a multi-step scheme for steps longer by that ratio.
+    trouble: (scheme, state) -> what the scheme could not do, for messages; empty if there is nothing.
     """
 
     name: str
@@ -34,6 +36,8 @@ class Integrator:
     start: Callable[..., None]
     carries: tuple[str, ...] = ()
     stabilised: bool = True
+    change_step: Callable[[Any, float], None] = lambda state, ratio: None
+    trouble: Callable[[Any, Any], str] = lambda scheme, state: ""
 
 
 class LoadHistory(NamedTuple):
@@ -108,8 +112,11 @@ def external_force(loads, step, stage, external):
 
 
 def allocate_state(state_type: Any, n_dof: int, n_external: int) -> Any:
-    """A state of that NamedTuple type, all zero: `external` (n_external,), the others (n_dof,)."""
-    sizes = {"external": n_external}
+    """A state of that NamedTuple type, all zero: `external` (n_external,), the others (n_dof,).
+
+    A scheme that iterates keeps its `residual` (1,).
+    """
+    sizes = {"external": n_external, "residual": 1}
     return state_type(*[np.zeros(sizes.get(field, n_dof)) for field in state_type._fields])
 
 

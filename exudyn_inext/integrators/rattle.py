@@ -25,7 +25,7 @@ class Rattle(NamedTuple):
     """Parameters of the scheme.
 
     tolerance: of the position constraints, |c| [-], lengths relative to the element.
-    iterations: largest number of position corrections in a step; beyond, the state is made NaN.
+    iterations: largest number of position corrections in a step; beyond, the run stops.
     """
 
     tolerance: float = 1e-10
@@ -33,7 +33,10 @@ class Rattle(NamedTuple):
 
 
 class RattleState(NamedTuple):
-    """Coordinates, velocities, accelerations, and memory."""
+    """Coordinates, velocities, accelerations, and memory.
+
+    residual: (1,) violation at which the iteration of a step gave up; 0 if none did.
+    """
 
     q: Array
     v: Array
@@ -41,6 +44,7 @@ class RattleState(NamedTuple):
     v_half: Array
     external: Array
     correction: Array
+    residual: Array
 
 
 def allocate(n_dof: int, n_external: int) -> RattleState:
@@ -51,6 +55,7 @@ def allocate(n_dof: int, n_external: int) -> RattleState:
 @kernel
 def start(system, external, state):
     """Evaluate at the initial state and project its velocity."""
+    state.residual[:] = 0.0
     state.v_half[:] = state.v
     accelerate_and_project(system, external, state.q, state.v_half, 0.0, state.a, state.v)
 
@@ -87,9 +92,22 @@ def advance_rattle(scheme, system, loads, state, h, steps, history):
             _add_correction(h, correction, q, v_half)
             learning = 0.0
         if not violation < scheme.tolerance:
+            if state.residual[0] == 0.0:
+                state.residual[0] = violation
             q[:] = np.nan
         accelerate_and_project(system, external, q, v_half, 0.5 * h, a, v)
         store(history, step, steps, q, v, a)
+
+
+def trouble(scheme: Rattle, state: RattleState) -> str:
+    """Where the iteration gave up."""
+    if state.residual[0] == 0.0:
+        return ""
+    return (
+        f"RATTLE's position constraints were violated by {state.residual[0]:.3g} after {scheme.iterations} "
+        f"iterations (tolerance {scheme.tolerance:g}): reduce stepSize, or choose a larger tolerance or more "
+        "iterations, Rattle(tolerance=..., iterations=...)."
+    )
 
 
 INTEGRATOR = Integrator(
@@ -101,4 +119,5 @@ INTEGRATOR = Integrator(
     start=start,
     carries=("a",),
     stabilised=False,
+    trouble=trouble,
 )

@@ -59,6 +59,11 @@ def start(system, external, state):
     state.a_previous[:] = state.a
 
 
+def change_step(state: ZhaiState, ratio: float) -> None:
+    """The acceleration one new step ago, on the line through the last two."""
+    state.a_previous[:] = state.a - ratio * (state.a - state.a_previous)
+
+
 @inlined
 def _predict(scheme, h, q, v, a, a_previous, rate, q_start, v_start):
     """Phase I, Eqs. (31), (32); what the corrector needs of q_n and v_n is kept."""
@@ -103,4 +108,5 @@ INTEGRATOR = Integrator(
     allocate=allocate,
     start=start,
     carries=("a_previous",),
+    change_step=change_step,
 )

@@ -127,6 +127,10 @@ class CoupledRun:
         end = grid.time(first + len(history))
         self._scene.surroundings.show(end, self.state.q, self.state.v, self._scene.system.multipliers)
 
+    def trouble(self, scheme: Any) -> str:
+        """What the scheme could not do; see `Integrator`."""
+        return self._integrator.trouble(scheme, self.state)
+
     def is_credible(self, history: Array) -> np.ndarray:
         """(intervals,) whether all is finite and the cables' slopes are those of inextensible ones."""
         credible = np.isfinite(history.sum(axis=(1, 2)))
