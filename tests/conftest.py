@@ -1,4 +1,4 @@
-"""Properties are tried on the same examples in every run, without a time limit, and failures are not stored."""
+"""Properties are tried on the same examples in every run, without a time limit; failures are not stored."""
 
 from hypothesis import settings
 
