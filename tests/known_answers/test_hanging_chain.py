@@ -27,7 +27,7 @@ WEIGHT = RHO * G * LENGTH
 
 
 def hanging(number, stiffness):
-    """A chain that hangs along -y from the origin, EI over weight and length squared given; and its weight."""
+    """A chain along -y from the origin, EI over weight and length squared given, and its weight."""
     section = Section(RHO, stiffness * WEIGHT * LENGTH**2)
     cable = straight_cable(number, 2, "pinned", LENGTH, section=section)
     cable.reference[:] = np.flip(cable.reference, axis=2) * [1.0, -1.0]
