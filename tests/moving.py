@@ -12,8 +12,12 @@ from tests.cables import dense_constraints, dense_mass
 
 def move(state, h, steps, every=1, name="RATTLE", zeta=0.0, mass_scaling=0.0):
     """(steps / every, 3, n, 2, dim) q, v, a of a cable under constant forces, its anchors at rest."""
+    return move_system(cable_system(state.cable, zeta, mass_scaling), state, h, steps, every, name)
+
+
+def move_system(system, state, h, steps, every=1, name="RATTLE"):
+    """The same with a system of `state.cable` that is there already."""
     integrator, inputs = INTEGRATORS[name], state.inputs
-    system = cable_system(state.cable, zeta, mass_scaling)
     factor = np.zeros((steps, len(integrator.stages), 0))
     loads = LoadHistory(inputs, np.zeros((0, inputs.size)), factor)
     memory = integrator.allocate(state.q.size, inputs.size)
