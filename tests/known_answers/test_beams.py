@@ -131,3 +131,27 @@ def test_frequency_with_scaled_mass_is_off_by_the_second_order_of_its_step(case)
         assert found == pytest.approx(2.0 / h * np.arcsin(sine), rel=1e-6)
         errors.append(found / w - 1.0)
     np.testing.assert_allclose(observed_order(np.abs(errors)), 2.0, atol=0.2)
+
+
+def damped_harmonic(samples, interval):
+    """w and decay rate [1/s] of exp(-decay t) sin(w t): each sample follows from the two before it."""
+    (first, second), *_ = np.linalg.lstsq(
+        np.stack([samples[1:-1], samples[:-2]], axis=1), samples[2:], rcond=None
+    )
+    factor = np.sqrt(-second)
+    return np.arccos(0.5 * first / factor) / interval, -np.log(factor) / interval
+
+
+def test_a_damped_cantilever_decays_with_half_of_d_w_squared_over_ei():
+    """A moment EI kappa + D kappa_t damps each mode for itself; the frequency falls as an oscillator's."""
+    cable, supports = RUNS["clamped"]
+    w, mode = lowest_mode(cable, supports)
+    decay = 0.01 * w
+    damping = 2.0 * decay / w**2 * SECTION.bending_stiffness
+    cable = replace(cable, section=replace(SECTION, bending_damping=damping))
+    h, every = 2.0 * np.pi / w / 16000, 1000
+    state = State(cable, cable.reference, 1e-4 * w * mode, 0.0 * mode)
+    history = move(state, h, 48 * every, every)
+    samples = np.tensordot(history[:, 0] - cable.reference, mode, 3)
+    found = damped_harmonic(samples, h * every)
+    np.testing.assert_allclose(found, [np.sqrt(w**2 - decay**2), decay], rtol=1e-5)
