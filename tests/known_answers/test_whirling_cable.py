@@ -55,7 +55,7 @@ def test_run_of_rattle_stays_straight_under_its_tension_and_turns_by_the_angle_o
     points = np.linspace(0.0, LENGTH, 21)
     expected = 0.5 * RHO * OMEGA**2 * (LENGTH**2 - points**2)
     found = tension(replace(state, q=q.copy(), v=v.copy()), points)
-    np.testing.assert_allclose(found, expected, atol=1e-5 * expected[0])
+    np.testing.assert_allclose(found, expected, atol=1e-9 * expected[0])
 
 
 def vibrations(number, stiffness):
