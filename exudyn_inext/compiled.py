@@ -13,6 +13,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -20,6 +21,7 @@ import numba
 import numpy as np
 from llvmlite import ir
 from numba.core import cgutils, types
+from numba.core.serialize import dumps
 from numba.extending import intrinsic, overload
 
 PACKAGE = Path(__file__).parent
@@ -66,6 +68,17 @@ def _cache_folder() -> Path | None:
 CACHE_FOLDER = _cache_folder()
 
 
+def _save(cache_file: Any, key: Any, data: Any) -> None:
+    """Store machine code under the name of what it is for.
+
+    Numba counts the files instead: processes that compile at once would take the same number, and later
+    ones load code that was compiled for other types.
+    """
+    name = cache_file._data_name(int(hashlib.sha256(dumps(key)).hexdigest()[:16], 16))
+    cache_file._save_data(name, data)
+    cache_file._save_index({**cache_file._load_index(), key: name})
+
+
 def kernel(function: _Function) -> _Function:
     """Compile `function` in nopython mode, cached on disk. Runs as plain Python without the JIT.
 
@@ -76,9 +89,13 @@ def kernel(function: _Function) -> _Function:
     shared_setting = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(CACHE_FOLDER or "")
     try:
-        return numba.njit(cache=CACHE_FOLDER is not None, **_OPTIONS)(function)
+        compiled = numba.njit(cache=CACHE_FOLDER is not None, **_OPTIONS)(function)
     finally:
         numba.config.CACHE_DIR = shared_setting
+    if CACHE_FOLDER is not None:
+        cache_file = compiled._cache._cache_file
+        cache_file.save = partial(_save, cache_file)
+    return compiled
 
 
 def inlined(function: _Function) -> _Function:

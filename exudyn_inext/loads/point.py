@@ -7,6 +7,8 @@ from ..chain.cable import Cable
 from ..element.external_force import point_force
 from ..errors import InputError
 
+ROUND_OFF = 1e-12  # of the sum of the element lengths
+
 
 def point_load(cable: Cable, force: Array, arc_length: float) -> Array:
     """Generalised force of a concentrated force, Eq. (17).
@@ -22,14 +24,14 @@ def point_load(cable: Cable, force: Array, arc_length: float) -> Array:
     Raises:
         InputError: the arc length is not on the cable.
     """
-    if not 0.0 <= arc_length <= cable.length:
+    if not 0.0 <= arc_length <= cable.length * (1.0 + ROUND_OFF):
         raise InputError(
             f"arc length = {arc_length!r} m is not on the cable: it runs from 0 to {cable.length} m."
         )
     ends = np.cumsum(cable.element_lengths)
     k = min(int(np.searchsorted(ends, arc_length)), cable.number_of_elements - 1)
     length = float(cable.element_lengths[k])
-    xi = (arc_length - (ends[k] - length)) / length
+    xi = min((arc_length - (ends[k] - length)) / length, 1.0)
     result = np.zeros(cable.reference.shape)
     element = point_force(np.asarray(force, dtype=float), xi, length)
     result[k], result[k + 1] = element[:2], element[2:]

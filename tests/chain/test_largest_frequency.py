@@ -89,7 +89,7 @@ def test_mass_scaling_lowers_the_frequency_as_the_dense_solve_says(dim):
 @both_dimensions
 def test_tension_raises_the_frequency_as_the_dense_solve_says(dim):
     cable, gravity = planar_pendulum(8, dim)
-    hanging = cable.reference[:, :, [1, 0, 2][:dim]] * [1, -1, 1][:dim]
+    hanging = np.ascontiguousarray(cable.reference[:, :, [1, 0, 2][:dim]] * [1, -1, 1][:dim])
     for factor in (1.0, 1e3):
         external = factor * gravity_force(cable, gravity)
         state = State(cable, hanging, np.zeros_like(hanging), external)

@@ -100,6 +100,14 @@ def test_point_load_at_a_node_acts_on_its_position_only():
         np.testing.assert_allclose(generalised, expected, atol=1e-14)
 
 
+def test_the_end_of_the_cable_is_on_it_whatever_its_elements_add_up_to():
+    cable = straight_cable(6, 2, length=1.0)
+    assert cable.length < 1.0  # by round-off
+    generalised = point_load(cable, (2.0, -1.0), 1.0)
+    np.testing.assert_array_equal(generalised[-1, 0], (2.0, -1.0))
+    np.testing.assert_allclose(generalised[-1, 1], 0.0, atol=1e-14)
+
+
 @pytest.mark.parametrize("arc_length", [-0.1, 4.0001, float("nan"), float("inf")])
 def test_arc_length_off_the_cable_is_refused_with_value_and_limits(arc_length):
     with pytest.raises(InputError, match=r"arc length = .* from 0 to 4\.0 m") as refusal:
