@@ -84,15 +84,15 @@ def test_the_tracked_frequency_is_the_largest_one(links):
 
 @pytest.mark.parametrize("integrator", ["Zhai", "RATTLE", "RK4"])
 def test_changes_of_the_step_keep_the_order(integrator):
-    """Oscillator over 4 s in steps that double and halve."""
+    """Oscillator over 6 s in steps that double and halve."""
     scheme = find_integrator(integrator)
     errors = []
-    for h in (0.02, 0.01):
+    for h in (0.01, 0.005):
         state, system = scheme.allocate(1, 1), LinearSystem(1.0, 0.0)
         state.q[0] = 1.0
         scheme.start(system, np.zeros(1), state)
         time, size = 0.0, h
-        for step in range(round(4.2 / h)):
+        for step in range(round(8.0 / h)):
             ratio = (0.5, 2.0)[step % 2]
             scheme.change_step(state, ratio if step else 1.0)
             size = size * ratio if step else h
