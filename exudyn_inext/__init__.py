@@ -10,6 +10,7 @@ from .errors import (
     SceneError,
     StepSizeError,
 )
+from .exudyn_binding.attach.companions import CreateCompanionCables, MarkerOnCable
 from .exudyn_binding.cable_forces import CableForces, CreateCableForceSensor
 from .exudyn_binding.cable_item import CreateInextensibleCable
 from .exudyn_binding.ensemble import SolveEnsemble
@@ -28,6 +29,7 @@ __all__ = [
     "CableForces",
     "CableShape",
     "CreateCableForceSensor",
+    "CreateCompanionCables",
     "CreateInextensibleCable",
     "CreatePrescribedMotion",
     "DivergenceError",
@@ -38,6 +40,7 @@ __all__ = [
     "InextensibleCable",
     "InextensibleError",
     "InputError",
+    "MarkerOnCable",
     "Rattle",
     "RedundantConstraintError",
     "RungeKutta4",

@@ -11,6 +11,7 @@ from ..chain.cable import Cable
 from ..chain.link import Link, rest
 from ..constraints.prescribed_motion import prescribed
 from ..errors import SceneError
+from .attach.inert import is_inert_cable
 from .cable_item import CableItem, find_cable_item, supports_of_flags
 from .link_items import MovingCoordinate, Rod, links_of_motions, read_moving_coordinate, read_rod
 from .load_items import NodalLoad, read_load
@@ -125,7 +126,7 @@ def _contents(mbs: Any) -> Contents:
             contents.moving[number] = moving
         elif (rod := read_rod(mbs, data)) is not None:
             contents.rods[number] = rod
-        elif data["objectType"] not in _HARMLESS:
+        elif data["objectType"] not in _HARMLESS and not is_inert_cable(data):
             contents.others.append(_described(data, number))
     return contents
 

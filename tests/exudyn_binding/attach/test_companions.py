@@ -1,0 +1,124 @@
+"""Companions: sensors, loads and springs at any arc length, at no cost where nothing acts on them."""
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.itemInterface import LoadForceVector, MarkerBodyPosition, SensorBody, SensorMarker, SpringDamper
+
+from exudyn_inext import CableShape, CreateCompanionCables, InputError, MarkerOnCable
+from exudyn_inext.exudyn_binding.scene import read_scene
+from tests.cables import hermite
+from tests.exudyn_binding.items import SECTION, load_node, native_cable, solve_native, trajectory
+
+POSITION = exudyn.OutputVariableType.Position
+
+
+def point_of_curve(q, length, x):
+    """Position at x within elements of that length, from the interpolation conditions."""
+    k = min(int(x // length), len(q) - 2)
+    weights = np.array([p(x - k * length) for p in hermite(length)])
+    return weights @ np.concatenate([q[k], q[k + 1]])
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("arc_length", [0.0, 0.3, 0.36, 1.13, 1.8])
+def test_marker_is_on_the_curve_at_its_arc_length(mbs, add_pendulum, solve, coordinates, dim, arc_length):
+    held = [True] * dim + [False] * dim
+    cable = add_pendulum(mbs, dimension=dim, groundConstraintsStart=held)
+    marker = MarkerOnCable(mbs, cable, arc_length)
+    mbs.Assemble()
+    solve(mbs, 0.2)
+    expected = point_of_curve(coordinates(mbs, cable["nodes"]), 0.36, arc_length)
+    np.testing.assert_allclose(mbs.GetMarkerOutput(marker, POSITION)[:dim], expected, atol=1e-13)
+
+
+def test_last_companion_of_a_ring_leads_back_to_the_first_node(mbs, add_cable, coordinates):
+    ring = add_cable(mbs, shape=CableShape.Circle([0, 0], 0.5, 8))
+    length = np.pi / 8
+    marker = MarkerOnCable(mbs, ring, 7.4 * length)
+    mbs.Assemble()
+    q = coordinates(mbs, ring["nodes"])
+    expected = point_of_curve(np.concatenate([q, q[:1]]), length, 7.4 * length)
+    np.testing.assert_allclose(mbs.GetMarkerOutput(marker, POSITION)[:2], expected, atol=1e-13)
+
+
+def test_a_cable_has_one_set_of_companions(mbs, add_pendulum):
+    cable, other = add_pendulum(mbs), add_pendulum(mbs)
+    first = CreateCompanionCables(mbs, cable)
+    MarkerOnCable(mbs, cable, 0.5)
+    assert CreateCompanionCables(mbs, cable) == first
+    assert not set(CreateCompanionCables(mbs, other)) & set(first)
+
+
+def test_companions_that_nothing_acts_on_change_neither_motion_nor_path(twin, solve):
+    plain, watched = twin(), twin()
+    elements = CreateCompanionCables(watched.mbs, watched.cable)
+    sensor = SensorBody(bodyNumber=elements[-1], localPosition=[0.36, 0, 0], storeInternal=True)
+    sensor.outputVariableType = exudyn.OutputVariableType.Velocity
+    velocity = watched.mbs.AddSensor(sensor)
+    watched.mbs.Assemble()
+    assert not read_scene(watched.mbs).foreign
+    reports = [solve(case.mbs, 0.3) for case in (plain, watched)]
+    assert reports[0]["path"] == reports[1]["path"]
+    np.testing.assert_array_equal(trajectory(plain.mbs, plain.tip), trajectory(watched.mbs, watched.tip))
+    final = watched.mbs.GetNodeOutput(watched.cable["nodes"][-1], exudyn.OutputVariableType.Velocity)
+    np.testing.assert_allclose(trajectory(watched.mbs, velocity)[-1, 1:], final, atol=1e-12)
+
+
+def test_force_within_an_element_moves_the_cable_as_on_a_node_of_another_mesh(
+    new_mbs, add_pendulum, add_sensor, solve
+):
+    """1.35 m is the middle of an element of 12 elements, and a node of 24."""
+
+    def tip(elements, attach):
+        mbs = new_mbs()
+        cable = add_pendulum(mbs, numberOfElements=elements)
+        attach(mbs, cable)
+        sensor = add_sensor(mbs, cable["nodes"][-1])
+        mbs.Assemble()
+        solve(mbs, 0.3)
+        return trajectory(mbs, sensor)[:, 1:]
+
+    def within(mbs, cable):
+        marker = MarkerOnCable(mbs, cable, 1.35 - 0.075)
+        mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=[0.0, 0.2, 0.0]))
+
+    def on_node(mbs, cable):
+        load_node(mbs, cable["nodes"][17], [0.0, 0.2, 0.0])
+
+    expected = tip(24, on_node)
+    np.testing.assert_allclose(tip(12, within), expected, atol=5e-3 * np.ptp(expected[:, 1]))
+    unloaded = tip(12, lambda mbs, cable: None)
+    assert np.abs(unloaded - expected).max() > 0.1 * np.ptp(expected[:, 1])
+
+
+def test_spring_within_an_element_is_that_on_a_native_cable(new_mbs, add_pendulum, solve):
+    def spring(mbs, marker):
+        ground = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.CreateGround(referencePosition=[1, 0.5, 0])))
+        rest = {"stiffness": 5.0, "damping": 0.05, "referenceLength": 0.4}
+        mbs.AddObject(SpringDamper(markerNumbers=[ground, marker], **rest))
+        return mbs.AddSensor(
+            SensorMarker(markerNumber=marker, outputVariableType=POSITION, storeInternal=True)
+        )
+
+    ours, native = new_mbs(), new_mbs()
+    sensor = spring(ours, MarkerOnCable(ours, add_pendulum(ours, numberOfElements=9), 1.1))
+    ours.Assemble()
+    solve(ours, 0.4)
+    held = {"groundConstraintsStart": [True, True, False, False]}
+    elements = native_cable(native, 2, 36, section=SECTION, **held)["elements"]
+    at = MarkerBodyPosition(bodyNumber=elements[22 - 1], localPosition=[0.05, 0, 0])
+    expected = spring(native, native.AddMarker(at))
+    native.Assemble()
+    solve_native(native, 0.4)
+    found, expected = (trajectory(*pair)[:, 1:] for pair in ((ours, sensor), (native, expected)))
+    np.testing.assert_allclose(found, expected, atol=1e-2 * np.ptp(expected[:, 1]))
+
+
+@pytest.mark.parametrize("arc_length", [-0.1, 1.9, np.nan, "tip"])
+def test_a_point_that_is_not_on_the_cable_is_refused(mbs, add_pendulum, contents, arc_length):
+    cable = add_pendulum(mbs)
+    before = contents(mbs)
+    with pytest.raises(InputError, match=r"is not on the cable: it runs from 0 to 1\.8 m"):
+        MarkerOnCable(mbs, cable, arc_length)
+    assert contents(mbs) == before
