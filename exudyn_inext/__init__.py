@@ -10,6 +10,7 @@ from .errors import (
     SceneError,
     StepSizeError,
 )
+from .exudyn_binding.attach.attach_to_body import AttachToBody
 from .exudyn_binding.attach.companions import CreateCompanionCables, MarkerOnCable
 from .exudyn_binding.cable_forces import CableForces, CreateCableForceSensor
 from .exudyn_binding.cable_item import CreateInextensibleCable
@@ -26,6 +27,7 @@ from .integrators.runge_kutta import RungeKutta4
 from .integrators.zhai import Zhai
 
 __all__ = [
+    "AttachToBody",
     "CableForces",
     "CableShape",
     "CreateCableForceSensor",
