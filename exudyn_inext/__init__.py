@@ -12,6 +12,7 @@ from .errors import (
 )
 from .exudyn_binding.attach.attach_to_body import AttachToBody
 from .exudyn_binding.attach.companions import CreateCompanionCables, MarkerOnCable
+from .exudyn_binding.attach.properties import AddPointMass, CableDrag, SetCableDrag
 from .exudyn_binding.cable_forces import CableForces, CreateCableForceSensor
 from .exudyn_binding.cable_item import CreateInextensibleCable
 from .exudyn_binding.ensemble import SolveEnsemble
@@ -27,7 +28,9 @@ from .integrators.runge_kutta import RungeKutta4
 from .integrators.zhai import Zhai
 
 __all__ = [
+    "AddPointMass",
     "AttachToBody",
+    "CableDrag",
     "CableForces",
     "CableShape",
     "CreateCableForceSensor",
@@ -47,6 +50,7 @@ __all__ = [
     "RedundantConstraintError",
     "RungeKutta4",
     "SceneError",
+    "SetCableDrag",
     "SolveEnsemble",
     "SolveEquilibrium",
     "SolveExplicit",

@@ -22,11 +22,11 @@ from .shape import CableShape, CheckedShape, _finite, check_shape
 from .template import InextensibleCable
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class CableItem:
     """An inextensible cable in an mbs, as the solver sees it.
 
-    cable: model without supports; these are the constraint objects of the mbs.
+    cable: model without supports; these are the constraint objects of the mbs. See `change`.
     gravity: (dim,) [m/s^2].
     nodes: node numbers in the order of the arc length, each once.
     """
@@ -39,6 +39,10 @@ class CableItem:
     def node_names(self) -> tuple[int, ...]:
         """(n,) node numbers; the first one of a closed cable comes again at the end."""
         return (*self.nodes, self.nodes[0]) if self.cable.closed else self.nodes
+
+    def change(self, cable: Cable) -> None:
+        """Another model on the same nodes, for all runs that start from now on."""
+        self.cable = cable
 
 
 def CreateInextensibleCable(

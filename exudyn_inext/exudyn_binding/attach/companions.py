@@ -6,7 +6,6 @@ Exudyn rejects MarkerBodyPosition, SensorBody and contact on a cable's own objec
 from itertools import pairwise
 from typing import Any
 
-import numpy as np
 from exudyn.itemInterface import (
     MarkerBodyPosition,
     ObjectANCFCable,
@@ -15,6 +14,7 @@ from exudyn.itemInterface import (
     VObjectANCFCable2D,
 )
 
+from ...chain.attached import place_on_elements
 from ..cable_forces import _object_number, _on_cable, _require_item
 from ..cable_item import CableItem
 from .inert import INERT, is_inert_cable
@@ -83,11 +83,8 @@ def MarkerOnCable(mbs: Any, cable: Any, arcLength: float) -> int:
 def place_on_cable(item: CableItem, arc_length: Any) -> tuple[int, float]:
     """Element, and distance from its left node [m], of a point; InputError if it is not on the cable."""
     lengths = item.cable.element_lengths
-    point = _on_cable(arc_length, item.cable.length)
-    ends = np.cumsum(lengths)
-    element = min(int(np.searchsorted(ends, point)), len(ends) - 1)
-    start = float(ends[element] - lengths[element])
-    return element, min(max(point - start, 0.0), float(lengths[element]))
+    element, xi = place_on_elements(_on_cable(arc_length, item.cable.length), lengths)
+    return element, xi * float(lengths[element])
 
 
 def _companions_by_nodes(mbs: Any) -> dict[tuple[int, int], int]:
