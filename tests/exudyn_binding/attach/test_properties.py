@@ -159,8 +159,6 @@ def test_equilibrium_in_a_flow_is_refused(mbs, add_pendulum):
     SetCableDrag(mbs, cable, in_flow(2, 0, 0))
     mbs.Assemble()
     with pytest.raises(SceneError, match="whose drag has no potential: set flowVelocity to zero"):
-        SceneError, match=r"flow of \[2\.0, 0\.0\] m/s, whose drag has no potential: set flow"
-    ):
         SolveEquilibrium(mbs)
 
 
