@@ -18,6 +18,7 @@ from ..cable_run import CableRun
 from ..consistent_start import StartCorrection
 from ..time_grid import TimeGrid
 from .bodies import BodyMasses, read_bodies, read_quaternions, system_mass
+from .contact_rates import contact_rates, with_contact
 from .coordinates import CoordinateMap, PartCoordinates
 from .joint_items import read_joints
 from .joint_rows import JointRows
@@ -111,7 +112,8 @@ class CoupledRun:
 
     @cached_property
     def _rates(self) -> FastestRates:
-        return fastest_rates(self._system, self._time, self.state.q)
+        rates = fastest_rates(self._system, self._time, self.state.q)
+        return with_contact(rates, contact_rates(self._mbs, self._runs))
 
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the present configuration, joints included."""
