@@ -12,6 +12,7 @@ from ..chain.link import Link, rest
 from ..constraints.prescribed_motion import prescribed
 from ..errors import SceneError
 from .attach.inert import is_inert_cable
+from .attach.markers import REMEDY, unsuitable_markers
 from .cable_item import CableItem, find_cable_item, supports_of_flags
 from .link_items import MovingCoordinate, Rod, links_of_motions, read_moving_coordinate, read_rod
 from .load_items import NodalLoad, read_load
@@ -74,8 +75,11 @@ class HeldCoordinate:
 
 def require_assembled(mbs: Any) -> None:
     """Raise SceneError unless mbs.Assemble() has been called after the last change."""
-    if not mbs.systemIsConsistent:
-        raise SceneError("mbs is not assembled: call mbs.Assemble() before it is solved or evaluated.")
+    if mbs.systemIsConsistent:
+        return
+    if refused := unsuitable_markers(mbs):
+        raise SceneError(f"mbs cannot be assembled with {'; '.join(refused)}: {REMEDY}.")
+    raise SceneError("mbs is not assembled: call mbs.Assemble() before it is solved or evaluated.")
 
 
 def read_scene(mbs: Any) -> Scene:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import numpy as np
 from exudyn.itemInterface import (
     MarkerBodyCable2DShape,
     MarkerBodyRigid,
@@ -46,3 +47,23 @@ def add_contact(mbs, elements, circle, body=None):
                 useSegmentNormals=False,
             )
         )
+
+
+def add_general_contact(mbs, elements, circle):
+    """The same by Exudyn's contact between many bodies; its friction has a zone of its own."""
+    contact = mbs.AddGeneralContact()
+    contact.frictionProportionalZone = 0.05
+    contact.ancfCableUseExactMethod = False
+    contact.ancfCableNumberOfContactSegments = SEGMENTS
+    contact.SetSearchTreeCellSize(numberOfCells=[8, 8, 1])
+    contact.SetSearchTreeBox(pMin=np.full(3, -1.0), pMax=np.full(3, 1.0))
+    springs = {
+        "contactStiffness": circle.stiffness,
+        "contactDamping": circle.damping,
+        "frictionMaterialIndex": 0,
+    }
+    centre = mbs.AddMarker(MarkerBodyRigid(bodyNumber=mbs.CreateGround()))
+    contact.AddSphereWithMarker(centre, radius=circle.radius, **springs)
+    for element in elements:
+        contact.AddANCFCable(objectIndex=element, halfHeight=0.0, **springs)
+    contact.SetFrictionPairings(np.array([[circle.friction]]))

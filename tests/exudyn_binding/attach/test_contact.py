@@ -5,7 +5,7 @@ import pytest
 
 from exudyn_inext import AddPointMass, CableShape, CreateCompanionCables, InextensibleCable
 from reference_models.model import quiet_settings
-from tests.exudyn_binding.attach.contact import Circle, add_contact
+from tests.exudyn_binding.attach.contact import Circle, add_contact, add_general_contact
 from tests.exudyn_binding.items import native_cable, solve_native, trajectory
 
 RADIUS, FRICTION, GRAVITY = 0.2, 0.3, 9.81
@@ -71,7 +71,7 @@ def test_sliding_cable_accelerates_as_euler_and_eytelwein_say(wound):
     middle = 19
     expected = sliding_acceleration(masses, -velocity[middle, 2], (-left[middle, 2], -right[middle, 2]))
     without_friction = GRAVITY * 0.3 / 0.5
-    assert found == pytest.approx(expected, rel=0.03)
+    assert found == pytest.approx(expected, rel=0.015)
     assert expected < 0.4 * without_friction
 
 
@@ -91,27 +91,51 @@ def test_what_contact_remembers_does_not_depend_on_outputs(wound):
         np.testing.assert_allclose(ours[-1], each[-1], rtol=0, atol=1e-10)
 
 
-def test_cable_that_falls_on_a_circle_moves_as_a_native_one(new_mbs, add_cable, add_sensor, solve):
-    """The same contact springs on the same elements."""
+def circle_contact(mbs, elements):
     circle = Circle(RADIUS, 200.0, 0.05, FRICTION, friction_damping=0.05)
-    section = {"massPerLength": 0.05, "bendingStiffness": 2e-3, "bendingDamping": 1e-5}
+    add_contact(mbs, elements, circle)
+
+
+def general_contact(mbs, elements):
+    add_general_contact(mbs, elements, Circle(RADIUS, 400.0, 0.1, FRICTION))
+
+
+@pytest.mark.parametrize("touch", [circle_contact, general_contact])
+def test_cable_that_falls_on_a_circle_moves_as_a_native_one(new_mbs, add_cable, add_sensor, solve, touch):
+    """The same contact springs on the same elements."""
+    section = {"massPerLength": 0.05, "bendingStiffness": 2e-3, "bendingDamping": 1e-6}
     ends = {"positionStart": [-0.45, 0.205, 0], "positionEnd": [0.55, 0.205, 0]}
     ours, native = new_mbs(), new_mbs()
     cable = add_cable(ours, numberOfElements=20, beamTemplate=InextensibleCable(**section), **ends)
-    add_contact(ours, CreateCompanionCables(ours, cable), circle)
+    touch(ours, CreateCompanionCables(ours, cable))
     twin = native_cable(native, 2, 20, section=section, axial_stiffness=1e4, **ends)
-    add_contact(native, twin["elements"], circle)
+    touch(native, twin["elements"])
     sensors = [
         [add_sensor(mbs, nodes[k]) for k in (0, 10, 20)]
         for mbs, nodes in ((ours, cable["nodes"]), (native, twin["nodes"]))
     ]
     for mbs in (ours, native):
         mbs.Assemble()
-    solve(ours, 0.3)
+    solve(ours, 0.3, stepSize=5e-5)
     solve_native(native, 0.3, step=2e-4)
     found, expected = (
         np.stack([trajectory(mbs, sensor)[:, 1:] for sensor in those])
         for mbs, those in zip((ours, native), sensors, strict=True)
     )
     assert np.ptp(expected[:, :, 1]) > 0.2
-    np.testing.assert_allclose(found, expected, atol=0.01 * np.ptp(expected[:, :, 1]))
+    np.testing.assert_allclose(found, expected, atol=5e-3 * np.ptp(expected[:, :, 1]))
+
+
+def test_automatic_step_knows_the_contact_to_come(new_mbs, add_cable, solve):
+    """Apart at first; the stiffer the circle, the smaller the step, and the run stays finite."""
+    steps = []
+    for stiffness in (0.0, 1e3, 1e4):
+        mbs = new_mbs()
+        ends = {"positionStart": [-0.45, 0.202, 0], "positionEnd": [0.55, 0.202, 0]}
+        cable = add_cable(mbs, numberOfElements=5, beamTemplate=InextensibleCable(0.05, 2e-3), **ends)
+        elements = CreateCompanionCables(mbs, cable)
+        if stiffness:
+            add_contact(mbs, elements, Circle(RADIUS, stiffness, 0.01, FRICTION))
+        mbs.Assemble()
+        steps.append(solve(mbs, 0.1)["bounds"].bending)
+    assert steps[0] > 1.5 * steps[1] > 3.0 * steps[2]
