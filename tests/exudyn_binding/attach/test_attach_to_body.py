@@ -16,7 +16,7 @@ from exudyn.itemInterface import (
 )
 from exudyn.utilities import RigidBodyInertia
 
-from exudyn_inext import AttachToBody, InputError
+from exudyn_inext import AddPointMass, AttachToBody, CableShape, CreateCompanionCables, InputError
 from exudyn_inext.exudyn_binding.attach.body_frame import (
     BodyFrame,
     rotation_in_plane,
@@ -211,6 +211,52 @@ def test_on_ground_the_node_is_held_without_leaving_the_fastest_path(
     np.testing.assert_array_equal(found, expected)
 
 
+@pytest.mark.parametrize("dim", [2, 3])
+def test_mass_point_at_the_tip_is_a_point_mass_of_the_cable(new_mbs, add_pendulum, coordinates, solve, dim):
+    """By a joint, or within the cable's own mass matrix."""
+    joined, own = new_mbs(), new_mbs()
+    arguments = {"dimension": dim, "groundConstraintsStart": [True] * dim + [False] * dim}
+    body = joined.CreateMassPoint(
+        mass=0.02, referencePosition=[1.7, 0, 0], gravity=[0, -9.81, 0], create2D=dim == 2
+    )
+    nodes = []
+    for mbs in (joined, own):
+        cable = add_pendulum(mbs, **arguments)
+        nodes.append(cable["nodes"])
+        if mbs is joined:
+            AttachToBody(mbs, cable, "end", body, [0.1, 0, 0])
+        else:
+            AddPointMass(mbs, cable, 1.8, 0.02)
+        mbs.Assemble()
+        solve(mbs, 0.4, stepSize=5e-4)
+    found, expected = coordinates(joined, nodes[0]), coordinates(own, nodes[1])
+    np.testing.assert_allclose(found, expected, atol=1e-6)
+
+
+def test_cable_hinged_to_a_companion_hangs_at_the_other_cable(mbs, add_pendulum, add_cable, solve):
+    upper = add_pendulum(mbs)
+    place = {"positionStart": [1.0, 0, 0], "positionEnd": [1.0, -0.9, 0]}
+    lower = add_cable(mbs, numberOfElements=3, **place)
+    elements = CreateCompanionCables(mbs, upper)
+    AttachToBody(mbs, lower, "start", elements[2], [0.28, 0, 0])
+    marker = mbs.AddMarker(MarkerBodyPosition(bodyNumber=elements[2], localPosition=[0.28, 0, 0]))
+    mbs.Assemble()
+    solve(mbs, 0.4)
+    kind = exudyn.OutputVariableType.Position
+    node = mbs.GetNodeOutput(lower["nodes"][0], kind)
+    assert np.linalg.norm(node - [1.0, 0.0, 0.0]) > 0.1
+    np.testing.assert_allclose(node, mbs.GetMarkerOutput(marker, kind), atol=1e-8)
+
+
+def test_a_ring_has_no_end_to_attach(mbs, add_cable, contents):
+    ring = add_cable(mbs, shape=CableShape.Circle([0, 0], 0.5, 8))
+    ground = mbs.CreateGround(referencePosition=[0.5, 0, 0])
+    before = contents(mbs)
+    with pytest.raises(InputError, match="a closed cable has no ends; join one of its nodes"):
+        AttachToBody(mbs, ring, "start", ground)
+    assert contents(mbs) == before
+
+
 @pytest.fixture
 def scene(mbs, add_cable):
     """A cable along x from the origin, and bodies there."""
@@ -219,7 +265,6 @@ def scene(mbs, add_cable):
         "hub": hub_in_plane(mbs),
         "point": mbs.CreateMassPoint(mass=1.0, create2D=True),
         "cable": add_cable(mbs),
-        "ring": None,
     }
     return mbs, bodies
 

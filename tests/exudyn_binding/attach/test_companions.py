@@ -3,13 +3,22 @@
 import exudyn
 import numpy as np
 import pytest
-from exudyn.itemInterface import LoadForceVector, MarkerBodyPosition, SensorBody, SensorMarker, SpringDamper
+from exudyn.itemInterface import (
+    LoadForceVector,
+    MarkerBodyPosition,
+    MarkerNodePosition,
+    SensorBody,
+    SensorMarker,
+    SphericalJoint,
+    SpringDamper,
+)
 
 from exudyn_inext import CableShape, CreateCompanionCables, InputError, MarkerOnCable
 from exudyn_inext.exudyn_binding.scene import read_scene
 from tests.cables import hermite
 from tests.exudyn_binding.items import SECTION, load_node, native_cable, solve_native, trajectory
 
+FORCE = {2: [0.0, 0.2, 0.0], 3: [0.0, 0.2, 0.1]}  # [N]
 POSITION = exudyn.OutputVariableType.Position
 
 
@@ -65,14 +74,16 @@ def test_companions_that_nothing_acts_on_change_neither_motion_nor_path(twin, so
     np.testing.assert_allclose(trajectory(watched.mbs, velocity)[-1, 1:], final, atol=1e-12)
 
 
+@pytest.mark.parametrize("dim", [2, 3])
 def test_force_within_an_element_moves_the_cable_as_on_a_node_of_another_mesh(
-    new_mbs, add_pendulum, add_sensor, solve
+    new_mbs, add_pendulum, add_sensor, solve, dim
 ):
     """1.35 m is the middle of an element of 12 elements, and a node of 24."""
 
     def tip(elements, attach):
         mbs = new_mbs()
-        cable = add_pendulum(mbs, numberOfElements=elements)
+        held = [True] * dim + [False] * dim
+        cable = add_pendulum(mbs, numberOfElements=elements, dimension=dim, groundConstraintsStart=held)
         attach(mbs, cable)
         sensor = add_sensor(mbs, cable["nodes"][-1])
         mbs.Assemble()
@@ -81,10 +92,10 @@ def test_force_within_an_element_moves_the_cable_as_on_a_node_of_another_mesh(
 
     def within(mbs, cable):
         marker = MarkerOnCable(mbs, cable, 1.35 - 0.075)
-        mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=[0.0, 0.2, 0.0]))
+        mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=FORCE[dim]))
 
     def on_node(mbs, cable):
-        load_node(mbs, cable["nodes"][17], [0.0, 0.2, 0.0])
+        load_node(mbs, cable["nodes"][17], FORCE[dim])
 
     expected = tip(24, on_node)
     np.testing.assert_allclose(tip(12, within), expected, atol=5e-3 * np.ptp(expected[:, 1]))
@@ -113,6 +124,29 @@ def test_spring_within_an_element_is_that_on_a_native_cable(new_mbs, add_pendulu
     solve_native(native, 0.4)
     found, expected = (trajectory(*pair)[:, 1:] for pair in ((ours, sensor), (native, expected)))
     np.testing.assert_allclose(found, expected, atol=1e-2 * np.ptp(expected[:, 1]))
+
+
+def test_body_hinged_within_an_element_swings_as_on_a_native_cable(new_mbs, add_pendulum, add_sensor, solve):
+    def hinge(mbs, marker):
+        body = mbs.CreateMassPoint(
+            mass=0.03, referencePosition=[1.35, 0, 0], gravity=[0, -9.81, 0], create2D=True
+        )
+        markers = [mbs.AddMarker(MarkerBodyPosition(bodyNumber=body)), marker]
+        mbs.AddObject(SphericalJoint(markerNumbers=markers, constrainedAxes=[1, 1, 0]))
+
+    ours, native = new_mbs(), new_mbs()
+    cable = add_pendulum(ours, numberOfElements=10)
+    hinge(ours, MarkerOnCable(ours, cable, 1.35))
+    held = {"groundConstraintsStart": [True, True, False, False]}
+    twin = native_cable(native, 2, 40, section=SECTION, **held)
+    hinge(native, native.AddMarker(MarkerNodePosition(nodeNumber=twin["nodes"][30])))
+    found, expected = add_sensor(ours, cable["nodes"][-1]), add_sensor(native, twin["nodes"][-1])
+    for mbs in (ours, native):
+        mbs.Assemble()
+    solve(ours, 0.4)
+    solve_native(native, 0.4)
+    found, expected = trajectory(ours, found)[:, 1:], trajectory(native, expected)[:, 1:]
+    np.testing.assert_allclose(found, expected, atol=5e-3 * np.ptp(expected[:, 1]))
 
 
 @pytest.mark.parametrize("arc_length", [-0.1, 1.9, np.nan, "tip"])
