@@ -29,6 +29,7 @@ from tests.exudyn_binding.items import SECTION, native_cable, solve_native, traj
 GRAVITY = np.array([0.0, -9.81, 0.0])
 MASS, INERTIA, TURNED = 0.05, 4e-4, 0.4
 RIM = np.array([0.08, -0.03, 0.0])  # in the frame of the hub
+_IN_PLANE = {}  # kind -> tip
 AXES = {"EulerParameters": exudyn.NodeType.RotationEulerParameters, "Rxyz": exudyn.NodeType.RotationRxyz}
 
 
@@ -73,9 +74,14 @@ def line(rotation=np.eye(3)):  # noqa: B008
 
 @pytest.fixture
 def ours_in_plane(new_mbs, add_cable, add_sensor, solve):
-    """(kind) -> tip (m, 3) of a cable on the hub."""
+    """(kind) -> tip (m, 3) of a cable on the hub, up to 0.5 s; each kind is computed once."""
 
     def run(kind):
+        if kind not in _IN_PLANE:
+            _IN_PLANE[kind] = compute(kind)
+        return _IN_PLANE[kind]
+
+    def compute(kind):
         mbs = new_mbs()
         hub = hub_in_plane(mbs)
         cable = add_cable(mbs, numberOfElements=10, **line())
@@ -106,7 +112,7 @@ def test_cable_on_a_hub_moves_as_a_native_one(new_mbs, ours_in_plane, add_sensor
     mbs.Assemble()
     solve_native(mbs, 0.5)
     expected = trajectory(mbs, tip)[:, 1:]
-    np.testing.assert_allclose(ours_in_plane(kind), expected, atol=5e-3 * np.ptp(expected[:, 1]))
+    np.testing.assert_allclose(ours_in_plane(kind), expected, atol=1e-3 * np.ptp(expected[:, 1]))
 
 
 @pytest.mark.parametrize("node_type", AXES)
@@ -120,10 +126,11 @@ def test_motion_in_an_oblique_plane_is_that_in_the_plane(
     AttachToBody(mbs, cable, "start", hub, RIM, kind)
     tip = add_sensor(mbs, cable["nodes"][-1])
     mbs.Assemble()
-    solve(mbs, 0.5)
-    expected = ours_in_plane(kind)
-    assert np.ptp(expected[:, 1]) > 0.3
-    np.testing.assert_allclose(trajectory(mbs, tip)[:, 1:] @ rotation, expected, atol=2e-3)
+    solve(mbs, 0.3)
+    found = trajectory(mbs, tip)[:, 1:] @ rotation
+    expected = ours_in_plane(kind)[: len(found)]
+    assert np.ptp(expected[:, 1]) > 0.2
+    np.testing.assert_allclose(found, expected, atol=1e-8)
 
 
 def test_body_hangs_at_the_last_node_as_at_a_native_cable(new_mbs, add_pendulum, add_sensor, solve):
@@ -153,7 +160,7 @@ def test_body_hangs_at_the_last_node_as_at_a_native_cable(new_mbs, add_pendulum,
     native.Assemble()
     solve_native(native, 0.5)
     found, expected = trajectory(ours, found)[:, 1:], trajectory(native, expected)[:, 1:]
-    np.testing.assert_allclose(found, expected, atol=5e-3 * np.ptp(expected[:, 1]))
+    np.testing.assert_allclose(found, expected, atol=1e-3 * np.ptp(expected[:, 1]))
 
 
 @pytest.mark.parametrize(
