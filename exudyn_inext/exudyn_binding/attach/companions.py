@@ -3,9 +3,11 @@
 Exudyn rejects MarkerBodyPosition, SensorBody and contact on a cable's own object; on these they work.
 """
 
+import warnings
 from itertools import pairwise
 from typing import Any
 
+import exudyn
 from exudyn.itemInterface import (
     MarkerBodyPosition,
     ObjectANCFCable,
@@ -19,6 +21,8 @@ from ..cable_forces import _object_number, _on_cable, _require_item
 from ..cable_item import CableItem
 from .inert import INERT, is_inert_cable
 
+_SECTION_FORCES = {exudyn.OutputVariableType.ForceLocal, exudyn.OutputVariableType.TorqueLocal}
+
 
 def CreateCompanionCables(mbs: Any, cable: Any, show: bool = False) -> list[int]:
     """Native ANCF cables without mass and stiffness on the nodes of a cable, one for each element.
@@ -26,7 +30,12 @@ def CreateCompanionCables(mbs: Any, cable: Any, show: bool = False) -> list[int]
     What Exudyn attaches to bodies then attaches to the cable: MarkerBodyPosition,
     MarkerBodyCable2DShape, MarkerBodyCable2DCoordinates, SensorBody, and through them loads, springs,
     joints and contact. Companions that nothing acts on change neither motion nor cost of a run. A
-    cable has one set of them: a second call returns the first set.
+    cable has one set of them: a second call returns the first set. Sensors and contour plots show motion
+    and CurvatureLocal; section forces, which companions lack, come from `CreateCableForceSensor`.
+
+    Contact works in the plane: ObjectContactFrictionCircleCable2D, whose stiffness the automatic step of
+    SolveExplicit takes into account before it closes, and GeneralContact.AddANCFCable, for which a
+    stepSize has to be given, as Exudyn does not tell its stiffness.
 
     Args:
         mbs: the system; call mbs.Assemble() afterwards.
@@ -108,3 +117,18 @@ def _add_companion(mbs: Any, item: CableItem, nodes: tuple[int, int], length: fl
             element(nodeNumbers=list(nodes), length=length, visualization=drawing(show=show), **nothing)
         )
     )
+
+
+def warn_of_empty_sensors(mbs: Any) -> None:
+    """Warn of sensors that ask companions, which have no stiffness, for the cable's section forces."""
+    for number in range(mbs.systemData.NumberOfSensors()):
+        sensor = mbs.GetSensor(number)
+        if sensor["sensorType"] != "Body" or sensor["outputVariableType"] not in _SECTION_FORCES:
+            continue
+        if is_inert_cable(mbs.GetObject(sensor["bodyNumber"])):
+            warnings.warn(
+                f"sensor {number} '{sensor['name']}' measures {sensor['outputVariableType']} of object "
+                f"{int(sensor['bodyNumber'])}, a companion without stiffness: it is zero. Use "
+                "CreateCableForceSensor for tension and bending moment; CurvatureLocal works.",
+                stacklevel=3,
+            )

@@ -75,6 +75,31 @@ def test_companions_that_nothing_acts_on_change_neither_motion_nor_path(twin, so
 
 
 @pytest.mark.parametrize("dim", [2, 3])
+def test_curvature_is_that_of_the_curve(mbs, add_cable, coordinates, dim):
+    """r_x x r_xx / |r_x|^2, as native cables measure it."""
+    ring = add_cable(mbs, shape=CableShape.Circle([0, 0], 0.5, 8), dimension=dim)
+    elements, length = CreateCompanionCables(mbs, ring), np.pi / 8
+    mbs.Assemble()
+    nodal = coordinates(mbs, ring["nodes"])[3:5].reshape(4, dim)
+    r_x, r_xx = (np.array([p.deriv(k)(0.1) for p in hermite(length)]) @ nodal for k in (1, 2))
+    expected = (r_x[0] * r_xx[1] - r_x[1] * r_xx[0]) / (r_x @ r_x)
+    kind = exudyn.OutputVariableType.CurvatureLocal
+    found = np.ravel(mbs.GetObjectOutputBody(elements[3], kind, [0.1, 0, 0]))[-1]
+    assert found == pytest.approx(expected, rel=1e-12)
+    assert found == pytest.approx(2.0, rel=0.05)
+
+
+@pytest.mark.parametrize("kind", ["ForceLocal", "TorqueLocal"])
+def test_sensor_of_section_forces_of_a_companion_is_warned_of(mbs, add_pendulum, solve, kind):
+    sensor = SensorBody(bodyNumber=CreateCompanionCables(mbs, add_pendulum(mbs))[2], storeInternal=True)
+    sensor.outputVariableType = getattr(exudyn.OutputVariableType, kind)
+    mbs.AddSensor(sensor)
+    mbs.Assemble()
+    with pytest.warns(UserWarning, match=rf"sensor 0 .*{kind} of object 5, .* Use CreateCableForceSensor"):
+        solve(mbs, 0.01)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
 def test_force_within_an_element_moves_the_cable_as_on_a_node_of_another_mesh(
     new_mbs, add_pendulum, add_sensor, solve, dim
 ):
