@@ -18,7 +18,7 @@ from exudyn_inext.exudyn_binding.scene import read_scene
 from tests.cables import hermite
 from tests.exudyn_binding.items import SECTION, load_node, native_cable, solve_native, trajectory
 
-FORCE = {2: [0.0, 0.2, 0.0], 3: [0.0, 0.2, 0.1]}  # [N]
+FORCE = [0.0, 0.2, 0.0]  # [N]
 POSITION = exudyn.OutputVariableType.Position
 
 
@@ -31,12 +31,12 @@ def point_of_curve(q, length, x):
 
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("arc_length", [0.0, 0.3, 0.36, 1.13, 1.8])
-def test_marker_is_on_the_curve_at_its_arc_length(mbs, add_pendulum, solve, coordinates, dim, arc_length):
-    held = [True] * dim + [False] * dim
-    cable = add_pendulum(mbs, dimension=dim, groundConstraintsStart=held)
+def test_marker_is_on_the_curve_at_its_arc_length(mbs, add_cable, coordinates, dim, arc_length):
+    cable = add_cable(mbs, dimension=dim)
     marker = MarkerOnCable(mbs, cable, arc_length)
     mbs.Assemble()
-    solve(mbs, 0.2)
+    size = mbs.systemData.ODE2Size()
+    mbs.systemData.SetODE2Coordinates(np.random.default_rng(1).uniform(-0.3, 0.3, size))
     expected = point_of_curve(coordinates(mbs, cable["nodes"]), 0.36, arc_length)
     np.testing.assert_allclose(mbs.GetMarkerOutput(marker, POSITION)[:dim], expected, atol=1e-13)
 
@@ -99,33 +99,42 @@ def test_sensor_of_section_forces_of_a_companion_is_warned_of(mbs, add_pendulum,
         solve(mbs, 0.01)
 
 
-@pytest.mark.parametrize("dim", [2, 3])
+def tip_with_force(mbs, add_pendulum, add_sensor, solve, attach, **changes):
+    """Trajectory of the tip; `attach` adds a force."""
+    cable = add_pendulum(mbs, **changes)
+    attach(mbs, cable)
+    sensor = add_sensor(mbs, cable["nodes"][-1])
+    mbs.Assemble()
+    solve(mbs, 0.3)
+    return trajectory(mbs, sensor)[:, 1:]
+
+
+def push_within(mbs, cable):
+    """In the middle of an element of 12 elements, on a node of 24."""
+    marker = MarkerOnCable(mbs, cable, 1.275)
+    mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=FORCE))
+
+
 def test_force_within_an_element_moves_the_cable_as_on_a_node_of_another_mesh(
-    new_mbs, add_pendulum, add_sensor, solve, dim
+    new_mbs, add_pendulum, add_sensor, solve
 ):
-    """1.35 m is the middle of an element of 12 elements, and a node of 24."""
-
-    def tip(elements, attach):
-        mbs = new_mbs()
-        held = [True] * dim + [False] * dim
-        cable = add_pendulum(mbs, numberOfElements=elements, dimension=dim, groundConstraintsStart=held)
-        attach(mbs, cable)
-        sensor = add_sensor(mbs, cable["nodes"][-1])
-        mbs.Assemble()
-        solve(mbs, 0.3)
-        return trajectory(mbs, sensor)[:, 1:]
-
-    def within(mbs, cable):
-        marker = MarkerOnCable(mbs, cable, 1.35 - 0.075)
-        mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=FORCE[dim]))
-
     def on_node(mbs, cable):
-        load_node(mbs, cable["nodes"][17], FORCE[dim])
+        load_node(mbs, cable["nodes"][17], FORCE)
 
-    expected = tip(24, on_node)
-    np.testing.assert_allclose(tip(12, within), expected, atol=1e-3 * np.ptp(expected[:, 1]))
-    unloaded = tip(12, lambda mbs, cable: None)
+    tools = add_pendulum, add_sensor, solve
+    expected = tip_with_force(new_mbs(), *tools, on_node, numberOfElements=24)
+    found = tip_with_force(new_mbs(), *tools, push_within, numberOfElements=12)
+    np.testing.assert_allclose(found, expected, atol=1e-3 * np.ptp(expected[:, 1]))
+    unloaded = tip_with_force(new_mbs(), *tools, lambda *_: None, numberOfElements=12)
     assert np.abs(unloaded - expected).max() > 0.1 * np.ptp(expected[:, 1])
+
+
+def test_force_within_an_element_in_space_acts_as_in_the_plane(new_mbs, add_pendulum, add_sensor, solve):
+    tools = add_pendulum, add_sensor, solve
+    held = {"dimension": 3, "groundConstraintsStart": [True] * 3 + [False] * 3}
+    expected = tip_with_force(new_mbs(), *tools, push_within)
+    found = tip_with_force(new_mbs(), *tools, push_within, **held)
+    np.testing.assert_allclose(found, expected, atol=1e-8)
 
 
 def test_spring_within_an_element_is_that_on_a_native_cable(new_mbs, add_pendulum, solve):
