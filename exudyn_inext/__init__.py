@@ -4,6 +4,7 @@ from .errors import (
     DivergenceError,
     EnforcementError,
     EquilibriumError,
+    ExplicitTrapWarning,
     InextensibleError,
     InputError,
     RedundantConstraintError,
@@ -15,7 +16,11 @@ from .exudyn_binding.attach.companions import CreateCompanionCables, MarkerOnCab
 from .exudyn_binding.attach.properties import AddPointMass, CableDrag, SetCableDrag
 from .exudyn_binding.cable_forces import CableForces, CreateCableForceSensor
 from .exudyn_binding.cable_item import CreateInextensibleCable
+from .exudyn_binding.enforcement.algebraic import Algebraic
+from .exudyn_binding.enforcement.penalty_mass import PenaltyMass
+from .exudyn_binding.enforcement.projection import Projection
 from .exudyn_binding.ensemble import SolveEnsemble
+from .exudyn_binding.explicit_traps import WarnOfExplicitTraps
 from .exudyn_binding.prescribed_motion import CreatePrescribedMotion
 from .exudyn_binding.settings import ExplicitSettings
 from .exudyn_binding.shape import CableShape
@@ -29,6 +34,7 @@ from .integrators.zhai import Zhai
 
 __all__ = [
     "AddPointMass",
+    "Algebraic",
     "AttachToBody",
     "CableDrag",
     "CableForces",
@@ -42,10 +48,13 @@ __all__ = [
     "EquilibriumError",
     "ExplicitSettings",
     "ExplicitStepper",
+    "ExplicitTrapWarning",
     "InextensibleCable",
     "InextensibleError",
     "InputError",
     "MarkerOnCable",
+    "PenaltyMass",
+    "Projection",
     "Rattle",
     "RedundantConstraintError",
     "RungeKutta4",
@@ -56,5 +65,6 @@ __all__ = [
     "SolveExplicit",
     "StaticSettings",
     "StepSizeError",
+    "WarnOfExplicitTraps",
     "Zhai",
 ]

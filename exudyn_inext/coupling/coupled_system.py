@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
-from .joints import JointSolve, JointTerms
+from .joints import JointBlock, JointSolve, JointTerms
 
 
 class Part(NamedTuple):
@@ -22,15 +22,19 @@ class Part(NamedTuple):
 
 
 class Surroundings(Protocol):
-    """What acts on the parts, and joins them.   joints: what each row is called, for messages."""
+    """What acts on the parts, and joins them.
+
+    joints: what each row is called, for messages.   blocks: their Jacobian by parts.
+    """
 
     joints: Sequence[str]
+    blocks: Sequence[JointBlock]
 
     def forces(self, t: float, q: Array, v: Array) -> Sequence[Array]:
         """External force on each part, as its protocols take it; sets masses that depend on q."""
 
     def constrain(self, t: float, q: Array, v: Array) -> JointTerms:
-        """The joints at (t, q, v)."""
+        """The joints at (t, q, v); their Jacobian goes to `blocks`."""
 
     def violations(self, t: float, q: Array) -> Array:
         """c(q, t) (m,)."""
@@ -50,26 +54,19 @@ class CoupledSystem:
         self.parts = parts
         self.surroundings = surroundings
         self.zeta = zeta
+        self.solve = JointSolve(surroundings.blocks, surroundings.joints)
         self.foresight = np.zeros(len(surroundings.joints))
         self.multipliers = np.zeros(len(surroundings.joints))
-        self._solve: JointSolve | None = None
 
     @property
     def has_joints(self) -> bool:
         return len(self.surroundings.joints) > 0
 
-    def join(self, t: float, q: Array, v: Array) -> tuple[JointTerms, JointSolve]:
-        """Joints at (t, q, v) and their factorised Schur complement; the parts are factorised at q."""
+    def join(self, t: float, q: Array, v: Array) -> JointTerms:
+        """Joints at (t, q, v), their Schur complement factorised; the parts are factorised at q."""
         terms = self.surroundings.constrain(t, q, v)
-        self._solve = JointSolve(terms.blocks, self.surroundings.joints)
-        return terms, self._solve
-
-    @property
-    def last_solve(self) -> JointSolve:
-        """Of the last evaluation."""
-        if self._solve is None:
-            raise RuntimeError("the joints have not been evaluated yet")
-        return self._solve
+        self.solve.factorise()
+        return terms
 
 
 @index_reduced_rates.register(CoupledSystem)
@@ -81,7 +78,7 @@ def coupled_rates(system, external, q, v, acceleration, rate):
         index_reduced_rates(part, force, q[dofs], v[dofs], acceleration[dofs], rate[dofs])
     if not system.has_joints:
         return
-    terms, solve = system.join(t, q, v)
+    terms, solve = system.join(t, q, v), system.solve
     speed = solve.times_jacobian(v) + terms.drift
     system.multipliers = solve.apply(acceleration, terms.gamma - system.zeta * speed)
     solve.apply(rate, -system.zeta * terms.value - terms.drift)
@@ -98,7 +95,7 @@ def accelerate_and_project_coupled(system, external, q, v, duration, acceleratio
         )
     if not system.has_joints:
         return
-    terms, solve = system.join(t, q, v)
+    terms, solve = system.join(t, q, v), system.solve
     system.multipliers = solve.apply(acceleration, terms.gamma + system.foresight)
     solve.apply(end_velocity, -terms.drift)
 
@@ -116,5 +113,5 @@ def correct_coupled_position(system, external, q, tolerance, learning, correctio
             correction[dofs] = 0.0
         worst = float(np.maximum(worst, violation))  # unlike max, keeps a NaN
     if system.has_joints and not worst < tolerance:
-        system.last_solve.apply(correction, -value)
+        system.solve.apply(correction, -value)
     return worst

@@ -1,5 +1,7 @@
 """Tension, shear force and bending moment of a cable of an mbs: as values and as sensors."""
 
+from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -11,9 +13,11 @@ from ..chain.linked_cable import cable_system
 from ..chain.section_forces import SectionForces, SolvedState, multiplier_tension, section_forces
 from ..errors import InputError, SceneError
 from ..system import index_reduced_rates
-from .cable_item import find_cable_item
+from .cable_data import find_cable_item
 from .cable_loads import CableLoads
-from .scene import CableInScene, read_cables, require_assembled
+from .general.coupled_scene import CoupledCable, CoupledScene
+from .general.surroundings import state_kept, switched_off
+from .scene import Scene, read_scene, require_assembled
 
 
 class CableEvaluator:
@@ -21,10 +25,11 @@ class CableEvaluator:
 
     def __init__(self, mbs: Any, number: int) -> None:
         require_assembled(mbs)
-        self._data = mbs.systemData
-        self._cable = _find_cable(mbs, number)
+        self._mbs = mbs
+        self._scene = read_scene(mbs)
+        self._place = _place_of(self._scene, mbs, number)
+        self._cable = self._scene.cables[self._place]
         self._system = cable_system(self._cable.cable, 0.0)
-        self._loads = CableLoads(self._cable)
 
     @property
     def length(self) -> float:
@@ -49,14 +54,42 @@ class CableEvaluator:
 
     def solve(self) -> SolvedState:
         """The present state of the mbs, with its accelerations and multipliers."""
-        cable = self._cable.cable
-        shape, indices = cable.reference.shape, self._cable.indices
-        q = cable.reference.ravel() + np.asarray(self._data.GetODE2Coordinates())[indices]
-        v = np.asarray(self._data.GetODE2Coordinates_t())[indices]
-        a, rate = np.zeros(q.size), np.zeros(q.size)
-        index_reduced_rates(self._system, self._loads.at(self._data.GetTime()), q, v, a, rate)
+        q, v, a = self._solve_among_others() if self._scene.foreign else self._solve_alone()
+        shape = self._cable.cable.reference.shape
         multiplier = self._system.chain.elements.multiplier[:, 0].copy()
         return SolvedState(q.reshape(shape), v.reshape(shape), a.reshape(shape), multiplier)
+
+    @cached_property
+    def _loads(self) -> CableLoads:
+        return CableLoads(self._cable)
+
+    def _solve_alone(self) -> tuple[Array, Array, Array]:
+        data, indices = self._mbs.systemData, self._cable.indices
+        q = self._cable.cable.reference.ravel() + np.asarray(data.GetODE2Coordinates())[indices]
+        v = np.asarray(data.GetODE2Coordinates_t())[indices]
+        a, rate = np.zeros(q.size), np.zeros(q.size)
+        index_reduced_rates(self._system, self._loads.at(data.GetTime()), q, v, a, rate)
+        return q, v, a
+
+    def _solve_among_others(self) -> tuple[Array, Array, Array]:
+        """With all bodies and joints, evaluated by Exudyn; its state is put back."""
+        with switched_off(self._mbs, *self._scene.evaluated_by_kernels), state_kept(self._mbs):
+            coupled = self._coupled
+            coupled.surroundings.forget()
+            q, v = coupled.state()
+            a = coupled.solve_cable(self._place, self._mbs.systemData.GetTime(), q, v)
+        dofs = coupled.map.slices[self._place]
+        return q[dofs], v[dofs], a
+
+    @cached_property
+    def _coupled(self) -> CoupledScene:
+        cables = []
+        for cable in self._scene.cables:
+            system = self._system if cable is self._cable else cable_system(cable.cable, 0.0)
+            loads = CableLoads(replace(cable, loads=[]))
+            reference = cable.cable.reference.ravel()
+            cables.append(CoupledCable(cable.number, cable.indices, reference, system, loads))
+        return CoupledScene(self._mbs, cables, self._scene.own_constraints, 0.0)
 
 
 def CableForces(mbs: Any, cable: Any, arcLengths: Any = None) -> dict[str, Any]:
@@ -156,11 +189,12 @@ def _require_item(mbs: Any, number: int) -> Any:
     return item
 
 
-def _find_cable(mbs: Any, number: int) -> CableInScene:
+def _place_of(scene: Scene, mbs: Any, number: int) -> int:
+    """Which of the cables of the scene an object is."""
     _require_item(mbs, number)
-    for cable in read_cables(mbs, "CableForces"):
+    for place, cable in enumerate(scene.cables):
         if cable.number == number:
-            return cable
+            return place
     raise SceneError(f"object {number} is not in the assembled system: call mbs.Assemble().")
 
 

@@ -70,6 +70,8 @@ class CableLoads:
 
     def at(self, time: float) -> Array:
         """(n_external,) external force and motions at `time`."""
+        if not len(self.pattern):
+            return self.constant.copy()
         forces: Array = self.constant + (self._factors([time]) @ self.pattern)[0]
         return forces
 

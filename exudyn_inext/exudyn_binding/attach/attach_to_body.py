@@ -7,8 +7,9 @@ from exudyn.itemInterface import MarkerBodyPosition, MarkerNodePosition, Spheric
 
 from ...arrays import Array
 from ...errors import InputError
+from ..cable_data import CableItem
 from ..cable_forces import _object_number, _require_item
-from ..cable_item import CableItem, _add_ground_constraints
+from ..cable_item import _add_ground_constraints
 from ..shape import _finite
 from .body_frame import BodyFrame, body_frame
 from .clamp_to_body import add_clamp
@@ -64,8 +65,9 @@ def AttachToBody(
     direction = _direction(frame, slope, kind, localDirection, node)
     dim = item.cable.dimension
     if frame.is_ground:
-        flags = {place % len(item.nodes): [True] * dim + [kind == "clamp"] * dim}
-        return {"markers": [], "constraintObjects": _add_ground_constraints(mbs, list(item.nodes), flags)}
+        held = np.zeros(item.cable.reference.shape, dtype=bool)
+        held[place] = [[True] * dim, [kind == "clamp"] * dim]
+        return {"markers": [], "constraintObjects": _add_ground_constraints(mbs, list(item.nodes), held)}
     markers = [
         int(mbs.AddMarker(MarkerBodyPosition(bodyNumber=frame.number, localPosition=local.tolist()))),
         int(mbs.AddMarker(MarkerNodePosition(nodeNumber=node))),

@@ -17,8 +17,8 @@ from exudyn.itemInterface import (
 )
 
 from ...chain.attached import place_on_elements
+from ..cable_data import CableItem
 from ..cable_forces import _object_number, _on_cable, _require_item
-from ..cable_item import CableItem
 from .inert import INERT, is_inert_cable
 
 _SECTION_FORCES = {exudyn.OutputVariableType.ForceLocal, exudyn.OutputVariableType.TorqueLocal}

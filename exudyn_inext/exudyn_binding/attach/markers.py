@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ..cable_item import CableItem, find_cable_item
+from ..cable_data import CableItem, find_cable_item
 
 _ON_OBJECT = {"ObjectODE2Coordinates"}
 _ON_NODES = {"NodePosition", "NodeCoordinate", "NodeCoordinates"}

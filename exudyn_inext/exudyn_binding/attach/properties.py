@@ -1,6 +1,6 @@
 """Point masses on a cable, and drag of the fluid around it: properties that its own solve includes."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
@@ -66,7 +66,8 @@ def SetCableDrag(mbs: Any, cable: Any, drag: CableDrag | None) -> None:
         drag: coefficients and flow; None: no drag.
 
     Raises:
-        InputError: not a cable, or a number out of range; mbs is unchanged then.
+        InputError: not a cable, or a number out of range, or a cable with native enforcement; mbs is
+            unchanged then.
 
     Example:
         SetCableDrag(mbs, cable, CableDrag(1.2, 0.01, diameter=0.02, fluidDensity=1000))
@@ -75,7 +76,7 @@ def SetCableDrag(mbs: Any, cable: Any, drag: CableDrag | None) -> None:
     if drag is not None and not isinstance(drag, CableDrag):
         raise InputError(f"drag = {drag!r}: must be a CableDrag or None.")
     law = None if drag is None else drag.of_cable(item.cable.dimension)
-    item.change(replace(item.cable, drag=law))
+    item.change(drag=law)
 
 
 def AddPointMass(mbs: Any, cable: Any, arcLength: float, mass: float) -> None:
@@ -90,14 +91,15 @@ def AddPointMass(mbs: Any, cable: Any, arcLength: float, mass: float) -> None:
         mass: m [kg].
 
     Raises:
-        InputError: not a cable, a point that is not on it, or no mass; mbs is unchanged then.
+        InputError: not a cable, a point that is not on it, no mass, or a cable with native enforcement; mbs
+            is unchanged then.
 
     Example:
         AddPointMass(mbs, cable, arcLength=0.9, mass=0.02)
     """
     item = _require_item(mbs, _object_number(cable))
     point = PointMass(_on_cable(arcLength, item.cable.length), require_positive("mass", mass))
-    item.change(replace(item.cable, point_masses=(*item.cable.point_masses, point)))
+    item.change(point_masses=(*item.cable.point_masses, point))
 
 
 def _require_coefficient(name: str, value: Any) -> float:

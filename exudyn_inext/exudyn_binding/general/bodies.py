@@ -11,7 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from ...arrays import Array
-from ...coupling.bodies import BodiesSystem, MassBlock
+from ...coupling.bodies import BodiesSystem, MassBlock, VariableBlocks
 from ...errors import SceneError
 
 _MASS = exudyn.ComputeItemType.MassMatrix
@@ -47,14 +47,12 @@ class Body:
 
 @dataclass(frozen=True, eq=False)
 class Quaternion:
-    """Euler parameters of a node.   node: number.   coordinates: (4,) places.   row: of its constraint.
+    """Euler parameters of a node.
 
-    reference: (4,) what Exudyn's coordinates are displacements from.
+    coordinates: (4,) places.   reference: (4,) what Exudyn's coordinates are displacements from.
     """
 
-    node: int
     coordinates: np.ndarray
-    row: int
     reference: Array
 
 
@@ -124,46 +122,52 @@ def read_quaternions(mbs: Any) -> list[Quaternion]:
             )
         if data["nodeType"] == "RigidBodyEP":
             coordinates = np.array(mbs.systemData.GetNodeLTGODE2(number)[3:7])
-            (row,) = mbs.systemData.GetNodeLTGAE(number)
             reference = np.array(data["referenceCoordinates"][3:7], dtype=float)
-            found.append(Quaternion(number, coordinates, int(row), reference))
+            found.append(Quaternion(coordinates, reference))
     return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Stack:
+    """Groups of bodies of variable mass with equally many coordinates, and their places in the groups."""
+
+    blocks: VariableBlocks
+    bodies: list[list[tuple[Body, Any]]]
 
 
 class BodyMasses:
     """Mass of the bodies: constant blocks are inverted once, the others at each configuration.
 
-    A quaternion adds s C^T C, C its constraint's Jacobian, which makes its mass regular and, with
-    the constraint enforced, changes no acceleration.
-
     coordinates: (n,) places of the bodies' coordinates in the system vector.   system: M a = F.
     """
 
     def __init__(
-        self, mbs: Any, solver: Any, bodies: Sequence[Body], quaternions: Sequence[Quaternion], total: Array
+        self, mbs: Any, solver: Any, bodies: Sequence[Body], quaternions: Sequence[Quaternion], zeta: float
     ) -> None:
+        total = system_mass(mbs, solver)
         self._mbs = mbs
         self._solver = solver
         self.coordinates = np.unique(np.concatenate([np.zeros(0, int), *(b.coordinates for b in bodies)]))
         groups = self._groups(bodies)
-        constant = [self._block(group, total) for group in groups if all(b.has_constant_mass for b in group)]
-        self._variable = [group for group in groups if not all(b.has_constant_mass for b in group)]
-        self._needs_total = not all(body.tells_mass for group in self._variable for body in group)
-        self._dofs = [self._dofs_of(group) for group in self._variable]
-        self._quaternions = [self._of_group(dofs, quaternions) for dofs in self._dofs]
-        self.system = BodiesSystem(len(self.coordinates), constant, self._dofs)
+        constant = [group for group in groups if all(body.has_constant_mass for body in group)]
+        variable = [group for group in groups if not all(body.has_constant_mass for body in group)]
+        self._needs_total = not all(body.tells_mass for group in variable for body in group)
+        sizes = sorted({len(self._dofs_of(group)) for group in variable})
+        self._stacks = [self._stack(size, variable, quaternions) for size in sizes]
+        blocks = [MassBlock(dofs, self._part_of(total, dofs)) for dofs in map(self._dofs_of, constant)]
+        variables = [stack.blocks for stack in self._stacks]
+        self.system = BodiesSystem(len(self.coordinates), blocks, variables, zeta)
+
+    @property
+    def number_of_variable(self) -> int:
+        return sum(len(bodies) for stack in self._stacks for bodies in stack.bodies)
 
     def update(self, q: Array) -> None:
         """Masses of the current configuration of mbs, which is q (n,)."""
         total = system_mass(self._mbs, self._solver) if self._needs_total else None
-        for number, group in enumerate(self._variable):
-            dofs = self._dofs[number]
-            mass = self._mass(group, dofs) if total is None else self._part_of(total, dofs)
-            for places, dofs, reference in self._quaternions[number]:
-                normal = q[dofs] + reference
-                scale = 0.25 * np.trace(mass[np.ix_(places, places)])
-                mass[np.ix_(places, places)] += scale * np.outer(normal, normal)
-            self.system.set_mass(number, mass)
+        for number, stack in enumerate(self._stacks):
+            masses = self._masses(stack) if total is None else self._part_of(total, stack.blocks.dofs)
+            self.system.set_masses(number, masses, q)
 
     def _local(self, coordinates: np.ndarray) -> np.ndarray:
         return np.searchsorted(self.coordinates, coordinates)
@@ -181,27 +185,39 @@ class BodyMasses:
     def _dofs_of(self, group: Sequence[Body]) -> np.ndarray:
         return self._local(np.unique(np.concatenate([body.coordinates for body in group])))
 
-    def _mass(self, group: Sequence[Body], dofs: np.ndarray) -> Array:
-        mass = np.zeros((len(dofs), len(dofs)))
-        for body in group:
-            places = np.searchsorted(dofs, self._local(body.coordinates))
-            mass[np.ix_(places, places)] += body.mass(self._mbs)
-        return mass
-
-    def _part_of(self, total: Array, dofs: np.ndarray) -> Array:
-        places = self.coordinates[dofs]
-        part: Array = total[np.ix_(places, places)]
-        return part
-
-    def _block(self, group: Sequence[Body], total: Array) -> MassBlock:
-        dofs = self._dofs_of(group)
-        return MassBlock(dofs, self._part_of(total, dofs))
-
-    def _of_group(self, dofs: np.ndarray, quaternions: Sequence[Quaternion]) -> list[tuple[Any, Any, Array]]:
-        """Places in the block, dofs, and reference of the quaternions on these dofs."""
-        found = []
+    def _stack(
+        self, size: int, variable: Sequence[Sequence[Body]], quaternions: Sequence[Quaternion]
+    ) -> _Stack:
+        groups = [group for group in variable if len(self._dofs_of(group)) == size]
+        dofs = np.stack([self._dofs_of(group) for group in groups])
+        bodies = [
+            [(body, self._places(own, body.coordinates)) for body in group]
+            for group, own in zip(groups, dofs, strict=True)
+        ]
+        first, reference = np.full(len(groups), -1), np.zeros((len(groups), 4))
         for quaternion in quaternions:
             own = self._local(quaternion.coordinates)
-            if np.isin(own, dofs).all() and np.isin(quaternion.coordinates, self.coordinates).all():
-                found.append((np.searchsorted(dofs, own), own, quaternion.reference))
-        return found
+            for group in np.flatnonzero((dofs == own[0]).any(axis=1)).tolist():
+                first[group] = np.searchsorted(dofs[group], own[0])
+                reference[group] = quaternion.reference
+        return _Stack(VariableBlocks(dofs, first, reference), bodies)
+
+    def _places(self, dofs: np.ndarray, coordinates: np.ndarray) -> Any:
+        """Places of a body in the block with these dofs; all of it, if the body is alone there."""
+        places = np.searchsorted(dofs, self._local(coordinates))
+        return np.s_[:, :] if np.array_equal(places, np.arange(len(dofs))) else np.ix_(places, places)
+
+    def _masses(self, stack: _Stack) -> Array:
+        """(B, k, k)."""
+        number, size = stack.blocks.dofs.shape
+        masses: Array = np.zeros((number, size, size))
+        for mass, bodies in zip(masses, stack.bodies, strict=True):
+            for body, places in bodies:
+                mass[places] += body.mass(self._mbs)
+        return masses
+
+    def _part_of(self, total: Array, dofs: np.ndarray) -> Array:
+        """(..., k, k) blocks of the whole mass matrix.   dofs: (..., k)."""
+        places = self.coordinates[dofs]
+        part: Array = total[places[..., :, None], places[..., None, :]]
+        return part

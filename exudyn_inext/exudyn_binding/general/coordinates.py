@@ -39,24 +39,26 @@ class CoordinateMap:
         first = np.full(size, -1)
         first[self.indices[::-1]] = np.arange(len(self.indices))[::-1]
         self._first = first
-        self._is_first = (first[self.indices] == np.arange(len(self.indices))).astype(float)
+        again = np.flatnonzero(first[self.indices] != np.arange(len(self.indices)))
+        self._stands_twice = again if len(again) else None
+        self._vector = np.zeros(size)
         self._part_of = np.repeat(np.arange(len(parts)), np.diff(ends))
 
-    def displacements(self, q: Array) -> Array:
+    def displacements(self, q: Array) -> list[float]:
         """(size,) system vector of displacements from coordinates (n,)."""
-        vector = np.zeros(self.size)
-        vector[self.indices] = q - self.reference
-        return vector
+        return self.rates(q - self.reference)
 
-    def rates(self, v: Array) -> Array:
+    def rates(self, v: Array) -> list[float]:
         """(size,) system vector of velocities or accelerations (n,)."""
-        vector = np.zeros(self.size)
-        vector[self.indices] = v
-        return vector
+        self._vector[self.indices] = v
+        return self._vector.tolist()
 
     def forces(self, vector: Array) -> Array:
         """(n,) forces on the parts from the system vector."""
-        return vector[self.indices] * self._is_first
+        forces: Array = vector[self.indices]
+        if self._stands_twice is not None:
+            forces[self._stands_twice] = 0.0
+        return forces
 
     def places(self, coordinates: np.ndarray) -> list[tuple[int, np.ndarray, np.ndarray]]:
         """(part, which of `coordinates` lie in it, their places there), for each part that is met."""
@@ -67,6 +69,10 @@ class CoordinateMap:
             own = np.flatnonzero(parts == part)
             found.append((int(part), own, at[own] - self.slices[part].start))
         return found
+
+    def place(self, coordinate: int) -> int:
+        """Of a system coordinate in the vectors of all parts."""
+        return int(self._first[coordinate])
 
     def missing(self) -> np.ndarray:
         """System coordinates that lie in no part."""

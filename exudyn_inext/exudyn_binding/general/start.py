@@ -7,11 +7,10 @@ from ...coupling.coupled_system import CoupledSystem
 from ...errors import SceneError
 from ...system import accelerate_and_project, correct_position
 from ..consistent_start import ITERATIONS, ROUND_OFF, StartCorrection
-from .coordinates import CoordinateMap
 
 
 def consistent_start(
-    system: CoupledSystem, time: float, q: Array, v: Array, tolerance: float, coordinates: CoordinateMap
+    system: CoupledSystem, time: float, q: Array, v: Array, tolerance: float
 ) -> StartCorrection:
     """Move q and v (n,) onto the joints, in place; returns how far.
 
@@ -38,7 +37,7 @@ def consistent_start(
 
 
 def _require_consistent(system: CoupledSystem, time: float, q: Array, v: Array, tolerance: float) -> None:
-    terms, solve = system.join(time, q, v)
+    terms, solve = system.join(time, q, v), system.solve
     speed = max(1.0, float(np.abs(v).max(initial=0.0)))
     rates = (solve.times_jacobian(v) + terms.drift) / speed
     for what, violation in (("coordinates", terms.value), ("velocities", rates)):

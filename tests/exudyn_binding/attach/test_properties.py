@@ -166,6 +166,14 @@ def test_members_of_an_ensemble_all_have_drag_or_none(new_mbs, add_pendulum):
         SolveEnsemble(systems, quiet_settings(0.01, 1))
 
 
+@pytest.mark.parametrize("enforcement", ["algebraic", "penaltyMass"])
+def test_native_enforcement_refuses_what_its_items_do_not_know(mbs, add_pendulum, enforcement):
+    cable = add_pendulum(mbs, enforcement=enforcement)
+    for add in (lambda: AddPointMass(mbs, cable, 1.0, 0.1), lambda: SetCableDrag(mbs, cable, WATER)):
+        with pytest.raises(InputError, match=f"enforcement = '{enforcement}': its native items do not know"):
+            add()
+
+
 def test_equilibrium_in_a_flow_is_refused(mbs, add_pendulum):
     cable = add_pendulum(mbs)
     SetCableDrag(mbs, cable, in_flow(2, 0, 0))

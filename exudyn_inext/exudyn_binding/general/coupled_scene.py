@@ -1,0 +1,139 @@
+"""Cables, bodies and joints of an mbs as one coupled system."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import exudyn
+import numpy as np
+
+from ...arrays import Array
+from ...coupling.bodies import BodiesSystem, MassBlock
+from ...coupling.coupled_system import CoupledSystem, Part
+from ...errors import SceneError
+from ...system import index_reduced_rates
+from ..cable_loads import CableLoads
+from .bodies import BodyMasses, read_bodies, read_quaternions, system_mass
+from .coordinates import CoordinateMap, PartCoordinates
+from .joint_items import read_joints
+from .joint_rows import JointRows
+from .surroundings import NativeSurroundings, evaluator
+
+
+class CoupledCable(NamedTuple):
+    """A cable of the scene.
+
+    number: of its object.   indices, reference: of its coordinates, see `PartCoordinates`.
+    system: its index-reduced equations.   loads: gravity and motions; Exudyn evaluates all others.
+    """
+
+    number: int
+    indices: np.ndarray
+    reference: Array
+    system: Any
+    loads: CableLoads
+
+
+class CoupledScene:
+    """The parts of a scene in one order: cables, bodies, first order states.
+
+    system: all of it.   map: its coordinates in the mbs.   surroundings: forces and joints.
+    joints: native constraints that couple the parts.
+    """
+
+    def __init__(
+        self, mbs: Any, cables: Sequence[CoupledCable], own_constraints: frozenset[int], zeta: float
+    ) -> None:
+        """Read all but the cables from mbs.
+
+        Args:
+            mbs: assembled; Exudyn's own evaluation of the cables is switched off.
+            cables: its inextensible cables.   own_constraints: object numbers of what belongs to them.
+            zeta: stabilisation rate of the joints [1/s].
+
+        Raises:
+            SceneError: coordinates without mass, or a joint that is not supported.
+        """
+        self._mbs = mbs
+        self._cables = cables
+        solver = evaluator(mbs)
+        on_cables = np.concatenate([np.zeros(0, int), *(cable.indices for cable in cables)])
+        bodies = read_bodies(mbs, [cable.number for cable in cables], on_cables, system_mass(mbs, solver))
+        quaternions = read_quaternions(mbs)
+        self._masses = masses = BodyMasses(mbs, solver, bodies, quaternions, zeta)
+        places = [PartCoordinates(cable.indices, cable.reference) for cable in cables]
+        places.append(PartCoordinates(masses.coordinates, np.zeros(len(masses.coordinates))))
+        self.map = CoordinateMap(mbs.systemData.ODE2Size(), places)
+        _require_mass(mbs, self.map)
+        systems = [*(cable.system for cable in cables), masses.system]
+        parts = [Part(system, dofs) for system, dofs in zip(systems, self.map.slices, strict=True)]
+        parts += self._first_order_states()
+        self.joints = read_joints(mbs, own_constraints)
+        rows = JointRows(self.joints, quaternions, parts, self.map)
+        loads = [cable.loads for cable in cables]
+        self.surroundings = NativeSurroundings(mbs, solver, parts, self.map, loads, masses, rows)
+        self.system = CoupledSystem(parts, self.surroundings, zeta)
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates of all parts."""
+        return self.system.parts[-1].dofs.stop
+
+    @property
+    def bodies_of_variable_mass(self) -> int:
+        """How many bodies Exudyn is asked for their mass at each evaluation."""
+        return self._masses.number_of_variable
+
+    def forget(self) -> None:
+        """What earlier steps taught the joints and quaternions does not hold any more."""
+        self.system.foresight[:] = 0.0
+        self._masses.system.forget()
+
+    @property
+    def has_bodies(self) -> bool:
+        return len(self.map.indices) > sum(len(cable.indices) for cable in self._cables)
+
+    def _first_order_states(self) -> list[Part]:
+        """y of y' = f as velocities of unit masses: every scheme then integrates them as it does v."""
+        number = self._mbs.systemData.ODE1Size()
+        if not number:
+            return []
+        start = len(self.map.indices)
+        unit = BodiesSystem(number, [MassBlock(np.arange(number), np.eye(number))])
+        return [Part(unit, slice(start, start + number))]
+
+    def state(self, configuration: Any = exudyn.ConfigurationType.Current) -> tuple[Array, Array]:
+        """q and v (n,) of all parts in a configuration of mbs."""
+        data, number = self._mbs.systemData, len(self.map.indices)
+        q, v = np.zeros(self.size), np.zeros(self.size)
+        q[:number] = np.asarray(data.GetODE2Coordinates(configuration))[self.map.indices] + self.map.reference
+        v[:number] = np.asarray(data.GetODE2Coordinates_t(configuration))[self.map.indices]
+        v[number:] = data.GetODE1Coordinates(configuration)
+        return q, v
+
+    def solve_cable(self, cable: int, t: float, q: Array, v: Array) -> Array:
+        """Accelerations (n_dof,) of one cable among all others, whose system then holds its multipliers.
+
+        Args:
+            cable: which one, in the order of the scene.   t: time [s].   q, v: (n,) of all parts.
+        """
+        a, rate = np.zeros(len(q)), np.zeros(len(q))
+        index_reduced_rates(self.system, np.array([t]), q, v, a, rate)
+        part, dofs = self.system.parts[cable]
+        force = np.array(self.surroundings.forces(t, q, v)[cable])
+        force[: dofs.stop - dofs.start] -= self.system.solve.joint_force(self.system.multipliers, dofs)
+        index_reduced_rates(part, force, q[dofs], v[dofs], a[dofs], rate[dofs])
+        return a[dofs]
+
+
+def _require_mass(mbs: Any, coordinates: CoordinateMap) -> None:
+    missing = coordinates.missing()
+    if not len(missing):
+        return
+    data = mbs.systemData
+    for number in range(data.NumberOfNodes()):
+        if np.isin(missing, data.GetNodeLTGODE2(number)).any():
+            node = mbs.GetNode(number)
+            raise SceneError(
+                f"node {number} '{node['name']}' ({node['nodeType']}) has coordinates without mass, whose "
+                "accelerations are not determined: put a body on it, or remove it."
+            )
