@@ -11,6 +11,9 @@ from .errors import (
     SceneError,
     StepSizeError,
 )
+from .exudyn_binding.attach.attach_to_body import AttachToBody
+from .exudyn_binding.attach.companions import CreateCompanionCables, MarkerOnCable
+from .exudyn_binding.attach.properties import AddPointMass, CableDrag, SetCableDrag
 from .exudyn_binding.cable_forces import CableForces, CreateCableForceSensor
 from .exudyn_binding.cable_item import CreateInextensibleCable
 from .exudyn_binding.enforcement.algebraic import Algebraic
@@ -30,10 +33,14 @@ from .integrators.runge_kutta import RungeKutta4
 from .integrators.zhai import Zhai
 
 __all__ = [
+    "AddPointMass",
     "Algebraic",
+    "AttachToBody",
+    "CableDrag",
     "CableForces",
     "CableShape",
     "CreateCableForceSensor",
+    "CreateCompanionCables",
     "CreateInextensibleCable",
     "CreatePrescribedMotion",
     "DivergenceError",
@@ -45,12 +52,14 @@ __all__ = [
     "InextensibleCable",
     "InextensibleError",
     "InputError",
+    "MarkerOnCable",
     "PenaltyMass",
     "Projection",
     "Rattle",
     "RedundantConstraintError",
     "RungeKutta4",
     "SceneError",
+    "SetCableDrag",
     "SolveEnsemble",
     "SolveEquilibrium",
     "SolveExplicit",

@@ -379,7 +379,52 @@ def dense_form(cable, form):
 def dense_mass(cable, mass_scaling=0.0):
     """(n_dof, n_dof) M + theta h^2 K without regard to supports."""
     scaled = mass_scaling * cable.section.bending_stiffness * dense_form(cable, stiffness_matrix)
-    return cable.section.mass_per_length * dense_form(cable, mass_matrix) + scaled
+    return cable.section.mass_per_length * dense_form(cable, mass_matrix) + scaled + point_masses(cable)
+
+
+def weights_at(cable, point):
+    """(2 n,) share of each nodal position and slope in the position at an arc length."""
+    weights, start = np.zeros(2 * (cable.number_of_elements + 1)), 0.0
+    for k, length in enumerate(cable.element_lengths):
+        if point <= start + length + 1e-12:
+            weights[2 * k : 2 * k + 4] = [p(point - start) for p in hermite(length)]
+            break
+        start += length
+    return weights
+
+
+def point_masses(cable):
+    """(n_dof, n_dof) mass matrix of the point masses."""
+    rows = [(weights_at(cable, point.arc_length), point.mass) for point in cable.point_masses]
+    total = sum((mass * np.outer(w, w) for w, mass in rows), np.zeros((2 * len(cable.reference),) * 2))
+    return np.kron(total, np.eye(cable.dimension))
+
+
+def drag_density(cable, r_x, speed):
+    """(g, dim) drag per length, from a projector on the normal plane."""
+    relative = speed - np.array(cable.drag.flow)
+    tangent = r_x / np.linalg.norm(r_x, axis=1)[:, None]
+    normal = np.eye(cable.dimension) - np.einsum("gi,gj->gij", tangent, tangent)
+    across = np.einsum("gij,gj->gi", normal, relative)
+    along = relative - across
+    return -(
+        cable.drag.normal * np.linalg.norm(across, axis=1)[:, None] * across
+        + cable.drag.tangential * np.linalg.norm(along, axis=1)[:, None] * along
+    )
+
+
+def drag_force(cable, q, v):
+    """(n, 2, dim) int S f dx at the package's Gauss points: the integrand is no polynomial."""
+    force = np.zeros(q.shape)
+    if cable.drag is None:
+        return force
+    for (k, length, nodal), (_, _, speed) in zip(elements_of(cable, q), elements_of(cable, v), strict=True):
+        x, weight = np.polynomial.legendre.leggauss(4)
+        x, weight = 0.5 * length * (x + 1), 0.5 * length * weight
+        s, s_x = (np.array([p.deriv(d)(x) if d else p(x) for p in hermite(length)]) for d in (0, 1))
+        density = drag_density(cable, s_x.T @ nodal, s.T @ speed)
+        force[k : k + 2] += np.einsum("ag,g,gi->ai", s, weight, density).reshape(2, 2, -1)
+    return force
 
 
 def kinetic_energy(cable, v):
@@ -439,7 +484,8 @@ def dense_rates(state, zeta, mass_scaling=0.0):
     mass, speed = dense_mass(cable, mass_scaling), v.ravel()
     zero = np.zeros((len(c.value), len(c.value)))
     matrix = np.block([[mass, c.jacobian.T], [c.jacobian, zero]])
-    force = (state.external + bending_force(cable, q) + damping_force(cable, q, v)).ravel()
+    force = state.external + bending_force(cable, q) + damping_force(cable, q, v)
+    force = (force + drag_force(cable, q, v)).ravel()
     right = np.stack(
         [
             np.concatenate([force, c.gamma - zeta * c.rate]),

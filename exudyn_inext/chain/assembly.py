@@ -3,6 +3,7 @@
 from ..compiled import inlined, kernel, local_array
 from ..element.bending import add_bending_force
 from ..element.bending_damping import add_damping_force
+from ..element.drag import add_drag_force
 from ..element.inextensibility import (
     contract,
     length_gradient,
@@ -174,3 +175,22 @@ def add_damping(axes, nodes, elements, q, v, lead, a, column):
         clear(result)
         add_damping_force(axes, elements[k].damping, e, e_t, memory, result)
         add_element_force(axes, result, nodes[k].force[column], nodes[k + 1].force[column])
+
+
+@inlined
+def add_drag(axes, nodes, elements, q, v, lead, a, column):
+    """Drag at the velocities v + lead a; arguments as for `add_damping`. Nothing happens without drag."""
+    if elements[0].drag.shape[0] == 0:
+        return
+    e, rates, result, memory = local_array(3, 3), local_array(4, 3), local_array(4, 3), local_array(2, 3)
+    for k in range(len(elements)):
+        differences(axes, q, k, e)
+        for row in range(4):
+            for i in range(len(axes)):
+                node, kind = k + row // 2, row % 2
+                rates[row, i] = v[node, kind, i] + lead * a[node, kind, i]
+                result[row, i] = 0.0
+        add_drag_force(axes, elements[k].drag, elements[k].drag_law, e, rates, memory, result)
+        for row in range(4):
+            for i in range(len(axes)):
+                nodes[k + row // 2].force[column, row % 2, i] += result[row, i]

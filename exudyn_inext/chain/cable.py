@@ -11,6 +11,7 @@ from ..arrays import Array
 from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
 from ..errors import InputError
+from .attached import Drag, PointMass
 from .link import Link
 
 
@@ -51,6 +52,8 @@ class Cable:
     closed: whether the last node is the first one once more.
     straight_lengths: whether the length constraints (19) ask for the element lengths, rather than for
         the values of the discretised reference configuration.
+    point_masses: concentrated masses on it.
+    drag: of the fluid around it, or None.
     """
 
     reference: Array
@@ -62,6 +65,8 @@ class Cable:
     links: tuple[Link, ...] = ()
     closed: bool = False
     straight_lengths: bool = False
+    point_masses: tuple[PointMass, ...] = ()
+    drag: Drag | None = None
 
     @property
     def dimension(self) -> int:

@@ -9,10 +9,12 @@ from ..arrays import Array
 from ..element.bending import in_pairs, stiffness_matrix, stiffness_tensor
 from ..element.bending_damping import damping_table
 from ..element.difference_coordinates import in_differences
+from ..element.drag import drag_table
 from ..element.forms import forms_of_mesh
 from ..element.inertia import mass_matrix
 from ..element.inextensibility import slope_gram_matrix
 from ..element.natural_curvature import turning_matrix
+from .attached import mass_of_points
 from .cable import Cable, CurvatureMeasure
 from .records import element_type, node_type
 
@@ -47,7 +49,13 @@ def build_chain(cable: Cable, mass_scaling: float = 0.0) -> Chain:
     dim, number = cable.dimension, cable.number_of_elements
     nodes = np.zeros(number + 1, node_type(dim)).view(np.recarray)
     section = cable.section
-    layout = element_type(dim, product, section.natural_curvature != 0.0, section.bending_damping != 0.0)
+    layout = element_type(
+        dim,
+        product,
+        natural=section.natural_curvature != 0.0,
+        damped=section.bending_damping != 0.0,
+        dragged=cable.drag is not None,
+    )
     elements = np.zeros(number, layout).view(np.recarray)
     nodes.free = np.where(cable.fixed, 0.0, 1.0)
     nodes.ends_group = _ends_group(cable)
@@ -62,6 +70,9 @@ def build_chain(cable: Cable, mass_scaling: float = 0.0) -> Chain:
     if section.bending_damping:
         elements.damping = forms_of_mesh(damping_table, lengths)
         elements.damping[:, :, 0] *= section.bending_damping
+    if cable.drag is not None:
+        elements.drag = forms_of_mesh(drag_table, lengths)
+        elements.drag_law = cable.drag.law()
     if cable.length_constraints > 0:
         elements.slope_gram = _in_differences(slope_gram_matrix, lengths)
     elements.reference_length = cable.constrained_lengths()
@@ -83,6 +94,7 @@ def _mass_bands(cable: Cable, mass_scaling: float) -> tuple[Array, Array]:
     """Diagonal (n, 3) and coupling (N, 4) of the scaled mass, with held coordinates taken out."""
     section, lengths = cable.section, cable.element_lengths
     element = section.mass_per_length * forms_of_mesh(mass_matrix, lengths)
+    element += mass_of_points(cable.point_masses, lengths)
     element += mass_scaling * section.bending_stiffness * forms_of_mesh(stiffness_matrix, lengths)
     diagonal = np.zeros((cable.number_of_elements + 1, 3))
     diagonal[:-1] += element[:, [0, 0, 1], [0, 1, 1]]

@@ -9,7 +9,7 @@ from ..system import (
     implements,
     index_reduced_rates,
 )
-from .assembly import GAMMA, RATE, VALUE, add_damping, assemble, set_violations
+from .assembly import GAMMA, RATE, VALUE, add_damping, add_drag, assemble, set_violations
 from .chain import Chain
 from .saddle_point import expand_solution, factorise, reduce_right_hand_side, substitute
 
@@ -29,13 +29,14 @@ class CableSystem(NamedTuple):
 
 @inlined
 def assemble_and_factorise(axes, nodes, elements, external, q, v, lead, a):
-    """All of Eq. (29) at (q, v) but the links; damping acts at the velocity v + lead a."""
+    """All of Eq. (29) at (q, v) but the links; damping and drag act at v + lead a."""
     for k in range(len(nodes)):
         for i in range(len(axes)):
             nodes[k].force[ACCELERATION, 0, i] = external[k, 0, i]
             nodes[k].force[ACCELERATION, 1, i] = external[k, 1, i]
     assemble(axes, nodes, elements, q, v, ACCELERATION)
     add_damping(axes, nodes, elements, q, v, lead, a, ACCELERATION)
+    add_drag(axes, nodes, elements, q, v, lead, a, ACCELERATION)
     factorise(axes, nodes, elements, q)
 
 

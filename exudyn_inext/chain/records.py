@@ -48,7 +48,9 @@ def node_type(dim: int) -> np.dtype:
     )
 
 
-def element_type(dim: int, product: bool, natural: bool = False, damped: bool = False) -> np.dtype:
+def element_type(
+    dim: int, product: bool, natural: bool = False, damped: bool = False, dragged: bool = False
+) -> np.dtype:
     """Record of an element in `dim` dimensions; what a cable does not have takes no memory.
 
     mass: r-r, r-s, s-r, s-s mass of the left with the right node [kg, kg m, kg m, kg m^2].
@@ -56,6 +58,7 @@ def element_type(dim: int, product: bool, natural: bool = False, damped: bool = 
     tensor: EI times the stiffness tensor over pairs (`product`), empty for the other measure.
     natural: EI kappa_0 times the turning matrix in difference coordinates, empty without kappa_0.
     damping: table of the damping force, empty without damping.
+    drag: table of the drag, empty without drag.   drag_law: its coefficients and the flow.
     slope_gram: slope Gram matrix in difference coordinates; zero without length constraint.
     reference_length: int |r_x|^2 dx in the reference configuration [m].
     gradient: length constraint Jacobian on r_left, s_left, r_right, s_right, supports taken out.
@@ -71,6 +74,8 @@ def element_type(dim: int, product: bool, natural: bool = False, damped: bool = 
             ("tensor", NUMBER, (6, 6) if product else (0, 0)),
             ("natural", NUMBER, (3, 3) if natural else (0, 0)),
             ("damping", NUMBER, (4, 7) if damped else (0, 7)),
+            ("drag", NUMBER, (4, 8) if dragged else (0, 8)),
+            ("drag_law", NUMBER, (2, 3) if dragged else (0, 3)),
             ("slope_gram", NUMBER, (3, 3)),
             ("reference_length", NUMBER),
             ("gradient", NUMBER, (4, dim)),

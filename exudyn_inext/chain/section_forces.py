@@ -18,6 +18,7 @@ from ..element.inextensibility import length_gradient
 from ..element.natural_curvature import add_natural_curvature_force
 from ..element.shape_functions import first_derivatives, quadrature, second_derivatives, shape_functions
 from .assembly import clear, differences
+from .attached_forces import attached_variation
 from .cable import Cable, CurvatureMeasure
 from .chain import Chain
 
@@ -75,7 +76,7 @@ def section_forces(
     Args:
         cable, chain: the cable and its kernel form.
         state: of `cable`, solved.
-        density: (dim,) force density f that acts all along the cable, such as rho_A g [N/m].
+        density: (dim,) force density f = rho_A g of gravity [N/m].
         arc_length: (m,) within 0 and the cable's length [m]; at a node, those of the element before it.
 
     Returns:
@@ -89,6 +90,7 @@ def section_forces(
     xi = np.clip((arc_length - (ends[k] - length)) / length, 0.0, 1.0)
     nodal = np.concatenate([state.q[:-1], state.q[1:]], axis=1)[k]
     force = mean[k] + _variation(cable, state.a, density, k, xi)
+    force += attached_variation(cable, state, density / cable.section.mass_per_length, k, xi)
     position, r_x, r_xx = (
         np.stack([s(x, h).T @ q for x, h, q in zip(xi, length, nodal, strict=True)])
         for s in (shape_functions, first_derivatives, second_derivatives)

@@ -1,20 +1,21 @@
 """What an inextensible cable in an mbs is, and how it is found there again."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
 from ..chain.cable import Cable
+from ..errors import InputError
 from .graphics import cable_graphics
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class CableItem:
     """An inextensible cable in an mbs, as the solver sees it.
 
-    cable: model without supports.
+    cable: model without supports; see `change`.
     gravity: (dim,) [m/s^2].
     nodes: node numbers in the order of the arc length, each once.
     enforcement: name of the way in which native solvers enforce inextensibility.
@@ -31,6 +32,19 @@ class CableItem:
     def node_names(self) -> tuple[int, ...]:
         """(n,) node numbers; the first one of a closed cable comes again at the end."""
         return (*self.nodes, self.nodes[0]) if self.cable.closed else self.nodes
+
+    def change(self, **properties: Any) -> None:
+        """Give the cable other properties, for all runs of SolveExplicit that start from now on.
+
+        Raises:
+            InputError: items of the mbs were made from the present ones.
+        """
+        if self.enforcement != "projection":
+            raise InputError(
+                f"enforcement = {self.enforcement!r}: its native items do not know point masses and drag; "
+                "create the cable with enforcement='projection' and move it by SolveExplicit."
+            )
+        self.cable = replace(self.cable, **properties)
 
 
 def carrying_graphics(item: CableItem) -> Any:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..chain.attached_forces import drag_rate
 from ..chain.border import all_links
 from ..chain.cable import Cable
 from ..chain.frequency import FrequencyTracker, largest_frequency
@@ -79,6 +80,7 @@ class CableRun:
         self.reference = cable.reference.ravel()
         self.system = cable_system(cable, start.zeta, start.mass_scaling)
         self._element_masses = _element_masses(cable, start.mass_scaling)
+        self._drag_rate = drag_rate(cable, scene_cable.item.gravity, initial[1])
         self._integrator = integrator
         self.loads = CableLoads(scene_cable)
         self.state: Any = integrator.allocate(cable.reference.size, len(self.loads.constant))
@@ -159,9 +161,10 @@ class CableRun:
         return [self.start_correction]
 
     def damping_ratio(self, frequency: float) -> float:
-        """Of a vibration of that frequency [rad/s]: bending damping grows with it."""
+        """Of a vibration of that frequency [rad/s]: bending damping grows with it, drag does not."""
         section = self.scene_cable.cable.section
-        return frequency * section.bending_damping / section.bending_stiffness
+        of_drag = self._drag_rate / frequency if frequency > 0.0 else 0.0
+        return of_drag + frequency * section.bending_damping / section.bending_stiffness
 
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the present configuration."""

@@ -147,6 +147,7 @@ def structure(run: CableRun) -> dict[str, Any]:
         "curvature measure": cable.measure.value,
         "natural curvature is present": cable.section.natural_curvature != 0.0,
         "bending damping is present": cable.section.bending_damping != 0.0,
+        "drag is present": cable.drag is not None,
         "closed": cable.closed,
         "links": ", ".join(f"{number} {kind}" for kind, number in sorted(links.items())) or "none",
         "components of load histories and motions": len(run.loads.pattern),

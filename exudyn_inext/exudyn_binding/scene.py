@@ -11,6 +11,8 @@ from ..chain.cable import Cable
 from ..chain.link import Link, rest
 from ..constraints.prescribed_motion import prescribed
 from ..errors import SceneError
+from .attach.inert import is_inert_cable
+from .attach.markers import REMEDY, unsuitable_markers
 from .cable_data import CableItem, find_cable_item
 from .cable_item import supports_of_flags
 from .enforcement.algebraic import belongs_to_a_cable
@@ -87,8 +89,11 @@ class HeldCoordinate:
 
 def require_assembled(mbs: Any) -> None:
     """Raise SceneError unless mbs.Assemble() has been called after the last change."""
-    if not mbs.systemIsConsistent:
-        raise SceneError("mbs is not assembled: call mbs.Assemble() before it is solved or evaluated.")
+    if mbs.systemIsConsistent:
+        return
+    if refused := unsuitable_markers(mbs):
+        raise SceneError(f"mbs cannot be assembled with {'; '.join(refused)}: {REMEDY}.")
+    raise SceneError("mbs is not assembled: call mbs.Assemble() before it is solved or evaluated.")
 
 
 def read_scene(mbs: Any) -> Scene:
@@ -142,7 +147,7 @@ def _contents(mbs: Any) -> Contents:
             contents.rods[number] = rod
         elif belongs_to_a_cable(data):
             contents.enforcing.append(number)
-        elif data["objectType"] not in _HARMLESS:
+        elif data["objectType"] not in _HARMLESS and not is_inert_cable(data):
             contents.others.append(_described(data, number))
     return contents
 

@@ -7,6 +7,7 @@ from typing import Any
 import exudyn
 
 from ..errors import SceneError
+from .attach.companions import warn_of_empty_sensors
 from .cable_run import CableRun
 from .explicit_runs import follow_frequencies, scheme_of, step_bounds, wanted_step
 from .general.surroundings import state_kept, switched_off
@@ -58,6 +59,7 @@ def SolveExplicit(
     settings = simulationSettings or exudyn.SimulationSettings()
     explicit = explicitSettings or ExplicitSettings()
     require_assembled(mbs)
+    warn_of_empty_sensors(mbs)
     solver = exudyn.MainSolverImplicitSecondOrder()
     scene = read_scene(mbs)
     start = float(settings.timeIntegration.startTime)

@@ -96,6 +96,7 @@ def SolveEquilibrium(
 
 def _solve_cable(mbs: Any, scene_cable: CableInScene, time: float, static: StaticSettings) -> Equilibrium:
     cable = scene_cable.cable
+    _require_still_fluid(scene_cable)
     _require_reach(cable, time, scene_cable)
     external = CableLoads(scene_cable).at(time)[: cable.reference.size]
     options = StaticOptions(static.tolerance, static.maxIterations)
@@ -104,6 +105,15 @@ def _solve_cable(mbs: Any, scene_cable: CableInScene, time: float, static: Stati
         equilibrium = find_equilibrium(Potential(cable, external * step / static.loadSteps, time), q, options)
         q = equilibrium.q
     return equilibrium
+
+
+def _require_still_fluid(scene_cable: CableInScene) -> None:
+    drag = scene_cable.cable.drag
+    if drag is not None and any(drag.flow):
+        raise SceneError(
+            f"cable '{scene_cable.name}' lies in a flow of {list(drag.flow)} m/s, whose drag has no "
+            "potential: set flowVelocity to zero, or let SolveExplicit run until the cable rests."
+        )
 
 
 def _report(cables: list[CableInScene], found: list[Equilibrium]) -> dict[str, Any]:

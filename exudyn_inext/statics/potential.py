@@ -7,6 +7,7 @@ from scipy.sparse import csr_array, vstack
 
 from ..arrays import Array
 from ..chain.assembly import add_elastic_force, elastic_energy
+from ..chain.attached import mass_of_points
 from ..chain.border import CLOSURE
 from ..chain.cable import Cable
 from ..chain.chain import build_chain
@@ -29,6 +30,9 @@ class Potential:
         self._constraints = constraints_of_cable(cable)
         section = cable.section
         self.mass = section.mass_per_length * form_of_cable(cable, mass_matrix)
+        self.mass += assembled(
+            mass_of_points(cable.point_masses, cable.element_lengths), cable.reference.shape
+        )
         self._stiffness = section.bending_stiffness * form_of_cable(cable, stiffness_matrix)
         smoothing = cable.element_lengths.mean() * cable.length**3 * section.mass_per_length
         self.metric = self.mass + smoothing / section.bending_stiffness * self._stiffness

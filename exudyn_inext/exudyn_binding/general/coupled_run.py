@@ -15,6 +15,7 @@ from ...integrators.integrator import Integrator, LoadHistory, advance
 from ..cable_run import CableRun
 from ..consistent_start import StartCorrection
 from ..time_grid import TimeGrid
+from .contact_rates import contact_rates, with_contact
 from .coupled_scene import CoupledCable, CoupledScene
 from .start import consistent_start
 
@@ -38,6 +39,7 @@ class CoupledRun:
         time: float,
         why: str,
     ) -> None:
+        self._mbs = mbs
         self._runs = cable_runs
         self._why = why
         self._integrator = integrator
@@ -74,7 +76,8 @@ class CoupledRun:
 
     @cached_property
     def _rates(self) -> FastestRates:
-        return fastest_rates(self._scene.system, self._time, self.state.q)
+        rates = fastest_rates(self._scene.system, self._time, self.state.q)
+        return with_contact(rates, contact_rates(self._mbs, self._runs))
 
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the present configuration, joints included."""

@@ -17,6 +17,8 @@ from .bodies import BodyMasses
 from .coordinates import CoordinateMap
 from .joint_rows import JointRows
 
+_START_OF_STEP = exudyn.ConfigurationType.StartOfStep
+
 
 class NativeSurroundings:
     """What Exudyn knows of a scene: all forces by one call, joints, masses that change.
@@ -42,6 +44,7 @@ class NativeSurroundings:
         self._mbs = mbs
         self._data = mbs.systemData
         self._solver = solver
+        self._settings = exudyn.SimulationSettings()
         self._coordinates = coordinates
         self._dofs = [part.dofs for part in parts]
         self._loads = loads
@@ -97,10 +100,14 @@ class NativeSurroundings:
         return self._rows.terms(self.violations, t, q, v)
 
     def finish_step(self, t: float, q: Array, v: Array) -> None:
-        """Let contact and friction update what they remember, in the state at the end of a step."""
-        if self._data.DataSize():
+        """Let contact and friction update what they remember, in the state at the end of a step.
+
+        As Exudyn's explicit solvers do: once a step, and the next step starts from what is remembered.
+        """
+        if self._data.DataSize() or self._mbs.NumberOfGeneralContacts():
             self._set_state(t, q, v)
-            self._solver.PostNewton(self._mbs)
+            self._solver.PostNewton(self._mbs, self._settings)
+            self._data.SetDataCoordinates(self._data.GetDataCoordinates(), _START_OF_STEP)
 
     def show(self, t: float, q: Array, v: Array, multipliers: Array) -> None:
         """Leave the state at t in mbs, with the Lagrange multipliers (m,) of the joints for its sensors."""

@@ -1,0 +1,66 @@
+"""A slope that follows a direction fixed to a body: native constraint with user functions.
+
+c_k = t_k . r_x = 0 for the directions t_k = A(q_body) b_k across the cable: one in the plane, two in space.
+"""
+
+from typing import Any
+
+import numpy as np
+from exudyn.itemInterface import CoordinateVectorConstraint, MarkerNodeCoordinates
+
+from ...arrays import Array
+from .body_frame import BodyFrame
+
+
+def directions_across(direction: Array, frame: BodyFrame, dim: int) -> Array:
+    """(dim - 1, 3) unit vectors b_k of the body's frame, across `direction` (3,) of that frame.
+
+    In the plane, the one that lies in the plane of the cable.
+    """
+    if dim == 2:
+        orientation = frame.orientation()
+        along = orientation @ direction
+        return np.array([orientation.T @ [-along[1], along[0], 0.0]])
+    smallest = np.eye(3)[int(np.argmin(np.abs(direction)))]
+    first = np.cross(direction, smallest)
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(direction, first)])
+
+
+def add_clamp(mbs: Any, frame: BodyFrame, node: int, direction: Array, dim: int) -> dict[str, list[int]]:
+    """Markers and constraint that keep the slope of a cable's node along `direction` of a body."""
+    markers = [int(mbs.AddMarker(MarkerNodeCoordinates(nodeNumber=n))) for n in (frame.node, node)]
+    value, jacobian = _user_functions(frame, directions_across(direction, frame, dim), dim)
+    constraint = mbs.AddObject(
+        CoordinateVectorConstraint(
+            markerNumbers=markers,
+            scalingMarker0=np.zeros((dim - 1, len(frame.coordinates))),
+            constraintUserFunction=value,
+            jacobianUserFunction=jacobian,
+        )
+    )
+    return {"markers": markers, "constraintObjects": [int(constraint)]}
+
+
+def _user_functions(frame: BodyFrame, across: Array, dim: int) -> tuple[Any, Any]:
+    """c (dim - 1,), and its Jacobian with respect to the coordinates of the body and of the node."""
+    size, rotation = len(frame.coordinates), frame.rotation
+    slopes = slice(size + dim, size + 2 * dim)
+
+    def derivatives(q: Any) -> tuple[Array, Array]:
+        q = np.asarray(q)
+        orientation, rates = rotation(q[:size])  # type: ignore[misc]
+        directions = (across @ orientation.T)[:, :dim]
+        jacobian = np.zeros((dim - 1, size + 2 * dim))
+        jacobian[:, slopes] = directions
+        jacobian[:, :size] = np.einsum("nij,kj,i->kn", rates[:, :dim], across, q[slopes])
+        return directions @ q[slopes], jacobian
+
+    def clamp_user_function(mbs, t, itemNumber, q, q_t, velocityLevel):
+        value, jacobian = derivatives(q)
+        return (jacobian @ np.asarray(q_t) if velocityLevel else value).tolist()
+
+    def clamp_jacobian_user_function(mbs, t, itemNumber, q, q_t, velocityLevel):
+        return derivatives(q)[1]
+
+    return clamp_user_function, clamp_jacobian_user_function

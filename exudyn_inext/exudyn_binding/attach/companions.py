@@ -1,0 +1,134 @@
+"""Companions: native ANCF cables without mass and stiffness on the nodes of an inextensible cable.
+
+Exudyn rejects MarkerBodyPosition, SensorBody and contact on a cable's own object; on these they work.
+"""
+
+import warnings
+from itertools import pairwise
+from typing import Any
+
+import exudyn
+from exudyn.itemInterface import (
+    MarkerBodyPosition,
+    ObjectANCFCable,
+    ObjectANCFCable2D,
+    VObjectANCFCable,
+    VObjectANCFCable2D,
+)
+
+from ...chain.attached import place_on_elements
+from ..cable_data import CableItem
+from ..cable_forces import _object_number, _on_cable, _require_item
+from .inert import INERT, is_inert_cable
+
+_SECTION_FORCES = {exudyn.OutputVariableType.ForceLocal, exudyn.OutputVariableType.TorqueLocal}
+
+
+def CreateCompanionCables(mbs: Any, cable: Any, show: bool = False) -> list[int]:
+    """Native ANCF cables without mass and stiffness on the nodes of a cable, one for each element.
+
+    What Exudyn attaches to bodies then attaches to the cable: MarkerBodyPosition,
+    MarkerBodyCable2DShape, MarkerBodyCable2DCoordinates, SensorBody, and through them loads, springs,
+    joints and contact. Companions that nothing acts on change neither motion nor cost of a run. A
+    cable has one set of them: a second call returns the first set. Sensors and contour plots show motion
+    and CurvatureLocal; section forces, which companions lack, come from `CreateCableForceSensor`.
+
+    Contact works in the plane: ObjectContactFrictionCircleCable2D, whose stiffness the automatic step of
+    SolveExplicit takes into account before it closes, and GeneralContact.AddANCFCable, for which a
+    stepSize has to be given, as Exudyn does not tell its stiffness.
+
+    Args:
+        mbs: the system; call mbs.Assemble() afterwards.
+        cable: what CreateInextensibleCable returned, or the number of its object.
+        show: whether the renderer draws new companions, too, with their contour variables.
+
+    Returns:
+        object numbers in the order of the elements.
+
+    Raises:
+        InputError: not a cable; mbs is unchanged then.
+
+    Example:
+        elements = CreateCompanionCables(mbs, cable)
+        mbs.AddSensor(SensorBody(bodyNumber=elements[2], localPosition=[0.1, 0, 0],
+            outputVariableType=exu.OutputVariableType.Velocity, storeInternal=True))
+    """
+    item = _require_item(mbs, _object_number(cable))
+    existing = _companions_by_nodes(mbs)
+    spans = list(pairwise(item.node_names))
+    return [
+        existing[nodes] if nodes in existing else _add_companion(mbs, item, nodes, float(length), show)
+        for nodes, length in zip(spans, item.cable.element_lengths, strict=True)
+    ]
+
+
+def MarkerOnCable(mbs: Any, cable: Any, arcLength: float) -> int:
+    """A marker on the position of a cable at any arc length, for loads, springs, joints and sensors.
+
+    It is a MarkerBodyPosition on a companion, see `CreateCompanionCables`, which is created if needed.
+    At nodes, MarkerNodePosition, MarkerNodeCoordinate and (planar) MarkerNodeRigid work without one, and
+    loads on them keep a run on its fastest path.
+
+    Args:
+        mbs: the system; call mbs.Assemble() afterwards.
+        cable: what CreateInextensibleCable returned, or the number of its object.
+        arcLength: where, 0 to the cable's length [m].
+
+    Returns:
+        marker number.
+
+    Raises:
+        InputError: not a cable, or the point is not on it; mbs is unchanged then.
+
+    Example:
+        mbs.AddLoad(LoadForceVector(markerNumber=MarkerOnCable(mbs, cable, 1.3), loadVector=[0, -2, 0]))
+    """
+    item = _require_item(mbs, _object_number(cable))
+    element, offset = place_on_cable(item, arcLength)
+    body = CreateCompanionCables(mbs, cable)[element]
+    return int(mbs.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=[offset, 0.0, 0.0])))
+
+
+def place_on_cable(item: CableItem, arc_length: Any) -> tuple[int, float]:
+    """Element, and distance from its left node [m], of a point; InputError if it is not on the cable."""
+    lengths = item.cable.element_lengths
+    element, xi = place_on_elements(_on_cable(arc_length, item.cable.length), lengths)
+    return element, xi * float(lengths[element])
+
+
+def _companions_by_nodes(mbs: Any) -> dict[tuple[int, int], int]:
+    found: dict[tuple[int, int], int] = {}
+    for number in range(mbs.systemData.NumberOfObjects()):
+        data = mbs.GetObject(number)
+        if is_inert_cable(data):
+            left, right = map(int, data["nodeNumbers"])
+            found.setdefault((left, right), number)
+    return found
+
+
+def _add_companion(mbs: Any, item: CableItem, nodes: tuple[int, int], length: float, show: bool) -> int:
+    planar = item.cable.dimension == 2
+    element, drawing = (
+        (ObjectANCFCable2D, VObjectANCFCable2D) if planar else (ObjectANCFCable, VObjectANCFCable)
+    )
+    nothing = dict.fromkeys(INERT, 0.0)
+    return int(
+        mbs.AddObject(
+            element(nodeNumbers=list(nodes), length=length, visualization=drawing(show=show), **nothing)
+        )
+    )
+
+
+def warn_of_empty_sensors(mbs: Any) -> None:
+    """Warn of sensors that ask companions, which have no stiffness, for the cable's section forces."""
+    for number in range(mbs.systemData.NumberOfSensors()):
+        sensor = mbs.GetSensor(number)
+        if sensor["sensorType"] != "Body" or sensor["outputVariableType"] not in _SECTION_FORCES:
+            continue
+        if is_inert_cable(mbs.GetObject(sensor["bodyNumber"])):
+            warnings.warn(
+                f"sensor {number} '{sensor['name']}' measures {sensor['outputVariableType']} of object "
+                f"{int(sensor['bodyNumber'])}, a companion without stiffness: it is zero. Use "
+                "CreateCableForceSensor for tension and bending moment; CurvatureLocal works.",
+                stacklevel=3,
+            )
