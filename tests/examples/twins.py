@@ -1,0 +1,120 @@
+"""The same scene with native ANCF cables and the implicit solver."""
+
+import dataclasses
+from functools import partial
+
+import exudyn
+import numpy as np
+from exudyn.itemInterface import (
+    LoadMassProportional,
+    MarkerBodyMass,
+    NodePoint2DSlope1,
+    NodePointSlope1,
+    ObjectANCFCable,
+    ObjectANCFCable2D,
+)
+
+from exudyn_inext import CableShape, SolveExplicit
+from exudyn_inext.exudyn_binding.shape import check_shape
+from reference_models.conventional.settings import Implicit, number_of_steps, simulation_settings
+from reference_models.model import quiet_settings, silence
+from tests.examples.measures import record
+
+
+def stiff(axialStiffness):
+    """What takes the place of CreateInextensibleCable: native elements with that axial stiffness [N]."""
+    return partial(_add_native_cable, axialStiffness)
+
+
+def _add_native_cable(axial, mbs, beamTemplate, gravity=(0, 0, 0), shape=None, dimension=None, **line):
+    checked = check_shape(shape or CableShape.Line(**line))
+    planar = dimension == 2 or (
+        dimension is None and not (checked.q[:, :, 2].any() or checked.v[:, :, 2].any() or gravity[2])
+    )
+    node_type, element = (
+        (NodePoint2DSlope1, ObjectANCFCable2D) if planar else (NodePointSlope1, ObjectANCFCable)
+    )
+    dim = 2 if planar else 3
+    nodes = [
+        mbs.AddNode(
+            node_type(
+                referenceCoordinates=q[:, :dim].ravel().tolist(),
+                initialVelocities=v[:, :dim].ravel().tolist(),
+            )
+        )
+        for q, v in zip(checked.q, checked.v, strict=True)
+    ]
+    elements = []
+    for k, length in enumerate(checked.lengths):
+        elements.append(
+            mbs.AddObject(
+                element(
+                    length=float(length),
+                    massPerLength=beamTemplate.massPerLength,
+                    bendingStiffness=beamTemplate.bendingStiffness,
+                    axialStiffness=axial,
+                    nodeNumbers=nodes[k : k + 2],
+                    useReducedOrderIntegration=2,
+                )
+            )
+        )
+        marker = mbs.AddMarker(MarkerBodyMass(bodyNumber=elements[-1]))
+        mbs.AddLoad(LoadMassProportional(markerNumber=marker, loadVector=list(gravity)))
+    return {"nodes": nodes, "elements": elements}
+
+
+def run_inextensible(example, end_time, step=None, **build):
+    """(scene, history) of an example with its own settings, or another step [s]."""
+    scene, history, mbs, _container = _build(example, build)
+    explicit = dataclasses.replace(example.SETTINGS, stepSize=step or example.SETTINGS.stepSize)
+    settings = quiet_settings(end_time, number_of_steps(explicit.stepSize, end_time))
+    with silence():
+        scene["report"] = SolveExplicit(mbs, settings, explicit)
+    return scene, history.stacked()
+
+
+def run_native(example, end_time, step, axial, refinement=2):
+    """(scene, history) of its twin: axial stiffness [N], how many elements for each one."""
+    elements = refinement * example.ELEMENTS
+    scene, history, mbs, _container = _build(example, {"addCable": stiff(axial), "elements": elements})
+    settings = simulation_settings(
+        Implicit(step, newton="modified", linear_solver="sparse", spectral_radius=0.6), end_time
+    )
+    settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = True
+    with silence():
+        mbs.SolveDynamic(settings)
+    return scene, history.stacked()
+
+
+def _build(example, build):
+    container = exudyn.SystemContainer()
+    mbs = container.AddSystem()
+    scene = example.build(mbs, **build) | {"elements": example.ELEMENTS}
+    return scene, record(mbs, scene), mbs, container
+
+
+def disagreement(inextensible, native):
+    """Largest distance of the twins' points over the largest displacement: nodes of all cables, and bodies.
+
+    inextensible, native: (scene, history); the nodes of the first are among those of the second.
+    """
+    one, other = (_points(*run) for run in (inextensible, native))
+    times, a, b = _at_common_times(inextensible[1].t, native[1].t, one, other)
+    assert len(times) > 50
+    distances = [np.linalg.norm(x - y, axis=-1).max() for x, y in zip(a, b, strict=True)]
+    displacements = [np.linalg.norm(y - y[0], axis=-1).max() for y in b]
+    return float(max(distances) / max(displacements))
+
+
+def _points(scene, history):
+    """Paths (n, k, dim) of all nodes that the coarse cables have, and of all bodies."""
+    paths = []
+    for cable, (q, _) in zip(scene["cables"], history.cables, strict=True):
+        stride = (len(cable["nodes"]) - 1) // scene["elements"]
+        paths.append(q[:, ::stride, 0])
+    return paths + [body.position[:, None] for body in history.bodies]
+
+
+def _at_common_times(t_one, t_other, one, other):
+    times, a, b = np.intersect1d(np.round(t_one, 9), np.round(t_other, 9), return_indices=True)
+    return times, [x[a] for x in one], [x[b] for x in other]
