@@ -18,7 +18,7 @@ def force_and_velocity(history):
 
 
 def test_it_agrees_with_stiff_native_cables_and_implicit_steps(run):
-    assert disagreement(run, run_native(crane, 1.0, step=1e-3, axial=1e7)) < 2e-3
+    assert disagreement(run, run_native(crane, 1.0, step=1e-3, axial=1e7)) < 1e-3
 
 
 def test_the_joints_hold_to_a_micrometre(run):
