@@ -60,7 +60,9 @@ def draw(
         label_axes(scene, f"{plane[0]} [m]", f"{plane[1]} [m]")
         for label, values in curves.items():
             history.plot(times, values, label=label)
-        history.legend(fontsize=8)
+        history.legend(
+            fontsize=8, loc="lower left", bbox_to_anchor=(0, 1), ncols=3, columnspacing=1.0, handlelength=1.2
+        )
         label_axes(history, "time t [s]", quantity)
     return path
 

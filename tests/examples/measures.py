@@ -112,15 +112,20 @@ def spin_momentum(body, inertia):
 
 
 def gaps(run):
-    """Largest distance [m] between the two points of each joint (body, point of it, node), over all steps."""
+    """Largest violation [m] of each joint, knot (two nodes), and rod (anchor, node), over all steps."""
     scene, history = run
     worst = []
-    for body, point, node in scene["joints"]:
+    for body, point, node in scene.get("joints", ()):
         state = history.bodies[scene["bodies"].index(body)]
         on_body = state.position + state.rotation @ np.array(point, dtype=float)
         on_cable = node_path(run, node)
-        worst.append(np.linalg.norm(on_body[:, : on_cable.shape[1]] - on_cable, axis=1).max())
-    return worst
+        worst.append(np.linalg.norm(on_body[:, : on_cable.shape[1]] - on_cable, axis=1))
+    for one, other in scene.get("knots", ()):
+        worst.append(np.linalg.norm(node_path(run, one) - node_path(run, other), axis=1))
+    for anchor, node in scene.get("rods", ()):
+        length = np.linalg.norm(node_path(run, node) - anchor, axis=1)
+        worst.append(np.abs(length - length[0]))
+    return [gap.max() for gap in worst]
 
 
 def node_path(run, node):
