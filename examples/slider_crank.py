@@ -51,7 +51,7 @@ def main():
     settings.timeIntegration.endTime = 1.3
     print(inext.SolveExplicit(mbs, settings, SETTINGS)["path"])
     times, points = paths(mbs, sensors)
-    curves = {"pin, x": points[:, 0, 0], "pin, y": points[:, 0, 1], "slider, y + L": points[:, -1, 1] + LENGTH}
+    curves = {"pin, x": points[:, 0, 0], "pin, y": points[:, 0, 1], "slider, y": points[:, -1, 1] + LENGTH}
     draw("slider_crank", times, [points], "xy", curves, "position [m]")
 
 

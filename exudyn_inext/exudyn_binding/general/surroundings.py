@@ -16,6 +16,8 @@ from .bodies import BodyMasses
 from .coordinates import CoordinateMap
 from .joint_rows import JointRows
 
+_START_OF_STEP = exudyn.ConfigurationType.StartOfStep
+
 
 class NativeSurroundings:
     """What Exudyn knows of a scene: all forces by one call, joints, masses that change.
@@ -41,6 +43,7 @@ class NativeSurroundings:
         self._mbs = mbs
         self._data = mbs.systemData
         self._solver = solver
+        self._settings = exudyn.SimulationSettings()
         self._coordinates = coordinates
         self._dofs = [part.dofs for part in parts]
         self._loads = loads
@@ -95,10 +98,14 @@ class NativeSurroundings:
         return self._rows.terms(self.violations, t, q, v)
 
     def finish_step(self, t: float, q: Array, v: Array) -> None:
-        """Let contact and friction update what they remember, in the state at the end of a step."""
+        """Let contact and friction update what they remember, in the state at the end of a step.
+
+        As Exudyn's explicit solvers do: once a step, and the next step starts from what is remembered.
+        """
         self._set_state(t, q, v)
-        if self._data.DataSize():
-            self._solver.PostNewton(self._mbs)
+        if self._data.DataSize() or self._mbs.NumberOfGeneralContacts():
+            self._solver.PostNewton(self._mbs, self._settings)
+            self._data.SetDataCoordinates(self._data.GetDataCoordinates(), _START_OF_STEP)
 
     def show_reactions(self, multipliers: Array) -> None:
         """Give Exudyn the Lagrange multipliers of the joints, for its sensors.   multipliers: (m,)."""
