@@ -5,12 +5,14 @@ import pytest
 
 from examples import capstan
 from tests.examples.measures import History, gaps, total_energy
-from tests.examples.twins import disagreement, run_inextensible, run_native
+from tests.examples.twins import Twin, disagreement, run_inextensible, run_native
+
+TWIN = Twin(end_time=0.3, step=5e-4, axial=1e6)
 
 
 @pytest.fixture(scope="module")
 def run():
-    return run_inextensible(capstan, 0.3)
+    return run_inextensible(capstan, TWIN.end_time)
 
 
 def tensions(run, start, end):
@@ -30,7 +32,7 @@ def tensions(run, start, end):
 
 
 def test_it_agrees_with_stiff_native_cables_and_implicit_steps(run):
-    assert disagreement(run, run_native(capstan, 0.3, step=5e-4, axial=1e6)) < 1e-2
+    assert disagreement(run, run_native(capstan, TWIN)) < 1e-2
 
 
 def test_the_joints_hold_to_a_micrometre(run):
