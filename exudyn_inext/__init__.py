@@ -4,6 +4,7 @@ from .errors import (
     DivergenceError,
     EnforcementError,
     EquilibriumError,
+    ExplicitTrapWarning,
     InextensibleError,
     InputError,
     RedundantConstraintError,
@@ -12,7 +13,11 @@ from .errors import (
 )
 from .exudyn_binding.cable_forces import CableForces, CreateCableForceSensor
 from .exudyn_binding.cable_item import CreateInextensibleCable
+from .exudyn_binding.enforcement.algebraic import Algebraic
+from .exudyn_binding.enforcement.penalty_mass import PenaltyMass
+from .exudyn_binding.enforcement.projection import Projection
 from .exudyn_binding.ensemble import SolveEnsemble
+from .exudyn_binding.explicit_traps import WarnOfExplicitTraps
 from .exudyn_binding.prescribed_motion import CreatePrescribedMotion
 from .exudyn_binding.settings import ExplicitSettings
 from .exudyn_binding.shape import CableShape
@@ -25,6 +30,7 @@ from .integrators.runge_kutta import RungeKutta4
 from .integrators.zhai import Zhai
 
 __all__ = [
+    "Algebraic",
     "CableForces",
     "CableShape",
     "CreateCableForceSensor",
@@ -35,9 +41,12 @@ __all__ = [
     "EquilibriumError",
     "ExplicitSettings",
     "ExplicitStepper",
+    "ExplicitTrapWarning",
     "InextensibleCable",
     "InextensibleError",
     "InputError",
+    "PenaltyMass",
+    "Projection",
     "Rattle",
     "RedundantConstraintError",
     "RungeKutta4",
@@ -47,5 +56,6 @@ __all__ = [
     "SolveExplicit",
     "StaticSettings",
     "StepSizeError",
+    "WarnOfExplicitTraps",
     "Zhai",
 ]

@@ -23,6 +23,10 @@ class EnforcementError(InextensibleError, RuntimeError):
     """A solver that does not enforce inextensibility evaluates an inextensible cable."""
 
 
+class ExplicitTrapWarning(UserWarning):
+    """A native explicit solver would compute a wrong motion, or none, without saying why."""
+
+
 class RedundantConstraintError(InextensibleError, ArithmeticError):
     """The constraints of a cable are linearly dependent in the present configuration."""
 

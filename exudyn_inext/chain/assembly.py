@@ -43,7 +43,7 @@ def add_element_force(axes, element_force, left, right):
 
 
 @inlined
-def _set_gradient(axes, left_free, right_free, gradient, nodal):
+def set_gradient(axes, left_free, right_free, gradient, nodal):
     """Gradient on (d, s_left, s_right) to (r_left, s_left, r_right, s_right), supports taken out."""
     for i in range(len(axes)):
         nodal[0, i] = -left_free[0] * gradient[0, i]
@@ -151,7 +151,7 @@ def assemble(axes, nodes, elements, q, v, column):
         length_gradient(axes, element.slope_gram, e, result)
         element.constraint[VALUE] = 0.5 * contract(axes, e, result) - element.reference_length
         element.constraint[RATE] = contract(axes, e_t, result)
-        _set_gradient(axes, nodes[k].free, nodes[k + 1].free, result, element.gradient)
+        set_gradient(axes, nodes[k].free, nodes[k + 1].free, result, element.gradient)
 
 
 @inlined

@@ -1,4 +1,8 @@
-"""Bodies: M a = F with a mass matrix of small blocks, some of which change with the configuration."""
+"""Bodies: M a = F with a mass matrix of small blocks, some of which change with the configuration.
+
+A body that turns by Euler parameters p keeps |p| = 1 itself, as a cable keeps its length: its block is
+the solve on that constraint, c = (p . p - 1) / 2.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,6 +12,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from ..arrays import Array
+from ..compiled import inlined, kernel
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .parts import respond
 
@@ -22,37 +27,112 @@ class MassBlock:
     mass: Array
 
 
+@dataclass(frozen=True, eq=False)
+class VariableBlocks:
+    """B blocks of one size whose masses change with the configuration.
+
+    dofs: (B, k).
+    quaternion: (B,) first of the four Euler parameters in the block, or -1.
+    reference: (B, 4) what their coordinates are displacements from.
+    """
+
+    dofs: np.ndarray
+    quaternion: np.ndarray
+    reference: Array
+
+
+class _Stack:
+    """Variable blocks and their solve: Z F + w b has p . a = b.
+
+    normal: (B, k) dc/dq.   inverse: (B, k, k) Z.   lever: (B, k) w.   target: (B,) b.
+    foresight: (B,) what b lacked in the last step of a position-level scheme.
+    """
+
+    def __init__(self, blocks: VariableBlocks) -> None:
+        number, size = blocks.dofs.shape
+        self.blocks = blocks
+        self.normal = np.zeros((number, size))
+        self.inverse = np.zeros((number, size, size))
+        self.lever = np.zeros((number, size))
+        self.target = np.zeros(number)
+        self.foresight = np.zeros(number)
+
+
 class BodiesSystem:
-    """The `system` of all bodies: no constraints of their own, joints are the coupling's.
+    """The `system` of all bodies: joints are the coupling's.
 
     Args:
         size: number of coordinates.
         constant: blocks that never change, inverted once.
-        variable: dofs (B, k) of the blocks, by their size k, that `set_masses` gives at each evaluation.
+        variable: blocks whose masses `set_masses` gives at each evaluation.
+        zeta: stabilisation rate of unit quaternions [1/s].
     """
 
-    def __init__(self, size: int, constant: Sequence[MassBlock], variable: Sequence[np.ndarray] = ()) -> None:
-        self._variable = list(variable)
-        self._inverses = [np.zeros((*dofs.shape, dofs.shape[1])) for dofs in self._variable]
+    def __init__(
+        self,
+        size: int,
+        constant: Sequence[MassBlock],
+        variable: Sequence[VariableBlocks] = (),
+        zeta: float = 0.0,
+    ) -> None:
+        self._stacks = [_Stack(blocks) for blocks in variable]
         self._constant = _inverse_of_blocks(size, constant)
+        self.zeta = zeta
 
-    def set_masses(self, stack: int, masses: Array) -> None:
-        """Masses (B, k, k) of the variable blocks of one size in the present configuration."""
-        self._inverses[stack] = np.asarray(np.linalg.inv(masses), dtype=float)
+    def set_masses(self, stack: int, masses: Array, q: Array) -> None:
+        """Masses (B, k, k), overwritten, of the variable blocks of one size in the configuration q (n,)."""
+        s = self._stacks[stack]
+        _set_normals(s.blocks.dofs, s.blocks.quaternion, s.blocks.reference, q, s.normal)
+        _invert(masses, s.normal, s.inverse, s.lever)
 
-    def accelerations(self, force: Array) -> Array:
-        """M^-1 F.   force: (n,) [N, Nm]."""
+    def solve(self, force: Array) -> Array:
+        """Z F + w b with the targets b that are set.   force: (n,) [N, Nm]."""
         result: Array = self._constant @ force
-        for dofs, inverses in zip(self._variable, self._inverses, strict=True):
-            result[dofs] = (inverses @ force[dofs][:, :, None])[:, :, 0]
+        for s in self._stacks:
+            _apply(s.blocks.dofs, s.inverse, s.lever, s.target, force, result)
         return result
 
     def responses(self, forces: Array) -> Array:
-        """M^-1 F for rows F of forces (rows, n)."""
-        result: Array = (self._constant @ forces.T).T
-        for dofs, inverses in zip(self._variable, self._inverses, strict=True):
-            result[:, dofs] = (inverses @ forces[:, dofs][..., None])[..., 0]
+        """Z F for rows F of forces (rows, n)."""
+        result = np.ascontiguousarray((self._constant @ forces.T).T)
+        for s in self._stacks:
+            s.target[:] = 0.0
+            for force, row in zip(forces, result, strict=True):
+                _apply(s.blocks.dofs, s.inverse, s.lever, s.target, force, row)
         return result
+
+    def levered(self, size: int) -> Array:
+        """w b (n,): what the targets alone ask for."""
+        result = np.zeros(size)
+        for s in self._stacks:
+            _lever(s.blocks.dofs, s.lever, s.target, result)
+        return result
+
+    def forget(self) -> None:
+        """What earlier steps taught does not hold any more."""
+        for s in self._stacks:
+            s.foresight[:] = 0.0
+
+    def aim_at_accelerations(self, v: Array, zeta: float) -> None:
+        """b = -v . v - zeta p . v: Eq. (27) of unit quaternions, and what earlier steps taught."""
+        for s in self._stacks:
+            _aim_at_accelerations(s.blocks.dofs, s.blocks.quaternion, s.normal, v, zeta, s.target)
+            s.target += s.foresight
+
+    def aim_at_velocities(self, v: Array, zeta: float) -> None:
+        """b = -zeta c - p . v leads to the manifold; zeta = 0 to that of the velocities."""
+        for s in self._stacks:
+            _aim_at_velocities(s.blocks.dofs, s.normal, v, zeta, s.target)
+
+    def violation(self, q: Array, learning: float) -> float:
+        """Largest |c|; b = -c, which also teaches the next steps."""
+        worst = 0.0
+        for s in self._stacks:
+            blocks = s.blocks
+            _aim_at_positions(blocks.dofs, blocks.quaternion, blocks.reference, q, s.target)
+            worst = float(np.maximum(worst, np.abs(s.target).max()))  # unlike max, keeps a NaN
+            s.foresight += learning * s.target
+        return worst
 
 
 def _inverse_of_blocks(size: int, blocks: Sequence[MassBlock]) -> Any:
@@ -70,24 +150,159 @@ def _inverse_of_blocks(size: int, blocks: Sequence[MassBlock]) -> Any:
     return csr_array((np.concatenate(entries), places), shape=(size, size))
 
 
+@kernel
+def _aim_at_positions(dofs, quaternion, reference, q, target):
+    """b = -(p . p - 1) / 2."""
+    for b in range(len(dofs)):
+        first, square = quaternion[b], 1.0
+        if first >= 0:
+            square = 0.0
+            for i in range(4):
+                square += (q[dofs[b, first + i]] + reference[b, i]) ** 2
+        target[b] = 0.5 * (1.0 - square)
+
+
+@kernel
+def _set_normals(dofs, quaternion, reference, q, normal):
+    """normal = p in the places of the quaternion, zero elsewhere."""
+    for b in range(len(dofs)):
+        first = quaternion[b]
+        if first >= 0:
+            for i in range(4):
+                normal[b, first + i] = q[dofs[b, first + i]] + reference[b, i]
+
+
+@kernel
+def _invert(masses, normal, inverse, lever):
+    """Z and w of each block.
+
+    With p . a given, a term s p p^T in M changes no acceleration, and makes M regular.
+    """
+    for b in range(len(normal)):
+        _add_normal(masses[b], normal[b])
+        _gauss_jordan(masses[b], inverse[b])
+        _constrain(normal[b], inverse[b], lever[b])
+
+
+@inlined
+def _add_normal(mass, normal):
+    """M += s p p^T, s the mean of M's diagonal."""
+    size, trace = len(normal), 0.0
+    for i in range(size):
+        trace += mass[i, i]
+    for i in range(size):
+        for j in range(size):
+            mass[i, j] += trace / size * normal[i] * normal[j]
+
+
+@inlined
+def _gauss_jordan(matrix, inverse):
+    """Inverse of a positive definite matrix, which becomes the identity."""
+    size = len(matrix)
+    for i in range(size):
+        for j in range(size):
+            inverse[i, j] = 1.0 if i == j else 0.0
+    for p in range(size):
+        pivot = 1.0 / matrix[p, p]
+        for j in range(size):
+            matrix[p, j] *= pivot
+            inverse[p, j] *= pivot
+        for i in range(size):
+            if i != p:
+                multiple = matrix[i, p]
+                for j in range(size):
+                    matrix[i, j] -= multiple * matrix[p, j]
+                    inverse[i, j] -= multiple * inverse[p, j]
+
+
+@inlined
+def _constrain(normal, inverse, lever):
+    """Z = M^-1 - w (p^T M^-1), w = M^-1 p / (p^T M^-1 p), in place of M^-1; nothing without p."""
+    size, share = len(normal), 0.0
+    for i in range(size):
+        lever[i] = 0.0
+        for j in range(size):
+            lever[i] += inverse[i, j] * normal[j]
+        share += normal[i] * lever[i]
+    if share > 0.0:
+        for i in range(size):
+            for j in range(size):
+                inverse[i, j] -= lever[i] * lever[j] / share
+        for i in range(size):
+            lever[i] /= share
+
+
+@kernel
+def _apply(dofs, inverse, lever, target, force, result):
+    """result = Z F + w b in the places of the blocks."""
+    number, size = dofs.shape
+    for b in range(number):
+        for i in range(size):
+            total = lever[b, i] * target[b]
+            for j in range(size):
+                total += inverse[b, i, j] * force[dofs[b, j]]
+            result[dofs[b, i]] = total
+
+
+@kernel
+def _lever(dofs, lever, target, result):
+    """result = w b in the places of the blocks."""
+    number, size = dofs.shape
+    for b in range(number):
+        for i in range(size):
+            result[dofs[b, i]] = lever[b, i] * target[b]
+
+
+@kernel
+def _aim_at_accelerations(dofs, quaternion, normal, v, zeta, target):
+    for b in range(len(dofs)):
+        square, rate = 0.0, 0.0
+        first = quaternion[b]
+        if first >= 0:
+            for i in range(first, first + 4):
+                speed = v[dofs[b, i]]
+                square += speed * speed
+                rate += normal[b, i] * speed
+        target[b] = -square - zeta * rate
+
+
+@kernel
+def _aim_at_velocities(dofs, normal, v, zeta, target):
+    for b in range(len(dofs)):
+        square, rate = 0.0, 0.0
+        for i in range(dofs.shape[1]):
+            square += normal[b, i] * normal[b, i]
+            rate += normal[b, i] * v[dofs[b, i]]
+        value = 0.5 * (square - 1.0) if square > 0.0 else 0.0
+        target[b] = -zeta * value - rate
+
+
 @index_reduced_rates.register(BodiesSystem)
 def bodies_rates(system, external, q, v, acceleration, rate):
     """Arguments: see `index_reduced_rates`."""
-    acceleration[:] = system.accelerations(external)
-    rate[:] = v
+    system.aim_at_accelerations(v, system.zeta)
+    acceleration[:] = system.solve(external)
+    system.aim_at_velocities(v, system.zeta)
+    rate[:] = v + system.levered(len(v))
 
 
 @accelerate_and_project.register(BodiesSystem)
 def accelerate_bodies(system, external, q, v, duration, acceleration, end_velocity):
     """Arguments: see `accelerate_and_project`."""
-    acceleration[:] = system.accelerations(external)
+    system.aim_at_accelerations(v, 0.0)
+    acceleration[:] = system.solve(external)
     end_velocity[:] = v + duration * acceleration
+    system.aim_at_velocities(end_velocity, 0.0)
+    end_velocity += system.levered(len(v))
 
 
 @correct_position.register(BodiesSystem)
 def correct_bodies(system, external, q, tolerance, learning, correction):
-    """Nothing to correct."""
-    return 0.0
+    """Arguments: see `correct_position`."""
+    worst = system.violation(q, learning)
+    if not worst < tolerance:
+        correction[:] = system.levered(len(q))
+    return worst
 
 
 @respond.register(BodiesSystem)

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from ..arrays import Array
+from ..compiled import kernel
 from ..errors import RedundantConstraintError
 from .parts import respond
 
@@ -35,7 +36,6 @@ class JointBlock:
         self.rows = rows
         self.jacobian: Array = np.zeros((len(rows), dofs.stop - dofs.start))
         self.response: Array = np.zeros_like(self.jacobian)
-        self.square = np.ix_(rows, rows)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +56,7 @@ class JointSolve:
     def __init__(self, blocks: Sequence[JointBlock], names: Sequence[str]) -> None:
         self._blocks = blocks
         self._names = names
+        self._schur: Array = np.zeros((len(names), len(names)))
         self._factor: Array = np.zeros((len(names), len(names)))
 
     def factorise(self) -> None:
@@ -64,17 +65,17 @@ class JointSolve:
         Raises:
             RedundantConstraintError: names the first row that depends on others.
         """
-        schur = np.zeros((len(self._names), len(self._names)))
+        self._schur[:] = 0.0
         for block in self._blocks:
             respond(block.system, block.jacobian, block.response)
-            schur[block.square] += block.jacobian @ block.response.T
-        self._factor = _factorise(schur, self._names)
+            _add_product(block.rows, block.jacobian, block.response, self._schur)
+        self._factor = _factorise(self._schur, self._names)
 
     def times_jacobian(self, x: Array) -> Array:
         """J x (m,).   x: (n,)."""
         result = np.zeros(len(self._names))
         for block in self._blocks:
-            result[block.rows] += block.jacobian @ x[block.dofs]
+            _add_times(block.rows, block.jacobian, x[block.dofs], result)
         return result
 
     def joint_force(self, nu: Array, dofs: slice) -> Array:
@@ -82,7 +83,7 @@ class JointSolve:
         force = np.zeros(dofs.stop - dofs.start)
         for block in self._blocks:
             if block.dofs == dofs:
-                force += nu[block.rows] @ block.jacobian
+                _subtract_rows(block.rows, block.jacobian, -nu, force)
         return force
 
     def apply(self, x: Array, target: Array) -> Array:
@@ -90,12 +91,42 @@ class JointSolve:
         nu: Array
         nu, _ = lapack.dpotrs(self._factor, self.times_jacobian(x) - target, lower=1)
         for block in self._blocks:
-            x[block.dofs] -= nu[block.rows] @ block.response
+            _subtract_rows(block.rows, block.response, nu, x[block.dofs])
         return nu
 
 
+@kernel
+def _add_product(rows, jacobian, response, schur):
+    """schur += J R^T in the places `rows`; lower triangle."""
+    for a in range(len(rows)):
+        for b in range(len(rows)):
+            if rows[b] <= rows[a]:
+                total = 0.0
+                for i in range(jacobian.shape[1]):
+                    total += jacobian[a, i] * response[b, i]
+                schur[rows[a], rows[b]] += total
+
+
+@kernel
+def _add_times(rows, jacobian, x, result):
+    """result += J x in the places `rows`."""
+    for a in range(len(rows)):
+        total = 0.0
+        for i in range(len(x)):
+            total += jacobian[a, i] * x[i]
+        result[rows[a]] += total
+
+
+@kernel
+def _subtract_rows(rows, matrix, nu, x):
+    """x -= matrix^T nu, nu at the places `rows`."""
+    for a in range(len(rows)):
+        for i in range(len(x)):
+            x[i] -= matrix[a, i] * nu[rows[a]]
+
+
 def _factorise(schur: Array, names: Sequence[str]) -> Array:
-    """Cholesky factor L of S."""
+    """Cholesky factor L of S, of which the lower triangle is set."""
     factor: Array
     factor, info = lapack.dpotrf(schur, lower=1)
     if info == 0:

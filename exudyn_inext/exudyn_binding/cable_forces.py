@@ -13,7 +13,7 @@ from ..chain.linked_cable import cable_system
 from ..chain.section_forces import SectionForces, SolvedState, multiplier_tension, section_forces
 from ..errors import InputError, SceneError
 from ..system import index_reduced_rates
-from .cable_item import find_cable_item
+from .cable_data import find_cable_item
 from .cable_loads import CableLoads
 from .general.coupled_scene import CoupledCable, CoupledScene
 from .general.surroundings import state_kept, switched_off
@@ -73,8 +73,7 @@ class CableEvaluator:
 
     def _solve_among_others(self) -> tuple[Array, Array, Array]:
         """With all bodies and joints, evaluated by Exudyn; its state is put back."""
-        numbers = [cable.number for cable in self._scene.cables]
-        with switched_off(self._mbs, numbers), state_kept(self._mbs):
+        with switched_off(self._mbs, *self._scene.evaluated_by_kernels), state_kept(self._mbs):
             coupled = self._coupled
             coupled.surroundings.forget()
             q, v = coupled.state()

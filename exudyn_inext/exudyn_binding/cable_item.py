@@ -1,6 +1,5 @@
 """CreateInextensibleCable: a cable as items of an mbs."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,29 +15,14 @@ from exudyn.itemInterface import (
 
 from ..arrays import Array
 from ..chain.cable import Cable
-from ..errors import EnforcementError, InputError
-from .graphics import cable_graphics
+from ..errors import InputError
+from .cable_data import CableItem, carrying_graphics, find_cable_item
+from .enforcement import find_enforcement
+from .enforcement.protocol import Enforcement
 from .shape import CableShape, CheckedShape, _finite, check_shape
 from .template import InextensibleCable
 
-
-@dataclass(frozen=True, eq=False)
-class CableItem:
-    """An inextensible cable in an mbs, as the solver sees it.
-
-    cable: model without supports; these are the constraint objects of the mbs.
-    gravity: (dim,) [m/s^2].
-    nodes: node numbers in the order of the arc length, each once.
-    """
-
-    cable: Cable
-    gravity: Array
-    nodes: tuple[int, ...]
-
-    @property
-    def node_names(self) -> tuple[int, ...]:
-        """(n,) node numbers; the first one of a closed cable comes again at the end."""
-        return (*self.nodes, self.nodes[0]) if self.cable.closed else self.nodes
+__all__ = ["CableItem", "CreateInextensibleCable", "find_cable_item", "supports_of_flags"]
 
 
 def CreateInextensibleCable(
@@ -52,12 +36,13 @@ def CreateInextensibleCable(
     groundConstraintsEnd: list | None = None,
     shape: CableShape | None = None,
     dimension: int | None = None,
+    enforcement: Any = "projection",
 ) -> dict[str, Any]:
     """Add an inextensible ANCF cable to mbs; arguments and result as GenerateBeamElementsAlongLine.
 
     The cable is one ObjectGenericODE2 on NodePoint2DSlope1 (planar) or NodePointSlope1 nodes; markers,
-    loads and sensors attach to its nodes. It moves under `SolveExplicit` only: other solvers, which
-    do not enforce inextensibility, stop with an error.
+    loads and sensors attach to its nodes. It moves under `SolveExplicit`; native solvers, which know
+    nothing of inextensibility, need another `enforcement` than the default and stop with an error else.
 
     Args:
         mbs: the system where the items are added.
@@ -72,10 +57,14 @@ def CreateInextensibleCable(
         shape: CableShape for curved cables and initial velocities, in place of the three arguments
             of the straight cable.
         dimension: 2 or 3; None: 2 if shape, velocities and gravity lie in the x-y plane.
+        enforcement: of inextensibility in native solvers. 'projection': none, SolveExplicit only;
+            'penaltyMass' or PenaltyMass(...): penalties, for native explicit solvers; 'algebraic': exact
+            constraint objects, for native implicit solvers. SolveExplicit takes all of them alike.
 
     Returns:
         dict with 'nodes', 'elements' (the one cable object), 'nodePositions',
-        'constraintObjects', 'loads' (none: gravity belongs to the object).
+        'constraintObjects' (supports, none with 'penaltyMass', then inextensibility with 'algebraic'),
+        'loads' (none: gravity belongs to the object).
 
     Raises:
         InputError: a value outside of its limits; mbs is unchanged then.
@@ -85,6 +74,7 @@ def CreateInextensibleCable(
             beamTemplate=InextensibleCable(massPerLength=0.0348, bendingStiffness=0.0866),
             gravity=[0, -9.81, 0], groundConstraintsStart=[True, True, False, False])
     """
+    way = find_enforcement(enforcement)
     checked = check_shape(_the_shape(positionStart, positionEnd, numberOfElements, shape))
     template = InextensibleCable.from_template(beamTemplate)
     gravity_vector = _finite("gravity", gravity)
@@ -107,14 +97,11 @@ def CreateInextensibleCable(
             "groundConstraintsEnd is given, but a closed cable has no end: use groundConstraintsStart for "
             "its first node."
         )
-    flags = {
-        node: _constraint_flags(name, given, cable.reference[node])
-        for name, node, given in (
-            ("groundConstraintsStart", 0, groundConstraintsStart),
-            ("groundConstraintsEnd", number, groundConstraintsEnd),
-        )
-    }
-    return _add_items(mbs, cable, checked.v[:, :, :dim], gravity_vector[:dim], flags)
+    held = np.zeros(cable.reference.shape, dtype=bool)
+    held[0] = _constraint_flags("groundConstraintsStart", groundConstraintsStart, cable.reference[0])
+    if not checked.closed:
+        held[-1] = _constraint_flags("groundConstraintsEnd", groundConstraintsEnd, cable.reference[-1])
+    return _add_items(mbs, cable, checked.v[:, :, :dim], gravity_vector[:dim], held, way)
 
 
 def _the_shape(start: Any, end: Any, number: Any, shape: CableShape | None) -> CableShape:
@@ -143,10 +130,10 @@ def _dimension(stated: int | None, shape: CheckedShape, gravity: Array) -> int:
     return stated
 
 
-def _constraint_flags(name: str, given: list | None, node: Array) -> list[bool]:
-    """One flag a coordinate; see `supports_of_flags`."""
+def _constraint_flags(name: str, given: list | None, node: Array) -> np.ndarray:
+    """(2, dim) flags of the coordinates; see `supports_of_flags`."""
     if given is None:
-        return [False] * node.size
+        return np.zeros(node.shape, dtype=bool)
     is_list = np.iterable(given) and not isinstance(given, str)
     flags = [bool(flag) for flag in given] if is_list else []
     if len(flags) != node.size:
@@ -154,8 +141,9 @@ def _constraint_flags(name: str, given: list | None, node: Array) -> list[bool]:
             f"{name} = {given!r} has {len(flags)} entries: needs {node.size}, positions and slopes of the "
             f"{node.shape[1]}D node."
         )
-    supports_of_flags(name, np.reshape(flags, node.shape), node)
-    return flags
+    of_node: np.ndarray = np.reshape(flags, node.shape)
+    supports_of_flags(name, of_node, node)
+    return of_node
 
 
 def supports_of_flags(name: str, flags: np.ndarray, node: Array) -> tuple[bool, bool]:
@@ -184,34 +172,8 @@ def supports_of_flags(name: str, flags: np.ndarray, node: Array) -> tuple[bool, 
     return position, slope
 
 
-def _no_enforcement(*_: Any) -> Any:
-    raise EnforcementError(
-        "an inextensible cable was evaluated by a solver that does not enforce inextensibility "
-        "(its axial stiffness is not modelled, the cable would fall apart): use "
-        "exudyn_inext.SolveExplicit(mbs, simulationSettings), or native ANCF cables."
-    )
-
-
-def _refusing_user_function(item: CableItem) -> Any:
-    """User function of force and mass matrix; it also carries the cable's data."""
-
-    def inextensible_cable_user_function(mbs, t, itemNumber, q, q_t):
-        return _no_enforcement()
-
-    inextensible_cable_user_function.cable_item = item  # type: ignore[attr-defined]
-    return inextensible_cable_user_function
-
-
-def find_cable_item(object_data: dict[str, Any]) -> CableItem | None:
-    """The cable behind mbs.GetObject(...) data, or None if the object is something else."""
-    if object_data["objectType"] != "GenericODE2":
-        return None
-    function = object_data["forceUserFunction"]
-    return getattr(function["function"], "cable_item", None) if isinstance(function, dict) else None
-
-
 def _add_items(
-    mbs: Any, cable: Cable, velocities: Array, gravity: Array, flags: dict[int, list[bool]]
+    mbs: Any, cable: Cable, velocities: Array, gravity: Array, held: np.ndarray, way: Enforcement
 ) -> dict[str, Any]:
     node_type = NodePoint2DSlope1 if cable.dimension == 2 else NodePointSlope1
     count = len(cable.reference) - cable.closed
@@ -219,32 +181,32 @@ def _add_items(
         mbs.AddNode(node_type(referenceCoordinates=q.ravel().tolist(), initialVelocities=v.ravel().tolist()))
         for q, v in zip(cable.reference[:count], velocities[:count], strict=True)
     ]
-    item = CableItem(cable, gravity, tuple(map(int, nodes)))
-    user_function = _refusing_user_function(item)
+    held_within = np.zeros_like(held) if way.supports_are_objects else held
+    item = CableItem(cable, gravity, tuple(map(int, nodes)), way.name, held_within)
     element = mbs.AddObject(
         ObjectGenericODE2(
             nodeNumbers=nodes,
-            forceUserFunction=user_function,
-            massMatrixUserFunction=user_function,
-            visualization=VObjectGenericODE2(graphicsDataUserFunction=cable_graphics(cable, item.node_names)),
+            visualization=VObjectGenericODE2(graphicsDataUserFunction=carrying_graphics(item)),
+            **way.object_parameters(item),
         )
     )
+    constraints = _add_ground_constraints(mbs, nodes, held) if way.supports_are_objects else []
     return {
         "nodes": nodes,
         "elements": [element],
         "nodePositions": [[*q[0].tolist(), 0.0][:3] for q in cable.reference[:count]],
-        "constraintObjects": _add_ground_constraints(mbs, nodes, flags),
+        "constraintObjects": constraints + way.add_constraints(mbs, element, item, held),
         "loads": [],
     }
 
 
-def _add_ground_constraints(mbs: Any, nodes: list[int], flags: dict[int, list[bool]]) -> list[int]:
-    if not any(any(held) for held in flags.values()):
+def _add_ground_constraints(mbs: Any, nodes: list[int], held: np.ndarray) -> list[int]:
+    if not held.any():
         return []
     ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
     constraints = []
-    for node, held in flags.items():
-        for coordinate in np.flatnonzero(held).tolist():
-            marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=nodes[node], coordinate=coordinate))
+    for k in (0, -1):
+        for coordinate in np.flatnonzero(held[k]).tolist():
+            marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=nodes[k], coordinate=coordinate))
             constraints.append(mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, marker])))
     return constraints

@@ -50,9 +50,14 @@ class CableRun:
     indices: (n_dof,) places of the coordinates in the system vector.
     reference: (n_dof,) what separates total coordinates from Exudyn's displacements.
     loads: external force and motions.
-    looks_ahead: whether several steps of the time loop can be computed at once.
+    looks_ahead: whether several steps of the time loop can be computed at once.   reason: why not.
     start_correction: how far the initial state was from its constraints.
     """
+
+    reason = (
+        "user functions of loads or moving supports may depend on more than the time (if they do not, set "
+        "function.dependsOnTimeOnly = True)"
+    )
 
     def __init__(
         self,

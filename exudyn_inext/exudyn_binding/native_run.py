@@ -70,6 +70,7 @@ class NativeRun:
 
     name = "native items"
     looks_ahead = False
+    reason = "Exudyn evaluates all forces, once for each evaluation"
     cables: ClassVar[list[Cable]] = []
     start_corrections: ClassVar[list[StartCorrection]] = []
 

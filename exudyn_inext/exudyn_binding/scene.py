@@ -11,7 +11,9 @@ from ..chain.cable import Cable
 from ..chain.link import Link, rest
 from ..constraints.prescribed_motion import prescribed
 from ..errors import SceneError
-from .cable_item import CableItem, find_cable_item, supports_of_flags
+from .cable_data import CableItem, find_cable_item
+from .cable_item import supports_of_flags
+from .enforcement.algebraic import belongs_to_a_cable
 from .link_items import MovingCoordinate, Rod, links_of_motions, read_moving_coordinate, read_rod
 from .load_items import NodalLoad, read_load
 
@@ -45,21 +47,33 @@ class Scene:
 
     foreign: what does not belong to the cables alone: bodies, connectors, joints, other loads.
     own_constraints: numbers of the objects that are supports and links of the cables.
+    enforcing: of those by which the cables keep their length under other solvers.
     """
 
     cables: list[CableInScene]
     foreign: list[str]
     own_constraints: frozenset[int]
+    enforcing: list[int]
+
+    @property
+    def evaluated_by_kernels(self) -> tuple[list[int], list[int]]:
+        """Cables and constraints that Exudyn must not evaluate beside the kernels; see `switched_off`."""
+        return [cable.number for cable in self.cables], self.enforcing
 
 
 @dataclass(eq=False)
 class Contents:
-    """The objects of an mbs by number, sorted.   others: descriptions for messages."""
+    """The objects of an mbs by number, sorted.
+
+    enforcing: constraints by which cables keep their length under other solvers.
+    others: descriptions for messages.
+    """
 
     items: dict[int, CableItem] = field(default_factory=dict)
     held: dict[int, "HeldCoordinate"] = field(default_factory=dict)
     moving: dict[int, MovingCoordinate] = field(default_factory=dict)
     rods: dict[int, Rod] = field(default_factory=dict)
+    enforcing: list[int] = field(default_factory=list)
     others: list[str] = field(default_factory=list)
 
 
@@ -89,7 +103,8 @@ def read_scene(mbs: Any) -> Scene:
     return Scene(
         cables=[_cable_in_scene(mbs, number, contents, loads) for number in contents.items],
         foreign=foreign,
-        own_constraints=frozenset([*contents.held, *contents.moving, *contents.rods]),
+        own_constraints=frozenset([*contents.held, *contents.moving, *contents.rods, *contents.enforcing]),
+        enforcing=contents.enforcing,
     )
 
 
@@ -125,6 +140,8 @@ def _contents(mbs: Any) -> Contents:
             contents.moving[number] = moving
         elif (rod := read_rod(mbs, data)) is not None:
             contents.rods[number] = rod
+        elif belongs_to_a_cable(data):
+            contents.enforcing.append(number)
         elif data["objectType"] not in _HARMLESS:
             contents.others.append(_described(data, number))
     return contents
@@ -220,14 +237,14 @@ def _cable_in_scene(mbs: Any, number: int, contents: Contents, loads: list[Nodal
 def _supports(item: CableItem, held: list[HeldCoordinate], name: str) -> tuple[np.ndarray, list[Link]]:
     """(n, 2) held nodes, and links where only some coordinates of a position are held."""
     reference = item.cable.reference
-    flags = np.zeros(reference.shape, dtype=bool)
+    flags = item.held.copy()
     for constraint in held:
         flags[item.nodes.index(constraint.node)].flat[constraint.coordinate] = True
     if item.cable.closed:
         flags[-1] = flags[0]
     fixed = np.zeros(flags.shape[:2], dtype=bool)
     links: list[Link] = []
-    for k in np.unique([item.nodes.index(constraint.node) for constraint in held]).tolist():
+    for k in np.flatnonzero(flags[: len(item.nodes)].any(axis=(1, 2))).tolist():
         node = item.nodes[k]
         fixed[k] = supports_of_flags(f"node {node} of cable '{name}'", flags[k], reference[k])
         if not fixed[k, 0]:

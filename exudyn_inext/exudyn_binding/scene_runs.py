@@ -48,5 +48,11 @@ def runs_of_scene(
             zeta=explicit.stabilizationRate,
             tolerance=explicit.startTolerance,
             time=time,
+            why=_shortened(scene.foreign),
         )
     ]
+
+
+def _shortened(items: Sequence[str], most: int = 3) -> str:
+    rest = f" and {len(items) - most} more" if len(items) > most else ""
+    return ", ".join(items[:most]) + rest if items else "bodies or joints"

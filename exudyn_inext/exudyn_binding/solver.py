@@ -1,14 +1,14 @@
 """SolveExplicit: an explicit integrator inside Exudyn's own time loop."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from typing import Any
 
 import exudyn
 
 from ..errors import SceneError
 from .explicit_runs import scheme_of, step_bounds, wanted_step
-from .general.surroundings import switched_off
+from .general.surroundings import state_kept, switched_off
 from .observed import observed_derivatives
 from .scene import read_scene, require_assembled
 from .scene_runs import needs_coupling, runs_of_scene
@@ -59,13 +59,15 @@ def SolveExplicit(
     solver = exudyn.MainSolverImplicitSecondOrder()
     scene = read_scene(mbs)
     start = float(settings.timeIntegration.startTime)
-    cables = [cable.number for cable in scene.cables] if needs_coupling(mbs, scene) else []
-    with switched_off(mbs, cables):
-        runs = runs_of_scene(mbs, scene, solver, start, _scaling_step(mbs, settings, explicit), explicit)
-        bounds = step_bounds(runs, start, explicit)
-        wanted, decided_by = wanted_step(bounds, explicit)
-        grid = time_grid(mbs, settings, wanted)
-        loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, observed_derivatives(mbs, settings))
+    coupled = needs_coupling(mbs, scene)
+    with switched_off(mbs, *scene.evaluated_by_kernels) if coupled else nullcontext():
+        with state_kept(mbs) if coupled else nullcontext():
+            runs = runs_of_scene(mbs, scene, solver, start, _scaling_step(mbs, settings, explicit), explicit)
+            bounds = step_bounds(runs, start, explicit)
+            wanted, decided_by = wanted_step(bounds, explicit)
+            grid = time_grid(mbs, settings, wanted)
+            observed = observed_derivatives(mbs, settings)
+            loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, observed)
         _run(mbs, solver, settings, loop)
     return {
         "success": True,

@@ -26,6 +26,9 @@ class Run(Protocol):
     looks_ahead: bool
 
     @property
+    def reason(self) -> str: ...
+
+    @property
     def cables(self) -> Sequence[Cable]: ...
 
     @property
@@ -79,10 +82,9 @@ class ExplicitTimeLoop:
         """Which way the steps are computed, and why."""
         names = ", ".join(run.name for run in self.runs)
         if self._is_watched:
-            return (
-                f"{names}: one call for each of Exudyn's steps, because user functions or native items "
-                "are evaluated in between"
-            )
+            reasons = [run.reason for run in self.runs if not run.looks_ahead]
+            reasons = list(dict.fromkeys(reasons)) or ["pre- or post-step user functions may look at it"]
+            return f"{names}: one call for each of Exudyn's steps, because {'; '.join(reasons)}"
         ahead = self._intervals(self.grid.loop_steps)
         return f"{names}: {ahead} of Exudyn's steps in one compiled call, because all loads are known"
 

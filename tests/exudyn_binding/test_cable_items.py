@@ -7,6 +7,7 @@ from exudyn.beams import GenerateBeamElementsAlongLine
 from exudyn.itemInterface import ObjectANCFCable, ObjectANCFCable2D
 
 from exudyn_inext import CableShape
+from exudyn_inext.exudyn_binding.cable_item import find_cable_item
 from exudyn_inext.exudyn_binding.shape import check_shape
 
 NATIVE = {"massPerLength": 2.0, "bendingStiffness": 3.0, "axialStiffness": 4.0}
@@ -15,7 +16,7 @@ PIN = {2: [True, True, False, False], 3: [True] * 3 + [False] * 3}
 
 def item(mbs, cable):
     """The CableItem behind the created object."""
-    return mbs.GetObject(cable["elements"][0])["forceUserFunction"]["function"].cable_item
+    return find_cable_item(mbs.GetObject(cable["elements"][0]))
 
 
 def arc(elements, angle=2.0, radius=1.5):

@@ -3,11 +3,7 @@
 import dataclasses
 
 import numpy as np
-import pytest
-from exudyn.itemInterface import ObjectRigidBody2D
-from exudyn.utilities import InertiaCuboid, NodeRigidBody2D
 
-from exudyn_inext import SceneError
 from reference_models.conventional.cases import native_case
 from reference_models.conventional.settings import Explicit
 from reference_models.conventional.zhai import zhai_case
@@ -33,21 +29,3 @@ def test_a_native_mass_point_falls(mbs, add_sensor, solve):
     np.testing.assert_allclose(
         mbs.GetSensorStoredData(sensor)[-1, 1:], [0, -0.5 * 9.81 * 0.2**2, 0], atol=1e-10
     )
-
-
-def spatial_body(mbs):
-    mbs.CreateRigidBody(inertia=InertiaCuboid(1000, [0.1] * 3), referencePosition=[3, 0, 0])
-
-
-def planar_body(mbs):
-    mbs.AddObject(ObjectRigidBody2D(mass=1, inertia=1, nodeNumber=mbs.AddNode(NodeRigidBody2D())))
-
-
-@pytest.mark.parametrize(("add", "name"), [(spatial_body, "RigidBody"), (planar_body, "RigidBody2D")])
-def test_a_body_that_rotates_is_not_supported_and_named(mbs, solve, contents, add, name):
-    add(mbs)
-    mbs.Assemble()
-    before = contents(mbs)
-    with pytest.raises(SceneError, match=rf"not supported yet: object 0 .*\({name}\)"):
-        solve(mbs)
-    assert contents(mbs) == before

@@ -11,7 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from ...arrays import Array
-from ...coupling.bodies import BodiesSystem, MassBlock
+from ...coupling.bodies import BodiesSystem, MassBlock, VariableBlocks
 from ...errors import SceneError
 
 _MASS = exudyn.ComputeItemType.MassMatrix
@@ -47,14 +47,12 @@ class Body:
 
 @dataclass(frozen=True, eq=False)
 class Quaternion:
-    """Euler parameters of a node.   node: number.   coordinates: (4,) places.   row: of its constraint.
+    """Euler parameters of a node.
 
-    reference: (4,) what Exudyn's coordinates are displacements from.
+    coordinates: (4,) places.   reference: (4,) what Exudyn's coordinates are displacements from.
     """
 
-    node: int
     coordinates: np.ndarray
-    row: int
     reference: Array
 
 
@@ -124,37 +122,29 @@ def read_quaternions(mbs: Any) -> list[Quaternion]:
             )
         if data["nodeType"] == "RigidBodyEP":
             coordinates = np.array(mbs.systemData.GetNodeLTGODE2(number)[3:7])
-            (row,) = mbs.systemData.GetNodeLTGAE(number)
             reference = np.array(data["referenceCoordinates"][3:7], dtype=float)
-            found.append(Quaternion(number, coordinates, int(row), reference))
+            found.append(Quaternion(coordinates, reference))
     return found
 
 
 @dataclass(frozen=True, eq=False)
 class _Stack:
-    """Groups of bodies of variable mass with equally many coordinates.
+    """Groups of bodies of variable mass with equally many coordinates, and their places in the groups."""
 
-    dofs: (B, k) of the groups.   bodies: of each group, with their places in it.
-    quaternions: (group, places (4,), dofs (4,), reference (4,)).
-    """
-
-    dofs: np.ndarray
+    blocks: VariableBlocks
     bodies: list[list[tuple[Body, Any]]]
-    quaternions: list[tuple[int, np.ndarray, np.ndarray, Array]]
 
 
 class BodyMasses:
     """Mass of the bodies: constant blocks are inverted once, the others at each configuration.
 
-    A quaternion adds s C^T C, C its constraint's Jacobian, which makes its mass regular and, with
-    the constraint enforced, changes no acceleration.
-
     coordinates: (n,) places of the bodies' coordinates in the system vector.   system: M a = F.
     """
 
     def __init__(
-        self, mbs: Any, solver: Any, bodies: Sequence[Body], quaternions: Sequence[Quaternion], total: Array
+        self, mbs: Any, solver: Any, bodies: Sequence[Body], quaternions: Sequence[Quaternion], zeta: float
     ) -> None:
+        total = system_mass(mbs, solver)
         self._mbs = mbs
         self._solver = solver
         self.coordinates = np.unique(np.concatenate([np.zeros(0, int), *(b.coordinates for b in bodies)]))
@@ -165,19 +155,19 @@ class BodyMasses:
         sizes = sorted({len(self._dofs_of(group)) for group in variable})
         self._stacks = [self._stack(size, variable, quaternions) for size in sizes]
         blocks = [MassBlock(dofs, self._part_of(total, dofs)) for dofs in map(self._dofs_of, constant)]
-        stacked = [stack.dofs for stack in self._stacks]
-        self.system = BodiesSystem(len(self.coordinates), blocks, stacked)
+        variables = [stack.blocks for stack in self._stacks]
+        self.system = BodiesSystem(len(self.coordinates), blocks, variables, zeta)
+
+    @property
+    def number_of_variable(self) -> int:
+        return sum(len(bodies) for stack in self._stacks for bodies in stack.bodies)
 
     def update(self, q: Array) -> None:
         """Masses of the current configuration of mbs, which is q (n,)."""
         total = system_mass(self._mbs, self._solver) if self._needs_total else None
         for number, stack in enumerate(self._stacks):
-            masses = self._masses(stack) if total is None else self._part_of(total, stack.dofs)
-            for group, places, dofs, reference in stack.quaternions:
-                normal = q[dofs] + reference
-                block = masses[group, places[0] : places[0] + 4, places[0] : places[0] + 4]
-                block += 0.25 * np.trace(block) * np.outer(normal, normal)
-            self.system.set_masses(number, masses)
+            masses = self._masses(stack) if total is None else self._part_of(total, stack.blocks.dofs)
+            self.system.set_masses(number, masses, q)
 
     def _local(self, coordinates: np.ndarray) -> np.ndarray:
         return np.searchsorted(self.coordinates, coordinates)
@@ -204,12 +194,13 @@ class BodyMasses:
             [(body, self._places(own, body.coordinates)) for body in group]
             for group, own in zip(groups, dofs, strict=True)
         ]
-        found = []
+        first, reference = np.full(len(groups), -1), np.zeros((len(groups), 4))
         for quaternion in quaternions:
             own = self._local(quaternion.coordinates)
             for group in np.flatnonzero((dofs == own[0]).any(axis=1)).tolist():
-                found.append((group, np.searchsorted(dofs[group], own), own, quaternion.reference))
-        return _Stack(dofs, bodies, found)
+                first[group] = np.searchsorted(dofs[group], own[0])
+                reference[group] = quaternion.reference
+        return _Stack(VariableBlocks(dofs, first, reference), bodies)
 
     def _places(self, dofs: np.ndarray, coordinates: np.ndarray) -> Any:
         """Places of a body in the block with these dofs; all of it, if the body is alone there."""
@@ -218,7 +209,8 @@ class BodyMasses:
 
     def _masses(self, stack: _Stack) -> Array:
         """(B, k, k)."""
-        masses: Array = np.zeros((*stack.dofs.shape, stack.dofs.shape[1]))
+        number, size = stack.blocks.dofs.shape
+        masses: Array = np.zeros((number, size, size))
         for mass, bodies in zip(masses, stack.bodies, strict=True):
             for body, places in bodies:
                 mass[places] += body.mass(self._mbs)

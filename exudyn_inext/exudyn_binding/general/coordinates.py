@@ -70,6 +70,10 @@ class CoordinateMap:
             found.append((int(part), own, at[own] - self.slices[part].start))
         return found
 
+    def place(self, coordinate: int) -> int:
+        """Of a system coordinate in the vectors of all parts."""
+        return int(self._first[coordinate])
+
     def missing(self) -> np.ndarray:
         """System coordinates that lie in no part."""
         return np.flatnonzero(self._first < 0)

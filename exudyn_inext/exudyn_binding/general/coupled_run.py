@@ -22,7 +22,7 @@ from .start import consistent_start
 class CoupledRun:
     """All of a scene, see `time_loop.Run`.
 
-    cables: models of the inextensible cables.   start_corrections: one for each of them.
+    cables: models of the inextensible cables.   start_corrections: one for each of them, and for joints.
     """
 
     looks_ahead = False
@@ -36,8 +36,10 @@ class CoupledRun:
         zeta: float,
         tolerance: float,
         time: float,
+        why: str,
     ) -> None:
         self._runs = cable_runs
+        self._why = why
         self._integrator = integrator
         self._time = time
         cables = [
@@ -78,6 +80,15 @@ class CoupledRun:
         """w_max [rad/s] of small vibrations about the present configuration, joints included."""
         return self._rates.frequency
 
+    @property
+    def reason(self) -> str:
+        """What an evaluation needs."""
+        joints, bodies = len(self._scene.joints), self._scene.bodies_of_variable_mass
+        needs = ["one right-hand side of Exudyn"]
+        needs += [f"the mass of {bodies} bodies"] if bodies else ["no mass (all constant, inverted once)"]
+        needs += [f"the Jacobians of {joints} joints"] if joints else ["no Jacobian (no joints)"]
+        return f"each evaluation takes {', '.join(needs)}, as mbs contains {self._why}"
+
     def damping_ratio(self, frequency: float) -> float:
         """Strongest damping [1/s], as a share of that frequency."""
         ratio = self._rates.damping / frequency if frequency > 0.0 else 0.0
@@ -85,7 +96,7 @@ class CoupledRun:
 
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; see `CableRun.start`."""
-        self._scene.system.foresight[:] = 0.0
+        self._scene.forget()
         for run in self._runs:
             run.forget()
         begin = _plain(self._integrator.start)
@@ -114,7 +125,8 @@ class CoupledRun:
                     return
             history[interval] = row[0, :, :number]
             history[interval, 0] -= self.reference
-        self._scene.surroundings.show_reactions(self._scene.system.multipliers)
+        end = grid.time(first + len(history))
+        self._scene.surroundings.show(end, self.state.q, self.state.v, self._scene.system.multipliers)
 
     def is_credible(self, history: Array) -> np.ndarray:
         """(intervals,) whether all is finite and the cables' slopes are those of inextensible ones."""

@@ -56,11 +56,10 @@ class CoupledScene:
         self._mbs = mbs
         self._cables = cables
         solver = evaluator(mbs)
-        total = system_mass(mbs, solver)
         on_cables = np.concatenate([np.zeros(0, int), *(cable.indices for cable in cables)])
-        bodies = read_bodies(mbs, [cable.number for cable in cables], on_cables, total)
+        bodies = read_bodies(mbs, [cable.number for cable in cables], on_cables, system_mass(mbs, solver))
         quaternions = read_quaternions(mbs)
-        masses = BodyMasses(mbs, solver, bodies, quaternions, total)
+        self._masses = masses = BodyMasses(mbs, solver, bodies, quaternions, zeta)
         places = [PartCoordinates(cable.indices, cable.reference) for cable in cables]
         places.append(PartCoordinates(masses.coordinates, np.zeros(len(masses.coordinates))))
         self.map = CoordinateMap(mbs.systemData.ODE2Size(), places)
@@ -78,6 +77,16 @@ class CoupledScene:
     def size(self) -> int:
         """Number of coordinates of all parts."""
         return self.system.parts[-1].dofs.stop
+
+    @property
+    def bodies_of_variable_mass(self) -> int:
+        """How many bodies Exudyn is asked for their mass at each evaluation."""
+        return self._masses.number_of_variable
+
+    def forget(self) -> None:
+        """What earlier steps taught the joints and quaternions does not hold any more."""
+        self.system.foresight[:] = 0.0
+        self._masses.system.forget()
 
     @property
     def has_bodies(self) -> bool:

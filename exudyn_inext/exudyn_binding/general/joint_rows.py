@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Array
+from ...compiled import kernel
 from ...coupling.coupled_system import Part
 from ...coupling.joints import JointBlock, JointTerms
 from .bodies import Quaternion
@@ -29,40 +30,25 @@ class JointRows:
         parts: Sequence[Part],
         coordinates: CoordinateMap,
     ) -> None:
-        self.names = [f"{j.name}, equation {k}," for j in joints for k in j.active]
-        self.names += [f"the unit quaternion of node {quaternion.node}" for quaternion in quaternions]
-        of_joints = [joint.rows for joint in joints]
-        of_nodes = [np.array([quaternion.row]) for quaternion in quaternions]
-        self._equations = np.concatenate([np.zeros(0, int), *of_joints, *of_nodes])
+        self.names = [f"{joint.name}, equation {k}," for joint in joints for k in joint.active]
         self.follows_time = any(joint.follows_time for joint in joints)
-        ends = np.cumsum([0, *(len(rows) for rows in [*of_joints, *of_nodes])])
-        own = [np.arange(a, b) for a, b in pairwise(ends)]
-        touched = [joint.coordinates for joint in joints] + [q.coordinates for q in quaternions]
-        places = [coordinates.places(c) for c in touched]
-        self.blocks: list[JointBlock] = []
-        position: dict[int, tuple[JointBlock, np.ndarray]] = {}
-        for number, part in enumerate(parts):
-            rows = [own[k] for k, met in enumerate(places) if any(p == number for p, _, _ in met)]
-            if rows:
-                everything = np.concatenate(rows)
-                block = JointBlock(part.system, part.dofs, everything)
-                self.blocks.append(block)
-                position[number] = (block, everything)
+        self._joints = joints
+        self._equations = np.concatenate([np.zeros(0, int), *(joint.rows for joint in joints)])
+        ends = np.cumsum([0, *(len(joint.rows) for joint in joints)])
+        rows = [np.arange(a, b) for a, b in pairwise(ends)]
+        places = [coordinates.places(joint.coordinates) for joint in joints]
+        of_parts = {number: _block(part, number, rows, places) for number, part in enumerate(parts)}
+        self.blocks = [block for block in of_parts.values() if len(block.rows)]
         self._targets = [
             [
-                (position[part][0].jacobian, np.ix_(np.searchsorted(position[part][1], own[k]), at), columns)
+                (of_parts[part].jacobian, np.ix_(np.searchsorted(of_parts[part].rows, own), at), columns)
                 for part, columns, at in met
             ]
-            for k, met in enumerate(places)
+            for own, met in zip(rows, places, strict=True)
         ]
-        self._joints = joints
-        self._quaternions = [
-            (
-                np.array([np.flatnonzero(coordinates.indices == c)[0] for c in quaternion.coordinates]),
-                quaternion,
-            )
-            for quaternion in quaternions
-        ]
+        of_nodes = [[coordinates.place(c) for c in q.coordinates] for q in quaternions]
+        self._quaternions = np.array(of_nodes, dtype=int).reshape(-1, 4)
+        self._references = np.array([q.reference for q in quaternions], dtype=float).reshape(-1, 4)
 
     @property
     def number(self) -> int:
@@ -80,16 +66,10 @@ class JointRows:
 
     def update_jacobian(self, mbs: Any, q: Array) -> None:
         """`blocks` in the current configuration of mbs, which is q (n,)."""
-        for joint, targets in zip(self._joints, self._targets, strict=False):
+        for joint, targets in zip(self._joints, self._targets, strict=True):
             jacobian = joint.jacobian(mbs)
             for block, places, columns in targets:
                 block[places] = jacobian[:, columns]
-        for (at, quaternion), targets in zip(
-            self._quaternions, self._targets[len(self._joints) :], strict=True
-        ):
-            normal = 2.0 * (q[at] + quaternion.reference)
-            for block, places, columns in targets:
-                block[places] = normal[columns]
 
     def _moved(self, q: Array, v: Array, duration: float) -> Array:
         """q + duration v, on curves that keep the norm of quaternions.
@@ -97,10 +77,7 @@ class JointRows:
         Exudyn's Jacobians are those of rotations: they do not see a change of that norm.
         """
         moved = q + duration * v
-        for at, quaternion in self._quaternions:
-            norm = np.linalg.norm(q[at] + quaternion.reference)
-            p = moved[at] + quaternion.reference
-            moved[at] = p * (norm / np.linalg.norm(p)) - quaternion.reference
+        _keep_norms(self._quaternions, self._references, q, moved)
         return moved
 
     def terms(self, value_at: Callable[[float, Array], Array], t: float, q: Array, v: Array) -> JointTerms:
@@ -115,10 +92,28 @@ class JointRows:
         step = STEP / max(1.0, float(np.abs(v).max()))
         after, before = (value_at(t + s, self._moved(q, v, s)) for s in (step, -step))
         gamma = (2.0 * value - after - before) / step**2
-        gamma[len(self.names) - len(self._quaternions) :] = [
-            -2.0 * np.dot(v[at], v[at]) for at, _ in self._quaternions
-        ]
         drift = np.zeros(self.number)
         if self.follows_time:
             drift = (value_at(t + STEP, q) - value_at(t - STEP, q)) / (2.0 * STEP)
         return JointTerms(value, drift, gamma)
+
+
+def _block(part: Part, number: int, rows: Sequence[np.ndarray], places: Sequence[Any]) -> JointBlock:
+    """Rows of the joints that meet part `number`; places: of each joint, see `CoordinateMap.places`."""
+    own = [r for r, met in zip(rows, places, strict=True) if any(place[0] == number for place in met)]
+    return JointBlock(part.system, part.dofs, np.concatenate([np.zeros(0, int), *own]))
+
+
+@kernel
+def _keep_norms(quaternions, references, q, moved):
+    """Scale the quaternions of `moved` to their norms in `q`.   quaternions: (Q, 4) places."""
+    for k in range(len(quaternions)):
+        before, after = 0.0, 0.0
+        for i in range(4):
+            at = quaternions[k, i]
+            before += (q[at] + references[k, i]) ** 2
+            after += (moved[at] + references[k, i]) ** 2
+        scale = np.sqrt(before / after)
+        for i in range(4):
+            at = quaternions[k, i]
+            moved[at] = scale * (moved[at] + references[k, i]) - references[k, i]

@@ -8,6 +8,7 @@ import exudyn
 import numpy as np
 
 from ...arrays import Array
+from ...compiled import kernel
 from ...coupling.coupled_system import Part
 from ...coupling.joints import JointBlock, JointTerms
 from ...errors import DivergenceError
@@ -51,12 +52,13 @@ class NativeSurroundings:
         self._rows = rows
         self._sizes = self._data.ODE2Size(), self._data.ODE1Size()
         self._bodies = self._dofs[len(loads)]
-        self._values: Array | None = None  # of all joints, if they are known at these positions
+        self._positions = np.zeros(self._dofs[-1].stop)  # that mbs has at the time self._time
+        self._values: Array | None = None  # of all joints, if they are known there
         self.forget()
 
     def forget(self) -> None:
         """Somebody else may have set the state of mbs."""
-        self._positions: tuple[float, Array] = (np.nan, np.zeros(0))  # that mbs has at present
+        self._time = np.nan
 
     def forces(self, t: float, q: Array, v: Array) -> Sequence[Array]:
         """Gravity and motions of the cables, and all that Exudyn's items do to the parts."""
@@ -102,21 +104,24 @@ class NativeSurroundings:
 
         As Exudyn's explicit solvers do: once a step, and the next step starts from what is remembered.
         """
-        self._set_state(t, q, v)
         if self._data.DataSize() or self._mbs.NumberOfGeneralContacts():
+            self._set_state(t, q, v)
             self._solver.PostNewton(self._mbs, self._settings)
             self._data.SetDataCoordinates(self._data.GetDataCoordinates(), _START_OF_STEP)
 
-    def show_reactions(self, multipliers: Array) -> None:
-        """Give Exudyn the Lagrange multipliers of the joints, for its sensors.   multipliers: (m,)."""
+    def show(self, t: float, q: Array, v: Array, multipliers: Array) -> None:
+        """Leave the state at t in mbs, with the Lagrange multipliers (m,) of the joints for its sensors."""
+        self._set_state(t, q, v)
         self._data.SetAECoordinates(self._rows.equations(multipliers, self._data.AEsize()))
 
     def _set_positions(self, t: float, q: Array) -> None:
-        if self._positions[0] == t and np.array_equal(self._positions[1], q):
+        same, finite = _compare(q, self._positions)
+        if same and self._time == t:
             return
-        if not np.isfinite(q).all():
+        if not finite:
             raise DivergenceError("the coordinates are not finite: reduce stepSize.")
-        self._positions, self._values = (t, q.copy()), None
+        self._time, self._values = t, None
+        self._positions[:] = q
         self._data.SetTime(t)
         self._data.SetODE2Coordinates(self._coordinates.displacements(q[: len(self._coordinates.indices)]))
 
@@ -142,6 +147,16 @@ def evaluator(mbs: Any) -> Any:
     return solver
 
 
+@kernel
+def _compare(x, y):
+    """Whether x = y, and whether x is finite.   x, y: (n,)."""
+    same, finite = True, True
+    for i in range(len(x)):
+        same = same and x[i] == y[i]
+        finite = finite and np.isfinite(x[i])
+    return same, finite
+
+
 @contextmanager
 def state_kept(mbs: Any) -> Iterator[None]:
     """The current state of mbs is afterwards what it was before."""
@@ -155,11 +170,11 @@ def state_kept(mbs: Any) -> Iterator[None]:
 
 
 @contextmanager
-def switched_off(mbs: Any, cables: Sequence[int]) -> Iterator[None]:
-    """Exudyn evaluates no force and no mass of these objects: their own kernels do.
+def switched_off(mbs: Any, cables: Sequence[int], constraints: Sequence[int] = ()) -> Iterator[None]:
+    """Exudyn evaluates no force, mass or constraint of these objects: their own kernels do.
 
     Args:
-        mbs: the system.   cables: numbers of ObjectGenericODE2.
+        mbs: the system.   cables: numbers of ObjectGenericODE2.   constraints: numbers of constraints.
     """
     nothing = {
         "forceUserFunction": 0,
@@ -170,21 +185,20 @@ def switched_off(mbs: Any, cables: Sequence[int]) -> Iterator[None]:
         "dampingMatrix": np.zeros((0, 0)),
         "forceVector": [],
     }
-    saved = {number: mbs.GetObject(number) for number in cables}
+    saved = [(number, name, mbs.GetObject(number)[name]) for number in cables for name in nothing]
+    saved = [(number, name, value) for number, name, value in saved if _is_set(value)]
+    active = [number for number in constraints if mbs.GetObjectParameter(number, "activeConnector")]
     try:
-        for number in cables:
-            for name, value in nothing.items():
-                if _is_set(saved[number][name]):
-                    mbs.SetObjectParameter(number, name, value)
+        for number, name, _ in saved:
+            mbs.SetObjectParameter(number, name, nothing[name])
+        for number in active:
+            mbs.SetObjectParameter(number, "activeConnector", False)
         yield
     finally:
-        for number, data in saved.items():
-            for name in nothing:
-                if _is_set(data[name]):
-                    value = data[name]
-                    mbs.SetObjectParameter(
-                        number, name, value["function"] if isinstance(value, dict) else value
-                    )
+        for number, name, value in saved:
+            mbs.SetObjectParameter(number, name, value["function"] if isinstance(value, dict) else value)
+        for number in active:
+            mbs.SetObjectParameter(number, "activeConnector", True)
 
 
 def _is_set(value: Any) -> bool:

@@ -1,0 +1,113 @@
+"""`algebraic`: exact native constraint objects, for generalized-alpha and other implicit solvers."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from exudyn.itemInterface import (
+    CoordinateVectorConstraint,
+    MarkerNodeCoordinates,
+    MarkerObjectODE2Coordinates,
+    NodePointGround,
+)
+
+from ...arrays import Array
+from ...chain.assembly import add_elastic_force
+from ...chain.cable import Cable, CurvatureMeasure
+from ...chain.chain import Chain, build_chain
+from ...chain.constraint_rows import (
+    ConstraintRows,
+    build_rows,
+    constraint_jacobian,
+    constraint_values,
+    unconstrained_force,
+)
+from ...chain.sparse_forms import elastic_tangent, form_of_cable
+from ...element.inertia import mass_matrix
+from ...loads.gravity import gravity_force
+from ..cable_data import CableItem
+from .coordinates import Coordinates
+
+
+@dataclass(frozen=True)
+class Algebraic:
+    """Constraints (18), (19) as a CoordinateVectorConstraint, with multipliers of Exudyn.
+
+    Forces that are linear in the coordinates are constant matrices of the object; `product` and bending
+    damping take a force user function, for which modified Newton pays. Long runs need numerical damping, as
+    in generalizedAlpha.spectralRadius = 0.8; with 1 the pendulum's steps became ever smaller.
+    """
+
+    name: ClassVar[str] = "algebraic"
+    supports_are_objects: ClassVar[bool] = True
+
+    def object_parameters(self, item: CableItem) -> dict[str, Any]:
+        cable = item.cable
+        coordinates, chain = Coordinates(cable), build_chain(cable)
+        external = gravity_force(cable, item.gravity)
+        mass = cable.section.mass_per_length * form_of_cable(cable, mass_matrix).toarray()
+        is_linear = cable.measure is CurvatureMeasure.SECOND_DERIVATIVE and not cable.section.bending_damping
+        forces = _linear_forces if is_linear else _forces_of_user_functions
+        return {"massMatrix": coordinates.matrix(mass), **forces(cable, chain, external)}
+
+    def add_constraints(self, mbs: Any, number: int, item: CableItem, held: np.ndarray) -> list[int]:
+        """One constraint object with all rows; those of clamped nodes, redundant there, are left out."""
+        rows = build_rows(item.cable, held)
+        ground = mbs.AddMarker(MarkerNodeCoordinates(nodeNumber=mbs.AddNode(NodePointGround())))
+        marker = mbs.AddMarker(MarkerObjectODE2Coordinates(objectNumber=number))
+        values, jacobian = _constraint_user_functions(rows, Coordinates(item.cable))
+        constraint = CoordinateVectorConstraint(
+            name=f"inextensibility of object {number}",
+            markerNumbers=[ground, marker],
+            scalingMarker0=np.zeros((rows.number, 1)),
+            constraintUserFunction=values,
+            jacobianUserFunction=jacobian,
+        )
+        return [mbs.AddObject(constraint)]
+
+
+def belongs_to_a_cable(object_data: dict[str, Any]) -> bool:
+    """Whether mbs.GetObject(...) data is a constraint object that enforces a cable's inextensibility."""
+    if object_data["objectType"] != "ConnectorCoordinateVector":
+        return False
+    function = object_data["constraintUserFunction"]
+    return isinstance(function, dict) and hasattr(function["function"], "enforces_inextensibility")
+
+
+def _linear_forces(cable: Cable, chain: Chain, external: Array) -> dict[str, Any]:
+    """K and the force in the reference configuration: objects know displacements only."""
+    coordinates, force = Coordinates(cable), external.copy()
+    add_elastic_force(chain, cable.reference, force)
+    stiffness = elastic_tangent(chain, cable.reference).toarray()
+    return {"stiffnessMatrix": coordinates.matrix(stiffness), "forceVector": coordinates.vector(force)}
+
+
+def _forces_of_user_functions(cable: Cable, chain: Chain, external: Array) -> dict[str, Any]:
+    coordinates = Coordinates(cable)
+    force = np.zeros(coordinates.shape)
+
+    def cable_force_user_function(mbs, t, itemNumber, q, q_t):
+        unconstrained_force(chain, external, coordinates.total(q), coordinates.nodal(q_t), force)
+        return coordinates.vector(force)
+
+    return {"forceUserFunction": cable_force_user_function}
+
+
+def _constraint_user_functions(rows: ConstraintRows, coordinates: Coordinates) -> tuple[Any, Any]:
+    """User functions of constraint and Jacobian; they get coordinates with reference values."""
+    values = np.zeros((2, rows.number))
+    gradients = np.zeros((rows.number, *coordinates.shape))
+
+    def inextensibility_user_function(mbs, t, itemNumber, q, q_t, velocityLevel):
+        constraint_values(rows, coordinates.nodal(q), coordinates.nodal(q_t), values)
+        return values[int(velocityLevel)]
+
+    def inextensibility_jacobian_user_function(mbs, t, itemNumber, q, q_t, velocityLevel):
+        constraint_jacobian(rows, coordinates.nodal(q), gradients)
+        return coordinates.vector(gradients)
+
+    inextensibility_user_function.enforces_inextensibility = True  # type: ignore[attr-defined]
+    return inextensibility_user_function, inextensibility_jacobian_user_function
+
+
+ENFORCEMENT = Algebraic

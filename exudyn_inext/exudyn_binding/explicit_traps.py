@@ -1,0 +1,91 @@
+"""What native explicit solvers do wrongly, or cannot do, with ANCF cables: named before it costs a result."""
+
+import warnings
+from typing import Any
+
+import exudyn
+
+from ..errors import ExplicitTrapWarning
+from .cable_data import find_cable_item
+
+_WRONG_COUPLING = (
+    "native explicit solvers solve for all accelerations and then set the held ones to zero, which is wrong "
+    "for the coupled mass matrix of ANCF cables (2 cm tip error after 0.5 s on a pendulum, without a message)"
+)
+
+
+def WarnOfExplicitTraps(mbs: Any) -> list[str]:
+    """Warn of what goes wrong when a native explicit solver (RK44, VelocityVerlet, ...) is used on mbs.
+
+    The trap that no solver reports: a CoordinateConstraint that holds a node of an ANCF cable, native or
+    inextensible, gives a wrong motion. Inextensible cables that native explicit solvers cannot move are
+    named as well. Cables with enforcement='penaltyMass' call this themselves as such a solver starts;
+    scenes with native cables alone have to be checked by this function.
+
+    Args:
+        mbs: the system, assembled or not; unchanged.
+
+    Returns:
+        the messages, each of which has been given as ExplicitTrapWarning; empty if there is none.
+
+    Example:
+        if not WarnOfExplicitTraps(mbs):
+            mbs.SolveDynamic(simulationSettings, solverType=exu.DynamicSolverType.RK44)
+    """
+    messages = explicit_traps(mbs)
+    for message in messages:
+        warnings.warn(message, ExplicitTrapWarning, stacklevel=2)
+    return messages
+
+
+def explicit_traps(mbs: Any) -> list[str]:
+    """Messages of all traps in mbs."""
+    objects = [mbs.GetObject(number) for number in range(mbs.systemData.NumberOfObjects())]
+    owners: dict[int, str] = {}
+    messages = []
+    for data in objects:
+        item = find_cable_item(data)
+        if item is not None and item.enforcement != "penaltyMass":
+            messages.append(
+                f"the inextensible cable '{data['name']}' has enforcement = '{item.enforcement}', which "
+                "native explicit solvers cannot move: create it with enforcement='penaltyMass', or use "
+                "SolveExplicit."
+            )
+        elif item is not None:
+            owners |= dict.fromkeys(item.nodes, data["name"])
+        elif "ANCFCable" in data["objectType"]:
+            owners |= dict.fromkeys(map(int, data["nodeNumbers"]), data["name"])
+    return messages + [message for data in objects for message in _held_nodes(mbs, data, owners)]
+
+
+def _held_nodes(mbs: Any, data: dict[str, Any], owners: dict[int, str]) -> list[str]:
+    """The trap, if `data` is a CoordinateConstraint on a node of a cable.   owners: node -> cable."""
+    if data["objectType"] != "ConnectorCoordinate" or not data["activeConnector"]:
+        return []
+    markers = [mbs.GetMarker(number) for number in data["markerNumbers"]]
+    return [
+        f"the CoordinateConstraint '{data['name']}' holds coordinate {marker['coordinate']} of node "
+        f"{int(marker['nodeNumber'])} of the ANCF cable '{owners[int(marker['nodeNumber'])]}': "
+        f"{_WRONG_COUPLING}. Hold the node by a stiff spring (CartesianSpringDamper, 1e5 N/m), by "
+        "groundConstraintsStart/End of a cable with enforcement='penaltyMass', or use an implicit solver or "
+        "SolveExplicit."
+        for marker in markers
+        if marker["markerType"] == "NodeCoordinate" and int(marker["nodeNumber"]) in owners
+    ]
+
+
+class TrapWatch:
+    """Looks for traps once as a native explicit solver starts, again if another run begins."""
+
+    def __init__(self) -> None:
+        self._solver: Any = None
+        self._number = 0
+        self._time = float("inf")
+
+    def look(self, mbs: Any, t: float) -> None:
+        """Warn of traps if a native explicit solver evaluates mbs, first at time t [s]."""
+        solver, number = mbs.sys.get("dynamicSolver"), mbs.systemData.NumberOfObjects()
+        is_known = solver is self._solver and number == self._number and t >= self._time
+        self._solver, self._number, self._time = solver, number, t
+        if not is_known and isinstance(solver, exudyn.MainSolverExplicit):
+            WarnOfExplicitTraps(mbs)

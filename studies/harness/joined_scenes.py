@@ -1,0 +1,104 @@
+"""Cables among springs, mass points, rigid bodies and each other: scenes of any size, to be timed."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import exudyn
+from exudyn.itemInterface import (
+    CartesianSpringDamper,
+    MarkerBodyPosition,
+    MarkerNodePosition,
+    SphericalJoint,
+)
+from exudyn.utilities import InertiaCuboid
+
+from exudyn_inext import CreateInextensibleCable, InextensibleCable
+
+LENGTH = 1.8  # of a cable [m]
+GRAVITY = [0.0, -9.81, 0.0]
+TEMPLATE = InextensibleCable(massPerLength=0.0348, bendingStiffness=0.0866)
+SIZE = 0.05  # of a body [m]
+
+
+@dataclass(frozen=True)
+class Contents:
+    """Of a scene: hanging cables of so many elements each, and what is joined to them.
+
+    springs: from nodes of the first cable to ground.   points: mass points on its nodes.
+    bodies: rigid bodies on its nodes.   links: joints between neighbouring cables.
+    watched: whether a user function looks at each step.
+    """
+
+    cables: int = 1
+    elements: int = 10
+    springs: int = 0
+    points: int = 0
+    bodies: int = 0
+    links: int = 0
+    watched: bool = False
+
+    @property
+    def joints(self) -> int:
+        return self.points + self.bodies + self.links
+
+
+def joined_scene(contents: Contents) -> Any:
+    """The assembled mbs; its cables start straight along x and fall."""
+    container = exudyn.SystemContainer()
+    mbs = container.AddSystem()
+    cables = [_cable(mbs, contents.elements, 0.1 * row) for row in range(contents.cables)]
+    nodes = [int(node) for node in cables[0]["nodes"]]
+    for k in range(contents.springs):
+        _spring(mbs, nodes[-1 - k])
+    for k in range(contents.points):
+        _point(mbs, nodes[-1 - k])
+    for k in range(contents.bodies):
+        _body(mbs, nodes[-1 - k])
+    for k in range(contents.links):
+        above, below = cables[k]["nodes"][-1], cables[k + 1]["nodes"][-1]
+        mbs.CreateDistanceConstraint(itemNumbers=[above, below], distance=0.1)
+    if contents.watched:
+        mbs.SetPreStepUserFunction(lambda mbs, t: True)
+    mbs.Assemble()
+    mbs.variables["container"] = container
+    return mbs
+
+
+def _cable(mbs: Any, elements: int, height: float) -> dict[str, Any]:
+    return CreateInextensibleCable(
+        mbs,
+        [0.0, height, 0.0],
+        [LENGTH, height, 0.0],
+        elements,
+        TEMPLATE,
+        gravity=GRAVITY,
+        groundConstraintsStart=[True, True, False, False],
+    )
+
+
+def _spring(mbs: Any, node: int) -> None:
+    ground = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.CreateGround()))
+    tip = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+    mbs.AddObject(CartesianSpringDamper(markerNumbers=[ground, tip], stiffness=[1.0, 1.0, 0.0]))
+
+
+def _position(mbs: Any, node: int) -> list[float]:
+    return [*mbs.GetNode(node)["referenceCoordinates"][:2], 0.0]
+
+
+def _tie(mbs: Any, node: int, marker: Any) -> None:
+    tip = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+    mbs.AddObject(SphericalJoint(markerNumbers=[tip, marker], constrainedAxes=[1, 1, 0]))
+
+
+def _point(mbs: Any, node: int) -> None:
+    point = mbs.CreateMassPoint(mass=0.01, referencePosition=_position(mbs, node), gravity=GRAVITY)
+    _tie(mbs, node, mbs.AddMarker(MarkerBodyPosition(bodyNumber=point)))
+
+
+def _body(mbs: Any, node: int) -> None:
+    x, y, z = _position(mbs, node)
+    body = mbs.CreateRigidBody(
+        inertia=InertiaCuboid(80.0, [SIZE] * 3), referencePosition=[x, y - SIZE, z], gravity=GRAVITY
+    )
+    _tie(mbs, node, mbs.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=[0.0, SIZE, 0.0])))

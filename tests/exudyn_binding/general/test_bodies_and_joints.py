@@ -1,0 +1,231 @@
+"""Native bodies, joints, connectors and states under explicit steps: closed forms and Exudyn's own solver."""
+
+import warnings
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.itemInterface import (
+    CoordinateConstraint,
+    DistanceConstraint,
+    LoadCoordinate,
+    MarkerBodyPosition,
+    MarkerNodeCoordinate,
+    MarkerNodePosition,
+    NodeGenericODE1,
+    NodePointGround,
+    ObjectGenericODE1,
+    SensorObject,
+    SphericalJoint,
+)
+from exudyn.utilities import InertiaCuboid
+
+from exudyn_inext import CreatePrescribedMotion
+from exudyn_inext.integrators import INTEGRATORS
+from reference_models.model import quiet_settings, silence
+from tests.exudyn_binding.items import trajectory
+
+GRAVITY = [0, -9.81, 0]
+ROTATIONS = [exudyn.NodeType.RotationEulerParameters, exudyn.NodeType.RotationRxyz]
+every_integrator = pytest.mark.parametrize("integrator", INTEGRATORS, ids=str)
+
+
+def rigid_pendulum(mbs, add_sensor, rotation):
+    """A brick on a spherical joint that starts tumbling; returns the sensor of its centre."""
+    body = mbs.CreateRigidBody(
+        inertia=InertiaCuboid(100, [0.2, 0.05, 0.1]),
+        referencePosition=[0.1, 0, 0],
+        initialAngularVelocity=[3, 1, 2],
+        initialVelocity=np.cross([3, 1, 2], [0.1, 0, 0]).tolist(),
+        gravity=GRAVITY,
+        nodeType=rotation,
+        returnDict=True,
+    )
+    hook = mbs.AddMarker(MarkerBodyPosition(bodyNumber=body["bodyNumber"], localPosition=[-0.1, 0, 0]))
+    ground = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.CreateGround()))
+    mbs.AddObject(SphericalJoint(markerNumbers=[ground, hook]))
+    sensor = add_sensor(mbs, body["nodeNumber"])
+    mbs.Assemble()
+    return sensor
+
+
+@pytest.fixture
+def tumbling(new_mbs, add_sensor, solve):
+    """(rotation, integrator, h) -> centre of the tumbling brick every 0.05 s; Exudyn's own without h."""
+
+    def run(rotation, integrator=None, h=None):
+        mbs = new_mbs()
+        sensor = rigid_pendulum(mbs, add_sensor, rotation)
+        settings = quiet_settings(0.5, 10)
+        settings.solution.sensors.writePeriod = 0.05
+        if h is not None:
+            solve(mbs, settings=settings, integrator=integrator, stepSize=h)
+        else:
+            settings.timeIntegration.numberOfSteps = 5000
+            with silence():
+                mbs.SolveDynamic(settings)
+        return trajectory(mbs, sensor)
+
+    return run
+
+
+@pytest.mark.parametrize("rotation", ROTATIONS, ids=["EulerParameters", "Rxyz"])
+def test_a_tumbling_body_moves_as_with_the_native_implicit_solver(tumbling, rotation):
+    native = tumbling(rotation)
+    assert np.ptp(native[:, 1:], axis=0).min() > 0.04
+    for integrator, tolerance in (("RATTLE", 2e-5), ("Zhai", 3e-5), ("RK4", 5e-6)):
+        np.testing.assert_allclose(tumbling(rotation, integrator, 5e-4), native, atol=tolerance)
+
+
+@every_integrator
+def test_order_of_convergence_of_a_tumbling_body(tumbling, integrator):
+    coarse, middle, fine = (
+        tumbling(exudyn.NodeType.RotationEulerParameters, integrator, h)[:, 1:] for h in (4e-3, 2e-3, 1e-3)
+    )
+    ratio = np.abs(coarse - middle).max() / np.abs(middle - fine).max()
+    assert np.log2(ratio) == pytest.approx(INTEGRATORS[integrator].order, abs=0.35)
+
+
+def driven_point(mbs, stiffness=0.0, damping=0.0, force=None):
+    """A mass point of 2 kg that moves along x, between a spring, a damper, and a force."""
+    point = mbs.CreateMassPoint(mass=2.0, referencePosition=[0, 0, 0], returnDict=True)
+    ground = mbs.CreateGround()
+    mbs.CreateCartesianSpringDamper(
+        itemNumbers=[ground, point["bodyNumber"]], stiffness=[stiffness] * 3, damping=[damping] * 3
+    )
+    if force is not None:
+        marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=point["nodeNumber"], coordinate=0))
+        mbs.AddLoad(LoadCoordinate(markerNumber=marker, load=1.0, loadUserFunction=force))
+    return point["nodeNumber"]
+
+
+def tie_to_the_cable(mbs, cable, node, name="tie"):
+    """A mass point at the cable's last node, 1.8 m from the first one."""
+    tip = mbs.AddMarker(MarkerNodePosition(nodeNumber=cable["nodes"][-1]))
+    point = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+    return mbs.AddObject(SphericalJoint(markerNumbers=[tip, point], name=name))
+
+
+@every_integrator
+def test_a_force_in_time_is_evaluated_where_the_scheme_needs_it(
+    mbs, add_sensor, add_pendulum, solve, integrator
+):
+    """m x'' = sin(5 t) beside a cable: x = t / (5 m) - sin(5 t) / (25 m)."""
+    add_pendulum(mbs)
+    node = driven_point(mbs, force=lambda mbs, t, load: np.sin(5 * t))
+    sensor = add_sensor(mbs, node)
+    mbs.Assemble()
+    solve(mbs, 0.5, integrator=integrator, stepSize=1e-3)
+    found = trajectory(mbs, sensor)
+    exact = found[:, 0] / 10 - np.sin(5 * found[:, 0]) / 50
+    tolerance = 1e-6 if INTEGRATORS[integrator].order == 2 else 1e-10
+    np.testing.assert_allclose(found[:, 1], exact, atol=tolerance)
+
+
+@pytest.fixture
+def oscillator(new_mbs, add_sensor, add_pendulum, solve):
+    """(h) -> report and motion x(t) of m = 2, k = 5e4, d = 60: w = 158 rad/s, above the cable's."""
+
+    def run(h, end_time=0.2):
+        mbs = new_mbs()
+        add_pendulum(mbs, numberOfElements=2)
+        node = driven_point(mbs, stiffness=5e4, damping=60.0)
+        mbs.SetNodeParameter(node, "initialCoordinates", [0.01, 0, 0])
+        sensor = add_sensor(mbs, node)
+        mbs.Assemble()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # of a step above the limit
+            settings = quiet_settings(end_time, 1)
+            settings.solution.sensors.writePeriod = h
+            report = solve(mbs, settings=settings, stepSize=h, allowUnstableStep=True)
+        return report, trajectory(mbs, sensor)[:, :2].T
+
+    return run
+
+
+def test_spring_and_damper_decay_as_they_must(oscillator):
+    report, (t, x) = oscillator(2e-4)
+    frequency, decay = np.sqrt(5e4 / 2), 60.0 / 4
+    assert report["bounds"].largest_frequency == pytest.approx(frequency, rel=1e-3)
+    damped = np.sqrt(frequency**2 - decay**2)
+    exact = 0.01 * np.exp(-decay * t) * (np.cos(damped * t) + decay / damped * np.sin(damped * t))
+    np.testing.assert_allclose(x, exact, atol=3e-5)
+
+
+def test_the_stability_limit_counts_spring_and_damper(oscillator):
+    limit = oscillator(1e-3, 1e-3)[0]["bounds"].stability_limit
+    steps = [share * limit for share in (0.97, 1.04)]
+    below, above = (np.abs(oscillator(h, 100 * h)[1][1][-1]) for h in steps)
+    assert below < 0.01 < 0.1 < above
+
+
+@every_integrator
+def test_first_order_states_are_integrated_with_the_scheme(mbs, add_pendulum, solve, integrator):
+    """y' = -2 y beside a cable, observed at t = 0.5."""
+    add_pendulum(mbs)
+    node = mbs.AddNode(
+        NodeGenericODE1(referenceCoordinates=[0], initialCoordinates=[3.0], numberOfODE1Coordinates=1)
+    )
+    mbs.AddObject(ObjectGenericODE1(nodeNumbers=[node], rhsUserFunction=lambda mbs, t, n, y: [-2 * y[0]]))
+    mbs.Assemble()
+    errors = []
+    for h in (2e-3, 1e-3):
+        solve(mbs, 0.5, integrator=integrator, stepSize=h)
+        errors.append(abs(mbs.systemData.GetODE1Coordinates()[0] - 3 * np.exp(-1.0)))
+    assert errors[1] < 1e-5
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(INTEGRATORS[integrator].order, abs=0.3)
+
+
+def test_a_joint_that_follows_the_time_moves_a_cable_as_a_prescribed_motion_does(
+    new_mbs, add_cable, add_sensor, solve
+):
+    """A mass point that is moved by an offset in time carries the cable's first node."""
+
+    def shake(t):
+        return 0.2 * (1 - np.cos(4 * t))
+
+    def build(through_a_body):
+        mbs = new_mbs()
+        cable = add_cable(mbs, numberOfElements=3)
+        if through_a_body:
+            point = mbs.CreateMassPoint(mass=1.0, referencePosition=[0, 0, 0], returnDict=True)["nodeNumber"]
+            ground = mbs.AddMarker(
+                MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0)
+            )
+            for axis in range(3):
+                marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=point, coordinate=axis))
+                along = (lambda mbs, t, n, offset: shake(t)) if axis == 0 else 0
+                mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, marker], offsetUserFunction=along))
+            pair = [mbs.AddMarker(MarkerNodePosition(nodeNumber=n)) for n in (cable["nodes"][0], point)]
+            mbs.AddObject(SphericalJoint(markerNumbers=pair, constrainedAxes=[1, 1, 0]))
+        else:
+            CreatePrescribedMotion(mbs, cable["nodes"][0], lambda t: [shake(t), 0.0])
+        sensor = add_sensor(mbs, cable["nodes"][-1])
+        mbs.Assemble()
+        return mbs, sensor
+
+    found = []
+    for through_a_body in (True, False):
+        mbs, sensor = build(through_a_body)
+        solve(mbs, 0.5, stepSize=2e-3)
+        found.append(trajectory(mbs, sensor))
+    assert np.abs(found[0][-1, 1:] - found[0][0, 1:]).max() > 0.5
+    np.testing.assert_allclose(found[0], found[1], atol=1e-7)
+
+
+def test_multipliers_of_joints_are_shown_to_sensors(mbs, add_pendulum, solve):
+    """Starting from rest, a cable that hangs straight down holds the weight of what hangs on it."""
+    cable = add_pendulum(mbs, positionEnd=[0, -1.8, 0])
+    point = mbs.CreateMassPoint(mass=0.5, referencePosition=[0, -2.0, 0], gravity=GRAVITY, returnDict=True)
+    pair = [
+        mbs.AddMarker(MarkerNodePosition(nodeNumber=n)) for n in (cable["nodes"][-1], point["nodeNumber"])
+    ]
+    rod = mbs.AddObject(DistanceConstraint(markerNumbers=pair, distance=0.2))
+    kind = exudyn.OutputVariableType.Force
+    sensor = mbs.AddSensor(SensorObject(objectNumber=rod, outputVariableType=kind, storeInternal=True))
+    ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+    out_of_plane = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=point["nodeNumber"], coordinate=2))
+    mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, out_of_plane]))
+    mbs.Assemble()
+    solve(mbs, 0.02)
+    assert abs(trajectory(mbs, sensor)[-1, 1]) == pytest.approx(0.5 * 9.81, rel=1e-6)

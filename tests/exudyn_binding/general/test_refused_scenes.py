@@ -1,0 +1,135 @@
+"""Scenes that explicit steps cannot take: the culprit is named, and mbs stays as it was."""
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.itemInterface import (
+    CoordinateConstraint,
+    DistanceConstraint,
+    MarkerBodyPosition,
+    MarkerBodyRigid,
+    MarkerNodeCoordinate,
+    MarkerNodePosition,
+    NodePoint,
+    NodePointGround,
+    ObjectANCFCable2D,
+    SphericalJoint,
+)
+from exudyn.utilities import InertiaCuboid
+
+from exudyn_inext import RedundantConstraintError, SceneError
+
+
+def mass_point(mbs, position=(1.8, 0, 0)):
+    return mbs.CreateMassPoint(mass=1.0, referencePosition=list(position), returnDict=True)["nodeNumber"]
+
+
+def tied(mbs, nodes, times=1, **options):
+    """Mass point at the cable's tip, tied to it so many times."""
+    point = mass_point(mbs, **options)
+    pair = [mbs.AddMarker(MarkerNodePosition(nodeNumber=n)) for n in (nodes[-1], point)]
+    for k in range(times):
+        mbs.AddObject(SphericalJoint(markerNumbers=pair, constrainedAxes=[1, 1, 0], name=f"tie{k}"))
+
+
+def tied_twice(mbs, nodes):
+    tied(mbs, nodes, 2)
+
+
+def tied_apart(mbs, nodes):
+    tied(mbs, nodes, position=(1.8, 0.01, 0))
+
+
+def tied_at_another_speed(mbs, nodes):
+    tied(mbs, nodes)
+    mbs.SetNodeParameter(mbs.systemData.NumberOfNodes() - 1, "initialVelocities", [0, 0.02, 0])
+
+
+def velocity_constraint(mbs, nodes):
+    pair = [
+        MarkerNodeCoordinate(nodeNumber=n, coordinate=0)
+        for n in (mbs.AddNode(NodePointGround()), mass_point(mbs))
+    ]
+    markers = [mbs.AddMarker(marker) for marker in pair]
+    mbs.AddObject(CoordinateConstraint(markerNumbers=markers, velocityLevel=True, offset=1.0, name="drive"))
+
+
+def rotation_vector(mbs, nodes):
+    kind = exudyn.NodeType.RotationRotationVector
+    mbs.CreateRigidBody(inertia=InertiaCuboid(1000, [0.1] * 3), nodeType=kind, name="gyro")
+
+
+def node_without_body(mbs, nodes):
+    mbs.AddNode(NodePoint(name="lost"))
+    mass_point(mbs)
+
+
+def beam_on_the_cable(mbs, nodes):
+    section = {"massPerLength": 1.0, "bendingStiffness": 1.0, "axialStiffness": 1.0, "length": 0.36}
+    mbs.AddObject(ObjectANCFCable2D(nodeNumbers=nodes[:2], name="double", **section))
+
+
+def rod_of_no_length(mbs, nodes):
+    pair = [mbs.AddMarker(MarkerNodePosition(nodeNumber=n)) for n in (nodes[-1], mass_point(mbs))]
+    mbs.AddObject(DistanceConstraint(markerNumbers=pair, distance=0.1, name="rod"))
+
+
+def joint_at_rest(mbs, nodes):
+    mass_point(mbs)
+    grounds = [mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.CreateGround())) for _ in range(2)]
+    mbs.AddObject(SphericalJoint(markerNumbers=grounds, name="nowhere"))
+
+
+def closed_loop_in_space(mbs, nodes):
+    """A body on two hinges with the same axis: five rows each, six coordinates."""
+    body = mbs.CreateRigidBody(inertia=InertiaCuboid(1000, [0.1] * 3), referencePosition=[0, 5, 0])
+    for z in (-0.1, 0.1):
+        mbs.CreateRevoluteJoint(
+            itemNumbers=[mbs.CreateGround(), body], position=[0, 5, z], axis=[0, 0, 1], name=f"hinge{z}"
+        )
+    mbs.AddMarker(MarkerBodyRigid(bodyNumber=body))
+
+
+REFUSED = [
+    (
+        tied_apart,
+        SceneError,
+        r"initial coordinates violate .*'tie0'.*by 0\.01 \(limit 1e-06\).*startTolerance",
+    ),
+    (tied_at_another_speed, SceneError, r"initial velocities violate .*'tie0'.*by 0\.02 "),
+    (tied_twice, RedundantConstraintError, r"'tie1' \(JointSpherical\), equation 0, is not independent"),
+    (closed_loop_in_space, RedundantConstraintError, r"'hinge0\.1' \(JointRevoluteZ\), equation \d, is not"),
+    (velocity_constraint, SceneError, r"'drive' \(ConnectorCoordinate\) constrains velocities.*penalty"),
+    (rotation_vector, SceneError, r"node .*\(RigidBodyRotVecLG\).*RotationEulerParameters or RotationRxyz"),
+    (node_without_body, SceneError, r"node \d+ 'lost' \(Point\) has coordinates without mass"),
+    (
+        beam_on_the_cable,
+        SceneError,
+        r"'double' \(ANCFCable2D\) has mass and lies on nodes of an inextensible",
+    ),
+    (rod_of_no_length, SceneError, r"'rod' \(ConnectorDistance\) cannot be evaluated .*distance"),
+    (joint_at_rest, SceneError, r"'nowhere' \(JointSpherical\) has an equation that does not depend on any"),
+]
+
+
+@pytest.mark.parametrize(
+    ("add", "error", "message"), REFUSED, ids=lambda value: getattr(value, "__name__", "")
+)
+def test_the_culprit_is_named(mbs, add_pendulum, solve, contents, add, error, message):
+    cable = add_pendulum(mbs)
+    add(mbs, cable["nodes"])
+    mbs.Assemble()
+    before = contents(mbs), mbs.GetObject(cable["elements"][0])["forceUserFunction"]
+    with pytest.raises(error, match=message):
+        solve(mbs)
+    assert contents(mbs) == before[0]
+    assert mbs.GetObject(cable["elements"][0])["forceUserFunction"] == before[1]
+
+
+def test_a_larger_start_tolerance_projects_what_is_apart(mbs, add_pendulum, solve):
+    tied_apart(mbs, add_pendulum(mbs)["nodes"])
+    mbs.Assemble()
+    correction = solve(mbs, startTolerance=0.02)["startCorrections"][-1]
+    assert correction.position > 1e-3
+    tip, point = (mbs.GetNodeOutput(n, exudyn.OutputVariableType.Position) for n in (5, 7))
+    np.testing.assert_allclose(tip[:2], point[:2], atol=1e-9)
