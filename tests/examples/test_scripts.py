@@ -1,5 +1,6 @@
 """Every example runs as a script, stays short, and draws its picture."""
 
+import dataclasses
 import importlib
 from pathlib import Path
 
@@ -25,9 +26,13 @@ def test_a_script_runs_as_printed_and_draws(name, tmp_path, monkeypatch, capsys)
     assert "Exudyn's steps" in capsys.readouterr().out
 
 
-def test_a_step_that_is_too_large_for_a_tumbling_body_ends_in_a_message():
-    with pytest.raises(DivergenceError, match=r"2 joint\(s\) and bodies diverged before .* reduce stepSize"):
-        run_inextensible(tethered_bodies, 1.0, step=1e-2)
+def test_a_run_that_diverges_ends_in_a_message():
+    settings = dataclasses.replace(tethered_bodies.SETTINGS, stepSize=1e-2, allowUnstableStep=True)
+    with (
+        pytest.warns(UserWarning, match="stability limit"),
+        pytest.raises(DivergenceError, match=r"2 joint\(s\) and bodies diverged before .* reduce stepSize"),
+    ):
+        run_inextensible(tethered_bodies, 1.0, settings=settings)
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)

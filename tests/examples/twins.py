@@ -21,6 +21,8 @@ from reference_models.conventional.settings import Implicit, number_of_steps, si
 from reference_models.model import quiet_settings, silence
 from tests.examples.measures import record
 
+LOOP_STEP = 0.01  # of Exudyn's time loop at most, where the solver chooses its own step [s]
+
 
 @dataclass(frozen=True)
 class Twin:
@@ -86,13 +88,14 @@ def _add_native_cable(axial, mbs, beamTemplate, gravity=(0, 0, 0), shape=None, d
     return {"nodes": nodes, "elements": elements}
 
 
-def run_inextensible(example, end_time, step=None, **build):
-    """(scene, history) of an example with its own settings, or another step [s]."""
+def run_inextensible(example, end_time, step=None, settings=None, **build):
+    """(scene, history) of an example with its own settings, or another step [s], or other settings."""
     scene, history, mbs, _container = _build(example, build)
-    explicit = dataclasses.replace(example.SETTINGS, stepSize=step or example.SETTINGS.stepSize)
-    settings = quiet_settings(end_time, number_of_steps(explicit.stepSize, end_time))
+    explicit = settings or example.SETTINGS
+    explicit = dataclasses.replace(explicit, stepSize=step or explicit.stepSize)
+    loop = quiet_settings(end_time, number_of_steps(explicit.stepSize or LOOP_STEP, end_time))
     with silence():
-        scene["report"] = SolveExplicit(mbs, settings, explicit)
+        scene["report"] = SolveExplicit(mbs, loop, explicit)
     return scene, history.stacked()
 
 

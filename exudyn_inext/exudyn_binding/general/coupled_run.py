@@ -74,7 +74,7 @@ class CoupledRun:
 
     @cached_property
     def _rates(self) -> FastestRates:
-        return fastest_rates(self._scene.system, self._time, self.state.q)
+        return fastest_rates(self._scene.system, self._time, self.state.q, self.state.v)
 
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the present configuration, joints included."""
