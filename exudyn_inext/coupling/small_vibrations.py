@@ -27,13 +27,17 @@ class FastestRates(NamedTuple):
     damping: float
 
 
-def fastest_rates(system: CoupledSystem, t: float, q: Array) -> FastestRates:
-    """Of small motions about the configuration q (n,), at rest at the time t [s]."""
+def fastest_rates(system: CoupledSystem, t: float, q: Array, v: Array) -> FastestRates:
+    """Of small motions about the configuration q (n,), at the time t [s].
+
+    The velocities v (n,) count where they pull cables tight, as in bodies that spin about each other;
+    gyroscopic forces, which change with small velocities, do not.
+    """
     external, rest = np.array([t]), np.zeros(len(q))
 
-    def acceleration(at: Array, v: Array) -> Array:
+    def acceleration(at: Array, rates: Array) -> Array:
         result, rate = np.zeros(len(q)), np.zeros(len(q))
-        index_reduced_rates(system, external, at, v, result, rate)
+        index_reduced_rates(system, external, at, rates, result, rate)
         return result
 
     def projected(v: Array) -> Array:
@@ -44,7 +48,7 @@ def fastest_rates(system: CoupledSystem, t: float, q: Array) -> FastestRates:
     offset = projected(rest)  # moving supports
 
     def stiffness(x: Array) -> Array:
-        difference = acceleration(q - STEP * x, rest) - acceleration(q + STEP * x, rest)
+        difference = acceleration(q - STEP * x, v) - acceleration(q + STEP * x, v)
         return (projected(difference) - offset) / (2.0 * STEP)
 
     def damping(x: Array) -> Array:

@@ -52,7 +52,7 @@ def grid_of_period(settings: Any, wanted: float, period: float) -> TimeGrid:
         )
     interval = min(duration / time.numberOfSteps, period or wanted)
     loop_steps = _commensurate_steps(duration, interval)
-    substeps = math.ceil(duration / loop_steps / wanted * _ROUND_OFF)
+    substeps = max(1, math.ceil(duration / loop_steps / wanted * _ROUND_OFF))  # wanted may be infinite
     return TimeGrid(time.startTime, loop_steps, substeps, duration / (loop_steps * substeps))
 
 

@@ -76,7 +76,7 @@ class CoupledRun:
 
     @cached_property
     def _rates(self) -> FastestRates:
-        rates = fastest_rates(self._scene.system, self._time, self.state.q)
+        rates = fastest_rates(self._scene.system, self._time, self.state.q, self.state.v)
         return with_contact(rates, contact_rates(self._mbs, self._runs))
 
     def largest_frequency(self, time: float) -> float:
@@ -120,7 +120,8 @@ class CoupledRun:
                 times = start + grid.h * (substep + np.array(self._integrator.stages))
                 loads = LoadHistory(np.zeros(1), np.ones((1, 1)), times.reshape(1, -1, 1))
                 try:
-                    take_step(scheme, self._scene.system, loads, self.state, grid.h, 1, row)
+                    with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges
+                        take_step(scheme, self._scene.system, loads, self.state, grid.h, 1, row)
                     end = start + grid.h * (substep + 1)
                     self._scene.surroundings.finish_step(end, self.state.q, self.state.v)
                 except DivergenceError:

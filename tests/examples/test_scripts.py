@@ -1,0 +1,49 @@
+"""Every example runs as a script, stays short, and draws its picture."""
+
+import dataclasses
+import importlib
+from pathlib import Path
+
+import pytest
+
+import examples
+from examples import picture, tethered_bodies
+from exudyn_inext import DivergenceError
+from reference_models.model import silence
+from tests.examples.twins import run_inextensible
+
+HELPERS = {"__init__", "contact", "picture"}
+FILES = sorted(Path(examples.__file__).parent.glob("*.py"))
+SCRIPTS = [path.stem for path in FILES if path.stem not in HELPERS]
+
+
+@pytest.mark.parametrize("name", SCRIPTS)
+def test_a_script_runs_as_printed_and_draws(name, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(picture, "FOLDER", tmp_path)
+    with silence():
+        importlib.import_module(f"examples.{name}").main()
+    assert (tmp_path / f"{name}.png").stat().st_size > 10_000
+    assert "Exudyn's steps" in capsys.readouterr().out
+
+
+def test_a_run_that_diverges_ends_in_a_message():
+    settings = dataclasses.replace(tethered_bodies.SETTINGS, stepSize=1e-2, allowUnstableStep=True)
+    with (
+        pytest.warns(UserWarning, match="stability limit"),
+        pytest.raises(DivergenceError, match=r"2 joint\(s\) and bodies diverged before .* reduce stepSize"),
+    ):
+        run_inextensible(tethered_bodies, 1.0, settings=settings)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_scripts_are_short(path):
+    limit = 80 if path.stem in HELPERS else 60
+    assert len(path.read_text().splitlines()) < limit
+
+
+def test_every_script_has_its_twin_and_its_picture():
+    root = Path(examples.__file__).parents[1]
+    for name in SCRIPTS:
+        assert (root / "tests" / "examples" / f"test_{name}.py").exists()
+        assert (root / "docs" / "examples" / f"{name}.png").stat().st_size < 60_000
+        assert f"{name}.py" in (root / "examples" / "README.md").read_text()
