@@ -13,10 +13,13 @@ from ..integrators import find_integrator
 from ..integrators.linear_stability import decay_limit, frequency_limit
 from ..integrators.step_size import StepSizeBounds, choose_step, rule_step, step_above_limit
 from .cable_run import CableRun, Start
+from .general.coupled_run import CoupledRun
 from .scene import CableInScene, initial_state
 from .settings import ExplicitSettings
 from .step_control import StepRule
 from .time_loop import Run
+
+SAFETY_ALONE, SAFETY_AMONG_BODIES = 0.95, 0.7  # share of the limit at the start that is used
 
 
 def scheme_of(explicit: ExplicitSettings) -> Any:
@@ -47,10 +50,13 @@ def step_bounds(runs: Sequence[Run], start: float, explicit: ExplicitSettings) -
     """The tightest bounds over all that moves."""
     integrator, scheme = find_integrator(explicit.integrator), scheme_of(explicit)
     frequencies = [run.largest_frequency(start) for run in runs]
-    limits = [
-        frequency_limit(integrator, scheme, run.damping_ratio(w)) / w if w > 0.0 else math.inf
-        for run, w in zip(runs, frequencies, strict=True)
-    ]
+
+    def limit(frequency: float, damping_ratio: float) -> float:
+        return frequency_limit(integrator, scheme, damping_ratio) / frequency if frequency > 0.0 else math.inf
+
+    limits = [limit(w, run.damping_ratio(w)) for run, w in zip(runs, frequencies, strict=True)]
+    coupled = [run for run in runs if isinstance(run, CoupledRun)]
+    contacts = [run.rates_in_contact for run in coupled]
     fastest = int(np.argmin(limits))
     cables = [cable for run in runs for cable in run.cables]
     return StepSizeBounds(
@@ -59,6 +65,8 @@ def step_bounds(runs: Sequence[Run], start: float, explicit: ExplicitSettings) -
         rule=min((_rule(cable, explicit.stepConstant) for cable in cables), default=math.inf),
         largest_frequency=frequencies[fastest],
         cable=runs[fastest].name,
+        contact=min((limit(w, d / w if w else 0.0) for w, d in contacts), default=math.inf),
+        safety=SAFETY_AMONG_BODIES if coupled else SAFETY_ALONE,
     )
 
 
@@ -83,11 +91,12 @@ def follow_frequencies(runs: Sequence[Run], bounds: StepSizeBounds, explicit: Ex
             "with a margin for what is pulled tight."
         )
     integrator, scheme = find_integrator(explicit.integrator), scheme_of(explicit)
-    largest = min(explicit.stepSize or math.inf, explicit.stepSafety * bounds.stabilisation)
+    safety = explicit.stepSafety or bounds.safety
+    largest = min(explicit.stepSize or math.inf, safety * bounds.stabilisation)
     for run in runs:
         if isinstance(run, CableRun):
             limit = frequency_limit(integrator, scheme, run.damping_ratio(bounds.largest_frequency))
-            run.follow_frequency(StepRule(limit, explicit.stepSafety, largest))
+            run.follow_frequency(StepRule(limit, safety, largest))
 
 
 def require_fixed_steps(explicit: ExplicitSettings, who: str) -> None:
@@ -96,13 +105,20 @@ def require_fixed_steps(explicit: ExplicitSettings, who: str) -> None:
         raise InputError(f"adaptiveStep: {who} takes equal steps; use SolveExplicit, or leave it out.")
 
 
-def wanted_step(bounds: StepSizeBounds, explicit: ExplicitSettings) -> tuple[float, str]:
-    """The given step, unless it is above the stability limit, or the largest safe one."""
+def wanted_step(
+    bounds: StepSizeBounds, explicit: ExplicitSettings, taken: float | None = None
+) -> tuple[float, str]:
+    """The given step, unless it is above the stability limit, or the largest safe one.
+
+    Args:
+        bounds: of the step.   explicit: settings.
+        taken: step that will be taken, where the bounds depend on it (mass scaling); None: the given one.
+    """
     if explicit.stepSize is None:
         return choose_step(bounds, explicit.stepSafety)
     if explicit.adaptiveStep:
         return explicit.stepSize, "stepSize"
-    error = step_above_limit(explicit.stepSize, bounds, explicit.integrator)
+    error = step_above_limit(taken or explicit.stepSize, bounds, explicit.integrator)
     if error is not None and not explicit.allowUnstableStep:
         raise error
     if error is not None:

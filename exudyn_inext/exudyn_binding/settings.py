@@ -20,7 +20,8 @@ class ExplicitSettings:
             outputs. None: the largest safe one.
         stabilizationRate: zeta of Eqs. (24)-(28) [1/s]; RATTLE does not need it.
         stepConstant: C of Eq. (37), for stepSize = None [-].
-        stepSafety: share of the stability limit that stepSize = None uses at most [-].
+        stepSafety: share of the stability limit at the start that stepSize = None uses at most [-]. None:
+            0.95 for cables alone, 0.7 where bodies on cables may pull them tighter in motion.
         massScaling: theta; the mass matrix becomes M + theta h^2 K with the constant bending stiffness K,
             a trapezoidal-like treatment of bending without Newton iterations. Above 1/4, bending no
             longer bounds the step; 0.3 leaves a margin for the tension. Vibrations faster than the step
@@ -39,7 +40,7 @@ class ExplicitSettings:
     stepSize: float | None = None
     stabilizationRate: float = 100.0
     stepConstant: float = 0.7
-    stepSafety: float = 0.95
+    stepSafety: float | None = None
     massScaling: float = 0.0
     startTolerance: float = 1e-6
     allowUnstableStep: bool = False
@@ -56,9 +57,9 @@ class ExplicitSettings:
             raise InputError(
                 f"scheme = {self.scheme!r}: integrator '{self.integrator}' takes {scheme_type.__name__}(...)."
             )
-        for name in ("stabilizationRate", "stepConstant", "stepSafety", "startTolerance"):
+        for name in ("stabilizationRate", "stepConstant", "startTolerance"):
             require_positive(name, getattr(self, name))
-        if self.stepSafety > 1.0:
+        if self.stepSafety is not None and require_positive("stepSafety", self.stepSafety) > 1.0:
             raise InputError(f"stepSafety = {self.stepSafety!r}: must be at most 1, the stability limit.")
         if self.stepSize is not None:
             require_positive("stepSize", self.stepSize)

@@ -66,9 +66,10 @@ def SolveExplicit(
     coupled = needs_coupling(mbs, scene)
     with switched_off(mbs, *scene.evaluated_by_kernels) if coupled else nullcontext():
         with state_kept(mbs) if coupled else nullcontext():
-            runs = runs_of_scene(mbs, scene, solver, start, _scaling_step(mbs, settings, explicit), explicit)
+            scaling = _scaling_step(mbs, settings, explicit)
+            runs = runs_of_scene(mbs, scene, solver, start, scaling, explicit)
             bounds = step_bounds(runs, start, explicit)
-            wanted, decided_by = wanted_step(bounds, explicit)
+            wanted, decided_by = wanted_step(bounds, explicit, taken=scaling or None)
             grid = time_grid(mbs, settings, wanted)
             follow_frequencies(runs, bounds, explicit)
             observed = observed_derivatives(mbs, settings)

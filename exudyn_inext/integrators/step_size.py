@@ -17,6 +17,8 @@ class StepSizeBounds:
     rule: Eq. (37) with the constant C.
     largest_frequency: w_max [rad/s].
     cable: name of the cable that decides the first bound.
+    contact: as `bending`, if all contacts close at once: an estimate, for the automatic step alone.
+    safety: share of the stability limit that leaves a margin for what the motion changes [-].
     """
 
     bending: float
@@ -24,6 +26,8 @@ class StepSizeBounds:
     rule: float
     largest_frequency: float
     cable: str
+    contact: float = math.inf
+    safety: float = 0.95
 
     @property
     def stability_limit(self) -> float:
@@ -44,9 +48,15 @@ def rule_step(element_length: float, density: float, stiffness: float, constant:
     return constant * element_length**2 / FREE_FREE_ALPHA**2 * math.sqrt(density / stiffness)
 
 
-def choose_step(bounds: StepSizeBounds, safety: float) -> tuple[float, str]:
-    """The largest step within the rule and, with `safety`, both stability bounds; and what decided."""
+def choose_step(bounds: StepSizeBounds, safety: float | None = None) -> tuple[float, str]:
+    """The largest step within the rule and, with a safety, all stability bounds; and what decided.
+
+    Args:
+        bounds: of the step.   safety: share of the stability bounds [-]; None: that of the bounds.
+    """
+    safety = safety or bounds.safety
     candidates = {
+        "contact": safety * bounds.contact,
         "rule (37)": bounds.rule,
         "bending": safety * bounds.bending,
         "stabilisation": safety * bounds.stabilisation,

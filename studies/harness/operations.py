@@ -105,7 +105,7 @@ def _counted_run(asked: dict[str, Any]) -> tuple[Any, ...]:
     from reference_models.scenes import load_scene
 
     model = build(load_scene(asked["scene"]), asked["elements"])
-    cable = read_scene(model.mbs)[0]
+    cable = read_scene(model.mbs).cables[0]
     integrator = find_integrator(asked["integrator"])
     system = cable_system(cable.cable, 100.0)
     for records in (system.chain.nodes, system.chain.elements):

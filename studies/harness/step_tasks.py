@@ -64,5 +64,5 @@ def moving_state(dim: int, elements: int, name: str, time: float = 0.1) -> tuple
     stepper.Start()
     stepper.Step(round(time / stepper.stepSize))
     q, v, _ = stepper.State()
-    cable = read_scene(model.mbs)[0]
+    cable = read_scene(model.mbs).cables[0]
     return cable.cable, CableLoads(cable).constant, q.ravel().copy(), v.ravel().copy()

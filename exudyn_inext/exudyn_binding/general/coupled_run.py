@@ -76,8 +76,13 @@ class CoupledRun:
 
     @cached_property
     def _rates(self) -> FastestRates:
-        rates = fastest_rates(self._scene.system, self._time, self.state.q, self.state.v)
-        return with_contact(rates, contact_rates(self._mbs, self._runs))
+        return fastest_rates(self._scene.system, self._time, self.state.q, self.state.v)
+
+    @property
+    def rates_in_contact(self) -> FastestRates:
+        """Bounds of the rates if all contacts close at once; zero where there are none."""
+        contact = contact_rates(self._mbs, self._runs)
+        return with_contact(self._rates, contact) if contact.frequency else FastestRates(0.0, 0.0)
 
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the present configuration, joints included."""
