@@ -96,9 +96,7 @@ class BodiesSystem:
         """Z F for rows F of forces (rows, n)."""
         result = np.ascontiguousarray((self._constant @ forces.T).T)
         for s in self._stacks:
-            s.target[:] = 0.0
-            for force, row in zip(forces, result, strict=True):
-                _apply(s.blocks.dofs, s.inverse, s.lever, s.target, force, row)
+            _apply_to_rows(s.blocks.dofs, s.inverse, forces, result)
         return result
 
     def levered(self, size: int) -> Array:
@@ -242,6 +240,19 @@ def _apply(dofs, inverse, lever, target, force, result):
             for j in range(size):
                 total += inverse[b, i, j] * force[dofs[b, j]]
             result[dofs[b, i]] = total
+
+
+@kernel
+def _apply_to_rows(dofs, inverse, forces, results):
+    """Z F in the places of the blocks, for rows F."""
+    number, size = dofs.shape
+    for row in range(len(forces)):
+        for b in range(number):
+            for i in range(size):
+                total = 0.0
+                for j in range(size):
+                    total += inverse[b, i, j] * forces[row, dofs[b, j]]
+                results[row, dofs[b, i]] = total
 
 
 @kernel

@@ -4,7 +4,7 @@ The parts are evaluated by the same protocols as alone; joints then correct what
 Runs in plain Python: forces come from outside, and each part is one call.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -19,6 +19,21 @@ class Part(NamedTuple):
 
     system: Any
     dofs: slice
+
+
+class _Resolved(NamedTuple):
+    """A part with the implementations of its protocols, found once."""
+
+    system: Any
+    dofs: slice
+    rates: Callable[..., None]
+    accelerate: Callable[..., None]
+    correct: Callable[..., float]
+
+
+def _resolve(part: Part) -> _Resolved:
+    protocols = index_reduced_rates, accelerate_and_project, correct_position
+    return _Resolved(*part, *(protocol.dispatch(type(part.system)) for protocol in protocols))
 
 
 class Surroundings(Protocol):
@@ -52,6 +67,7 @@ class CoupledSystem:
 
     def __init__(self, parts: Sequence[Part], surroundings: Surroundings, zeta: float) -> None:
         self.parts = parts
+        self.resolved = [_resolve(part) for part in parts]
         self.surroundings = surroundings
         self.zeta = zeta
         self.solve = JointSolve(surroundings.blocks, surroundings.joints)
@@ -74,8 +90,9 @@ def coupled_rates(system, external, q, v, acceleration, rate):
     """Eq. (30). Arguments: see `index_reduced_rates`; external: (1,) time [s]."""
     t = float(external[0])
     forces = system.surroundings.forces(t, q, v)
-    for (part, dofs), force in zip(system.parts, forces, strict=True):
-        index_reduced_rates(part, force, q[dofs], v[dofs], acceleration[dofs], rate[dofs])
+    for part, force in zip(system.resolved, forces, strict=True):
+        dofs = part.dofs
+        part.rates(part.system, force, q[dofs], v[dofs], acceleration[dofs], rate[dofs])
     if not system.has_joints:
         return
     terms, solve = system.join(t, q, v), system.solve
@@ -89,9 +106,10 @@ def accelerate_and_project_coupled(system, external, q, v, duration, acceleratio
     """Arguments: see `accelerate_and_project`; external: (1,) time [s]."""
     t = float(external[0])
     forces = system.surroundings.forces(t, q, v + duration * acceleration)
-    for (part, dofs), force in zip(system.parts, forces, strict=True):
-        accelerate_and_project(
-            part, force, q[dofs], v[dofs], duration, acceleration[dofs], end_velocity[dofs]
+    for part, force in zip(system.resolved, forces, strict=True):
+        dofs = part.dofs
+        part.accelerate(
+            part.system, force, q[dofs], v[dofs], duration, acceleration[dofs], end_velocity[dofs]
         )
     if not system.has_joints:
         return
@@ -106,12 +124,14 @@ def correct_coupled_position(system, external, q, tolerance, learning, correctio
     t = float(external[0])
     value = system.surroundings.violations(t, q) if system.has_joints else np.zeros(0)
     system.foresight -= learning * value
-    worst = float(np.abs(value).max(initial=0.0))
-    for (part, dofs), inputs in zip(system.parts, system.surroundings.motions(t), strict=True):
-        violation = correct_position(part, inputs, q[dofs], tolerance, learning, correction[dofs])
+    worst = float(np.abs(value).max()) if system.has_joints else 0.0
+    for part, inputs in zip(system.resolved, system.surroundings.motions(t), strict=True):
+        dofs = part.dofs
+        violation = part.correct(part.system, inputs, q[dofs], tolerance, learning, correction[dofs])
         if violation < tolerance:
             correction[dofs] = 0.0
-        worst = float(np.maximum(worst, violation))  # unlike max, keeps a NaN
+        if not violation <= worst:  # keeps a NaN
+            worst = violation
     if system.has_joints and not worst < tolerance:
         system.solve.apply(correction, -value)
     return worst

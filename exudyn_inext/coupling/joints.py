@@ -7,7 +7,7 @@ With A the saddle-point matrices of all parts, side by side, and J the Jacobian 
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import lapack
@@ -38,6 +38,20 @@ class JointBlock:
         self.response: Array = np.zeros_like(self.jacobian)
 
 
+class _Rows(NamedTuple):
+    """All blocks, one after the other, for the kernels.
+
+    Entry e of a block's Jacobian starts at `first[e]`, has `width[e]` numbers, belongs to row `row[e]` and to
+    the coordinates from `dof[e]` on; the entries of block b end before `end[b]`.
+    """
+
+    first: np.ndarray
+    width: np.ndarray
+    row: np.ndarray
+    dof: np.ndarray
+    end: np.ndarray
+
+
 @dataclass(frozen=True, eq=False)
 class JointTerms:
     """Joints at (t, q, v).
@@ -51,11 +65,16 @@ class JointTerms:
 
 
 class JointSolve:
-    """The solve of S.   names: of the rows, for messages.   blocks: J by parts."""
+    """The solve of S.   names: of the rows, for messages.   blocks: J by parts, whose memory is shared."""
 
     def __init__(self, blocks: Sequence[JointBlock], names: Sequence[str]) -> None:
         self._blocks = blocks
         self._names = names
+        self._rows = _rows_of(blocks)
+        size = sum(block.jacobian.size for block in blocks)
+        self._jacobian, self._response = np.zeros(size), np.zeros(size)
+        _share(blocks, self._jacobian, self._response)
+        self._responders = [respond.dispatch(type(block.system)) for block in blocks]
         self._schur: Array = np.zeros((len(names), len(names)))
         self._factor: Array = np.zeros((len(names), len(names)))
 
@@ -65,17 +84,15 @@ class JointSolve:
         Raises:
             RedundantConstraintError: names the first row that depends on others.
         """
-        self._schur[:] = 0.0
-        for block in self._blocks:
-            respond(block.system, block.jacobian, block.response)
-            _add_product(block.rows, block.jacobian, block.response, self._schur)
+        for block, respond_as in zip(self._blocks, self._responders, strict=True):
+            respond_as(block.system, block.jacobian, block.response)
+        _set_schur(self._rows, self._jacobian, self._response, self._schur)
         self._factor = _factorise(self._schur, self._names)
 
     def times_jacobian(self, x: Array) -> Array:
         """J x (m,).   x: (n,)."""
         result = np.zeros(len(self._names))
-        for block in self._blocks:
-            _add_times(block.rows, block.jacobian, x[block.dofs], result)
+        _add_times(self._rows, self._jacobian, x, result)
         return result
 
     def joint_force(self, nu: Array, dofs: slice) -> Array:
@@ -83,46 +100,68 @@ class JointSolve:
         force = np.zeros(dofs.stop - dofs.start)
         for block in self._blocks:
             if block.dofs == dofs:
-                _subtract_rows(block.rows, block.jacobian, -nu, force)
+                force += nu[block.rows] @ block.jacobian
         return force
 
     def apply(self, x: Array, target: Array) -> Array:
         """x -= A^-1 J^T nu in place, such that J x = target; returns nu (m,)."""
         nu: Array
-        nu, _ = lapack.dpotrs(self._factor, self.times_jacobian(x) - target, lower=1)
-        for block in self._blocks:
-            _subtract_rows(block.rows, block.response, nu, x[block.dofs])
+        nu, _ = lapack.dpotrs(self._factor, self.times_jacobian(x) - target, lower=1, overwrite_b=1)
+        _subtract_times(self._rows, self._response, nu, x)
         return nu
 
 
-@kernel
-def _add_product(rows, jacobian, response, schur):
-    """schur += J R^T in the places `rows`; lower triangle."""
-    for a in range(len(rows)):
-        for b in range(len(rows)):
-            if rows[b] <= rows[a]:
-                total = 0.0
-                for i in range(jacobian.shape[1]):
-                    total += jacobian[a, i] * response[b, i]
-                schur[rows[a], rows[b]] += total
+def _rows_of(blocks: Sequence[JointBlock]) -> _Rows:
+    rows = [(row, block.dofs.start, block.jacobian.shape[1]) for block in blocks for row in block.rows]
+    row, dof, width = np.array(rows, dtype=np.int64).reshape(-1, 3).T.copy()
+    first = np.cumsum(width) - width
+    return _Rows(first, width, row, dof, np.cumsum([len(block.rows) for block in blocks], dtype=np.int64))
+
+
+def _share(blocks: Sequence[JointBlock], jacobian: Array, response: Array) -> None:
+    """Let the blocks' arrays be parts of these."""
+    start = 0
+    for block in blocks:
+        end = start + block.jacobian.size
+        for name, memory in (("jacobian", jacobian), ("response", response)):
+            shared = memory[start:end].reshape(block.jacobian.shape)
+            shared[:] = getattr(block, name)
+            setattr(block, name, shared)
+        start = end
 
 
 @kernel
-def _add_times(rows, jacobian, x, result):
-    """result += J x in the places `rows`."""
-    for a in range(len(rows)):
+def _set_schur(rows, jacobian, response, schur):
+    """S = J R^T; lower triangle."""
+    schur[:] = 0.0
+    begin = 0
+    for end in rows.end:
+        for e in range(begin, end):
+            for f in range(begin, end):
+                if rows.row[f] <= rows.row[e]:
+                    total = 0.0
+                    for i in range(rows.width[e]):
+                        total += jacobian[rows.first[e] + i] * response[rows.first[f] + i]
+                    schur[rows.row[e], rows.row[f]] += total
+        begin = end
+
+
+@kernel
+def _add_times(rows, matrix, x, result):
+    """result += J x."""
+    for e in range(len(rows.row)):
         total = 0.0
-        for i in range(len(x)):
-            total += jacobian[a, i] * x[i]
-        result[rows[a]] += total
+        for i in range(rows.width[e]):
+            total += matrix[rows.first[e] + i] * x[rows.dof[e] + i]
+        result[rows.row[e]] += total
 
 
 @kernel
-def _subtract_rows(rows, matrix, nu, x):
-    """x -= matrix^T nu, nu at the places `rows`."""
-    for a in range(len(rows)):
-        for i in range(len(x)):
-            x[i] -= matrix[a, i] * nu[rows[a]]
+def _subtract_times(rows, matrix, nu, x):
+    """x -= matrix^T nu."""
+    for e in range(len(rows.row)):
+        for i in range(rows.width[e]):
+            x[rows.dof[e] + i] -= matrix[rows.first[e] + i] * nu[rows.row[e]]
 
 
 def _factorise(schur: Array, names: Sequence[str]) -> Array:

@@ -69,9 +69,9 @@ class CableLoads:
         return histories_are_pure and all(motion.is_pure for motion in self._motions)
 
     def at(self, time: float) -> Array:
-        """(n_external,) external force and motions at `time`."""
+        """(n_external,) external force and motions at `time`; not to be written to."""
         if not len(self.pattern):
-            return self.constant.copy()
+            return self.constant
         forces: Array = self.constant + (self._factors([time]) @ self.pattern)[0]
         return forces
 

@@ -11,6 +11,8 @@ from exudyn.exudynCPP import ObjectIndex
 from ...arrays import Array
 from ...errors import SceneError
 
+_LINEAR = {"JointSpherical", "ConnectorCoordinate"}
+_WITHOUT_ROTATION = {"Ground", "MassPoint", "MassPoint2D", "Mass1D"}
 _JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
 
 
@@ -21,6 +23,7 @@ class JointItem:
     number: of the object.   rows: (k,) places of its active equations among all algebraic equations.
     active: (k,) which of its own equations these are.   coordinates: (n,) places in the system vector.
     name: for messages.   follows_time: whether user functions take part.
+    is_linear: whether its Jacobian never changes.
     """
 
     number: int
@@ -29,6 +32,7 @@ class JointItem:
     coordinates: np.ndarray
     name: str
     follows_time: bool
+    is_linear: bool
 
     def jacobian(self, mbs: Any) -> Array:
         """(k, n) with respect to `coordinates`, in the current configuration."""
@@ -82,4 +86,14 @@ def _joint(mbs: Any, number: int, data: dict[str, Any], name: str) -> JointItem:
         coordinates=np.array(mbs.systemData.GetObjectLTGODE2(number), dtype=int),
         name=name,
         follows_time=any("UserFunction" in key and bool(value) for key, value in data.items()),
+        is_linear=data["objectType"] in _LINEAR
+        and all(_is_translation(mbs, n) for n in data["markerNumbers"]),
     )
+
+
+def _is_translation(mbs: Any, number: int) -> bool:
+    """Whether the position of a marker is linear in the coordinates."""
+    marker = mbs.GetMarker(number)
+    if "bodyNumber" in marker:
+        return mbs.GetObject(marker["bodyNumber"])["objectType"] in _WITHOUT_ROTATION
+    return marker["markerType"] in ("NodePosition", "NodeCoordinate")

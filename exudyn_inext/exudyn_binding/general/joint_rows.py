@@ -33,6 +33,8 @@ class JointRows:
         self.names = [f"{joint.name}, equation {k}," for joint in joints for k in joint.active]
         self.follows_time = any(joint.follows_time for joint in joints)
         self._joints = joints
+        self._are_linear = all(joint.is_linear for joint in joints)
+        self._is_set = False  # the Jacobian of linear joints
         self._equations = np.concatenate([np.zeros(0, int), *(joint.rows for joint in joints)])
         ends = np.cumsum([0, *(len(joint.rows) for joint in joints)])
         rows = [np.arange(a, b) for a, b in pairwise(ends)]
@@ -41,7 +43,7 @@ class JointRows:
         self.blocks = [block for block in of_parts.values() if len(block.rows)]
         self._targets = [
             [
-                (of_parts[part].jacobian, np.ix_(np.searchsorted(of_parts[part].rows, own), at), columns)
+                (of_parts[part], np.ix_(np.searchsorted(of_parts[part].rows, own), at), columns)
                 for part, columns, at in met
             ]
             for own, met in zip(rows, places, strict=True)
@@ -67,9 +69,12 @@ class JointRows:
     def update_jacobian(self, mbs: Any, q: Array) -> None:
         """`blocks` in the current configuration of mbs, which is q (n,)."""
         for joint, targets in zip(self._joints, self._targets, strict=True):
+            if joint.is_linear and self._is_set:
+                continue
             jacobian = joint.jacobian(mbs)
             for block, places, columns in targets:
-                block[places] = jacobian[:, columns]
+                block.jacobian[places] = jacobian[:, columns]
+        self._is_set = True
 
     def _moved(self, q: Array, v: Array, duration: float) -> Array:
         """q + duration v, on curves that keep the norm of quaternions.
@@ -87,7 +92,7 @@ class JointRows:
             value_at: (t, q) -> c (m,); its second difference along the motion is -gamma, Eq. (27).
         """
         value = value_at(t, q)
-        if not (self.follows_time or v.any()):
+        if not self.follows_time and (self._are_linear or not v.any()):
             return JointTerms(value, np.zeros(self.number), np.zeros(self.number))
         step = STEP / max(1.0, float(np.abs(v).max()))
         after, before = (value_at(t + s, self._moved(q, v, s)) for s in (step, -step))

@@ -71,7 +71,7 @@ class NativeSurroundings:
         forces = self._coordinates.forces(residual[:second])
         result = []
         for loads, dofs in zip(self._loads, self._dofs, strict=False):
-            force = loads.at(t)
+            force = loads.at(t).copy()
             force[: dofs.stop - dofs.start] += forces[dofs]
             result.append(force)
         self._masses.update(q[self._bodies])

@@ -21,6 +21,7 @@ from exudyn.itemInterface import (
 from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import CreatePrescribedMotion
+from exudyn_inext.exudyn_binding.general.joint_items import read_joints
 from exudyn_inext.integrators import INTEGRATORS
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import trajectory
@@ -229,3 +230,25 @@ def test_multipliers_of_joints_are_shown_to_sensors(mbs, add_pendulum, solve):
     mbs.Assemble()
     solve(mbs, 0.02)
     assert abs(trajectory(mbs, sensor)[-1, 1]) == pytest.approx(0.5 * 9.81, rel=1e-6)
+
+
+def test_joints_that_count_as_linear_have_a_jacobian_that_never_changes(mbs, add_cable):
+    nodes = add_cable(mbs)["nodes"]
+    point = mbs.CreateMassPoint(mass=1.0, referencePosition=[1.8, 0, 0], returnDict=True)
+    body = mbs.CreateRigidBody(inertia=InertiaCuboid(100, [0.1] * 3), referencePosition=[0, 0, 0])
+    tips = [mbs.AddMarker(MarkerNodePosition(nodeNumber=n)) for n in (nodes[0], nodes[-1])]
+    knot = mbs.AddMarker(MarkerBodyPosition(bodyNumber=point["bodyNumber"]))
+    corner = mbs.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=[0.05, 0.05, 0]))
+    pair = [mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=n, coordinate=1)) for n in nodes[2:4]]
+    mbs.AddObject(SphericalJoint(markerNumbers=[tips[1], knot], constrainedAxes=[1, 1, 0]))
+    mbs.AddObject(SphericalJoint(markerNumbers=[tips[0], corner], constrainedAxes=[1, 1, 0]))
+    mbs.AddObject(CoordinateConstraint(markerNumbers=pair, factor1=2.0))
+    mbs.AddObject(DistanceConstraint(markerNumbers=tips, distance=1.8))
+    mbs.Assemble()
+    joints = read_joints(mbs, [])
+    assert [joint.is_linear for joint in joints] == [True, False, True, False]
+    before = [joint.jacobian(mbs) for joint in joints]
+    rng = np.random.default_rng(0)
+    mbs.systemData.SetODE2Coordinates(0.3 * rng.standard_normal(mbs.systemData.ODE2Size()))
+    same = [np.array_equal(joint.jacobian(mbs), old) for joint, old in zip(joints, before, strict=True)]
+    assert same == [True, False, True, False]
