@@ -200,10 +200,10 @@ def test_steps_keep_no_memory_and_ask_for_next_to_none(twin, n):
             stepper.Step(n)
             stepper.State()
 
-    steps()
     tracemalloc.start()
     try:
-        steps()
+        for _ in range(10):  # what the dispatch of kernels remembers settles within a few rounds
+            steps()
         tracemalloc.reset_peak()
         before, _ = tracemalloc.get_traced_memory()
         steps()
