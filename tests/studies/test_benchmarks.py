@@ -50,6 +50,22 @@ def test_kernel_compares_steps_with_native_evaluations_and_counts_operations(run
     assert operations["2D, Zhai", 20] < operations["2D, RATTLE", 20] < operations["3D, RATTLE", 20]
 
 
+def test_scene_cost_takes_each_path_and_names_it(run_quick):
+    rows = run_quick("scene_cost")["cost"]
+    paths = {row["label"]: row["path"] for row in rows}
+    assert "in one compiled call" in paths["cables alone"]
+    assert "user functions may look" in paths["elements, watched"]
+    assert "no Jacobian" in paths["springs"] and "no mass" in paths["mass points on joints"]
+    assert "the mass of 2 bodies, the Jacobians of 2 joints" in paths["bodies on joints"]
+    assert all(row["startMilliseconds"] > 0 for row in rows)
+
+
+def test_the_ways_to_keep_the_length_agree(run_quick):
+    rows = run_quick("enforcement")["way"]
+    assert {row["enforcement"] for row in rows} == {"projection", "penaltyMass", "algebraic"}
+    assert all(row["errorMax"] < 2e-3 and row["microseconds"] > 0 for row in rows)
+
+
 def test_numbers_that_count_do_count():
     tally.update(dict.fromkeys(tally, 0))
     x, y = Counted(2.0), Counted(5.0)
