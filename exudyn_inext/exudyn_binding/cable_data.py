@@ -63,3 +63,38 @@ def find_cable_item(object_data: dict[str, Any]) -> CableItem | None:
         return None
     function = object_data["VgraphicsDataUserFunction"]
     return getattr(function["function"], "cable_item", None) if isinstance(function, dict) else None
+
+
+def object_number(cable: Any) -> int:
+    """Of what CreateInextensibleCable returned, or the number itself; InputError if it is neither."""
+    number = cable["elements"][0] if isinstance(cable, dict) and cable.get("elements") else cable
+    try:
+        return int(number)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"cable = {cable!r}: must be what CreateInextensibleCable returned, or its object number."
+        ) from None
+
+
+def require_item(mbs: Any, number: int) -> CableItem:
+    """The cable behind an object number; InputError if there is none."""
+    try:
+        item = find_cable_item(mbs.GetObject(number))
+    except Exception:
+        item = None
+    if item is None:
+        raise InputError(f"object {number} is no inextensible cable: use CreateInextensibleCable's result.")
+    return item
+
+
+def point_on_cable(arc_length: Any, length: float) -> float:
+    """A checked arc length [m] on a cable of that length; InputError if it is beyond."""
+    try:
+        x = float(arc_length)
+    except (TypeError, ValueError):
+        x = np.nan
+    if not 0.0 <= x <= length * (1.0 + 1e-12):
+        raise InputError(
+            f"arcLength = {arc_length!r} m is not on the cable: it runs from 0 to {length:.9g} m."
+        )
+    return x

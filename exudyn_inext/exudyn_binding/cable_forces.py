@@ -13,7 +13,7 @@ from ..chain.linked_cable import cable_system
 from ..chain.section_forces import SectionForces, SolvedState, multiplier_tension, section_forces
 from ..errors import InputError, SceneError
 from ..system import index_reduced_rates
-from .cable_data import find_cable_item
+from .cable_data import object_number, point_on_cable, require_item
 from .cable_loads import CableLoads
 from .general.coupled_scene import CoupledCable, CoupledScene
 from .general.surroundings import state_kept, switched_off
@@ -114,7 +114,7 @@ def CableForces(mbs: Any, cable: Any, arcLengths: Any = None) -> dict[str, Any]:
         forces = CableForces(mbs, cable, 101)
         plt.plot(forces["arcLength"], forces["tension"])
     """
-    evaluator = CableEvaluator(mbs, _object_number(cable))
+    evaluator = CableEvaluator(mbs, object_number(cable))
     points, state = _points(arcLengths, evaluator), evaluator.solve()
     forces = evaluator.forces(state, points)
     return {
@@ -144,9 +144,9 @@ def CreateCableForceSensor(
     Raises:
         InputError: not a cable, or the point is not on it; mbs is unchanged then.
     """
-    number = _object_number(cable)
-    item = _require_item(mbs, number)
-    point = np.array([_on_cable(arcLength, item.cable.length)])
+    number = object_number(cable)
+    item = require_item(mbs, number)
+    point = np.array([point_on_cable(arcLength, item.cable.length)])
     cache: dict[str, Any] = {"time": np.inf, "evaluator": None}
 
     def cable_force_user_function(mbs, t, sensorNumbers, factors, configuration):
@@ -169,29 +169,9 @@ def CreateCableForceSensor(
     )
 
 
-def _object_number(cable: Any) -> int:
-    number = cable["elements"][0] if isinstance(cable, dict) and cable.get("elements") else cable
-    try:
-        return int(number)
-    except (TypeError, ValueError):
-        raise InputError(
-            f"cable = {cable!r}: must be what CreateInextensibleCable returned, or its object number."
-        ) from None
-
-
-def _require_item(mbs: Any, number: int) -> Any:
-    try:
-        item = find_cable_item(mbs.GetObject(number))
-    except Exception:
-        item = None
-    if item is None:
-        raise InputError(f"object {number} is no inextensible cable: use CreateInextensibleCable's result.")
-    return item
-
-
 def _place_of(scene: Scene, mbs: Any, number: int) -> int:
     """Which of the cables of the scene an object is."""
-    _require_item(mbs, number)
+    require_item(mbs, number)
     for place, cable in enumerate(scene.cables):
         if cable.number == number:
             return place
@@ -205,16 +185,4 @@ def _points(given: Any, evaluator: CableEvaluator) -> Array:
         return np.linspace(0.0, evaluator.length, int(given))
     if np.ndim(given) == 0:
         raise InputError(f"arcLengths = {given!r}: must be points (m,) [m], or how many, at least 2.")
-    return np.array([_on_cable(x, evaluator.length) for x in given])
-
-
-def _on_cable(arc_length: Any, length: float) -> float:
-    try:
-        x = float(arc_length)
-    except (TypeError, ValueError):
-        x = np.nan
-    if not 0.0 <= x <= length * (1.0 + 1e-12):
-        raise InputError(
-            f"arcLength = {arc_length!r} m is not on the cable: it runs from 0 to {length:.9g} m."
-        )
-    return x
+    return np.array([point_on_cable(x, evaluator.length) for x in given])

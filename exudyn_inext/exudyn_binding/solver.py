@@ -22,9 +22,16 @@ from .time_loop import ExplicitTimeLoop
 def SolveExplicit(
     mbs: Any, simulationSettings: Any = None, explicitSettings: ExplicitSettings | None = None
 ) -> dict[str, Any]:
-    """Explicit dynamics of a scene of inextensible cables, in Exudyn's own time loop.
+    """Explicit dynamics of a scene with inextensible cables, in Exudyn's own time loop.
 
-    Without any inextensible cable, native items of constant mass are moved instead, for comparisons.
+    Cables alone are moved by compiled code. Bodies, connectors, native joints, contact, first order
+    states and loads on any of them are evaluated by Exudyn, at each right-hand side; joints are enforced
+    in position, velocity and acceleration, as the cables' own constraints are. Constraints on velocities,
+    and rotation vectors as coordinates, are refused. Without any inextensible cable, native items are
+    moved, for comparisons. The report says which path was taken, and why.
+
+    The stability limit is that of the initial state. Tension that grows during the motion lowers it, and
+    general contacts that close: leave a margin (stepSafety), or let the steps adapt (adaptiveStep).
 
     Sensors, solution files, pre- and post-step user functions and the SolutionViewer work as
     with mbs.SolveDynamic. Exudyn's steps are as long as the outputs allow: numberOfSteps of the

@@ -7,8 +7,7 @@ from exudyn.itemInterface import MarkerBodyPosition, MarkerNodePosition, Spheric
 
 from ...arrays import Array
 from ...errors import InputError
-from ..cable_data import CableItem
-from ..cable_forces import _object_number, _require_item
+from ..cable_data import CableItem, object_number, require_item
 from ..cable_item import _add_ground_constraints
 from ..shape import _finite
 from .body_frame import BodyFrame, body_frame
@@ -55,7 +54,7 @@ def AttachToBody(
         AttachToBody(mbs, cable, 'end', drone, localPosition=[0, 0, -0.1])
         AttachToBody(mbs, rod, 'start', hub, [0.2, 0, 0], kind='clamp', localDirection=[1, 0, 0])
     """
-    item = _require_item(mbs, _object_number(cable))
+    item = require_item(mbs, object_number(cable))
     place = _place(item, end, kind)
     frame = body_frame(mbs, bodyNumber)
     local = _vector("localPosition", localPosition)

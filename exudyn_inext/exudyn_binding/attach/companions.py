@@ -17,8 +17,7 @@ from exudyn.itemInterface import (
 )
 
 from ...chain.attached import place_on_elements
-from ..cable_data import CableItem
-from ..cable_forces import _object_number, _on_cable, _require_item
+from ..cable_data import CableItem, object_number, point_on_cable, require_item
 from .inert import INERT, is_inert_cable
 
 _SECTION_FORCES = {exudyn.OutputVariableType.ForceLocal, exudyn.OutputVariableType.TorqueLocal}
@@ -53,7 +52,7 @@ def CreateCompanionCables(mbs: Any, cable: Any, show: bool = False) -> list[int]
         mbs.AddSensor(SensorBody(bodyNumber=elements[2], localPosition=[0.1, 0, 0],
             outputVariableType=exu.OutputVariableType.Velocity, storeInternal=True))
     """
-    item = _require_item(mbs, _object_number(cable))
+    item = require_item(mbs, object_number(cable))
     existing = _companions_by_nodes(mbs)
     spans = list(pairwise(item.node_names))
     return [
@@ -83,7 +82,7 @@ def MarkerOnCable(mbs: Any, cable: Any, arcLength: float) -> int:
     Example:
         mbs.AddLoad(LoadForceVector(markerNumber=MarkerOnCable(mbs, cable, 1.3), loadVector=[0, -2, 0]))
     """
-    item = _require_item(mbs, _object_number(cable))
+    item = require_item(mbs, object_number(cable))
     element, offset = place_on_cable(item, arcLength)
     body = CreateCompanionCables(mbs, cable)[element]
     return int(mbs.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=[offset, 0.0, 0.0])))
@@ -92,7 +91,7 @@ def MarkerOnCable(mbs: Any, cable: Any, arcLength: float) -> int:
 def place_on_cable(item: CableItem, arc_length: Any) -> tuple[int, float]:
     """Element, and distance from its left node [m], of a point; InputError if it is not on the cable."""
     lengths = item.cable.element_lengths
-    element, xi = place_on_elements(_on_cable(arc_length, item.cable.length), lengths)
+    element, xi = place_on_elements(point_on_cable(arc_length, item.cable.length), lengths)
     return element, xi * float(lengths[element])
 
 

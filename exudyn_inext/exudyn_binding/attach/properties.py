@@ -9,7 +9,7 @@ import numpy as np
 from ...chain.attached import Drag, PointMass
 from ...chain.cable import require_positive
 from ...errors import InputError
-from ..cable_forces import _object_number, _on_cable, _require_item
+from ..cable_data import object_number, point_on_cable, require_item
 from ..shape import _finite
 
 
@@ -72,7 +72,7 @@ def SetCableDrag(mbs: Any, cable: Any, drag: CableDrag | None) -> None:
     Example:
         SetCableDrag(mbs, cable, CableDrag(1.2, 0.01, diameter=0.02, fluidDensity=1000))
     """
-    item = _require_item(mbs, _object_number(cable))
+    item = require_item(mbs, object_number(cable))
     if drag is not None and not isinstance(drag, CableDrag):
         raise InputError(f"drag = {drag!r}: must be a CableDrag or None.")
     law = None if drag is None else drag.of_cable(item.cable.dimension)
@@ -97,8 +97,8 @@ def AddPointMass(mbs: Any, cable: Any, arcLength: float, mass: float) -> None:
     Example:
         AddPointMass(mbs, cable, arcLength=0.9, mass=0.02)
     """
-    item = _require_item(mbs, _object_number(cable))
-    point = PointMass(_on_cable(arcLength, item.cable.length), require_positive("mass", mass))
+    item = require_item(mbs, object_number(cable))
+    point = PointMass(point_on_cable(arcLength, item.cable.length), require_positive("mass", mass))
     item.change(point_masses=(*item.cable.point_masses, point))
 
 
