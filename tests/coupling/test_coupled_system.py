@@ -8,6 +8,8 @@ from exudyn_inext.system import accelerate_and_project, correct_position, index_
 from tests.cables import relative_error
 from tests.coupling.scenes import TIME, solve_dense, whole
 
+pytestmark = pytest.mark.kernel
+
 ZETA = 5.0
 NOW = np.array([TIME])
 scenes = pytest.mark.parametrize(
