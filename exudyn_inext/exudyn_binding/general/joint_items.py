@@ -85,7 +85,7 @@ def _joint(mbs: Any, number: int, data: dict[str, Any], name: str) -> JointItem:
         active=active,
         coordinates=np.array(mbs.systemData.GetObjectLTGODE2(number), dtype=int),
         name=name,
-        follows_time=any("UserFunction" in key and bool(value) for key, value in data.items()),
+        follows_time=any("UserFunction" in key and isinstance(value, dict) for key, value in data.items()),
         is_linear=data["objectType"] in _LINEAR
         and all(_is_translation(mbs, n) for n in data["markerNumbers"]),
     )

@@ -1,0 +1,157 @@
+"""One item of each kind beside a cable moves as under Exudyn's implicit solver."""
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.itemInterface import (
+    LoadForceVector,
+    MarkerBodyPosition,
+    MarkerBodyRigid,
+    NodeGenericODE2,
+    NodeRigidBody2D,
+    ObjectGenericODE2,
+    ObjectKinematicTree,
+    ObjectRigidBody2D,
+    RevoluteJoint2D,
+)
+from exudyn.utilities import InertiaCuboid, InertiaCylinder
+
+from reference_models.model import quiet_settings, silence
+
+GRAVITY = [0, -9.81, 0]
+
+
+def kinematic_tree(mbs):
+    """Two links; the mass matrix depends on the configuration."""
+    node = mbs.AddNode(
+        NodeGenericODE2(
+            referenceCoordinates=[0.0] * 2,
+            initialCoordinates=[0.3, -0.4],
+            initialCoordinates_t=[1.0, 0.0],
+            numberOfODE2Coordinates=2,
+        )
+    )
+    link = InertiaCuboid(1000, [0.3, 0.05, 0.05]).Translated([0.15, 0, 0])
+    mbs.AddObject(
+        ObjectKinematicTree(
+            nodeNumber=node,
+            jointTypes=[exudyn.JointType.RevoluteZ] * 2,
+            linkParents=[-1, 0],
+            jointTransformations=exudyn.Matrix3DList([np.eye(3)] * 2),
+            jointOffsets=exudyn.Vector3DList([[0, 0, 0], [0.3, 0, 0]]),
+            linkInertiasCOM=exudyn.Matrix3DList([link.InertiaCOM()] * 2),
+            linkCOMs=exudyn.Vector3DList([link.COM()] * 2),
+            linkMasses=[link.Mass()] * 2,
+            gravity=GRAVITY,
+            baseOffset=[0, 0, 0],
+        )
+    )
+    return node
+
+
+def planar_body_on_a_hinge(mbs):
+    node = mbs.AddNode(NodeRigidBody2D(referenceCoordinates=[1, 0, 0], initialVelocities=[0, 1.5, 3]))
+    body = mbs.AddObject(ObjectRigidBody2D(mass=2, inertia=0.1, nodeNumber=node))
+    ground = mbs.CreateGround(referencePosition=[0.5, 0, 0])
+    pair = [MarkerBodyRigid(bodyNumber=ground), MarkerBodyRigid(bodyNumber=body, localPosition=[-0.5, 0, 0])]
+    mbs.AddObject(RevoluteJoint2D(markerNumbers=[mbs.AddMarker(marker) for marker in pair]))
+    centre = mbs.AddMarker(MarkerBodyPosition(bodyNumber=body))
+    mbs.AddLoad(LoadForceVector(markerNumber=centre, loadVector=[0, -19.62, 0]))
+    return node
+
+
+def rigid(mbs, inertia, **options):
+    return mbs.CreateRigidBody(inertia=inertia, returnDict=True, **options)
+
+
+def body_on_a_torsional_spring(mbs):
+    """Its centre of mass lies off the reference point; Tait-Bryan angles."""
+    body = rigid(
+        mbs,
+        InertiaCuboid(1000, [0.1, 0.2, 0.3]).Translated([0.05, 0.02, 0]),
+        gravity=[0, 0, -9.81],
+        initialAngularVelocity=[0, 0, 2],
+        nodeType=exudyn.NodeType.RotationRxyz,
+    )
+    hinge = {"itemNumbers": [mbs.CreateGround(), body["bodyNumber"]], "position": [0] * 3, "axis": [0, 0, 1]}
+    mbs.CreateRevoluteJoint(**hinge)
+    mbs.CreateTorsionalSpringDamper(**hinge, stiffness=20, damping=0.1)
+    return body["nodeNumber"]
+
+
+def body_on_a_generic_joint(mbs):
+    body = rigid(mbs, InertiaCuboid(1000, [0.1, 0.2, 0.3]), referencePosition=[0.1, 0, 0], gravity=GRAVITY)
+    mbs.CreateGenericJoint(
+        itemNumbers=[mbs.CreateGround(), body["bodyNumber"]],
+        position=[0, 0, 0],
+        constrainedAxes=[1, 1, 1, 1, 1, 0],
+    )
+    return body["nodeNumber"]
+
+
+def disc_that_rolls_by_penalty(mbs):
+    disc = rigid(
+        mbs,
+        InertiaCylinder(1000, 0.02, 0.1, 0),
+        referencePosition=[0, 0, 0.1],
+        gravity=[0, 0, -9.81],
+        initialVelocity=[0, -0.2, 0],
+        initialAngularVelocity=[2, 0, 0],
+    )
+    mbs.CreateRollingDiscPenalty(
+        bodyNumbers=[mbs.CreateGround(), disc["bodyNumber"]],
+        discRadius=0.1,
+        planePosition=[0, 0, 0],
+        axisPosition=[0, 0, 0],
+        axisVector=[1, 0, 0],
+        contactStiffness=1e4,
+        contactDamping=50,
+        dryFriction=[0.5, 0.5],
+        dryFrictionProportionalZone=0.01,
+    )
+    return disc["nodeNumber"]
+
+
+def matrices_and_a_user_function(mbs):
+    start = {"referenceCoordinates": [0, 0], "initialCoordinates": [0.1, 0], "initialCoordinates_t": [0, 0]}
+    node = mbs.AddNode(NodeGenericODE2(**start, numberOfODE2Coordinates=2))
+    mbs.AddObject(
+        ObjectGenericODE2(
+            nodeNumbers=[node],
+            massMatrix=np.array([[2.0, 0.5], [0.5, 1.0]]),
+            stiffnessMatrix=np.array([[50.0, -20.0], [-20.0, 30.0]]),
+            forceUserFunction=lambda mbs, t, number, q, q_t: [np.sin(9 * t), 0],
+        )
+    )
+    return node
+
+
+ITEMS = [
+    kinematic_tree,
+    planar_body_on_a_hinge,
+    body_on_a_torsional_spring,
+    body_on_a_generic_joint,
+    disc_that_rolls_by_penalty,
+    matrices_and_a_user_function,
+]
+
+
+@pytest.mark.parametrize("add", ITEMS, ids=lambda add: add.__name__)
+def test_it_moves_as_under_the_implicit_solver(new_mbs, add_pendulum, solve, add):
+    found = []
+    for beside_a_cable in (True, False):
+        mbs = new_mbs()
+        node = add(mbs)
+        if beside_a_cable:
+            add_pendulum(mbs, numberOfElements=2)
+        mbs.Assemble()
+        if beside_a_cable:
+            solve(mbs, 0.2, stepSize=2e-4)
+        else:
+            with silence():
+                mbs.SolveDynamic(quiet_settings(0.2, 2000))
+        found.append(np.array(mbs.GetNodeOutput(node, exudyn.OutputVariableType.Coordinates)))
+    start = np.zeros(len(found[0]))
+    start[: len(mbs.GetNode(node).get("initialCoordinates", []))] = mbs.GetNode(node)["initialCoordinates"]
+    assert np.abs(found[1] - start).max() > 0.02
+    np.testing.assert_allclose(*found, atol=1e-5 * max(1.0, np.abs(found[1]).max()))
