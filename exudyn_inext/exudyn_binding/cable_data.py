@@ -65,6 +65,14 @@ def find_cable_item(object_data: dict[str, Any]) -> CableItem | None:
     return getattr(function["function"], "cable_item", None) if isinstance(function, dict) else None
 
 
+def belongs_to_a_cable(object_data: dict[str, Any]) -> bool:
+    """Whether mbs.GetObject(...) data is a constraint object that enforces a cable's inextensibility."""
+    if object_data["objectType"] != "ConnectorCoordinateVector":
+        return False
+    function = object_data["constraintUserFunction"]
+    return isinstance(function, dict) and hasattr(function["function"], "enforces_inextensibility")
+
+
 def object_number(cable: Any) -> int:
     """Of what CreateInextensibleCable returned, or the number itself; InputError if it is neither."""
     number = cable["elements"][0] if isinstance(cable, dict) and cable.get("elements") else cable

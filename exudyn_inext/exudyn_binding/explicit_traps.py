@@ -6,7 +6,7 @@ from typing import Any
 import exudyn
 
 from ..errors import ExplicitTrapWarning
-from .cable_data import find_cable_item
+from .cable_data import belongs_to_a_cable, find_cable_item
 
 _WRONG_COUPLING = (
     "native explicit solvers solve for all accelerations and then set the held ones to zero, which is wrong "
@@ -18,9 +18,10 @@ def WarnOfExplicitTraps(mbs: Any) -> list[str]:
     """Warn of what goes wrong when a native explicit solver (RK44, VelocityVerlet, ...) is used on mbs.
 
     The trap that no solver reports: a CoordinateConstraint that holds a node of an ANCF cable, native or
-    inextensible, gives a wrong motion. Inextensible cables that native explicit solvers cannot move are
-    named as well. Cables with enforcement='penaltyMass' call this themselves as such a solver starts;
-    scenes with native cables alone have to be checked by this function.
+    inextensible, gives a wrong motion. Joints, and inextensible cables that native explicit solvers
+    cannot move, are named as well; there, the solvers stop by themselves. Cables with
+    enforcement='penaltyMass' call this themselves as such a solver starts; scenes with native cables
+    alone have to be checked by this function.
 
     Args:
         mbs: the system, assembled or not; unchanged.
@@ -55,7 +56,19 @@ def explicit_traps(mbs: Any) -> list[str]:
             owners |= dict.fromkeys(item.nodes, data["name"])
         elif "ANCFCable" in data["objectType"]:
             owners |= dict.fromkeys(map(int, data["nodeNumbers"]), data["name"])
+        elif _is_joint(data):
+            messages.append(
+                f"'{data['name']}' ({data['objectType']}) is a joint, which native explicit solvers do not "
+                "take: use SolveExplicit, an implicit solver, or a stiff spring in its place."
+            )
     return messages + [message for data in objects for message in _held_nodes(mbs, data, owners)]
+
+
+def _is_joint(data: dict[str, Any]) -> bool:
+    """Whether an object constrains others, but for single coordinates."""
+    kind = data["objectType"]
+    constrains = kind.startswith("Joint") or kind in ("ConnectorDistance", "ConnectorCoordinateVector")
+    return constrains and data.get("activeConnector", True) and not belongs_to_a_cable(data)
 
 
 def _held_nodes(mbs: Any, data: dict[str, Any], owners: dict[int, str]) -> list[str]:

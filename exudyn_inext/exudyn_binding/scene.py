@@ -13,9 +13,8 @@ from ..constraints.prescribed_motion import prescribed
 from ..errors import SceneError
 from .attach.inert import is_inert_cable
 from .attach.markers import REMEDY, unsuitable_markers
-from .cable_data import CableItem, find_cable_item
+from .cable_data import CableItem, belongs_to_a_cable, find_cable_item
 from .cable_item import supports_of_flags
-from .enforcement.algebraic import belongs_to_a_cable
 from .link_items import MovingCoordinate, Rod, links_of_motions, read_moving_coordinate, read_rod
 from .load_items import NodalLoad, read_load
 

@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import (
     CoordinateConstraint,
+    MarkerBodyPosition,
     MarkerNodeCoordinate,
+    MarkerNodePosition,
     NodePointGround,
     ObjectGenericODE2,
+    SphericalJoint,
 )
 
 from exudyn_inext import (
@@ -258,6 +261,19 @@ def test_a_coordinate_constraint_on_a_native_cable_is_named(mbs, dim):
         messages = WarnOfExplicitTraps(mbs)
     assert [str(warning.message) for warning in caught] == messages
     assert len([text for text in messages if re.match(rf"the {message}", text)]) == dim
+
+
+def test_a_joint_in_a_native_explicit_solver_is_named(mbs, add_cable):
+    """Exudyn refuses it, too, but does not say what takes its place."""
+    cable = add_cable(mbs, numberOfElements=2, enforcement="penaltyMass")
+    ground = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.CreateGround()))
+    start = mbs.AddMarker(MarkerNodePosition(nodeNumber=cable["nodes"][0]))
+    mbs.AddObject(SphericalJoint(markerNumbers=[ground, start], constrainedAxes=[1, 1, 0], name="hook"))
+    mbs.Assemble()
+    with pytest.warns(ExplicitTrapWarning, match=r"'hook' \(JointSpherical\) is a joint.*use SolveExplicit"):
+        WarnOfExplicitTraps(mbs)
+    with silence(), pytest.raises(exudyn.ModelError):
+        mbs.SolveDynamic(quiet_settings(0.01, 10), solverType=exudyn.DynamicSolverType.RK44)
 
 
 def test_scenes_without_traps_are_not_warned_of(mbs, add_pendulum):

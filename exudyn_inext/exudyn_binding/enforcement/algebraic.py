@@ -66,14 +66,6 @@ class Algebraic:
         return [mbs.AddObject(constraint)]
 
 
-def belongs_to_a_cable(object_data: dict[str, Any]) -> bool:
-    """Whether mbs.GetObject(...) data is a constraint object that enforces a cable's inextensibility."""
-    if object_data["objectType"] != "ConnectorCoordinateVector":
-        return False
-    function = object_data["constraintUserFunction"]
-    return isinstance(function, dict) and hasattr(function["function"], "enforces_inextensibility")
-
-
 def _linear_forces(cable: Cable, chain: Chain, external: Array) -> dict[str, Any]:
     """K and the force in the reference configuration: objects know displacements only."""
     coordinates, force = Coordinates(cable), external.copy()
