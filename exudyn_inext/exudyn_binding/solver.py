@@ -135,6 +135,9 @@ def _run(mbs: Any, solver: Any, settings: Any, loop: ExplicitTimeLoop) -> None:
         try:
             success = solver.SolveSystem(mbs, settings)
         except Exception as error:
+            if loop.error is None and "KeyboardInterrupt" in str(error):  # Exudyn wraps it
+                kept = f"interrupted at t = {mbs.systemData.GetTime():.6g} s; mbs holds the state there."
+                raise KeyboardInterrupt(kept) from None
             raise loop.error or error from None
         finally:
             loop.complete_state()

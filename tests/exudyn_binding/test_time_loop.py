@@ -190,3 +190,25 @@ def test_a_system_without_anything_is_refused(mbs, solve):
     mbs.Assemble()
     with pytest.raises(SceneError):
         solve(mbs)
+
+
+@pytest.mark.parametrize("among_others", [False, True])
+def test_an_interrupt_leaves_a_system_that_runs_again(new_mbs, add_pendulum, solve, among_others):
+    mbs = new_mbs()
+    add_pendulum(mbs)
+    if among_others:
+        mbs.CreateMassPoint(mass=1.0, referencePosition=[0, 0, 0])
+    mbs.Assemble()
+
+    def interrupt(mbs, t):
+        if t > 0.05:
+            raise KeyboardInterrupt
+        return True
+
+    mbs.SetPreStepUserFunction(interrupt)
+    with pytest.raises(KeyboardInterrupt, match=r"interrupted at t = 0\.0\d+ s"):
+        solve(mbs, 0.1, steps=10)
+    assert np.isfinite(mbs.systemData.GetODE2Coordinates()).all()
+    mbs.SetPreStepUserFunction(lambda mbs, t: True)
+    assert solve(mbs, 0.1, steps=10)["success"]
+    assert mbs.systemData.GetTime() == pytest.approx(0.1)
