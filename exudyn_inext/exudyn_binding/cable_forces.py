@@ -21,15 +21,19 @@ from .scene import Scene, read_scene, require_assembled
 
 
 class CableEvaluator:
-    """Evaluates one cable of an mbs at its present state, apart from any running solver."""
+    """Evaluates one cable of an mbs at its present state, apart from any running solver.
+
+    It holds no mbs, so that a sensor which keeps it does not keep its mbs alive, until it has had to evaluate
+    a cable among bodies and joints; see `forget_evaluators`.
+    """
 
     def __init__(self, mbs: Any, number: int) -> None:
         require_assembled(mbs)
-        self._mbs = mbs
         self._scene = read_scene(mbs)
         self._place = _place_of(self._scene, mbs, number)
         self._cable = self._scene.cables[self._place]
         self._system = cable_system(self._cable.cable, 0.0)
+        self._coupled: CoupledScene | None = None
 
     @property
     def length(self) -> float:
@@ -52,9 +56,9 @@ class CableEvaluator:
         nodal = nodal_multipliers_of(self._system, state.a)
         return multiplier_tension(self._cable.cable, state.q, nodal, state.multiplier)
 
-    def solve(self) -> SolvedState:
+    def solve(self, mbs: Any) -> SolvedState:
         """The present state of the mbs, with its accelerations and multipliers."""
-        q, v, a = self._solve_among_others() if self._scene.foreign else self._solve_alone()
+        q, v, a = self._solve_among_others(mbs) if self._scene.foreign else self._solve_alone(mbs)
         shape = self._cable.cable.reference.shape
         multiplier = self._system.chain.elements.multiplier[:, 0].copy()
         return SolvedState(q.reshape(shape), v.reshape(shape), a.reshape(shape), multiplier)
@@ -63,33 +67,32 @@ class CableEvaluator:
     def _loads(self) -> CableLoads:
         return CableLoads(self._cable)
 
-    def _solve_alone(self) -> tuple[Array, Array, Array]:
-        data, indices = self._mbs.systemData, self._cable.indices
+    def _solve_alone(self, mbs: Any) -> tuple[Array, Array, Array]:
+        data, indices = mbs.systemData, self._cable.indices
         q = self._cable.cable.reference.ravel() + np.asarray(data.GetODE2Coordinates())[indices]
         v = np.asarray(data.GetODE2Coordinates_t())[indices]
         a, rate = np.zeros(q.size), np.zeros(q.size)
         index_reduced_rates(self._system, self._loads.at(data.GetTime()), q, v, a, rate)
         return q, v, a
 
-    def _solve_among_others(self) -> tuple[Array, Array, Array]:
+    def _solve_among_others(self, mbs: Any) -> tuple[Array, Array, Array]:
         """With all bodies and joints, evaluated by Exudyn; its state is put back."""
-        with switched_off(self._mbs, *self._scene.evaluated_by_kernels), state_kept(self._mbs):
-            coupled = self._coupled
+        with switched_off(mbs, *self._scene.evaluated_by_kernels), state_kept(mbs):
+            coupled = self._coupled = self._coupled or self._coupled_scene(mbs)
             coupled.surroundings.forget()
             q, v = coupled.state()
-            a = coupled.solve_cable(self._place, self._mbs.systemData.GetTime(), q, v)
+            a = coupled.solve_cable(self._place, mbs.systemData.GetTime(), q, v)
         dofs = coupled.map.slices[self._place]
         return q[dofs], v[dofs], a
 
-    @cached_property
-    def _coupled(self) -> CoupledScene:
+    def _coupled_scene(self, mbs: Any) -> CoupledScene:
         cables = []
         for cable in self._scene.cables:
             system = self._system if cable is self._cable else cable_system(cable.cable, 0.0)
             loads = CableLoads(replace(cable, loads=[]))
             reference = cable.cable.reference.ravel()
             cables.append(CoupledCable(cable.number, cable.indices, reference, system, loads))
-        return CoupledScene(self._mbs, cables, self._scene.own_constraints, 0.0)
+        return CoupledScene(mbs, cables, self._scene.own_constraints, 0.0)
 
 
 def CableForces(mbs: Any, cable: Any, arcLengths: Any = None) -> dict[str, Any]:
@@ -115,7 +118,7 @@ def CableForces(mbs: Any, cable: Any, arcLengths: Any = None) -> dict[str, Any]:
         plt.plot(forces["arcLength"], forces["tension"])
     """
     evaluator = CableEvaluator(mbs, object_number(cable))
-    points, state = _points(arcLengths, evaluator), evaluator.solve()
+    points, state = _points(arcLengths, evaluator), evaluator.solve(mbs)
     forces = evaluator.forces(state, points)
     return {
         "arcLength": forces.arc_length,
@@ -154,9 +157,10 @@ def CreateCableForceSensor(
             cache["evaluator"] = CableEvaluator(mbs, number)
         cache["time"] = t
         evaluator = cache["evaluator"]
-        forces = evaluator.forces(evaluator.solve(), point)
+        forces = evaluator.forces(evaluator.solve(mbs), point)
         return [float(forces.tension[0]), float(forces.bending_moment[0])]
 
+    cable_force_user_function.forget = lambda: cache.update(evaluator=None)  # type: ignore[attr-defined]
     return int(
         mbs.AddSensor(
             SensorUserFunction(
@@ -167,6 +171,14 @@ def CreateCableForceSensor(
             )
         )
     )
+
+
+def forget_evaluators(mbs: Any) -> None:
+    """Sensors of section forces let go of what they keep, when a run has ended."""
+    for number in range(mbs.systemData.NumberOfSensors()):
+        data = mbs.GetSensor(number)
+        if data["sensorType"] == "UserFunction":
+            getattr(data["sensorUserFunction"]["function"], "forget", lambda: None)()
 
 
 def _place_of(scene: Scene, mbs: Any, number: int) -> int:

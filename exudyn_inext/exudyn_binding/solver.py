@@ -8,6 +8,7 @@ import exudyn
 
 from ..errors import SceneError
 from .attach.companions import warn_of_empty_sensors
+from .cable_forces import forget_evaluators
 from .cable_run import CableRun
 from .explicit_runs import follow_frequencies, scheme_of, step_bounds, wanted_step
 from .general.surroundings import state_kept, switched_off
@@ -126,6 +127,11 @@ def _settings_of_the_loop(settings: Any, grid: TimeGrid) -> Iterator[None]:
         settings.linearSolver.solverType = saved[3]
 
 
+def _nothing(solver: Any, mbs: Any, settings: Any) -> bool:
+    """What a solver calls whose run has ended."""
+    return True
+
+
 def _run(mbs: Any, solver: Any, settings: Any, loop: ExplicitTimeLoop) -> None:
     # In place of the iteration that calls Newton's method until contacts have settled: they do in a run.
     solver.SetUserFunctionDiscontinuousIteration(mbs, loop.user_function)
@@ -141,5 +147,7 @@ def _run(mbs: Any, solver: Any, settings: Any, loop: ExplicitTimeLoop) -> None:
             raise loop.error or error from None
         finally:
             loop.complete_state()
+            solver.SetUserFunctionDiscontinuousIteration(mbs, _nothing)  # mbs must not keep itself alive
+            forget_evaluators(mbs)
     if not success:
         raise loop.error or SceneError("the run was stopped before its end time.")
