@@ -7,9 +7,9 @@ from typing import Any
 import exudyn
 
 from ..errors import SceneError
-from .attach.companions import warn_of_empty_sensors
 from .cable_forces import forget_evaluators
 from .cable_run import CableRun
+from .empty_sensors import warn_of_empty_sensors
 from .explicit_runs import follow_frequencies, scheme_of, step_bounds, wanted_step
 from .general.surroundings import state_kept, switched_off
 from .observed import observed_derivatives
@@ -67,9 +67,9 @@ def SolveExplicit(
     settings = simulationSettings or exudyn.SimulationSettings()
     explicit = explicitSettings or ExplicitSettings()
     require_assembled(mbs)
-    warn_of_empty_sensors(mbs)
     solver = exudyn.MainSolverImplicitSecondOrder()
     scene = read_scene(mbs)
+    warn_of_empty_sensors(mbs, scene.own_constraints)
     start = float(settings.timeIntegration.startTime)
     coupled = needs_coupling(mbs, scene)
     with switched_off(mbs, *scene.evaluated_by_kernels) if coupled else nullcontext():

@@ -3,6 +3,7 @@
 import exudyn
 import numpy as np
 import pytest
+from exudyn.itemInterface import SensorObject
 from exudyn.utilities import LoadSolutionFile
 
 from exudyn_inext import CableShape, DivergenceError, SceneError
@@ -212,3 +213,12 @@ def test_an_interrupt_leaves_a_system_that_runs_again(new_mbs, add_pendulum, sol
     mbs.SetPreStepUserFunction(lambda mbs, t: True)
     assert solve(mbs, 0.1, steps=10)["success"]
     assert mbs.systemData.GetTime() == pytest.approx(0.1)
+
+
+def test_a_sensor_of_the_force_in_a_support_is_warned_of(mbs, add_pendulum, solve):
+    pin = add_pendulum(mbs)["constraintObjects"][1]
+    kind = exudyn.OutputVariableType.Force
+    mbs.AddSensor(SensorObject(objectNumber=pin, outputVariableType=kind, storeInternal=True))
+    mbs.Assemble()
+    with pytest.warns(UserWarning, match=r"measures .*Force of object 2, a support.*CreateCableForceSensor"):
+        solve(mbs, 0.02)

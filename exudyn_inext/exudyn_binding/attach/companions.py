@@ -3,11 +3,9 @@
 Exudyn rejects MarkerBodyPosition, SensorBody and contact on a cable's own object; on these they work.
 """
 
-import warnings
 from itertools import pairwise
 from typing import Any
 
-import exudyn
 from exudyn.itemInterface import (
     MarkerBodyPosition,
     ObjectANCFCable,
@@ -19,8 +17,6 @@ from exudyn.itemInterface import (
 from ...chain.attached import place_on_elements
 from ..cable_data import CableItem, object_number, point_on_cable, require_item
 from .inert import INERT, is_inert_cable
-
-_SECTION_FORCES = {exudyn.OutputVariableType.ForceLocal, exudyn.OutputVariableType.TorqueLocal}
 
 
 def CreateCompanionCables(mbs: Any, cable: Any, show: bool = False) -> list[int]:
@@ -116,18 +112,3 @@ def _add_companion(mbs: Any, item: CableItem, nodes: tuple[int, int], length: fl
             element(nodeNumbers=list(nodes), length=length, visualization=drawing(show=show), **nothing)
         )
     )
-
-
-def warn_of_empty_sensors(mbs: Any) -> None:
-    """Warn of sensors that ask companions, which have no stiffness, for the cable's section forces."""
-    for number in range(mbs.systemData.NumberOfSensors()):
-        sensor = mbs.GetSensor(number)
-        if sensor["sensorType"] != "Body" or sensor["outputVariableType"] not in _SECTION_FORCES:
-            continue
-        if is_inert_cable(mbs.GetObject(sensor["bodyNumber"])):
-            warnings.warn(
-                f"sensor {number} '{sensor['name']}' measures {sensor['outputVariableType']} of object "
-                f"{int(sensor['bodyNumber'])}, a companion without stiffness: it is zero. Use "
-                "CreateCableForceSensor for tension and bending moment; CurvatureLocal works.",
-                stacklevel=3,
-            )
