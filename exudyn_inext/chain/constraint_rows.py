@@ -6,9 +6,10 @@ import numpy as np
 
 from ..compiled import inlined, kernel, local_array
 from ..element.inextensibility import contract, length_gradient, nodal_constraint, nodal_rate
-from .assembly import add_damping, assemble, differences, set_gradient
+from .assembly import differences, set_gradient
 from .cable import Cable
 from .chain import Chain, build_chain
+from .index_reduction import assemble_forces
 
 
 class ConstraintRows(NamedTuple):
@@ -49,17 +50,6 @@ def set_length_gradients(axes, nodes, elements, q):
 
 
 @inlined
-def evaluate(axes, nodes, elements, external, q, v):
-    """Forces without constraints, and all terms of the constraints, into the records."""
-    for k in range(len(nodes)):
-        for i in range(len(axes)):
-            nodes[k].force[0, 0, i] = external[k, 0, i]
-            nodes[k].force[0, 1, i] = external[k, 1, i]
-    assemble(axes, nodes, elements, q, v, 0)
-    add_damping(axes, nodes, elements, q, v, 0.0, v, 0)
-
-
-@inlined
 def copy_force(axes, nodes, force):
     """force (n, 2, dim) = that of the records."""
     for k in range(len(nodes)):
@@ -78,7 +68,7 @@ def unconstrained_force(chain, external, q, v, force):
         q, v: (n, 2, dim) coordinates and velocities.
         force: (n, 2, dim) output [N, Nm].
     """
-    evaluate(chain.axes, chain.nodes, chain.elements, external, q, v)
+    assemble_forces(chain.axes, chain.nodes, chain.elements, external, q, v, 0.0, v)
     copy_force(chain.axes, chain.nodes, force)
 
 

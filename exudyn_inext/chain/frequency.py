@@ -69,10 +69,22 @@ def _add_geometric_stiffness(chain, nodal, length, x, y):
 
 
 @kernel
+def _apply_stiffness(system, q, tension, x, memory, y):
+    """y = H x: the elastic stiffness at q, and the geometric one of `tension`.
+
+    tension: nodal (n,), length (N,), link (m,) multipliers.   memory: (2, n, 2, dim) or longer.
+    """
+    chain = system.chain
+    _apply_elastic_tangent(chain, q, x, memory, y)
+    _add_geometric_stiffness(chain, tension[0], tension[1], x, y)
+    add_link_stiffness(system, tension[2], x, y)
+
+
+@kernel
 def _lanczos(system, q, tension, start, diagonal, off_diagonal):
     """Lanczos recursion of x -> constrained M^-1 H x in the mass inner product.
 
-    H is the elastic stiffness at q and the geometric one of `tension` (nodal, length, link multipliers).
+    H: see `_apply_stiffness`.
     Returns the number of rows of the tridiagonal matrix that were found before breakdown.
     """
     chain = system.chain
@@ -82,9 +94,7 @@ def _lanczos(system, q, tension, start, diagonal, off_diagonal):
     _combine(1.0 / np.sqrt(_inner(start, momentum)), start, 0.0, start, current)
     norm = 0.0
     for row in range(len(diagonal)):
-        _apply_elastic_tangent(chain, q, current, memory, image)
-        _add_geometric_stiffness(chain, tension[0], tension[1], current, image)
-        add_link_stiffness(system, tension[2], current, image)
+        _apply_stiffness(system, q, tension, current, memory, image)
         diagonal[row] = _inner(current, image)
         _combine(1.0, image, 0.0, image, momentum)
         constrained_inverse(system, momentum, image)
@@ -142,9 +152,7 @@ def _power_iteration(system, q, tension, iterations, x):
         apply_mass(chain, x, momentum)
         norm = np.sqrt(_inner(x, momentum))
         _combine(1.0 / norm, x, 0.0, x, x)
-        _apply_elastic_tangent(chain, q, x, memory, image)
-        _add_geometric_stiffness(chain, tension[0], tension[1], x, image)
-        add_link_stiffness(system, tension[2], x, image)
+        _apply_stiffness(system, q, tension, x, memory, image)
         quotient = _inner(x, image)
         constrained_inverse(system, image, momentum)
         _combine(1.0, momentum, 0.0, momentum, x)
@@ -157,8 +165,13 @@ def _tension_at_rest(system: Any, external: Array, q: Array) -> tuple[Array, Arr
     inputs = external.copy()
     inputs[q.size :].reshape(-1, 3, q.shape[2])[:, 1] = 0.0  # velocities of the anchors
     index_reduced_rates(system, inputs, q.ravel(), rest, acceleration, rate)
-    nodal = nodal_multipliers_of(system, acceleration.reshape(q.shape))
+    return _tension(system, acceleration.reshape(q.shape))
+
+
+def _tension(system: Any, acceleration: Array) -> tuple[Array, Array, Array]:
+    """Nodal (n,), length (N,) and link (m,) multipliers; arguments: see `nodal_multipliers_of`."""
     of_links = np.array([link.multiplier[0] for link in _links(system)], dtype=float)
+    nodal = nodal_multipliers_of(system, acceleration)
     return nodal, system.chain.elements.multiplier[:, 0].copy(), of_links
 
 
@@ -237,8 +250,7 @@ class FrequencyTracker:
             q, a: (n, 2, dim) of that state; its velocities count by the tension that they cause.
         """
         system, x = self._system, self._vibration
-        links = np.array([link.multiplier[0] for link in _links(system)], dtype=float)
-        tension = (nodal_multipliers_of(system, a), system.chain.elements.multiplier[:, 0].copy(), links)
+        tension = _tension(system, a)
         iterations = self.LATER
         if not x.any():
             constrained_inverse(system, _scattered(q.shape), x)

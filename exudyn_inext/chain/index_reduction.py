@@ -28,8 +28,8 @@ class CableSystem(NamedTuple):
 
 
 @inlined
-def assemble_and_factorise(axes, nodes, elements, external, q, v, lead, a):
-    """All of Eq. (29) at (q, v) but the links; damping and drag act at v + lead a."""
+def assemble_forces(axes, nodes, elements, external, q, v, lead, a):
+    """Forces at (q, v) and all terms of the constraints but the links; damping and drag act at v + lead a."""
     for k in range(len(nodes)):
         for i in range(len(axes)):
             nodes[k].force[ACCELERATION, 0, i] = external[k, 0, i]
@@ -37,6 +37,12 @@ def assemble_and_factorise(axes, nodes, elements, external, q, v, lead, a):
     assemble(axes, nodes, elements, q, v, ACCELERATION)
     add_damping(axes, nodes, elements, q, v, lead, a, ACCELERATION)
     add_drag(axes, nodes, elements, q, v, lead, a, ACCELERATION)
+
+
+@inlined
+def assemble_and_factorise(axes, nodes, elements, external, q, v, lead, a):
+    """All of Eq. (29) but the links; arguments: see `assemble_forces`."""
+    assemble_forces(axes, nodes, elements, external, q, v, lead, a)
     factorise(axes, nodes, elements, q)
 
 

@@ -18,7 +18,8 @@ from ..element.inertia import mass_matrix
 from .assembly import GAMMA, RATE, VALUE
 from .cable import Cable
 from .chain import Chain, build_chain
-from .constraint_rows import add_gradient, copy_force, evaluate, set_length_gradients
+from .constraint_rows import add_gradient, copy_force, set_length_gradients
+from .index_reduction import assemble_forces
 from .sparse_forms import form_of_cable
 
 
@@ -106,7 +107,7 @@ def penalty_force(system, external, q, v, force):
         force: (n, 2, dim) output [N, Nm].
     """
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
-    evaluate(axes, nodes, elements, external, q, v)
+    assemble_forces(axes, nodes, elements, external, q, v, 0.0, v)
     copy_force(axes, nodes, force)
     z = system.z
     for k in range(len(nodes)):

@@ -12,7 +12,7 @@ from ..system import accelerate_and_project, correct_position
 from .scene import CableInScene
 
 ROUND_OFF = 1e-12
-ITERATIONS = 20
+_ITERATIONS = 20
 
 
 @dataclass(frozen=True)
@@ -69,6 +69,21 @@ def require_consistent(scene_cable: CableInScene, violation: Violation, toleranc
         )
 
 
+def settle(system: Any, inputs: Array, q: Array, v: Array) -> None:
+    """Move q and v (n_dof,) onto the constraints of a system, in the mass metric, in place.
+
+    Args:
+        system: with the protocols of `system`; its memory is used.   inputs: its external force.
+    """
+    memory, end_velocity, correction = (np.zeros(q.size) for _ in range(3))
+    for _ in range(_ITERATIONS):
+        accelerate_and_project(system, inputs, q, v, 0.0, memory, end_velocity)
+        if not correct_position(system, inputs, q, ROUND_OFF, 0.0, correction) > ROUND_OFF:
+            break
+        q += correction
+    v[:] = end_velocity
+
+
 def project(system: Any, inputs: Array, cable: Any, q: Array, v: Array) -> StartCorrection:
     """Move q and v (n_dof,) onto the constraints of `cable`, in the mass metric, in place.
 
@@ -79,13 +94,7 @@ def project(system: Any, inputs: Array, cable: Any, q: Array, v: Array) -> Start
     held = np.repeat(cable.fixed[:, :, None], cable.dimension, axis=2).ravel()
     q[held] = cable.reference.ravel()[held]
     v[held] = 0.0
-    memory, end_velocity, correction = (np.zeros(q.size) for _ in range(3))
-    for _ in range(ITERATIONS):
-        accelerate_and_project(system, inputs, q, v, 0.0, memory, end_velocity)
-        if not correct_position(system, inputs, q, ROUND_OFF, 0.0, correction) > ROUND_OFF:
-            break
-        q += correction
-    v[:] = end_velocity
+    settle(system, inputs, q, v)
     moved = np.abs(q - given_q).reshape(cable.reference.shape)
     return StartCorrection(
         float(moved[:, 0].max()), float(moved[:, 1].max()), float(np.abs(v - given_v).max())

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..chain.frequency import FrequencyTracker
+from .time_grid import steps_within
 
-ROUND_OFF = 1.0 - 1e-9
 STEPS_BETWEEN = 32  # two looks at the frequency
 SMALLEST = 1e-3  # step, relative to the first one, below which a run has diverged
 
@@ -54,7 +54,7 @@ class StepControl:
         growth = max(0.0, frequency - self._frequency) if self._frequency else 0.0
         self._frequency = frequency
         allowed = self._rule.safety * self._rule.limit / max(frequency + growth, 1e-300)
-        number = max(1, math.ceil(remaining / min(allowed, self._rule.largest, remaining) * ROUND_OFF))
+        number = steps_within(remaining, min(allowed, self._rule.largest))
         step = remaining / number
         self._first = self._first or step
         if not step > SMALLEST * min(self._first, remaining):

@@ -52,8 +52,13 @@ def grid_of_period(settings: Any, wanted: float, period: float) -> TimeGrid:
         )
     interval = min(duration / time.numberOfSteps, period or wanted)
     loop_steps = _commensurate_steps(duration, interval)
-    substeps = max(1, math.ceil(duration / loop_steps / wanted * _ROUND_OFF))  # wanted may be infinite
+    substeps = steps_within(duration / loop_steps, wanted)
     return TimeGrid(time.startTime, loop_steps, substeps, duration / (loop_steps * substeps))
+
+
+def steps_within(duration: float, largest: float) -> int:
+    """Number of equal steps, of at most `largest` [s] (may be infinite), that make up a duration [s]."""
+    return max(1, math.ceil(duration / largest * _ROUND_OFF))
 
 
 def _commensurate_steps(duration: float, interval: float) -> int:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..arrays import Array
+from ..chain.attached import place_on_elements
 from ..chain.cable import Cable
 from ..element.external_force import point_force
 from ..errors import InputError
@@ -28,11 +29,8 @@ def point_load(cable: Cable, force: Array, arc_length: float) -> Array:
         raise InputError(
             f"arc length = {arc_length!r} m is not on the cable: it runs from 0 to {cable.length} m."
         )
-    ends = np.cumsum(cable.element_lengths)
-    k = min(int(np.searchsorted(ends, arc_length)), cable.number_of_elements - 1)
-    length = float(cable.element_lengths[k])
-    xi = min((arc_length - (ends[k] - length)) / length, 1.0)
+    k, xi = place_on_elements(arc_length, cable.element_lengths)
     result = np.zeros(cable.reference.shape)
-    element = point_force(np.asarray(force, dtype=float), xi, length)
+    element = point_force(np.asarray(force, dtype=float), xi, float(cable.element_lengths[k]))
     result[k], result[k + 1] = element[:2], element[2:]
     return result

@@ -28,7 +28,7 @@ def contact_rates(mbs: Any, runs: Sequence[CableRun]) -> FastestRates:
     elements = {
         frozenset(pair): (run.scene_cable.cable, k)
         for run in runs
-        for k, pair in enumerate(_pairs(run.scene_cable.item.node_names))
+        for k, pair in enumerate(pairwise(run.scene_cable.item.node_names))
     }
     squared: dict[Any, float] = {}
     damping: dict[Any, float] = {}
@@ -55,10 +55,6 @@ def contact_rates(mbs: Any, runs: Sequence[CableRun]) -> FastestRates:
 def with_contact(rates: FastestRates, contact: FastestRates) -> FastestRates:
     """Bounds of both together."""
     return FastestRates(float(np.hypot(rates.frequency, contact.frequency)), rates.damping + contact.damping)
-
-
-def _pairs(nodes: Sequence[int]) -> list[tuple[int, int]]:
-    return list(pairwise(nodes))
 
 
 def _per_unit(cable: Cable, k: int, segments: int) -> float:

@@ -5,8 +5,8 @@ import numpy as np
 from ...arrays import Array
 from ...coupling.coupled_system import CoupledSystem
 from ...errors import SceneError
-from ...system import accelerate_and_project, correct_position
-from ..consistent_start import ITERATIONS, ROUND_OFF, StartCorrection
+from ...system import accelerate_and_project
+from ..consistent_start import StartCorrection, settle
 
 
 def consistent_start(
@@ -21,16 +21,10 @@ def consistent_start(
     if not system.has_joints:
         return StartCorrection()
     given_q, given_v = q.copy(), v.copy()
-    external, memory, end_velocity = np.array([time]), np.zeros(len(q)), np.zeros(len(q))
-    accelerate_and_project(system, external, q, v, 0.0, memory, end_velocity)
+    external = np.array([time])
+    accelerate_and_project(system, external, q, v, 0.0, np.zeros(len(q)), np.zeros(len(q)))
     _require_consistent(system, time, q, v, tolerance)
-    for _ in range(ITERATIONS):
-        if not correct_position(system, external, q, ROUND_OFF, 0.0, memory) > ROUND_OFF:
-            break
-        q += memory
-        memory[:] = 0.0
-        accelerate_and_project(system, external, q, v, 0.0, memory, end_velocity)
-    v[:] = end_velocity
+    settle(system, external, q, v)
     return StartCorrection(
         position=float(np.abs(q - given_q).max()), velocity=float(np.abs(v - given_v).max())
     )
