@@ -51,6 +51,8 @@ class StepControl:
             q, a: (n, 2, dim) at present, where the cable's system was evaluated last.
         """
         frequency = self._tracker.frequency(q, a)
+        if not math.isfinite(frequency):
+            return 0, 0.0, 1.0
         growth = max(0.0, frequency - self._frequency) if self._frequency else 0.0
         self._frequency = frequency
         allowed = self._rule.safety * self._rule.limit / max(frequency + growth, 1e-300)

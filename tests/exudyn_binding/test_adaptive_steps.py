@@ -1,6 +1,7 @@
 """Steps that follow the stability limit, violent starts, and iterations that give up."""
 
 import warnings
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -17,6 +18,7 @@ from exudyn_inext import (
 )
 from exudyn_inext.chain.frequency import FrequencyTracker, largest_frequency
 from exudyn_inext.chain.linked_cable import cable_system
+from exudyn_inext.exudyn_binding.step_control import StepControl, StepRule
 from exudyn_inext.integrators import find_integrator
 from exudyn_inext.integrators.integrator import advance, no_loads
 from exudyn_inext.integrators.linear_stability import LinearSystem
@@ -158,3 +160,9 @@ def test_what_adaptive_steps_do_not_go_with_is_refused(mbs, add_pendulum, solve)
     with warnings.catch_warnings(), pytest.raises(SceneError, match="adaptiveStep deals with cables alone"):
         warnings.simplefilter("ignore")
         solve(mbs, 0.1, adaptiveStep=True)
+
+
+@pytest.mark.parametrize("frequency", [np.nan, np.inf])
+def test_a_frequency_that_is_no_number_ends_the_run(frequency):
+    control = StepControl(StepRule(2.0, 0.95, 1e-3), SimpleNamespace(frequency=lambda q, a: frequency))
+    assert control.next_steps(0.01, None, None)[0] == 0
