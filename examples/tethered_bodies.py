@@ -51,8 +51,8 @@ def main():
     settings.timeIntegration.endTime = 2
     print(inext.SolveExplicit(mbs, settings, SETTINGS)["path"])
     times, points = paths(mbs, sensors)
-    curves = {f"end at body 0, {axis}": points[:, 0, k] for k, axis in enumerate("xyz")}
-    draw("tethered_bodies", times, [points], "xy", curves, "position [m]")
+    curves = {axis: points[:, 0, k] for k, axis in enumerate("xyz")}
+    draw("tethered_bodies", times, [points], "xy", curves, "end at the first body [m]")
 
 
 if __name__ == "__main__":
