@@ -75,6 +75,28 @@ def correct_position(system, external, q, tolerance, learning, correction):
     raise NotImplementedError(f"no position correction for {type(system).__name__}")
 
 
+KINETIC, ELASTIC, POWER, VIOLATION, AGITATION = 0, 1, 2, 3, 4  # what `gauge` gives
+
+
+@singledispatch
+def gauge(system, external, q, v, a, force, gauges):
+    """Energies and violated constraints of a state, for whoever watches a run.
+
+    Args:
+        system: the mechanical system, evaluated at (q, v) last.
+        external: external generalised force at the time of (q, v), with motions behind it.
+        q: (n_dof,) coordinates.   v: (n_dof,) velocities.   a: (n_dof,) accelerations.
+        force: (n_dof,) output: forces whose work is to be counted along the coordinates [N, Nm].
+        gauges: (5,) output: kinetic and elastic energy [J]; power [W] of what is in neither nor in `force`
+            (damping, drag, moving constraints); largest violation of a constraint [-], lengths relative;
+            a . M a / 2 [J/s^2].
+
+    Raises:
+        NotImplementedError: the type of `system` implements no such figures.
+    """
+    raise NotImplementedError(f"no energy balance for {type(system).__name__}")
+
+
 def implements(protocol: Any, system_type: type) -> Callable[[Any], Any]:
     """Register the decorated kernel as `protocol` for systems of `system_type`."""
 
@@ -112,5 +134,15 @@ def _compile_correct_position(system, external, q, tolerance, learning, correcti
 
     def call(system, external, q, tolerance, learning, correction):
         return implementation(system, external, q, tolerance, learning, correction)
+
+    return call
+
+
+@overload(gauge, strict=False)
+def _compile_gauge(system, external, q, v, a, force, gauges):
+    implementation = gauge.dispatch(getattr(system, "instance_class", object))
+
+    def call(system, external, q, v, a, force, gauges):
+        implementation(system, external, q, v, a, force, gauges)
 
     return call

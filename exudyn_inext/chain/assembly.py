@@ -76,8 +76,8 @@ def add_elastic_force(chain, q, force):
 def elastic_energy(chain, q):
     """Bending energy at q (n, 2, dim) less that of all nodes in one point [J].
 
-    The force along the ray from there is a polynomial of degree three: Simpson's rule is exact. Element
-    by element in differences, so that the energy of a fine mesh is not lost in round-off.
+    The force along the ray from there is linear, or a polynomial of degree three (`product`): Simpson's rule
+    is exact. Element by element in differences, so that the energy of a fine mesh is not lost in round-off.
     """
     axes = chain.axes
     e, half, force = local_array(3, 3), local_array(3, 3), local_array(3, 3)
@@ -85,15 +85,18 @@ def elastic_energy(chain, q):
     for k in range(len(chain.elements)):
         element = chain.elements[k]
         differences(axes, q, k, e)
+        clear(force)
+        add_bending_force(axes, element.stiffness, element.tensor, e, force)
+        add_natural_curvature_force(element.natural, e, force)
+        if element.tensor.shape[0] == 0:
+            energy -= 0.5 * contract(axes, e, force)
+            continue
         for a in range(3):
             for i in range(len(axes)):
                 half[a, i] = 0.5 * e[a, i]
-        clear(force)
         for _ in range(4):
             add_bending_force(axes, element.stiffness, element.tensor, half, force)
             add_natural_curvature_force(element.natural, half, force)
-        add_bending_force(axes, element.stiffness, element.tensor, e, force)
-        add_natural_curvature_force(element.natural, e, force)
         energy -= contract(axes, e, force) / 6.0
     return energy
 

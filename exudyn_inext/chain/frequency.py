@@ -235,13 +235,16 @@ class FrequencyTracker:
 
     Args:
         system: of the cable.   shape: (n, 2, dim) of its coordinates.
+
+    Attributes:
+        vibration: (n, 2, dim) the fastest one so far.
     """
 
     FIRST, LATER = 40, 4  # iterations
 
     def __init__(self, system: CableSystem | LinkedCableSystem, shape: tuple[int, ...]) -> None:
         self._system = system
-        self._vibration = np.zeros(shape)
+        self.vibration = np.zeros(shape)
 
     def frequency(self, q: Array, a: Array) -> float:
         """w_max [rad/s] of small vibrations about the state that `system` was evaluated at last.
@@ -249,7 +252,7 @@ class FrequencyTracker:
         Args:
             q, a: (n, 2, dim) of that state; its velocities count by the tension that they cause.
         """
-        system, x = self._system, self._vibration
+        system, x = self._system, self.vibration
         tension = _tension(system, a)
         iterations = self.LATER
         if not x.any():

@@ -4,13 +4,29 @@ from typing import NamedTuple
 
 from ..compiled import inlined
 from ..system import (
+    AGITATION,
+    ELASTIC,
+    KINETIC,
+    POWER,
+    VIOLATION,
     accelerate_and_project,
     correct_position,
+    gauge,
     implements,
     index_reduced_rates,
 )
-from .assembly import GAMMA, RATE, VALUE, add_damping, add_drag, assemble, set_violations
+from .assembly import (
+    GAMMA,
+    RATE,
+    VALUE,
+    add_damping,
+    add_drag,
+    assemble,
+    elastic_energy,
+    set_violations,
+)
 from .chain import Chain
+from .energy import dissipative_power, kinetic_energy
 from .saddle_point import expand_solution, factorise, reduce_right_hand_side, substitute
 
 ACCELERATION, CORRECTION = 0, 1  # columns of Eq. (29): v' with lam, and q' - v with mu
@@ -139,3 +155,24 @@ def correct_cable_position(system, external, q, tolerance, learning, correction)
     substitute(axes, nodes, (CORRECTION,), CORRECTION)
     expand_solution(axes, nodes, elements, CORRECTION, correction.reshape(shape))
     return worst
+
+
+@inlined
+def gauge_chain(chain, external, q, v, a, force, gauges):
+    """Arguments: see `gauge`; of the chain alone, links left out."""
+    axes, nodes, elements = chain.axes, chain.nodes, chain.elements
+    shape = (len(nodes), 2, len(axes))
+    known, rates = q.reshape(shape), v.reshape(shape)
+    for i in range(len(q)):
+        force[i] = external[i]
+    gauges[KINETIC] = kinetic_energy(axes, nodes, elements, rates)
+    gauges[ELASTIC] = elastic_energy(chain, known)
+    gauges[AGITATION] = kinetic_energy(axes, nodes, elements, a.reshape(shape))
+    gauges[POWER] = dissipative_power(axes, nodes, elements, known, rates)
+    gauges[VIOLATION] = set_violations(axes, nodes, elements, known)
+
+
+@implements(gauge, CableSystem)
+def gauge_cable(system, external, q, v, a, force, gauges):
+    """Arguments: see `gauge`."""
+    gauge_chain(system.chain, external, q, v, a, force, gauges)

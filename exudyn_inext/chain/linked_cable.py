@@ -6,7 +6,15 @@ The external force is followed by the motions of the anchors: (n_dof + 3 dim M,)
 from typing import NamedTuple
 
 from ..compiled import inlined
-from ..system import accelerate_and_project, correct_position, implements, index_reduced_rates
+from ..system import (
+    POWER,
+    VIOLATION,
+    accelerate_and_project,
+    correct_position,
+    gauge,
+    implements,
+    index_reduced_rates,
+)
 from .assembly import set_violations
 from .border import (
     Border,
@@ -19,11 +27,13 @@ from .border import (
 )
 from .cable import Cable
 from .chain import Chain, build_chain
+from .energy import power_of_motions
 from .index_reduction import (
     ACCELERATION,
     CORRECTION,
     CableSystem,
     assemble_and_factorise,
+    gauge_chain,
     set_correction_target,
     set_projection_targets,
     set_stabilised_targets,
@@ -158,3 +168,14 @@ def correct_linked_position(system, external, q, tolerance, learning, correction
     _solve(axes, nodes, elements, border, CORRECTION, x)
     _join(system.closed, x)
     return worst
+
+
+@implements(gauge, LinkedCableSystem)
+def gauge_linked(system, external, q, v, a, force, gauges):
+    """Arguments: see `gauge`."""
+    axes, links = system.chain.axes, system.border.links
+    gauge_chain(system.chain, external, q, v, a, force, gauges)
+    motions = _motions(axes, external, q.size)
+    known = q.reshape((len(system.chain.nodes), 2, len(axes)))
+    gauges[VIOLATION] = max(gauges[VIOLATION], set_link_violations(axes, links, known, motions))
+    gauges[POWER] += power_of_motions(axes, links, motions)

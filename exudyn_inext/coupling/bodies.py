@@ -44,6 +44,7 @@ class VariableBlocks:
 class _Stack:
     """Variable blocks and their solve: Z F + w b has p . a = b.
 
+    mass, mass_before: (B, k, k) M now, and when its change was asked for.
     normal: (B, k) dc/dq.   inverse: (B, k, k) Z.   lever: (B, k) w.   target: (B,) b.
     foresight: (B,) what b lacked in the last step of a position-level scheme.
     """
@@ -51,6 +52,8 @@ class _Stack:
     def __init__(self, blocks: VariableBlocks) -> None:
         number, size = blocks.dofs.shape
         self.blocks = blocks
+        self.mass = np.zeros((number, size, size))
+        self.mass_before = np.zeros((number, size, size))
         self.normal = np.zeros((number, size))
         self.inverse = np.zeros((number, size, size))
         self.lever = np.zeros((number, size))
@@ -76,14 +79,28 @@ class BodiesSystem:
         zeta: float = 0.0,
     ) -> None:
         self._stacks = [_Stack(blocks) for blocks in variable]
-        self._constant = _inverse_of_blocks(size, constant)
+        self._constant = _matrix_of_blocks(size, [_inverse(block) for block in constant])
+        self._constant_mass = _matrix_of_blocks(size, constant)
         self.zeta = zeta
 
     def set_masses(self, stack: int, masses: Array, q: Array) -> None:
         """Masses (B, k, k), overwritten, of the variable blocks of one size in the configuration q (n,)."""
         s = self._stacks[stack]
+        s.mass[:] = masses
         _set_normals(s.blocks.dofs, s.blocks.quaternion, s.blocks.reference, q, s.normal)
         _invert(masses, s.normal, s.inverse, s.lever)
+
+    def kinetic_energy(self, v: Array) -> float:
+        """v . M v / 2 [J] with the masses at present.   v: (n,)."""
+        twice = float(v @ (self._constant_mass @ v))
+        for s in self._stacks:
+            rates = v[s.blocks.dofs]
+            twice += float(np.einsum("bi,bij,bj->", rates, s.mass, rates))
+        return 0.5 * twice
+
+    def energy_of_change(self, v: Array) -> float:
+        """v . dM v / 2 [J] of the change dM of the masses since the last call.   v: (n,)."""
+        return sum(_energy_of_change(s.blocks.dofs, s.mass, s.mass_before, v) for s in self._stacks)
 
     def solve(self, force: Array) -> Array:
         """Z F + w b with the targets b that are set.   force: (n,) [N, Nm]."""
@@ -106,10 +123,14 @@ class BodiesSystem:
             _lever(s.blocks.dofs, s.lever, s.target, result)
         return result
 
+    def memory(self) -> dict[str, Array]:
+        """What earlier steps taught: (B,) for each size of blocks."""
+        return {str(number): s.foresight for number, s in enumerate(self._stacks)}
+
     def forget(self) -> None:
         """What earlier steps taught does not hold any more."""
-        for s in self._stacks:
-            s.foresight[:] = 0.0
+        for foresight in self.memory().values():
+            foresight[:] = 0.0
 
     def aim_at_accelerations(self, v: Array, zeta: float) -> None:
         """b = -v . v - zeta p . v: Eq. (27) of unit quaternions, and what earlier steps taught."""
@@ -133,19 +154,36 @@ class BodiesSystem:
         return worst
 
 
-def _inverse_of_blocks(size: int, blocks: Sequence[MassBlock]) -> Any:
+def _inverse(block: MassBlock) -> MassBlock:
+    return MassBlock(block.dofs, np.asarray(np.linalg.inv(block.mass), dtype=float))
+
+
+def _matrix_of_blocks(size: int, blocks: Sequence[MassBlock]) -> Any:
     if size <= _DENSE:
         dense: Array = np.zeros((size, size))
         for block in blocks:
-            dense[np.ix_(block.dofs, block.dofs)] = np.linalg.inv(block.mass)
+            dense[np.ix_(block.dofs, block.dofs)] = block.mass
         return dense
-    entries = [np.linalg.inv(block.mass).ravel() for block in blocks]
     rows = [np.repeat(block.dofs, len(block.dofs)) for block in blocks]
     columns = [np.tile(block.dofs, len(block.dofs)) for block in blocks]
-    if not entries:
+    if not blocks:
         return csr_array((size, size))
     places = (np.concatenate(rows), np.concatenate(columns))
-    return csr_array((np.concatenate(entries), places), shape=(size, size))
+    return csr_array((np.concatenate([block.mass.ravel() for block in blocks]), places), shape=(size, size))
+
+
+@kernel
+def _energy_of_change(dofs, mass, mass_before, v):
+    """v . dM v / 2; the masses are remembered."""
+    energy = 0.0
+    number, size = dofs.shape
+    for b in range(number):
+        for i in range(size):
+            for j in range(size):
+                change = mass[b, i, j] - mass_before[b, i, j]
+                energy += 0.5 * v[dofs[b, i]] * change * v[dofs[b, j]]
+                mass_before[b, i, j] = mass[b, i, j]
+    return energy
 
 
 @kernel

@@ -63,6 +63,7 @@ class CoupledSystem:
 
     zeta: stabilisation rate of the joints [1/s], as of the cables.
     multipliers: nu (m,) of the joints at the last evaluation: M a + C_q^T nu = F.
+    drift: c_t (m,) of the joints there.
     """
 
     def __init__(self, parts: Sequence[Part], surroundings: Surroundings, zeta: float) -> None:
@@ -73,6 +74,7 @@ class CoupledSystem:
         self.solve = JointSolve(surroundings.blocks, surroundings.joints)
         self.foresight = np.zeros(len(surroundings.joints))
         self.multipliers = np.zeros(len(surroundings.joints))
+        self.drift = np.zeros(len(surroundings.joints))
 
     @property
     def has_joints(self) -> bool:
@@ -81,6 +83,7 @@ class CoupledSystem:
     def join(self, t: float, q: Array, v: Array) -> JointTerms:
         """Joints at (t, q, v), their Schur complement factorised; the parts are factorised at q."""
         terms = self.surroundings.constrain(t, q, v)
+        self.drift = terms.drift
         self.solve.factorise()
         return terms
 

@@ -1,5 +1,6 @@
 """One cable during a run: its compiled system, its state, and its place in the mbs."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,8 +13,11 @@ from ..chain.cable import Cable
 from ..chain.frequency import FrequencyTracker, largest_frequency
 from ..chain.linked_cable import LinkedCableSystem, cable_system
 from ..errors import RedundantConstraintError
-from ..integrators.integrator import Integrator, record
+from ..integrators.integrator import Integrator
+from ..integrators.linear_stability import frequency_limit
+from ..integrators.watch import record_watched
 from .cable_loads import CableLoads
+from .cable_watch import CableWatch, figures, memory_of
 from .consistent_start import (
     ROUND_OFF,
     StartCorrection,
@@ -22,13 +26,13 @@ from .consistent_start import (
     require_consistent,
     worst_violation,
 )
+from .divergence import GIVEN_UP, explanation
 from .link_items import require_smooth_motions
 from .scene import CableInScene
 from .step_control import StepControl, StepRule
 from .time_grid import TimeGrid
 
 PIVOT_TOLERANCE = 1e-10
-STRETCH_LIMIT = 0.05  # |r_x|^2 - 1 [-] beyond which a run has diverged
 
 
 @dataclass(frozen=True)
@@ -37,12 +41,14 @@ class Start:
 
     time: [s].   tolerance: see `ExplicitSettings.startTolerance`.
     zeta: stabilisation rate [1/s].   mass_scaling: see `build_chain` [s^2].
+    energy_tolerance: see `ExplicitSettings.energyTolerance`; infinite where nobody asks.
     """
 
     time: float
     tolerance: float
     zeta: float
     mass_scaling: float
+    energy_tolerance: float
 
 
 class CableRun:
@@ -55,6 +61,7 @@ class CableRun:
     looks_ahead: whether several steps of the time loop can be computed at once.   reason: why not.
     start_correction: how far the initial state was from its constraints.
     control: chooses the steps, if they are not all equal.
+    watch: stops a run that goes wrong.
     """
 
     control: StepControl | None = None
@@ -82,10 +89,12 @@ class CableRun:
         self._element_masses = _element_masses(cable, start.mass_scaling)
         self._drag_rate = drag_rate(cable, scene_cable.item.gravity, initial[1])
         self._integrator = integrator
+        self._is_scaled = start.mass_scaling > 0.0
         self.loads = CableLoads(scene_cable)
         self.state: Any = integrator.allocate(cable.reference.size, len(self.loads.constant))
         self.state.q[:], self.state.v[:] = (array.ravel() for array in initial)
         self.looks_ahead = self.loads.known_ahead
+        self.watch = CableWatch(scene_cable, self.loads, self.state, start.energy_tolerance)
         self.start_correction = self._project(violation, start.time)
 
     def _project(self, violation: Violation, time: float) -> StartCorrection:
@@ -111,8 +120,28 @@ class CableRun:
             RedundantConstraintError: length constraints and supports depend on each other.
         """
         self.forget()
-        self._integrator.start(self.system, self.loads.at(time), self.state)
+        external = self.loads.at(time)
+        self._integrator.start(self.system, external, self.state)
         self.check_pivots()
+        self.watch.open(self.system, external, self.state)
+
+    def memory(self) -> dict[str, Any]:
+        """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
+        places = ("nodes", "elements", "links")
+        foresight = {
+            place: records.foresight for place, records in zip(places, self._records(), strict=False)
+        }
+        control = self.control.memory() if self.control else {}
+        return {
+            "state": self.state._asdict(),
+            "foresight": foresight,
+            "watch": memory_of(self.watch.watch),
+            "control": control,
+        }
+
+    def resume(self, time: float) -> None:
+        """Go on at `time` [s], with the memory that has been set."""
+        self._integrator.resume(self.system, self.loads.at(time), self.state)
 
     def forget(self) -> None:
         """What earlier steps taught the constraints does not hold any more."""
@@ -121,25 +150,23 @@ class CableRun:
 
     def _record_under_control(
         self, control: StepControl, scheme: Any, grid: TimeGrid, first: int, history: Array
-    ) -> None:
+    ) -> int:
         """As `record`, with steps of its own choice in each interval."""
         interval = grid.substeps * grid.h
-        history[:] = np.nan
         for k in range(len(history)):
             end = grid.time(first + k + 1)
             remaining = interval
             while remaining > ROUND_OFF * interval:
                 taken = self._take_steps(control, scheme, end, remaining, history[k : k + 1])
                 remaining -= taken
-                if taken == 0.0 or not np.isfinite(self.state.q).all():
-                    history[k:] = np.nan
-                    return
-        history[:, 0] -= self.reference
+                if taken == 0.0:
+                    return k
+        return len(history)
 
     def _take_steps(
         self, control: StepControl, scheme: Any, end: float, remaining: float, history: Array
     ) -> float:
-        """Some steps towards the time `end` [s]; returns the time that they took."""
+        """Some steps towards the time `end` [s]; returns the time that they took, 0 if they went wrong."""
         shape = self.scene_cable.cable.reference.shape
         steps, h, ratio = control.next_steps(
             remaining, self.state.q.reshape(shape), self.state.a.reshape(shape)
@@ -149,8 +176,8 @@ class CableRun:
         if ratio != 1.0:
             self._integrator.change_step(self.state, ratio)
         loads = self.loads.sample(end - remaining, h, steps, self._integrator.stages)
-        record(scheme, self.system, loads, self.state, h, steps, history)
-        return steps * h
+        good = record_watched(scheme, self.system, loads, self.state, h, steps, history, self.watch.watch)
+        return steps * h if good else 0.0
 
     @property
     def cables(self) -> list[Cable]:
@@ -171,31 +198,46 @@ class CableRun:
         q = self.state.q.reshape(self.scene_cable.cable.reference.shape)
         return largest_frequency(self.system, self.loads.at(time), q.copy())
 
-    def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> None:
+    def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
         """Advance through len(history) loop steps from loop step `first`, in one compiled call.
 
         history: (intervals, 3, n_dof) output: displacements from the reference, v, a after each.
+
+        Returns:
+            Number of loop steps that went well; later rows of `history` mean nothing.
         """
         if self.control is not None:
-            self._record_under_control(self.control, scheme, grid, first, history)
-            return
-        steps = len(history) * grid.substeps
-        loads = self.loads.sample(
-            grid.start, grid.h, steps, self._integrator.stages, first=first * grid.substeps
+            good = self._record_under_control(self.control, scheme, grid, first, history)
+        else:
+            steps = len(history) * grid.substeps
+            loads = self.loads.sample(
+                grid.start, grid.h, steps, self._integrator.stages, first=first * grid.substeps
+            )
+            good = record_watched(
+                scheme, self.system, loads, self.state, grid.h, grid.substeps, history, self.watch.watch
+            )
+        history[:good, 0] -= self.reference
+        return good
+
+    def figures(self) -> dict[str, float]:
+        """How well constraints and energy were kept."""
+        return figures(self.watch.watch)
+
+    def verdict(self, scheme: Any, time: float, h: float) -> str:
+        """What went wrong in the last steps, of h [s] at `time` [s], and why; empty if all is well."""
+        if not self.watch.has_trouble:
+            return f"{self.name}: {GIVEN_UP}." if self.control and self.control.gave_up else ""
+        trouble, taken = (
+            self._integrator.trouble(scheme, self.state),
+            self.control.last if self.control else h,
         )
-        record(scheme, self.system, loads, self.state, grid.h, grid.substeps, history)
-        history[:, 0] -= self.reference
+        limit = self._stability_limit(scheme, self.largest_frequency(time))
+        said = explanation(self._integrator, trouble, taken, limit, self._is_scaled)
+        return f"{self.name}: {self.watch.finding()}. {said}"
 
-    def trouble(self, scheme: Any) -> str:
-        """What the scheme could not do; see `Integrator`."""
-        return self._integrator.trouble(scheme, self.state)
-
-    def is_credible(self, history: Array) -> np.ndarray:
-        """(intervals,) whether the slopes are still those of an inextensible cable; history as above."""
-        shape = self.scene_cable.cable.reference.shape
-        slopes = (history[:, 0] + self.reference).reshape(-1, *shape)[:, :, 1]
-        stretch = np.abs(np.einsum("tki,tki->tk", slopes, slopes) - 1.0)
-        return (stretch < STRETCH_LIMIT).all(axis=1)
+    def _stability_limit(self, scheme: Any, frequency: float) -> float:
+        limit = frequency_limit(self._integrator, scheme, self.damping_ratio(frequency))
+        return limit / frequency if frequency > 0.0 else math.inf
 
     def _records(self) -> list[Any]:
         """Everything that holds constraints."""

@@ -109,6 +109,7 @@ class _Chunk:
     systems: Any
     loads: Any
     states: Any
+    watches: Any
 
 
 class _Ensemble:
@@ -181,6 +182,7 @@ class _Ensemble:
             systems=stacked([run.system for run in runs]),
             loads=stacked([run.loads.sample(grid.start, grid.h, steps, self._stages) for run in runs]),
             states=stacked([run.state for run in runs]),
+            watches=stacked([run.watch.watch for run in runs]),
         )
 
     def _start(self, number: int, run: CableRun) -> None:
@@ -196,14 +198,13 @@ class _Ensemble:
         shape = (len(self.states), len(chunk.runs), grid.loop_steps, len(run.indices))
         output = np.full(shape, np.nan)
         stacks = (chunk.systems, chunk.loads, chunk.states)
-        record_members(self._scheme, *stacks, grid.h, grid.substeps, output)
+        good = np.zeros(len(chunk.runs), dtype=int)
+        record_members(self._scheme, *stacks, grid.h, grid.substeps, chunk.watches, output, good)
         for place, run in enumerate(chunk.runs):
             number = chunk.first + place
-            history = output[:, place].transpose(1, 0, 2)
-            history[:, 0] -= run.reference
-            good = int(np.argmin(np.append(run.is_credible(history), False)))
-            self._good[chunk.cable, number] = good
-            self.states[:, number, 1 : good + 1][..., run.indices] = output[:, place, :good]
+            output[0, place] -= run.reference
+            self._good[chunk.cable, number] = good[place]
+            self.states[:, number, 1 : good[place] + 1][..., run.indices] = output[:, place, : good[place]]
 
     def results(self) -> dict[str, Any]:
         """What `SolveEnsemble` returns; of several cables, the first divergence ends their member."""

@@ -41,6 +41,7 @@ def cable_runs(
         tolerance=explicit.startTolerance,
         zeta=explicit.stabilizationRate,
         mass_scaling=explicit.massScaling * h**2,
+        energy_tolerance=explicit.energyTolerance,
     )
     integrator = find_integrator(explicit.integrator)
     return [CableRun(cable, initial_state(mbs, cable), start, integrator) for cable in cables]

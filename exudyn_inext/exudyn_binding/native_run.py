@@ -106,8 +106,8 @@ class NativeRun:
         """Dampers are not looked at."""
         return 0.0
 
-    def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> None:
-        """Advance through len(history) loop steps; history as in CableRun.record."""
+    def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
+        """Advance through len(history) loop steps; see `CableRun.record`."""
         take_step = advance.dispatch(type(scheme))
         take_step = getattr(take_step, "py_func", take_step)
         data = self._system.mbs.systemData
@@ -121,14 +121,29 @@ class NativeRun:
             data.SetTime(start + (step + 1) * grid.h)
             row = history[step // grid.substeps]
             take_step(scheme, self._system, self._loads, self.state, grid.h, 1, row[None])
+        finite = np.isfinite(history.sum(axis=(1, 2)))
+        return int(np.argmin(np.append(finite, False)))
 
-    def trouble(self, scheme: Any) -> str:
-        """What the scheme could not do; see `Integrator`."""
-        return self._integrator.trouble(scheme, self.state)
+    def verdict(self, scheme: Any, time: float, h: float) -> str:
+        """What to say after a step that went wrong; see `CableRun.verdict`."""
+        if np.isfinite(self.state.q).all():
+            return ""
+        return (
+            f"{self.name}: the coordinates are not finite any more. Likely cause: a step above the stability "
+            "limit, which falls where items are pulled tight: reduce stepSize."
+        )
 
-    def is_credible(self, history: Array) -> np.ndarray:
-        """(intervals,) whether all coordinates are finite."""
-        return np.isfinite(history.sum(axis=(1, 2)))
+    def memory(self) -> dict[str, Any]:
+        """Arrays that the next steps depend on; see `CableRun.memory`."""
+        return {"state": self.state._asdict()}
+
+    def resume(self, time: float) -> None:
+        """Go on with the memory that has been set."""
+        self._is_started = True
+
+    def figures(self) -> dict[str, float]:
+        """Nothing is watched."""
+        return {}
 
 
 def has_only_forces(mbs: Any) -> bool:

@@ -49,6 +49,7 @@ def runs_of_scene(
             tolerance=explicit.startTolerance,
             time=time,
             why=_shortened(scene.foreign),
+            energy_tolerance=explicit.energyTolerance,
         )
     ]
 

@@ -1,5 +1,6 @@
 """Settings of SolveExplicit."""
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,6 +34,10 @@ class ExplicitSettings:
         adaptiveStep: between two outputs, take as many equal steps as the present largest frequency of the
             cable asks for, so that one that straightens or is pulled tight stays within its stability limit;
             stepSize is then an upper bound. For scenes of cables alone.
+        energyTolerance: energy that a run may have beyond the work done on it, as a share of what its motion
+            turns over (largest kinetic energy and range of the bending energy so far) [-]; more of it for 256
+            steps, or ten times as much at once, ends the run. math.inf: the energy is not looked at.
+        retries: how often a run that has diverged begins anew, each time with half the step.
     """
 
     integrator: str = "RATTLE"
@@ -45,6 +50,8 @@ class ExplicitSettings:
     startTolerance: float = 1e-6
     allowUnstableStep: bool = False
     adaptiveStep: bool = False
+    energyTolerance: float = 0.01
+    retries: int = 0
 
     def __post_init__(self) -> None:
         """Check all numbers.
@@ -65,6 +72,10 @@ class ExplicitSettings:
             require_positive("stepSize", self.stepSize)
         if self.massScaling != 0.0:
             require_positive("massScaling", self.massScaling)
+        if self.energyTolerance != math.inf:
+            require_positive("energyTolerance", self.energyTolerance)
+        if isinstance(self.retries, bool) or not isinstance(self.retries, int) or self.retries < 0:
+            raise InputError(f"retries = {self.retries!r}: must be an integer of at least 0.")
         if self.massScaling and self.adaptiveStep:
             raise InputError(
                 f"massScaling = {self.massScaling!r} with adaptiveStep: the scaled mass belongs to one step "

@@ -2,22 +2,24 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from dataclasses import replace
 from typing import Any
 
 import exudyn
 
-from ..errors import SceneError
+from ..errors import DivergenceError, SceneError
 from .cable_forces import forget_evaluators
 from .cable_run import CableRun
 from .empty_sensors import warn_of_empty_sensors
 from .explicit_runs import follow_frequencies, scheme_of, step_bounds, wanted_step
 from .general.surroundings import state_kept, switched_off
 from .observed import observed_derivatives
+from .restart import Restarts
 from .scene import read_scene, require_assembled
 from .scene_runs import needs_coupling, runs_of_scene
 from .settings import ExplicitSettings
 from .time_grid import TimeGrid, time_grid
-from .time_loop import ExplicitTimeLoop
+from .time_loop import ExplicitTimeLoop, worst_figures
 
 
 def SolveExplicit(
@@ -52,20 +54,35 @@ def SolveExplicit(
     Returns:
         dict with 'success', 'integrator', 'stepSize' [s] (the smallest, if they adapt), 'steps',
         'loopSteps', 'decidedBy' (what bounded the step), 'bounds' (StepSizeBounds), 'path' (which way the
-        steps were computed) and 'startCorrections' (of each cable, and of joints: how far the initial
-        state was from the constraints).
+        steps were computed), 'startCorrections' (of each cable, and of joints: how far the initial
+        state was from the constraints), 'drift' (largest 'energyGain' and 'energyLoss' of a run, relative
+        to what its motion turned over, beyond the work done on it; largest violation of 'constraints')
+        and 'retries' (how often the run began anew).
 
     Raises:
         SceneError: mbs not assembled, inconsistent, or contains what explicit steps cannot take.
         StepSizeError: stepSize is above the stability limit.
         RedundantConstraintError: constraints that depend on each other.
-        DivergenceError: the run left the finite numbers; mbs holds the last finite state.
+        DivergenceError: the run left the finite numbers or its constraints, or gained energy; mbs holds the
+            last good output, with its time, and sensors and files hold all output until then.
 
     Example:
         report = SolveExplicit(mbs, simulationSettings, ExplicitSettings(stepSize=2.5e-3))
     """
     settings = simulationSettings or exudyn.SimulationSettings()
     explicit = explicitSettings or ExplicitSettings()
+    for retry in range(explicit.retries + 1):
+        try:
+            return _solve(mbs, settings, explicit) | {"retries": retry}
+        except DivergenceError as error:
+            if retry == explicit.retries:
+                raise
+            explicit = replace(explicit, stepSize=0.5 * error.step)
+    raise AssertionError  # the last try returns or raises
+
+
+def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings) -> dict[str, Any]:
+    """One try of `SolveExplicit`."""
     require_assembled(mbs)
     solver = exudyn.MainSolverImplicitSecondOrder()
     scene = read_scene(mbs)
@@ -74,15 +91,17 @@ def SolveExplicit(
     coupled = needs_coupling(mbs, scene)
     with switched_off(mbs, *scene.evaluated_by_kernels) if coupled else nullcontext():
         with state_kept(mbs) if coupled else nullcontext():
-            scaling = _scaling_step(mbs, settings, explicit)
+            restarts = Restarts(mbs, settings, explicit, scene.cables)
+            scaling = _scaling_step(mbs, settings, explicit, restarts)
             runs = runs_of_scene(mbs, scene, solver, start, scaling, explicit)
             bounds = step_bounds(runs, start, explicit)
             wanted, decided_by = wanted_step(bounds, explicit, taken=scaling or None)
-            grid = time_grid(mbs, settings, wanted)
+            grid = restarts.grid(time_grid(mbs, settings, wanted))
             follow_frequencies(runs, bounds, explicit)
             observed = observed_derivatives(mbs, settings)
-            loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, observed)
-        _run(mbs, solver, settings, loop)
+            loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, restarts, observed)
+        with restarts.initial_state():
+            _run(mbs, solver, settings, loop)
     controls = [run.control for run in runs if isinstance(run, CableRun) and run.control]
     return {
         "success": True,
@@ -95,36 +114,42 @@ def SolveExplicit(
         "bounds": bounds,
         "path": loop.path,
         "startCorrections": [correction for run in runs for correction in run.start_corrections],
+        "drift": worst_figures(runs),
     }
 
 
-def _scaling_step(mbs: Any, settings: Any, explicit: ExplicitSettings) -> float:
+def _scaling_step(mbs: Any, settings: Any, explicit: ExplicitSettings, restarts: Restarts) -> float:
     """The step that scales the mass [s]; 0 without mass scaling."""
     if not explicit.massScaling or explicit.stepSize is None:
         return 0.0
-    return time_grid(mbs, settings, explicit.stepSize).h
+    return restarts.step or time_grid(mbs, settings, explicit.stepSize).h
 
 
 @contextmanager
 def _settings_of_the_loop(settings: Any, grid: TimeGrid) -> Iterator[None]:
     """Exudyn's own integrator must do nothing: no accelerations, no step control, no dense matrix."""
-    time = settings.timeIntegration
-    saved = (
-        time.numberOfSteps,
-        time.adaptiveStep,
-        time.generalizedAlpha.computeInitialAccelerations,
-        settings.linearSolver.solverType,
-    )
-    time.numberOfSteps = grid.loop_steps
-    time.adaptiveStep = False
-    time.generalizedAlpha.computeInitialAccelerations = False
-    settings.linearSolver.solverType = exudyn.LinearSolverType.EigenSparse
+    time, solution = settings.timeIntegration, settings.solution
+    wanted = [
+        (time, "numberOfSteps", grid.loop_steps - grid.first),
+        (time, "startTime", grid.time(grid.first)),
+        (time, "adaptiveStep", False),
+        (time.generalizedAlpha, "computeInitialAccelerations", False),
+        (settings.linearSolver, "solverType", exudyn.LinearSolverType.EigenSparse),
+        (solution.restart, "write", False),
+        (solution.restart, "continueIfAvailable", False),
+    ]
+    if grid.first:  # the outputs that are there go on
+        wanted += [(outputs, "append", True) for outputs in (solution.file, solution.sensors)]
+        wanted += [(outputs, "writeHeader", False) for outputs in (solution.file, solution.sensors)]
+        wanted += [(solution.file, "writeInitialValues", False)]
+    saved = [(part, name, getattr(part, name)) for part, name, _ in wanted]
     try:
+        for part, name, value in wanted:
+            setattr(part, name, value)
         yield
     finally:
-        time.numberOfSteps, time.adaptiveStep = saved[:2]
-        time.generalizedAlpha.computeInitialAccelerations = saved[2]
-        settings.linearSolver.solverType = saved[3]
+        for part, name, value in saved:
+            setattr(part, name, value)
 
 
 def _nothing(solver: Any, mbs: Any, settings: Any) -> bool:
@@ -151,3 +176,4 @@ def _run(mbs: Any, solver: Any, settings: Any, loop: ExplicitTimeLoop) -> None:
             forget_evaluators(mbs)
     if not success:
         raise loop.error or SceneError("the run was stopped before its end time.")
+    loop.finish()

@@ -9,8 +9,9 @@ import numpy as np
 from ..arrays import Array
 from ..errors import InputError
 from ..integrators import find_integrator
-from ..integrators.integrator import LoadHistory, record
-from .cable_run import STRETCH_LIMIT, CableRun
+from ..integrators.integrator import LoadHistory
+from ..integrators.watch import record_watched
+from .cable_run import CableRun
 
 
 class SteppedCable:
@@ -37,7 +38,6 @@ class SteppedCable:
         )
         self._initial = run.state.q.copy(), run.state.v.copy()
         self._present, self._before = (np.zeros((1, 3, run.state.q.size)) for _ in range(2))
-        self._squares = np.ones(shape[0])
 
     def start(self, time: float) -> None:
         """Back to the initial state; see `CableRun.start`."""
@@ -48,19 +48,23 @@ class SteppedCable:
         self.run.start(time)
         self._present[0] = state.q, state.v, state.a
 
-    def step(self, start: float, h: float, first: int, steps: int) -> None:
-        """Take `steps` steps of size h [s] after the first `first` ones since the time `start` [s]."""
+    def step(self, start: float, h: float, first: int, steps: int) -> bool:
+        """Take `steps` steps of size h [s] after the first `first` ones since the time `start` [s].
+
+        Returns:
+            Whether they went well.
+        """
         run = self.run
         self._present, self._before = self._before, self._present
         loads = self._constant_loads or run.loads.sample(start, h, steps, self._stages, first=first)
-        record(self._scheme, run.system, loads, run.state, h, steps, self._present)
+        watch = run.watch.watch
+        return bool(
+            record_watched(self._scheme, run.system, loads, run.state, h, steps, self._present, watch)
+        )
 
-    def is_credible(self) -> bool:
-        """Whether the slopes are still those of an inextensible cable; see `CableRun.is_credible`."""
-        slopes = self.q[:, 1]
-        np.einsum("ki,ki->k", slopes, slopes, out=self._squares)
-        least, largest = self._squares.min(), self._squares.max()
-        return bool(largest - 1.0 < STRETCH_LIMIT and 1.0 - least < STRETCH_LIMIT)
+    def verdict(self, time: float, h: float) -> str:
+        """What went wrong; see `CableRun.verdict`."""
+        return self.run.verdict(self._scheme, time, h)
 
     def restore(self) -> None:
         """Coordinates, velocities and accelerations before the last call of `step`."""

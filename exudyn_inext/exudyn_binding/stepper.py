@@ -10,11 +10,11 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InputError, SceneError
+from .divergence import divergence
 from .explicit_runs import cable_runs, require_fixed_steps, scheme_of, step_bounds, wanted_step
 from .scene import read_cables, require_assembled
 from .settings import ExplicitSettings
 from .stepped_cable import SteppedCable
-from .time_loop import divergence
 
 _SHOWN = (exudyn.ConfigurationType.Current, exudyn.ConfigurationType.Visualization)
 
@@ -117,23 +117,22 @@ class ExplicitStepper:
             raise self._error
         if not (isinstance(n, int | np.integer) and n >= 1):
             raise InputError(f"n = {n!r}: the number of steps must be an integer >= 1.")
-        for cable in self._cables:
-            cable.step(self._start_time, self.stepSize, self._steps, int(n))
-        for cable in self._cables:
-            if not cable.is_credible():
-                self._stop(n)
+        well = [cable.step(self._start_time, self.stepSize, self._steps, int(n)) for cable in self._cables]
+        if not all(well):
+            self._stop(n)
         self._steps += n
 
     def _stop(self, n: int) -> None:
         """Back to the last good state of all cables; raises."""
-        culprits = [cable.run.name for cable in self._cables if not cable.is_credible()]
+        verdicts = [cable.verdict(self.time, self.stepSize) for cable in self._cables]
         for cable in self._cables:
             cable.restore()
         self._is_ready = False
         self._error = divergence(
-            culprits,
+            list(filter(None, verdicts)),
             self.time + n * self.stepSize,
             f"The stepper holds the state at t = {self.time:.6g} s; Start() begins anew.",
+            self.stepSize,
         )
         raise self._error
 

@@ -15,13 +15,14 @@ class TimeGrid:
     """Equal steps of Exudyn's time loop, each cut into equal steps of the integrator.
 
     start: [s].   loop_steps: number of Exudyn steps.   substeps: integrator steps in each of them.
-    h: step of the integrator [s].
+    h: step of the integrator [s].   first: step of the loop that a continued run begins with.
     """
 
     start: float
     loop_steps: int
     substeps: int
     h: float
+    first: int = 0
 
     def time(self, loop_step: int) -> float:
         """Time after that many steps of the loop [s]."""

@@ -8,9 +8,11 @@ import numpy as np
 
 from ..arrays import Array
 from ..chain.cable import Cable
-from ..errors import DivergenceError, InextensibleError
+from ..errors import InextensibleError
 from .consistent_start import StartCorrection
+from .divergence import divergence
 from .observed import ACCELERATIONS
+from .restart import Restarts
 from .time_grid import TimeGrid
 
 LOOK_AHEAD_LIMIT = 1_000_000  # coordinates times steps in a call: some 30 ms, so that Ctrl-C works
@@ -43,11 +45,15 @@ class Run(Protocol):
 
     def damping_ratio(self, frequency: float) -> float: ...
 
-    def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> None: ...
+    def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int: ...
 
-    def is_credible(self, history: Array) -> np.ndarray: ...
+    def verdict(self, scheme: Any, time: float, h: float) -> str: ...
 
-    def trouble(self, scheme: Any) -> str: ...
+    def figures(self) -> dict[str, float]: ...
+
+    def memory(self) -> dict[str, Any]: ...
+
+    def resume(self, time: float) -> None: ...
 
 
 class ExplicitTimeLoop:
@@ -59,7 +65,13 @@ class ExplicitTimeLoop:
     """
 
     def __init__(
-        self, mbs: Any, runs: Sequence[Run], scheme: Any, grid: TimeGrid, observed: int = ACCELERATIONS
+        self,
+        mbs: Any,
+        runs: Sequence[Run],
+        scheme: Any,
+        grid: TimeGrid,
+        restarts: Restarts,
+        observed: int = ACCELERATIONS,
     ) -> None:
         self.runs = runs
         self.scheme = scheme
@@ -69,10 +81,13 @@ class ExplicitTimeLoop:
         self._is_watched = _has_step_user_functions(mbs) or not all(run.looks_ahead for run in runs)
         self._written = self._present(exudyn.ConfigurationType.Initial)
         self._observed = ACCELERATIONS if self._is_watched else observed
-        self._computed = 0  # steps of the loop
+        self._restarts = restarts
+        self._computed = grid.first  # steps of the loop
         self._ahead: tuple[int, Array] = (0, np.zeros((0, ACCELERATIONS, 0)))  # first step and its states
         for run in runs:
             run.start(grid.start)
+        if restarts.found:
+            restarts.resume(runs, grid)
 
     @property
     def user_function(self) -> Any:
@@ -87,7 +102,7 @@ class ExplicitTimeLoop:
             reasons = [run.reason for run in self.runs if not run.looks_ahead]
             reasons = list(dict.fromkeys(reasons)) or ["pre- or post-step user functions may look at it"]
             return f"{names}: one call for each of Exudyn's steps, because {'; '.join(reasons)}"
-        ahead = self._intervals(self.grid.loop_steps)
+        ahead = self._intervals(self.grid.first)
         return f"{names}: {ahead} of Exudyn's steps in one compiled call, because all loads are known"
 
     def _plain_user_function(self) -> Any:
@@ -111,6 +126,10 @@ class ExplicitTimeLoop:
     def _setters(self) -> list[Any]:
         data = self._data
         return [data.SetODE2Coordinates, data.SetODE2Coordinates_t, data.SetODE2Coordinates_tt]
+
+    def finish(self) -> None:
+        """After the last step, if there was no error."""
+        self._write_restart()
 
     def complete_state(self) -> None:
         """Give mbs the derivatives of its present coordinates that nobody observed so far."""
@@ -136,35 +155,47 @@ class ExplicitTimeLoop:
         """q and what is observed after each step of the loop; DivergenceError instead of a bad one."""
         while True:
             first = self._computed
-            states = self._compute_ahead()
-            credible = [run.is_credible(states[:, :, run.indices]) for run in self.runs]
-            good = min(int(np.argmin(np.append(those, False))) for those in credible)
+            states, good = self._compute_ahead()
             self._ahead = (first, states[:good])
             observed = states[:good, : self._observed]
             for block in range(0, good, HANDED_OUT):
                 yield from observed[block : block + HANDED_OUT].tolist()
             if good < len(states):
-                culprits = [r.name for r, those in zip(self.runs, credible, strict=True) if not those[good]]
-                end = self.grid.time(first + good + 1)
-                troubles = " ".join(run.trouble(self.scheme) for run in self.runs).strip()
-                self.error = divergence(culprits, end, f"mbs holds the last good output. {troubles}".strip())
+                self.error = self._divergence(self.grid.time(first + good), self.grid.time(first + good + 1))
                 raise self.error
 
-    def _compute_ahead(self) -> Array:
-        """(intervals, 3, n) displacements, velocities, accelerations after the next loop steps."""
-        intervals = self._intervals(self.grid.loop_steps - self._computed)
+    def _divergence(self, last_good: float, time: float) -> InextensibleError:
+        verdicts = [run.verdict(self.scheme, last_good, self.grid.h) for run in self.runs]
+        left = f"mbs holds the last good output, that of t = {last_good:.6g} s."
+        return divergence(list(filter(None, verdicts)), time, left, self.grid.h)
+
+    def _compute_ahead(self) -> tuple[Array, int]:
+        """(intervals, 3, n) displacements, velocities, accelerations after the next loop steps.
+
+        And how many of them are good.
+        """
+        self._write_restart()
+        intervals = self._intervals(self._computed)
         states = np.zeros((intervals, 3, len(self._written[0])))
+        good = intervals
         for run in self.runs:
             history = np.empty((intervals, 3, len(run.indices)))
-            run.record(self.scheme, self.grid, self._computed, history)
+            good = min(good, run.record(self.scheme, self.grid, self._computed, history))
             states[:, :, run.indices] = history
         self._computed += intervals
-        return states
+        return states, good
 
-    def _intervals(self, remaining: int) -> int:
-        """Number of steps of the loop to compute in one call."""
+    def _write_restart(self) -> None:
+        """If it is time to: all that has been computed has been handed out."""
+        if self._restarts.is_due(self.grid, self._computed):
+            self.complete_state()
+            self._restarts.write(self.runs, self.grid, self._computed)
+
+    def _intervals(self, step: int) -> int:
+        """Number of steps of the loop to compute in one call, after that step."""
         if self._is_watched:
             return 1
+        remaining = min(self.grid.loop_steps - step, self._restarts.steps_until_due(self.grid, step))
         coordinates = sum(len(run.indices) for run in self.runs)
         return max(1, min(remaining, LOOK_AHEAD_LIMIT // (coordinates * self.grid.substeps)))
 
@@ -184,14 +215,11 @@ class ExplicitTimeLoop:
             run.start(self.grid.time(self._computed))
 
 
-def divergence(culprits: list[str], time: float, what_is_left: str) -> DivergenceError:
-    """The error of a run that left what a cable can do before `time` [s]."""
-    return DivergenceError(
-        f"{', '.join(culprits)} diverged before t = {time:.6g} s: its coordinates are not finite, or not "
-        f"those of an inextensible cable. {what_is_left} Likely causes: a step close to the "
-        "stability limit of a cable that straightened, or a violent start; reduce stepSize, use RATTLE, "
-        "or change stabilizationRate."
-    )
+def worst_figures(runs: Sequence[Run]) -> dict[str, float]:
+    """Of each figure, the largest of all runs."""
+    all_of_them = [run.figures() for run in runs]
+    names = dict.fromkeys(name for figures in all_of_them for name in figures)
+    return {name: max(figures[name] for figures in all_of_them if name in figures) for name in names}
 
 
 def _has_step_user_functions(mbs: Any) -> bool:

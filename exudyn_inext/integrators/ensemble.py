@@ -12,7 +12,8 @@ from numba.core import types
 from numba.extending import overload
 
 from ..compiled import inlined, kernel
-from .integrator import LoadHistory, record
+from .integrator import LoadHistory
+from .watch import record_watched
 
 
 def stacked(members: Sequence[Any]) -> Any:
@@ -62,29 +63,35 @@ def _of_interval(loads, interval, steps):
 
 @inlined
 def _copy(history, interval, output):
-    """Keep one interval of a member; returns whether its coordinates are finite."""
-    is_finite = True
-    for i in range(history.shape[2]):
-        is_finite &= np.isfinite(history[0, 0, i])
-        for d in range(len(output)):
+    """Keep one interval of a member."""
+    for d in range(len(output)):
+        for i in range(history.shape[2]):
             output[d, interval, i] = history[0, d, i]
-    return is_finite
 
 
 @kernel
-def record_members(scheme, systems, loads, states, h, steps, output):
-    """Advance one member after the other, as `record` does, each until its end or its divergence.
+def record_members(scheme, systems, loads, states, h, steps, watches, output, good):
+    """Advance one member after the other, as `record_watched` does, each until its end or its divergence.
 
     Args:
-        scheme, h, steps: see `advance`; the same for all members.
-        systems, loads, states: of all members, see `stacked`.
+        scheme, h, steps: see `record_watched`; the same for all members.
+        systems, loads, states, watches: of all members, see `stacked`.
         output: (derivatives, members, intervals, n_dof) q, v, a at the end of each interval, as many of
             them as it has room for; on entry what shall stand where a member has not got to.
+        good: (members,) output: number of intervals that ended well.
     """
     history = np.empty((1, 3, output.shape[3]))
     for m in range(output.shape[1]):
-        system, state, forces = member(systems, m), member(states, m), member(loads, m)
+        system, state, watch, forces = (
+            member(systems, m),
+            member(states, m),
+            member(watches, m),
+            member(loads, m),
+        )
+        good[m] = output.shape[2]
         for interval in range(output.shape[2]):
-            record(scheme, system, _of_interval(forces, interval, steps), state, h, steps, history)
-            if not _copy(history, interval, output[:, m]):
+            now = _of_interval(forces, interval, steps)
+            if record_watched(scheme, system, now, state, h, steps, history, watch) == 0:
+                good[m] = interval
                 break
+            _copy(history, interval, output[:, m])

@@ -9,7 +9,7 @@ import numpy as np
 from numba.extending import overload
 
 from ..arrays import Array
-from ..compiled import inlined, kernel
+from ..compiled import inlined
 
 
 @dataclass(frozen=True)
@@ -25,6 +25,7 @@ class Integrator:
     carries: fields of the state that a step needs besides q and v, and does not compute from them.
     stabilised: whether it integrates the stabilised equations (30), whose zeta bounds the step.
     change_step: (state, ratio): prepares the memory of a multi-step scheme for steps longer by that ratio.
+    resume: (system, external, state): what a step needs of the system besides the state, evaluated again.
     trouble: (scheme, state) -> what the scheme could not do, for messages; empty if there is nothing.
     """
 
@@ -37,6 +38,7 @@ class Integrator:
     carries: tuple[str, ...] = ()
     stabilised: bool = True
     change_step: Callable[[Any, float], None] = lambda state, ratio: None
+    resume: Callable[..., None] = lambda system, external, state: None
     trouble: Callable[[Any, Any], str] = lambda scheme, state: ""
 
 
@@ -77,16 +79,15 @@ def _compile_advance(scheme, system, loads, state, h, steps, history):
     return call
 
 
-@kernel
-def record(scheme, system, loads, state, h, steps, history):
-    """Advance through len(history) intervals of `steps` steps each, in one compiled call.
+def record(scheme: Any, system: Any, loads: Any, state: Any, h: float, steps: int, history: Array) -> None:
+    """Advance through len(history) intervals of `steps` steps each, in one call; nobody watches.
 
     Args:
         scheme, system, loads, state, h: see `advance`.
         steps: in each interval.
         history: (intervals, 3, n_dof) output q, v, a at the end of each interval.
     """
-    advance(scheme, system, loads, state, h, steps, history)
+    advance.dispatch(type(scheme))(scheme, system, loads, state, h, steps, history)
 
 
 @inlined

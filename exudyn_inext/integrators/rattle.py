@@ -60,6 +60,13 @@ def start(system, external, state):
     accelerate_and_project(system, external, state.q, state.v_half, 0.0, state.a, state.v)
 
 
+@kernel
+def resume(system, external, state):
+    """The factor at q, which the next step corrects positions with."""
+    memory, end_velocity = np.zeros_like(state.q), np.zeros_like(state.q)
+    accelerate_and_project(system, external, state.q, state.v, 0.0, memory, end_velocity)
+
+
 @inlined
 def _drift(h, q, v, a, v_half):
     """v_(n+1/2) and q_(n+1) before the position constraints act."""
@@ -119,5 +126,6 @@ INTEGRATOR = Integrator(
     start=start,
     carries=("a",),
     stabilised=False,
+    resume=resume,
     trouble=trouble,
 )

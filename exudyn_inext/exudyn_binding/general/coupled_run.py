@@ -12,11 +12,15 @@ from ...chain.cable import Cable
 from ...coupling.small_vibrations import FastestRates, fastest_rates
 from ...errors import DivergenceError
 from ...integrators.integrator import Integrator, LoadHistory, advance
+from ...integrators.linear_stability import frequency_limit
 from ..cable_run import CableRun
+from ..cable_watch import figures, finding
 from ..consistent_start import StartCorrection
+from ..divergence import explanation
 from ..time_grid import TimeGrid
 from .contact_rates import contact_rates, with_contact
 from .coupled_scene import CoupledCable, CoupledScene
+from .coupled_watch import CoupledWatch
 from .start import consistent_start
 
 
@@ -38,6 +42,7 @@ class CoupledRun:
         tolerance: float,
         time: float,
         why: str,
+        energy_tolerance: float,
     ) -> None:
         self._mbs = mbs
         self._runs = cable_runs
@@ -57,6 +62,7 @@ class CoupledRun:
         self.start_correction = consistent_start(
             self._scene.system, time, self.state.q, self.state.v, tolerance
         )
+        self.watch = CoupledWatch(self._scene, cable_runs, self.state, energy_tolerance)
 
     @property
     def name(self) -> str:
@@ -111,41 +117,72 @@ class CoupledRun:
         begin(self._scene.system, np.array([time]), self.state)
         for run in self._runs:
             run.check_pivots()
+        self.watch.open(time, self.state)
 
-    def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> None:
+    def memory(self) -> dict[str, Any]:
+        """Arrays that the next steps depend on; see `CableRun.memory`."""
+        cables = {str(k): run.memory()["foresight"] for k, run in enumerate(self._runs)}
+        return {
+            "state": self.state._asdict(),
+            "scene": self._scene.memory(),
+            "cables": cables,
+            "watch": self.watch.memory(),
+        }
+
+    def resume(self, time: float) -> None:
+        """Go on at `time` [s] with the memory that has been set; data coordinates are those of mbs."""
+        self._scene.surroundings.forces(time, self.state.q, self.state.v)
+        _plain(self._integrator.resume)(self._scene.system, np.array([time]), self.state)
+        self.watch.resume(self.state)
+
+    def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
         """Advance through len(history) loop steps; see `CableRun.record`."""
-        take_step = _plain(advance.dispatch(type(scheme)))
-        number, size = len(self.indices), len(self.state.q)
-        row = np.zeros((1, 3, size))
-        history[:] = np.nan
+        number, row = len(self.indices), np.zeros((1, 3, len(self.state.q)))
         self._scene.surroundings.forget()
         for interval in range(len(history)):
             start = grid.time(first + interval)
-            for substep in range(grid.substeps):
-                times = start + grid.h * (substep + np.array(self._integrator.stages))
-                loads = LoadHistory(np.zeros(1), np.ones((1, 1)), times.reshape(1, -1, 1))
-                try:
-                    with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges
-                        take_step(scheme, self._scene.system, loads, self.state, grid.h, 1, row)
-                    end = start + grid.h * (substep + 1)
-                    self._scene.surroundings.finish_step(end, self.state.q, self.state.v)
-                except DivergenceError:
-                    return
+            with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges
+                if not self._is_well_through(scheme, start, grid, row):
+                    return interval
             history[interval] = row[0, :, :number]
             history[interval, 0] -= self.reference
         end = grid.time(first + len(history))
         self._scene.surroundings.show(end, self.state.q, self.state.v, self._scene.system.multipliers)
+        return len(history)
 
-    def trouble(self, scheme: Any) -> str:
-        """What the scheme could not do; see `Integrator`."""
-        return self._integrator.trouble(scheme, self.state)
+    def _is_well_through(self, scheme: Any, start: float, grid: TimeGrid, row: Array) -> bool:
+        """Take the steps of one interval; row: (1, 3, n) output."""
+        take_step = _plain(advance.dispatch(type(scheme)))
+        for substep in range(grid.substeps):
+            times = start + grid.h * (substep + np.array(self._integrator.stages))
+            loads = LoadHistory(np.zeros(1), np.ones((1, 1)), times.reshape(1, -1, 1))
+            end = start + grid.h * (substep + 1)
+            try:
+                take_step(scheme, self._scene.system, loads, self.state, grid.h, 1, row)
+                self._scene.surroundings.finish_step(end, self.state.q, self.state.v)
+            except DivergenceError:
+                self.watch.give_up(self.state)
+                return False
+            if not self.watch.is_well_after(end, grid.h, self.state):
+                return False
+        if np.isfinite(row).all():
+            return True
+        self.watch.give_up(self.state)
+        return False
 
-    def is_credible(self, history: Array) -> np.ndarray:
-        """(intervals,) whether all is finite and the cables' slopes are those of inextensible ones."""
-        credible = np.isfinite(history.sum(axis=(1, 2)))
-        for run, dofs in zip(self._runs, self._scene.map.slices, strict=False):
-            credible[credible] = run.is_credible(history[credible][:, :, dofs])
-        return credible
+    def figures(self) -> dict[str, float]:
+        """How well constraints and energy were kept."""
+        return figures(self.watch.watch)
+
+    def verdict(self, scheme: Any, time: float, h: float) -> str:
+        """What went wrong in the last steps; see `CableRun.verdict`."""
+        if not self.watch.has_trouble:
+            return ""
+        trouble = self._integrator.trouble(scheme, self.state)
+        rates = fastest_rates(self._scene.system, time, self.state.q, self.state.v)
+        limit = frequency_limit(self._integrator, scheme) / rates.frequency if rates.frequency else np.inf
+        said = explanation(self._integrator, trouble, h, limit, scaled=True)
+        return f"{self.name}: {finding(self.watch.watch)}. {said}"
 
 
 def _plain(function: Any) -> Any:

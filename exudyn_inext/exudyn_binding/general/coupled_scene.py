@@ -83,6 +83,10 @@ class CoupledScene:
         """How many bodies Exudyn is asked for their mass at each evaluation."""
         return self._masses.number_of_variable
 
+    def memory(self) -> dict[str, Any]:
+        """What earlier steps taught joints and quaternions, by names."""
+        return {"joints": self.system.foresight, "quaternions": self._masses.system.memory()}
+
     def forget(self) -> None:
         """What earlier steps taught the joints and quaternions does not hold any more."""
         self.system.foresight[:] = 0.0

@@ -1,0 +1,259 @@
+"""A watch over a run: whether it stays finite, on its constraints, and with the energy that it should have.
+
+That is the energy of its start and the work done since; what it has beyond that, the scheme has made. Every
+few steps the account is drawn up, and the state kept, so that a run stops with the last good one.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+from ..compiled import inlined, kernel
+from ..system import AGITATION, ELASTIC, KINETIC, POWER, VIOLATION, gauge
+from .integrator import LoadHistory, advance
+
+ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY = 0, 1, 2, 3
+
+STEPS_BETWEEN = 32  # inspections of a run whose energy only forces change that are known at its ends
+STEPS_WITH_POWER = 8  # of one with damping, drag, or forces and supports that move
+LARGEST_VIOLATION = 0.05  # of |r_x|^2 = 1 [-], and of lengths, relative
+PATIENCE = 256  # steps for which the energy may be above its limit
+VIOLENT = 10.0  # times the limit: no patience
+SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
+
+ACCOUNT = np.dtype(
+    [
+        ("start", np.float64),
+        ("agitation", np.float64),
+        ("work", np.float64),
+        ("unsure", np.float64),
+        ("scatter", np.float64),
+        ("largest_kinetic", np.float64),
+        ("least_elastic", np.float64),
+        ("largest_elastic", np.float64),
+        ("error", np.float64),
+        ("gain", np.float64),
+        ("loss", np.float64),
+        ("violation", np.float64),
+        ("suspect", np.int64),
+        ("trouble", np.int64),
+    ],
+    align=True,
+)
+
+
+class Watch(NamedTuple):
+    """What a watch knows of a run.
+
+    every: steps between two inspections.
+    tolerance: energy that a run may gain, as a share of what its motion turns over [-].
+    account: (1,) record. Energy at the `start` and `agitation` then [J/s^2]; `work` done since [J], of which we
+        are `unsure`, to one side [J], and its `scatter` [J^2]; bounds of kinetic and elastic energy so far
+        [J]; relative `error` of the energy and its extremes so far, `gain` and `loss` [-]; largest `violation`
+        of a constraint so far [-]; for how many steps the energy has been `suspect`; what the `trouble` is.
+    position, force: (n_dof,) when work was counted last.   change: (n_dof,) of the force before that.
+    gauges: (5,) at the last inspection, see `gauge`.   force_now, gauges_now: memory.
+    kept: state of the integrator at the last inspection.
+    """
+
+    every: int
+    tolerance: float
+    account: Any
+    position: Array
+    force: Array
+    change: Array
+    gauges: Array
+    force_now: Array
+    gauges_now: Array
+    kept: Any
+
+
+def build_watch(state: Any, every: int, tolerance: float) -> Watch:
+    """A watch over the run of an integrator's `state`; `open_account` begins it."""
+    size = len(state.q)
+    return Watch(
+        every,
+        tolerance,
+        account=np.zeros(1, ACCOUNT).view(np.recarray),
+        position=np.zeros(size),
+        force=np.zeros(size),
+        change=np.zeros(size),
+        gauges=np.zeros(5),
+        force_now=np.zeros(size),
+        gauges_now=np.zeros(5),
+        kept=type(state)(*[memory.copy() for memory in state]),
+    )
+
+
+@inlined
+def _keep(watch, state):
+    for memory in range(len(state)):
+        for i in range(len(state[memory])):
+            watch.kept[memory][i] = state[memory][i]
+    for i in range(len(watch.gauges)):
+        watch.gauges[i] = watch.gauges_now[i]
+
+
+@inlined
+def _restore(watch, state):
+    for memory in range(len(state)):
+        for i in range(len(state[memory])):
+            state[memory][i] = watch.kept[memory][i]
+
+
+@inlined
+def _open(watch, state, round_off):
+    account = watch.account[0]
+    kinetic, elastic = watch.gauges_now[KINETIC], watch.gauges_now[ELASTIC]
+    account.start = kinetic + elastic
+    account.agitation = watch.gauges_now[AGITATION]
+    account.work = 0.0
+    account.unsure = round_off
+    account.scatter = 0.0
+    account.largest_kinetic = kinetic
+    account.least_elastic = elastic
+    account.largest_elastic = elastic
+    account.error = 0.0
+    account.suspect = 0
+    account.trouble = ALL_IS_WELL
+    for i in range(len(watch.position)):
+        watch.position[i] = state.q[i]
+        watch.force[i] = watch.force_now[i]
+        watch.change[i] = 0.0
+    _keep(watch, state)
+
+
+@kernel
+def open_account(watch, system, external, state, round_off):
+    """Begin with a state that the integrator has started from; extremes so far are kept.
+
+    Args:
+        watch: over the run.   system: just started.   external: (n_external,) at the start.
+        state: of the integrator.   round_off: of its energy [J].
+    """
+    gauge(system, external, state.q, state.v, state.a, watch.force_now, watch.gauges_now)
+    _open(watch, state, round_off)
+
+
+@kernel
+def open_with_gauges(watch, state, round_off):
+    """As `open_account`, where `force_now` and `gauges_now` are set already."""
+    _open(watch, state, round_off)
+
+
+@inlined
+def _add_work(watch, q):
+    """Work of the forces along the way since the last call, by the trapezoidal rule, and its likely error."""
+    work, error = 0.0, 0.0
+    for i in range(len(watch.position)):
+        way, change = q[i] - watch.position[i], watch.force_now[i] - watch.force[i]
+        work += (watch.force[i] + 0.5 * change) * way
+        error += (change - watch.change[i]) * way / 12.0
+        watch.position[i] = q[i]
+        watch.force[i] = watch.force_now[i]
+        watch.change[i] = change
+    account = watch.account[0]
+    account.work += work
+    account.scatter += error * error
+
+
+@kernel
+def add_work(watch, q):
+    """Count the work of `force_now` at q (n_dof,), for who inspects more rarely."""
+    _add_work(watch, q)
+
+
+@inlined
+def _draw_up(watch, steps, duration):
+    """The present error of the energy, beyond what the account itself may be wrong by.
+
+    A central difference scheme keeps the energy less h^2 a . M a / 8, exactly if the system is linear: so
+    much is in vibrations that the step does not resolve.
+    """
+    account, now = watch.account[0], watch.gauges_now
+    by_power = 0.5 * (watch.gauges[POWER] + now[POWER]) * duration
+    account.work += by_power
+    account.unsure += SHARE_OF_POWER * abs(by_power)
+    account.largest_kinetic = max(account.largest_kinetic, now[KINETIC])
+    account.least_elastic = min(account.least_elastic, now[ELASTIC])
+    account.largest_elastic = max(account.largest_elastic, now[ELASTIC])
+    turned_over = account.largest_kinetic + account.largest_elastic - account.least_elastic
+    error = now[KINETIC] + now[ELASTIC] - account.start - account.work
+    unresolved = 0.25 * (duration / steps) ** 2 * (account.agitation + now[AGITATION])
+    unsure = account.unsure + 2.0 * np.sqrt(account.scatter) + unresolved
+    account.error = np.copysign(max(abs(error) - unsure, 0.0), error) / max(turned_over, unsure)
+    account.gain = max(account.gain, account.error)
+    account.loss = min(account.loss, account.error)
+    account.violation = max(account.violation, now[VIOLATION])
+
+
+@inlined
+def _is_finite(gauges):
+    """By comparison: np.isfinite(x) is x - x == x - x, which reassociation of sums folds."""
+    finite = True
+    for i in range(len(gauges)):
+        finite = finite and abs(gauges[i]) < np.inf
+    return finite
+
+
+@inlined
+def _judge(watch, state, steps, duration):
+    """After some steps whose work is counted; trouble takes the state back, and is returned."""
+    account, now = watch.account[0], watch.gauges_now
+    account.trouble = ALL_IS_WELL
+    if not _is_finite(now):
+        account.trouble = NOT_FINITE
+    else:
+        _draw_up(watch, steps, duration)
+        account.suspect = account.suspect + steps if account.error > watch.tolerance else 0
+        if now[VIOLATION] > LARGEST_VIOLATION:
+            account.trouble = CONSTRAINTS
+        elif account.suspect >= PATIENCE or account.error > VIOLENT * watch.tolerance:
+            account.trouble = ENERGY
+    if account.trouble == ALL_IS_WELL:
+        _keep(watch, state)
+    else:
+        _restore(watch, state)
+    return account.trouble
+
+
+@kernel
+def judge(watch, state, steps, duration):
+    """Draw up the account with `gauges_now`, `steps` steps and `duration` [s] after the last time.
+
+    Returns:
+        What the trouble is; if there is any, the state is that of the last inspection.
+    """
+    return _judge(watch, state, steps, duration)
+
+
+@kernel
+def record_watched(scheme, system, loads, state, h, steps, history, watch):
+    """Advance through intervals of `steps` steps each, as long as all is well.
+
+    Args:
+        scheme, system, loads, state, h: see `advance`.   steps: in each interval.
+        history: (intervals, 3, n_dof) output q, v, a at the end of each interval.
+        watch: over the run; its account is open.
+
+    Returns:
+        Number of intervals that ended well. If not all did, the state is that of the last inspection.
+    """
+    done, total = 0, len(history) * steps
+    while done < total:
+        first = done // steps
+        if steps > watch.every:
+            number = min(watch.every, steps - done % steps)
+            last, of_interval = first + 1, number
+        else:
+            last = min(first + watch.every // steps, len(history))
+            number, of_interval = (last - first) * steps, steps
+        ahead = LoadHistory(loads.constant, loads.pattern, loads.factor[done : done + number])
+        advance(scheme, system, ahead, state, h, of_interval, history[first:last])
+        gauge(system, state.external, state.q, state.v, state.a, watch.force_now, watch.gauges_now)
+        _add_work(watch, state.q)
+        if _judge(watch, state, number, number * h) != ALL_IS_WELL:
+            return first
+        done += number
+    return len(history)
