@@ -32,7 +32,7 @@ def explanation(integrator: Integrator, trouble: str, h: float, limit: float, sc
         instead = "" if scaled else "take adaptiveStep=True, or "
         return (
             f"Likely cause: the step of {h:.4g} s is above the stability limit of the present configuration, "
-            f"{limit:.4g} s, which falls where a cable straightens or is pulled tight: {instead}give a "
+            f"{limit:.4g} s, which falls where a cable straightens or is pulled tight: {instead}reduce "
             f"stepSize below {0.95 * limit:.3g} s."
         )
     if trouble:
@@ -41,7 +41,7 @@ def explanation(integrator: Integrator, trouble: str, h: float, limit: float, sc
     if integrator.stabilised:
         return (
             f"Likely cause: {integrator.name}, {share}, gains energy where the motion is violent, and slowly "
-            "in long runs: take integrator='RATTLE', or a quarter of the step."
+            "in long runs: take integrator='RATTLE', or reduce stepSize to a quarter."
         )
     return (
         f"Likely cause: a motion too violent for the step, which is {share}: reduce stepSize, or start from "

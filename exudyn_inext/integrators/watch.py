@@ -48,10 +48,11 @@ class Watch(NamedTuple):
 
     every: steps between two inspections.
     tolerance: energy that a run may gain, as a share of what its motion turns over [-].
-    account: (1,) record. Energy at the `start` and `agitation` then [J/s^2]; `work` done since [J], of which we
-        are `unsure`, to one side [J], and its `scatter` [J^2]; bounds of kinetic and elastic energy so far
-        [J]; relative `error` of the energy and its extremes so far, `gain` and `loss` [-]; largest `violation`
-        of a constraint so far [-]; for how many steps the energy has been `suspect`; what the `trouble` is.
+    account: (1,) record. Energy at the `start` and `agitation` then [J/s^2]; `work` done since [J], of which
+        we are `unsure`, to one side [J], and its `scatter` [J^2]; bounds of kinetic and elastic energy so
+        far [J]; relative `error` of the energy and its extremes so far, `gain` and `loss` [-]; largest
+        `violation` of a constraint so far [-]; for how many steps the energy has been `suspect`; what the
+        `trouble` is.
     position, force: (n_dof,) when work was counted last.   change: (n_dof,) of the force before that.
     gauges: (5,) at the last inspection, see `gauge`.   force_now, gauges_now: memory.
     kept: state of the integrator at the last inspection.

@@ -139,7 +139,7 @@ def test_an_iteration_that_gives_up_says_where_and_keeps_the_last_good_state(mbs
     add_pendulum(mbs)
     mbs.Assemble()
     message = (
-        r"last good output.*violated by \S+e-1\d after 3 iterations \(tolerance 1e-30\).*larger tolerance"
+        r"violated by \S+e-1\d after 3 iterations \(tolerance 1e-30\).*larger tolerance.*last good output"
     )
     with pytest.raises(DivergenceError, match=message):
         solve(mbs, 0.1, scheme=Rattle(tolerance=1e-30, iterations=3))

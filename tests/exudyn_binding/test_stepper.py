@@ -238,7 +238,7 @@ def test_the_system_is_left_alone_until_it_is_written_to(twin, contents):
 def test_a_divergence_keeps_the_last_good_state_and_asks_for_a_new_start(twin):
     with pytest.warns(UserWarning, match="stepSize"):
         stepper = started(twin().mbs, 5e-3, allowUnstableStep=True)
-    with pytest.raises(DivergenceError, match=r"'object0' diverged.*stepper holds the state at t = "):
+    with pytest.raises(DivergenceError, match=r"cable 'object0'.*stepper holds the state at t = "):
         for _ in range(1000):
             stepper.Step()
     q, v, time = stepper.State()
