@@ -111,10 +111,19 @@ class Restarts:
 
     def resume(self, runs: Sequence[Any], grid: TimeGrid) -> None:
         """Give the runs the states and memories of the file."""
-        assert self.found is not None
+        arrays = self._arrays
         for number, run in enumerate(runs):
-            unpack(str(number), run.memory(), self.found.arrays)
+            unpack(str(number), run.memory(), arrays)
             run.resume(grid.time(grid.first))
+
+    @property
+    def first_state(self) -> list[list[float]]:
+        """Coordinates and velocities that the run continues with."""
+        return [self._arrays[f"mbs/{name}"].tolist() for name in ("ODE2", "ODE2_t")]
+
+    @property
+    def _arrays(self) -> Mapping[str, Any]:
+        return self.found.arrays if self.found else {}
 
     @contextmanager
     def initial_state(self) -> Iterator[None]:

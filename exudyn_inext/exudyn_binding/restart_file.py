@@ -66,7 +66,7 @@ def read_restart(name: str | Path) -> Restart:
     """
     remedy = "remove it to start anew, or take an older one."
     try:
-        with np.load(name, allow_pickle=False) as archive:
+        with open(name, "rb") as file, np.load(file, allow_pickle=False) as archive:
             arrays = {key: archive[key] for key in archive.files}
         header = json.loads(str(arrays.pop(_HEADER)))
     except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile) as error:

@@ -41,6 +41,13 @@ def SolveExplicit(
     time integration is a lower bound of their number, the write periods of sensors and solution
     file are upper bounds of their length; the integrator's own steps lie between them.
 
+    A run stops when its constraints or its energy go astray, see ExplicitSettings.energyTolerance.
+
+    Restart files follow simulationSettings.solution.restart: with `write`, one is written every writePeriod
+    and at the end; with `continueIfAvailable`, a run goes on from it, bit for bit as if it had never been
+    interrupted, if the scene and the settings are the same (endTime may be later). Sensor and solution
+    files are then appended to; what a killed run wrote after its last restart file stands there twice.
+
     Many of Exudyn's steps are computed in one compiled call where no user function sees the states in
     between. A user function of a load that depends on the time alone may say so by an attribute,
     function.dependsOnTimeOnly = True, in order not to stand in the way.
@@ -57,7 +64,7 @@ def SolveExplicit(
         steps were computed), 'startCorrections' (of each cable, and of joints: how far the initial
         state was from the constraints), 'drift' (largest 'energyGain' and 'energyLoss' of a run, relative
         to what its motion turned over, beyond the work done on it; largest violation of 'constraints')
-        and 'retries' (how often the run began anew).
+        'retries' (how often the run began anew) and 'resumedAt' [s] (of a restart file; or None).
 
     Raises:
         SceneError: mbs not assembled, inconsistent, or contains what explicit steps cannot take.
@@ -115,6 +122,7 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings) -> dict[str, Any
         "path": loop.path,
         "startCorrections": [correction for run in runs for correction in run.start_corrections],
         "drift": worst_figures(runs),
+        "resumedAt": grid.time(grid.first) if grid.first else None,
     }
 
 

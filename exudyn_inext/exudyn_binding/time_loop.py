@@ -88,6 +88,7 @@ class ExplicitTimeLoop:
             run.start(grid.start)
         if restarts.found:
             restarts.resume(runs, grid)
+            self._written = restarts.first_state
 
     @property
     def user_function(self) -> Any:
