@@ -228,12 +228,12 @@ class CableRun:
         if not self.watch.has_trouble:
             return f"{self.name}: {GIVEN_UP}." if self.control and self.control.gave_up else ""
         trouble, taken = (
-            self._integrator.trouble(scheme, self.state),
+            self._integrator.trouble(scheme, self.watch.watch.kept),
             self.control.last if self.control else h,
         )
         limit = self._stability_limit(scheme, self.largest_frequency(time))
         said = explanation(self._integrator, trouble, taken, limit, self._is_scaled)
-        return f"{self.name}: {self.watch.finding()}. {said}"
+        return f"{self.name}: {self.watch.finding(self.state)}. {said}"
 
     def _stability_limit(self, scheme: Any, frequency: float) -> float:
         limit = frequency_limit(self._integrator, scheme, self.damping_ratio(frequency))

@@ -47,15 +47,14 @@ class CableWatch:
         """Whether the last steps went wrong."""
         return bool(self.watch.account[0].trouble)
 
-    def finding(self) -> str:
-        """What went wrong, by how much, and where."""
-        left, right = self._fastest_element()
+    def finding(self, state: Any) -> str:
+        """What went wrong, by how much, and where.   state: the last good one."""
+        left, right = self._fastest_element(state.a)
         return f"{finding(self.watch)}; its accelerations are largest between nodes {left} and {right}"
 
-    def _fastest_element(self) -> tuple[Any, Any]:
-        """Nodes of the element that vibrates fastest in the last good state."""
-        a = self.watch.kept.a.reshape(self._shape)[:, 0]
-        sizes = np.linalg.norm(a, axis=1)
+    def _fastest_element(self, a: Array) -> tuple[Any, Any]:
+        """Nodes of the element with the largest accelerations."""
+        sizes = np.linalg.norm(a.reshape(self._shape)[:, 0], axis=1)
         k = int(np.argmax(sizes[1:] + sizes[:-1]))
         return self._names[k], self._names[k + 1]
 

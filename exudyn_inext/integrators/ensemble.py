@@ -55,18 +55,18 @@ def _compile_parts(fields, m):
 
 
 @inlined
-def _of_interval(loads, interval, steps):
-    """What `loads` holds of the `steps` steps of one interval."""
-    first = interval * steps
-    return LoadHistory(loads.constant, loads.pattern, loads.factor[first : first + steps])
+def _of_intervals(loads, first, number, steps):
+    """What `loads` holds of some intervals of `steps` steps each."""
+    ahead = loads.factor[first * steps : (first + number) * steps]
+    return LoadHistory(loads.constant, loads.pattern, ahead)
 
 
 @inlined
-def _copy(history, interval, output):
+def _copy(states, interval, output):
     """Keep one interval of a member."""
     for d in range(len(output)):
-        for i in range(history.shape[2]):
-            output[d, interval, i] = history[0, d, i]
+        for i in range(states.shape[1]):
+            output[d, interval, i] = states[d, i]
 
 
 @kernel
@@ -80,7 +80,8 @@ def record_members(scheme, systems, loads, states, h, steps, watches, output, go
             them as it has room for; on entry what shall stand where a member has not got to.
         good: (members,) output: number of intervals that ended well.
     """
-    history = np.empty((1, 3, output.shape[3]))
+    rows = max(1, watches.every // steps)
+    history = np.empty((rows, 3, output.shape[3]))
     for m in range(output.shape[1]):
         system, state, watch, forces = (
             member(systems, m),
@@ -88,10 +89,13 @@ def record_members(scheme, systems, loads, states, h, steps, watches, output, go
             member(watches, m),
             member(loads, m),
         )
-        good[m] = output.shape[2]
-        for interval in range(output.shape[2]):
-            now = _of_interval(forces, interval, steps)
-            if record_watched(scheme, system, now, state, h, steps, history, watch) == 0:
-                good[m] = interval
+        good[m] = 0
+        while good[m] < output.shape[2]:
+            number = min(rows, output.shape[2] - good[m])
+            ahead = _of_intervals(forces, good[m], number, steps)
+            well = record_watched(scheme, system, ahead, state, h, steps, history[:number], watch)
+            for interval in range(well):
+                _copy(history[interval], good[m] + interval, output[:, m])
+            good[m] += well
+            if well < number:
                 break
-            _copy(history, interval, output[:, m])

@@ -15,12 +15,13 @@ from .integrator import LoadHistory, advance
 
 ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY = 0, 1, 2, 3
 
-STEPS_BETWEEN = 32  # inspections of a run whose energy only forces change that are known at its ends
-STEPS_WITH_POWER = 8  # of one with damping, drag, or forces and supports that move
+STEPS_BETWEEN = 64  # inspections of a run whose energy only forces change that are known at its ends
+STEPS_WITH_POWER = 24  # of one with damping, drag, or forces and supports that move
 LARGEST_VIOLATION = 0.05  # of |r_x|^2 = 1 [-], and of lengths, relative
 PATIENCE = 256  # steps for which the energy may be above its limit
 VIOLENT = 10.0  # times the limit: no patience
 SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
+SCATTER = 4.0  # times its standard deviation may the work of forces be wrong
 
 ACCOUNT = np.dtype(
     [
@@ -55,7 +56,7 @@ class Watch(NamedTuple):
         `trouble` is.
     position, force: (n_dof,) when work was counted last.   change: (n_dof,) of the force before that.
     gauges: (5,) at the last inspection, see `gauge`.   force_now, gauges_now: memory.
-    kept: state of the integrator at the last inspection.
+    kept: state of the integrator at the last inspection; if it found trouble, the state that it found.
     """
 
     every: int
@@ -90,17 +91,18 @@ def build_watch(state: Any, every: int, tolerance: float) -> Watch:
 @inlined
 def _keep(watch, state):
     for memory in range(len(state)):
-        for i in range(len(state[memory])):
-            watch.kept[memory][i] = state[memory][i]
+        watch.kept[memory][:] = state[memory]
     for i in range(len(watch.gauges)):
         watch.gauges[i] = watch.gauges_now[i]
 
 
 @inlined
-def _restore(watch, state):
+def _exchange(watch, state):
+    """The state is the last good one again; the other one is kept, for whoever looks for the cause."""
     for memory in range(len(state)):
-        for i in range(len(state[memory])):
-            state[memory][i] = watch.kept[memory][i]
+        wrong = state[memory].copy()
+        state[memory][:] = watch.kept[memory]
+        watch.kept[memory][:] = wrong
 
 
 @inlined
@@ -182,7 +184,7 @@ def _draw_up(watch, steps, duration):
     turned_over = account.largest_kinetic + account.largest_elastic - account.least_elastic
     error = now[KINETIC] + now[ELASTIC] - account.start - account.work
     unresolved = 0.25 * (duration / steps) ** 2 * (account.agitation + now[AGITATION])
-    unsure = account.unsure + 2.0 * np.sqrt(account.scatter) + unresolved
+    unsure = account.unsure + SCATTER * np.sqrt(account.scatter) + unresolved
     account.error = np.copysign(max(abs(error) - unsure, 0.0), error) / max(turned_over, unsure)
     account.gain = max(account.gain, account.error)
     account.loss = min(account.loss, account.error)
@@ -215,7 +217,7 @@ def _judge(watch, state, steps, duration):
     if account.trouble == ALL_IS_WELL:
         _keep(watch, state)
     else:
-        _restore(watch, state)
+        _exchange(watch, state)
     return account.trouble
 
 

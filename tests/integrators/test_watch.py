@@ -33,7 +33,7 @@ class WatchedPendulum:
         self.integrator = INTEGRATORS[name]
         self.system = CableSystem(build_chain(cable), 100.0)
         self.constant = gravity_force(cable, gravity).ravel()
-        self.pattern = np.zeros((force is not None, self.constant.size))
+        self.pattern = np.zeros((int(force is not None), self.constant.size))
         self.pattern[:, -3] = 1.0
         self.force = force
         self.state = self.integrator.allocate(self.constant.size, self.constant.size)
@@ -101,26 +101,27 @@ def test_what_is_not_finite_is_stopped_at_the_next_inspection():
 
 @pytest.mark.parametrize("name", INTEGRATORS)
 def test_damping_takes_energy_that_is_accounted_for(name):
-    """Bending damping leaves the swing, and the account is balanced to a thousandth of it."""
+    """Bending damping takes 0.005 J of a swing of 0.55 J; the account is balanced 30 times better."""
     pendulum = WatchedPendulum(name, damping=2e-4)
     start = pendulum.account.start
-    good, _ = pendulum.run(1e-3, 4000)
+    good, _ = pendulum.run(2.5e-4, 16_000)
     lost = start + pendulum.account.work - (pendulum.watch.gauges[0] + pendulum.watch.gauges[1])
-    assert good == 4000
-    assert abs(lost) < 1e-3 * pendulum.account.largest_kinetic
     by_gravity = pendulum.constant @ (pendulum.state.q - planar_pendulum(5)[0].reference.ravel())
-    assert by_gravity - pendulum.account.work > 0.05 * pendulum.account.largest_kinetic  # what was damped
+    damped = by_gravity - pendulum.account.work
+    assert good == 16_000
+    assert damped > 0.005
+    assert abs(lost) < damped / 30
 
 
 @pytest.mark.parametrize("name", INTEGRATORS)
 def test_work_of_a_force_in_time_is_accounted_for(name):
-    pendulum = WatchedPendulum(name, force=lambda t: 0.5 * np.sin(8.0 * t))
+    pendulum = WatchedPendulum(name, force=lambda t: 0.05 * np.sin(8.0 * t))
     good, _ = pendulum.run(1e-3, 4000)
     energy = pendulum.watch.gauges[0] + pendulum.watch.gauges[1]
     by_gravity = pendulum.constant @ (pendulum.state.q - planar_pendulum(5)[0].reference.ravel())
     assert good == 4000
-    assert energy - pendulum.account.start == pytest.approx(pendulum.account.work, abs=2e-3)
-    assert abs(pendulum.account.work - by_gravity) > 0.05  # what the force did
+    assert energy - pendulum.account.start == pytest.approx(pendulum.account.work, abs=1e-3)
+    assert abs(pendulum.account.work - by_gravity) > 0.02  # what the force did
 
 
 @pytest.mark.parametrize("every", [1, 7, 64])

@@ -178,7 +178,7 @@ class CoupledRun:
         """What went wrong in the last steps; see `CableRun.verdict`."""
         if not self.watch.has_trouble:
             return ""
-        trouble = self._integrator.trouble(scheme, self.state)
+        trouble = self._integrator.trouble(scheme, self.watch.watch.kept)
         rates = fastest_rates(self._scene.system, time, self.state.q, self.state.v)
         limit = frequency_limit(self._integrator, scheme) / rates.frequency if rates.frequency else np.inf
         said = explanation(self._integrator, trouble, h, limit, scaled=True)
