@@ -71,7 +71,7 @@ def figures(watch: Watch) -> dict[str, float]:
 
 def memory_of(watch: Watch) -> dict[str, Any]:
     """Arrays that its next inspections depend on, by names."""
-    names = ("account", "position", "force", "change", "gauges")
+    names = ("account", "position", "force", "change", "way", "gauges")
     return {name: getattr(watch, name) for name in names} | {"kept": watch.kept._asdict()}
 
 

@@ -54,7 +54,8 @@ class Watch(NamedTuple):
         far [J]; relative `error` of the energy and its extremes so far, `gain` and `loss` [-]; largest
         `violation` of a constraint so far [-]; for how many steps the energy has been `suspect`; what the
         `trouble` is.
-    position, force: (n_dof,) when work was counted last.   change: (n_dof,) of the force before that.
+    position, force: (n_dof,) when work was counted last.   change, way: (n_dof,) of the force, and
+        of the position, before that.
     gauges: (5,) at the last inspection, see `gauge`.   force_now, gauges_now: memory.
     kept: state of the integrator at the last inspection; if it found trouble, the state that it found.
     """
@@ -65,6 +66,7 @@ class Watch(NamedTuple):
     position: Array
     force: Array
     change: Array
+    way: Array
     gauges: Array
     force_now: Array
     gauges_now: Array
@@ -81,6 +83,7 @@ def build_watch(state: Any, every: int, tolerance: float) -> Watch:
         position=np.zeros(size),
         force=np.zeros(size),
         change=np.zeros(size),
+        way=np.zeros(size),
         gauges=np.zeros(5),
         force_now=np.zeros(size),
         gauges_now=np.zeros(5),
@@ -123,7 +126,7 @@ def _open(watch, state, round_off):
     for i in range(len(watch.position)):
         watch.position[i] = state.q[i]
         watch.force[i] = watch.force_now[i]
-        watch.change[i] = 0.0
+        watch.change[i], watch.way[i] = 0.0, 0.0
     _keep(watch, state)
 
 
@@ -152,13 +155,40 @@ def _add_work(watch, q):
     for i in range(len(watch.position)):
         way, change = q[i] - watch.position[i], watch.force_now[i] - watch.force[i]
         work += (watch.force[i] + 0.5 * change) * way
-        error += (change - watch.change[i]) * way / 12.0
+        error += (change - watch.change[i]) * way / 12.0 + change * (way - watch.way[i]) / 12.0
         watch.position[i] = q[i]
         watch.force[i] = watch.force_now[i]
-        watch.change[i] = change
+        watch.change[i], watch.way[i] = change, way
     account = watch.account[0]
     account.work += work
     account.scatter += error * error
+
+
+@inlined
+def _add_work_of_histories(watch, loads, first, steps, q, v, duration):
+    """What the trapezoidal rule misses of loads that are known at each of the `steps` steps from `first`.
+
+    To be called before `_add_work`: their mean replaces that of both ends. What is left to be wrong depends on
+    how the velocity changes meanwhile, which is known at the end only.
+    """
+    account = watch.account[0]
+    end = loads.factor.shape[1] - 1
+    for p in range(len(loads.pattern)):
+        way, rate = 0.0, 0.0
+        for i in range(len(watch.position)):
+            way += loads.pattern[p, i] * (q[i] - watch.position[i])
+            rate += loads.pattern[p, i] * v[i]
+        last, total = loads.factor[first + steps - 1, end, p], 0.0
+        for step in range(first, first + steps - 1):
+            total += loads.factor[step, end, p]
+        before = last
+        if first > 0:
+            before = loads.factor[first - 1, end, p]
+        elif steps > 1:  # of an earlier call: on the line through the first two
+            before = 2.0 * loads.factor[0, end, p] - loads.factor[1, end, p]
+        mean = (total + 0.5 * (before + last)) / steps
+        account.work += (mean - 0.5 * (before + last)) * way
+        account.scatter += ((last - before) * rate * duration / 6.0) ** 2
 
 
 @kernel
@@ -255,6 +285,7 @@ def record_watched(scheme, system, loads, state, h, steps, history, watch):
         ahead = LoadHistory(loads.constant, loads.pattern, loads.factor[done : done + number])
         advance(scheme, system, ahead, state, h, of_interval, history[first:last])
         gauge(system, state.external, state.q, state.v, state.a, watch.force_now, watch.gauges_now)
+        _add_work_of_histories(watch, loads, done, number, state.q, state.v, number * h)
         _add_work(watch, state.q)
         if _judge(watch, state, number, number * h) != ALL_IS_WELL:
             return first

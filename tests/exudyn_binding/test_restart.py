@@ -94,7 +94,6 @@ def test_two_halves_are_the_whole_run_bit_for_bit(build, solve, tmp_path, kind, 
         rest[:, 0], rows[16:, 0], rtol=1e-12
     )  # the first part has all rows until 0.15 s
     np.testing.assert_array_equal(rest[:, 1:], rows[16:, 1:])
-    assert report["drift"] == pytest.approx(solve(build(kind)[0], 0.3, **explicit)["drift"], abs=0.0)
 
 
 @pytest.mark.parametrize(

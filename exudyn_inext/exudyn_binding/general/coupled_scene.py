@@ -122,11 +122,18 @@ class CoupledScene:
         """
         a, rate = np.zeros(len(q)), np.zeros(len(q))
         index_reduced_rates(self.system, np.array([t]), q, v, a, rate)
+        return self.set_multipliers(cable, t, q, v)
+
+    def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
+        """As `solve_cable`, where the scene has been evaluated at (t, q, v)."""
         part, dofs = self.system.parts[cable]
-        force = np.array(self.surroundings.forces(t, q, v)[cable])
-        force[: dofs.stop - dofs.start] -= self.system.solve.joint_force(self.system.multipliers, dofs)
-        index_reduced_rates(part, force, q[dofs], v[dofs], a[dofs], rate[dofs])
-        return a[dofs]
+        size = dofs.stop - dofs.start
+        a, rate = np.zeros(size), np.zeros(size)
+        force = self._cables[cable].loads.at(t).copy()
+        force[:size] += self.surroundings.native_forces[dofs]
+        force[:size] -= self.system.solve.joint_force(self.system.multipliers, dofs)
+        index_reduced_rates(part, force, q[dofs], v[dofs], a, rate)
+        return a
 
 
 def _require_mass(mbs: Any, coordinates: CoordinateMap) -> None:

@@ -39,7 +39,11 @@ class CoupledWatch:
         number = len(scene.map.indices)
         short = np.zeros(number)
         self.watch = build_watch(state, STEPS_BETWEEN, LENIENCE * energy_tolerance)._replace(
-            position=short.copy(), force=short.copy(), change=short.copy(), force_now=short.copy()
+            position=short.copy(),
+            force=short.copy(),
+            change=short.copy(),
+            way=short.copy(),
+            force_now=short.copy(),
         )
         self._gravity = np.zeros(number)
         for run, dofs in zip(runs, scene.map.slices, strict=False):
@@ -92,7 +96,9 @@ class CoupledWatch:
     def _set_gauges(self, t: float, state: Any) -> None:
         total = self.watch.gauges_now
         total[:] = 0.0
-        for run, dofs in zip(self._runs, self._scene.map.slices, strict=False):
+        for cable, (run, dofs) in enumerate(zip(self._runs, self._scene.map.slices, strict=False)):
+            if len(run.loads.pattern) and self._scene.joints:
+                self._scene.set_multipliers(cable, t, state.q, state.v)  # its own solve knows no joints
             mine, force = np.zeros(5), np.zeros(dofs.stop - dofs.start)
             gauge.dispatch(type(run.system))(
                 run.system, run.loads.at(t), state.q[dofs], state.v[dofs], state.a[dofs], force, mine
