@@ -168,8 +168,8 @@ def _add_work(watch, q):
 def _add_work_of_histories(watch, loads, first, steps, q, v, duration):
     """What the trapezoidal rule misses of loads that are known at each of the `steps` steps from `first`.
 
-    To be called before `_add_work`: their mean replaces that of both ends. What is left to be wrong depends on
-    how the velocity changes meanwhile, which is known at the end only.
+    To be called before `_add_work`: their mean replaces that of both ends. What is left to be wrong depends
+    on how the velocity changes meanwhile, which is known at the end only.
     """
     account = watch.account[0]
     end = loads.factor.shape[1] - 1
