@@ -24,7 +24,8 @@ SAFETY_ALONE, SAFETY_AMONG_BODIES = 0.95, 0.7  # share of the limit at the start
 
 def scheme_of(explicit: ExplicitSettings) -> Any:
     """Parameters of the scheme: those given, or its defaults."""
-    return explicit.scheme or find_integrator(explicit.integrator).scheme()
+    integrator = find_integrator(explicit.integrator)
+    return integrator.checked(explicit.scheme or integrator.scheme())
 
 
 def cable_runs(

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..checks import LARGEST
 from ..errors import InputError
 from ..integrators import find_integrator
 from ..integrators.integrator import LoadHistory, record
@@ -72,7 +73,7 @@ class SteppedCable:
         """Set the force (3,) [N] on a node, in place of the last one that was set."""
         dim = self.q.shape[2]
         first = self.nodes[node] * 2 * dim
-        if len(force) != 3 or not all(map(isfinite, force)):
+        if not _are_three_numbers(force):
             raise InputError(f"force = {force!r} on node {node}: must be 3 finite numbers [N].")
         if dim == 2 and force[2] != 0.0:
             raise InputError(
@@ -89,3 +90,11 @@ class SteppedCable:
         states[0, indices] = state.q - self.run.reference
         states[1, indices] = state.v
         states[2, indices] = state.a
+
+
+def _are_three_numbers(force: Any) -> bool:
+    """Without an array: a force is set at each step."""
+    try:
+        return len(force) == 3 and all(map(isfinite, force)) and not any(map(LARGEST.__lt__, map(abs, force)))
+    except (TypeError, ValueError, OverflowError, KeyError):
+        return False

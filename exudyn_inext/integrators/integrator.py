@@ -25,6 +25,7 @@ class Integrator:
     carries: fields of the state that a step needs besides q and v, and does not compute from them.
     stabilised: whether it integrates the stabilised equations (30), whose zeta bounds the step.
     change_step: (state, ratio): prepares the memory of a multi-step scheme for steps longer by that ratio.
+    checked: scheme -> the same of plain numbers; raises InputError for a parameter out of its limits.
     trouble: (scheme, state) -> what the scheme could not do, for messages; empty if there is nothing.
     """
 
@@ -37,6 +38,7 @@ class Integrator:
     carries: tuple[str, ...] = ()
     stabilised: bool = True
     change_step: Callable[[Any, float], None] = lambda state, ratio: None
+    checked: Callable[[Any], Any] = lambda scheme: scheme
     trouble: Callable[[Any, Any], str] = lambda scheme, state: ""
 
 

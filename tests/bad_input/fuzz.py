@@ -1,4 +1,4 @@
-"""python -m tests.bad_input.fuzz: many examples, each target in a process of its own; exit code 1 on any fault."""
+"""python -m tests.bad_input.fuzz: many examples, each target in a process of its own."""
 
 import argparse
 import subprocess

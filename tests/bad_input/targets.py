@@ -173,9 +173,7 @@ def solve_with_load(scene: Any, arguments: dict[str, Any]) -> None:
     load_user_function.dependsOnTimeOnly = arguments["dependsOnTimeOnly"]  # type: ignore[attr-defined]
     marker = scene.mbs.AddMarker(MarkerNodePosition(nodeNumber=scene.node))
     scene.mbs.AddLoad(
-        LoadForceVector(
-            markerNumber=marker, loadVector=[0, 0, 0], loadVectorUserFunction=load_user_function
-        )
+        LoadForceVector(markerNumber=marker, loadVector=[0, 0, 0], loadVectorUserFunction=load_user_function)
     )
     assembled_run(scene)
 
@@ -349,9 +347,7 @@ TARGETS = {
         },
         changes=False,
     ),
-    "Rattle": Target(
-        pendulum, solve_with_rattle, {"tolerance": [1e-10], "iterations": [30]}, changes=False
-    ),
+    "Rattle": Target(pendulum, solve_with_rattle, {"tolerance": [1e-10], "iterations": [30]}, changes=False),
     "Zhai": Target(
         pendulum,
         solve_with_zhai,
@@ -388,7 +384,11 @@ TARGETS = {
         pendulum,
         lambda scene, arguments: SolveEnsemble(**arguments),
         {
-            "systems": [Of(lambda scene: [scene.mbs]), Of(lambda scene: [scene.mbs, pendulum().mbs]), fresh_mbs],
+            "systems": [
+                Of(lambda scene: [scene.mbs]),
+                Of(lambda scene: [scene.mbs, pendulum().mbs]),
+                fresh_mbs,
+            ],
             "simulationSettings": [Of(lambda scene: settings())],
             "explicitSettings": [None, ExplicitSettings(integrator="Zhai")],
             "parameters": [None, [1, 2]],
@@ -440,7 +440,9 @@ TARGETS = {
     "MarkerOnCable": Target(loose_pendulum, mark, ON_CABLE | ARC),
     "CreateCompanionCables": Target(loose_pendulum, accompany, ON_CABLE | {"show": [False, True]}),
     "AddPointMass": Target(loose_pendulum, weigh, ON_CABLE | ARC | {"mass": [0.01]}),
-    "SetCableDrag": Target(loose_pendulum, drag, ON_CABLE | {"drag": [None, CableDrag(1.2, 0.01, 0.02, 1.2)]}),
+    "SetCableDrag": Target(
+        loose_pendulum, drag, ON_CABLE | {"drag": [None, CableDrag(1.2, 0.01, 0.02, 1.2)]}
+    ),
     "CableDrag": Target(
         loose_pendulum,
         drag_with,
@@ -452,9 +454,7 @@ TARGETS = {
             "flowVelocity": [(0, 0, 0), [1, 0, 0]],
         },
     ),
-    "WarnOfExplicitTraps": Target(
-        pendulum, lambda scene, arguments: WarnOfExplicitTraps(**arguments), MBS
-    ),
+    "WarnOfExplicitTraps": Target(pendulum, lambda scene, arguments: WarnOfExplicitTraps(**arguments), MBS),
     "RungeKutta4": Target(
         pendulum,
         lambda scene, arguments: run(
