@@ -6,6 +6,7 @@ import exudyn
 import numpy as np
 
 _KINDS = ("Node", "Object", "Marker", "Load", "Sensor")
+_MEMORY = "temp"  # of user functions, in native objects
 _SHOWN = (exudyn.ConfigurationType.Current, exudyn.ConfigurationType.Initial)
 
 
@@ -19,14 +20,14 @@ def contents(mbs: Any) -> list[Any]:
     ]
     if not mbs.systemIsConsistent:
         return items
-    states = [np.asarray(part).tolist() for shown in _SHOWN for part in data.GetSystemState(shown)[:2]]
+    states = [_plain(np.asarray(part)) for shown in _SHOWN for part in data.GetSystemState(shown)[:2]]
     return [items, states, data.GetTime()]
 
 
 def _plain(value: Any) -> Any:
     """What can be compared: NaN equals NaN, a function itself only."""
     if isinstance(value, dict):
-        return {key: _plain(entry) for key, entry in value.items()}
+        return {key: _plain(entry) for key, entry in value.items() if not key.startswith(_MEMORY)}
     if isinstance(value, list | tuple):
         return [_plain(entry) for entry in value]
     if isinstance(value, np.ndarray):

@@ -9,7 +9,7 @@ from ..errors import InputError
 
 _ROUND_OFF = 1.0 - 1e-9
 _LARGEST_FRACTION = 20
-MOST_LOOP_STEPS = 2.0**31 - 1  # Exudyn counts them
+MOST_LOOP_STEPS = 2**31 - 1  # Exudyn counts them
 MOST_STEPS = 1e13  # months
 
 
@@ -40,7 +40,7 @@ def time_grid(mbs: Any, settings: Any, wanted: float) -> TimeGrid:
         wanted: largest step of the integrator [s].
 
     Raises:
-        InputError: the end time is not after the start time.
+        InputError: the end time is not after the start time, or there are more steps than can be counted.
     """
     return grid_of_period(settings, wanted, _output_period(mbs, settings))
 
@@ -54,6 +54,10 @@ def grid_of_period(settings: Any, wanted: float, period: float) -> TimeGrid:
             f"endTime - startTime = {duration} s: must be a finite number > 0; set timeIntegration.endTime."
         )
     require_finite("timeIntegration.startTime", time.startTime, "s")
+    if not 1 <= time.numberOfSteps <= MOST_LOOP_STEPS:
+        raise InputError(
+            f"timeIntegration.numberOfSteps = {time.numberOfSteps!r}: must be from 1 to {MOST_LOOP_STEPS}."
+        )
     interval = min(duration / time.numberOfSteps, period or wanted)
     _require_countable("outputs or loop steps", duration, interval, MOST_LOOP_STEPS)
     _require_countable("steps", duration, wanted, MOST_STEPS)

@@ -1,6 +1,7 @@
 """The user function that Exudyn's time loop calls in place of Newton's method."""
 
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, Protocol
 
 import exudyn
@@ -8,7 +9,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..chain.cable import Cable
-from ..errors import DivergenceError, InextensibleError
+from ..errors import DivergenceError
 from .consistent_start import StartCorrection
 from .observed import ACCELERATIONS
 from .time_grid import TimeGrid
@@ -64,7 +65,7 @@ class ExplicitTimeLoop:
         self.runs = runs
         self.scheme = scheme
         self.grid = grid
-        self.error: InextensibleError | None = None
+        self.error: Exception | None = None
         self._data = mbs.systemData
         self._is_watched = _has_step_user_functions(mbs) or not all(run.looks_ahead for run in runs)
         self._written = self._present(exudyn.ConfigurationType.Initial)
@@ -125,7 +126,8 @@ class ExplicitTimeLoop:
         plain = self._plain_user_function()
 
         def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
-            self._take_over_changes()
+            with self._remembering_errors():
+                self._take_over_changes()
             plain(solver, mbs, settings)
             self._written = self._present()
             return True
@@ -136,7 +138,8 @@ class ExplicitTimeLoop:
         """q and what is observed after each step of the loop; DivergenceError instead of a bad one."""
         while True:
             first = self._computed
-            states = self._compute_ahead()
+            with self._remembering_errors():
+                states = self._compute_ahead()
             credible = [run.is_credible(states[:, :, run.indices]) for run in self.runs]
             good = min(int(np.argmin(np.append(those, False))) for those in credible)
             self._ahead = (first, states[:good])
@@ -149,6 +152,15 @@ class ExplicitTimeLoop:
                 troubles = " ".join(run.trouble(self.scheme) for run in self.runs).strip()
                 self.error = divergence(culprits, end, f"mbs holds the last good output. {troubles}".strip())
                 raise self.error
+
+    @contextmanager
+    def _remembering_errors(self) -> Iterator[None]:
+        """Exudyn would replace their types and traces by its own."""
+        try:
+            yield
+        except Exception as error:
+            self.error = error
+            raise
 
     def _compute_ahead(self) -> Array:
         """(intervals, 3, n) displacements, velocities, accelerations after the next loop steps."""

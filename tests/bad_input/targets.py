@@ -98,7 +98,11 @@ def create_native_section(scene: Any, arguments: dict[str, Any]) -> None:
     kind = arguments.pop("kind")
     if kind not in (ObjectANCFCable, ObjectANCFCable2D):
         kind = ObjectANCFCable2D
-    CreateInextensibleCable(scene.mbs, **cable_arguments(beamTemplate=kind(**arguments)))
+    try:
+        template = kind(**arguments)
+    except (TypeError, ValueError):
+        return  # Exudyn's own check
+    CreateInextensibleCable(scene.mbs, **cable_arguments(beamTemplate=template))
     assembled_run(scene)
 
 
