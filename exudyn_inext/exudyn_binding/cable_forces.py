@@ -199,9 +199,7 @@ def _points(given: Any, evaluator: CableEvaluator) -> Array:
     if isinstance(given, int | np.integer) and not isinstance(given, bool):
         number = require_integer("arcLengths", given, 2, LARGEST_NUMBER_OF_ITEMS)
         return np.linspace(0.0, evaluator.length, number)
-    if np.ndim(given) == 0:
-        raise InputError(f"arcLengths = {given!r}: must be points (m,) [m], or how many, at least 2.")
     points = require_finite_array("arcLengths", given)
     if points.ndim != 1:
-        raise InputError(f"arcLengths has shape {points.shape}: must be points (m,) [m].")
+        raise InputError(f"arcLengths = {given!r}: must be points (m,) [m], or how many, at least 2.")
     return np.array([point_on_cable(x, evaluator.length) for x in points.tolist()])

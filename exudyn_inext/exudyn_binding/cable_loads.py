@@ -24,7 +24,7 @@ def _as_rows(returned: list[Any], times: list[float], load: NodalLoad) -> Array:
     number = len(load.constant)
     try:
         values = np.array(returned).reshape(len(times), -1)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         values = np.zeros((0, 0))
     if values.shape == (len(times), number) and values.dtype.kind in "fiu" and np.isfinite(values).all():
         return values.astype(float)
@@ -43,7 +43,7 @@ def _as_row(value: Any) -> Array:
     try:
         row = np.ravel(np.asarray(value))
         return row.astype(float) if row.dtype.kind in "fiu" else np.zeros(0)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return np.zeros(0)
 
 

@@ -1,6 +1,7 @@
 """What is fuzzed: public functions, the valid values of their arguments, and what follows a success."""
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -41,7 +42,7 @@ from exudyn_inext import (
 from reference_models.model import silence
 
 from .scenes import bodies, cable_arguments, empty, loose_pendulum, pendulum, ring_points, run, settings
-from .values import Of
+from .values import Of, UserError
 
 RING, RING_SLOPES = (points.tolist() for points in ring_points())
 BENT = {"positions": [[0, 0], [0.5, 0], [1, 0]], "slopes": [[1, 0]] * 3}
@@ -125,7 +126,7 @@ def create_penalty_cable(scene: Any, arguments: dict[str, Any]) -> None:
     CreateInextensibleCable(scene.mbs, **cable_arguments(enforcement=PenaltyMass(**arguments)))
     scene.mbs.Assemble()
     simulation = settings()
-    with silence():
+    with silence(), suppress(exudyn.ExudynError):  # of the native solver, which stops by itself
         scene.mbs.SolveDynamic(simulation, solverType=exudyn.DynamicSolverType.RK44)
 
 
@@ -172,7 +173,10 @@ def solve_with_load(scene: Any, arguments: dict[str, Any]) -> None:
     returned = arguments["returned"]
 
     def load_user_function(mbs: Any, t: float, load: Any) -> Any:
-        return returned(t) if callable(returned) else returned
+        try:
+            return returned(t) if callable(returned) else returned
+        except Exception as error:
+            raise UserError from error
 
     load_user_function.dependsOnTimeOnly = arguments["dependsOnTimeOnly"]  # type: ignore[attr-defined]
     marker = scene.mbs.AddMarker(MarkerNodePosition(nodeNumber=scene.node))
@@ -234,6 +238,10 @@ def drag_with(scene: Any, arguments: dict[str, Any]) -> None:
 
 def rest_with(scene: Any, arguments: dict[str, Any]) -> None:
     SolveEquilibrium(scene.mbs, None, StaticSettings(**arguments))
+
+
+def free_cable() -> Any:
+    return loose_pendulum(groundConstraintsStart=None)
 
 
 def swing(t: float) -> list[float]:
@@ -305,7 +313,7 @@ TARGETS = {
         {
             "center": [[0, 0], [1, 2, 0]],
             "radius": [1.0],
-            "numberOfElements": [4],
+            "numberOfElements": [12],
             "normal": [[0, 0, 1]],
             "start": [[1, 0, 0]],
         },
@@ -419,7 +427,7 @@ TARGETS = {
         ON_CABLE | ARC | {"storeInternal": [True, False], "fileName": [""]},
     ),
     "CreatePrescribedMotion": Target(
-        loose_pendulum,
+        free_cable,
         move,
         MBS
         | {

@@ -18,9 +18,8 @@ from exudyn_inext import (
     Projection,
     SetCableDrag,
 )
-from tests.scene_contents import contents
 
-from ..rows import Row, rows
+from ..rows import Row, all_but_the_time, rows
 from ..scenes import LINE, SECTION, cable_arguments, empty, pendulum, ring_points, settings
 from ..values import INF, NAN, Of, itself
 
@@ -247,11 +246,6 @@ def solve_static(mbs: Any) -> None:
     quiet = settings()
     quiet.staticSolver.verboseMode = 0
     mbs.SolveStatic(quiet)
-
-
-def all_but_the_time(mbs: Any) -> Any:
-    """The static solver leaves its own load factor in place of the time."""
-    return contents(mbs)[:-1]
 
 
 def algebraic_pendulum() -> Any:

@@ -25,7 +25,7 @@ from exudyn_inext import (
     Zhai,
 )
 
-from ..rows import Row, nothing_more, rows
+from ..rows import Row, all_but_the_time, nothing_more, rows
 from ..scenes import empty, loose_pendulum, pendulum, run, settings
 from ..values import INF, NAN, Of
 
@@ -299,6 +299,7 @@ SOLVE_EXPLICIT = [
             SceneError,
             scene=loaded(force),
             good=nothing_more,
+            kept=all_but_the_time,
         )
         for force, shown in (
             (lambda t: [0, NAN, 0], r"\[0, nan, 0\]"),
