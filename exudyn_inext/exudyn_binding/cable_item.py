@@ -138,7 +138,7 @@ def _constraint_flags(name: str, given: list | None, node: Array) -> np.ndarray:
     """(2, dim) flags of the coordinates; see `supports_of_flags`."""
     if given is None:
         return np.zeros(node.shape, dtype=bool)
-    is_list = isinstance(given, list | tuple | np.ndarray) and np.ndim(given) == 1
+    is_list = isinstance(given, list | tuple) or (isinstance(given, np.ndarray) and given.ndim > 0)
     flags = [require_flag(f"{name}[{k}]", flag) for k, flag in enumerate(given)] if is_list else []
     if len(flags) != node.size:
         raise InputError(

@@ -10,7 +10,7 @@ from ..errors import InputError
 
 
 def require_writable_outputs(mbs: Any, settings: Any) -> None:
-    """Raise InputError unless the files of solution and sensors can be written; missing folders are created.
+    """Raise InputError unless the files of solution and sensors can be written; Exudyn adds missing folders.
 
     Args:
         mbs: its sensors may write files.   settings: exudyn.SimulationSettings; where the solution goes.

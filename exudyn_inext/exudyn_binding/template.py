@@ -1,9 +1,9 @@
 """Section and discretisation of an inextensible cable, in the user's terms."""
 
 from dataclasses import dataclass
+from numbers import Number
 from typing import Any
 
-import numpy as np
 from exudyn.itemInterface import ObjectANCFCable, ObjectANCFCable2D
 
 from ..chain.cable import CurvatureMeasure, Section
@@ -102,4 +102,4 @@ class InextensibleCable:
 
 def _is_set(value: Any) -> bool:
     """Whether a property of a native template differs from zero, None and False."""
-    return not (value is None or (np.ndim(value) == 0 and value == 0))
+    return not (value is None or (isinstance(value, Number) and value == 0))

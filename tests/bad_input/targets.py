@@ -97,7 +97,7 @@ def create_section(scene: Any, arguments: dict[str, Any]) -> None:
 
 def create_native_section(scene: Any, arguments: dict[str, Any]) -> None:
     kind = arguments.pop("kind")
-    if kind not in (ObjectANCFCable, ObjectANCFCable2D):
+    if kind is not ObjectANCFCable:
         kind = ObjectANCFCable2D
     try:
         template = kind(**arguments)

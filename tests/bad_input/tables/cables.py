@@ -88,8 +88,8 @@ SECTIONS = of_cable(
             for native in NATIVE
         ],
         (
-            {"beamTemplate": ObjectANCFCable2D(**UNIT, bendingMomentUserFunction=[1, 2])},
-            r"bendingMomentUserFunction = \[1, 2\]: not supported.*zero",
+            {"beamTemplate": ObjectANCFCable2D(**UNIT, bendingMomentUserFunction=[1, [2, 3]])},
+            r"bendingMomentUserFunction = \[1, \[2, 3\]\]: not supported.*zero",
         ),
         (
             {"beamTemplate": ObjectANCFCable2D(**UNIT, referenceCurvature=2.0), "dimension": 3},
@@ -144,6 +144,11 @@ LINES = of_cable(
         ({"groundConstraintsStart": [True] * 3}, r"groundConstraintsStart = .* has 3 entries: needs 4"),
         ({"groundConstraintsEnd": [True] * 6}, r"groundConstraintsEnd = .* has 6 entries: needs 4"),
         ({"groundConstraintsStart": True}, r"groundConstraintsStart"),
+        (
+            {"groundConstraintsStart": [[1, 2], [3], 0, 0]},
+            r"groundConstraintsStart\[0\] = \[1, 2\]: must be T",
+        ),
+        ({"groundConstraintsStart": np.array(True)}, r"groundConstraintsStart = array.* needs 4"),
         ({"groundConstraintsStart": "pin"}, r"groundConstraintsStart = 'pin'.* needs 4"),
         (
             {"groundConstraintsStart": [True, "yes", 0, 0]},
