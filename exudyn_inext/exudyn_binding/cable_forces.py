@@ -1,7 +1,9 @@
 """Tension, shear force and bending moment of a cable of an mbs: as values and as sensors."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
+from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,7 @@ from ..arrays import Array
 from ..chain.frequency import nodal_multipliers_of
 from ..chain.linked_cable import cable_system
 from ..chain.section_forces import SectionForces, SolvedState, multiplier_tension, section_forces
-from ..checks import LARGEST_NUMBER_OF_ITEMS, require_finite_array, require_flag, require_integer
+from ..checks import LARGEST_NUMBER_OF_ITEMS, require_flag, require_integer
 from ..errors import InputError, SceneError
 from ..system import index_reduced_rates
 from .cable_data import point_on_cable, require_cable
@@ -196,10 +198,10 @@ def _place_of(scene: Scene, mbs: Any, number: int) -> int:
 def _points(given: Any, evaluator: CableEvaluator) -> Array:
     if given is None:
         return np.linspace(0.0, evaluator.length, 10 * evaluator.elements + 1)
-    if isinstance(given, int | np.integer) and not isinstance(given, bool):
+    if isinstance(given, Integral) and not isinstance(given, bool) and int(given) >= 2:
         number = require_integer("arcLengths", given, 2, LARGEST_NUMBER_OF_ITEMS)
         return np.linspace(0.0, evaluator.length, number)
-    points = require_finite_array("arcLengths", given)
-    if points.ndim != 1:
+    is_sequence = isinstance(given, Sequence | np.ndarray) and not isinstance(given, str | bytes)
+    if not is_sequence or getattr(given, "shape", None) == ():
         raise InputError(f"arcLengths = {given!r}: must be points (m,) [m], or how many, at least 2.")
-    return np.array([point_on_cable(x, evaluator.length) for x in points.tolist()])
+    return np.array([point_on_cable(x, evaluator.length) for x in given])

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from ..checks import SMALLEST, require_finite
+from ..checks import SMALLEST, require_finite, require_positive
 from ..errors import InputError
 
 _ROUND_OFF = 1.0 - 1e-9
@@ -53,6 +53,7 @@ def grid_of_period(settings: Any, wanted: float, period: float) -> TimeGrid:
         raise InputError(
             f"endTime - startTime = {duration} s: must be a finite number > 0; set timeIntegration.endTime."
         )
+    require_positive("endTime - startTime [s]", duration)
     require_finite("timeIntegration.startTime", time.startTime, "s")
     if not 1 <= time.numberOfSteps <= MOST_LOOP_STEPS:
         raise InputError(

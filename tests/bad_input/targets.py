@@ -173,10 +173,7 @@ def solve_with_load(scene: Any, arguments: dict[str, Any]) -> None:
     returned = arguments["returned"]
 
     def load_user_function(mbs: Any, t: float, load: Any) -> Any:
-        try:
-            return returned(t) if callable(returned) else returned
-        except Exception as error:
-            raise UserError from error
+        return guarded(returned)(t) if callable(returned) else returned
 
     load_user_function.dependsOnTimeOnly = arguments["dependsOnTimeOnly"]  # type: ignore[attr-defined]
     marker = scene.mbs.AddMarker(MarkerNodePosition(nodeNumber=scene.node))
@@ -201,7 +198,21 @@ def measure_force(scene: Any, arguments: dict[str, Any]) -> None:
     assembled_run(scene)
 
 
+def guarded(value: Any) -> Any:
+    """A user's function whose faults can be told from those of the package."""
+
+    def call(*arguments: Any) -> Any:
+        try:
+            return value(*arguments)
+        except Exception as error:
+            raise UserError from error
+
+    return call if callable(value) else value
+
+
 def move(scene: Any, arguments: dict[str, Any]) -> None:
+    for name in ("position", "velocity", "acceleration"):
+        arguments[name] = guarded(arguments[name])
     CreatePrescribedMotion(**arguments)
     assembled_run(scene)
 
@@ -394,7 +405,7 @@ TARGETS = {
     ),
     "SolveEnsemble": Target(
         pendulum,
-        lambda scene, arguments: SolveEnsemble(**arguments),
+        lambda scene, arguments: SolveEnsemble(guarded(arguments.pop("systems")), **arguments),
         {
             "systems": [
                 Of(lambda scene: [scene.mbs]),

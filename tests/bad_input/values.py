@@ -79,6 +79,12 @@ OBJECTS = [
     *(exudyn.SimulationSettings, ObjectMassPoint(), NodePoint(), ExplicitSettings(), StaticSettings()),
     *(ExplicitSettings, CableShape, InextensibleCable, CableDrag(1, 1, 1, 1), CableShape([[0, 0]], None)),
 ]
+MILD = [  # of the right type, and far from what anyone wants
+    *(0, 1, 2, 3, 12, 0.0, 0.5, -1.0, 1e-9, 1e9, 1e-20, 1e20, 1e-30, 1e30, True, False, None),
+    *([0, 0, 0], [0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1e9, 0, 0], [1e-9, 0, 0], [0, 1e20, 0]),
+    *([True] * 4, [False] * 4, [True] * 6, [[0, 0], [1, 0]], [[1, 0, 0]] * 3, np.eye(3), np.ones(3)),
+    *([0.0, 1.8], [1e-20, 1.8], lambda t: [0, 0], lambda t: [1e20 * t, 0], lambda t: np.zeros(3)),
+]
 NASTY = [*NOTHING, *NUMBERS, *VECTORS, *ARRAYS, *OBJECTS]
 
 
@@ -101,7 +107,7 @@ def calls(valid: Mapping[str, Sequence[Any]]) -> st.SearchStrategy[dict[str, Any
         number = min(len(names), draw(st.sampled_from(CULPRITS)))
         culprits = draw(st.permutations(names))[:number]
         arguments = {name: draw(st.sampled_from(list(valid[name]))) for name in names}
-        return arguments | {name: draw(st.sampled_from(NASTY)) for name in culprits}
+        return arguments | {name: draw(st.sampled_from(MILD) | st.sampled_from(NASTY)) for name in culprits}
 
     return draw_call()
 

@@ -269,7 +269,10 @@ SOLVE_EXPLICIT = [
                 )
                 for start, end in ((0.0, 0.0), (1.0, 0.5), (INF, 1.0))
             ],
-            (with_time(endTime=1e300), r"endTime - startTime = 1e\+300 s in .*more than .*units"),
+            (with_time(endTime=1e300), r"endTime - startTime \[s\] = 1e\+300: must lie between .*units"),
+            (with_time(endTime=5e-324), r"endTime - startTime \[s\] = 5e-324: must lie between .*units"),
+            (with_time(endTime=1e25), r"endTime - startTime = 1e\+25 s in steps of .* more than .*units"),
+            (with_time(numberOfSteps=0.5), r"numberOfSteps = .*: must be from 1 to 2147483647"),
             (with_time(numberOfSteps=2**40), r"numberOfSteps = .*: must be from 1 to 2147483647"),
             (
                 {"explicitSettings": ExplicitSettings(stepSize=1e-25)},
