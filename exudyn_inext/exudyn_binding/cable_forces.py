@@ -202,6 +202,6 @@ def _points(given: Any, evaluator: CableEvaluator) -> Array:
         number = require_integer("arcLengths", given, 2, LARGEST_NUMBER_OF_ITEMS)
         return np.linspace(0.0, evaluator.length, number)
     is_sequence = isinstance(given, Sequence | np.ndarray) and not isinstance(given, str | bytes)
-    if not is_sequence or getattr(given, "shape", None) == ():
+    if not is_sequence or getattr(given, "shape", None) == () or not len(given):
         raise InputError(f"arcLengths = {given!r}: must be points (m,) [m], or how many, at least 2.")
     return np.array([point_on_cable(x, evaluator.length) for x in given])

@@ -182,6 +182,8 @@ FORCES = [
             ],
             ({"arcLengths": NAN}, r"arcLengths = nan: must be points"),
             ({"arcLengths": [0.0, NAN]}, r"arcLength = nan m is not on the cable: .* 1.8 m"),
+            ({"arcLengths": []}, r"arcLengths = \[\]: must be points"),
+            ({"arcLengths": np.zeros(0)}, r"arcLengths = array.*: must be points"),
             ({"arcLengths": [0.0, 2.0]}, r"arcLength = 2.0 m is not on the cable: .* 1.8 m"),
             ({"arcLengths": ["0.1"]}, r"arcLength = '0.1' m is not on the cable"),
             ({"arcLengths": [[0.1, 0.2]]}, r"arcLength = \[0.1, 0.2\] m is not on the cable"),
