@@ -76,8 +76,8 @@ def _finite_frequency(run: Run, start: float) -> float:
     frequency = run.largest_frequency(start)
     if not (math.isfinite(frequency) and math.isfinite(run.damping_ratio(frequency))):
         raise SceneError(
-            f"the largest frequency of {run.name} at the start, {frequency:g} rad/s, or its damping is no finite "
-            "number: check the units of sections, lengths, velocities, masses and loads."
+            f"the largest frequency of {run.name} at the start, {frequency:g} rad/s, or its damping is no "
+            "finite number: check the units of sections, lengths, velocities, masses and loads."
         )
     return frequency
 
