@@ -13,6 +13,8 @@ from ..integrators import find_integrator
 from ..integrators.integrator import LoadHistory, record
 from .cable_run import STRETCH_LIMIT, CableRun
 
+_SEQUENCES = (Sequence, np.ndarray)
+
 
 class SteppedCable:
     """A `CableRun` that is advanced without allocation.
@@ -94,7 +96,9 @@ class SteppedCable:
 
 def _are_three_numbers(force: Any) -> bool:
     """Without an array: a force is set at each step."""
+    if not isinstance(force, _SEQUENCES) or len(force) != 3:
+        return False
     try:
-        return len(force) == 3 and all(map(isfinite, force)) and not any(map(LARGEST.__lt__, map(abs, force)))
-    except (TypeError, ValueError, OverflowError, KeyError):
+        return all(map(isfinite, force)) and max(map(abs, force)) <= LARGEST
+    except (TypeError, ValueError, OverflowError):
         return False

@@ -476,7 +476,7 @@ STEPPER_CALLS = [
             ],
             *[
                 ({"force": value}, r"force = .* on node 3: must be 3 finite numbers \[N\]")
-                for value in ([0, 1], [0, NAN, 0], 5.0, "abc", None, [1j, 0, 0], [1e300, 0, 0])
+                for value in ([0, 1], [0, NAN, 0], 5.0, "abc", None, [1j, 0, 0], [1e300, 0, 0], {0, 1, 2})
             ],
             ({"force": [0, 0, 1]}, r"force on node 3 has the z component 1 N, .*dimension=3"),
         ],
