@@ -58,6 +58,7 @@ def SolveExplicit(
         state was from the constraints).
 
     Raises:
+        InputError: arguments or times out of their limits, or files that cannot be written.
         SceneError: mbs not assembled, inconsistent, or contains what explicit steps cannot take.
         StepSizeError: stepSize is above the stability limit.
         RedundantConstraintError: constraints that depend on each other.
