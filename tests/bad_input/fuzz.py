@@ -1,6 +1,7 @@
 """python -m tests.bad_input.fuzz: many examples, each target in a process of its own."""
 
 import argparse
+import os
 import subprocess
 import sys
 import tempfile
@@ -36,6 +37,18 @@ def runs_end_soon() -> Iterator[None]:
         time_grid.MOST_STEPS, stepper.MOST_STEPS = before
 
 
+@contextmanager
+def in_a_folder_of_its_own() -> Iterator[None]:
+    """A nasty string may be the name of a file."""
+    before = os.getcwd()
+    with tempfile.TemporaryDirectory() as directory:
+        os.chdir(directory)
+        try:
+            yield
+        finally:
+            os.chdir(before)
+
+
 def try_call(target: Target, arguments: dict[str, Any]) -> str:
     """'succeeded' or 'refused'; whatever else happens is raised.
 
@@ -46,7 +59,7 @@ def try_call(target: Target, arguments: dict[str, Any]) -> str:
     filled = with_scene(arguments, scene)
     before = contents(scene.mbs)
     was_assembled = scene.mbs.systemIsConsistent
-    with runs_end_soon(), warnings.catch_warnings():
+    with runs_end_soon(), in_a_folder_of_its_own(), warnings.catch_warnings():
         warnings.simplefilter("error", RuntimeWarning)
         warnings.simplefilter("ignore", UserWarning)
         try:
