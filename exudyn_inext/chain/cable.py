@@ -2,15 +2,12 @@
 
 from dataclasses import dataclass
 from enum import Enum
-from numbers import Real
-from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
 from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
-from ..errors import InputError
 from .attached import Drag, PointMass
 from .link import Link
 
@@ -107,11 +104,3 @@ def reference_lengths(reference: Array, element_lengths: Array) -> Array:
     nodal = np.concatenate([reference[:-1], reference[1:]], axis=1)
     gram = forms_of_mesh(slope_gram_matrix, element_lengths)
     return np.einsum("eai,eab,ebi->e", nodal, gram, nodal)
-
-
-def require_positive(name: str, value: Any) -> float:
-    """Return `value` as a float, or raise InputError unless it is a finite number above zero."""
-    is_number = isinstance(value, Real) and not isinstance(value, bool)
-    if not (is_number and np.isfinite(value) and value > 0):
-        raise InputError(f"{name} = {value!r}: must be a finite number > 0; check value and units.")
-    return float(value)

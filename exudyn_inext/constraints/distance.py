@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from ..chain.cable import Cable, require_positive
+from ..chain.cable import Cable
 from ..chain.link import Link, Motion, rest
+from ..checks import require_positive
 from .links import LinkConstraint, of_kind
 
 KIND = "distance"

@@ -7,7 +7,9 @@ import numpy as np
 
 from ..arrays import Array
 from ..chain.cable import Cable
+from ..checks import as_number
 from ..errors import InputError
+from .arguments import node_number, object_number, require_system
 from .graphics import cable_graphics
 
 
@@ -73,34 +75,47 @@ def belongs_to_a_cable(object_data: dict[str, Any]) -> bool:
     return isinstance(function, dict) and hasattr(function["function"], "enforces_inextensibility")
 
 
-def object_number(cable: Any) -> int:
-    """Of what CreateInextensibleCable returned, or the number itself; InputError if it is neither."""
-    number = cable["elements"][0] if isinstance(cable, dict) and cable.get("elements") else cable
-    try:
-        return int(number)
-    except (TypeError, ValueError):
+def require_cable(mbs: Any, cable: Any) -> tuple[int, CableItem]:
+    """Object number and item of a cable of mbs.
+
+    Args:
+        cable: what CreateInextensibleCable returned, or the number of its object.
+
+    Raises:
+        InputError: mbs is no system, `cable` neither of the two, or not in mbs (any more).
+    """
+    require_system(mbs)
+    elements = cable.get("elements") if isinstance(cable, dict) else [cable]
+    number = object_number(elements[0]) if isinstance(elements, list) and elements else -1
+    if number < 0:
         raise InputError(
             f"cable = {cable!r}: must be what CreateInextensibleCable returned, or its object number."
-        ) from None
+        )
+    item = _item_of_object(mbs, number)
+    if isinstance(cable, dict) and not _is_of_nodes(item, cable.get("nodes")):
+        raise InputError(
+            f"cable = {cable!r}: object {number} of mbs lies on the nodes {list(item.nodes)}; use what "
+            "CreateInextensibleCable returned for this mbs, after its last Reset()."
+        )
+    return number, item
 
 
-def require_item(mbs: Any, number: int) -> CableItem:
-    """The cable behind an object number; InputError if there is none."""
-    try:
-        item = find_cable_item(mbs.GetObject(number))
-    except Exception:
-        item = None
+def _item_of_object(mbs: Any, number: int) -> CableItem:
+    exists = number < mbs.systemData.NumberOfObjects()
+    item = find_cable_item(mbs.GetObject(number)) if exists else None
     if item is None:
         raise InputError(f"object {number} is no inextensible cable: use CreateInextensibleCable's result.")
     return item
 
 
+def _is_of_nodes(item: CableItem, nodes: Any) -> bool:
+    is_list = isinstance(nodes, list) and len(nodes) == len(item.nodes)
+    return is_list and all(node_number(n) == m for n, m in zip(nodes, item.nodes, strict=True))
+
+
 def point_on_cable(arc_length: Any, length: float) -> float:
     """A checked arc length [m] on a cable of that length; InputError if it is beyond."""
-    try:
-        x = float(arc_length)
-    except (TypeError, ValueError):
-        x = np.nan
+    x = as_number(arc_length)
     if not 0.0 <= x <= length * (1.0 + 1e-12):
         raise InputError(
             f"arcLength = {arc_length!r} m is not on the cable: it runs from 0 to {length:.9g} m."

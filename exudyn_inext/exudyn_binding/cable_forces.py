@@ -1,7 +1,9 @@
 """Tension, shear force and bending moment of a cable of an mbs: as values and as sensors."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
+from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -11,9 +13,10 @@ from ..arrays import Array
 from ..chain.frequency import nodal_multipliers_of
 from ..chain.linked_cable import cable_system
 from ..chain.section_forces import SectionForces, SolvedState, multiplier_tension, section_forces
+from ..checks import LARGEST_NUMBER_OF_ITEMS, require_flag, require_integer
 from ..errors import InputError, SceneError
 from ..system import index_reduced_rates
-from .cable_data import object_number, point_on_cable, require_item
+from .cable_data import point_on_cable, require_cable
 from .cable_loads import CableLoads
 from .general.coupled_scene import CoupledCable, CoupledScene
 from .general.surroundings import state_kept, switched_off
@@ -117,7 +120,8 @@ def CableForces(mbs: Any, cable: Any, arcLengths: Any = None) -> dict[str, Any]:
         forces = CableForces(mbs, cable, 101)
         plt.plot(forces["arcLength"], forces["tension"])
     """
-    evaluator = CableEvaluator(mbs, object_number(cable))
+    number, _ = require_cable(mbs, cable)
+    evaluator = CableEvaluator(mbs, number)
     points, state = _points(arcLengths, evaluator), evaluator.solve(mbs)
     forces = evaluator.forces(state, points)
     return {
@@ -147,9 +151,11 @@ def CreateCableForceSensor(
     Raises:
         InputError: not a cable, or the point is not on it; mbs is unchanged then.
     """
-    number = object_number(cable)
-    item = require_item(mbs, number)
+    number, item = require_cable(mbs, cable)
     point = np.array([point_on_cable(arcLength, item.cable.length)])
+    is_stored = require_flag("storeInternal", storeInternal)
+    if not isinstance(fileName, str):
+        raise InputError(f"fileName = {fileName!r}: must be a string; an empty one writes no file.")
     cache: dict[str, Any] = {"time": np.inf, "evaluator": None}
 
     def cable_force_user_function(mbs, t, sensorNumbers, factors, configuration):
@@ -165,7 +171,7 @@ def CreateCableForceSensor(
         mbs.AddSensor(
             SensorUserFunction(
                 sensorUserFunction=cable_force_user_function,
-                storeInternal=storeInternal,
+                storeInternal=is_stored,
                 fileName=fileName,
                 writeToFile=bool(fileName),
             )
@@ -183,7 +189,6 @@ def forget_evaluators(mbs: Any) -> None:
 
 def _place_of(scene: Scene, mbs: Any, number: int) -> int:
     """Which of the cables of the scene an object is."""
-    require_item(mbs, number)
     for place, cable in enumerate(scene.cables):
         if cable.number == number:
             return place
@@ -193,8 +198,10 @@ def _place_of(scene: Scene, mbs: Any, number: int) -> int:
 def _points(given: Any, evaluator: CableEvaluator) -> Array:
     if given is None:
         return np.linspace(0.0, evaluator.length, 10 * evaluator.elements + 1)
-    if isinstance(given, int | np.integer) and not isinstance(given, bool) and given >= 2:
-        return np.linspace(0.0, evaluator.length, int(given))
-    if np.ndim(given) == 0:
+    if isinstance(given, Integral) and not isinstance(given, bool) and int(given) >= 2:
+        number = require_integer("arcLengths", given, 2, LARGEST_NUMBER_OF_ITEMS)
+        return np.linspace(0.0, evaluator.length, number)
+    is_sequence = isinstance(given, Sequence | np.ndarray) and not isinstance(given, str | bytes)
+    if not is_sequence or getattr(given, "shape", None) == () or not len(given):
         raise InputError(f"arcLengths = {given!r}: must be points (m,) [m], or how many, at least 2.")
     return np.array([point_on_cable(x, evaluator.length) for x in given])

@@ -15,11 +15,13 @@ from exudyn.itemInterface import (
 
 from ..arrays import Array
 from ..chain.cable import Cable
+from ..checks import require_flag, require_vector
 from ..errors import InputError
+from .arguments import require_system
 from .cable_data import CableItem, carrying_graphics, find_cable_item
 from .enforcement import find_enforcement
 from .enforcement.protocol import Enforcement
-from .shape import CableShape, CheckedShape, _finite, check_shape
+from .shape import CableShape, CheckedShape, check_shape
 from .template import InextensibleCable
 
 __all__ = ["CableItem", "CreateInextensibleCable", "find_cable_item", "supports_of_flags"]
@@ -77,12 +79,11 @@ def CreateInextensibleCable(
             beamTemplate=InextensibleCable(massPerLength=0.0348, bendingStiffness=0.0866),
             gravity=[0, -9.81, 0], groundConstraintsStart=[True, True, False, False])
     """
+    require_system(mbs)
     way = find_enforcement(enforcement)
     checked = check_shape(_the_shape(positionStart, positionEnd, numberOfElements, shape))
     template = InextensibleCable.from_template(beamTemplate)
-    gravity_vector = _finite("gravity", gravity)
-    if gravity_vector.shape != (3,):
-        raise InputError(f"gravity = {gravity!r}: must be a vector of 3 numbers [m/s^2].")
+    gravity_vector = require_vector("gravity", gravity, " [m/s^2]")
     dim = _dimension(dimension, checked, gravity_vector)
     number = len(checked.lengths)
     cable = Cable(
@@ -123,22 +124,22 @@ def _dimension(stated: int | None, shape: CheckedShape, gravity: Array) -> int:
     planar = not (shape.q[:, :, 2].any() or shape.v[:, :, 2].any() or gravity[2])
     if stated is None:
         return 2 if planar else 3
-    if isinstance(stated, float) or stated not in (2, 3):
+    if not isinstance(stated, int | np.integer) or stated not in (2, 3):
         raise InputError(f"dimension = {stated!r}: must be 2, 3 or None.")
     if stated == 2 and not planar:
         raise InputError(
             "dimension = 2, but positions, slopes, velocities or gravity have z components: rotate the "
             "scene into the x-y plane, or use dimension = 3."
         )
-    return stated
+    return int(stated)
 
 
 def _constraint_flags(name: str, given: list | None, node: Array) -> np.ndarray:
     """(2, dim) flags of the coordinates; see `supports_of_flags`."""
     if given is None:
         return np.zeros(node.shape, dtype=bool)
-    is_list = np.iterable(given) and not isinstance(given, str)
-    flags = [bool(flag) for flag in given] if is_list else []
+    is_list = isinstance(given, list | tuple) or (isinstance(given, np.ndarray) and given.ndim > 0)
+    flags = [require_flag(f"{name}[{k}]", flag) for k, flag in enumerate(given)] if is_list else []
     if len(flags) != node.size:
         raise InputError(
             f"{name} = {given!r} has {len(flags)} entries: needs {node.size}, positions and slopes of the "

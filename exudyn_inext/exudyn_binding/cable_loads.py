@@ -23,19 +23,28 @@ def _as_rows(returned: list[Any], times: list[float], load: NodalLoad) -> Array:
     """(T, m) what a user function returned, all of it numbers; SceneError at the first that is not."""
     number = len(load.constant)
     try:
-        values = np.array(returned, dtype=float).reshape(len(times), -1)
-    except (TypeError, ValueError):
+        values = np.array(returned).reshape(len(times), -1)
+    except (TypeError, ValueError, OverflowError):
         values = np.zeros((0, 0))
-    if values.shape == (len(times), number) and np.isfinite(values).all():
-        return values
-    for value, t in zip(returned, times, strict=True):
-        row = np.ravel(value)
-        if row.shape != (number,) or row.dtype.kind not in "fiu" or not np.isfinite(row).all():
+    if values.shape == (len(times), number) and values.dtype.kind in "fiu" and np.isfinite(values).all():
+        return values.astype(float)
+    rows = [_as_row(value) for value in returned]
+    for row, value, t in zip(rows, returned, times, strict=True):
+        if row.shape != (number,) or not np.isfinite(row).all():
             raise SceneError(
-                f"the user function of the load on node {load.node} returned {row.tolist()} at "
+                f"the user function of the load on node {load.node} returned {value!r} at "
                 f"t = {t:g} s: must return {number} finite number(s)."
             )
-    return np.array([np.ravel(value) for value in returned], dtype=float)
+    return np.stack(rows)
+
+
+def _as_row(value: Any) -> Array:
+    """(m,) numbers; (0,) if they are none."""
+    try:
+        row = np.ravel(np.asarray(value))
+        return row.astype(float) if row.dtype.kind in "fiu" else np.zeros(0)
+    except (TypeError, ValueError, OverflowError):
+        return np.zeros(0)
 
 
 class CableLoads:

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from itertools import islice, tee
 from typing import Any
 
-import exudyn
 import numpy as np
 
 from ..arrays import Array
-from ..errors import InputError
+from ..checks import require_finite, require_integer
 from ..integrators import find_integrator
 from ..integrators.ensemble import record_members, stacked
 from ..integrators.step_size import StepSizeBounds
+from .arguments import explicit_settings, simulation_settings
 from .cable_run import CableRun
 from .ensemble_members import Member, all_systems, read_members, tightest_bounds
 from .explicit_runs import scheme_of, wanted_step
@@ -26,6 +26,7 @@ NUMBERS_IN_A_CHUNK = 4_000_000  # coordinates and load factors that a thread han
 CHUNKS_OF_A_THREAD = 16  # so that threads begin at once and end together
 DERIVATIVES = ("coordinates", "velocities", "accelerations")
 OK = "ok"
+MOST_THREADS = 1024
 
 
 def SolveEnsemble(
@@ -70,14 +71,14 @@ def SolveEnsemble(
     Example:
         result = SolveEnsemble(build, settings, ExplicitSettings(stepSize=1e-3), parameters=lengths)
     """
-    settings = simulationSettings or exudyn.SimulationSettings()
-    explicit = explicitSettings or ExplicitSettings()
+    settings = simulation_settings(simulationSettings)
+    explicit = explicit_settings(explicitSettings)
     workers = _number_of_threads(threads)
-    if derivatives not in (0, 1, 2) or isinstance(derivatives, bool):
-        raise InputError(f"derivatives = {derivatives!r}: choose 0, 1 or 2.")
+    derivatives = require_integer("derivatives", derivatives, 0, 2)
     h = _grid(settings, explicit.stepSize).h if explicit.massScaling and explicit.stepSize else 0.0
     builders = all_systems(systems, parameters)
-    members = read_members(builders, float(settings.timeIntegration.startTime), h, explicit)
+    time = require_finite("timeIntegration.startTime", settings.timeIntegration.startTime, "s")
+    members = read_members(builders, time, h, explicit)
     wanted = explicit.stepSize
     if wanted is None:  # all members decide on it before the first one moves
         members, all_of_them = tee(members)
@@ -90,9 +91,7 @@ def SolveEnsemble(
 def _number_of_threads(threads: int | None) -> int:
     if threads is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if isinstance(threads, bool) or not isinstance(threads, int) or threads < 1:
-        raise InputError(f"threads = {threads!r}: must be an integer >= 1, or None for one a core.")
-    return threads
+    return require_integer("threads", threads, 1, MOST_THREADS, "; None for one a core")
 
 
 def _grid(settings: Any, wanted: float) -> TimeGrid:

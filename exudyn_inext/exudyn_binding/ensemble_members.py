@@ -43,6 +43,9 @@ def all_systems(systems: Any, parameters: Iterable[Any] | None) -> list[Callable
             + ("parameters are missing." if callable(systems) else "systems is no function.")
         )
     function, values = (_as_it_is, systems) if parameters is None else (systems, parameters)
+    if not isinstance(values, Iterable) or isinstance(values, str | bytes | dict):
+        what = "systems" if parameters is None else "parameters"
+        raise InputError(f"{what} = {values!r}: must be a sequence, one entry a member.")
     builders: list[Callable[[], Any]] = [partial(function, value) for value in values]
     if not builders:
         raise InputError("the ensemble is empty: give at least one system.")

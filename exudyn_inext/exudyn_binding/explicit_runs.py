@@ -24,7 +24,8 @@ SAFETY_ALONE, SAFETY_AMONG_BODIES = 0.95, 0.7  # share of the limit at the start
 
 def scheme_of(explicit: ExplicitSettings) -> Any:
     """Parameters of the scheme: those given, or its defaults."""
-    return explicit.scheme or find_integrator(explicit.integrator).scheme()
+    integrator = find_integrator(explicit.integrator)
+    return integrator.checked(explicit.scheme or integrator.scheme())
 
 
 def cable_runs(
@@ -50,7 +51,7 @@ def cable_runs(
 def step_bounds(runs: Sequence[Run], start: float, explicit: ExplicitSettings) -> StepSizeBounds:
     """The tightest bounds over all that moves."""
     integrator, scheme = find_integrator(explicit.integrator), scheme_of(explicit)
-    frequencies = [run.largest_frequency(start) for run in runs]
+    frequencies = [_finite_frequency(run, start) for run in runs]
 
     def limit(frequency: float, damping_ratio: float) -> float:
         return frequency_limit(integrator, scheme, damping_ratio) / frequency if frequency > 0.0 else math.inf
@@ -69,6 +70,17 @@ def step_bounds(runs: Sequence[Run], start: float, explicit: ExplicitSettings) -
         contact=min((limit(w, d / w if w else 0.0) for w, d in contacts), default=math.inf),
         safety=SAFETY_AMONG_BODIES if coupled else SAFETY_ALONE,
     )
+
+
+def _finite_frequency(run: Run, start: float) -> float:
+    """Largest frequency [rad/s] at the start; SceneError if it is no number."""
+    frequency = run.largest_frequency(start)
+    if not (math.isfinite(frequency) and math.isfinite(run.damping_ratio(frequency))):
+        raise SceneError(
+            f"the largest frequency of {run.name} at the start, {frequency:g} rad/s, or its damping is no "
+            "finite number: check the units of sections, lengths, velocities, masses and loads."
+        )
+    return frequency
 
 
 def _rule(cable: Cable, constant: float) -> float:

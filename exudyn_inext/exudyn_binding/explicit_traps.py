@@ -6,6 +6,7 @@ from typing import Any
 import exudyn
 
 from ..errors import ExplicitTrapWarning
+from .arguments import require_system
 from .cable_data import belongs_to_a_cable, find_cable_item
 
 _WRONG_COUPLING = (
@@ -33,6 +34,7 @@ def WarnOfExplicitTraps(mbs: Any) -> list[str]:
         if not WarnOfExplicitTraps(mbs):
             mbs.SolveDynamic(simulationSettings, solverType=exu.DynamicSolverType.RK44)
     """
+    require_system(mbs)
     messages = explicit_traps(mbs)
     for message in messages:
         warnings.warn(message, ExplicitTrapWarning, stacklevel=2)

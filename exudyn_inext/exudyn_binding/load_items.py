@@ -47,7 +47,8 @@ def read_load(mbs: Any, number: int) -> NodalLoad | None:
         coordinates=coordinates,
         constant=np.atleast_1d(np.asarray(value, dtype=float)),
         history=_history(mbs, user_function, value),
-        is_pure=bool(user_function) and getattr(user_function["function"], "dependsOnTimeOnly", False),
+        is_pure=bool(user_function)
+        and getattr(user_function["function"], "dependsOnTimeOnly", False) is True,
     )
 
 

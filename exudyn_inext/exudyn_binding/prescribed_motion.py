@@ -8,8 +8,10 @@ from exudyn.itemInterface import CoordinateConstraint, MarkerNodeCoordinate, Nod
 
 from ..arrays import Array
 from ..chain.link import Motion
+from ..checks import require_finite_array
 from ..constraints.motion import motion_of
 from ..errors import InputError
+from .arguments import node_number, require_system
 
 _NODES = {"Point2DSlope1": 2, "PointSlope1": 3}
 
@@ -66,10 +68,11 @@ def CreatePrescribedMotion(
 
 
 def _reference_position(mbs: Any, number: Any) -> Array:
-    try:
-        node = mbs.GetNode(number)
-    except Exception:
-        raise InputError(f"nodeNumber = {number!r}: mbs has no such node.") from None
+    require_system(mbs)
+    place, count = node_number(number), mbs.systemData.NumberOfNodes()
+    if not 0 <= place < count:
+        raise InputError(f"nodeNumber = {number!r}: mbs has no such node, but {count}, counted from 0.")
+    node = mbs.GetNode(place)
     dim = _NODES.get(node["nodeType"])
     if dim is None:
         raise InputError(
@@ -84,8 +87,8 @@ def _check_function(name: str, function: Any, dim: int, optional: bool) -> None:
         return
     if not callable(function):
         raise InputError(f"{name} = {function!r}: must be a function of the time, t -> {dim} numbers.")
-    values = np.asarray(function(0.0), dtype=float)
-    if values.ndim != 1 or len(values) not in (dim, 3) or values[dim:].any() or not np.isfinite(values).all():
+    values = require_finite_array(f"{name}(0)", function(0.0))
+    if values.ndim != 1 or len(values) not in (dim, 3) or values[dim:].any():
         raise InputError(
             f"{name}(0) = {values.tolist()}: must be {dim} finite numbers, as the node is {dim}D."
         )

@@ -11,6 +11,7 @@ from ..chain.cable import Cable
 from ..chain.link import Link, rest
 from ..constraints.prescribed_motion import prescribed
 from ..errors import SceneError
+from .arguments import require_system
 from .attach.inert import is_inert_cable
 from .attach.markers import REMEDY, unsuitable_markers
 from .cable_data import CableItem, belongs_to_a_cable, find_cable_item
@@ -88,6 +89,7 @@ class HeldCoordinate:
 
 def require_assembled(mbs: Any) -> None:
     """Raise SceneError unless mbs.Assemble() has been called after the last change."""
+    require_system(mbs)
     if mbs.systemIsConsistent:
         return
     if refused := unsuitable_markers(mbs):

@@ -1,12 +1,38 @@
 """Settings of SolveExplicit."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from ..chain.cable import require_positive
+from ..checks import require_flag, require_integer, require_not_negative, require_positive
 from ..errors import InputError
 from ..integrators import find_integrator
+
+MOST_RETRIES = 20
+
+
+def _require_tolerance(name: str, value: Any) -> float:
+    return math.inf if value == math.inf else require_positive(name, value)
+
+
+def _require_retries(name: str, value: Any) -> int:
+    return require_integer(name, value, 0, MOST_RETRIES)
+
+
+_CHECKS: dict[str, Callable[[str, Any], Any]] = {
+    "stepSize": require_positive,
+    "stabilizationRate": require_positive,
+    "stepConstant": require_positive,
+    "stepSafety": require_positive,
+    "massScaling": require_not_negative,
+    "startTolerance": require_positive,
+    "allowUnstableStep": require_flag,
+    "adaptiveStep": require_flag,
+    "energyTolerance": _require_tolerance,
+    "retries": _require_retries,
+}
+_OPTIONAL = ("stepSize", "stepSafety")
 
 
 @dataclass(frozen=True)
@@ -59,23 +85,19 @@ class ExplicitSettings:
         Raises:
             InputError: unknown integrator, scheme of another integrator, number out of range.
         """
-        scheme_type = find_integrator(self.integrator).scheme
-        if self.scheme is not None and not isinstance(self.scheme, scheme_type):
+        integrator = find_integrator(self.integrator)
+        if self.scheme is not None and not isinstance(self.scheme, integrator.scheme):
             raise InputError(
-                f"scheme = {self.scheme!r}: integrator '{self.integrator}' takes {scheme_type.__name__}(...)."
+                f"scheme = {self.scheme!r}: integrator '{self.integrator}' takes "
+                f"{integrator.scheme.__name__}(...)."
             )
-        for name in ("stabilizationRate", "stepConstant", "startTolerance"):
-            require_positive(name, getattr(self, name))
-        if self.stepSafety is not None and require_positive("stepSafety", self.stepSafety) > 1.0:
+        if self.scheme is not None:
+            integrator.checked(self.scheme)
+        for name, require in _CHECKS.items():
+            if getattr(self, name) is not None or name not in _OPTIONAL:
+                object.__setattr__(self, name, require(name, getattr(self, name)))
+        if self.stepSafety is not None and self.stepSafety > 1.0:
             raise InputError(f"stepSafety = {self.stepSafety!r}: must be at most 1, the stability limit.")
-        if self.stepSize is not None:
-            require_positive("stepSize", self.stepSize)
-        if self.massScaling != 0.0:
-            require_positive("massScaling", self.massScaling)
-        if self.energyTolerance != math.inf:
-            require_positive("energyTolerance", self.energyTolerance)
-        if isinstance(self.retries, bool) or not isinstance(self.retries, int) or self.retries < 0:
-            raise InputError(f"retries = {self.retries!r}: must be an integer of at least 0.")
         if self.massScaling and self.adaptiveStep:
             raise InputError(
                 f"massScaling = {self.massScaling!r} with adaptiveStep: the scaled mass belongs to one step "

@@ -6,7 +6,15 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..chain.cable import reference_lengths, require_positive
+from ..chain.cable import reference_lengths
+from ..checks import (
+    LARGEST_NUMBER_OF_ITEMS,
+    require_choice,
+    require_finite_array,
+    require_flag,
+    require_integer,
+    require_positive,
+)
 from ..errors import InputError
 
 SLOPE_TOLERANCE = 1e-8  # |r_x| - 1 [-]
@@ -157,14 +165,14 @@ def check_shape(shape: CableShape) -> CheckedShape:
         if len(rows) != nodes:
             raise InputError(f"{name} has {len(rows)} rows: needs {nodes}, one for each position.")
     _check_unit_slopes(slopes)
-    if shape.lengthReference not in LENGTH_REFERENCES:
-        raise InputError(f"lengthReference = {shape.lengthReference!r}: choose one of {LENGTH_REFERENCES}.")
+    require_choice("lengthReference", shape.lengthReference, LENGTH_REFERENCES)
+    closed = require_flag("closed", shape.closed)
     q, v = np.stack([positions, slopes], axis=1), np.stack(rates, axis=1)
-    if shape.closed:
+    if closed:
         _check_ring(positions)
         q, v = np.concatenate([q, q[:1]]), np.concatenate([v, v[:1]])
     lengths = _checked_lengths(q, shape.elementLengths)
-    return CheckedShape(q, v, lengths, bool(shape.closed), shape.lengthReference == "straight")
+    return CheckedShape(q, v, lengths, closed, shape.lengthReference == "straight")
 
 
 def _check_ring(positions: Array) -> None:
@@ -192,24 +200,12 @@ def _axes_of_plane(normal: Array, start: Array) -> tuple[Array, Array]:
 
 
 def _element_count(number: Any) -> int:
-    if not isinstance(number, int | np.integer) or isinstance(number, bool) or number < 1:
-        raise InputError(f"numberOfElements = {number!r}: must be an integer of at least 1.")
-    return int(number)
-
-
-def _finite(name: str, values: Any) -> Array:
-    try:
-        array = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(f"{name} = {values!r}: must be numbers.") from None
-    if not np.isfinite(array).all():
-        raise InputError(f"{name} = {array.tolist()}: all numbers must be finite.")
-    return array
+    return require_integer("numberOfElements", number, 1, LARGEST_NUMBER_OF_ITEMS)
 
 
 def _vectors(name: str, values: Any) -> Array:
     """(..., 3) from (..., 2) or (..., 3)."""
-    array = _finite(name, values)
+    array = require_finite_array(name, values)
     if array.ndim == 0 or array.shape[-1] not in (2, 3):
         raise InputError(f"{name} has shape {array.shape}: needs 2 or 3 components a point.")
     missing = 3 - array.shape[-1]
@@ -217,14 +213,14 @@ def _vectors(name: str, values: Any) -> Array:
 
 
 def _point(name: str, values: Any) -> Array:
-    array = _finite(name, values)
+    array = require_finite_array(name, values)
     if array.ndim != 1:
         raise InputError(f"{name} has shape {array.shape}: needs one point with 2 or 3 components.")
     return _vectors(name, array)
 
 
 def _rows(name: str, values: Any) -> Array:
-    array = _finite(name, values)
+    array = require_finite_array(name, values)
     if array.ndim != 2:
         raise InputError(f"{name} has shape {array.shape}: needs one row of 2 or 3 numbers a node.")
     return _vectors(name, array)
@@ -257,7 +253,7 @@ def _checked_lengths(q: Array, given: Any) -> Array:
     if given is None:
         lengths = _curve_lengths(q)
     else:
-        lengths = _finite("elementLengths", given)
+        lengths = require_finite_array("elementLengths", given)
         if lengths.ndim != 0 and lengths.shape != (number,):
             raise InputError(
                 f"elementLengths has shape {lengths.shape}: needs one number, or one for each of the "

@@ -8,12 +8,14 @@ from typing import Any
 import exudyn
 
 from ..errors import DivergenceError, SceneError
+from .arguments import explicit_settings, simulation_settings
 from .cable_forces import forget_evaluators
 from .cable_run import CableRun
 from .empty_sensors import warn_of_empty_sensors
 from .explicit_runs import follow_frequencies, scheme_of, step_bounds, wanted_step
 from .general.surroundings import state_kept, switched_off
 from .observed import observed_derivatives
+from .output_files import require_writable_outputs
 from .restart import Restarts
 from .scene import read_scene, require_assembled
 from .scene_runs import needs_coupling, runs_of_scene
@@ -67,6 +69,7 @@ def SolveExplicit(
         'retries' (how often the run began anew) and 'resumedAt' [s] (of a restart file; or None).
 
     Raises:
+        InputError: arguments or times out of their limits, or files that cannot be written.
         SceneError: mbs not assembled, inconsistent, or contains what explicit steps cannot take.
         StepSizeError: stepSize is above the stability limit.
         RedundantConstraintError: constraints that depend on each other.
@@ -76,8 +79,8 @@ def SolveExplicit(
     Example:
         report = SolveExplicit(mbs, simulationSettings, ExplicitSettings(stepSize=2.5e-3))
     """
-    settings = simulationSettings or exudyn.SimulationSettings()
-    explicit = explicitSettings or ExplicitSettings()
+    settings = simulation_settings(simulationSettings)
+    explicit = explicit_settings(explicitSettings)
     for retry in range(explicit.retries + 1):
         try:
             return _solve(mbs, settings, explicit) | {"retries": retry}
@@ -94,6 +97,7 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings) -> dict[str, Any
     solver = exudyn.MainSolverImplicitSecondOrder()
     scene = read_scene(mbs)
     warn_of_empty_sensors(mbs, scene.own_constraints)
+    require_writable_outputs(mbs, settings)
     start = float(settings.timeIntegration.startTime)
     coupled = needs_coupling(mbs, scene)
     with switched_off(mbs, *scene.evaluated_by_kernels) if coupled else nullcontext():

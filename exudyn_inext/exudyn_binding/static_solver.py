@@ -2,21 +2,23 @@
 
 from dataclasses import dataclass
 from itertools import combinations
-from numbers import Integral
 from typing import Any
 
 import exudyn
 import numpy as np
 
 from ..arrays import Array
-from ..chain.cable import Cable, require_positive
+from ..chain.cable import Cable
+from ..checks import require_finite, require_integer, require_positive
 from ..constraints.prescribed_motion import KIND
 from ..errors import EquilibriumError, InputError, SceneError
 from ..statics import Equilibrium, Potential, StaticOptions, find_equilibrium
+from .arguments import simulation_settings
 from .cable_loads import CableLoads
 from .scene import CableInScene, initial_state, read_cables, require_assembled
 
 REACH_TOLERANCE = 1e-9
+MOST_ITERATIONS = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -41,9 +43,7 @@ class StaticSettings:
         """
         require_positive("tolerance", self.tolerance)
         for name in ("maxIterations", "loadSteps"):
-            value = getattr(self, name)
-            if not isinstance(value, Integral) or isinstance(value, bool) or value < 1:
-                raise InputError(f"{name} = {value!r}: must be an integer of at least 1.")
+            require_integer(name, getattr(self, name), 1, MOST_ITERATIONS)
 
 
 def SolveEquilibrium(
@@ -77,10 +77,10 @@ def SolveEquilibrium(
         mbs.SetLoadParameter(ice, "loadVector", [0, 0, 0])
         SolveExplicit(mbs, simulationSettings)
     """
-    settings = simulationSettings or exudyn.SimulationSettings()
-    static = staticSettings or StaticSettings()
+    settings = simulation_settings(simulationSettings)
+    static = _static_settings(staticSettings)
     require_assembled(mbs)
-    time = float(settings.timeIntegration.startTime)
+    time = require_finite("timeIntegration.startTime", settings.timeIntegration.startTime, "s")
     cables = read_cables(mbs, "SolveEquilibrium")
     if not cables:
         raise SceneError("mbs has no inextensible cable: use mbs.SolveStatic for native items.")
@@ -92,6 +92,12 @@ def SolveEquilibrium(
     for cable, equilibrium in zip(cables, found, strict=True):
         _write(mbs, cable, equilibrium.q)
     return report
+
+
+def _static_settings(given: Any) -> StaticSettings:
+    if given is not None and not isinstance(given, StaticSettings):
+        raise InputError(f"staticSettings = {given!r}: must be a StaticSettings, or None.")
+    return given or StaticSettings()
 
 
 def _solve_cable(mbs: Any, scene_cable: CableInScene, time: float, static: StaticSettings) -> Equilibrium:

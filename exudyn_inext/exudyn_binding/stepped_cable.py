@@ -7,11 +7,14 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..checks import LARGEST
 from ..errors import InputError
 from ..integrators import find_integrator
 from ..integrators.integrator import LoadHistory
 from ..integrators.watch import record_watched
 from .cable_run import CableRun
+
+_SEQUENCES = (Sequence, np.ndarray)
 
 
 class SteppedCable:
@@ -80,7 +83,7 @@ class SteppedCable:
         """Set the force (3,) [N] on a node, in place of the last one that was set."""
         dim = self.q.shape[2]
         first = self.nodes[node] * 2 * dim
-        if len(force) != 3 or not all(map(isfinite, force)):
+        if not _are_three_numbers(force):
             raise InputError(f"force = {force!r} on node {node}: must be 3 finite numbers [N].")
         if dim == 2 and force[2] != 0.0:
             raise InputError(
@@ -99,3 +102,13 @@ class SteppedCable:
         states[0, indices] = state.q - self.run.reference
         states[1, indices] = state.v
         states[2, indices] = state.a
+
+
+def _are_three_numbers(force: Any) -> bool:
+    """Without an array: a force is set at each step."""
+    if not isinstance(force, _SEQUENCES) or len(force) != 3:
+        return False
+    try:
+        return all(map(isfinite, force)) and max(map(abs, force)) <= LARGEST
+    except (TypeError, ValueError, OverflowError):
+        return False

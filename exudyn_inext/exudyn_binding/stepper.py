@@ -2,20 +2,22 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from math import isfinite
 from typing import Any
 
 import exudyn
 import numpy as np
 
 from ..arrays import Array
+from ..checks import require_finite, require_integer
 from ..errors import InputError, SceneError
+from .arguments import explicit_settings, node_number
 from .divergence import divergence
 from .explicit_runs import cable_runs, require_fixed_steps, scheme_of, step_bounds, wanted_step
 from .scene import read_cables, require_assembled
 from .settings import ExplicitSettings
 from .stepped_cable import SteppedCable
 
+MOST_STEPS = 1_000_000_000
 _SHOWN = (exudyn.ConfigurationType.Current, exudyn.ConfigurationType.Visualization)
 
 
@@ -58,27 +60,24 @@ class ExplicitStepper:
         stepSize: float | None = None,
         startTime: float = 0.0,
     ) -> None:
-        explicit = explicitSettings or ExplicitSettings()
+        explicit = explicit_settings(explicitSettings)
         require_fixed_steps(explicit, "ExplicitStepper")
         if stepSize is not None:
             explicit = replace(explicit, stepSize=stepSize)
-        if not isfinite(startTime):
-            raise InputError(f"startTime = {startTime!r}: must be a finite number [s].")
+        start = require_finite("startTime", startTime, "s")
         require_assembled(mbs)
-        runs = cable_runs(
-            mbs, read_cables(mbs, "ExplicitStepper"), startTime, explicit.stepSize or 0.0, explicit
-        )
+        runs = cable_runs(mbs, read_cables(mbs, "ExplicitStepper"), start, explicit.stepSize or 0.0, explicit)
         if not runs:
             raise SceneError(
                 "mbs has no inextensible cable to step: add one with CreateInextensibleCable, or use "
                 "SolveExplicit for native items."
             )
-        self.bounds = step_bounds(runs, startTime, explicit)
+        self.bounds = step_bounds(runs, start, explicit)
         step, self.decidedBy = wanted_step(self.bounds, explicit)
         self.stepSize = float(step)
         self.startCorrections = [run.start_correction for run in runs]
         self._mbs = mbs
-        self._start_time = startTime
+        self._start_time = start
         self._cables = [SteppedCable(run, explicit.integrator, scheme_of(explicit)) for run in runs]
         self._cable_of_node = {node: cable for cable in self._cables for node in cable.nodes}
         self._steps = 0
@@ -115,8 +114,7 @@ class ExplicitStepper:
         """
         if not self._is_ready:
             raise self._error
-        if not (isinstance(n, int | np.integer) and n >= 1):
-            raise InputError(f"n = {n!r}: the number of steps must be an integer >= 1.")
+        require_integer("n", n, 1, MOST_STEPS, ", the steps of one call")
         well = [cable.step(self._start_time, self.stepSize, self._steps, int(n)) for cable in self._cables]
         if not all(well):
             self._stop(n)
@@ -151,9 +149,8 @@ class ExplicitStepper:
             v: (n, 2, dim) their velocities [m/s, 1/s].
             time: [s].
         """
-        if not -len(self._cables) <= cable < len(self._cables):
-            raise InputError(f"cable = {cable!r}: there are {len(self._cables)} cables, counted from 0.")
-        chosen = self._cables[cable]
+        number = len(self._cables)
+        chosen = self._cables[require_integer("cable", cable, -number, number - 1, ", counted from 0")]
         return chosen.q, chosen.v, self.time
 
     def SetNodeForce(self, node: int, force: Sequence[float]) -> None:
@@ -169,11 +166,11 @@ class ExplicitStepper:
         Raises:
             InputError: not a node of a cable, or not a force that the cable can take.
         """
-        number = int(node)
+        number = node_number(node)
         cable = self._cable_of_node.get(number)
         if cable is None:
             raise InputError(
-                f"node = {number} is on no inextensible cable: their nodes lie between "
+                f"node = {node!r} is on no inextensible cable: their nodes lie between "
                 f"{min(self._cable_of_node)} and {max(self._cable_of_node)}."
             )
         cable.set_force(number, force)

@@ -1,13 +1,13 @@
 """Section and discretisation of an inextensible cable, in the user's terms."""
 
 from dataclasses import dataclass
-from numbers import Integral, Real
+from numbers import Number
 from typing import Any
 
-import numpy as np
 from exudyn.itemInterface import ObjectANCFCable, ObjectANCFCable2D
 
-from ..chain.cable import CurvatureMeasure, Section, require_positive
+from ..chain.cable import CurvatureMeasure, Section
+from ..checks import require_choice, require_finite, require_integer, require_not_negative, require_positive
 from ..errors import InputError
 
 _NOT_YET = (
@@ -59,7 +59,7 @@ class InextensibleCable:
                 "ObjectANCFCable whose massPerLength and bendingStiffness are taken over."
             )
         for name in _NOT_YET:
-            if getattr(template, name, None):
+            if _is_set(getattr(template, name, None)):
                 raise InputError(
                     f"beamTemplate.{name} = {getattr(template, name)!r}: not supported by the "
                     "inextensible cable yet; set it to zero."
@@ -73,41 +73,33 @@ class InextensibleCable:
 
     def section(self, dimension: int) -> Section:
         """Checked constants of the cross-section of a cable in that many dimensions."""
-        curvature = self.referenceCurvature
-        if isinstance(curvature, bool) or not isinstance(curvature, Real) or not np.isfinite(curvature):
-            raise InputError(f"referenceCurvature = {curvature!r}: must be a finite number [1/m].")
+        curvature = require_finite("referenceCurvature", self.referenceCurvature, "1/m")
         if curvature and dimension == 3:
             raise InputError(
                 f"referenceCurvature = {curvature!r} in 3D: which way the section faces is not modelled; set "
                 "it to zero, or use dimension=2."
             )
-        damping = self.bendingDamping
         return Section(
             require_positive("massPerLength", self.massPerLength),
             require_positive("bendingStiffness", self.bendingStiffness),
-            float(curvature),
-            0.0 if damping == 0.0 else require_positive("bendingDamping", damping),
+            curvature,
+            require_not_negative("bendingDamping", self.bendingDamping),
         )
 
     def measure(self) -> CurvatureMeasure:
         """Checked curvature measure."""
-        try:
-            return CurvatureMeasure(self.curvatureMeasure)
-        except ValueError:
-            known = [measure.value for measure in CurvatureMeasure]
-            raise InputError(
-                f"curvatureMeasure = {self.curvatureMeasure!r} is unknown: choose one of {known}."
-            ) from None
+        known = [measure.value for measure in CurvatureMeasure]
+        return CurvatureMeasure(require_choice("curvatureMeasure", self.curvatureMeasure, known))
 
     def length_constraints(self, number_of_elements: int) -> int:
         """Checked n_bar for a cable of that many elements."""
         number = self.numberOfLengthConstraints
         if number is None:
             return number_of_elements
-        is_integer = isinstance(number, Integral) and not isinstance(number, bool)
-        if not (is_integer and 0 <= number <= number_of_elements):
-            raise InputError(
-                f"numberOfLengthConstraints = {number!r}: must be an integer from 0 (none) to the number "
-                f"of elements, {number_of_elements}."
-            )
-        return int(number)
+        name = "numberOfLengthConstraints"
+        return require_integer(name, number, 0, number_of_elements, ", the number of elements")
+
+
+def _is_set(value: Any) -> bool:
+    """Whether a property of a native template differs from zero, None and False."""
+    return not (value is None or (isinstance(value, Number) and value == 0))

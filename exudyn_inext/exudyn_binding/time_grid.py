@@ -4,10 +4,13 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from ..checks import SMALLEST, require_finite, require_positive
 from ..errors import InputError
 
 _ROUND_OFF = 1.0 - 1e-9
 _LARGEST_FRACTION = 20
+MOST_LOOP_STEPS = 2**31 - 1  # Exudyn counts them
+MOST_STEPS = 1e13  # months
 
 
 @dataclass(frozen=True)
@@ -38,7 +41,7 @@ def time_grid(mbs: Any, settings: Any, wanted: float) -> TimeGrid:
         wanted: largest step of the integrator [s].
 
     Raises:
-        InputError: the end time is not after the start time.
+        InputError: the end time is not after the start time, or there are more steps than can be counted.
     """
     return grid_of_period(settings, wanted, _output_period(mbs, settings))
 
@@ -51,10 +54,26 @@ def grid_of_period(settings: Any, wanted: float, period: float) -> TimeGrid:
         raise InputError(
             f"endTime - startTime = {duration} s: must be a finite number > 0; set timeIntegration.endTime."
         )
+    require_positive("endTime - startTime [s]", duration)
+    require_finite("timeIntegration.startTime", time.startTime, "s")
+    if not 1 <= time.numberOfSteps <= MOST_LOOP_STEPS:
+        raise InputError(
+            f"timeIntegration.numberOfSteps = {time.numberOfSteps!r}: must be from 1 to {MOST_LOOP_STEPS}."
+        )
     interval = min(duration / time.numberOfSteps, period or wanted)
+    _require_countable("outputs or loop steps", duration, interval, MOST_LOOP_STEPS)
+    _require_countable("steps", duration, wanted, MOST_STEPS)
     loop_steps = _commensurate_steps(duration, interval)
     substeps = steps_within(duration / loop_steps, wanted)
     return TimeGrid(time.startTime, loop_steps, substeps, duration / (loop_steps * substeps))
+
+
+def _require_countable(what: str, duration: float, interval: float, most: float) -> None:
+    if not duration / max(interval, SMALLEST) <= most:
+        raise InputError(
+            f"endTime - startTime = {duration:g} s in {what} of {interval:g} s: these are more than "
+            f"{most:g}; check the units of times, steps and write periods."
+        )
 
 
 def steps_within(duration: float, largest: float) -> int:

@@ -1,6 +1,7 @@
 """The user function that Exudyn's time loop calls in place of Newton's method."""
 
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, Protocol
 
 import exudyn
@@ -8,7 +9,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..chain.cable import Cable
-from ..errors import InextensibleError
+from ..errors import DivergenceError
 from .consistent_start import StartCorrection
 from .divergence import divergence
 from .observed import ACCELERATIONS
@@ -76,7 +77,7 @@ class ExplicitTimeLoop:
         self.runs = runs
         self.scheme = scheme
         self.grid = grid
-        self.error: InextensibleError | None = None
+        self.error: Exception | None = None
         self._data = mbs.systemData
         self._is_watched = _has_step_user_functions(mbs) or not all(run.looks_ahead for run in runs)
         self._written = self._present(exudyn.ConfigurationType.Initial)
@@ -145,7 +146,8 @@ class ExplicitTimeLoop:
         plain = self._plain_user_function()
 
         def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
-            self._take_over_changes()
+            with self._remembering_errors():
+                self._take_over_changes()
             plain(solver, mbs, settings)
             self._written = self._present()
             return True
@@ -156,7 +158,8 @@ class ExplicitTimeLoop:
         """q and what is observed after each step of the loop; DivergenceError instead of a bad one."""
         while True:
             first = self._computed
-            states, good = self._compute_ahead()
+            with self._remembering_errors():
+                states, good = self._compute_ahead()
             self._ahead = (first, states[:good])
             observed = states[:good, : self._observed]
             for block in range(0, good, HANDED_OUT):
@@ -165,10 +168,19 @@ class ExplicitTimeLoop:
                 self.error = self._divergence(self.grid.time(first + good), self.grid.time(first + good + 1))
                 raise self.error
 
-    def _divergence(self, last_good: float, time: float) -> InextensibleError:
+    def _divergence(self, last_good: float, time: float) -> DivergenceError:
         verdicts = [run.verdict(self.scheme, last_good, self.grid.h) for run in self.runs]
         left = f"mbs holds the last good output, that of t = {last_good:.6g} s."
         return divergence(list(filter(None, verdicts)), time, left, self.grid.h)
+
+    @contextmanager
+    def _remembering_errors(self) -> Iterator[None]:
+        """Exudyn would replace their types and traces by its own."""
+        try:
+            yield
+        except Exception as error:
+            self.error = error
+            raise
 
     def _compute_ahead(self) -> tuple[Array, int]:
         """(intervals, 3, n) displacements, velocities, accelerations after the next loop steps.

@@ -20,6 +20,6 @@ INTEGRATORS: dict[str, Integrator] = {
 
 def find_integrator(name: str) -> Integrator:
     """The integrator called `name`; InputError lists the known ones."""
-    if name not in INTEGRATORS:
+    if not isinstance(name, str) or name not in INTEGRATORS:
         raise InputError(f"integrator = {name!r} is unknown: choose one of {sorted(INTEGRATORS)}.")
     return INTEGRATORS[name]

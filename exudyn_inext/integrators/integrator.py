@@ -26,6 +26,7 @@ class Integrator:
     stabilised: whether it integrates the stabilised equations (30), whose zeta bounds the step.
     change_step: (state, ratio): prepares the memory of a multi-step scheme for steps longer by that ratio.
     resume: (system, external, state): what a step needs of the system besides the state, evaluated again.
+    checked: scheme -> the same of plain numbers; raises InputError for a parameter out of its limits.
     trouble: (scheme, state) -> what the scheme could not do, for messages; empty if there is nothing.
     """
 
@@ -39,6 +40,7 @@ class Integrator:
     stabilised: bool = True
     change_step: Callable[[Any, float], None] = lambda state, ratio: None
     resume: Callable[..., None] = lambda system, external, state: None
+    checked: Callable[[Any], Any] = lambda scheme: scheme
     trouble: Callable[[Any, Any], str] = lambda scheme, state: ""
 
 

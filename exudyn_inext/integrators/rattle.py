@@ -16,9 +16,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..checks import require_integer, require_positive
 from ..compiled import inlined, kernel
 from ..system import accelerate_and_project, correct_position, implements
 from .integrator import Integrator, advance, allocate_state, external_force, store
+
+MOST_ITERATIONS = 1_000_000
 
 
 class Rattle(NamedTuple):
@@ -30,6 +33,14 @@ class Rattle(NamedTuple):
 
     tolerance: float = 1e-10
     iterations: int = 30
+
+
+def checked(scheme: Rattle) -> Rattle:
+    """The same, with plain numbers; InputError if a parameter is out of its limits."""
+    return Rattle(
+        require_positive("tolerance", scheme.tolerance),
+        require_integer("iterations", scheme.iterations, 1, MOST_ITERATIONS),
+    )
 
 
 class RattleState(NamedTuple):
@@ -127,5 +138,6 @@ INTEGRATOR = Integrator(
     carries=("a",),
     stabilised=False,
     resume=resume,
+    checked=checked,
     trouble=trouble,
 )

@@ -7,6 +7,7 @@ II.1.2. Four evaluations a step; the last one, at the end of the step, is the fi
 from typing import NamedTuple
 
 from ..arrays import Array
+from ..checks import require_choice
 from ..compiled import inlined, kernel
 from ..system import implements, index_reduced_rates
 from .integrator import Integrator, advance, allocate_state, external_force, store
@@ -20,6 +21,11 @@ class RungeKutta4(NamedTuple):
     """Parameters of the scheme: none but the name, which tells it from other schemes."""
 
     name: str = "RK4"
+
+
+def checked(scheme: RungeKutta4) -> RungeKutta4:
+    """The scheme; InputError if it has another name."""
+    return RungeKutta4(require_choice("name", scheme.name, (RungeKutta4().name,)))
 
 
 class RungeKuttaState(NamedTuple):
@@ -76,5 +82,11 @@ def advance_runge_kutta(scheme, system, loads, state, h, steps, history):
 
 
 INTEGRATOR = Integrator(
-    name="RK4", order=4, stages=(0.5, 1.0), scheme=RungeKutta4, allocate=allocate, start=start
+    name="RK4",
+    order=4,
+    stages=(0.5, 1.0),
+    scheme=RungeKutta4,
+    allocate=allocate,
+    start=start,
+    checked=checked,
 )

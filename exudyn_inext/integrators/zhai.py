@@ -13,6 +13,7 @@ psi = phi = 0 with the corrector: stable up to h w = 2, dissipates.
 from typing import NamedTuple
 
 from ..arrays import Array
+from ..checks import require_finite, require_flag
 from ..compiled import inlined, kernel
 from ..system import implements, index_reduced_rates
 from .integrator import Integrator, advance, allocate_state, external_force, store
@@ -32,6 +33,17 @@ class Zhai(NamedTuple):
     corrector: bool = False
     gamma_newmark: float = 0.5
     projected_rate: bool = True
+
+
+def checked(scheme: Zhai) -> Zhai:
+    """The same, with plain numbers; InputError if a parameter is out of its limits."""
+    return Zhai(
+        require_finite("psi", scheme.psi),
+        require_finite("phi", scheme.phi),
+        require_flag("corrector", scheme.corrector),
+        require_finite("gamma_newmark", scheme.gamma_newmark),
+        require_flag("projected_rate", scheme.projected_rate),
+    )
 
 
 class ZhaiState(NamedTuple):
@@ -109,4 +121,5 @@ INTEGRATOR = Integrator(
     start=start,
     carries=("a_previous",),
     change_step=change_step,
+    checked=checked,
 )

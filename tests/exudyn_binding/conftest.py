@@ -9,6 +9,7 @@ from exudyn.itemInterface import SensorNode
 
 from exudyn_inext import CreateInextensibleCable, ExplicitSettings, InextensibleCable, SolveExplicit
 from reference_models.model import quiet_settings, silence
+from tests import scene_contents
 
 TEMPLATE = InextensibleCable(massPerLength=0.0348, bendingStiffness=0.0866)
 
@@ -80,20 +81,7 @@ def add_sensor():
 @pytest.fixture
 def contents():
     """mbs -> everything that a refused call must leave as it was."""
-
-    def read(mbs):
-        data = mbs.systemData
-        numbers = [
-            getattr(data, f"NumberOf{kind}")() for kind in ("Nodes", "Objects", "Markers", "Loads", "Sensors")
-        ]
-        if not mbs.systemIsConsistent:
-            return numbers
-        configurations = (exudyn.ConfigurationType.Current, exudyn.ConfigurationType.Initial)
-        state = [np.asarray(data.GetSystemState(c)[0]).tolist() for c in configurations]
-        rates = [np.asarray(data.GetSystemState(c)[1]).tolist() for c in configurations]
-        return [numbers, state, rates, data.GetTime()]
-
-    return read
+    return scene_contents.contents
 
 
 @pytest.fixture

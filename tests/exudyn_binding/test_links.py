@@ -302,8 +302,8 @@ def test_motion_that_starts_with_a_velocity_the_cable_does_not_have_is_refused(m
     [
         ({"nodeNumber": 99}, "mbs has no such node"),
         ({"position": [0, 0]}, "must be a function of the time"),
-        ({"position": lambda t: 1.0}, "must be 2 finite numbers"),
-        ({"velocity": lambda t: [1.0, float("nan")]}, "must be 2 finite numbers"),
+        ({"position": lambda t: 1.0}, "finite"),
+        ({"velocity": lambda t: [1.0, float("nan")]}, "finite"),
     ],
 )
 def test_bad_motions_are_refused(mbs, add_cable, contents, changes, message):

@@ -135,7 +135,7 @@ def test_two_cables_are_stepped_together(new_mbs, add_pendulum):
     stepper = started(mbs)
     stepper.Step(20)
     assert [stepper.State(cable)[0].shape for cable in (0, 1)] == [(6, 2, 2), (4, 2, 2)]
-    with pytest.raises(InputError, match="cable = 2: there are 2 cables"):
+    with pytest.raises(InputError, match=r"cable = 2: must be .* at most 1"):
         stepper.State(2)
 
 
@@ -258,7 +258,7 @@ def test_a_step_before_the_start_is_refused(twin):
 
 @pytest.mark.parametrize("n", [0, -1, 1.5, 2.0, "3", None, np.nan])
 def test_a_number_of_steps_that_is_none_is_refused(twin, n):
-    with pytest.raises(InputError, match="must be an integer >= 1"):
+    with pytest.raises(InputError, match="must be an integer of at least 1"):
         started(twin().mbs).Step(n)
 
 

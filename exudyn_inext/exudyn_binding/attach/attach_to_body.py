@@ -6,10 +6,10 @@ import numpy as np
 from exudyn.itemInterface import MarkerBodyPosition, MarkerNodePosition, SphericalJoint
 
 from ...arrays import Array
+from ...checks import require_choice, require_vector
 from ...errors import InputError
-from ..cable_data import CableItem, object_number, require_item
+from ..cable_data import CableItem, require_cable
 from ..cable_item import _add_ground_constraints
-from ..shape import _finite
 from .body_frame import BodyFrame, body_frame
 from .clamp_to_body import add_clamp
 
@@ -54,10 +54,10 @@ def AttachToBody(
         AttachToBody(mbs, cable, 'end', drone, localPosition=[0, 0, -0.1])
         AttachToBody(mbs, rod, 'start', hub, [0.2, 0, 0], kind='clamp', localDirection=[1, 0, 0])
     """
-    item = require_item(mbs, object_number(cable))
+    _, item = require_cable(mbs, cable)
     place = _place(item, end, kind)
     frame = body_frame(mbs, bodyNumber)
-    local = _vector("localPosition", localPosition)
+    local = require_vector("localPosition", localPosition)
     node = item.nodes[place]
     position, slope = _initial_end(mbs, item, node)
     _require_meeting(item, node, position, frame, frame.point(mbs, local))
@@ -82,23 +82,14 @@ def AttachToBody(
 
 def _place(item: CableItem, end: str, kind: str) -> int:
     """Index of the node at that end."""
-    if end not in _ENDS:
-        raise InputError(f"end = {end!r}: must be 'start' or 'end'.")
-    if kind not in _KINDS:
-        raise InputError(f"kind = {kind!r}: must be 'hinge' or 'clamp'.")
+    require_choice("end", end, tuple(_ENDS))
+    require_choice("kind", kind, _KINDS)
     if item.cable.closed:
         raise InputError(
             f"end = {end!r}: a closed cable has no ends; join one of its nodes to the body by a "
             "SphericalJoint of MarkerNodePosition and MarkerBodyPosition."
         )
     return _ENDS[end]
-
-
-def _vector(name: str, given: Any) -> Array:
-    vector = _finite(name, given)
-    if vector.shape != (3,):
-        raise InputError(f"{name} = {given!r}: must be a vector of 3 numbers.")
-    return vector
 
 
 def _initial_end(mbs: Any, item: CableItem, node: int) -> tuple[Array, Array]:
@@ -133,7 +124,7 @@ def _direction(frame: BodyFrame, slope: Array, kind: str, local_direction: Any, 
     fitting: Array = frame.orientation().T @ (slope / np.linalg.norm(slope))
     if local_direction is None:
         return fitting
-    direction = _vector("localDirection", local_direction)
+    direction = require_vector("localDirection", local_direction)
     norm = float(np.linalg.norm(direction))
     if not abs(norm - 1.0) <= DIRECTION_TOLERANCE:
         raise InputError(

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...errors import InputError
+from ..arguments import object_number
 
 _Rotation = Callable[[Array], tuple[Array, Array]]  # of nodal coordinates: A (3, 3), dA/dq (n, 3, 3)
 
@@ -118,10 +119,7 @@ def body_frame(mbs: Any, body_number: Any) -> BodyFrame:
         InputError: there is no body of that number.
     """
     count = mbs.systemData.NumberOfObjects()
-    try:
-        number = int(body_number)
-    except (TypeError, ValueError):
-        number = -1
+    number = object_number(body_number)
     if not 0 <= number < count:
         raise InputError(
             f"bodyNumber = {body_number!r}: mbs has objects 0 to {count - 1}; give the number of a body or "

@@ -15,7 +15,8 @@ from exudyn.itemInterface import (
 )
 
 from ...chain.attached import place_on_elements
-from ..cable_data import CableItem, object_number, point_on_cable, require_item
+from ...checks import require_flag
+from ..cable_data import CableItem, point_on_cable, require_cable
 from .inert import INERT, is_inert_cable
 
 
@@ -48,11 +49,12 @@ def CreateCompanionCables(mbs: Any, cable: Any, show: bool = False) -> list[int]
         mbs.AddSensor(SensorBody(bodyNumber=elements[2], localPosition=[0.1, 0, 0],
             outputVariableType=exu.OutputVariableType.Velocity, storeInternal=True))
     """
-    item = require_item(mbs, object_number(cable))
+    _, item = require_cable(mbs, cable)
+    shown = require_flag("show", show)
     existing = _companions_by_nodes(mbs)
     spans = list(pairwise(item.node_names))
     return [
-        existing[nodes] if nodes in existing else _add_companion(mbs, item, nodes, float(length), show)
+        existing[nodes] if nodes in existing else _add_companion(mbs, item, nodes, float(length), shown)
         for nodes, length in zip(spans, item.cable.element_lengths, strict=True)
     ]
 
@@ -78,7 +80,7 @@ def MarkerOnCable(mbs: Any, cable: Any, arcLength: float) -> int:
     Example:
         mbs.AddLoad(LoadForceVector(markerNumber=MarkerOnCable(mbs, cable, 1.3), loadVector=[0, -2, 0]))
     """
-    item = require_item(mbs, object_number(cable))
+    _, item = require_cable(mbs, cable)
     element, offset = place_on_cable(item, arcLength)
     body = CreateCompanionCables(mbs, cable)[element]
     return int(mbs.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=[offset, 0.0, 0.0])))

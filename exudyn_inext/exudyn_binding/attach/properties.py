@@ -1,16 +1,14 @@
 """Point masses on a cable, and drag of the fluid around it: properties that its own solve includes."""
 
 from dataclasses import dataclass
-from numbers import Real
 from typing import Any
 
 import numpy as np
 
 from ...chain.attached import Drag, PointMass
-from ...chain.cable import require_positive
+from ...checks import require_not_negative, require_positive, require_vector
 from ...errors import InputError
-from ..cable_data import object_number, point_on_cable, require_item
-from ..shape import _finite
+from ..cable_data import point_on_cable, require_cable
 
 
 @dataclass(frozen=True)
@@ -44,11 +42,9 @@ class CableDrag:
         """
         pressure = 0.5 * require_positive("diameter", self.diameter)
         pressure *= require_positive("fluidDensity", self.fluidDensity)
-        normal = _require_coefficient("normalCoefficient", self.normalCoefficient)
-        tangential = _require_coefficient("tangentialCoefficient", self.tangentialCoefficient)
-        flow = _finite("flowVelocity", self.flowVelocity)
-        if flow.shape != (3,):
-            raise InputError(f"flowVelocity = {self.flowVelocity!r}: must be a vector of 3 numbers [m/s].")
+        normal = require_not_negative("normalCoefficient", self.normalCoefficient)
+        tangential = require_not_negative("tangentialCoefficient", self.tangentialCoefficient)
+        flow = require_vector("flowVelocity", self.flowVelocity, " [m/s]")
         if flow[dimension:].any():
             raise InputError(
                 f"flowVelocity = {flow.tolist()} has a z component [m/s], but the cable is planar: create "
@@ -72,7 +68,7 @@ def SetCableDrag(mbs: Any, cable: Any, drag: CableDrag | None) -> None:
     Example:
         SetCableDrag(mbs, cable, CableDrag(1.2, 0.01, diameter=0.02, fluidDensity=1000))
     """
-    item = require_item(mbs, object_number(cable))
+    _, item = require_cable(mbs, cable)
     if drag is not None and not isinstance(drag, CableDrag):
         raise InputError(f"drag = {drag!r}: must be a CableDrag or None.")
     law = None if drag is None else drag.of_cable(item.cable.dimension)
@@ -97,13 +93,6 @@ def AddPointMass(mbs: Any, cable: Any, arcLength: float, mass: float) -> None:
     Example:
         AddPointMass(mbs, cable, arcLength=0.9, mass=0.02)
     """
-    item = require_item(mbs, object_number(cable))
+    _, item = require_cable(mbs, cable)
     point = PointMass(point_on_cable(arcLength, item.cable.length), require_positive("mass", mass))
     item.change(point_masses=(*item.cable.point_masses, point))
-
-
-def _require_coefficient(name: str, value: Any) -> float:
-    is_number = isinstance(value, Real) and not isinstance(value, bool)
-    if not (is_number and np.isfinite(value) and value >= 0):
-        raise InputError(f"{name} = {value!r}: must be a finite number >= 0.")
-    return float(value)

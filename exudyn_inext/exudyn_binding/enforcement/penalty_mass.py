@@ -1,13 +1,12 @@
 """`penaltyMass`: constraints as very heavy springs, dampers and masses, for native explicit solvers."""
 
 from dataclasses import dataclass
-from numbers import Real
 from typing import Any, ClassVar
 
 import numpy as np
 
-from ...chain.cable import require_positive
 from ...chain.penalty_mass import build_penalty_system, penalty_force, penalty_mass
+from ...checks import as_number, require_positive
 from ...errors import InputError
 from ...loads.gravity import gravity_force
 from ..cable_data import CableItem
@@ -48,8 +47,7 @@ class PenaltyMass:
 
     def __post_init__(self) -> None:
         low, high = LIMITS
-        is_number = isinstance(self.penalty, Real) and not isinstance(self.penalty, bool)
-        if not (is_number and low <= self.penalty <= high):
+        if not low <= as_number(self.penalty) <= high:
             raise InputError(
                 f"penalty = {self.penalty!r}: must be a number from {low:g} (constraints too soft below) to "
                 f"{high:g} (mass matrix too badly conditioned above); use 1e4."

@@ -273,8 +273,8 @@ def scene(mbs, add_cable):
 @pytest.mark.parametrize(
     ("body", "arguments", "message"),
     [
-        ("ground", {"end": "middle"}, "end = 'middle': must be 'start' or 'end'"),
-        ("ground", {"kind": "glue"}, "kind = 'glue': must be 'hinge' or 'clamp'"),
+        ("ground", {"end": "middle"}, "end = 'middle': choose one of .*'start', 'end'"),
+        ("ground", {"kind": "glue"}, "kind = 'glue': choose one of .*'hinge', 'clamp'"),
         ("nobody", {}, r"bodyNumber = 99: mbs has objects 0 to \d"),
         (
             "ground",

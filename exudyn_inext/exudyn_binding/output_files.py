@@ -1,0 +1,47 @@
+"""Files that a run will write: looked at before anything is computed."""
+
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+
+
+def require_writable_outputs(mbs: Any, settings: Any) -> None:
+    """Raise InputError unless the files of solution and sensors can be written; Exudyn adds missing folders.
+
+    Args:
+        mbs: its sensors may write files.   settings: exudyn.SimulationSettings; where the solution goes.
+    """
+    for what, name in _files(mbs, settings.solution):
+        try:
+            _try_to_write(Path(name))
+        except (OSError, ValueError) as error:
+            why = getattr(error, "strerror", None) or error
+            raise InputError(
+                f"{what} = {name!r} cannot be written ({why}): choose another folder, or switch the file off."
+            ) from None
+
+
+def _files(mbs: Any, solution: Any) -> Iterator[tuple[str, str]]:
+    """What writes which file."""
+    if solution.file.write:
+        yield "solution.file.name", solution.file.name
+    if not solution.sensors.active:
+        return
+    for number in range(mbs.systemData.NumberOfSensors()):
+        sensor = mbs.GetSensor(number)
+        if sensor["writeToFile"] and sensor["fileName"]:
+            yield f"fileName of sensor {number} '{sensor['name']}'", sensor["fileName"]
+
+
+def _try_to_write(path: Path) -> None:
+    """Nothing is left behind; OSError if the file, or a folder on the way to it, cannot be written."""
+    if path.exists():
+        with path.open("ab"):
+            return
+    folder = next(parent for parent in path.absolute().parents if os.path.lexists(parent))
+    with tempfile.TemporaryFile(dir=folder):
+        return
