@@ -41,14 +41,14 @@ from cosmic_ray.work_item import MutationSpec
 from tqdm import tqdm
 
 from .equivalent import why_equivalent
-from .plan import OPERATORS, tests_of
+from .plan import OPERATORS, SLOW, tests_of
 
 PROJECT = Path(__file__).parents[2]
 COPIED = ("exudyn_inext", "tests", "reference_models", "pyproject.toml")
 FOLDERS = ("element", "chain")
 KILLED, SURVIVED, EQUIVALENT = "killed", "survived", "equivalent"
 PYTEST = ["-x", "-q", "-p", "no:xdist", "-p", "no:cacheprovider", "-m", "kernel"]
-PYTEST += ["-o", "addopts=--import-mode=importlib", "-W", "ignore::pytest.PytestAssertRewriteWarning"]
+PYTEST += ["-k", f"not ({SLOW})", "-o", "addopts=--import-mode=importlib", "-W", "ignore::pytest.PytestAssertRewriteWarning"]
 
 
 @contextmanager
@@ -151,11 +151,12 @@ def main() -> None:
     with copy_of_project() as root, open(output / "mutation.jsonl", "w", encoding="utf-8") as file:
         modules = [p.relative_to(root) for f in FOLDERS for p in sorted((root / "exudyn_inext" / f).glob("*.py"))]
         modules = [m for m in modules if m.stem != "__init__" and m.stem in (options.modules or [m.stem])]
-        for module in modules:
-            if not passes(tests_of(module.name), 10.0 * options.limit, output / "mutation_log.txt"):
-                sys.exit(f"{module}: the tests fail without any change, see {output / 'mutation_log.txt'}")
+        for tests in sorted({tuple(tests_of(module.name)) for module in modules}):
+            if not passes(list(tests), 10.0 * options.limit, output / "mutation_log.txt"):
+                sys.exit(f"The tests fail without any change, see {output / 'mutation_log.txt'}.")
         results = []
-        for mutant in tqdm(drawn_mutants(modules, options.share, options.seed), unit="mutant"):
+        drawn = drawn_mutants(modules, options.share, options.seed)
+        for mutant in tqdm(drawn, unit="mutant", mininterval=5.0):
             results.append(try_mutant(mutant, options.limit))
             print(json.dumps(results[-1]), file=file, flush=True)
     print(table(results))

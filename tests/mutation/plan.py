@@ -52,7 +52,7 @@ _TESTS: dict[str, Sequence[str]] = {
     "external_force": ("loads/test_loads.py", "element/test_element_matrices.py"),
     "forms": (*_ELEMENT, "chain/test_structured_solve.py"),
     "attached": ("chain/test_attached.py", "chain/test_section_forces.py", "loads/test_loads.py"),
-    "attached_forces": ("chain/test_attached.py"),
+    "attached_forces": ("chain/test_section_forces.py", "chain/test_attached.py"),
     "section_forces": ("chain/test_section_forces.py",),
     "constraint_rows": _ROWS,
     "penalty_mass": _ROWS,
@@ -63,9 +63,13 @@ _TESTS: dict[str, Sequence[str]] = {
     "link": ("chain/test_linked_cable.py", "constraints", *_ROWS),
     "saddle_point": (*_CHAIN[:4], *_FREQUENCIES),
 }
-_OTHERS = (*_CHAIN, *_ROWS, "constraints", "loads/test_loads.py")
+_OTHERS = (*_CHAIN, *_ROWS, "constraints", "loads/test_loads.py", "chain/test_section_forces.py")
 
 
 def tests_of(module: str) -> list[str]:
     """The tests that are run for the mutants of a module."""
     return [f"tests/{name}" for name in _TESTS.get(PurePath(module).stem, _OTHERS)]
+
+
+SLOW = "20- or 11- or hessian"
+"""Names of tests that are left out: the same as others, of longer chains."""
