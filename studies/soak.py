@@ -168,17 +168,17 @@ def conclude(figures: Figures) -> list[str]:
     sentences = []
     for row in figures.of_kind("run"):
         sentences += [
-            f"{row['label']}: over {row['steps']:,} steps ({row['hours']:.2g} h of motion) the energy varies by "
-            f"{row['range']:.1e} of the swing, and its mean {'DRIFTS' if drifts(row) else 'does not drift'} "
-            f"({row['drift']:.1e}).",
+            f"{row['label']}: over {row['steps']:,} steps ({row['hours']:.2g} h of motion) the energy "
+            f"varies by {row['range']:.1e} of the swing, and its mean "
+            f"{'DRIFTS' if drifts(row) else 'does not drift'} ({row['drift']:.1e}).",
             f"{row['label']}: the largest violation of a constraint is {row['violation']:.1e}, of its rate "
             f"{row['rate']:.1e} ({'within' if row['violation'] <= VIOLATION else 'ABOVE'} {VIOLATION:g}).",
         ]
     for row in figures.of_kind("memory"):
         verdict = "flat" if row["growthPercent"] <= 100.0 * GROWTH else "NOT flat"
         sentences.append(
-            f"{row['label']}: memory {verdict} over {row['scenes']} scenes, {row['firstMegabytes']:.1f} MB to "
-            f"{row['lastMegabytes']:.1f} MB ({row['growthPercent']:+.2f} %)."
+            f"{row['label']}: memory {verdict} over {row['scenes']} scenes, {row['firstMegabytes']:.1f} MB "
+            f"to {row['lastMegabytes']:.1f} MB ({row['growthPercent']:+.2f} %)."
         )
     return sentences
 

@@ -88,8 +88,8 @@ def memory_of_scenes(kind: str, number: int) -> list[int]:
 
 def resident() -> int:
     """Resident memory of this process [bytes]."""
-    lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
-    return next(int(line.split()[1]) * _KILO for line in lines if line.startswith("VmRSS"))
+    lines = Path("/proc/self/smaps_rollup").read_text(encoding="ascii").splitlines()
+    return next(int(line.split()[1]) * _KILO for line in lines if line.startswith("Rss:"))
 
 
 def _build_run_drop(kind: Kind) -> None:

@@ -70,7 +70,9 @@ def slopes(cable, x, arc_length, derivative):
     for s in arc_length:
         k = min(np.searchsorted(starts[1:], s - 1e-9), cable.number_of_elements - 1)
         shapes = [p.deriv(derivative) if derivative else p for p in hermite(cable.element_lengths[k])]
-        rows.append(sum(p(s - starts[k]) * y for p, y in zip(shapes, x[k : k + 2].reshape(4, -1), strict=True)))
+        rows.append(
+            sum(p(s - starts[k]) * y for p, y in zip(shapes, x[k : k + 2].reshape(4, -1), strict=True))
+        )
     return np.array(rows)
 
 
@@ -107,7 +109,7 @@ def test_difference_along_an_element_balances_momentum(dim, loads):
     cable, state = moving(dim)
     cable = carrying(cable, drag=loads in ("drag", "both"), masses=loads in ("masses", "both"))
     g, start = GRAVITY[:dim], 0.0
-    for k, length in enumerate(cable.element_lengths):
+    for length in cable.element_lengths:
         points = start + length * np.array([1e-6, 0.2, 0.5, 0.9, 1.0])
         force = found_at(cable, state, points)[1]
         for row in range(1, len(points)):
@@ -140,7 +142,9 @@ def test_masses_and_drag_leave_the_weighted_mean(dim):
                 xi = (x - start) / length
                 means.append((weight * 6.0 * xi * (1.0 - xi) / length) @ found_at(of, state, x)[1])
             # the package's mean of the drag is that of its four points
-            np.testing.assert_allclose(means[1], means[0], rtol=1e-3 if drag else 1e-11, atol=1e-3 if drag else 1e-11)
+            np.testing.assert_allclose(
+                means[1], means[0], rtol=1e-3 if drag else 1e-11, atol=1e-3 if drag else 1e-11
+            )
         start += length
 
 
@@ -168,7 +172,7 @@ def test_forces_at_a_node_are_those_of_the_element_before_it(dim):
 
 @both_dimensions
 def test_bending_moment_is_stiffness_times_curvature(dim):
-    """Curvature from the angle between tangents nearby; its sign in the plane is that of a turn to the left."""
+    """Curvature from the angle between tangents nearby; positive in the plane where it turns left."""
     natural = 0.8 if dim == 2 else 0.0
     cable, state = moving(dim, natural_curvature=natural)
     points, step = np.array([0.3, 1.7, 2.9]), 1e-5

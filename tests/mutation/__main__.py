@@ -5,6 +5,8 @@ and tested, without the compiler, in a process that is forked once the libraries
 module are drawn with a seed. Not a part of the test suite: needs `pip install cosmic-ray`, and POSIX.
 """
 
+# ruff: noqa: E402
+
 import argparse
 import difflib
 import json
@@ -48,7 +50,14 @@ COPIED = ("exudyn_inext", "tests", "reference_models", "pyproject.toml")
 FOLDERS = ("element", "chain")
 KILLED, SURVIVED, EQUIVALENT = "killed", "survived", "equivalent"
 PYTEST = ["-x", "-q", "-p", "no:xdist", "-p", "no:cacheprovider", "-m", "kernel"]
-PYTEST += ["-k", f"not ({SLOW})", "-o", "addopts=--import-mode=importlib", "-W", "ignore::pytest.PytestAssertRewriteWarning"]
+PYTEST += [
+    "-k",
+    f"not ({SLOW})",
+    "-o",
+    "addopts=--import-mode=importlib",
+    "-W",
+    "ignore::pytest.PytestAssertRewriteWarning",
+]
 
 
 @contextmanager
@@ -81,6 +90,18 @@ def drawn_mutants(modules: list[Path], share: float, seed: int) -> list[Mutation
     return drawn
 
 
+def _key(mutant: MutationSpec) -> str:
+    module = Path(mutant.module_path).relative_to("exudyn_inext").as_posix()
+    return json.dumps([module, mutant.operator_name, mutant.operator_args, mutant.occurrence])
+
+
+def settled_before(files: list[Path]) -> dict[str, dict[str, Any]]:
+    """Mutants that former runs have killed -> what is known of them."""
+    lines = [line for file in files for line in file.read_text(encoding="utf-8").splitlines()]
+    killed = [result for result in map(json.loads, lines) if result["outcome"] == KILLED]
+    return {json.dumps([result["module"], *result["mutant"]]): result for result in killed}
+
+
 def passes(tests: list[str], limit: float, log: Path) -> bool:
     """Whether the tests pass within `limit` seconds, in a process of their own."""
     child = os.fork()
@@ -109,6 +130,7 @@ def try_mutant(mutant: MutationSpec, limit: float) -> dict[str, Any]:
     changed = mutate_code(code, operator, mutant.occurrence)
     lines = list(difflib.unified_diff(code.splitlines(), changed.splitlines(), n=0, lineterm=""))[2:]
     result: dict[str, Any] = {
+        "mutant": [mutant.operator_name, mutant.operator_args, mutant.occurrence],
         "module": path.relative_to("exudyn_inext").as_posix(),
         "line": mutant.start_pos[0],
         "was": " ".join(line[1:].strip() for line in lines if line[0] == "-"),
@@ -140,22 +162,35 @@ def table(results: list[dict[str, Any]]) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m tests.mutation", description=__doc__)
-    parser.add_argument("--share", type=float, default=0.2, help="of the mutants of each module (default: 0.2)")
+    parser.add_argument(
+        "--share", type=float, default=0.2, help="of the mutants of each module (default: 0.2)"
+    )
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--limit", type=float, default=60.0, help="seconds for the tests of one mutant")
     parser.add_argument("--modules", nargs="*", default=[], help="names, e.g. drag; default: all")
+    parser.add_argument(
+        "--again", type=Path, nargs="*", help="results of former runs: what they killed is done"
+    )
     parser.add_argument("--output", type=Path, default=Path("results"))
     options = parser.parse_args()
     output = options.output.absolute()
     output.mkdir(parents=True, exist_ok=True)
+    options.again = [file.absolute() for file in options.again or []]
     with copy_of_project() as root, open(output / "mutation.jsonl", "w", encoding="utf-8") as file:
-        modules = [p.relative_to(root) for f in FOLDERS for p in sorted((root / "exudyn_inext" / f).glob("*.py"))]
+        modules = [
+            p.relative_to(root) for f in FOLDERS for p in sorted((root / "exudyn_inext" / f).glob("*.py"))
+        ]
         modules = [m for m in modules if m.stem != "__init__" and m.stem in (options.modules or [m.stem])]
         for tests in sorted({tuple(tests_of(module.name)) for module in modules}):
             if not passes(list(tests), 10.0 * options.limit, output / "mutation_log.txt"):
                 sys.exit(f"The tests fail without any change, see {output / 'mutation_log.txt'}.")
         results = []
         drawn = drawn_mutants(modules, options.share, options.seed)
+        if options.again:
+            settled = settled_before(options.again)
+            results = [settled[_key(m)] for m in drawn if _key(m) in settled]
+            drawn = [m for m in drawn if _key(m) not in settled]
+            file.writelines(json.dumps(result) + "\n" for result in results)
         for mutant in tqdm(drawn, unit="mutant", mininterval=5.0):
             results.append(try_mutant(mutant, options.limit))
             print(json.dumps(results[-1]), file=file, flush=True)

@@ -32,6 +32,7 @@ OPERATORS = [
 _ELEMENT = ("element/test_shape_functions.py", "element/test_element_matrices.py", "element/test_bending.py")
 _CHAIN = (
     "chain/test_motion.py",
+    "chain/test_violations.py",
     "chain/test_attached.py",
     "chain/test_structured_solve.py",
     "chain/test_linked_cable.py",
@@ -51,17 +52,33 @@ _TESTS: dict[str, Sequence[str]] = {
     "drag": ("element/test_drag.py", "chain/test_attached.py"),
     "external_force": ("loads/test_loads.py", "element/test_element_matrices.py"),
     "forms": (*_ELEMENT, "chain/test_structured_solve.py"),
-    "attached": ("chain/test_attached.py", "chain/test_section_forces.py", "loads/test_loads.py"),
+    "attached": (
+        "chain/test_cable.py",
+        "chain/test_attached.py",
+        "chain/test_section_forces.py",
+        "loads/test_loads.py",
+    ),
     "attached_forces": ("chain/test_section_forces.py", "chain/test_attached.py"),
     "section_forces": ("chain/test_section_forces.py",),
     "constraint_rows": _ROWS,
     "penalty_mass": _ROWS,
     "frequency": _FREQUENCIES,
     "linear_response": _FREQUENCIES,
-    "border": ("chain/test_linked_cable.py", *_ROWS, "chain/test_largest_frequency.py"),
+    "border": (
+        "chain/test_violations.py",
+        "chain/test_linked_cable.py",
+        *_ROWS[:1],
+        "chain/test_ring_frequencies.py",
+    ),
     "linked_cable": ("chain/test_linked_cable.py", *_FREQUENCIES),
-    "link": ("chain/test_linked_cable.py", "constraints", *_ROWS),
-    "saddle_point": (*_CHAIN[:4], *_FREQUENCIES),
+    "cable": (
+        "chain/test_cable.py",
+        "chain/test_motion.py",
+        "chain/test_violations.py",
+        "element/test_element_matrices.py",
+    ),
+    "link": ("chain/test_cable.py", "chain/test_linked_cable.py", "constraints", *_ROWS),
+    "saddle_point": (*_CHAIN[:5], *_FREQUENCIES),
 }
 _OTHERS = (*_CHAIN, *_ROWS, "constraints", "loads/test_loads.py", "chain/test_section_forces.py")
 
