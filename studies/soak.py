@@ -56,9 +56,12 @@ POINTS = 500  # of a curve that is stored
 def measure(quick: bool) -> list[Row]:
     """One row for each long run and each kind of scene."""
     steps, scenes, warm_up = (20_000, 6, 3) if quick else (STEPS, SCENES, WARM_UP)
-    rows = [_long_run("undamped", 0.0, steps), _long_run("control, slightly damped", CONTROL, steps // 10)]
+    rows = [
+        watched_run("undamped", 0.0, steps),
+        watched_run("control, slightly damped", CONTROL, steps // 10),
+    ]
     for kind in tqdm(KINDS, desc="soak", unit="kind"):
-        rows.append(_memory(kind, memory_of_scenes(kind, warm_up + scenes), warm_up))
+        rows.append(memory_row(kind, memory_of_scenes(kind, warm_up + scenes), warm_up))
     return rows
 
 
@@ -110,7 +113,8 @@ def _larger(worst: float, values: Array) -> float:
     return largest if not largest <= worst else worst
 
 
-def _long_run(label: str, damping: float, steps: int) -> Row:
+def watched_run(label: str, damping: float, steps: int) -> Row:
+    """So many steps of the pendulum with that bending damping [N m^2 s], and what the watch saw."""
     mbs, _container = _pendulum(damping)
     (in_scene,) = read_cables(mbs, "soak")
     watch = _Watch(in_scene.cable)
@@ -142,7 +146,8 @@ def _long_run(label: str, damping: float, steps: int) -> Row:
     }
 
 
-def _memory(kind: str, memory: Sequence[int], warm_up: int) -> Row:
+def memory_row(kind: str, memory: Sequence[int], warm_up: int) -> Row:
+    """Growth over the scenes after the warm-up.   memory: [bytes] after each scene."""
     counted = np.array(memory[warm_up:]) / MEGA
     tenth = max(1, len(counted) // 10)
     first, last = float(counted[:tenth].mean()), float(counted[-tenth:].mean())

@@ -39,7 +39,11 @@ _CHAIN = (
     "chain/test_damped_chain.py",
     "chain/test_sparse_forms.py",
 )
-_FREQUENCIES = ("chain/test_ring_frequencies.py", "chain/test_largest_frequency.py")
+_FREQUENCIES = (
+    "chain/test_small_vibrations.py",
+    "chain/test_ring_frequencies.py",
+    "chain/test_largest_frequency.py",
+)
 _ROWS = ("chain/test_penalty_mass.py", "contracts/test_every_constraint.py")
 
 # What is run for a module, most telling first; a survivor may be noticed by tests that are not run.
@@ -88,5 +92,5 @@ def tests_of(module: str) -> list[str]:
     return [f"tests/{name}" for name in _TESTS.get(PurePath(module).stem, _OTHERS)]
 
 
-SLOW = "20- or 11- or hessian"
+SLOW = "20- or 11- or hessian or tracker"
 """Names of tests that are left out: the same as others, of longer chains."""
