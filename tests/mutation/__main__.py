@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any
 
 os.environ["NUMBA_DISABLE_JIT"] = "1"
+os.environ.pop("NUMBA_CACHE_DIR", None)  # the mutants would remove it
 sys.dont_write_bytecode = True
 
 # Loaded once, before the forks.

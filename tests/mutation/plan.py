@@ -84,7 +84,7 @@ _TESTS: dict[str, Sequence[str]] = {
     "link": ("chain/test_cable.py", "chain/test_linked_cable.py", "constraints", *_ROWS),
     "saddle_point": (*_CHAIN[:5], *_FREQUENCIES),
 }
-_OTHERS = (*_CHAIN, *_ROWS, "constraints", "loads/test_loads.py", "chain/test_section_forces.py")
+_OTHERS = (*(name for name in _CHAIN if "linked" not in name), "loads/test_loads.py", _FREQUENCIES[0])
 
 
 def tests_of(module: str) -> list[str]:
@@ -92,5 +92,5 @@ def tests_of(module: str) -> list[str]:
     return [f"tests/{name}" for name in _TESTS.get(PurePath(module).stem, _OTHERS)]
 
 
-SLOW = "20- or 11- or hessian or tracker"
+SLOW = "20- or 11- or hessian or tracker or (largest_frequency and (-3 or 3-))"
 """Names of tests that are left out: the same as others, of longer chains."""
