@@ -7,6 +7,7 @@ import pytest
 
 from exudyn_inext.chain.attached import Drag, PointMass, place_on_elements, placed
 from exudyn_inext.chain.cable import require_positive
+from exudyn_inext.chain.chain import build_chain
 from exudyn_inext.chain.link import Link, rest
 from exudyn_inext.errors import InputError
 from tests.cables import straight_cable
@@ -54,6 +55,10 @@ def test_points_are_found_on_their_elements_and_pulled_onto_the_cable(point, exp
     assert place_on_elements(point, lengths) == pytest.approx(expected)
     (mass,) = placed([PointMass(point, 0.3)], lengths)
     assert (mass.element, mass.xi, mass.mass) == pytest.approx((*expected, 0.3))
+
+
+def test_a_chain_knows_the_shape_of_its_coordinates():
+    assert build_chain(straight_cable(4, 3)).shape == straight_cable(4, 3).reference.shape
 
 
 def test_a_law_of_drag_is_completed_with_a_flow_in_the_plane():

@@ -98,6 +98,30 @@ def test_a_cable_that_cannot_move_has_no_frequency():
         assert FrequencyTracker(system, q.shape).frequency(q, 0.0 * a) == 0.0
 
 
+@pytest.mark.parametrize("number", [1, 2, 3])
+def test_frequencies_that_occur_twice_are_found_like_those_that_occur_once(number):
+    """A straight cable vibrates alike in both planes: the Lanczos recursion ends halfway."""
+    found = []
+    for dim in DIMENSIONS:
+        q = straight_cable(number, dim).reference
+        system = cable_system(straight_cable(number, dim), 0.0)
+        found.append(largest_frequency(system, np.zeros(q.size), q))
+    assert found[1] == pytest.approx(found[0], rel=1e-6)
+    assert found[0] > 10.0
+
+
+def test_a_cable_that_is_pushed_until_nothing_vibrates_has_no_frequency():
+    cable = straight_cable(1, 2, "clamped")
+    push = np.zeros(cable.reference.shape)
+    push[1, 0, 0] = 1.0
+    frequencies = [
+        largest_frequency(cable_system(cable, 0.0), -size * push.ravel(), cable.reference)
+        for size in (0.0, 1e6)
+    ]
+    assert frequencies[0] > 1.0
+    assert frequencies[1] == 0.0
+
+
 def test_a_configuration_that_is_no_number_has_no_frequency():
     state = at_rest(random_state(44, 4, 2, MEASURES[0], supports="pinned"))
     q = state.q.copy()

@@ -18,7 +18,7 @@ SIZE = 16
 
 
 class Bodies:
-    """Two rigid bodies and a mass block, in random motion, with quaternions that are not quite of unit length."""
+    """Two rigid bodies and a mass block in random motion; quaternions are not quite of unit length."""
 
     def __init__(self, zeta=ZETA):
         rng = np.random.default_rng(5)

@@ -90,4 +90,19 @@ _RULES = [
     Rule(
         "any negative number stands for no group", "chain/cable.py", _lines(("(number, -1)", "(number, -2)"))
     ),
+    Rule(
+        "counts, dimensions and numbers of elements are never negative, and dimensions are 2 or 3",
+        "",
+        _lines(
+            ("if k > 0", "if k != 0"),
+            ("len(axes) == 2", "len(axes) <= 2"),
+            ("_constraints > 0", "_constraints != 0"),
+        ),
+    ),
+    Rule("both are of equal length by construction", "", _lines(("strict=True", "strict=False"))),
+    Rule(
+        "the previous vector of the first row is zero",
+        "chain/frequency.py",
+        _lines(("norm = 0.0", "norm = -1.0")),
+    ),
 ]

@@ -32,6 +32,7 @@ OPERATORS = [
 _ELEMENT = ("element/test_shape_functions.py", "element/test_element_matrices.py", "element/test_bending.py")
 _CHAIN = (
     "chain/test_motion.py",
+    "chain/test_cable.py",
     "chain/test_violations.py",
     "chain/test_attached.py",
     "chain/test_structured_solve.py",
@@ -82,7 +83,7 @@ _TESTS: dict[str, Sequence[str]] = {
         "element/test_element_matrices.py",
     ),
     "link": ("chain/test_cable.py", "chain/test_linked_cable.py", "constraints", *_ROWS),
-    "saddle_point": (*_CHAIN[:5], *_FREQUENCIES),
+    "saddle_point": (*_CHAIN[:6], *_FREQUENCIES),
 }
 _OTHERS = (*(name for name in _CHAIN if "linked" not in name), "loads/test_loads.py", _FREQUENCIES[0])
 
@@ -92,5 +93,5 @@ def tests_of(module: str) -> list[str]:
     return [f"tests/{name}" for name in _TESTS.get(PurePath(module).stem, _OTHERS)]
 
 
-SLOW = "20- or 11- or hessian or tracker or (largest_frequency and (-3 or 3-))"
+SLOW = "20- or 11- or hessian or (largest_frequency and (-3 or 3-))"
 """Names of tests that are left out: the same as others, of longer chains."""
