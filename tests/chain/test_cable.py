@@ -1,6 +1,6 @@
 """What a cable is: checks of numbers, groups of elements, places on elements, frozen data."""
 
-from dataclasses import FrozenInstanceError
+from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
 import pytest
@@ -86,4 +86,5 @@ def test_cables_and_what_they_carry_cannot_be_changed_and_are_only_equal_to_them
             setattr(data, name, 1.0)
     assert cable == cable and cable != straight_cable(2, 2)
     assert link != Link("rod", (0,), np.ones((1, 2)), anchor, np.ones(2))
+    assert anchor != replace(anchor)
     assert link.length == np.inf and link.follows == -1
