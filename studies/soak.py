@@ -13,8 +13,8 @@ Protocol
     The planar pendulum, N = 5, RATTLE, h = 2.5e-3 s: ten million steps in compiled calls of a thousand,
     looked at after each. As a control, a tenth of that with a bending damping that is too small for a swing
     of 5 s to show it: its loss has to be found. Then scenes of each way that a run can take, 200 times each
-    in a process of its own: built, run for 0.05 s, dropped; memory counts after the first 20, when
-    libraries and kernels are loaded.
+    in a process of its own: built, run for some steps, dropped; memory counts after the first 20, when
+    libraries and kernels are loaded. As a control, scenes that are kept have to be found, too.
 
 What is left out
     Zhai and RK4, which gain or lose energy over long runs by themselves, and memory that a scene in use
@@ -183,7 +183,8 @@ def conclude(figures: Figures) -> list[str]:
         verdict = "flat" if row["growthPercent"] <= 100.0 * GROWTH else "NOT flat"
         sentences.append(
             f"{row['label']}: memory {verdict} over {row['scenes']} scenes, {row['firstMegabytes']:.1f} MB "
-            f"to {row['lastMegabytes']:.1f} MB ({row['growthPercent']:+.2f} %)."
+            f"to {row['lastMegabytes']:.1f} MB ({row['growthPercent']:+.2f} %, "
+            f"{row['kilobytesAScene']:.1f} kB a scene)."
         )
     return sentences
 

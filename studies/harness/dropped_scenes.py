@@ -5,68 +5,85 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 _ROOT_FOLDER = Path(__file__).parents[2]
 _KILO = 1024
-END_TIME, STEP = 0.05, 5e-4
+MANY, FEW = 60, 15  # elements of a cable, moved by kernels and by native solvers: a scene is not negligible
+LONG, SHORT, STEPS = 5e-4, 2e-4, 40  # time steps [s], and how many
 
 
 @dataclass(frozen=True)
 class Kind:
-    """Scenes of one kind.   contents: keywords of `Contents`.   run: mbs -> None; who moves it."""
+    """Scenes of one kind.
 
-    contents: dict[str, Any]
+    run: mbs -> None; who moves it.   elements: of its cable.   contents: further keywords of `Contents`.
+    keeps: whether the scenes are not dropped, as a control.
+    """
+
     run: Callable[[Any], None]
+    elements: int = MANY
+    contents: dict[str, Any] = field(default_factory=dict)
+    keeps: bool = False
 
 
-def _settings(steps: int) -> Any:
+def _settings(h: float, steps: int) -> Any:
     from reference_models.model import quiet_settings
 
-    return quiet_settings(END_TIME, steps)
+    return quiet_settings(STEPS * h, steps)
+
+
+def _explicit_settings() -> Any:
+    from exudyn_inext import ExplicitSettings
+
+    return ExplicitSettings(stepSize=LONG, massScaling=0.3)
 
 
 def _explicit(mbs: Any) -> None:
-    from exudyn_inext import ExplicitSettings, SolveExplicit
+    from exudyn_inext import SolveExplicit
 
-    SolveExplicit(mbs, _settings(1), ExplicitSettings(stepSize=STEP))
+    SolveExplicit(mbs, _settings(LONG, 1), _explicit_settings())
 
 
 def _explicit_at_each_step(mbs: Any) -> None:
-    from exudyn_inext import ExplicitSettings, SolveExplicit
+    from exudyn_inext import SolveExplicit
 
-    SolveExplicit(mbs, _settings(round(END_TIME / STEP)), ExplicitSettings(stepSize=STEP))
+    SolveExplicit(mbs, _settings(LONG, STEPS), _explicit_settings())
 
 
 def _stepper(mbs: Any) -> None:
-    from exudyn_inext import ExplicitSettings, ExplicitStepper
+    from exudyn_inext import ExplicitStepper
 
-    stepper = ExplicitStepper(mbs, ExplicitSettings(stepSize=STEP))
+    stepper = ExplicitStepper(mbs, _explicit_settings())
     stepper.Start()
-    stepper.Step(round(END_TIME / STEP))
+    stepper.Step(STEPS)
 
 
 def _native_explicit(mbs: Any) -> None:
     import exudyn
 
-    mbs.SolveDynamic(_settings(round(END_TIME / STEP)), solverType=exudyn.DynamicSolverType.RK44)
+    mbs.SolveDynamic(_settings(SHORT, STEPS), solverType=exudyn.DynamicSolverType.RK44)
 
 
 def _native_implicit(mbs: Any) -> None:
-    settings = _settings(round(END_TIME / (10 * STEP)))
+    settings = _settings(SHORT, STEPS // 10)
     settings.timeIntegration.newton.relativeTolerance = 1e-6
     mbs.SolveDynamic(settings)
 
 
+_PENALTY, _ALGEBRAIC = {"enforcement": "penaltyMass"}, {"enforcement": "algebraic"}
+
 KINDS = {
-    "compiled steps": Kind({}, _explicit),
-    "user functions": Kind({"watched": True}, _explicit_at_each_step),
-    "joined to bodies": Kind({"bodies": 1}, _explicit),
-    "stepper": Kind({}, _stepper),
-    "penaltyMass, native RK44": Kind({"enforcement": "penaltyMass"}, _native_explicit),
-    "algebraic, native generalized-alpha": Kind({"enforcement": "algebraic"}, _native_implicit),
+    "compiled steps": Kind(_explicit),
+    "user functions": Kind(_explicit_at_each_step, contents={"watched": True}),
+    "joined to bodies": Kind(_explicit, contents={"bodies": 1}),
+    "stepper": Kind(_stepper),
+    "penaltyMass, native RK44": Kind(_native_explicit, FEW, _PENALTY),
+    "algebraic, native generalized-alpha": Kind(_native_implicit, FEW, _ALGEBRAIC),
+    "control: compiled steps, kept": Kind(_explicit, keeps=True),
+    "control: penaltyMass, kept": Kind(_native_explicit, FEW, _PENALTY, keeps=True),
 }
 
 
@@ -92,22 +109,26 @@ def resident() -> int:
     return next(int(line.split()[1]) * _KILO for line in lines if line.startswith("Rss:"))
 
 
-def _build_run_drop(kind: Kind) -> None:
+def _built_and_run(kind: Kind) -> tuple[Any, Any]:
+    """mbs and its container, which nobody else holds."""
     from reference_models.model import silence
 
     from .joined_scenes import Contents, joined_scene
 
-    mbs = joined_scene(Contents(elements=5, **kind.contents))
+    mbs = joined_scene(Contents(elements=kind.elements, **kind.contents))
     container = mbs.variables.pop("container")  # it owns the mbs, which would own it
     with silence():
         kind.run(mbs)
-    del mbs, container
+    return mbs, container
 
 
 def _memory_after_each(kind: Kind, number: int) -> list[int]:
-    memory = []
+    memory, kept = [], []
     for _ in range(number):
-        _build_run_drop(kind)
+        scene = _built_and_run(kind)
+        if kind.keeps:
+            kept.append(scene)
+        del scene
         gc.collect()
         memory.append(resident())
     return memory

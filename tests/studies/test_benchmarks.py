@@ -131,6 +131,8 @@ def test_soak_watches_energy_constraints_and_memory(run_quick):
     for row in rows["memory"]:
         assert row["scenes"] == 6 and len(row["megabytes"]) == 9
         assert 10.0 < row["firstMegabytes"] < 1000.0
+    kilobytes = {row["label"]: row["kilobytesAScene"] for row in rows["memory"]}
+    assert kilobytes["control: penaltyMass, kept"] > 50.0 + kilobytes["penaltyMass, native RK44"]
 
 
 def test_soak_finds_a_drift_and_memory_that_grows():
