@@ -117,4 +117,18 @@ _RULES = [
         "chain/frequency.py",
         _lines(("LANCZOS_STEPS = 40", "LANCZOS_STEPS = 41"), ("** 2 * 1.6", "** 3 * 1.6")),
     ),
+    Rule(
+        "the last node of a ring has no penalties of its own",
+        "chain/penalty_mass.py",
+        _lines(("of_elements[0]) if closed", "of_elements[1]) if closed")),
+    ),
+    Rule(
+        "memory that is larger than needed, or empty in any case",
+        "chain/records.py",
+        _lines(
+            ("(dim, dim - 1)", "(dim, dim + 1)"),
+            ("else (0, 0)", "else (0, 1)"),
+            ("else (0, 3)", "else (0, 4)"),
+        ),
+    ),
 ]
