@@ -131,4 +131,9 @@ _RULES = [
             ("else (0, 3)", "else (0, 4)"),
         ),
     ),
+    Rule(
+        "a node without an owner has entries that are zero, wherever they stand",
+        "chain/sparse_forms.py",
+        _lines(("colour, 0, None", "colour, -1, None")),
+    ),
 ]
