@@ -40,7 +40,7 @@ from reference_models.trajectory import Array
 
 from .harness.benchmark import Benchmark, Figures, Table
 from .harness.dropped_scenes import KINDS, memory_of_scenes
-from .harness.plot import COLORS, label_axes, new_figure
+from .harness.plot import COLORS, REFERENCE_COLOR, label_axes, new_figure
 from .harness.study import Row
 
 SCENE = load_scene("planar_pendulum")
@@ -198,9 +198,11 @@ def draw(figures: Figures, directory: Path) -> list[Path]:
         for row, color in zip(figures.of_kind("run"), COLORS, strict=False):
             hours = np.array(row["times"]) / 3600.0
             energy.plot(hours, row["energies"], color=color, linewidth=0.8, label=row["label"])
-        for row, color in zip(figures.of_kind("memory"), COLORS, strict=False):
+        for number, row in enumerate(figures.of_kind("memory")):
             relative = np.array(row["megabytes"]) / row["firstMegabytes"]
-            memory.plot(relative, color=color, label=row["label"])
+            is_control = KINDS[row["label"]].keeps
+            color, style = (REFERENCE_COLOR, "--") if is_control else (COLORS[number % len(COLORS)], "-")
+            memory.plot(relative, style, color=color, label=row["label"])
         memory.axhline(1.0 + GROWTH, color="black", linestyle=":", linewidth=1.0)
         label_axes(energy, "time of motion [h]", "change of energy over the swing [-]")
         label_axes(memory, "scenes built, run, dropped", "resident memory over that after the warm-up [-]")
