@@ -26,7 +26,7 @@ class Contents:
 
     springs: from nodes of the first cable to ground.   points: mass points on its nodes.
     bodies: rigid bodies on its nodes.   links: joints between neighbouring cables.
-    watched: whether a user function looks at each step.
+    watched: whether a user function looks at each step.   enforcement: of the cables' length.
     """
 
     cables: int = 1
@@ -36,6 +36,7 @@ class Contents:
     bodies: int = 0
     links: int = 0
     watched: bool = False
+    enforcement: str = "projection"
 
     @property
     def joints(self) -> int:
@@ -46,7 +47,7 @@ def joined_scene(contents: Contents) -> Any:
     """The assembled mbs; its cables start straight along x and fall."""
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
-    cables = [_cable(mbs, contents.elements, 0.1 * row) for row in range(contents.cables)]
+    cables = [_cable(mbs, contents, 0.1 * row) for row in range(contents.cables)]
     nodes = [int(node) for node in cables[0]["nodes"]]
     for k in range(contents.springs):
         _spring(mbs, nodes[-1 - k])
@@ -64,15 +65,16 @@ def joined_scene(contents: Contents) -> Any:
     return mbs
 
 
-def _cable(mbs: Any, elements: int, height: float) -> dict[str, Any]:
+def _cable(mbs: Any, contents: Contents, height: float) -> dict[str, Any]:
     return CreateInextensibleCable(
         mbs,
         [0.0, height, 0.0],
         [LENGTH, height, 0.0],
-        elements,
+        contents.elements,
         TEMPLATE,
         gravity=GRAVITY,
         groundConstraintsStart=[True, True, False, False],
+        enforcement=contents.enforcement,
     )
 
 

@@ -23,6 +23,7 @@ from tests.cables import (
     random_state,
     refined_solve,
     relative_error,
+    straight_cable,
     with_section,
 )
 
@@ -138,3 +139,25 @@ def test_the_unconstrained_force_is_that_of_load_bending_and_damping(damping):
     unconstrained_force(build_chain(cable), state.external, state.q, state.v, force)
     expected = state.external + bending_force(cable, state.q) + damping_force(cable, state.q, state.v)
     np.testing.assert_allclose(force, expected, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_penalties_are_relative_to_the_elements_masses(closed):
+    """k rho_A l of a length or position, k rho_A l^3 of a slope: means of neighbours, and over groups."""
+    cable = straight_cable(3, 2, closed=closed, length_constraints=2)
+    lengths = np.array([1.0, 2.0, 4.0])
+    cable = replace(cable, element_lengths=lengths, section=replace(cable.section, mass_per_length=3.0))
+    held = np.zeros((4, 2, 2), dtype=bool)
+    held[1] = [[True, False], [True, True]]
+    held[3] = [[True, True], [False, True]]
+    system = build_penalty_system(cable, held, 10.0, 5.0)
+    np.testing.assert_allclose(system.length, 30.0 * np.array([1.5, 1.5, 4.0]))
+    ends = (32.5, 32.5) if closed else (1.0, 64.0)
+    of_slopes = 30.0 * np.array([ends[0], 4.5, 36.0, ends[1]])
+    np.testing.assert_allclose(system.nodal, of_slopes * [1.0, 0.0, 1.0, 0.0 if closed else 1.0])
+    of_last = 0.0 if closed else 1.0
+    expected = np.zeros((4, 2, 2))
+    expected[1] = [[30.0 * 1.5, 0.0], [30.0 * 4.5, 30.0 * 4.5]]
+    expected[3] = [[of_last * 120.0, of_last * 120.0], [0.0, of_last * of_slopes[3]]]
+    np.testing.assert_allclose(system.held, expected)
+    assert system.z == 5.0

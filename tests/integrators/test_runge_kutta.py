@@ -13,6 +13,7 @@ from reference_models.scenes import load_scene
 RK4 = INTEGRATORS["RK4"]
 
 
+@pytest.mark.kernel
 def test_the_stability_limits_are_those_of_the_textbook():
     assert frequency_limit(RK4, RK4.scheme()) == pytest.approx(2 * np.sqrt(2), rel=1e-6)
     assert decay_limit(RK4, RK4.scheme()) == pytest.approx(2.785293563405282, rel=1e-6)

@@ -2,10 +2,13 @@
 
 import json
 
+import numpy as np
 import pytest
 
+from studies import soak
 from studies.__main__ import main
-from studies.harness.benchmark import Benchmark, Table
+from studies.harness.benchmark import Benchmark, Figures, Table
+from studies.harness.dropped_scenes import KINDS
 from studies.harness.interleaved import medians, seconds_per_time
 from studies.harness.operations import Counted, tally
 from studies.registry import find_study
@@ -115,3 +118,30 @@ def test_realtime_gives_the_distribution_of_single_steps(run_quick):
     for row in rows:
         assert 0 <= row["median"] <= row["percentile999"] <= row["worst"]
         assert row["samples"] == 5000 and 0 <= row["lateShare"] <= 1
+
+
+def test_soak_watches_energy_constraints_and_memory(run_quick):
+    rows = run_quick("soak")
+    undamped, control = rows["run"]
+    assert undamped["range"] < 1e-3 and undamped["violation"] < 1e-9 and undamped["rate"] < 1e-9
+    assert control["steps"] == undamped["steps"] // 10
+    for row in rows["run"]:
+        assert len(row["times"]) == len(row["energies"]) and np.isfinite(row["energies"]).all()
+    assert {row["label"] for row in rows["memory"]} == set(soak.QUICK) < set(KINDS)
+    for row in rows["memory"]:
+        assert row["scenes"] == 6 and len(row["megabytes"]) == 9
+        assert 10.0 < row["firstMegabytes"] < 1000.0
+    kilobytes = {row["label"]: row["kilobytesAScene"] for row in rows["memory"]}
+    assert kilobytes["control: penaltyMass, kept"] > 50.0 + kilobytes["penaltyMass, native RK44"]
+
+
+def test_soak_finds_a_drift_and_memory_that_grows():
+    drifting = soak.watched_run("damped", 1e-5, 20_000)
+    assert soak.drifts(drifting) and drifting["drift"] < 0.0
+    assert not soak.drifts(drifting | {"drift": 0.01 * drifting["range"]})
+    assert soak.drifts(drifting | {"drift": float("nan")})
+    memory = soak.memory_row("scenes", [300_000_000 + 1_000_000 * k for k in range(40)], 20)
+    assert memory["firstMegabytes"] == pytest.approx(320.5)
+    assert memory["growthPercent"] == pytest.approx(100.0 * (338.5 / 320.5 - 1.0))
+    sentences = soak.conclude(Figures(False, [drifting, memory]))
+    assert "DRIFTS" in sentences[0] and "within" in sentences[1] and "NOT flat" in sentences[2]

@@ -1,0 +1,57 @@
+"""Motions of anchors: derivatives that are given or found by differences, and jumps that are refused."""
+
+import numpy as np
+import pytest
+
+from exudyn_inext.constraints.motion import motion_of, require_smooth
+from exudyn_inext.errors import InputError
+
+pytestmark = pytest.mark.kernel
+
+T = 0.7
+
+
+def p(t):
+    return [np.sin(3.0 * t), t**3]
+
+
+def p_t(t):
+    return [3.0 * np.cos(3.0 * t), 3.0 * t**2]
+
+
+def p_tt(t):
+    return [-9.0 * np.sin(3.0 * t), 6.0 * t]
+
+
+@pytest.mark.parametrize(
+    ("given", "accuracy"),
+    [((p, p_t, p_tt), 1e-15), ((p, p_t), 1e-7), ((p,), 1e-6), ((p, None, p_tt), 1e-6)],
+    ids=["all", "velocity", "position", "acceleration"],
+)
+def test_motion_has_the_derivatives_of_its_position(given, accuracy):
+    motion = motion_of(*given)
+    np.testing.assert_allclose(motion.at(T), [p(T), p_t(T), p_tt(T)], rtol=accuracy, atol=accuracy)
+    assert not motion.rests and motion.is_pure
+    require_smooth(motion, T, "motion")
+
+
+def test_a_single_coordinate_moves_as_a_vector_of_one():
+    motion = motion_of(lambda t: 2.0 * t, is_pure=False)
+    np.testing.assert_allclose(motion.at(T), [[1.4], [2.0], [0.0]], atol=1e-7)
+    assert not motion.is_pure
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ((lambda t: [max(0.0, t - T)],), "velocity"),
+        ((lambda t: [max(0.0, t - T) ** 2],), "acceleration"),
+        ((p, lambda t: [1.0, 1.0]), "the given velocity at t = 0.7 s is .* correct it, or leave it out"),
+        ((p, p_t, lambda t: [1.0, 1.0]), "the given acceleration at t = 0.7 s is .* leave it out"),
+        ((lambda t: [np.nan, 0.0],), "is not finite at t = 0.7 s"),
+    ],
+    ids=["kink", "jump of the acceleration", "wrong velocity", "wrong acceleration", "no number"],
+)
+def test_motions_without_the_stated_derivatives_are_refused(given, message):
+    with pytest.raises(InputError, match=message):
+        require_smooth(motion_of(*given), T, "the hanger")

@@ -1,0 +1,97 @@
+"""Which mutants are made, and which tests are to notice those of a module."""
+
+from collections.abc import Sequence
+from pathlib import PurePath
+
+_BINARY = ("Add_Sub", "Sub_Add", "Mul_Div", "Mul_Add", "Div_Mul", "Pow_Mul", "FloorDiv_Mul", "Mod_Add")
+_COMPARISONS = ("Eq", "NotEq", "Lt", "LtE", "Gt", "GtE")
+_IDENTITIES = ("Is_IsNot", "IsNot_Is")
+
+# Left out: decorators (hints to the compiler, or without them nothing can be imported) and operators that
+# numbers do not have (bits, shifts): whatever runs the line would notice those.
+OPERATORS = [
+    f"core/{name}"
+    for name in (
+        "NumberReplacer",
+        *(f"ReplaceBinaryOperator_{pair}" for pair in _BINARY),
+        *(f"ReplaceComparisonOperator_{a}_{b}" for a in _COMPARISONS for b in _COMPARISONS if a != b),
+        *(f"ReplaceComparisonOperator_{pair}" for pair in _IDENTITIES),
+        "ReplaceUnaryOperator_Delete_USub",
+        "ReplaceUnaryOperator_Delete_Not",
+        "ReplaceAndWithOr",
+        "ReplaceOrWithAnd",
+        "ReplaceBreakWithContinue",
+        "ReplaceContinueWithBreak",
+        "ReplaceTrueWithFalse",
+        "ReplaceFalseWithTrue",
+        "AddNot",
+        "ZeroIterationForLoop",
+    )
+]
+
+_ELEMENT = ("element/test_shape_functions.py", "element/test_element_matrices.py", "element/test_bending.py")
+_CHAIN = (
+    "chain/test_motion.py",
+    "chain/test_cable.py",
+    "chain/test_violations.py",
+    "chain/test_attached.py",
+    "chain/test_structured_solve.py",
+    "chain/test_linked_cable.py",
+    "chain/test_damped_chain.py",
+    "chain/test_sparse_forms.py",
+)
+_FREQUENCIES = (
+    "chain/test_small_vibrations.py",
+    "chain/test_ring_frequencies.py",
+    "chain/test_largest_frequency.py",
+)
+_ROWS = ("chain/test_penalty_mass.py", "contracts/test_every_constraint.py")
+
+# What is run for a module, most telling first; a survivor may be noticed by tests that are not run.
+_TESTS: dict[str, Sequence[str]] = {
+    "shape_functions": _ELEMENT[:2],
+    "inertia": _ELEMENT,
+    "bending": (*_ELEMENT, "chain/test_structured_solve.py"),
+    "bending_damping": ("element/test_bending_damping.py", "chain/test_damped_chain.py"),
+    "natural_curvature": ("element/test_natural_curvature.py",),
+    "drag": ("element/test_drag.py", "chain/test_attached.py"),
+    "external_force": ("loads/test_loads.py", "element/test_element_matrices.py"),
+    "forms": (*_ELEMENT, "chain/test_structured_solve.py"),
+    "attached": (
+        "chain/test_cable.py",
+        "chain/test_attached.py",
+        "chain/test_section_forces.py",
+        "loads/test_loads.py",
+    ),
+    "attached_forces": ("chain/test_section_forces.py", "chain/test_attached.py"),
+    "section_forces": ("chain/test_section_forces.py",),
+    "constraint_rows": _ROWS,
+    "penalty_mass": _ROWS,
+    "frequency": _FREQUENCIES,
+    "linear_response": _FREQUENCIES,
+    "border": (
+        "chain/test_violations.py",
+        "chain/test_linked_cable.py",
+        *_ROWS[:1],
+        "chain/test_ring_frequencies.py",
+    ),
+    "linked_cable": ("chain/test_linked_cable.py", *_FREQUENCIES),
+    "cable": (
+        "chain/test_cable.py",
+        "chain/test_motion.py",
+        "chain/test_violations.py",
+        "element/test_element_matrices.py",
+    ),
+    "link": ("chain/test_cable.py", "chain/test_linked_cable.py", "constraints", *_ROWS),
+    "saddle_point": (*_CHAIN[:6], *_FREQUENCIES),
+}
+_OTHERS = (*(name for name in _CHAIN if "linked" not in name), "loads/test_loads.py", _FREQUENCIES[0])
+
+
+def tests_of(module: str) -> list[str]:
+    """The tests that are run for the mutants of a module."""
+    return [f"tests/{name}" for name in _TESTS.get(PurePath(module).stem, _OTHERS)]
+
+
+SLOW = "20- or 11- or hessian or (largest_frequency and (-3 or 3-))"
+"""Names of tests that are left out: the same as others, of longer chains."""

@@ -1,0 +1,36 @@
+"""What implements no protocol, or is not known by its name, is refused with its type or name."""
+
+import numpy as np
+import pytest
+
+from exudyn_inext.chain.linear_response import add_link_stiffness, constrained_inverse
+from exudyn_inext.coupling.parts import respond
+from exudyn_inext.errors import InputError
+from exudyn_inext.integrators import find_integrator
+from exudyn_inext.integrators.integrator import advance
+from exudyn_inext.system import accelerate_and_project, correct_position, index_reduced_rates
+
+pytestmark = pytest.mark.kernel
+
+PROTOCOLS = {
+    index_reduced_rates: (5, "no index-reduced rates for str"),
+    accelerate_and_project: (6, "no projection for str"),
+    correct_position: (5, "no position correction for str"),
+    constrained_inverse: (2, "no constrained inverse for str"),
+    add_link_stiffness: (3, "no link stiffness for str"),
+    respond: (2, "no response to joint forces for str"),
+    advance: (6, "no integrator for str"),
+}
+
+
+@pytest.mark.parametrize("protocol", PROTOCOLS, ids=lambda protocol: protocol.__name__)
+def test_a_system_of_another_type_is_refused(protocol):
+    number, message = PROTOCOLS[protocol]
+    with pytest.raises(NotImplementedError, match=message):
+        protocol("no system", *[np.zeros(1)] * number)
+
+
+def test_an_unknown_integrator_is_refused_with_those_that_there_are():
+    assert find_integrator("RATTLE").name == "RATTLE"
+    with pytest.raises(InputError, match=r"integrator = 'Euler' is unknown: choose one of .*'RATTLE'"):
+        find_integrator("Euler")
