@@ -101,6 +101,8 @@ def _lanczos(system, q, tension, start, diagonal, off_diagonal):
         _combine(1.0, image, -diagonal[row], current, image)
         _combine(1.0, image, -norm, previous, image)
         apply_mass(chain, image, momentum)
+        constrained_inverse(system, momentum, image)  # what is left may be mostly off the constraints
+        apply_mass(chain, image, momentum)
         norm = np.sqrt(max(_inner(image, momentum), 0.0))
         off_diagonal[row] = norm
         if not norm > BREAKDOWN * abs(diagonal[row]):
@@ -159,9 +161,7 @@ def _power_iteration(system, q, tension, iterations, x):
     return quotient
 
 
-def _tension_in_motion(
-    system: Any, external: Array, q: Array, v: Array | None
-) -> tuple[Array, Array, Array]:
+def _tension_in_motion(system: Any, external: Array, q: Array, v: Array | None) -> tuple[Array, Array, Array]:
     """Nodal (n,), length (N,) and link (m,) multipliers at q, v (None: at rest); factorised at q."""
     acceleration, rate = np.zeros(q.size), np.zeros(q.size)
     inputs = external.copy()

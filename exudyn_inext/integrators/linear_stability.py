@@ -80,9 +80,7 @@ def amplification_matrix(integrator: Integrator, scheme: Any, system: LinearSyst
     return np.array(columns).T
 
 
-def _first_unstable(
-    integrator: Integrator, scheme: Any, family: Any, largest: float, growth: float
-) -> float:
+def _first_unstable(integrator: Integrator, scheme: Any, family: Any, largest: float, growth: float) -> float:
     """The smallest argument of `family` at which a step grows by more than that, by scan and bisection."""
 
     def is_stable(x: float) -> bool:

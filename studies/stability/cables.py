@@ -40,7 +40,12 @@ class Equilibrium:
 
 
 def _cable(
-    nodes: Array, fixed: Array, stiffness: float, natural: float = 0.0, closed: bool = False, mass: float = 0.0
+    nodes: Array,
+    fixed: Array,
+    stiffness: float,
+    natural: float = 0.0,
+    closed: bool = False,
+    mass: float = 0.0,
 ) -> Cable:
     number = len(nodes) - 1
     return Cable(
@@ -77,7 +82,9 @@ def straight(elements: int, stiffness: float = STIFFNESS) -> Equilibrium:
     return Equilibrium(cable, cable.reference, zero, zero)
 
 
-def hanging(elements: int, gravity: float, stiffness: float = STIFFNESS, tip_mass: float = 1.0) -> Equilibrium:
+def hanging(
+    elements: int, gravity: float, stiffness: float = STIFFNESS, tip_mass: float = 1.0
+) -> Equilibrium:
     """Pinned at its upper end, with a mass at the lower one, in masses of the cable.
 
     Without the mass, a limp free end does not hang straight (README, "When to use it").
