@@ -55,36 +55,30 @@ def _fastest_vibration(start: Equilibrium) -> Array:
     return tracker.vibration
 
 
-def distance(start: Equilibrium) -> Callable[[Array], float]:
-    """How far q is from the equilibrium: slopes [-] and positions over the element length.
+def distance(start: Equilibrium) -> Callable[[Array, Array], float]:
+    """How far two configurations are apart: slopes [-], and positions over the element length."""
 
-    Of a cable that spins: how far its slopes are from the direction between its ends, across.
-    """
-    if start.v.any():
-
-        def across(q: Array) -> float:
-            chord = q[-1, 0] - q[0, 0]
-            turned = np.array([-chord[1], chord[0]]) / np.hypot(*chord)
-            return float(np.abs(q[:, 1] @ turned).max())
-
-        return across
-
-    def off(q: Array) -> float:
-        moved = np.abs(q - start.q)
+    def apart(q: Array, other: Array) -> float:
+        moved = np.abs(q - other)
         moved[:, 0] /= start.element_length
         return float(moved.max())
 
-    return off
+    return apart
 
 
 def is_stable_about(start: Equilibrium, method: Method, steps: int) -> Stable:
-    """Whether a disturbance of the equilibrium stays within GROWTH over so many steps, as a function of h."""
-    near, measure = disturbed(start), distance(start)
+    """Whether a disturbance of the equilibrium stays within GROWTH over so many steps, as a function of h.
+
+    A cable that spins is compared with the same steps of an undisturbed one.
+    """
+    near, apart, is_at_rest = disturbed(start), distance(start), not start.v.any()
 
     def is_stable(h: float) -> bool:
-        motion = Motion(near, method, h)
+        motion, twin = Motion(near, method, h), Motion(start, method, h)
         while motion.steps < steps:
-            if not motion.advance(PORTION) or not measure(motion.q) < GROWTH * DISTURBANCE:
+            if not motion.advance(PORTION) or not (is_at_rest or twin.advance(PORTION)):
+                return False
+            if not apart(motion.q, twin.q) < GROWTH * DISTURBANCE:
                 return False
         return True
 
