@@ -10,9 +10,9 @@ What would refute it
 
 Protocol
     Linear regime: an equilibrium is disturbed by 1e-7 (mostly the fastest vibration, a tenth at random and
-    off the constraints); a step is stable if the disturbance grows by less than 1000 within 3000 steps. The limit is
-    bisected to 0.4 %. Predictions allow that growth, too: it matters only for a scheme that grows weakly at
-    all steps (Zhai with its corrector and psi = phi = 1/2).
+    off the constraints); a step is stable if the disturbance grows by less than 1000 within 3000 steps. The
+    limit is bisected to 0.4 %. Predictions allow that growth, too: it matters only for a scheme that grows
+    weakly at all steps (Zhai with its corrector and psi = phi = 1/2).
     A cable that spins has no equilibrium at rest: it is compared with the same steps of an undisturbed one.
     The step itself is linearised, too, in a frame that turns with the cable: this tests whether a smaller
     limit is the scheme's answer to terms of velocity.
@@ -134,7 +134,7 @@ TABLES = (
     ),
     Table(
         "precision",
-        "State rounded to 32 bits against 64 bits, hanging cable:",
+        "State rounded to 32 bits against 64 bits, sagging cable:",
         {"scheme": "label", "N": "value"}
         | _LIMITS
         | {"noise at half the limit": "noise", "status": "status"},

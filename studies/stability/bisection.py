@@ -56,14 +56,26 @@ def _fastest_vibration(start: Equilibrium) -> Array:
 
 
 def distance(start: Equilibrium) -> Callable[[Array, Array], float]:
-    """How far two configurations are apart: slopes [-], and positions over the element length."""
+    """How far two configurations are apart: slopes [-], and positions over the element length.
+
+    Of a cable that spins, after the second one has been turned to the direction of the first one.
+    """
+    spins = start.v.any()
 
     def apart(q: Array, other: Array) -> float:
-        moved = np.abs(q - other)
+        moved = np.abs(q - (_turned_to(q, other) if spins else other))
         moved[:, 0] /= start.element_length
         return float(moved.max())
 
     return apart
+
+
+def _turned_to(q: Array, other: Array) -> Array:
+    """`other` about the origin, so that it ends in the direction of q."""
+    first, second = (x[-1, 0, 0] + 1j * x[-1, 0, 1] for x in (q, other))
+    turn = first / second * abs(second / first)
+    turned = turn * (other[..., 0] + 1j * other[..., 1])
+    return np.stack([turned.real, turned.imag], axis=-1)
 
 
 def is_stable_about(start: Equilibrium, method: Method, steps: int) -> Stable:

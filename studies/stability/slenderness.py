@@ -85,7 +85,7 @@ def _moved(model: Model, disturbance: Array, settings: ExplicitSettings, steps: 
     with warnings.catch_warnings(), silence():
         warnings.simplefilter("ignore", UserWarning)  # the step is above the limit on purpose
         try:
-            SolveExplicit(model.mbs, quiet_settings(steps * h, 1), settings)
+            SolveExplicit(model.mbs, quiet_settings(steps * h, 1, period=steps * h), settings)
         except DivergenceError:
             return float("inf")
     return float(np.abs(data.GetODE2Coordinates()).max())
