@@ -72,8 +72,8 @@ def distance(start: Equilibrium) -> Callable[[Array, Array], float]:
 
 def _turned_to(q: Array, other: Array) -> Array:
     """`other` about the origin, so that it ends in the direction of q."""
-    first, second = (x[-1, 0, 0] + 1j * x[-1, 0, 1] for x in (q, other))
-    turn = first / second * abs(second / first)
+    angle = np.arctan2(q[-1, 0, 1], q[-1, 0, 0]) - np.arctan2(other[-1, 0, 1], other[-1, 0, 0])
+    turn = np.exp(1j * angle)
     turned = turn * (other[..., 0] + 1j * other[..., 1])
     return np.stack([turned.real, turned.imag], axis=-1)
 

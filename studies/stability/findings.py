@@ -98,9 +98,20 @@ def _spin(figures: Figures) -> list[str]:
         sentences.append(
             f"{scheme}, spinning: the limit falls to {worst['ratio']:.2f} of that of w_max at "
             f"{worst['value']:g} rad/s; the linearised step explains {len(explained)} of {len(own)} within "
-            "5 %."
+            f"5 %. {_weak_growth(own)}"
         )
     return sentences
+
+
+def _weak_growth(rows: Sequence[Row]) -> str:
+    """What a step well below the limit does, at the fastest spin."""
+    row = max(rows, key=lambda row: row["growth"])
+    if row["growthOrder"] is None:
+        return f"Steps of 0.3 of w_max's limit grow by {row['growth']:.0e} at most, which is none."
+    return (
+        f"Steps of 0.3 of w_max's limit still grow, by up to {row['growth']:.0e} each ({row['value']:g} "
+        f"rad/s), with the power {row['growthOrder']:.1f} of h."
+    )
 
 
 def _slenderness(figures: Figures) -> list[str]:
