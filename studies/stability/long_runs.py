@@ -58,9 +58,11 @@ def _case(scene: str, name: str, steps: int) -> Row:
     return {"kind": "long", "label": name, "scene": scene, "value": steps, **BASE, **CHANGES[name]}
 
 
-def pendulum(angle: float, measure: str) -> Equilibrium:
+def pendulum_of(
+    elements: int, angle: float = 90.0, measure: str = CurvatureMeasure.SECOND_DERIVATIVE.value
+) -> Equilibrium:
     """Straight, pinned, at rest, that many degrees off the vertical."""
-    start = straight(ELEMENTS)
+    start = straight(elements)
     direction = np.array([np.sin(np.radians(angle)), -np.cos(np.radians(angle))])
     q = start.q[..., :1] * direction
     cable = replace(start.cable, reference=q, measure=CurvatureMeasure(measure))
@@ -81,7 +83,7 @@ def flight(measure: str) -> Equilibrium:
 def run_long(case: Row) -> Row:
     """Drifts, and where the run ended; energies over the largest kinetic energy."""
     measure = case["measure"]
-    start = pendulum(case["angle"], measure) if case["scene"] == "pendulum" else flight(measure)
+    start = pendulum_of(ELEMENTS, case["angle"], measure) if case["scene"] == "pendulum" else flight(measure)
     method = Method.of(case)
     limit = predict(replace(start, v=np.zeros_like(start.v)), method)
     h = case["part"] * limit.step
