@@ -192,17 +192,16 @@ def _precision(figures: Figures) -> list[str]:
         single = [row for row in rows if row["scheme"] == scheme and row["bits"] == 32]
         usable = [row["value"] for row in single if abs(row["ratio"] - 1.0) <= AGREEMENT]
         worst = max(single, key=lambda row: row["value"])
-        double = next(
-            row["noise"] for row in rows
-            if row["scheme"] == scheme and row["bits"] == 64 and row["value"] == worst["value"]
-        )  # fmt: skip
+        doubles = {
+            row["value"]: row["noise"] for row in rows if row["scheme"] == scheme and row["bits"] == 64
+        }
         sentences.append(
             f"Single precision, {scheme}: the limit stays within 5 % of the predicted one for N = "
             f"{_range(usable) if usable else 'none'}; noise at N = {worst['value']}: "
-            f"{_noise(worst['noise'])} against {_noise(double)} in double precision."
+            f"{_noise(worst['noise'])} against {_noise(doubles.get(worst['value']))} in double precision."
         )
     return sentences
 
 
 def _noise(value: float | None) -> str:
-    return "diverged" if value is None or math.isinf(value) else f"{value:.1e}"
+    return "none (diverged)" if value is None or math.isinf(value) else f"{value:.1e}"
