@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from matplotlib.axes import Axes
 
@@ -18,7 +19,8 @@ LINEAR_MAPS = {
     "elements": "elements N",
     "gravity": "gravity g/g_0 [-]",
 }
-LOWEST = 1e-1  # shown in place of zero on logarithmic axes
+NO_GRAVITY = 1e-1  # shown in place of zero on a logarithmic axis
+SIZES = (11.0, 7.0, 4.0, 3.0, 2.0)  # of hollow markers, so that equal ones are seen
 
 
 def draw(figures: Figures, directory: Path) -> list[Path]:
@@ -41,6 +43,10 @@ def _groups(rows: Sequence[Row], key: str = "scheme") -> dict[str, list[Row]]:
     }
 
 
+def _hollow(color: str, size: float) -> dict[str, Any]:
+    return {"color": color, "markersize": size, "fillstyle": "none"}
+
+
 def _legend_above(axes: Axes) -> None:
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=8)
 
@@ -53,12 +59,12 @@ def _limits(figures: Figures, directory: Path, kind: str, what: str) -> Path | N
     path = directory / f"{NAME}{kind}.png"
     with new_figure(path, 7.0, 4.6) as figure:
         axes = figure.subplots()
-        for (scheme, own), color in zip(_groups(rows).items(), COLORS, strict=False):
-            values = [max(row["value"], LOWEST) for row in own]
+        for (scheme, own), color, size in zip(_groups(rows).items(), COLORS, SIZES, strict=False):
+            values = [row["value"] or NO_GRAVITY for row in own]
             axes.loglog(values, [row["predicted"] for row in own], color=color, label=f"{scheme}, predicted")
-            axes.loglog(values, [row["found"] for row in own], "o", color=color, label="found")
+            axes.loglog(values, [row["found"] for row in own], "o", **_hollow(color, size), label="found")
         first = next(iter(_groups(rows).values()))
-        values = [max(row["value"], LOWEST) for row in first]
+        values = [row["value"] or NO_GRAVITY for row in first]
         axes.loglog(values, [row["rule"] for row in first], ":", color="black", label="rule (37), C = 0.7")
         label_axes(axes, what, STEP)
         _legend_above(axes)
@@ -73,12 +79,17 @@ def _curvature(figures: Figures, directory: Path) -> Path | None:
     path = directory / f"{NAME}curvature.png"
     with new_figure(path, 9.0, 4.0) as figure:
         turning, sagging = figure.subplots(1, 2, sharey=True)
-        for (scheme, own), color, marker in zip(_groups(rows).items(), COLORS, "os", strict=False):
-            for cable, filled in (("straight", "full"), ("coil", "full"), ("ring", "none")):
+        for (scheme, own), color, size in zip(_groups(rows).items(), COLORS, SIZES, strict=False):
+            for cable, marker in (("straight", "^"), ("coil", "o"), ("ring", "s")):
                 part = [row for row in own if row["cable"] == cable]
                 label = f"{scheme}, {cable}"
-                style = {"color": color, "marker": marker, "fillstyle": filled, "linestyle": ""}
-                turning.plot([row["value"] for row in part], _critical(part), label=label, **style)
+                turning.plot(
+                    [row["value"] for row in part],
+                    _critical(part),
+                    marker,
+                    **_hollow(color, size),
+                    label=label,
+                )
             part = [row for row in own if row["cable"] == "sagging"]
             sagging.plot(
                 [row["value"] for row in part], _critical(part), marker + "-", color=color, label=scheme
@@ -102,9 +113,11 @@ def _spin(figures: Figures, directory: Path) -> Path | None:
     path = directory / f"{NAME}spin.png"
     with new_figure(path, 7.0, 4.8) as figure:
         axes = figure.subplots()
-        for (scheme, own), color in zip(_groups(rows).items(), COLORS, strict=False):
+        for (scheme, own), color, size in zip(_groups(rows).items(), COLORS, SIZES, strict=False):
             rates = [row["value"] for row in own]
-            axes.loglog(rates, [row["found"] for row in own], "o", color=color, label=f"{scheme}, found")
+            axes.loglog(
+                rates, [row["found"] for row in own], "o", **_hollow(color, size), label=f"{scheme}, found"
+            )
             axes.loglog(
                 rates, [row["predictedInMotion"] for row in own], color=color, label="linearised step"
             )
@@ -121,10 +134,10 @@ def _slenderness(figures: Figures, directory: Path) -> Path | None:
     path = directory / f"{NAME}slenderness.png"
     with new_figure(path, 7.0, 4.6) as figure:
         axes = figure.subplots()
-        for (scheme, own), color in zip(_groups(rows).items(), COLORS, strict=False):
+        for (scheme, own), color, size in zip(_groups(rows).items(), COLORS, SIZES, strict=False):
             values = [row["value"] for row in own]
             axes.loglog(values, [row["predicted"] for row in own], color=color, label=f"{scheme}, predicted")
-            axes.loglog(values, [row["found"] for row in own], "o", color=color, label="found")
+            axes.loglog(values, [row["found"] for row in own], "o", **_hollow(color, size), label="found")
             inextensible = [row["inextensible"] for row in own]
             axes.loglog(values, inextensible, "--", color=color, label="inextensible")
         label_axes(axes, "EA / EI of the conventional cable [1/m^2]", STEP)
@@ -167,7 +180,7 @@ def _long(figures: Figures, directory: Path) -> Path | None:
         seconds.invert_yaxis()
         energy.axvline(1e-3, color=REFERENCE_COLOR, linestyle=":")
         label_axes(seconds, "time that the run lasted [s]", "", "orange: diverged")
-        label_axes(energy, "largest change of the energy over the swing [-]", "")
+        label_axes(energy, "change of the energy over the swing [-]", "")
     return path
 
 

@@ -49,6 +49,7 @@ def is_timed(case: Row) -> bool:
 
 def execute(run: Callable[[Row], Row], case: Row) -> Outcome:
     """Run one case, wherever that is; an exception is kept as the outcome."""
+    provenance()  # found before anything runs: sources may be edited meanwhile
     try:
         return Outcome(OK, plain(run(case)), provenance())
     except Exception as error:  # a failing case must not take the others with it
