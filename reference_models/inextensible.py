@@ -42,17 +42,26 @@ class Inextensible:
 
     elements: N.   settings: of SolveExplicit.   output_period: between two steps of Exudyn's loop [s];
     None: the sensors' period.   measure: curvature measure.
+    length_constraints: n_bar of Eq. (19), 0 (none) to N; None: one an element.
+    spatial: whether a planar scene is built in space.
     """
 
     elements: int
     settings: ExplicitSettings = field(default_factory=ExplicitSettings)
     output_period: float | None = None
     measure: str = "secondDerivative"
+    length_constraints: int | None = None
+    spatial: bool = False
 
 
 def build(scene: Scene, elements: int, measure: str = "secondDerivative") -> Model:
     """Build and assemble the scene with one inextensible cable of equal elements."""
-    model, start_loads, loads = _build_at_rest(scene, elements, measure)
+    return build_variant(scene, Inextensible(elements, measure=measure))
+
+
+def build_variant(scene: Scene, inextensible: Inextensible) -> Model:
+    """As `build`, with everything that distinguishes one model from another."""
+    model, start_loads, loads = _build_at_rest(scene, inextensible)
     for number in start_loads:
         remove_force(model.mbs, number)
     for number, load in loads.items():
@@ -62,32 +71,37 @@ def build(scene: Scene, elements: int, measure: str = "secondDerivative") -> Mod
 
 def equilibrium_forces(scene: Scene, elements: int, points: int) -> dict[str, Any]:
     """What CableForces finds in the equilibrium that the scene starts from, start loads included."""
-    model, *_ = _build_at_rest(scene, elements)
+    model, *_ = _build_at_rest(scene, Inextensible(elements))
     return CableForces(model.mbs, _CABLE, points)
 
 
-def _build_at_rest(scene: Scene, elements: int, measure: str = "secondDerivative") -> tuple[Model, Any, Any]:
+def _build_at_rest(scene: Scene, inextensible: Inextensible) -> tuple[Model, Any, Any]:
     """The assembled model before its motion begins, and load numbers -> start loads and loads."""
+    elements = inextensible.elements
     require_elements(elements)
+    dimension = 2 if scene.is_planar and not inextensible.spatial else 3
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     section = scene.cable.section
-    start, end = _ground_constraints(scene)
+    start, end = _ground_constraints(scene, dimension)
     cable = CreateInextensibleCable(
         mbs,
         beamTemplate=InextensibleCable(
-            section.mass_per_length, section.bending_stiffness, curvatureMeasure=measure
+            section.mass_per_length,
+            section.bending_stiffness,
+            curvatureMeasure=inextensible.measure,
+            numberOfLengthConstraints=inextensible.length_constraints,
         ),
         gravity=scene.gravity,
         groundConstraintsStart=start,
         groundConstraintsEnd=end,
         shape=_shape(scene, elements),
-        dimension=2 if scene.is_planar else 3,
+        dimension=dimension,
     )
     nodes = tuple(cable["nodes"])
     if scene.cable.shape.closed:
         nodes += nodes[:1]
-    _add_hangers(mbs, scene, nodes)
+    _add_hangers(mbs, scene, nodes, dimension)
     start_loads, loads = (add_forces(mbs, forces, nodes) for forces in (scene.start_loads, scene.loads))
     sensors, slope_sensors = add_position_sensors(mbs, scene, nodes), add_slope_sensors(mbs, scene, nodes)
     mbs.Assemble()
@@ -118,9 +132,8 @@ def _shape(scene: Scene, elements: int) -> CableShape:
     )
 
 
-def _ground_constraints(scene: Scene) -> tuple[list[bool] | None, list[bool] | None]:
+def _ground_constraints(scene: Scene, dimension: int) -> tuple[list[bool] | None, list[bool] | None]:
     """Flags of the first and the last node."""
-    dimension = 2 if scene.is_planar else 3
     flags: dict[float, list[bool]] = {}
     for support in scene.supports:
         if isinstance(support, Hanger):
@@ -131,19 +144,19 @@ def _ground_constraints(scene: Scene) -> tuple[list[bool] | None, list[bool] | N
     return flags.get(0.0), flags.get(1.0)
 
 
-def _add_hangers(mbs: Any, scene: Scene, nodes: Sequence[int]) -> None:
+def _add_hangers(mbs: Any, scene: Scene, nodes: Sequence[int], dimension: int) -> None:
     for support in scene.supports:
         if isinstance(support, Hanger):
             node = nodes[node_index(support.at, len(nodes) - 1)]
-            add_constraint(mbs, node, support, dimension=2 if scene.is_planar else 3)
+            add_constraint(mbs, node, support, dimension)
 
 
 def inextensible_case(scene: Scene, model: Inextensible, label: str = "") -> Case:
     """One row; the step that the solver chose is asked for here, once, untimed."""
-    report = _solve(build(scene, model.elements, model.measure), scene, model)
+    report = _solve(build_variant(scene, model), scene, model)
 
     def prepare() -> Run:
-        built = build(scene, model.elements, model.measure)
+        built = build_variant(scene, model)
 
         def run() -> Trajectory:
             _solve(built, scene, model)
@@ -172,7 +185,7 @@ def inextensible_case(scene: Scene, model: Inextensible, label: str = "") -> Cas
 
 def solved(scene: Scene, inextensible: Inextensible) -> Model:
     """The scene, built and run to its end."""
-    model = build(scene, inextensible.elements, inextensible.measure)
+    model = build_variant(scene, inextensible)
     _solve(model, scene, inextensible)
     return model
 
@@ -192,6 +205,10 @@ def _label(model: Inextensible, report: dict[str, Any]) -> str:
         parts.append(f"mass scaling {model.settings.massScaling:g}")
     if model.measure != "secondDerivative":
         parts.append(model.measure)
+    if model.length_constraints is not None:
+        parts.append(f"n_bar = {model.length_constraints}")
+    if model.spatial:
+        parts.append("in space")
     return ", ".join(parts)
 
 

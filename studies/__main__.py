@@ -8,6 +8,7 @@ from pathlib import Path
 from exudyn_inext.errors import InputError
 
 from .harness.run import run
+from .harness.sweep.study import SweepOptions
 from .registry import find_studies, find_study
 
 MAIN_STUDY = "table1"
@@ -21,7 +22,24 @@ def _parser() -> argparse.ArgumentParser:
     one.add_argument("name", help="as shown by 'list'")
     one.add_argument("--quick", action="store_true", help="a short motion and few, cheap cases")
     one.add_argument("--output", type=Path, default=Path("results"), help="default: results")
+    _add_sweep_options(
+        one.add_argument_group("studies that sweep over many cases, and resume where they were")
+    )
     return parser
+
+
+def _add_sweep_options(group: argparse._ArgumentGroup) -> None:
+    group.add_argument("--workers", type=int, metavar="N", help="processes; default: one a core")
+    group.add_argument("--dask", metavar="ADDRESS", help="run on a Dask cluster, e.g. tcp://host:8786")
+    group.add_argument(
+        "--mpi", action="store_true", help="run on MPI: mpiexec -n 3 python -m mpi4py.futures -m ..."
+    )
+    group.add_argument("--fresh", action="store_true", help="discard stored cases")
+    group.add_argument("--retry-failed", action="store_true", help="run failed cases again")
+
+
+def _sweep_options(options: argparse.Namespace) -> SweepOptions:
+    return SweepOptions(options.workers, options.dask, options.mpi, options.fresh, options.retry_failed)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -32,7 +50,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.command == "list":
             _print_list()
         else:
-            print(run(find_study(options.name), options.output, options.quick))
+            study, sweep = find_study(options.name), _sweep_options(options)
+            print(run(study, options.output, options.quick, sweep))
             print(f"Written to {options.output}")
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)

@@ -7,12 +7,15 @@ from exudyn_inext.errors import InputError
 
 from .harness.benchmark import Benchmark
 from .harness.study import Study
+from .harness.sweep.study import SweepStudy
+
+AnyStudy = Study | Benchmark | SweepStudy
 
 _PACKAGE = "studies"
 _NO_STUDIES = {"__main__", "harness", "registry"}
 
 
-def find_studies() -> dict[str, Study | Benchmark]:
+def find_studies() -> dict[str, AnyStudy]:
     """Name -> study, in alphabetical order."""
     path = importlib.import_module(_PACKAGE).__path__
     names = sorted(info.name for info in pkgutil.iter_modules(path))
@@ -20,7 +23,7 @@ def find_studies() -> dict[str, Study | Benchmark]:
     return {module.STUDY.name: module.STUDY for module in modules if hasattr(module, "STUDY")}
 
 
-def find_study(name: str) -> Study | Benchmark:
+def find_study(name: str) -> AnyStudy:
     """The study of that name."""
     studies = find_studies()
     if name not in studies:

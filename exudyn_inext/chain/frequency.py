@@ -101,6 +101,8 @@ def _lanczos(system, q, tension, start, diagonal, off_diagonal):
         _combine(1.0, image, -diagonal[row], current, image)
         _combine(1.0, image, -norm, previous, image)
         apply_mass(chain, image, momentum)
+        constrained_inverse(system, momentum, image)  # what is left may be mostly off the constraints
+        apply_mass(chain, image, momentum)
         norm = np.sqrt(max(_inner(image, momentum), 0.0))
         off_diagonal[row] = norm
         if not norm > BREAKDOWN * abs(diagonal[row]):
@@ -159,12 +161,14 @@ def _power_iteration(system, q, tension, iterations, x):
     return quotient
 
 
-def _tension_at_rest(system: Any, external: Array, q: Array) -> tuple[Array, Array, Array]:
-    """Nodal (n,), length (N,) and link (m,) multipliers at q without velocities; factorised at q."""
-    rest, acceleration, rate = (np.zeros(q.size) for _ in range(3))
+def _tension_in_motion(system: Any, external: Array, q: Array, v: Array | None) -> tuple[Array, Array, Array]:
+    """Nodal (n,), length (N,) and link (m,) multipliers at q, v (None: at rest); factorised at q."""
+    acceleration, rate = np.zeros(q.size), np.zeros(q.size)
     inputs = external.copy()
-    inputs[q.size :].reshape(-1, 3, q.shape[2])[:, 1] = 0.0  # velocities of the anchors
-    index_reduced_rates(system, inputs, q.ravel(), rest, acceleration, rate)
+    if v is None:
+        v = np.zeros(q.size)
+        inputs[q.size :].reshape(-1, 3, q.shape[2])[:, 1] = 0.0  # velocities of the anchors
+    index_reduced_rates(system, inputs, q.ravel(), v.ravel(), acceleration, rate)
     return _tension(system, acceleration.reshape(q.shape))
 
 
@@ -203,7 +207,9 @@ def _degrees_of_freedom(system: Any) -> int:
     return int(dim * free[0] + (dim - 1) * free[1] - rows)
 
 
-def largest_frequency(system: CableSystem | LinkedCableSystem, external: Array, q: Array) -> float:
+def largest_frequency(
+    system: CableSystem | LinkedCableSystem, external: Array, q: Array, v: Array | None = None
+) -> float:
     """w_max of small vibrations about q, constraints and tension included.
 
     Lanczos iteration with the structured solve: O(N), no matrix is formed.
@@ -212,11 +218,12 @@ def largest_frequency(system: CableSystem | LinkedCableSystem, external: Array, 
         system: the cable's system; its memory is used.
         external: (n_external,) external force, which sets the tension [N, Nm], and motions.
         q: (n, 2, dim) configuration.
+        v: (n, 2, dim) velocities, which count by the tension that they cause; None: at rest.
 
     Returns:
         Largest natural frequency [rad/s]; 0 if nothing can move.
     """
-    tension = _tension_at_rest(system, external, q)
+    tension = _tension_in_motion(system, external, q, v)
     start = np.zeros_like(q)
     constrained_inverse(system, _scattered(q.shape), start)
     rows = min(LANCZOS_STEPS, _degrees_of_freedom(system))
@@ -245,6 +252,11 @@ class FrequencyTracker:
     def __init__(self, system: CableSystem | LinkedCableSystem, shape: tuple[int, ...]) -> None:
         self._system = system
         self.vibration = np.zeros(shape)
+
+    @property
+    def vibration(self) -> Array:
+        """(n, 2, dim) the fastest vibration as far as it is known; zero before the first call."""
+        return self._vibration.copy()
 
     def frequency(self, q: Array, a: Array) -> float:
         """w_max [rad/s] of small vibrations about the state that `system` was evaluated at last.

@@ -80,30 +80,36 @@ def amplification_matrix(integrator: Integrator, scheme: Any, system: LinearSyst
     return np.array(columns).T
 
 
-def _is_stable(integrator: Integrator, scheme: Any, system: LinearSystem) -> bool:
-    eigenvalues = np.linalg.eigvals(amplification_matrix(integrator, scheme, system))
-    return bool(np.abs(eigenvalues).max() <= 1.0 + GROWTH_TOLERANCE)
+def _first_unstable(integrator: Integrator, scheme: Any, family: Any, largest: float, growth: float) -> float:
+    """The smallest argument of `family` at which a step grows by more than that, by scan and bisection."""
 
+    def is_stable(x: float) -> bool:
+        eigenvalues = np.linalg.eigvals(amplification_matrix(integrator, scheme, family(x)))
+        return bool(np.abs(eigenvalues).max() <= 1.0 + growth)
 
-def _first_unstable(integrator: Integrator, scheme: Any, family: Any, largest: float) -> float:
-    """The smallest argument of `family` at which a step grows, by scan and bisection."""
     trials = np.linspace(0.0, largest, _TRIALS + 1)[1:]
-    unstable = (x for x in trials if not _is_stable(integrator, scheme, family(x)))
+    unstable = (x for x in trials if not is_stable(x))
     above = next(unstable, None)
     if above is None:
         return largest
     below = above - largest / _TRIALS
     for _ in range(_BISECTIONS):
         middle = 0.5 * (below + above)
-        stable = _is_stable(integrator, scheme, family(middle))
-        below, above = (middle, above) if stable else (below, middle)
+        below, above = (middle, above) if is_stable(middle) else (below, middle)
     return float(below)
 
 
 @lru_cache
-def frequency_limit(integrator: Integrator, scheme: Any, damping_ratio: float = 0.0) -> float:
-    """Largest h w [-] up to which the oscillator q'' = -w^2 q - damping_ratio w q' does not grow."""
-    return _first_unstable(integrator, scheme, lambda x: LinearSystem(x * x, 0.0, damping_ratio * x), 4.0)
+def frequency_limit(
+    integrator: Integrator, scheme: Any, damping_ratio: float = 0.0, growth: float = GROWTH_TOLERANCE
+) -> float:
+    """Largest h w [-] up to which the oscillator q'' = -w^2 q - damping_ratio w q' does not grow.
+
+    growth: what counts as none, relative, in a step [-].
+    """
+    return _first_unstable(
+        integrator, scheme, lambda x: LinearSystem(x * x, 0.0, damping_ratio * x), 4.0, growth
+    )
 
 
 @lru_cache
@@ -111,4 +117,4 @@ def decay_limit(integrator: Integrator, scheme: Any) -> float:
     """Largest h zeta [-] up to which constraint errors do not grow; infinite without stabilisation."""
     if not integrator.stabilised:
         return math.inf
-    return _first_unstable(integrator, scheme, lambda x: LinearSystem(0.0, x), 4.0)
+    return _first_unstable(integrator, scheme, lambda x: LinearSystem(0.0, x), 4.0, GROWTH_TOLERANCE)

@@ -4,8 +4,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from .machine import machine, versions
+from .machine import machine
 from .progress import announce
+from .provenance import code_versions
 from .store import gallery, prepare_directory, write_json, write_text
 from .study import Row
 from .table import cell, markdown_table
@@ -63,7 +64,7 @@ def run_benchmark(benchmark: Benchmark, output: Path, quick: bool = False) -> st
         "study": benchmark.name,
         "quick": quick,
         "machine": machine(),
-        "versions": versions(),
+        "versions": code_versions(),
         "rows": figures.rows,
         "conclusions": conclusions,
     }

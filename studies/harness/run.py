@@ -7,25 +7,43 @@ from typing import Any
 
 from tqdm import tqdm
 
+from exudyn_inext.errors import InputError
 from reference_models.scenes import Scene
 from reference_models.trajectory import Case
 
 from .benchmark import Benchmark, run_benchmark
 from .error import interpolation_error
-from .machine import machine, versions
+from .machine import machine
 from .progress import announce
+from .provenance import code_versions
 from .reference import ReferenceSolution
 from .rows import make_row
 from .store import gallery, prepare_directory, write_json, write_text
 from .study import Results, Study
+from .sweep.study import SweepOptions, SweepStudy, run_sweep_study
 from .table import number, rows_table
 from .timing import Measurement, measure
 
 QUICK_REPEATS = 2
 
 
-def run(study: Study | Benchmark, output: Path, quick: bool = False) -> str:
-    """Run a study of either kind, write NAME.json, NAME.md and pictures; return the report."""
+def run(
+    study: Study | Benchmark | SweepStudy,
+    output: Path,
+    quick: bool = False,
+    options: SweepOptions | None = None,
+) -> str:
+    """Run a study of any kind, write NAME.json, NAME.md and pictures; return the report.
+
+    options: of a study that sweeps; others take none.
+    """
+    if isinstance(study, SweepStudy):
+        return run_sweep_study(study, output, quick, options)
+    if options not in (None, SweepOptions()):
+        raise InputError(
+            f"study '{study.name}' times its cases in one process and sweeps over nothing: leave out "
+            "--workers, --dask, --mpi, --fresh and --retry-failed."
+        )
     if isinstance(study, Benchmark):
         return run_benchmark(study, output, quick)
     return run_study(study, output, quick)
@@ -100,7 +118,7 @@ def _document(study: Study, results: Results) -> dict[str, Any]:
             "interpolationErrorRms": interpolation.rms,
         },
         "machine": machine(),
-        "versions": versions(),
+        "versions": code_versions(),
         "rows": results.rows,
     }
 

@@ -29,7 +29,7 @@ def prepare_directory(directory: Path) -> Path:
 
 def write_json(path: Path, document: Mapping[str, Any]) -> None:
     """Write the document; NaN and infinity become null."""
-    write_text(path, json.dumps(_plain(document), indent=1, allow_nan=False) + "\n")
+    write_text(path, json.dumps(plain(document), indent=1, allow_nan=False) + "\n")
 
 
 def write_text(path: Path, text: str) -> None:
@@ -50,14 +50,14 @@ def gallery(pictures: Sequence[Path]) -> str:
     return "".join(f"\n![{picture.stem}]({picture.name})\n" for picture in pictures)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Only what JSON knows: dict, list, str, int, float, bool, None."""
     if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
+        return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, np.generic):
-        return _plain(value.item())
+        return plain(value.item())
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

@@ -17,6 +17,7 @@ from tests.cables import (
     MEASURES,
     State,
     dense_largest_frequency,
+    dense_mass,
     linked_state,
     mass_matrix,
     planar_pendulum,
@@ -84,6 +85,29 @@ def test_mass_scaling_lowers_the_frequency_as_the_dense_solve_says(dim):
     found = frequency_of(state, 0.01)
     assert found == pytest.approx(dense_largest_frequency(state, 0.01), rel=1e-6)
     assert found < 0.5 * frequency_of(state)
+
+
+@pytest.mark.parametrize("mass_scaling", [1.0, 1e2, 1e4])
+def test_mass_scaling_of_long_steps_agrees_with_the_dense_solve(mass_scaling):
+    """All that the iteration leaves is then a cluster of frequencies, and round-off off the constraints."""
+    for seed in (42, 43):
+        state = random_state(seed, 12, 2, MEASURES[0], 12, "pinned")
+        assert frequency_of(state, mass_scaling) == pytest.approx(
+            dense_largest_frequency(state, mass_scaling), rel=1e-3
+        )
+
+
+@both_dimensions
+def test_spin_raises_the_frequency_by_the_tension_of_the_centrifugal_force(dim):
+    cable, _ = planar_pendulum(8, dim)
+    spin = 40.0
+    q = cable.reference
+    v = np.zeros_like(q)
+    v[..., 1] = spin * q[..., 0]
+    centrifugal = (dense_mass(cable) @ (spin**2 * q).ravel()).reshape(q.shape)
+    found = largest_frequency(cable_system(cable, 100.0), np.zeros(q.size), q, v)
+    assert found == pytest.approx(frequency_of(State(cable, q, np.zeros_like(q), centrifugal)), rel=1e-9)
+    assert found > 1.02 * frequency_of(at_rest(cable))
 
 
 @both_dimensions

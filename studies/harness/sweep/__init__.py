@@ -1,0 +1,1 @@
+"""Sweeps: one function over many cases, on any `concurrent.futures.Executor`, resumable."""

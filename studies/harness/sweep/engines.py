@@ -1,0 +1,123 @@
+"""Where cases run: processes of this machine, a Dask cluster, MPI."""
+
+import multiprocessing
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from exudyn_inext.errors import InputError
+
+DASK_TIMEOUT = 5.0  # [s] for the scheduler, and for its first worker
+
+
+@dataclass(frozen=True)
+class Engine:
+    """Something that runs cases.
+
+    name: for messages.   open: gives an executor, and closes it.
+    lost: what a future raises if its worker died and nobody runs its case again.
+    has_workers: executor -> whether there is anybody who may run a case.
+    """
+
+    name: str
+    open: Callable[[], AbstractContextManager[Executor]]
+    lost: tuple[type[BaseException], ...] = (BrokenProcessPool, CancelledError)
+    has_workers: Callable[[Executor], bool] = lambda executor: True
+
+
+def processes(workers: int | None = None) -> Engine:
+    """That many processes, by default one a core."""
+    number = workers or os.cpu_count() or 1
+
+    def start() -> Executor:
+        return ProcessPoolExecutor(number, mp_context=_fresh_processes())
+
+    return Engine(f"{number} processes", lambda: _closing(start))
+
+
+def _fresh_processes() -> Any:
+    """Not forked from this process and its threads, but, where that exists, from one that imports once."""
+    if "forkserver" not in multiprocessing.get_all_start_methods():
+        return multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload([__package__ + ".case"])
+    return context
+
+
+@contextmanager
+def _closing(start: Callable[[], Executor]) -> Iterator[Executor]:
+    """Whoever leaves early does not wait for cases that have not begun."""
+    executor = start()
+    try:
+        yield executor
+    except BaseException:
+        executor.shutdown(wait=False, cancel_futures=True)
+        raise
+    executor.shutdown()
+
+
+def dask(address: str) -> Engine:
+    """The workers of a Dask scheduler, e.g. "tcp://127.0.0.1:8786"; Dask itself replaces workers that die.
+
+    Raises:
+        InputError: `distributed` is not installed; on opening: no scheduler, or none with workers.
+    """
+    try:
+        from distributed import Client
+        from distributed.cfexecutor import ClientExecutor
+    except ImportError as error:
+        raise InputError(
+            f"--dask {address}: 'distributed' is not installed; pip install 'exudyn_inext[cluster]'."
+        ) from error
+
+    @contextmanager
+    def connect() -> Iterator[Executor]:
+        try:
+            client = Client(address, timeout=DASK_TIMEOUT, set_as_default=False)
+        except (OSError, ValueError) as error:
+            raise InputError(
+                f"--dask {address}: no scheduler answered within {DASK_TIMEOUT:g} s; start one (dask "
+                "scheduler), or correct the address."
+            ) from error
+        with client:
+            _require_workers(client, address)
+            executor = ClientExecutor(client, pure=False)
+            try:
+                yield executor
+            except BaseException:
+                executor.shutdown(wait=False)
+                raise
+
+    def has_workers(executor: Any) -> bool:
+        return bool(executor._client.scheduler_info(n_workers=-1)["workers"])
+
+    return Engine(f"Dask at {address}", connect, has_workers=has_workers)
+
+
+def _require_workers(client: Any, address: str) -> None:
+    try:
+        client.wait_for_workers(1, timeout=DASK_TIMEOUT)
+    except TimeoutError as error:
+        raise InputError(
+            f"--dask {address}: the scheduler has no workers; start some (dask worker {address})."
+        ) from error
+
+
+def mpi() -> Engine:
+    """The processes that mpiexec started.
+
+    Raises:
+        InputError: mpi4py or MPI is not installed.
+    """
+    try:
+        from mpi4py.futures import MPIPoolExecutor
+    except (ImportError, RuntimeError) as error:
+        raise InputError(
+            f"--mpi: {error}; pip install mpi4py and an MPI (pip install mpich), then: mpiexec -n 3 "
+            "python -m mpi4py.futures -m studies run NAME --mpi."
+        ) from error
+    return Engine("MPI", lambda: _closing(MPIPoolExecutor))

@@ -1,0 +1,1 @@
+"""What the study `minimal_model` varies: runs inside Exudyn, and dense variants that the package has not."""

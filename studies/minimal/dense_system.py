@@ -1,0 +1,136 @@
+"""The pendulum as dense matrices, so that nodal constraints can be left out and masses lumped.
+
+The package eliminates the nodal constraints node by node and has no such switches. Here the same constraints
+and matrices are solved densely, in plain Python: for errors, not for times.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from exudyn_inext import RungeKutta4
+from exudyn_inext.arrays import Array
+from exudyn_inext.chain.sparse_forms import form_of_cable
+from exudyn_inext.constraints import constraints_of_cable
+from exudyn_inext.element.bending import stiffness_matrix
+from exudyn_inext.element.inertia import mass_matrix
+from exudyn_inext.integrators import find_integrator
+from exudyn_inext.integrators.integrator import advance, no_loads
+from exudyn_inext.system import index_reduced_rates
+from reference_models.model import SENSOR_PERIOD
+from reference_models.scenes import load_scene
+from reference_models.trajectory import Trajectory
+from studies.harness.error import distance_to_reference
+from studies.harness.reference import from_data
+from studies.harness.study import Row
+from studies.stability.cables import Equilibrium
+from studies.stability.long_runs import pendulum_of
+
+NODAL = "nodal inextensibility"
+ZETA = 100.0  # [1/s]
+SUBSTEPS = {4: 8, 8: 30}  # of a sensor's period, within the limit of the smallest mass
+VARIANTS = {
+    "as in the package": {"nodal": True, "lumped": False},
+    "without nodal constraints": {"nodal": False, "lumped": False},
+    "lumped mass": {"nodal": True, "lumped": True},
+}
+
+
+class DenseSystem(NamedTuple):
+    """mass, stiffness: (n_dof, n_dof).   constraints: those that act.   free: (n_dof,) indices."""
+
+    mass: Array
+    stiffness: Array
+    constraints: tuple[Any, ...]
+    free: Array
+    shape: tuple[int, ...]
+
+
+@index_reduced_rates.register(DenseSystem)
+def dense_rates(system, external, q, v, acceleration, rate):  # type: ignore[no-untyped-def]
+    """Eq. (30), by the dense saddle-point matrix (29)."""
+    free = system.free
+    position, speed = q.reshape(system.shape), v.reshape(system.shape)
+    parts = [
+        (c.value(position), c.rate(position, speed), c.gamma(position, speed), c.jacobian(position).toarray())
+        for c in system.constraints
+    ]
+    value, speed_of, gamma = (np.concatenate([part[k] for part in parts]) for k in range(3))
+    jacobian = np.vstack([part[3] for part in parts])[:, free]
+    size, rows = len(free), len(value)
+    matrix = np.zeros((size + rows, size + rows))
+    matrix[:size, :size] = system.mass[np.ix_(free, free)]
+    matrix[:size, size:], matrix[size:, :size] = jacobian.T, jacobian
+    right = np.zeros((size + rows, 2))
+    right[:size, 0] = (external - system.stiffness @ q)[free]
+    right[size:, 0] = gamma - ZETA * speed_of
+    right[size:, 1] = -ZETA * value - speed_of
+    solution = np.linalg.solve(matrix, right)
+    acceleration[:] = 0.0
+    rate[:] = v
+    acceleration[free] = solution[:size, 0]
+    rate[free] += solution[:size, 1]
+
+
+def dense_cases(quick: bool) -> list[Row]:
+    """The planar pendulum."""
+    numbers = (4,) if quick else (4, 8)
+    motion = 0.3 if quick else load_scene("planar_pendulum").end_time
+    return [
+        {"kind": "dense", "label": label, "scene": "planar_pendulum", "elements": number, "motion": motion}
+        for number in numbers
+        for label in VARIANTS
+    ]
+
+
+def run_dense(case: Row) -> Row:
+    """Largest distance of the tip to the reference, and the worst stretch of a slope at a node."""
+    start = pendulum_of(case["elements"])
+    system = _system(start, **VARIANTS[case["label"]])
+    integrator, substeps = find_integrator("RK4"), SUBSTEPS[case["elements"]]
+    take_step = advance.dispatch(RungeKutta4)
+    take_step = getattr(take_step, "py_func", take_step)
+    begin = getattr(integrator.start, "py_func", integrator.start)
+    external = start.external.ravel()
+    state = integrator.allocate(external.size, external.size)
+    state.q[:] = start.q.ravel()
+    begin(system, external, state)
+    loads = no_loads(external.size, len(integrator.stages))._replace(constant=external)
+    times, tips = [0.0], [start.q[-1, 0]]
+    stretch, q = 0.0, state.q.reshape(start.q.shape)
+    while times[-1] < case["motion"] - 0.5 * SENSOR_PERIOD:
+        for _ in range(substeps):
+            take_step(
+                RungeKutta4(), system, loads, state, SENSOR_PERIOD / substeps, 1, np.zeros((1, 3, q.size))
+            )
+        if not np.isfinite(state.q).all():
+            return {"error": None, "stretch": None, "outcome": f"diverged at t = {times[-1]:.3g} s"}
+        times.append(SENSOR_PERIOD * len(times))
+        tips.append(q[-1, 0].copy())
+        stretch = max(stretch, float(np.abs(np.linalg.norm(q[:, 1], axis=1) - 1.0).max()))
+    path = Trajectory(np.array(times), np.column_stack([np.array(tips), np.zeros(len(tips))]))
+    reference = from_data(load_scene("planar_pendulum"))
+    error = distance_to_reference(path, reference.trajectory).maximum
+    return {"error": error, "stretch": stretch, "uncertainty": reference.uncertainty, "outcome": "ok"}
+
+
+def _system(start: Equilibrium, nodal: bool, lumped: bool) -> DenseSystem:
+    cable = start.cable
+    mass = cable.section.mass_per_length * form_of_cable(cable, mass_matrix).toarray()
+    if lumped:
+        mass = _lumped(mass, start.q.shape)
+    stiffness = cable.section.bending_stiffness * form_of_cable(cable, stiffness_matrix).toarray()
+    constraints = tuple(
+        c for c in constraints_of_cable(cable) if c.name == "length" or (nodal and c.name == NODAL)
+    )
+    held = np.repeat(cable.fixed[:, :, None], 2, axis=2).ravel()
+    return DenseSystem(mass, stiffness, constraints, np.flatnonzero(~held), start.q.shape)
+
+
+def _lumped(mass: Array, shape: tuple[int, ...]) -> Array:
+    """Half an element's mass at each node, and the diagonal of the consistent matrix for the slopes."""
+    diagonal = np.diag(mass).reshape(shape).copy()
+    x = np.zeros(shape)
+    x[:, 0, 0] = 1.0  # a rigid translation: row sums over positions alone
+    diagonal[:, 0] = (mass @ x.ravel()).reshape(shape)[:, 0, :1]
+    return np.diag(diagonal.ravel())

@@ -1,0 +1,82 @@
+"""What may be left out: sentences follow from rows, dense variants are the package's model, cases run."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+from exudyn_inext import ExplicitSettings
+from reference_models.inextensible import Inextensible, solved
+from reference_models.model import sensor_trajectory
+from reference_models.scenes import load_scene
+from studies import minimal_model
+from studies.__main__ import main
+from studies.harness.benchmark import Figures
+from studies.harness.error import distance_to_reference
+from studies.harness.reference import from_data
+from studies.minimal.dense_system import VARIANTS, run_dense
+
+ROW = {
+    "kind": "change", "label": "n_bar = 1", "scene": "planar_pendulum", "uncertainty": 5e-5,
+    "baseError": 1e-3, "error": 1.05e-3, "errorRatio": 1.05, "costRatio": 0.8, "status": "ok",
+    "outcome": "ok",
+}  # fmt: skip
+
+
+def sentence(**changes):
+    return " ".join(minimal_model.conclude(Figures(False, [ROW | changes])))
+
+
+def test_harmless_and_harmful_changes_are_told_apart():
+    assert "harmless on planar_pendulum; 0.80 to 0.80 times" in sentence()
+    assert "no scene; not on planar_pendulum (3.00 times the error)" in sentence(error=3e-3, errorRatio=3.0)
+    lost = sentence(error=None, errorRatio=None, costRatio=None, outcome="diverged: too fast")
+    assert "diverged: too fast" in lost and "no CPU time" in lost
+
+
+def test_what_the_reference_cannot_tell_apart_is_harmless():
+    small = {"baseError": 1e-5, "error": 5e-5}
+    assert minimal_model.is_harmless(ROW | small)
+    assert not minimal_model.is_harmless(ROW | small | {"error": 7e-5})
+
+
+@pytest.fixture
+def dense_rows():
+    case = {"kind": "dense", "elements": 4, "motion": 0.1}
+    return {label: run_dense(case | {"label": label}) for label in VARIANTS}
+
+
+def test_the_dense_pendulum_is_that_of_the_package(dense_rows):
+    scene = load_scene("planar_pendulum")
+    settings = ExplicitSettings("RK4", stepSize=1.25e-3)
+    model = solved(replace(scene, end_time=0.1), Inextensible(4, settings))
+    path = sensor_trajectory(model, "tip")
+    error = distance_to_reference(path, from_data(scene).trajectory).maximum
+    assert dense_rows["as in the package"]["error"] == pytest.approx(error, rel=1e-3)
+
+
+def test_slopes_stretch_without_nodal_constraints_only(dense_rows):
+    assert dense_rows["as in the package"]["stretch"] < 1e-6
+    assert dense_rows["without nodal constraints"]["stretch"] > 1e-6
+    assert dense_rows["lumped mass"]["error"] != pytest.approx(
+        dense_rows["as in the package"]["error"], rel=1e-3
+    )
+
+
+KEPT = ("as in the package", "n_bar = 1", "RATTLE")
+
+
+def test_it_runs_in_quick_mode(tmp_path, monkeypatch):
+    cases = minimal_model.make_cases(True)
+    assert {case["scene"] for case in cases} == {"planar_pendulum", "vibrating_ring"}
+    few = [case for case in cases if case["label"] in KEPT and case["scene"] == "planar_pendulum"]
+    study = minimal_model.SweepStudy(**{**vars(minimal_model.STUDY), "cases": lambda quick: few})
+    monkeypatch.setattr("studies.__main__.find_study", lambda name: study)
+    command = ["run", "minimal_model", "--quick", "--workers", "1", "--output", str(tmp_path)]
+    assert main(command) == 0
+    rows = json.loads((tmp_path / "minimal_model.json").read_text())["rows"]
+    errors = {row["label"]: row["error"] for row in rows}
+    assert len(errors) == 3 and all(row["status"] == "ok" for row in rows)
+    assert errors["RATTLE"] < 1e-3 < errors["n_bar = 1"] < 2e-2
+    assert all(row["costRatio"] > 0 for row in rows if row["kind"] == "change")
+    assert "(minimal_model.png)" in (tmp_path / "minimal_model.md").read_text()
