@@ -253,11 +253,6 @@ class FrequencyTracker:
         self._system = system
         self.vibration = np.zeros(shape)
 
-    @property
-    def vibration(self) -> Array:
-        """(n, 2, dim) the fastest vibration as far as it is known; zero before the first call."""
-        return self._vibration.copy()
-
     def frequency(self, q: Array, a: Array) -> float:
         """w_max [rad/s] of small vibrations about the state that `system` was evaluated at last.
 

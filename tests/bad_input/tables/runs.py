@@ -74,7 +74,7 @@ SETTINGS = rows(
         ),
         ({"adaptiveStep": "yes"}, r"adaptiveStep = 'yes': must be True or False"),
         ({"energyTolerance": 0.0}, r"energyTolerance = 0.0: must be a finite number > 0"),
-        ({"energyTolerance": math.nan}, r"energyTolerance = nan: must be a finite number > 0"),
+        ({"energyTolerance": np.nan}, r"energyTolerance = nan: must be a finite number > 0"),
         ({"retries": -1}, r"retries = -1: must be an integer of at least 0 and at most 20"),
         ({"retries": 1.5}, r"retries = 1.5: must be an integer"),
         ({"allowUnstableStep": 2}, r"allowUnstableStep = 2: must be True or False"),
