@@ -55,7 +55,9 @@ def pulled_ring(new_mbs, add_cable, add_sensor, solve):
 
 
 @pytest.mark.parametrize("integrator", ["RATTLE", "Zhai"])
-def test_adaptive_steps_survive_where_a_ring_loses_the_margin_of_its_curvature(pulled_ring, integrator):
+def test_adaptive_steps_survive_where_a_ring_loses_the_margin_of_its_curvature(
+    pulled_ring, integrator, fault
+):
     report, exact = pulled_ring(integrator="RATTLE", stepSize=2e-5)
     step = 0.97 * report["bounds"].bending
     with pytest.raises(DivergenceError):
@@ -65,6 +67,10 @@ def test_adaptive_steps_survive_where_a_ring_loses_the_margin_of_its_curvature(p
     assert 0.3 / step < report["steps"] < 1.3 * 0.3 / step
     assert np.ptp(exact[:, 1]) > 0.2
     np.testing.assert_allclose(path, exact, atol=1e-3)
+    fault(
+        f"{integrator}: a ring pulled tight, its stability limit falls below the step",
+        f"stopped; with adaptiveStep it goes on, down to {report['stepSize'] / step:.0%} of the step",
+    )
 
 
 @pytest.mark.parametrize("links", [None, "closed with a moving hanger and a rod"])
@@ -125,7 +131,7 @@ def kinked(new_mbs, add_pendulum, add_sensor, solve):
     return run
 
 
-def test_a_kinked_start_survives_with_rattle_and_scaled_mass_where_zhai_fails(kinked):
+def test_a_kinked_start_survives_with_rattle_and_scaled_mass_where_zhai_fails(kinked, fault):
     exact = kinked(stepSize=1e-4)
     assert np.abs(exact[-1, 1:] - exact[0, 1:]).max() > 1.0
     for h, tolerance in ((1e-3, 4e-2), (5e-4, 1e-2)):
@@ -133,9 +139,10 @@ def test_a_kinked_start_survives_with_rattle_and_scaled_mass_where_zhai_fails(ki
     for zhai in ({}, {"stepSize": 2e-4}, {"stepSize": 1e-3, "massScaling": 0.25}):
         with pytest.raises(DivergenceError, match=r"diverged before t = 0\.0[12] s"):
             kinked(integrator="Zhai", **zhai)
+    fault("a start with a right angle in it", "Zhai is stopped; RATTLE with scaled mass goes on")
 
 
-def test_an_iteration_that_gives_up_says_where_and_keeps_the_last_good_state(mbs, add_pendulum, solve):
+def test_an_iteration_that_gives_up_says_where_and_keeps_the_last_good_state(mbs, add_pendulum, solve, fault):
     add_pendulum(mbs)
     mbs.Assemble()
     message = (
@@ -144,6 +151,7 @@ def test_an_iteration_that_gives_up_says_where_and_keeps_the_last_good_state(mbs
     with pytest.raises(DivergenceError, match=message):
         solve(mbs, 0.1, scheme=Rattle(tolerance=1e-30, iterations=3))
     assert np.isfinite(mbs.systemData.GetODE2Coordinates()).all()
+    fault("a tolerance of RATTLE that round-off cannot reach", "stopped, with the violation that was reached")
 
 
 def test_what_adaptive_steps_do_not_go_with_is_refused(mbs, add_pendulum, solve):

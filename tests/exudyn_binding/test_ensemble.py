@@ -191,7 +191,7 @@ def test_the_common_step_is_the_smallest_safe_one():
 
 
 @pytest.mark.parametrize("threads", [1, 2])
-def test_a_member_that_diverges_leaves_the_others_alone(threads):
+def test_a_member_that_diverges_leaves_the_others_alone(threads, fault):
     """With this step the pendulum of 0.0866 N m^2 is stable, the one of 0.4 N m^2 is not."""
     step = {"stepSize": 2.5e-3, "allowUnstableStep": True}
     with pytest.warns(UserWarning, match="of member 1"):
@@ -208,6 +208,7 @@ def test_a_member_that_diverges_leaves_the_others_alone(threads):
     assert np.isnan(result["divergenceTimes"][[0, 2]]).all()
     for number, stiffness in ((0, 0.0866), (2, 0.05)):
         np.testing.assert_array_equal(last(result)[number], moved(pendulum(stiffness), stepSize=2.5e-3))
+    fault(f"one member of an ensemble diverges ({threads} thread(s))", "the others are as alone, bit for bit")
 
 
 def test_a_step_above_the_limit_of_one_member_is_refused():

@@ -144,7 +144,7 @@ run({folder!r})
 """
 
 
-def test_a_run_that_is_killed_continues_where_its_last_file_was_written(tmp_path):
+def test_a_run_that_is_killed_continues_where_its_last_file_was_written(tmp_path, fault):
     from tests.exudyn_binding.killed_run import run
 
     script = KILLED.format(root=str(ROOT), folder=str(tmp_path))
@@ -155,13 +155,14 @@ def test_a_run_that_is_killed_continues_where_its_last_file_was_written(tmp_path
     (tmp_path / "whole").mkdir()
     whole, _ = run(str(tmp_path / "whole"))
     np.testing.assert_array_equal(rows[-1], whole[-1])
+    fault("SIGKILL in a run", "continued from its restart file, the end is that of the whole run bit for bit")
 
 
 def some_restart():
     return Restart({"identity": {}, "grid": {}}, {"0/state/q": np.arange(5.0)})
 
 
-def test_a_failure_while_writing_leaves_the_last_file(tmp_path, monkeypatch):
+def test_a_failure_while_writing_leaves_the_last_file(tmp_path, monkeypatch, fault):
     path = tmp_path / "deep" / "run.restart"
     write_restart(path, some_restart())
     before = path.read_bytes()
@@ -175,10 +176,11 @@ def test_a_failure_while_writing_leaves_the_last_file(tmp_path, monkeypatch):
         write_restart(path, some_restart())
     assert path.read_bytes() == before
     assert os.listdir(path.parent) == [path.name]
+    fault("a disk that is full while a restart file is written", "refused, the last file stays")
 
 
 @pytest.mark.parametrize("place", [0, 40, 200, -30, -1])
-def test_a_damaged_file_is_refused(tmp_path, place):
+def test_a_damaged_file_is_refused(tmp_path, place, fault):
     path = tmp_path / "run.restart"
     write_restart(path, some_restart())
     data = bytearray(path.read_bytes())
@@ -191,17 +193,19 @@ def test_a_damaged_file_is_refused(tmp_path, place):
         read = read_restart(path)
     except InputError as error:
         assert "damaged" in str(error) and "remove it to start anew" in str(error)
+        fault(f"a restart file with one bit pattern inverted (place {place})", "refused")
     else:  # a byte that means nothing
         np.testing.assert_array_equal(read.arrays["0/state/q"], np.arange(5.0))
 
 
 @pytest.mark.parametrize("length", [0, 10, 300, 600])
-def test_a_file_that_was_cut_short_is_refused(tmp_path, length):
+def test_a_file_that_was_cut_short_is_refused(tmp_path, length, fault):
     path = tmp_path / "run.restart"
     write_restart(path, some_restart())
     path.write_bytes(path.read_bytes()[:length])
     with pytest.raises(InputError, match="damaged"):
         read_restart(path)
+    fault(f"a restart file cut to {length} bytes", "refused")
 
 
 def test_pickled_objects_are_not_loaded(tmp_path):
@@ -248,7 +252,7 @@ def test_other_settings_are_refused(build, solve, tmp_path, contents, end_time, 
     assert contents(mbs) == before
 
 
-def test_another_scene_is_refused(build, solve, tmp_path, new_mbs, add_pendulum):
+def test_another_scene_is_refused(build, solve, tmp_path, new_mbs, add_pendulum, fault):
     solve(build("plain")[0], settings=restarting(quiet_settings(0.1, 1), tmp_path))
     heavier = new_mbs()
     add_pendulum(heavier, gravity=[0, -9.80, 0])
@@ -257,3 +261,4 @@ def test_another_scene_is_refused(build, solve, tmp_path, new_mbs, add_pendulum)
         solve(heavier, settings=restarting(quiet_settings(0.2, 1), tmp_path))
     with pytest.raises(InputError, match="of another run: number of objects was 3, and is 8"):
         solve(build("a body")[0], settings=restarting(quiet_settings(0.2, 1), tmp_path))
+    fault("a restart file of another scene", "refused, with what differs")

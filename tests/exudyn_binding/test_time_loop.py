@@ -194,7 +194,7 @@ def test_a_system_without_anything_is_refused(mbs, solve):
 
 
 @pytest.mark.parametrize("among_others", [False, True])
-def test_an_interrupt_leaves_a_system_that_runs_again(new_mbs, add_pendulum, solve, among_others):
+def test_an_interrupt_leaves_a_system_that_runs_again(new_mbs, add_pendulum, solve, among_others, fault):
     mbs = new_mbs()
     add_pendulum(mbs)
     if among_others:
@@ -213,6 +213,8 @@ def test_an_interrupt_leaves_a_system_that_runs_again(new_mbs, add_pendulum, sol
     mbs.SetPreStepUserFunction(lambda mbs, t: True)
     assert solve(mbs, 0.1, steps=10)["success"]
     assert mbs.systemData.GetTime() == pytest.approx(0.1)
+    where = "among bodies" if among_others else "cables alone"
+    fault(f"Ctrl-C in a run ({where})", "KeyboardInterrupt with the time; the same mbs runs again")
 
 
 def test_a_sensor_of_the_force_in_a_support_is_warned_of(mbs, add_pendulum, solve):

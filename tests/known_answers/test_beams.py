@@ -59,12 +59,15 @@ def test_roots_are_those_of_the_textbook():
 
 @pytest.mark.parametrize("measure", MEASURES, ids=lambda measure: measure.value)
 @pytest.mark.parametrize("supports", ROOTS)
-def test_frequencies_of_a_beam_converge_with_order_four(supports, measure):
+def test_frequencies_of_a_beam_converge_with_order_four(supports, measure, known_answer):
     errors = [
         bending_frequencies(beam(number, supports, measure=measure)) / exact(supports) - 1.0
         for number in (12, 24)
     ]
-    np.testing.assert_allclose(observed_order(np.array(errors)), 4.0, atol=0.2)
+    orders = observed_order(np.array(errors))
+    np.testing.assert_allclose(orders, 4.0, atol=0.2)
+    what = f"beam, {supports}: three lowest frequencies, N = 24, {measure.value}"
+    known_answer(what, np.abs(errors[-1]).max(), orders.mean())
 
 
 @pytest.mark.parametrize("supports", ROOTS)
@@ -111,11 +114,13 @@ def frequency_of_run(cable, w, mode, h, theta=0.0):
 
 
 @pytest.mark.parametrize("case", RUNS)
-def test_run_of_rattle_vibrates_with_the_frequency_of_the_beam(case):
+def test_run_of_rattle_vibrates_with_the_frequency_of_the_beam(case, known_answer):
     cable, supports = RUNS[case]
     w, mode = lowest_mode(cable, supports)
     h = 2.0 * np.pi / w / 1600
-    assert frequency_of_run(cable, w, mode, h) == pytest.approx(w, rel=(h * w) ** 2 / 12)
+    found = frequency_of_run(cable, w, mode, h)
+    assert found == pytest.approx(w, rel=(h * w) ** 2 / 12)
+    known_answer(f"beam, {case}: frequency of a run, N = 4", abs(found / exact(supports)[0] - 1.0))
     assert w == pytest.approx(exact(supports)[0], rel=2 * (wave_numbers(supports)[0] / 4) ** 4 / 1440)
 
 
@@ -142,7 +147,7 @@ def damped_harmonic(samples, interval):
     return np.arccos(0.5 * first / factor) / interval, -np.log(factor) / interval
 
 
-def test_a_damped_cantilever_decays_with_half_of_d_w_squared_over_ei():
+def test_a_damped_cantilever_decays_with_half_of_d_w_squared_over_ei(known_answer):
     """A moment EI kappa + D kappa_t damps each mode for itself; the frequency falls as an oscillator's."""
     cable, supports = RUNS["clamped"]
     w, mode = lowest_mode(cable, supports)
@@ -155,3 +160,4 @@ def test_a_damped_cantilever_decays_with_half_of_d_w_squared_over_ei():
     samples = np.tensordot(history[:, 0] - cable.reference, mode, 3)
     found = damped_harmonic(samples, h * every)
     np.testing.assert_allclose(found, [np.sqrt(w**2 - decay**2), decay], rtol=1e-5)
+    known_answer("cantilever with bending damping: decay rate", abs(found[1] / decay - 1.0))

@@ -103,11 +103,15 @@ def test_free_end_falls_faster_than_a_stone_all_the_time():
     assert ahead[-1] > 0.14 * LENGTH
 
 
-def test_times_of_arrival_converge_to_those_of_the_ideal_chain_as_the_fold_gets_smaller():
+def test_times_of_arrival_converge_to_those_of_the_ideal_chain_as_the_fold_gets_smaller(known_answer):
     """With first order at least: the fold hides a length of the order of its radius."""
     errors = np.array([np.abs(arrival_errors(radius)).max() for radius in RADII])
     assert (errors < 0.1 * np.array(RADII)).all()
-    assert (np.log2(errors[:-1] / errors[1:]) > 0.9).all()
+    orders = np.log2(errors[:-1] / errors[1:])
+    assert (orders > 0.9).all()
+    known_answer(
+        "folded chain that falls: times of arrival, as the fold gets smaller", errors[-1], orders.mean()
+    )
 
 
 @pytest.mark.parametrize("radius", RADII)
@@ -118,10 +122,11 @@ def test_speed_of_the_free_end_is_that_which_its_energy_asks_for(radius):
     np.testing.assert_allclose(found.v[late], ideal_speed(found.x[late]), rtol=radius)
 
 
-def test_energy_is_kept_with_second_order_while_all_of_it_changes_hands():
+def test_energy_is_kept_with_second_order_while_all_of_it_changes_hands(known_answer):
     coarse, fine = (fall(RADII[0], n) for n in (1, 2))
     errors = [np.abs(run.kinetic + run.potential).max() / run.kinetic.max() for run in (coarse, fine)]
     assert errors[0] < 3e-5
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.2)
+    known_answer("folded chain that falls: energy", errors[1], np.log2(errors[0] / errors[1]))
     falling = 0.25 * (LENGTH - coarse.x[-1]) * RHO * coarse.v[-1] ** 2
     assert coarse.kinetic[-1] == pytest.approx(falling, rel=0.1)

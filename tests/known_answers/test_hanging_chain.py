@@ -59,7 +59,7 @@ def test_mode_shapes_vanish_at_the_support_and_the_first_frequency_is_the_textbo
     assert EXACT[0] == pytest.approx(1.2024 * np.sqrt(G / LENGTH), rel=1e-4)
 
 
-def test_frequencies_approach_the_bessel_zeros_from_above_in_proportion_to_the_stiffness():
+def test_frequencies_approach_the_bessel_zeros_from_above_in_proportion_to_the_stiffness(known_answer):
     """Layers at the support and the free end, where the chain straightens, make the rise a little smaller."""
     stiffness = np.array([6.4e-5, 1.6e-5, 4e-6])
     found = np.array([rises(40, x) for x in stiffness])
@@ -70,9 +70,10 @@ def test_frequencies_approach_the_bessel_zeros_from_above_in_proportion_to_the_s
     assert (np.abs(found[-1]) < [4e-6, 3e-4, 2.5e-3]).all()
     orders = observed_order(found[:, 0]) / 2.0  # the stiffness falls by 4
     np.testing.assert_allclose(orders, 1.0, atol=0.05)
+    known_answer("hanging chain, lowest Bessel zero, N = 40, as EI -> 0", abs(found[-1, 0]), orders.mean())
 
 
-def test_a_chain_pushed_in_its_lowest_mode_swings_with_the_frequency_of_bernoulli():
+def test_a_chain_pushed_in_its_lowest_mode_swings_with_the_frequency_of_bernoulli(known_answer):
     cable, weight = hanging(20, 1.6e-5)
     w, modes = natural_frequencies(cable, weight)
     mode = modes[0] / np.abs(modes[0]).max()
@@ -83,6 +84,7 @@ def test_a_chain_pushed_in_its_lowest_mode_swings_with_the_frequency_of_bernoull
     found = sampled_frequency(samples, h * every)
     assert found == pytest.approx(w[0], rel=(h * w[0]) ** 2)
     assert found == pytest.approx(EXACT[0], rel=5e-5)
+    known_answer("hanging chain: frequency of a run, N = 20", abs(found / EXACT[0] - 1.0))
 
 
 def test_a_free_end_hangs_straight_only_if_the_stiffness_holds_its_last_element():

@@ -42,7 +42,7 @@ def tension(state, points):
 
 
 @pytest.mark.parametrize("dim", [2, 3])
-def test_run_of_rattle_stays_straight_under_its_tension_and_turns_by_the_angle_of_its_step(dim):
+def test_run_of_rattle_stays_straight_under_its_tension_and_turns_by_the_angle_of_its_step(dim, known_answer):
     """A rotor's step is asin(h omega): a chord of length h v / cos(angle / 2) between two tangents."""
     state, h, steps = whirling(6, dim, 1e-3), 2e-3, 900  # two turns
     q, v, _ = move(state, h, steps, steps)[-1]
@@ -56,6 +56,8 @@ def test_run_of_rattle_stays_straight_under_its_tension_and_turns_by_the_angle_o
     expected = 0.5 * RHO * OMEGA**2 * (LENGTH**2 - points**2)
     found = tension(replace(state, q=q.copy(), v=v.copy()), points)
     np.testing.assert_allclose(found, expected, atol=1e-9 * expected[0])
+    error = np.abs(found - expected).max() / expected[0]
+    known_answer(f"whirling cable in {dim}D: centrifugal tension after two turns", error)
 
 
 def vibrations(number, stiffness):
@@ -90,7 +92,9 @@ def test_frequencies_out_of_the_plane_approach_those_of_legendre_in_proportion_t
 
 
 @pytest.mark.parametrize(("k", "tolerance"), [(1, 2e-5), (2, 1e-3)])
-def test_a_whirling_cable_pushed_out_of_its_plane_swings_with_the_frequency_of_legendre(k, tolerance):
+def test_a_whirling_cable_pushed_out_of_its_plane_swings_with_the_frequency_of_legendre(
+    k, tolerance, known_answer
+):
     state, h, every = whirling(12, 3, 1.6e-5), 1e-3, 24
     w, modes = vibrations(12, 1.6e-5)
     mode = modes[k - 1] / np.abs(modes[k - 1]).max()
@@ -98,4 +102,6 @@ def test_a_whirling_cable_pushed_out_of_its_plane_swings_with_the_frequency_of_l
     history = move(state, h, 48 * every, every)
     found = sampled_frequency(np.einsum("tka,ka->t", history[:, 0, :, :, 2], mode), h * every)
     assert found == pytest.approx(w[k - 1], rel=2e-5)  # (h w)^2 / 24 = 1.2e-5
-    assert found == pytest.approx(np.sqrt(k * (2 * k - 1)) * OMEGA, rel=tolerance)
+    legendre = np.sqrt(k * (2 * k - 1)) * OMEGA
+    assert found == pytest.approx(legendre, rel=tolerance)
+    known_answer(f"whirling cable: frequency {k} out of the plane (Legendre)", abs(found / legendre - 1.0))

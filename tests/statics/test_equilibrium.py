@@ -74,15 +74,17 @@ def test_elastica_of_the_tests_is_the_tabulated_one():
 
 @both_measures
 @pytest.mark.parametrize("load", [1, 2, 5, 10])
-def test_tip_of_the_elastica_converges_with_order_four(measure, load):
+def test_tip_of_the_elastica_converges_with_order_four(measure, load, known_answer):
     errors = []
     for number in (4, 8, 16):
         cable = straight_cable(number, 2, "clamped", 1.0, section=UNIT, measure=measure)
         found = equilibrium(cable, end_force(cable, [0.0, load]))
         assert found.converged
         errors.append(np.abs(found.q[-1, 0] - elastica_tip(load)).max())
-    np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 4.0, atol=0.2)
+    orders = np.log2(np.divide(errors[:-1], errors[1:]))
+    np.testing.assert_allclose(orders, 4.0, atol=0.2)
     assert errors[-1] < 2e-6 * load
+    known_answer(f"elastica: tip under {load} EI/L^2, N = 16, {measure.value}", errors[-1], orders.mean())
 
 
 def test_elastica_in_any_direction_of_space_is_the_planar_one():
@@ -134,7 +136,7 @@ def hanging_cable(number, stiffness):
     return cable, gravity_force(cable, GRAVITY)
 
 
-def test_shape_and_end_tension_converge_to_the_catenary_as_the_stiffness_falls():
+def test_shape_and_end_tension_converge_to_the_catenary_as_the_stiffness_falls(known_answer):
     c = catenary_parameter()
     support = WEIGHT * np.array([c, 0.5 * LENGTH])
     errors = []
@@ -150,6 +152,10 @@ def test_shape_and_end_tension_converge_to_the_catenary_as_the_stiffness_falls()
     orders = np.log10(np.divide(errors[:-1], errors[1:]))
     assert orders.min() > 0.8
     assert np.max(errors[-1]) < 1e-3
+    known_answer("catenary: shape, as EI -> 0 (order in EI)", errors[-1][0], orders[:, 0].mean())
+    known_answer(
+        "catenary: tension at the pins, as EI -> 0 (order in EI)", errors[-1][1], orders[:, 1].mean()
+    )
 
 
 WAVE = [[0.2, 0.1], [0.0, 0.0]]
@@ -229,10 +235,11 @@ def eigenvalue_of_straight(cable, load):
 
 
 @pytest.mark.parametrize("kind", CRITICAL)
-def test_smallest_eigenvalue_of_a_column_vanishes_at_eulers_load(kind):
+def test_smallest_eigenvalue_of_a_column_vanishes_at_eulers_load(kind, known_answer):
     cable = column(kind)
     found = brentq(lambda p: eigenvalue_of_straight(cable, p), 0.5 * CRITICAL[kind], 1.5 * CRITICAL[kind])
     assert found == pytest.approx(CRITICAL[kind], rel=1e-4)
+    known_answer(f"Euler's column, {kind}: critical load", abs(found / CRITICAL[kind] - 1.0))
 
 
 @pytest.mark.parametrize("kind", CRITICAL)

@@ -1,0 +1,105 @@
+"""What a watched run says: reports, messages, retries; among bodies as for cables alone."""
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.itemInterface import MarkerBodyPosition, MarkerNodePosition, ObjectConnectorCartesianSpringDamper
+from exudyn.utilities import InertiaCuboid
+
+from exudyn_inext import AttachToBody, CreatePrescribedMotion, DivergenceError
+from reference_models.model import quiet_settings
+from tests.exudyn_binding.items import load_node
+
+LIMIT = 0.00274159  # of the step of the pendulum with N = 5 [s]
+
+
+def test_a_run_reports_how_well_it_kept_energy_and_constraints(twin, solve):
+    calm = solve(twin().mbs, 5.0)["drift"]
+    assert calm["energyGain"] < 1e-6 and calm["energyLoss"] < 1e-5 and calm["constraints"] < 1e-9
+    zhai = solve(twin().mbs, 5.0, integrator="Zhai", stepSize=2.5e-3)["drift"]
+    assert 1e-4 < zhai["energyGain"] < 1e-3
+    assert 1e-6 < zhai["constraints"] < 1e-3
+
+
+def test_slow_growth_is_explained_with_time_cable_element_quantity_cause_and_remedy(twin, solve):
+    built = twin()
+    message = (
+        r"diverged before t = [\d.]+ s\. cable 'object0': it has [\d.]+% more energy than the work done on "
+        r"it explains.*limit 1\.00%.*between nodes \d and \d\. Likely cause: Zhai, at 9\d% of the stability "
+        r"limit"
+        r".*integrator='RATTLE'.*mbs holds the last good output, that of t = ([\d.]+) s"
+    )
+    with pytest.raises(DivergenceError, match=message):
+        solve(built.mbs, 100.0, integrator="Zhai", stepSize=2.5e-3)
+    rows = np.asarray(built.mbs.GetSensorStoredData(built.tip))
+    assert 20.0 < rows[-1, 0] == pytest.approx(built.mbs.systemData.GetTime(), abs=0.011)
+    assert np.abs(rows[:, 1:3]).max() < 1.81
+
+
+def test_without_tolerance_the_energy_is_not_looked_at(twin, solve):
+    with pytest.raises(DivergenceError, match=r"not finite|is violated"):
+        solve(twin().mbs, 100.0, integrator="Zhai", stepSize=2.5e-3, energyTolerance=np.inf)
+
+
+def test_a_step_above_the_limit_is_named_as_the_cause(twin, solve):
+    with (
+        pytest.warns(UserWarning, match="stability limit"),
+        pytest.raises(DivergenceError, match=r"step of 0\.005 s is above the stability limit.*0\.002742 s"),
+    ):
+        solve(twin().mbs, 1.0, stepSize=5e-3, allowUnstableStep=True)
+
+
+def test_retries_begin_anew_with_half_the_step(twin, solve):
+    built, fine = twin(), twin()
+    with pytest.warns(UserWarning, match="stability limit"):
+        report = solve(built.mbs, 0.5, stepSize=5e-3, allowUnstableStep=True, retries=2)
+    assert report["retries"] == 1 and report["stepSize"] == pytest.approx(2.5e-3)
+    solve(fine.mbs, 0.5, stepSize=2.5e-3)
+    first, second = (np.asarray(b.mbs.GetSensorStoredData(b.tip)) for b in (built, fine))
+    np.testing.assert_array_equal(first, second)
+
+
+def test_the_last_retry_raises(twin, solve):
+    with pytest.warns(UserWarning), pytest.raises(DivergenceError, match=r"0\.006 s is above|step of 0\.00"):
+        solve(twin().mbs, 0.5, stepSize=2e-2, allowUnstableStep=True, retries=1)
+
+
+def swing_among_bodies(mbs, add_cable, kind):
+    """A cable whose upper end is held by a spring, or moved, and a brick at the lower one."""
+    held = {"groundConstraintsStart": [True, True, False, False]} if kind == "pinned" else {}
+    cable = add_cable(mbs, **held)
+    if kind == "on a spring":
+        ground = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.CreateGround()))
+        node = mbs.AddMarker(MarkerNodePosition(nodeNumber=cable["nodes"][0]))
+        spring = {"stiffness": [200.0] * 3, "damping": [0.2] * 3}
+        mbs.AddObject(ObjectConnectorCartesianSpringDamper(markerNumbers=[ground, node], **spring))
+    elif kind == "on a moving support":
+        CreatePrescribedMotion(mbs, cable["nodes"][0], lambda t: [0.1 * (1.0 - np.cos(6.0 * t)), 0.0])
+    body = mbs.CreateRigidBody(
+        inertia=InertiaCuboid(1000, [0.05, 0.02, 0.03]),
+        referencePosition=[1.85, 0, 0],
+        gravity=[0, -9.81, 0],
+        nodeType=exudyn.NodeType.RotationRxyz,
+        returnDict=True,
+    )
+    AttachToBody(mbs, cable, "end", body["bodyNumber"], [-0.05, 0, 0])
+    mbs.Assemble()
+    return cable
+
+
+@pytest.mark.parametrize("kind", ["pinned", "on a spring", "on a moving support"])
+def test_among_bodies_springs_joints_and_moving_supports_the_account_is_balanced(mbs, add_cable, solve, kind):
+    swing_among_bodies(mbs, add_cable, kind)
+    drift = solve(mbs, 0.8, stepSize=5e-4)["drift"]
+    assert drift["energyGain"] < 2e-3 and drift["energyLoss"] < 2e-3
+    assert 0.0 < drift["constraints"] < 1e-8
+
+
+def test_a_force_that_runs_away_among_bodies_is_no_fault_of_the_energy(mbs, add_pendulum, solve):
+    """Exudyn's work counts: a strong force gives much energy, and the account stays balanced."""
+    cable = add_pendulum(mbs)
+    mbs.CreateMassPoint(mass=1.0, referencePosition=[0, 0, 0])
+    load_node(mbs, cable["nodes"][-1], [0, 1, 0], loadVectorUserFunction=lambda mbs, t, f: [0, 5.0 * t, 0])
+    mbs.Assemble()
+    drift = solve(mbs, settings=quiet_settings(0.3, 30), stepSize=5e-4)["drift"]
+    assert drift["energyGain"] < 2e-3
