@@ -34,7 +34,7 @@ def test_at_rest_the_line_carries_the_ice_and_pulls_along_its_rod():
     weight = np.array([0.0, power_line.LINE.massPerLength * length * 9.81 + 1.162])
     on_rod = weight - last + first  # what the ends do not carry
     along = nodes[3][0] - [power_line.SPAN, power_line.ROD]
-    assert np.cross(on_rod, along) == pytest.approx(0.0, abs=1e-6)
+    assert np.linalg.det([on_rod, along]) == pytest.approx(0.0, abs=1e-6)
     assert on_rod[1] > 0.4 * weight[1]
 
 
