@@ -18,7 +18,7 @@ Imports = Mapping[str, set[str]]
 
 def direct_imports() -> dict[str, set[str]]:
     """Folder or module of the package, or other top-level package -> what of these it imports."""
-    graph = grimp.build_graph(PACKAGE, *OTHERS)
+    graph = grimp.build_graph(PACKAGE, *OTHERS, cache_dir=None)
     parts = [*graph.find_children(PACKAGE), *OTHERS]
     for part in parts:
         if graph.find_children(part):
