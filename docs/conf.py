@@ -1,4 +1,4 @@
-"""Sphinx: python -m sphinx -W --keep-going -b html docs build/docs. Needs no network, neither do its pages."""
+"""python -m sphinx -W --keep-going -b html docs build/docs: neither the build nor its pages need a network."""
 
 import os
 import sys
@@ -23,8 +23,8 @@ html_title = "exudyn_inext"
 html_copy_source = False
 
 default_role = "code"
+smartquotes = False
 myst_heading_anchors = 3
-suppress_warnings: list[str] = []
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # shapes and units are in the text

@@ -1,6 +1,7 @@
 """Code blocks of the documents, and what they print."""
 
 import re
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -25,7 +26,7 @@ def python_blocks(page):
     """All Python blocks of a page; a text block that follows one is what it prints."""
     fences = [*FENCE.findall(page.read_text(encoding="utf-8")), ("", "")]
     blocks = []
-    for (language, code), (following, printed) in zip(fences[:-1], fences[1:], strict=True):
+    for (language, code), (following, printed) in pairwise(fences):
         if language == "python":
             path = PATH.match(code)
             blocks.append(Block(code, path and path[1], printed if following == "text" else None))

@@ -49,16 +49,16 @@ def test_the_part_that_a_page_adds_works_as_printed(page, tmp_path):
 def test_without_its_module_a_page_does_not_work(tmp_path):
     page = DOCS / "howto" / "constraint.md"
     (script,) = [block for block in python_blocks(page) if not block.path]
-    with pytest.raises(AssertionError, match="No module named 'exudyn_inext.constraints.rail'"):
+    with pytest.raises(AssertionError, match=r"No module named 'exudyn_inext\.constraints\.rail'"):
         run(tmp_path, script.code, page)
 
 
-CONTRACTS = """
+CONTRACTS = f"""
 import pytest, sys
-name = "order_on_a_forced or limits_are_positive or find_their"
-sys.exit(pytest.main(["-q", "-p", "no:xdist", "-p", "no:cacheprovider", "-o", "addopts=", "-k", f"RK3 and ({name})",
-    "--import-mode=importlib", "ROOT/tests/contracts/test_every_integrator.py", "--rootdir=ROOT"]))
-""".replace("ROOT", str(ROOT))
+tests = "RK3 and (order_on_a_forced or limits_are_positive or find_their)"
+alone = ["-p", "no:xdist", "-p", "no:cacheprovider", "-o", "addopts=", "--import-mode=importlib"]
+sys.exit(pytest.main(["-q", "--rootdir={ROOT}", *alone, "-k", tests, "{ROOT}/tests/contracts/test_every_integrator.py"]))
+"""
 
 
 def test_the_contract_tests_sweep_the_added_integrator(tmp_path):

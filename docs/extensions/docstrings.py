@@ -37,7 +37,7 @@ def sections(lines: Iterable[str]) -> Iterator[tuple[str, list[str]]]:
 def items(lines: Iterable[str]) -> Iterator[tuple[str, str]]:
     """(name, text) of each item; names that share a text come one by one. Other text has no name."""
     joined: list[tuple[str, str]] = []
-    for line in (part for line in lines if line.strip() for part in NEXT_ITEM.split(line)):
+    for line in (part for given in lines if given.strip() for part in NEXT_ITEM.split(given)):
         found = ITEM.match(line)
         if found:
             joined.append((found[1], found[2]))

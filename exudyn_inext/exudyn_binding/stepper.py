@@ -151,6 +151,9 @@ class ExplicitStepper:
                 node of a closed one is the first once more.
             v: (n, 2, dim) their velocities [m/s, 1/s].
             time: [s].
+
+        Raises:
+            InputError: there is no such cable.
         """
         if not -len(self._cables) <= cable < len(self._cables):
             raise InputError(f"cable = {cable!r}: there are {len(self._cables)} cables, counted from 0.")

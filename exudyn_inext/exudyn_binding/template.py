@@ -72,7 +72,11 @@ class InextensibleCable:
         )
 
     def section(self, dimension: int) -> Section:
-        """Checked constants of the cross-section of a cable in that many dimensions."""
+        """Checked constants of the cross-section of a cable in that many dimensions.
+
+        Raises:
+            InputError: a number out of range, or natural curvature in space.
+        """
         curvature = self.referenceCurvature
         if isinstance(curvature, bool) or not isinstance(curvature, Real) or not np.isfinite(curvature):
             raise InputError(f"referenceCurvature = {curvature!r}: must be a finite number [1/m].")
@@ -90,7 +94,7 @@ class InextensibleCable:
         )
 
     def measure(self) -> CurvatureMeasure:
-        """Checked curvature measure."""
+        """Checked curvature measure; InputError if it is unknown."""
         try:
             return CurvatureMeasure(self.curvatureMeasure)
         except ValueError:
@@ -100,7 +104,7 @@ class InextensibleCable:
             ) from None
 
     def length_constraints(self, number_of_elements: int) -> int:
-        """Checked n_bar for a cable of that many elements."""
+        """Checked n_bar for a cable of that many elements; InputError if it is not among 0 to that number."""
         number = self.numberOfLengthConstraints
         if number is None:
             return number_of_elements
