@@ -1,4 +1,4 @@
-"""python -m sphinx -W --keep-going -b html docs build/docs: neither the build nor its pages need a network."""
+"""python -m sphinx -W --keep-going -b html docs build/docs; neither build nor pages need a network."""
 
 import os
 import sys

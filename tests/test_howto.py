@@ -55,9 +55,11 @@ def test_without_its_module_a_page_does_not_work(tmp_path):
 
 CONTRACTS = f"""
 import pytest, sys
-tests = "RK3 and (order_on_a_forced or limits_are_positive or find_their)"
-alone = ["-p", "no:xdist", "-p", "no:cacheprovider", "-o", "addopts=", "--import-mode=importlib"]
-sys.exit(pytest.main(["-q", "--rootdir={ROOT}", *alone, "-k", tests, "{ROOT}/tests/contracts/test_every_integrator.py"]))
+sys.exit(pytest.main([
+    "-q", "-p", "no:xdist", "-p", "no:cacheprovider", "-o", "addopts=", "--import-mode=importlib",
+    "-k", "RK3 and (order_on_a_forced or limits_are_positive or find_their)",
+    "--rootdir={ROOT}", "{ROOT}/tests/contracts/test_every_integrator.py",
+]))
 """
 
 

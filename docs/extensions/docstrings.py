@@ -75,7 +75,7 @@ def returned(lines: list[str]) -> list[str]:
     """What a function returns: a text, or a list of items."""
     if ITEM.match(lines[0]):
         return ["", ":returns:", *(f"    {line}" for line in bullets(lines)), ""]
-    return ["", f":returns: {escaped(' '.join(line.strip() for line in lines))}", ""]
+    return ["", f":returns: {escaped(' '.join(line.strip() for line in lines if line.strip()))}", ""]
 
 
 def example(lines: list[str]) -> list[str]:
