@@ -21,6 +21,7 @@ exclude_patterns = ["extensions"]
 html_theme = "furo"
 html_title = "exudyn_inext"
 html_copy_source = False
+html_show_copyright = False
 
 default_role = "code"
 smartquotes = False

@@ -9,7 +9,7 @@ settings.load_profile("repeatable")
 
 
 def axes_without_units(figure):
-    """(title, axis, labels) where quantity and [unit] are missing; axes that share an axis share its label."""
+    """(title, axis, labels) where quantity and [unit] are missing; axes that share one share its label."""
     missing = []
     for axes in figure.axes:
         for name in axes._axis_names if axes.axison else ():

@@ -79,19 +79,20 @@ def draw(path: Path) -> None:
         axes.axis("off")
         axes.set_xlim(min(x for x, _ in at.values()) - 0.6, max(x for x, _ in at.values()) + 0.6)
         axes.set_ylim(-0.5, max(y for _, y in at.values()) + 0.5)
+        boxes = {part: _box(axes, part, *at[part]) for part in imports}
         for part, others in imports.items():
             for other in others:
-                _arrow(axes, at[part], at[other])
-        for part, (x, y) in at.items():
-            color = COLORS[1] if part in OTHERS else COLORS[0]
-            box = {"boxstyle": "round,pad=0.35", "facecolor": "white", "edgecolor": color}
-            axes.text(x, y, part, ha="center", va="center", fontsize=9, bbox=box)
-        figure.savefig(path, metadata={"Date": None})
+                ends = {"patchA": boxes[part], "patchB": boxes[other], "shrinkA": 1, "shrinkB": 1}
+                style = {"arrowstyle": "->", "color": REFERENCE_COLOR}
+                axes.annotate("", xy=at[other], xytext=at[part], arrowprops=style | ends, zorder=1)
+        figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else None)
 
 
-def _arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float]) -> None:
-    style = {"arrowstyle": "->", "color": REFERENCE_COLOR, "shrinkA": 11, "shrinkB": 11}
-    axes.annotate("", xy=end, xytext=start, arrowprops=style)
+def _box(axes: Axes, part: str, x: float, y: float) -> Any:
+    """The name of a part in a frame; returns the frame."""
+    color = COLORS[1] if part in OTHERS else COLORS[0]
+    frame = {"boxstyle": "round,pad=0.35", "facecolor": "white", "edgecolor": color}
+    return axes.text(x, y, part, ha="center", va="center", fontsize=9, bbox=frame).get_bbox_patch()
 
 
 def setup(app: Any) -> dict[str, Any]:
