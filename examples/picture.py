@@ -7,9 +7,11 @@ from typing import Any
 import exudyn as exu
 import numpy as np
 from exudyn.utilities import SensorNode
-from scipy.interpolate import CubicSpline
+from PIL import Image
 
 from studies.harness.plot import COLORS, label_axes, new_figure
+
+from .shapes import is_flat, smooth
 
 FOLDER = Path("results/examples")
 SNAPSHOTS = 6
@@ -52,10 +54,11 @@ def draw(
         for place, k in enumerate(np.linspace(0, len(times) - 1, SNAPSHOTS).round().astype(int)):
             shade = 0.2 + 0.8 * place / (SNAPSHOTS - 1)
             for number, cable in enumerate(cables):
-                line = _smooth(cable[k])[:, ["xyz".index(axis) for axis in plane]].T
+                line = smooth(cable[k])[:, ["xyz".index(axis) for axis in plane]].T
                 label = f"t = {times[k]:.2g} s" if number == 0 else None
                 scene.plot(*line, color=COLORS[0], alpha=shade, label=label)
-        scene.set_aspect("equal", adjustable="datalim")
+        if not is_flat(cables):
+            scene.set_aspect("equal", adjustable="datalim")
         scene.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.0, 0.5))
         label_axes(scene, f"{plane[0]} [m]", f"{plane[1]} [m]")
         for label, values in curves.items():
@@ -64,10 +67,10 @@ def draw(
             fontsize=8, loc="lower left", bbox_to_anchor=(0, 1), ncols=3, columnspacing=1.0, handlelength=1.2
         )
         label_axes(history, "time t [s]", quantity)
+    shrink(path)
     return path
 
 
-def _smooth(nodes: np.ndarray) -> np.ndarray:
-    """Points of a smooth curve through nodes (k, 3)."""
-    place = np.arange(len(nodes))
-    return CubicSpline(place, nodes)(np.linspace(0, len(nodes) - 1, 10 * len(nodes)))
+def shrink(path: Path) -> None:
+    """Store a picture with a palette: a third of the size."""
+    Image.open(path).convert("RGB").quantize(64).save(path, optimize=True)

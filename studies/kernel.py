@@ -216,7 +216,7 @@ def draw(figures: Figures, directory: Path) -> list[Path]:
             axes.set_axisbelow(True)
             axes.axhline(BARS[dim], color=COLORS[-1], linestyle="--", label=f"bar: {BARS[dim]}")
             axes.set_xticks(range(len(numbers)), [str(number) for number in numbers])
-            label_axes(axes, "elements N", unit if dim == 2 else "", f"{dim}D")
+            label_axes(axes, "elements N [-]", unit if dim == 2 else "", f"{dim}D")
             axes.margins(y=0.35)  # room for the legend
             axes.legend(loc="upper right")
     return [path, _draw_shares(figures, directory / "kernel_shares.png")]

@@ -218,7 +218,7 @@ def draw(figures: Figures, directory: Path) -> list[Path]:
             style = "o-" if "RATTLE" in label else "s--"
             axes.semilogx(numbers, [row["microseconds"] for row in rows], style, color=color, label=label)
         axes.set_ylim(bottom=0.0)
-        label_axes(axes, "elements N", "CPU time per element and step [us]")
+        label_axes(axes, "elements N [-]", "CPU time per element and step [us]")
         figure.legend(loc="outside upper left", ncols=3)
     return [path]
 

@@ -168,8 +168,8 @@ def draw(figures: Figures, directory: Path) -> list[Path]:
             label = name.removeprefix("elements, ")
             axes.loglog([_size(r) for r in rows], values, "o-", color=COLORS[drawn[axes]], label=label)
             drawn[axes] += 1
-        label_axes(by_elements, "elements of a cable", "CPU time of a step [us]")
-        label_axes(by_number, "cables, springs, points or bodies", "CPU time of a step [us]")
+        label_axes(by_elements, "elements of a cable [-]", "CPU time of a step [us]")
+        label_axes(by_number, "cables, springs, points or bodies [-]", "CPU time of a step [us]")
         by_elements.legend()
         by_number.legend()
     return [path]

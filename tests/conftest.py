@@ -5,6 +5,7 @@ Known answers and faults are recorded as properties of their tests, for the tabl
 
 import pytest
 from hypothesis import settings
+from matplotlib.figure import Figure
 
 settings.register_profile("repeatable", derandomize=True, max_examples=20, deadline=None, database=None)
 settings.load_profile("repeatable")
@@ -24,3 +25,27 @@ def known_answer(record_property):
 def fault(record_property):
     """(what, what came of it): something that went wrong, and was survived."""
     return lambda what, outcome: record_property("fault", f"{what}|{outcome}")
+
+
+def axes_without_units(figure):
+    """(title, axis, labels) where quantity and [unit] are missing; axes that share one share its label."""
+    missing = []
+    for axes in figure.axes:
+        for name in axes._axis_names if axes.axison else ():
+            shared = axes._shared_axes[name].get_siblings(axes)
+            labels = [getattr(other, f"get_{name}label")() for other in shared]
+            names_cases = getattr(axes, f"{name}axis").have_units()  # words, as of a bar chart
+            if not names_cases and not any("[" in label and label.endswith("]") for label in labels):
+                missing.append((axes.get_title(loc="left"), name, labels))
+    return missing
+
+
+@pytest.fixture(autouse=True)
+def every_picture_that_is_saved_has_units_at_its_axes(monkeypatch):
+    save = Figure.savefig
+
+    def checked(figure, *arguments, **options):
+        assert axes_without_units(figure) == []
+        return save(figure, *arguments, **options)
+
+    monkeypatch.setattr(Figure, "savefig", checked)

@@ -110,6 +110,7 @@ def set_projection_targets(duration, record):
 
 @inlined
 def set_correction_target(learning, record):
+    """Right-hand side -c of a step back to the manifold; see `correct_position` for what is learned."""
     violation = record.constraint[VALUE]
     record.target[CORRECTION] = -violation
     record.foresight -= learning * violation

@@ -18,13 +18,20 @@ def constrained_inverse(system, force, x):
     Args:
         system: factorised.
         force: (n, 2, dim) [N, Nm].   x: (n, 2, dim) output.
+
+    Raises:
+        NotImplementedError: the type of `system` implements no such solve.
     """
     raise NotImplementedError(f"no constrained inverse for {type(system).__name__}")
 
 
 @singledispatch
 def add_link_stiffness(system, multiplier, x, y):
-    """y += sum nu d2c/dq2 x over the links of a system.   multiplier: (m,) nu; x, y: (n, 2, dim)."""
+    """y += sum nu d2c/dq2 x over the links of a system.   multiplier: (m,) nu; x, y: (n, 2, dim).
+
+    Raises:
+        NotImplementedError: the type of `system` has no links.
+    """
     raise NotImplementedError(f"no link stiffness for {type(system).__name__}")
 
 

@@ -28,6 +28,10 @@ def runs_of_scene(
         mbs: the system; the user functions of its cables are switched off if it needs coupling.
         scene: what it contains.   solver: of the time loop.   time: of the start [s].
         h: step that scales the mass [s]; 0 without mass scaling.   explicit: settings.
+
+    Raises:
+        SceneError: nothing moves.
+        InputError: massScaling without an inextensible cable.
     """
     if mbs.systemData.ODE2Size() == 0:
         raise SceneError("mbs has nothing that moves: add a cable with CreateInextensibleCable.")

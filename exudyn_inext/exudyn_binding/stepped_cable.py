@@ -80,7 +80,7 @@ class SteppedCable:
         state.q[:], state.v[:], state.a[:] = self._present[0]
 
     def set_force(self, node: int, force: Sequence[float]) -> None:
-        """Set the force (3,) [N] on a node, in place of the last one that was set."""
+        """Set the force (3,) [N] on a node, in place of the last one; InputError if it is none."""
         dim = self.q.shape[2]
         first = self.nodes[node] * 2 * dim
         if not _are_three_numbers(force):

@@ -148,6 +148,9 @@ class ExplicitStepper:
                 node of a closed one is the first once more.
             v: (n, 2, dim) their velocities [m/s, 1/s].
             time: [s].
+
+        Raises:
+            InputError: there is no such cable.
         """
         number = len(self._cables)
         chosen = self._cables[require_integer("cable", cable, -number, number - 1, ", counted from 0")]

@@ -72,7 +72,11 @@ class InextensibleCable:
         )
 
     def section(self, dimension: int) -> Section:
-        """Checked constants of the cross-section of a cable in that many dimensions."""
+        """Checked constants of the cross-section of a cable in that many dimensions.
+
+        Raises:
+            InputError: a number out of range, or natural curvature in space.
+        """
         curvature = require_finite("referenceCurvature", self.referenceCurvature, "1/m")
         if curvature and dimension == 3:
             raise InputError(
@@ -87,12 +91,12 @@ class InextensibleCable:
         )
 
     def measure(self) -> CurvatureMeasure:
-        """Checked curvature measure."""
+        """Checked curvature measure; InputError if it is unknown."""
         known = [measure.value for measure in CurvatureMeasure]
         return CurvatureMeasure(require_choice("curvatureMeasure", self.curvatureMeasure, known))
 
     def length_constraints(self, number_of_elements: int) -> int:
-        """Checked n_bar for a cable of that many elements."""
+        """Checked n_bar for a cable of that many elements; InputError if it is not among 0 to that number."""
         number = self.numberOfLengthConstraints
         if number is None:
             return number_of_elements

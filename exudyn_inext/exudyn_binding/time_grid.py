@@ -47,7 +47,11 @@ def time_grid(mbs: Any, settings: Any, wanted: float) -> TimeGrid:
 
 
 def grid_of_period(settings: Any, wanted: float, period: float) -> TimeGrid:
-    """The grid of `time_grid` for outputs at a given period [s]; 0: at every step of the integrator."""
+    """The grid of `time_grid` for outputs at a given period [s]; 0: at every step of the integrator.
+
+    Raises:
+        InputError: the end is not after the start.
+    """
     time = settings.timeIntegration
     duration = time.endTime - time.startTime
     if not (math.isfinite(duration) and duration > 0.0):

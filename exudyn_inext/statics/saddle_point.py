@@ -13,5 +13,6 @@ def factorise(model: csr_array, jacobian: csr_array) -> SuperLU:
 
 
 def solve(factor: SuperLU, force: Array, target: Array) -> tuple[Array, Array]:
+    """x and multipliers of [B J^T; J 0] [x; lam] = [force; target], factorised."""
     solution = factor.solve(np.concatenate([force, target]))
     return solution[: len(force)], solution[len(force) :]

@@ -32,11 +32,18 @@ _STYLE: Any = {
 @contextmanager
 def new_figure(path: Path, width: float = 8.0, height: float = 5.0) -> Iterator[Figure]:
     """A figure of that size [inch] which is saved to `path` (PNG) when the block ends."""
+    with styled_figure(width, height) as figure:
+        yield figure
+        figure.savefig(path, dpi=150)
+
+
+@contextmanager
+def styled_figure(width: float, height: float) -> Iterator[Figure]:
+    """A figure of that size [inch] for what is not a single picture: the style holds within the block."""
     with rc_context(_STYLE):
         figure = Figure(figsize=(width, height))
         FigureCanvasAgg(figure)
         yield figure
-        figure.savefig(path, dpi=150)
 
 
 def label_axes(axes: Axes, x: str, y: str, title: str = "") -> None:

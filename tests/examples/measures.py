@@ -38,7 +38,7 @@ def record(mbs, scene):
     def store(mbs, t):
         history.t.append(t)
         history.cables.append([cable_state(mbs, cable["nodes"]) for cable in scene["cables"]])
-        history.bodies.append([body_state(mbs, body) for body in scene["bodies"]])
+        history.bodies.append([body_state(mbs, body) for body in scene.get("bodies", ())])
         return True
 
     mbs.SetPostStepUserFunction(store)  # Exudyn calls it at the start, too

@@ -4,15 +4,17 @@ import dataclasses
 import importlib
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image, ImageSequence
 
 import examples
-from examples import picture, tethered_bodies
+from examples import animation, picture, tethered_bodies
 from exudyn_inext import DivergenceError
 from reference_models.model import silence
 from tests.examples.twins import run_inextensible
 
-HELPERS = {"__init__", "contact", "picture"}
+HELPERS = {"__init__", "animation", "contact", "picture", "shapes"}
 FILES = sorted(Path(examples.__file__).parent.glob("*.py"))
 SCRIPTS = [path.stem for path in FILES if path.stem not in HELPERS]
 
@@ -24,6 +26,28 @@ def test_a_script_runs_as_printed_and_draws(name, tmp_path, monkeypatch, capsys)
         importlib.import_module(f"examples.{name}").main()
     assert (tmp_path / f"{name}.png").stat().st_size > 10_000
     assert "Exudyn's steps" in capsys.readouterr().out
+
+
+def test_the_animation_is_a_film_of_the_four_scenes(tmp_path, monkeypatch):
+    monkeypatch.setattr(picture, "FOLDER", tmp_path)
+    monkeypatch.setattr(animation, "FRAMES", 3)
+    with silence():
+        animation.main()
+    with Image.open(tmp_path / "four_scenes.gif") as film:
+        assert film.n_frames == 3
+        frames = [np.array(frame.convert("L")) for frame in ImageSequence.Iterator(film)]
+    height, width = frames[0].shape
+    for rows in (slice(height // 2), slice(height // 2, None)):
+        for columns in (slice(width // 2), slice(width // 2, None)):
+            first, last = (frame[rows, columns].astype(int) for frame in (frames[0], frames[-1]))
+            assert (np.abs(first - last) > 100).sum() > 100  # something moves in every quarter
+
+
+def test_the_animation_in_the_docs_is_small_and_complete():
+    path = Path(examples.__file__).parents[1] / "docs" / "four_scenes.gif"
+    assert path.stat().st_size < 1_500_000
+    with Image.open(path) as film:
+        assert film.n_frames == animation.FRAMES
 
 
 def test_a_run_that_diverges_ends_in_a_message():
@@ -43,7 +67,7 @@ def test_scripts_are_short(path):
     assert len(path.read_text().splitlines()) < limit
 
 
-def test_every_script_has_its_twin_and_its_picture():
+def test_every_script_has_its_own_test_and_its_picture():
     root = Path(examples.__file__).parents[1]
     for name in SCRIPTS:
         assert (root / "tests" / "examples" / f"test_{name}.py").exists()

@@ -1,0 +1,32 @@
+"""python -m sphinx -W --keep-going -b html docs build/docs; neither build nor pages need a network."""
+
+import os
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT), str(ROOT / "docs" / "extensions")]
+os.environ["NUMBA_DISABLE_JIT"] = "1"  # kernels are plain functions then, with docstrings
+
+project = "exudyn_inext"
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.viewcode",
+    "docstrings",
+    "import_diagram",
+    "offline",
+]
+exclude_patterns = ["extensions"]
+html_theme = "furo"
+html_title = "exudyn_inext"
+html_copy_source = False
+html_show_copyright = False
+
+default_role = "code"
+smartquotes = False
+myst_heading_anchors = 3
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # shapes and units are in the text
+autodoc_preserve_defaults = True

@@ -1,0 +1,49 @@
+"""All pictures have one style, and one module sets it."""
+
+import ast
+
+import pytest
+from matplotlib.colors import to_rgb
+
+from studies.harness.plot import COLORS, REFERENCE_COLOR
+from tests.documents import ROOT
+
+STYLE = ROOT / "studies" / "harness" / "plot.py"
+SOURCES = [
+    path
+    for folder in ("exudyn_inext", "reference_models", "studies", "examples", "docs/extensions")
+    for path in sorted((ROOT / folder).rglob("*.py"))
+    if path != STYLE
+]
+TYPES_AND_FILMS = {"matplotlib.axes", "matplotlib.figure", "matplotlib.animation", "matplotlib.ticker"}
+
+
+def imports(path):
+    """Modules of matplotlib that a file imports."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        names = [node.module] if isinstance(node, ast.ImportFrom) and node.level == 0 else []
+        names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+        yield from (name for name in names if name.startswith("matplotlib"))
+
+
+def test_nothing_but_the_style_module_makes_figures_or_sets_styles():
+    others = {str(path.relative_to(ROOT)): set(imports(path)) - TYPES_AND_FILMS for path in SOURCES}
+    assert {path: names for path, names in others.items() if names} == {}
+    assert any(set(imports(path)) for path in SOURCES)
+
+
+def machado_deuteranope(color):
+    """How a color looks without green receptors (Machado, Oliveira, Fernandes, IEEE TVCG 15 (2009) 1291)."""
+    r, g, b = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in to_rgb(color))
+    return (
+        0.367322 * r + 0.860646 * g - 0.227968 * b,
+        0.280085 * r + 0.672501 * g + 0.047413 * b,
+        -0.011820 * r + 0.042940 * g + 0.968881 * b,
+    )
+
+
+@pytest.mark.parametrize("first", range(4))
+def test_the_first_colors_differ_for_a_deuteranope(first):
+    seen = [machado_deuteranope(color) for color in (*COLORS[:4], REFERENCE_COLOR)]
+    for second in range(first):
+        assert sum((a - b) ** 2 for a, b in zip(seen[first], seen[second], strict=True)) > 0.01
