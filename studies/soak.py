@@ -205,7 +205,7 @@ def draw(figures: Figures, directory: Path) -> list[Path]:
             memory.plot(relative, style, color=color, label=row["label"])
         memory.axhline(1.0 + GROWTH, color="black", linestyle=":", linewidth=1.0)
         label_axes(energy, "time of motion [h]", "change of energy over the swing [-]")
-        label_axes(memory, "scenes built, run, dropped", "resident memory over that after the warm-up [-]")
+        label_axes(memory, "scenes built, run, dropped [-]", "resident memory over its start [-]")
         energy.legend()
         memory.legend()
     return [path]

@@ -33,6 +33,7 @@ from .step_control import StepControl, StepRule
 from .time_grid import TimeGrid
 
 PIVOT_TOLERANCE = 1e-10
+STEPS_BETWEEN_LIMITS = 4096  # so that a look at the present stability limit costs less than a hundredth
 
 
 @dataclass(frozen=True)
@@ -90,6 +91,9 @@ class CableRun:
         self._drag_rate = drag_rate(cable, scene_cable.item.gravity, initial[1])
         self._integrator = integrator
         self._is_scaled = start.mass_scaling > 0.0
+        self._tracker = FrequencyTracker(self.system, cable.reference.shape)
+        self._steps_since_limit = 0
+        self._largest_share = 0.0  # of the stability limit, that the step has been
         self.loads = CableLoads(scene_cable)
         self.state: Any = integrator.allocate(cable.reference.size, len(self.loads.constant))
         self.state.q[:], self.state.v[:] = (array.ravel() for array in initial)
@@ -216,12 +220,24 @@ class CableRun:
             good = record_watched(
                 scheme, self.system, loads, self.state, grid.h, grid.substeps, history, self.watch.watch
             )
+            self._look_at_limit(scheme, grid.h, steps)
         history[:good, 0] -= self.reference
         return good
 
     def figures(self) -> dict[str, float]:
-        """How well constraints and energy were kept."""
-        return figures(self.watch.watch)
+        """How well constraints and energy were kept, and the step within its stability limit."""
+        share = {"stepOverLimit": self._largest_share} if self._largest_share else {}
+        return figures(self.watch.watch) | share
+
+    def _look_at_limit(self, scheme: Any, h: float, steps: int) -> None:
+        """From time to time: the share that the step is of the present stability limit."""
+        self._steps_since_limit += steps
+        if self._steps_since_limit < STEPS_BETWEEN_LIMITS or self.watch.has_trouble:
+            return
+        self._steps_since_limit = 0
+        shape = self.scene_cable.cable.reference.shape
+        frequency = self._tracker.frequency(self.state.q.reshape(shape), self.state.a.reshape(shape))
+        self._largest_share = max(self._largest_share, h / self._stability_limit(scheme, frequency))
 
     def verdict(self, scheme: Any, time: float, h: float) -> str:
         """What went wrong in the last steps, of h [s] at `time` [s], and why; empty if all is well."""

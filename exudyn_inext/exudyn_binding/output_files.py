@@ -10,7 +10,9 @@ from ..errors import InputError
 
 
 def require_writable_outputs(mbs: Any, settings: Any) -> None:
-    """Raise InputError unless the files of solution and sensors can be written; Exudyn adds missing folders.
+    """Raise InputError unless the files of solution, sensors and restarts can be written.
+
+    Missing folders are no fault, they are added.
 
     Args:
         mbs: its sensors may write files.   settings: exudyn.SimulationSettings; where the solution goes.
@@ -29,6 +31,8 @@ def _files(mbs: Any, solution: Any) -> Iterator[tuple[str, str]]:
     """What writes which file."""
     if solution.file.write:
         yield "solution.file.name", solution.file.name
+    if solution.restart.write:
+        yield "solution.restart.name", solution.restart.name
     if not solution.sensors.active:
         return
     for number in range(mbs.systemData.NumberOfSensors()):

@@ -13,6 +13,7 @@ from typing import Any
 import exudyn
 import numpy as np
 
+from ..checks import require_positive
 from ..errors import InputError
 from .restart_file import Restart, packed, read_restart, unpack, write_restart
 from .settings import ExplicitSettings
@@ -40,7 +41,9 @@ class Restarts:
         options = settings.solution.restart
         self._mbs = mbs
         self._name = str(options.name)
-        self._period = float(options.writePeriod) if options.write else 0.0
+        self._period = 0.0
+        if options.write:
+            self._period = require_positive("solution.restart.writePeriod", options.writePeriod)
         self._continues = bool(options.continueIfAvailable) and Path(self._name).exists()
         self._start = float(settings.timeIntegration.startTime)
         self._end = float(settings.timeIntegration.endTime)

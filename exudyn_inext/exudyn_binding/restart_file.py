@@ -94,7 +94,11 @@ def packed(prefix: str, memory: Mapping[str, Any]) -> dict[str, Array]:
 
 
 def unpack(prefix: str, memory: Mapping[str, Any], arrays: Mapping[str, Array]) -> None:
-    """Set the arrays of nested dicts, in place, to what `packed` made of them."""
+    """Set the arrays of nested dicts, in place, to what `packed` made of them.
+
+    Raises:
+        InputError: an array is missing, or of another shape or type.
+    """
     for name, value in memory.items():
         key = f"{prefix}/{name}"
         if isinstance(value, Mapping):

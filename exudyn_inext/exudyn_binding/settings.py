@@ -62,7 +62,7 @@ class ExplicitSettings:
             stepSize is then an upper bound. For scenes of cables alone.
         energyTolerance: energy that a run may have beyond the work done on it, as a share of what its motion
             turns over (largest kinetic energy and range of the bending energy so far) [-]; more of it for 256
-            steps, or ten times as much at once, ends the run. math.inf: the energy is not looked at.
+            steps, or 30 times as much at once, ends the run. math.inf: the energy is not looked at.
         retries: how often a run that has diverged begins anew, each time with half the step.
     """
 
@@ -76,7 +76,7 @@ class ExplicitSettings:
     startTolerance: float = 1e-6
     allowUnstableStep: bool = False
     adaptiveStep: bool = False
-    energyTolerance: float = 0.01
+    energyTolerance: float = 0.003
     retries: int = 0
 
     def __post_init__(self) -> None:

@@ -19,7 +19,7 @@ STEPS_BETWEEN = 64  # inspections of a run whose energy only forces change that 
 STEPS_WITH_POWER = 24  # of one with damping, drag, or forces and supports that move
 LARGEST_VIOLATION = 0.05  # of |r_x|^2 = 1 [-], and of lengths, relative
 PATIENCE = 256  # steps for which the energy may be above its limit
-VIOLENT = 10.0  # times the limit: no patience
+VIOLENT = 30.0  # times the limit: no patience
 SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
 SCATTER = 4.0  # times its standard deviation may the work of forces be wrong
 

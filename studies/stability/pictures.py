@@ -16,7 +16,7 @@ STEP = "largest stable step h [s]"
 LINEAR_MAPS = {
     "zeta": "stabilisation rate zeta [1/s]",
     "stiffness": "EI over its physical value [-]",
-    "elements": "elements N",
+    "elements": "elements N [-]",
     "gravity": "gravity g/g_0 [-]",
 }
 NO_GRAVITY = 1e-1  # shown in place of zero on a logarithmic axis
@@ -122,7 +122,7 @@ def _spin(figures: Figures, directory: Path) -> Path | None:
                 rates, [row["predictedInMotion"] for row in own], color=color, label="linearised step"
             )
             axes.loglog(rates, [row["predicted"] for row in own], "--", color=color, linewidth=0.8)
-        label_axes(axes, "rate of spin [rad/s]", STEP + "; dashed: w_max alone")
+        label_axes(axes, "rate of spin [rad/s]", "largest stable step h (dashed: of w_max alone) [s]")
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, fontsize=8)
     return path
 
@@ -198,7 +198,7 @@ def _precision(figures: Figures, directory: Path) -> Path | None:
                 limits.semilogx(numbers, [row["ratio"] for row in part], style, color=color)
                 values = [row["noise"] or math.nan for row in part]
                 noise.loglog(numbers, values, style, color=color, label=f"{scheme}, {bits} bit")
-        label_axes(limits, "elements N", "found over predicted limit [-]")
-        label_axes(noise, "elements N", "noise at half the limit [-]")
+        label_axes(limits, "elements N [-]", "found over predicted limit [-]")
+        label_axes(noise, "elements N [-]", "noise at half the limit [-]")
         figure.legend(*noise.get_legend_handles_labels(), loc="outside upper left", ncols=3, fontsize=8)
     return path

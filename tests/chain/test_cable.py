@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from exudyn_inext.chain.attached import Drag, PointMass, place_on_elements, placed
-from exudyn_inext.chain.cable import require_positive
+from exudyn_inext.checks import require_positive
 from exudyn_inext.chain.chain import build_chain
 from exudyn_inext.chain.link import Link, rest
 from exudyn_inext.errors import InputError

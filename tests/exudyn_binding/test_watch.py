@@ -21,18 +21,25 @@ def test_a_run_reports_how_well_it_kept_energy_and_constraints(twin, solve):
     assert 1e-6 < zhai["constraints"] < 1e-3
 
 
+def test_a_long_run_says_how_near_the_step_came_to_the_present_stability_limit(twin, solve):
+    """The limit is lowest where the cable is straight; the pendulum starts so, and swings through it."""
+    report = solve(twin().mbs, 30.0, settings=quiet_settings(30.0, 1, 0.1), stepSize=2.5e-3)
+    at_start = report["stepSize"] / report["bounds"].bending
+    assert 0.9 * at_start < report["drift"]["stepOverLimit"] < 1.05 * at_start
+
+
 def test_slow_growth_is_explained_with_time_cable_element_quantity_cause_and_remedy(twin, solve):
     built = twin()
     message = (
         r"diverged before t = [\d.]+ s\. cable 'object0': it has [\d.]+% more energy than the work done on "
-        r"it explains.*limit 1\.00%.*between nodes \d and \d\. Likely cause: Zhai, at 9\d% of the stability "
+        r"it explains.*limit 0\.30%.*between nodes \d and \d\. Likely cause: Zhai, at 9\d% of the stability "
         r"limit"
         r".*integrator='RATTLE'.*mbs holds the last good output, that of t = ([\d.]+) s"
     )
     with pytest.raises(DivergenceError, match=message):
         solve(built.mbs, 100.0, integrator="Zhai", stepSize=2.5e-3)
     rows = np.asarray(built.mbs.GetSensorStoredData(built.tip))
-    assert 20.0 < rows[-1, 0] == pytest.approx(built.mbs.systemData.GetTime(), abs=0.011)
+    assert 15.0 < rows[-1, 0] == pytest.approx(built.mbs.systemData.GetTime(), abs=0.011)
     assert np.abs(rows[:, 1:3]).max() < 1.81
 
 

@@ -21,7 +21,7 @@ from exudyn_inext.integrators.watch import (
 from exudyn_inext.loads.gravity import gravity_force
 from tests.cables import planar_pendulum
 
-TOLERANCE = 0.01
+TOLERANCE = 0.003
 
 
 class WatchedPendulum:
@@ -67,7 +67,7 @@ def test_the_slow_growth_of_zhai_is_stopped_long_before_the_run_explodes(fault):
     h, steps = 2.5e-3, 14_000
     good, history = WatchedPendulum("Zhai").run(h, steps)
     exploded = int(np.argmin(np.isfinite(unwatched("Zhai", h, steps)).all(axis=(1, 2))))
-    assert good < exploded - 300
+    assert good < exploded - 1000
     slopes = history[:, 0].reshape(-1, 6, 2, 2)[:, :, 1]
     assert np.abs((slopes**2).sum(axis=2) - 1.0).max() < 0.02
     fault(

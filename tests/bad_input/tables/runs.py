@@ -150,6 +150,14 @@ def solution_in(name: str) -> dict[str, Any]:
     return {"simulationSettings": simulation}
 
 
+def restart_in(name: str, **options: Any) -> dict[str, Any]:
+    """Settings that write restart files, or continue from one."""
+    simulation = settings()
+    for option, value in {"name": name, **options}.items():
+        setattr(simulation.solution.restart, option, value)
+    return {"simulationSettings": simulation}
+
+
 A_FILE = str(Path(__file__).resolve())  # where a folder ought to be
 
 
@@ -298,6 +306,18 @@ SOLVE_EXPLICIT = [
             (solution_in(f"{A_FILE}/a/solution"), r"solution.file.name = .* cannot be written .*another"),
             (solution_in("/proc/solution"), r"solution.file.name = '/proc/solution' cannot be written"),
             (solution_in(str(Path(A_FILE).parent)), r"solution.file.name = .* cannot be written"),
+            (
+                restart_in(f"{A_FILE}/run.restart", write=True),
+                r"solution.restart.name = .* cannot be written .*another folder",
+            ),
+            (
+                restart_in("run.restart", write=True, writePeriod=0.0),
+                r"solution.restart.writePeriod = 0.0: must be a finite number > 0",
+            ),
+            (
+                restart_in(A_FILE, continueIfAvailable=True),
+                r"restart file '.*runs.py' is damaged, or is none .*remove it to start anew",
+            ),
         ],
     ),
     Row(
@@ -490,7 +510,7 @@ STEPPER_CALLS = [
     Row(
         ExplicitStepper.Step,
         {"self": Of(lambda scene: scene.stepper), "n": 50},
-        r"cable 'object0' diverged before t = .* The stepper holds the state at t = 0.003 s.*reduce stepSize",
+        r"diverged before t = .*cable 'object0': .*reduce stepSize.* The stepper holds the state at t = 0.003",
         DivergenceError,
         scene=pulled_apart,
         good=start_anew,
