@@ -33,7 +33,7 @@ from .step_control import StepControl, StepRule
 from .time_grid import TimeGrid
 
 PIVOT_TOLERANCE = 1e-10
-STEPS_BETWEEN_LIMITS = 4096  # so that a look at the present stability limit costs less than a hundredth
+STEPS_BETWEEN_LIMITS = 20_000  # so that a look at the present stability limit costs next to nothing
 
 
 @dataclass(frozen=True)

@@ -159,7 +159,9 @@ def _violent(figures: Figures, directory: Path) -> Path | None:
             allowed = [row["predictedInMotion"] / row["predicted"] for row in own]
             axes.loglog(speeds, allowed, "--", color=color, linewidth=0.8)
         label_axes(
-            axes, "largest speed at the start [m/s]", "step over the limit at rest; dashed: motion's w_max"
+            axes,
+            "largest speed at the start [m/s]",
+            "step over the limit at rest (dashed: w_max in motion) [-]",
         )
         axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, fontsize=8)
     return path

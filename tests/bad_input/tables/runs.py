@@ -510,7 +510,7 @@ STEPPER_CALLS = [
     Row(
         ExplicitStepper.Step,
         {"self": Of(lambda scene: scene.stepper), "n": 50},
-        r"diverged before t = .*cable 'object0': .*reduce stepSize.* The stepper holds the state at t = 0.003",
+        r"diverged before t = .*cable 'object0': .*reduce stepSize.* stepper holds the state at t = 0.003 s",
         DivergenceError,
         scene=pulled_apart,
         good=start_anew,
