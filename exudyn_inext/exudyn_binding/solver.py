@@ -67,8 +67,8 @@ def SolveExplicit(
         steps were computed), 'startCorrections' (of each cable, and of joints: how far the initial
         state was from the constraints), 'drift' (largest 'energyGain' and 'energyLoss' of a run, relative
         to what its motion turned over, beyond the work done on it; largest violation of 'constraints'; in
-        runs of more than 20 000 steps, of cables alone, the largest share 'stepOverLimit' that the step was of
-        the present stability limit),
+        runs of more than 20 000 steps of cables alone, 'stepOverLimit', the largest share that the step was
+        of the present stability limit),
         'retries' (how often the run began anew) and 'resumedAt' [s] (of a restart file; or None).
 
     Raises:
