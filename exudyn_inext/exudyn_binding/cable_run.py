@@ -28,6 +28,7 @@ from .consistent_start import (
 )
 from .divergence import GIVEN_UP, explanation
 from .link_items import require_smooth_motions
+from .retrace import retrace
 from .scene import CableInScene
 from .step_control import StepControl, StepRule
 from .time_grid import TimeGrid
@@ -147,6 +148,17 @@ class CableRun:
         """Go on at `time` [s], with the memory that has been set."""
         self._integrator.resume(self.system, self.loads.at(time), self.state)
 
+    @property
+    def stages(self) -> tuple[float, ...]:
+        """Of the scheme, see `Integrator`."""
+        return self._integrator.stages
+
+    def go_on(self, time: float) -> None:
+        """Go on at `time` [s] from a state that the last steps have not led to."""
+        self.forget()
+        self.resume(time)
+        self.watch.open(self.system, self.loads.at(time), self.state)
+
     def forget(self) -> None:
         """What earlier steps taught the constraints does not hold any more."""
         for records in self._records():
@@ -217,9 +229,13 @@ class CableRun:
             loads = self.loads.sample(
                 grid.start, grid.h, steps, self._integrator.stages, first=first * grid.substeps
             )
+            before = self.watch.steps
             good = record_watched(
                 scheme, self.system, loads, self.state, grid.h, grid.substeps, history, self.watch.watch
             )
+            if good < len(history):
+                step = first * grid.substeps + self.watch.steps - before
+                good = retrace(self, scheme, grid, step, history, good)
             self._look_at_limit(scheme, grid.h, steps)
         history[:good, 0] -= self.reference
         return good

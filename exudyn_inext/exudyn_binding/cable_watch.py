@@ -47,6 +47,11 @@ class CableWatch:
         """Whether the last steps went wrong."""
         return bool(self.watch.account[0].trouble)
 
+    @property
+    def steps(self) -> int:
+        """That have been inspected and found well."""
+        return int(self.watch.account[0].steps)
+
     def finding(self, state: Any) -> str:
         """What went wrong, by how much, and where.   state: the last good one."""
         left, right = self._fastest_element(state.a)

@@ -38,6 +38,7 @@ ACCOUNT = np.dtype(
         ("loss", np.float64),
         ("violation", np.float64),
         ("suspect", np.int64),
+        ("steps", np.int64),
         ("trouble", np.int64),
     ],
     align=True,
@@ -52,8 +53,8 @@ class Watch(NamedTuple):
     account: (1,) record. Energy at the `start` and `agitation` then [J/s^2]; `work` done since [J], of which
         we are `unsure`, to one side [J], and its `scatter` [J^2]; bounds of kinetic and elastic energy so
         far [J]; relative `error` of the energy and its extremes so far, `gain` and `loss` [-]; largest
-        `violation` of a constraint so far [-]; for how many steps the energy has been `suspect`; what the
-        `trouble` is.
+        `violation` of a constraint so far [-]; for how many steps the energy has been `suspect`; how many
+        `steps` were found well so far; what the `trouble` is.
     position, force: (n_dof,) when work was counted last.   change, way: (n_dof,) of the force, and
         of the position, before that.
     gauges: (5,) at the last inspection, see `gauge`.   force_now, gauges_now: memory.
@@ -245,6 +246,7 @@ def _judge(watch, state, steps, duration):
         elif account.suspect >= PATIENCE or account.error > VIOLENT * watch.tolerance:
             account.trouble = ENERGY
     if account.trouble == ALL_IS_WELL:
+        account.steps += steps
         _keep(watch, state)
     else:
         _exchange(watch, state)
