@@ -51,7 +51,9 @@ def test_without_tolerance_the_energy_is_not_looked_at(twin, solve):
 def test_a_step_above_the_limit_is_named_as_the_cause(twin, solve):
     with (
         pytest.warns(UserWarning, match="stability limit"),
-        pytest.raises(DivergenceError, match=r"step of 0\.005 s is above the stability limit.*0\.002[78]\d* s"),
+        pytest.raises(
+            DivergenceError, match=r"step of 0\.005 s is above the stability limit.*0\.002[78]\d* s"
+        ),
     ):
         solve(twin().mbs, 1.0, stepSize=5e-3, allowUnstableStep=True)
 
