@@ -60,8 +60,8 @@ def SolveEnsemble(
         'accelerations', in the order of mbs.systemData.GetODE2Coordinates(): displacements, to which
         'referenceCoordinates' (members, n) add up to positions and slopes; 'status' of each member, 'ok'
         or how it diverged, 'divergenceTimes' (members,), NaN for those that did not; a diverged member
-        has NaN after the last output before the inspection that found it. And, as from SolveExplicit, 'success' (of all), 'integrator',
-        'stepSize' [s], 'steps', 'decidedBy', 'bounds', besides 'threads'.
+        has NaN after the last output before the inspection that found it. And, as from SolveExplicit,
+        'success' (of all), 'integrator', 'stepSize' [s], 'steps', 'decidedBy', 'bounds', besides 'threads'.
 
     Raises:
         InputError: no member, members of different structure (it says which differs in what).
