@@ -115,8 +115,7 @@ class CableRun:
 
     def follow_frequency(self, rule: StepRule) -> None:
         """Let the steps follow the present stability limit."""
-        tracker = FrequencyTracker(self.system, self.scene_cable.cable.reference.shape)
-        self.control = StepControl(rule, tracker)
+        self.control = StepControl(rule, self._tracker)
 
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; the history of a multi-step scheme begins here.

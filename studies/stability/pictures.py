@@ -47,6 +47,13 @@ def _hollow(color: str, size: float) -> dict[str, Any]:
     return {"color": color, "markersize": size, "fillstyle": "none"}
 
 
+def _predicted_and_found(axes: Axes, values: list[float], rows: list[Row], scheme: str, style: Any) -> None:
+    """A line and hollow markers over `values`.   style: color and size of the markers."""
+    color, size = style
+    axes.loglog(values, [row["predicted"] for row in rows], color=color, label=f"{scheme}, predicted")
+    axes.loglog(values, [row["found"] for row in rows], "o", **_hollow(color, size), label="found")
+
+
 def _legend_above(axes: Axes) -> None:
     axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, fontsize=8)
 
@@ -61,8 +68,7 @@ def _limits(figures: Figures, directory: Path, kind: str, what: str) -> Path | N
         axes = figure.subplots()
         for (scheme, own), color, size in zip(_groups(rows).items(), COLORS, SIZES, strict=False):
             values = [row["value"] or NO_GRAVITY for row in own]
-            axes.loglog(values, [row["predicted"] for row in own], color=color, label=f"{scheme}, predicted")
-            axes.loglog(values, [row["found"] for row in own], "o", **_hollow(color, size), label="found")
+            _predicted_and_found(axes, values, own, scheme, (color, size))
         first = next(iter(_groups(rows).values()))
         values = [row["value"] or NO_GRAVITY for row in first]
         axes.loglog(values, [row["rule"] for row in first], ":", color="black", label="rule (37), C = 0.7")
@@ -136,8 +142,7 @@ def _slenderness(figures: Figures, directory: Path) -> Path | None:
         axes = figure.subplots()
         for (scheme, own), color, size in zip(_groups(rows).items(), COLORS, SIZES, strict=False):
             values = [row["value"] for row in own]
-            axes.loglog(values, [row["predicted"] for row in own], color=color, label=f"{scheme}, predicted")
-            axes.loglog(values, [row["found"] for row in own], "o", **_hollow(color, size), label="found")
+            _predicted_and_found(axes, values, own, scheme, (color, size))
             inextensible = [row["inextensible"] for row in own]
             axes.loglog(values, inextensible, "--", color=color, label="inextensible")
         label_axes(axes, "EA / EI of the conventional cable [1/m^2]", STEP)
