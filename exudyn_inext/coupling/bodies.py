@@ -44,7 +44,7 @@ class VariableBlocks:
 class _Stack:
     """Variable blocks and their solve: Z F + w b has p . a = b.
 
-    mass, mass_before: (B, k, k) M now, and when its change was asked for.
+    mass: (B, k, k) M now.   masses: (rows, B, k, k) of earlier times, see `keep_masses`.
     normal: (B, k) dc/dq.   inverse: (B, k, k) Z.   lever: (B, k) w.   target: (B,) b.
     foresight: (B,) what b lacked in the last step of a position-level scheme.
     """
@@ -53,7 +53,7 @@ class _Stack:
         number, size = blocks.dofs.shape
         self.blocks = blocks
         self.mass = np.zeros((number, size, size))
-        self.mass_before = np.zeros((number, size, size))
+        self.masses = np.zeros((0, number, size, size))
         self.normal = np.zeros((number, size))
         self.inverse = np.zeros((number, size, size))
         self.lever = np.zeros((number, size))
@@ -98,9 +98,20 @@ class BodiesSystem:
             twice += float(np.einsum("bi,bij,bj->", rates, s.mass, rates))
         return 0.5 * twice
 
-    def energy_of_change(self, v: Array) -> float:
-        """v . dM v / 2 [J] of the change dM of the masses since the last call.   v: (n,)."""
-        return sum(_energy_of_change(s.blocks.dofs, s.mass, s.mass_before, v) for s in self._stacks)
+    def make_room_for_masses(self, rows: int) -> dict[str, Array]:
+        """Let `keep_masses` take rows 0 to rows - 1; returns the memory."""
+        for s in self._stacks:
+            s.masses = np.zeros((rows, *s.mass.shape))
+        return {str(number): s.masses for number, s in enumerate(self._stacks)}
+
+    def keep_masses(self, row: int) -> None:
+        """Remember the masses at present."""
+        for s in self._stacks:
+            s.masses[row] = s.mass
+
+    def energy_of_changes(self, v: Array) -> float:
+        """Sum of v_k . dM_k v_k / 2 [J] of the changes dM_k from row k to row k + 1.   v: (rows - 1, n)."""
+        return sum(_energy_of_changes(s.blocks.dofs, s.masses, v) for s in self._stacks)
 
     def solve(self, force: Array) -> Array:
         """Z F + w b with the targets b that are set.   force: (n,) [N, Nm]."""
@@ -173,16 +184,16 @@ def _matrix_of_blocks(size: int, blocks: Sequence[MassBlock]) -> Any:
 
 
 @kernel
-def _energy_of_change(dofs, mass, mass_before, v):
-    """v . dM v / 2; the masses are remembered."""
+def _energy_of_changes(dofs, masses, v):
+    """Sum of v . dM v / 2 over the rows of v."""
     energy = 0.0
     number, size = dofs.shape
-    for b in range(number):
-        for i in range(size):
-            for j in range(size):
-                change = mass[b, i, j] - mass_before[b, i, j]
-                energy += 0.5 * v[dofs[b, i]] * change * v[dofs[b, j]]
-                mass_before[b, i, j] = mass[b, i, j]
+    for k in range(len(v)):
+        for b in range(number):
+            for i in range(size):
+                for j in range(size):
+                    change = masses[k + 1, b, i, j] - masses[k, b, i, j]
+                    energy += 0.5 * v[k, dofs[b, i]] * change * v[k, dofs[b, j]]
     return energy
 
 

@@ -16,7 +16,7 @@ from .integrator import LoadHistory, advance
 ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY = 0, 1, 2, 3
 
 STEPS_BETWEEN = 64  # inspections of a run whose energy only forces change that are known at its ends
-STEPS_WITH_POWER = 24  # of one with damping, drag, or forces and supports that move
+STEPS_WITH_POWER = 48  # of one with damping, drag, or forces and supports that move
 LARGEST_VIOLATION = 0.05  # of |r_x|^2 = 1 [-], and of lengths, relative
 PATIENCE = 256  # steps for which the energy may be above its limit
 VIOLENT = 30.0  # times the limit: no patience
@@ -95,7 +95,9 @@ def build_watch(state: Any, every: int, tolerance: float) -> Watch:
 @inlined
 def _keep(watch, state):
     for memory in range(len(state)):
-        watch.kept[memory][:] = state[memory]
+        kept, now = watch.kept[memory], state[memory]
+        for i in range(len(now)):
+            kept[i] = now[i]
     for i in range(len(watch.gauges)):
         watch.gauges[i] = watch.gauges_now[i]
 
@@ -192,12 +194,6 @@ def _add_work_of_histories(watch, loads, first, steps, q, v, duration):
         account.scatter += ((last - before) * rate * duration / 6.0) ** 2
 
 
-@kernel
-def add_work(watch, q):
-    """Count the work of `force_now` at q (n_dof,), for who inspects more rarely."""
-    _add_work(watch, q)
-
-
 @inlined
 def _draw_up(watch, steps, duration):
     """The present error of the energy, beyond what the account itself may be wrong by.
@@ -261,6 +257,20 @@ def judge(watch, state, steps, duration):
         What the trouble is; if there is any, the state is that of the last inspection.
     """
     return _judge(watch, state, steps, duration)
+
+
+@kernel
+def judge_after_steps(watch, state, positions, forces, duration):
+    """As `judge`, after counting the work done along a way of steps at whose ends forces are known.
+
+    Args:
+        watch, state, duration: see `judge`.   positions, forces: (steps, n) at the end of each.
+    """
+    for k in range(len(positions)):
+        for i in range(len(watch.force_now)):
+            watch.force_now[i] = forces[k, i]
+        _add_work(watch, positions[k])
+    return _judge(watch, state, len(positions), duration)
 
 
 @kernel

@@ -133,39 +133,40 @@ class CoupledRun:
         """Go on at `time` [s] with the memory that has been set; data coordinates are those of mbs."""
         self._scene.surroundings.forces(time, self.state.q, self.state.v)
         _plain(self._integrator.resume)(self._scene.system, np.array([time]), self.state)
-        self.watch.resume(self.state)
+        self.watch.resume()
 
     def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
         """Advance through len(history) loop steps; see `CableRun.record`."""
-        number, row = len(self.indices), np.zeros((1, 3, len(self.state.q)))
+        number = len(self.indices)
         self._scene.surroundings.forget()
         for interval in range(len(history)):
             start = grid.time(first + interval)
             with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges
-                if not self._is_well_through(scheme, start, grid, row):
+                if not self._is_well_through(scheme, start, grid):
                     return interval
-            history[interval] = row[0, :, :number]
+            for place, values in enumerate((self.state.q, self.state.v, self.state.a)):
+                history[interval, place] = values[:number]
             history[interval, 0] -= self.reference
         end = grid.time(first + len(history))
         self._scene.surroundings.show(end, self.state.q, self.state.v, self._scene.system.multipliers)
         return len(history)
 
-    def _is_well_through(self, scheme: Any, start: float, grid: TimeGrid, row: Array) -> bool:
-        """Take the steps of one interval; row: (1, 3, n) output."""
+    def _is_well_through(self, scheme: Any, start: float, grid: TimeGrid) -> bool:
+        """Take the steps of one interval."""
         take_step = _plain(advance.dispatch(type(scheme)))
         for substep in range(grid.substeps):
             times = start + grid.h * (substep + np.array(self._integrator.stages))
             loads = LoadHistory(np.zeros(1), np.ones((1, 1)), times.reshape(1, -1, 1))
             end = start + grid.h * (substep + 1)
             try:
-                take_step(scheme, self._scene.system, loads, self.state, grid.h, 1, row)
+                take_step(scheme, self._scene.system, loads, self.state, grid.h, 1, self.watch.row)
                 self._scene.surroundings.finish_step(end, self.state.q, self.state.v)
             except DivergenceError:
                 self.watch.give_up(self.state)
                 return False
             if not self.watch.is_well_after(end, grid.h, self.state):
                 return False
-        if np.isfinite(row).all():
+        if all(np.isfinite(values).all() for values in (self.state.q, self.state.v, self.state.a)):
             return True
         self.watch.give_up(self.state)
         return False

@@ -1,0 +1,278 @@
+"""What the watch over a run costs.
+
+Question
+    How much longer does a step take because energy, constraints and finiteness are watched?
+
+What would refute it
+    More than 3 % of a step.
+
+Protocol
+    Cables alone: the compiled loop over 4096 steps, with inspections and without one, from the same state;
+    and a loop that was compiled without a watch, whose machine code differs in more than that. Steady:
+    gravity alone; damped: bending damping; loaded: a force that is a function of time; moved: a support
+    that moves. Step: half of the stability limit.
+    Among bodies: 2000 steps of SolveExplicit, with the watch and without one; joined: a rigid body on
+    the cable's end; beside: a mass on a spring near the cable, the cheapest step that there is.
+    CPU time, all tasks of one chain round robin, medians of ratios within one round.
+
+What is left out
+    The look at the present stability limit every 20 000 steps, and what a run that went wrong costs.
+"""
+
+import math
+import statistics
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from typing import Any
+
+import exudyn
+import exudyn.utilities as items
+import numpy as np
+
+from exudyn_inext import (
+    AttachToBody,
+    CreateInextensibleCable,
+    ExplicitSettings,
+    ExplicitStepper,
+    InextensibleCable,
+    SolveExplicit,
+)
+from exudyn_inext.exudyn_binding.cable_run import CableRun, Start
+from exudyn_inext.exudyn_binding.explicit_runs import scheme_of
+from exudyn_inext.exudyn_binding.general.coupled_watch import CoupledWatch
+from exudyn_inext.exudyn_binding.scene import initial_state, read_scene
+from exudyn_inext.integrators import find_integrator
+from exudyn_inext.integrators.integrator import record
+from exudyn_inext.integrators.watch import record_watched
+from reference_models.model import quiet_settings, silence
+
+from .harness.benchmark import Benchmark, Figures, Table
+from .harness.interleaved import Task, seconds_per_time
+from .harness.study import Row
+
+BAR = 0.03
+STEPS = 4096
+STEPS_AMONG_BODIES = 2000
+STEPS_OF_AN_OUTPUT = 8
+LEAST_SECONDS = 0.02  # of a sample
+INTEGRATORS = ("Zhai", "RATTLE")
+ALONE = ("steady", "damped", "loaded", "moved")
+AMONG_BODIES = ("joined", "beside")
+GRAVITY = [0.0, -9.81, 0.0]
+BENDING_STIFFNESS, DAMPING = 0.0866, 1e-5
+MICRO = 1e6
+
+
+def measure(quick: bool) -> list[Row]:
+    """One row for each cable and integrator."""
+    numbers = (5, 20) if quick else (5, 10, 20, 50)
+    repeats, dims = (5, (2,)) if quick else (41, (2, 3))
+    chains = [(dim, kind, number) for dim in dims for kind in ALONE for number in numbers]
+    rows = [row for chain in chains for row in _rows(chain, _tasks_alone, STEPS, repeats)]
+    coupled = [(2, kind, number) for kind in AMONG_BODIES for number in numbers[:2]]
+    fewer = 3 if quick else 15
+    return rows + [
+        row for chain in coupled for row in _rows(chain, _tasks_among_bodies, STEPS_AMONG_BODIES, fewer)
+    ]
+
+
+Chain = tuple[int, str, int]
+WATCHED, UNINSPECTED, PLAIN = "watched", "uninspected", "plain"
+Ways = dict[str, Task]
+
+
+def _rows(chain: Chain, tasks_of: Callable[[Chain, str], Ways], steps: int, repeats: int) -> list[Row]:
+    tasks = {f"{name} {way}": task for name in INTEGRATORS for way, task in tasks_of(chain, name).items()}
+    dim, kind, number = chain
+    samples = seconds_per_time(tasks, repeats, LEAST_SECONDS, f"{dim}D, {kind}, N = {number}")
+    ways = (WATCHED, UNINSPECTED, PLAIN)
+    return [
+        _row(chain, name, {way: samples.get(f"{name} {way}", []) for way in ways}, steps)
+        for name in INTEGRATORS
+    ]
+
+
+def _row(chain: Chain, name: str, samples: dict[str, list[float]], steps: int) -> Row:
+    dim, kind, number = chain
+    ratios = _excess(samples[WATCHED], samples[UNINSPECTED])
+    over_plain = _excess(samples[WATCHED], samples[PLAIN]) if samples[PLAIN] else None
+    low, share, high = statistics.quantiles(ratios, n=4)
+    return {
+        "kind": "among bodies" if kind in AMONG_BODIES else "alone",
+        "label": f"{dim}D, {kind}, {name}",
+        "dimension": dim,
+        "scene": kind,
+        "integrator": name,
+        "elements": number,
+        "repeats": len(ratios),
+        "microseconds": MICRO * statistics.median(samples[UNINSPECTED]) / steps,
+        "share": share,
+        "lowerQuartile": low,
+        "upperQuartile": high,
+        "overPlain": statistics.median(over_plain) if over_plain else None,
+        "bar": BAR,
+    }
+
+
+def _excess(times: list[float], others: list[float]) -> list[float]:
+    return [a / b - 1.0 for a, b in zip(times, others, strict=True)]
+
+
+def _tasks_alone(chain: Chain, name: str) -> Ways:
+    """Steps of the compiled loops."""
+    mbs = _build(chain)
+    h = 0.5 * ExplicitStepper(mbs, ExplicitSettings(name)).bounds.stability_limit
+    explicit, integrator = ExplicitSettings(name), find_integrator(name)
+    cable = read_scene(mbs).cables[0]
+    start = Start(0.0, explicit.startTolerance, explicit.stabilizationRate, 0.0, math.inf)
+    run = CableRun(cable, initial_state(mbs, cable), start, integrator)
+    initial = run.state.q.copy(), run.state.v.copy()
+    loads = run.loads.sample(0.0, h, STEPS, integrator.stages)
+    history = np.zeros((STEPS // STEPS_OF_AN_OUTPUT, 3, run.state.q.size))
+    scheme = scheme_of(explicit)
+
+    def begin() -> None:
+        run.state.q[:], run.state.v[:] = initial
+        run.start(0.0)
+
+    def watched(times: int, every: int = run.watch.watch.every) -> None:
+        watch = run.watch.watch._replace(every=every)
+        for _ in range(times):
+            begin()
+            record_watched(scheme, run.system, loads, run.state, h, STEPS_OF_AN_OUTPUT, history, watch)
+
+    def plain(times: int) -> None:
+        for _ in range(times):
+            begin()
+            record(scheme, run.system, loads, run.state, h, STEPS_OF_AN_OUTPUT, history)
+
+    return {WATCHED: watched, UNINSPECTED: partial(watched, every=STEPS), PLAIN: plain}
+
+
+def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
+    explicit = ExplicitSettings(name)
+    mbs = _build(chain)
+    with silence():
+        step = SolveExplicit(mbs, quiet_settings(1e-3, 1), explicit)["stepSize"]
+    end = STEPS_AMONG_BODIES * step
+    settings = quiet_settings(end, STEPS_AMONG_BODIES // STEPS_OF_AN_OUTPUT)
+
+    def watched(times: int) -> None:
+        for _ in range(times):
+            mbs = _build(chain)
+            with silence():
+                SolveExplicit(mbs, settings, explicit)
+
+    def alone(times: int) -> None:
+        with _nobody_watching():
+            watched(times)
+
+    return {WATCHED: watched, UNINSPECTED: alone}
+
+
+@contextmanager
+def _nobody_watching() -> Iterator[None]:
+    watching = CoupledWatch.is_well_after
+    CoupledWatch.is_well_after = lambda self, t, h, state: True  # type: ignore[method-assign]
+    try:
+        yield
+    finally:
+        CoupledWatch.is_well_after = watching  # type: ignore[method-assign]
+
+
+def _build(chain: Chain) -> Any:
+    """A cable that is pinned at its start and let fall."""
+    dim, kind, number = chain
+    mbs = exudyn.SystemContainer().AddSystem()
+    damping = DAMPING if kind == "damped" else 0.0
+    template = InextensibleCable(0.0348, BENDING_STIFFNESS, bendingDamping=damping)
+    pinned = None if kind == "moved" else [True] * dim + [False] * dim
+    cable = CreateInextensibleCable(
+        mbs, [0, 0, 0], [1, 0, 0], number, template, GRAVITY, groundConstraintsStart=pinned, dimension=dim
+    )
+    _ADDITIONS.get(kind, lambda mbs, cable, dim: None)(mbs, cable, dim)
+    mbs.Assemble()
+    return mbs
+
+
+def _push(mbs: Any, cable: dict[str, Any], dim: int) -> None:
+    def force(mbs: Any, t: float, load: list[float]) -> list[float]:
+        return [0.0, 0.1 * math.sin(6.0 * t), 0.0]
+
+    force.dependsOnTimeOnly = True  # type: ignore[attr-defined]
+    marker = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=cable["nodes"][-1]))
+    mbs.AddLoad(items.Force(markerNumber=marker, loadVectorUserFunction=force))
+
+
+def _move(mbs: Any, cable: dict[str, Any], dim: int) -> None:
+    def offset(mbs: Any, t: float, item: int, value: float) -> float:
+        return 0.05 * (1.0 - math.cos(3.0 * t))
+
+    offset.dependsOnTimeOnly = True  # type: ignore[attr-defined]
+    for coordinate in range(dim):
+        marker = mbs.AddMarker(
+            items.MarkerNodeCoordinate(nodeNumber=cable["nodes"][0], coordinate=coordinate)
+        )
+        ground = mbs.AddNode(items.NodePointGround())
+        fixed = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
+        mbs.AddObject(
+            items.CoordinateConstraint(
+                markerNumbers=[fixed, marker], offsetUserFunction=offset if coordinate == 1 else 0
+            )
+        )
+
+
+def _join(mbs: Any, cable: dict[str, Any], dim: int) -> None:
+    inertia = items.InertiaCuboid(1000.0, [0.1, 0.02, 0.02])
+    body = mbs.CreateRigidBody(
+        referencePosition=[1.05, 0.0, 0.0], inertia=inertia, gravity=GRAVITY, returnDict=True
+    )
+    AttachToBody(mbs, cable, "end", body["bodyNumber"], [-0.05, 0.0, 0.0])
+
+
+def _stand_beside(mbs: Any, cable: dict[str, Any], dim: int) -> None:
+    mass = mbs.CreateMassPoint(referencePosition=[1.5, 0.0, 0.0], mass=0.1, gravity=GRAVITY)
+    ground = mbs.CreateGround(referencePosition=[2.0, 0.0, 0.0])
+    mbs.CreateSpringDamper(itemNumbers=[mass, ground], stiffness=10.0, damping=0.1)
+
+
+_ADDITIONS = {"loaded": _push, "moved": _move, "joined": _join, "beside": _stand_beside}
+
+
+def conclude(figures: Figures) -> list[str]:
+    """Whether the bar is kept."""
+    return [_sentence(figures.of_kind(kind), kind) for kind in ("alone", "among bodies")]
+
+
+def _sentence(rows: Sequence[Row], kind: str) -> str:
+    worst = max(rows, key=lambda row: float(row["share"]))
+    above = [row for row in rows if row["share"] > BAR]
+    verdict = "kept" if not above else f"MISSED by {len(above)} of {len(rows)}"
+    return (
+        f"Cables {kind}: the watch costs {statistics.median(row['share'] for row in rows):.1%} of a step "
+        f"(median), at most {worst['share']:.1%} ({worst['label']}, N = {worst['elements']}, "
+        f"{worst['microseconds']:.2g} us a step); the bar of {BAR:.0%} is {verdict}."
+    )
+
+
+COLUMNS = {
+    "cable": "label",
+    "N": "elements",
+    "step [us]": "microseconds",
+    "watch/step": "share",
+    "lower quartile": "lowerQuartile",
+    "upper quartile": "upperQuartile",
+    "over the plain loop": "overPlain",
+}
+
+STUDY = Benchmark(
+    name="watch_cost",
+    question="What does it cost that each run is watched?",
+    measure=measure,
+    tables=(
+        Table("alone", "Cables alone, inspections over the steps without them:", COLUMNS),
+        Table("among bodies", "Among bodies:", COLUMNS),
+    ),
+    conclusions=conclude,
+)
