@@ -11,6 +11,7 @@ from .errors import (
     SceneError,
     StepSizeError,
 )
+from .exudyn_binding.advise import AdviceSettings, Advise
 from .exudyn_binding.attach.attach_to_body import AttachToBody
 from .exudyn_binding.attach.companions import CreateCompanionCables, MarkerOnCable
 from .exudyn_binding.attach.properties import AddPointMass, CableDrag, SetCableDrag
@@ -34,6 +35,8 @@ from .integrators.zhai import Zhai
 
 __all__ = [
     "AddPointMass",
+    "AdviceSettings",
+    "Advise",
     "Algebraic",
     "AttachToBody",
     "CableDrag",

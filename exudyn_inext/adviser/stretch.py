@@ -1,0 +1,38 @@
+"""What is lost by calling a cable inextensible."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..arrays import Array
+
+
+@dataclass(frozen=True)
+class Tension:
+    """Of the inextensible motion.   rms, largest: over time, of the largest in all cables [N].
+
+    length: of all cables [m].   mass_per_length: rho_A [kg/m].
+    """
+
+    rms: float
+    largest: float
+    length: float
+    mass_per_length: float
+
+
+def stretch_error(tension: Tension, axial_stiffness: float, values: Array) -> float:
+    """Estimate of what stretch moves the observed point by [m].
+
+    A strain e lengthens the cable by e L; a motion along a path s, which a longer cable traverses more slowly
+    (frequencies fall by e / 2), lags behind by e s / 2.
+
+    Args:
+        tension: of the inextensible motion.   axial_stiffness: EA [N].   values: (T, m) positions [m].
+    """
+    path = float(np.linalg.norm(np.diff(values, axis=0), axis=1).sum())
+    return tension.rms / axial_stiffness * (tension.length + 0.5 * path)
+
+
+def axial_period(tension: Tension, axial_stiffness: float) -> float:
+    """Of the first axial vibration of a cable that is held at one end, 4 L sqrt(rho_A / EA) [s]."""
+    return float(4.0 * tension.length * np.sqrt(tension.mass_per_length / axial_stiffness))

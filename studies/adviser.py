@@ -1,0 +1,213 @@
+"""The adviser on scenes that it was not tuned on: does it keep what it promises?
+
+Question
+    Is the error of what `Advise` recommends as it predicted, and within the tolerance?
+
+What would refute it
+    Errors further than a factor 3 from the prediction, or outside of the tolerance in more than 10 % of
+    the cases.
+
+Protocol
+    The adviser was written and tuned on the paper's four scenes. Here it meets others: wires, ropes and
+    rubber, thrown, kicked, clamped, closed, in space. Tolerances 1e-2, 3e-3, 1e-3 and 3e-4 of the length.
+    "Few meshes": pilots have 4, 6, 8 elements at most, so that it must extrapolate. What it recommends is run
+    again, and compared with a finer solution of another integrator: Zhai (RK4 where it diverges), 48
+    elements, half of its limit, and one with 32 for its uncertainty; for rubber, where stretch matters, native cables, 24 and 16 elements.
+    Cases whose tolerance is below four times that uncertainty say nothing and are left out.
+    Predicted CPU time is that of the pilot, or the cost model's; achieved is that of the run again.
+
+What is left out
+    Bodies and contact; budgets.
+"""
+
+from collections.abc import Sequence
+from functools import partial
+
+from tqdm import tqdm
+
+from exudyn_inext import AdviceSettings
+from exudyn_inext.adviser.pilot import CONVENTIONAL, INEXTENSIBLE, Choice, Pilot
+from exudyn_inext.errors import DivergenceError, InextensibleError
+from exudyn_inext.exudyn_binding.pilot_runs import PilotRuns
+from reference_models.advice import advise_scene, builder
+from reference_models.conventional.model import build as build_native
+from reference_models.inextensible import build
+from reference_models.model import SENSOR_PERIOD
+from reference_models.scenes import Scene
+
+from .advising.scenes import validation_scenes
+from .harness.benchmark import Benchmark, Figures, Table
+from .harness.study import Row
+
+TOLERANCES = (1e-2, 3e-3, 1e-3, 3e-4)  # of the length
+FEW = AdviceSettings(numbersOfElements=(4, 6, 8))
+FACTOR, SHARE = 3.0, 0.9
+LEAST_OVER_UNCERTAINTY = 4.0
+FINE, COARSER = 48, 32
+INTEGRATORS = ("Zhai", "RK4")
+FINE_NATIVE, COARSER_NATIVE = (24, 1.0 / 32.0), (16, 1.0 / 16.0)  # elements, step over sample period
+
+
+def measure(quick: bool) -> list[Row]:
+    """One row a piece of advice."""
+    scenes = validation_scenes()
+    scenes = scenes[1:3] if quick else scenes
+    tolerances = TOLERANCES[:2] if quick else TOLERANCES
+    rows: list[Row] = []
+    for scene in tqdm(scenes, desc="adviser", unit="scene"):
+        rows += _rows_of(scene, tolerances)
+    return rows
+
+
+def _rows_of(scene: Scene, tolerances: Sequence[float]) -> list[Row]:
+    native = builder(scene, partial(build_native, quadrature="lobatto"))
+    runs = PilotRuns(builder(scene, build), native, scene.end_time, SENSOR_PERIOD)
+    references: dict[str, tuple[Pilot, float]] = {}
+    rows = []
+    for share in tolerances:
+        tolerance = share * scene.cable.length
+        for what, settings in (("", AdviceSettings()), ("few meshes", FEW)):
+            rows.append(_row(scene, tolerance, what, settings, runs, references))
+    return rows
+
+
+def _row(
+    scene: Scene,
+    tolerance: float,
+    what: str,
+    settings: AdviceSettings,
+    runs: PilotRuns,
+    references: dict[str, tuple[Pilot, float]],
+) -> Row:
+    row: Row = {
+        "kind": "advice",
+        "label": scene.name,
+        "what": what or "measured",
+        "value": tolerance,
+        "status": "ok",
+    }
+    try:
+        advice = advise_scene(scene, tolerance, settings=settings)
+    except InextensibleError as error:
+        return row | {"status": f"refused: {error}"}
+    formulation = advice["formulation"]
+    if formulation not in references:
+        references[formulation] = _reference(runs, formulation)
+    reference, uncertainty = references[formulation]
+    choice = Choice(
+        formulation,
+        advice["integrator"],
+        advice["numberOfElements"],
+        advice["stepSize"],
+        advice["massScaling"],
+    )
+    again = runs.run(choice)
+    row |= {
+        "choice": choice.label,
+        "formulation": formulation,
+        "extrapolated": advice["extrapolated"],
+        "predictedError": advice["predictedError"],
+        "predictedSeconds": advice["predictedSeconds"],
+        "achievedSeconds": again.seconds,
+        "pilotSeconds": advice["pilotSeconds"],
+        "referenceUncertainty": uncertainty,
+        "meetsTolerance": advice["meetsTolerance"],
+        "reasons": advice["reasons"],
+    }
+    if again.failure:
+        return row | {"status": f"FAILED: {again.failure}"}
+    if tolerance < LEAST_OVER_UNCERTAINTY * uncertainty:
+        return row | {"status": "not judged: the reference is too uncertain"}
+    error = again.distance(reference)
+    return row | {"achievedError": error, "ratio": error / advice["predictedError"]}
+
+
+def _reference(runs: PilotRuns, formulation: str) -> tuple[Pilot, float]:
+    """A fine solution that the adviser has not seen, and its uncertainty."""
+    if formulation == CONVENTIONAL:
+        choices = [
+            Choice(CONVENTIONAL, "generalizedAlpha", elements, share * SENSOR_PERIOD)
+            for elements, share in (FINE_NATIVE, COARSER_NATIVE)
+        ]
+        fine, coarser = (runs.run(choice) for choice in choices)
+    else:
+        coarser, fine = (_fine_run(runs, elements) for elements in (COARSER, FINE))
+    return fine, fine.distance(coarser)
+
+
+def _fine_run(runs: PilotRuns, elements: int) -> Pilot:
+    """By the first integrator that gets to the end."""
+    for integrator in INTEGRATORS:
+        limit = runs.step_limit(elements, integrator)
+        pilot = runs.run(Choice(INEXTENSIBLE, integrator, elements, 0.5 * limit))
+        if not pilot.failure:
+            return pilot
+    raise DivergenceError(pilot.failure)
+
+
+def conclude(figures: Figures) -> list[str]:
+    """How often it was right; the misses."""
+    rows = figures.of_kind("advice")
+    judged = [row for row in rows if row.get("achievedError") is not None]
+    refused = sum(row["status"].startswith("refused") for row in rows)
+    failed = sum(row["status"].startswith("FAILED") for row in rows)
+    if not judged:
+        return [f"None of {len(rows)} cases could be judged."]
+    near = [row for row in judged if 1.0 / FACTOR <= row["ratio"] <= FACTOR]
+    promised = [row for row in judged if row["meetsTolerance"]]
+    kept = [row for row in promised if row["achievedError"] <= row["value"]]
+    return [
+        f"{len(rows)} cases: {len(judged)} judged, {refused} refused, {failed} failed, the others below the "
+        "reference's uncertainty.",
+        f"The achieved error is within a factor {FACTOR:g} of the prediction in {len(near)} of {len(judged)} "
+        f"cases ({_verdict(len(near), len(judged), 1.0)}).",
+        f"It is within the tolerance in {len(kept)} of {len(promised)} cases that were said to be "
+        f"({_verdict(len(kept), len(promised), SHARE)}).",
+        *_misses(judged),
+    ]
+
+
+def _verdict(number: int, total: int, share: float) -> str:
+    return f"bar of {share:.0%} {'kept' if number >= share * total else 'MISSED'}"
+
+
+def _misses(judged: Sequence[Row]) -> list[str]:
+    misses = [
+        row
+        for row in judged
+        if not 1.0 / FACTOR <= row["ratio"] <= FACTOR
+        or (row["meetsTolerance"] and row["achievedError"] > row["value"])
+    ]
+    return [
+        f"Miss: {row['label']} ({row['what']}), tolerance {row['value']:.2g}: {row['choice']}, predicted "
+        f"{row['predictedError']:.2g}, achieved {row['achievedError']:.2g}."
+        for row in misses
+    ]
+
+
+STUDY = Benchmark(
+    name="adviser",
+    question="Does the adviser keep what it promises, on scenes that it was not tuned on?",
+    measure=measure,
+    tables=(
+        Table(
+            "advice",
+            "Advice, and what came of it; errors in m:",
+            {
+                "scene": "label",
+                "mesh and error": "what",
+                "tolerance": "value",
+                "advice": "choice",
+                "predicted error": "predictedError",
+                "achieved": "achievedError",
+                "achieved/predicted": "ratio",
+                "reference good to": "referenceUncertainty",
+                "predicted CPU [s]": "predictedSeconds",
+                "achieved CPU [s]": "achievedSeconds",
+                "pilots [s]": "pilotSeconds",
+                "status": "status",
+            },
+        ),
+    ),
+    conclusions=conclude,
+)
