@@ -42,6 +42,7 @@ from .harness.benchmark import Benchmark, Figures, Table
 from .harness.dropped_scenes import KINDS, memory_of_scenes
 from .harness.plot import COLORS, REFERENCE_COLOR, label_axes, new_figure
 from .harness.study import Row
+from .harness.verdict import at_most, verdict
 
 SCENE = load_scene("planar_pendulum")
 GRAVITY = [0.0, -9.81]
@@ -181,9 +182,9 @@ def conclude(figures: Figures) -> list[str]:
             f"{row['rate']:.1e} ({'within' if row['violation'] <= VIOLATION else 'ABOVE'} {VIOLATION:g}).",
         ]
     for row in figures.of_kind("memory"):
-        verdict = "flat" if row["growthPercent"] <= 100.0 * GROWTH else "NOT flat"
+        flat = verdict(at_most(row["growthPercent"], 100.0 * GROWTH, figures.noise), "flat", "NOT flat")
         sentences.append(
-            f"{row['label']}: memory {verdict} over {row['scenes']} scenes, {row['firstMegabytes']:.1f} MB "
+            f"{row['label']}: memory {flat} over {row['scenes']} scenes, {row['firstMegabytes']:.1f} MB "
             f"to {row['lastMegabytes']:.1f} MB ({row['growthPercent']:+.2f} %, "
             f"{row['kilobytesAScene']:.1f} kB a scene)."
         )

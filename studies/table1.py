@@ -49,8 +49,8 @@ from reference_models.trajectory import Case
 from .harness.cases import explicit_case, mesh_series
 from .harness.figures import draw_convergence, draw_cost_and_accuracy, draw_trajectories
 from .harness.front import is_explicit, is_explicit_by_default, is_implicit, is_implicit_by_default
-from .harness.ratios import Comparison, ratio_table
-from .harness.study import Results, Study
+from .harness.ratios import Comparison, ratios
+from .harness.study import Ratio, Results, Study
 
 PAPER_IMPLICIT = "paper's conventional implicit: generalized-alpha, N = 10, h = 5e-3 s"
 PAPER_EXPLICIT = "paper's conventional explicit: Zhai, N = 10, h = 2e-5 s"
@@ -166,9 +166,9 @@ def make_figures(results: Results, directory: Path) -> list[Path]:
     ]
 
 
-def make_conclusions(results: Results) -> list[str]:
-    """The ratios, beside the paper's."""
-    return [ratio_table(results.rows, PAPER_SECONDS, PAPER_PROPOSED, COMPARISONS)]
+def make_ratios(results: Results) -> list[Ratio]:
+    """Beside the paper's."""
+    return ratios(results.rows, PAPER_SECONDS, PAPER_PROPOSED, COMPARISONS)
 
 
 STUDY = Study(
@@ -178,5 +178,5 @@ STUDY = Study(
     paper=PAPER,
     cases=make_cases,
     figures=make_figures,
-    conclusions=make_conclusions,
+    ratios=make_ratios,
 )

@@ -57,10 +57,10 @@ from .harness.error import distance_to_reference
 from .harness.figures import TIME, draw_cost_and_accuracy, name_ticks
 from .harness.front import is_explicit, is_explicit_zhai, is_implicit, is_implicit_by_default
 from .harness.plot import REFERENCE_COLOR, label_axes, new_figure
-from .harness.ratios import Comparison, ratio_table
+from .harness.ratios import Comparison, ratios
 from .harness.reference import ReferenceSolution, self_convergence
-from .harness.study import Results, Study
-from .harness.table import markdown_table, number
+from .harness.study import Ratio, Results, Study
+from .harness.table import TextTable, number
 
 PAPER_EXPLICIT = "paper's conventional explicit: Zhai, N = 40, h = 1e-5 s"
 PAPER_PROPOSED = "paper's proposed: inextensible, Zhai, N = 20, h = 9.35e-4 s, zeta = 1000 1/s"
@@ -238,8 +238,8 @@ def draw_refinement(path: Path, results: Results) -> Path:
     return path
 
 
-def make_conclusions(results: Results) -> list[str]:
-    """Statics, the reference's uncertainty, and the ratios."""
+def make_tables(results: Results) -> list[TextTable]:
+    """Statics."""
     scene = results.scene
     (anchor,) = (support.anchor for support in scene.supports if isinstance(support, Hanger))
     lines = []
@@ -260,8 +260,12 @@ def make_conclusions(results: Results) -> list[str]:
         "B less its anchor, x [m]",
         "largest tension [N]",
     )
-    ratios = ratio_table(results.rows, PAPER_SECONDS, PAPER_PROPOSED, COMPARISONS)
-    return [markdown_table(header, lines), ratios]
+    return [TextTable("", header, lines)]
+
+
+def make_ratios(results: Results) -> list[Ratio]:
+    """Beside the paper's."""
+    return ratios(results.rows, PAPER_SECONDS, PAPER_PROPOSED, COMPARISONS)
 
 
 STUDY = Study(
@@ -271,6 +275,7 @@ STUDY = Study(
     paper=PAPER,
     cases=make_cases,
     figures=make_figures,
-    conclusions=make_conclusions,
+    ratios=make_ratios,
+    tables=make_tables,
     reference=refined,
 )

@@ -1,15 +1,15 @@
 """Ratios of CPU time over the inextensible cable's: at the paper's settings, and best against best."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from .front import cheapest, time_ratio
-from .study import Row
-from .table import markdown_table, number
+from .study import Ratio, Row
+from .table import TextTable, number
+from .verdict import UNDECIDED, at_most
 
 HEADER = ("CPU time over that of the inextensible cable", "paper", "here")
-
-Line = tuple[str, str, str]
 
 
 @dataclass(frozen=True)
@@ -32,10 +32,10 @@ class Comparison:
         return f"cheapest native {self.kind} with error <= {self.bound:g} m{ours}"
 
 
-def ratio_table(
+def ratios(
     rows: Sequence[Row], paper_seconds: Mapping[str, float], proposed: str, comparisons: Sequence[Comparison]
-) -> str:
-    """All ratios as Markdown.
+) -> list[Ratio]:
+    """All ratios.
 
     Args:
         rows: what was measured.
@@ -43,27 +43,70 @@ def ratio_table(
         proposed: the label among them that the others are divided by.
         comparisons: of the tuned rows.
     """
-    lines = _paper_ratios(rows, paper_seconds, proposed)
-    return markdown_table(HEADER, lines + [_tuned_ratio(rows, comparison) for comparison in comparisons])
+    at_paper_settings = _paper_ratios(rows, paper_seconds, proposed)
+    return at_paper_settings + [_tuned_ratio(rows, comparison) for comparison in comparisons]
 
 
-def _paper_ratios(rows: Sequence[Row], paper_seconds: Mapping[str, float], proposed: str) -> list[Line]:
+def ratio_tables(found: Sequence[Ratio]) -> list[TextTable]:
+    """One table, none without ratios."""
+    lines = [
+        (ratio.what, "" if ratio.paper is None else number(ratio.paper), number(ratio.here))
+        for ratio in found
+    ]
+    return [TextTable("", HEADER, lines)] if found else []
+
+
+def ratio_sentences(found: Sequence[Ratio], noise: float) -> list[str]:
+    """The strongest native rows of equal accuracy; then the paper's settings, beside the paper.
+
+    noise: factor within which ratios count as equal.
+    """
+    sentences = [
+        f"{ratio.what}: {number(ratio.here)} times the CPU time of the inextensible cable, "
+        f"{number(ratio.paper)} in the paper ({_beside(ratio.here, ratio.paper, noise)})."
+        for ratio in found
+        if ratio.paper is not None and ratio.here is not None
+    ]
+    tuned = [ratio for ratio in found if ratio.paper is None and ratio.here is not None]
+    if not tuned:
+        return sentences
+    closest = min(tuned, key=lambda ratio: ratio.here or math.inf)
+    return [
+        f"At equal accuracy, the inextensible cable {_against(closest.here or 0.0, noise)}: the closest "
+        f"of {len(tuned)} comparisons is {number(closest.here)} ({closest.what}).",
+        *sentences,
+    ]
+
+
+def _beside(here: float, paper: float, noise: float) -> str:
+    is_less = at_most(here, paper, noise)
+    return "equal within noise" if is_less is None else "a smaller gain" if is_less else "a larger gain"
+
+
+def _against(ratio: float, noise: float) -> str:
+    is_cheaper = at_most(1.0, ratio, noise)
+    if is_cheaper is None:
+        return f"is as cheap or cheaper, {UNDECIDED}"
+    return "is always cheaper" if is_cheaper else "is NOT always cheaper"
+
+
+def _paper_ratios(rows: Sequence[Row], paper_seconds: Mapping[str, float], proposed: str) -> list[Ratio]:
     by_label = {row["label"]: row for row in rows}
     return [
-        (
+        Ratio(
             label,
-            number(seconds / paper_seconds[proposed]),
-            number(time_ratio(by_label.get(label), by_label.get(proposed))),
+            seconds / paper_seconds[proposed],
+            time_ratio(by_label.get(label), by_label.get(proposed)),
         )
         for label, seconds in paper_seconds.items()
         if label != proposed
     ]
 
 
-def _tuned_ratio(rows: Sequence[Row], comparison: Comparison) -> Line:
+def _tuned_ratio(rows: Sequence[Row], comparison: Comparison) -> Ratio:
     inextensible = [row for row in rows if row["formulation"] == "inextensible"]
     native = [row for row in rows if row["formulation"] == "conventional" and comparison.belongs(row)]
     best = cheapest(native, comparison.bound)
     name = f": {best['label']}" if best else ""
     ratio = time_ratio(best, cheapest(inextensible, comparison.inextensible_bound or comparison.bound))
-    return (comparison.text + name, "", number(ratio))
+    return Ratio(comparison.text + name, None, ratio)
