@@ -88,7 +88,7 @@ def _ratio_lines(document: Document) -> list[tuple[str, ...]]:
     study = document["study"]
     paper = [ratio for ratio in document["ratios"] if ratio["paper"] is not None]
     tuned = [r for r in document["ratios"] if r["paper"] is None and r["here"] is not None]
-    lines = [(r["what"], study, number(r["paper"]), number(r["here"])) for r in paper]
+    lines: list[tuple[str, ...]] = [(r["what"], study, number(r["paper"]), number(r["here"])) for r in paper]
     if tuned:
         closest = min(tuned, key=lambda ratio: ratio["here"])
         lines.append((EQUAL_ACCURACY + closest["what"], study, "", number(closest["here"])))

@@ -8,12 +8,13 @@ import pytest
 from studies import soak
 from studies.__main__ import main
 from studies.harness.benchmark import Benchmark, Figures, Table
+from studies.harness.document import KEYS
 from studies.harness.dropped_scenes import KINDS
 from studies.harness.interleaved import medians, seconds_per_time
 from studies.harness.operations import Counted, tally
 from studies.registry import find_study
 
-DOCUMENT_KEYS = {"study", "quick", "machine", "versions", "rows", "conclusions"}
+DOCUMENT_KEYS = set(KEYS)
 
 
 @pytest.fixture

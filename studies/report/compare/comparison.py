@@ -1,6 +1,6 @@
 """What became slower, less accurate, or another conclusion than in an earlier report."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from studies.harness.document import Document
@@ -45,9 +45,10 @@ class Comparison:
 
     @property
     def is_worse(self) -> bool:
-        """Whether anything is slower, less accurate, failing now, or flipped."""
+        """Whether anything is slower, less accurate, failing now, or adverse now."""
         failing = [old for _, old, _ in self.statuses if old == "ok"]
-        return bool(self.slower or self.less_accurate or failing or self.flipped)
+        adverse = [pair for pair in self.flipped if pair.is_worse]
+        return bool(self.slower or self.less_accurate or failing or adverse)
 
     @property
     def summary(self) -> list[str]:
@@ -120,7 +121,7 @@ def _machine(document: Document) -> str:
     return ", ".join(f"{key} {value}" for key, value in document["machine"].items())
 
 
-def _unique(texts) -> str:
+def _unique(texts: Iterable[str]) -> str:
     return "; ".join(dict.fromkeys(text for text in texts if text))
 
 

@@ -1,14 +1,14 @@
 """Conclusions of two reports beside each other, their numbers left aside."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
 
 ADVERSE = re.compile(r"\b(?:MISSED|NOT(?: EQUAL)?|DIVERGES|DRIFTS|ABOVE|FAILED|LOSES)\b")
 """How studies say that something is not as it should be: in capitals."""
 UNDECIDED = re.compile(r"\bundecided\b")
-_NUMBER = re.compile(r"(?<![\w.])[-+]?\d[\d,]*\.?\d*(?:e[-+]?\d+)?")
+_NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:,\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?")
 _VERDICT = re.compile(
     r"\b(?:MISSED|kept|(?:is |are )?NOT|DIVERGES|survives|DRIFTS|does not drift|ABOVE|within|undecided)\b"
 )
@@ -22,6 +22,11 @@ class Pair:
     study: str
     old: str
     new: str
+
+    @property
+    def is_worse(self) -> bool:
+        """Whether it has become adverse."""
+        return is_adverse(self.new) and not is_adverse(self.old)
 
 
 @dataclass(frozen=True)
@@ -52,7 +57,7 @@ def is_adverse(sentence: str) -> bool:
 
 def compare_sentences(study: str, old: Sequence[str], new: Sequence[str]) -> Sentences:
     """Sentence by sentence: first those that are equal but for numbers, then those that are alike."""
-    pairs, rest_old, rest_new = _matched(old, new, lambda text: masked(text))
+    pairs, rest_old, rest_new = _matched(old, new, masked)
     more, rest_old, rest_new = _matched(rest_old, rest_new, lambda text: _VERDICT.sub("", masked(text)))
     alike, rest_old, rest_new = _alike(rest_old, rest_new)
     changed = [Pair(study, *pair) for pair in more + alike]
@@ -76,7 +81,7 @@ def _state(sentence: str) -> int:
 
 
 def _matched(
-    old: Sequence[str], new: Sequence[str], key
+    old: Sequence[str], new: Sequence[str], key: Callable[[str], str]
 ) -> tuple[list[tuple[str, str]], list[str], list[str]]:
     """Pairs of equal keys, each sentence used once; what is left of both."""
     left, pairs, rest = list(new), [], []
