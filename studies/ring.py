@@ -225,7 +225,7 @@ def _outcome(scene: Scene, step_size: float) -> str:
             # an output at each step: its size must not be rounded to fit the sensor's period
             solved(scene, Inextensible(20, settings, output_period=step_size))
     except DivergenceError as error:
-        return str(error).partition("diverged ")[2].partition(":")[0].join(["diverges ", ""])
+        return "diverges " + str(error).partition("diverged ")[2].partition(" s")[0] + " s"
     return f"stays stable over {scene.end_time:g} s"
 
 

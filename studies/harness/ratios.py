@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from .front import cheapest, time_ratio
 from .study import Ratio, Row
 from .table import TextTable, number
-from .verdict import UNDECIDED, at_most
+from .verdict import at_most, timing_noise, verdict
 
 HEADER = ("CPU time over that of the inextensible cable", "paper", "here")
 
@@ -56,26 +56,19 @@ def ratio_tables(found: Sequence[Ratio]) -> list[TextTable]:
     return [TextTable("", HEADER, lines)] if found else []
 
 
-def ratio_sentences(found: Sequence[Ratio], noise: float) -> list[str]:
+def ratio_sentences(found: Sequence[Ratio], quick: bool) -> list[str]:
     """The strongest native rows of equal accuracy; then the paper's settings, beside the paper.
 
-    noise: factor within which ratios count as equal.
+    quick: whether few rows were run, for a short motion: they decide nothing on the best of their kind.
     """
     sentences = [
         f"{ratio.what}: {number(ratio.here)} times the CPU time of the inextensible cable, "
-        f"{number(ratio.paper)} in the paper ({_beside(ratio.here, ratio.paper, noise)})."
+        f"{number(ratio.paper)} in the paper ({_beside(ratio.here, ratio.paper, timing_noise(quick))})."
         for ratio in found
         if ratio.paper is not None and ratio.here is not None
     ]
     tuned = [ratio for ratio in found if ratio.paper is None and ratio.here is not None]
-    if not tuned:
-        return sentences
-    closest = min(tuned, key=lambda ratio: ratio.here or math.inf)
-    return [
-        f"At equal accuracy, the inextensible cable {_against(closest.here or 0.0, noise)}: the closest "
-        f"of {len(tuned)} comparisons is {number(closest.here)} ({closest.what}).",
-        *sentences,
-    ]
+    return sentences if quick or not tuned else [_equal_accuracy(tuned), *sentences]
 
 
 def _beside(here: float, paper: float, noise: float) -> str:
@@ -83,11 +76,13 @@ def _beside(here: float, paper: float, noise: float) -> str:
     return "equal within noise" if is_less is None else "a smaller gain" if is_less else "a larger gain"
 
 
-def _against(ratio: float, noise: float) -> str:
-    is_cheaper = at_most(1.0, ratio, noise)
-    if is_cheaper is None:
-        return f"is as cheap or cheaper, {UNDECIDED}"
-    return "is always cheaper" if is_cheaper else "is NOT always cheaper"
+def _equal_accuracy(tuned: Sequence[Ratio]) -> str:
+    closest = min(tuned, key=lambda ratio: ratio.here or math.inf)
+    found = verdict(at_most(1.0, closest.here or 0.0), "is always cheaper", "is NOT always cheaper")
+    return (
+        f"At equal accuracy, the inextensible cable {found}: the closest of {len(tuned)} comparisons is "
+        f"{number(closest.here)} ({closest.what})."
+    )
 
 
 def _paper_ratios(rows: Sequence[Row], paper_seconds: Mapping[str, float], proposed: str) -> list[Ratio]:

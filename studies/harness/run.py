@@ -23,7 +23,6 @@ from .study import Results, Study
 from .sweep.study import SweepOptions, SweepStudy, run_sweep_study
 from .table import number, rows_table
 from .timing import Measurement, measure
-from .verdict import timing_noise
 
 QUICK_REPEATS = 2
 
@@ -122,7 +121,7 @@ def _document(study: Study, results: Results) -> Document:
 def _concluded(study: Study, results: Results, document: Document) -> Document:
     ratios = study.ratios(results)
     tables = [rows_table(results.rows), *study.tables(results), *ratio_tables(ratios)]
-    conclusions = study.conclusions(results) + ratio_sentences(ratios, timing_noise(results.quick))
+    conclusions = study.conclusions(results) + ratio_sentences(ratios, results.quick)
     note = _note(document["reference"])
     return concluded(document, tables, conclusions, [note], [vars(ratio) for ratio in ratios])
 

@@ -14,6 +14,7 @@ from studies.harness.sweep.study import SweepOptions, SweepStudy
 from studies.registry import AnyStudy
 
 from .stored import code_of, commit_of, differences, lacks, present_code, read
+from .warm_up import warm_up
 
 QUICK_FOLDER = "quick"
 
@@ -61,6 +62,8 @@ def gather(studies: Mapping[str, AnyStudy], wish: Wish) -> Gathered:
     waiting = [name for name in studies if _is_run(name, found, wish)]
     if any(isinstance(studies[name], SweepStudy) for name in waiting) and not (wish.fresh or wish.quick):
         require_same_state(wish.folder)
+    if wish.quick:
+        warm_up({name: studies[name] for name in waiting})
     for number, name in enumerate(waiting, 1):
         announce(name, f"study {number} of {len(waiting)}")
         found.documents.pop(name, None)

@@ -49,7 +49,9 @@ class MatchedRow:
     @property
     def label(self) -> str:
         """What it is called in a report."""
-        names = ("label", "what", "scene", "elements", "value", "curvatureMeasure")
+        names = ("label", "scene", "elements", "value", "curvatureMeasure")[
+            : None if "kind" in self.new else 1
+        ]
         parts = [self.new.get(name) for name in names]
         return ", ".join(dict.fromkeys(f"{part:g}" if isinstance(part, float) else str(part)
                                        for part in parts if part is not None))  # fmt: skip
