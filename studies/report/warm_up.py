@@ -1,15 +1,17 @@
-"""Compilation ahead of quick runs, on all cores at once: nothing is timed yet, and all that is found is discarded.
+"""Compilation ahead of quick runs, on all cores at once: nothing is timed, all results are discarded.
 
 What it compiles is read from the cache by the studies, which run one after another.
 """
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor, wait
-from contextlib import suppress
+from contextlib import redirect_stderr, suppress
 from dataclasses import replace
+from io import StringIO
 from itertools import chain, zip_longest
 
+from reference_models.trajectory import Case
 from studies.harness.progress import announce
 from studies.harness.study import Study
 from studies.harness.sweep.case import is_timed
@@ -24,7 +26,7 @@ Task = tuple[str, int]
 
 
 def warm_up(studies: Mapping[str, AnyStudy]) -> None:
-    """Run quick cases for a moment: of studies on a scene, and timed ones of sweeps."""
+    """Run quick cases: of studies on a scene for a moment, of sweeps the timed ones; and benchmarks."""
     tasks = _tasks(studies)
     if not tasks:
         return
@@ -41,10 +43,14 @@ def _tasks(studies: Mapping[str, AnyStudy]) -> list[Task]:
 
 def _count(study: AnyStudy) -> int:
     if isinstance(study, Study):
-        return len(study.cases(study.scene, True))
+        return len(_cases(study))
     if isinstance(study, SweepStudy):
         return sum(map(is_timed, study.cases(True)))
-    return 0
+    return 1
+
+
+def _cases(study: Study) -> Sequence[Case]:
+    return study.cases(replace(study.scene, end_time=BRIEF), True)
 
 
 def _submit(executor: Executor, tasks: list[Task]) -> None:
@@ -54,8 +60,10 @@ def _submit(executor: Executor, tasks: list[Task]) -> None:
 def rehearse(name: str, number: int) -> None:
     """Run one case; if it fails, its study will say so."""
     study = find_study(name)
-    with suppress(Exception):
+    with suppress(Exception), redirect_stderr(StringIO()):  # without progress bars
         if isinstance(study, Study):
-            study.cases(replace(study.scene, end_time=BRIEF), True)[number].prepare()()
+            _cases(study)[number].prepare()()
         elif isinstance(study, SweepStudy):
             study.run([case for case in study.cases(True) if is_timed(case)][number])
+        else:
+            study.measure(True)
