@@ -48,7 +48,7 @@ def test_all_quick_cases_that_are_timed_run_once(studies):
     found, ran = studies
     warm_up.warm_up(found)
     assert sorted(ran) == [*(f"case {n}" for n in range(3)), "quick: True", "timed 0", "timed 1", "timed 3"]
-    assert ran[:3] == ["case 0", "timed 0", "quick: True"]
+    assert ran[:3] == ["case 0", "case 1", "case 2"]
 
 
 def test_without_studies_no_process_is_started(monkeypatch):
