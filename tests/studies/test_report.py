@@ -158,6 +158,12 @@ def test_a_study_that_fails_leaves_its_reason_and_the_others_go_on(studies, tmp_
     assert "FAILED: RuntimeError: no rows" in text and "What of second?" in text
 
 
+def test_a_study_that_fails_anew_does_not_leave_its_old_result(studies, folder):
+    studies["first"] = bench("first", ())
+    assert report(folder, "--fresh") == 1
+    assert not (folder / "first.json").exists() and (folder / "second.json").exists()
+
+
 def test_a_picture_that_is_gone_is_named(folder):
     (folder / "first.png").unlink()
     assert report(folder) == 0

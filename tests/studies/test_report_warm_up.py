@@ -46,6 +46,8 @@ def studies(monkeypatch):
 
 def test_all_quick_cases_that_are_timed_run_once(studies):
     found, ran = studies
+    tasks = [("study", 0), ("sweep", 0), ("sweep", 1), ("sweep", 2), ("benchmark", 0)]
+    assert warm_up._tasks(found) == tasks
     warm_up.warm_up(found)
     assert sorted(ran) == [*(f"case {n}" for n in range(3)), "quick: True", "timed 0", "timed 1", "timed 3"]
     assert ran[:3] == ["case 0", "case 1", "case 2"]
