@@ -118,7 +118,7 @@ def test_both_forms_hold_conclusions_tables_ratios_machine_and_commit(folder):
 def test_adverse_findings_are_listed_and_long_tables_folded_in(folder):
     report(folder)
     text, page = page_of(folder)
-    assert "Not as it should be (2)" in page.text
+    assert "Missed, limited or failed (2)" in page.text
     assert text.count(f"({LONG} rows)</summary>") == 2
 
 
