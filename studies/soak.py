@@ -184,8 +184,8 @@ def conclude(figures: Figures) -> list[str]:
     for row in figures.of_kind("memory"):
         sentences.append(
             f"{row['label']}: memory {_growth(row, figures)} over {row['scenes']} scenes, "
-            f"{row['firstMegabytes']:.1f} MB to {row['lastMegabytes']:.1f} MB ({row['growthPercent']:+.2f} %, "
-            f"{row['kilobytesAScene']:.1f} kB a scene)."
+            f"{row['firstMegabytes']:.1f} MB to {row['lastMegabytes']:.1f} MB "
+            f"({row['growthPercent']:+.2f} %, {row['kilobytesAScene']:.1f} kB a scene)."
         )
     return sentences
 
