@@ -269,4 +269,5 @@ STUDY = Benchmark(
     ),
     conclusions=conclude,
     pictures=draw,
+    not_in_quick_report="short runs and few scenes decide nothing on drift and memory",
 )

@@ -49,6 +49,7 @@ class Benchmark:
     measure: quick -> rows; `quick` asks for few, cheap ones. Each row has a "kind".
     tables: how they are shown.
     conclusions: sentences that are computed from them.   pictures: draws into a directory.
+    not_in_quick_report: why a quick report on all studies leaves it out; empty if it does not.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Benchmark:
     tables: Sequence[Table]
     conclusions: Callable[[Figures], list[str]]
     pictures: Callable[[Figures, Path], list[Path]] = no_pictures
+    not_in_quick_report: str = ""
 
 
 def run_benchmark(benchmark: Benchmark, output: Path, quick: bool = False) -> str:

@@ -73,6 +73,7 @@ class Study:
     ratios, tables: shown beside the rows; of the ratios, sentences are made.
     reference: scene -> what errors are measured against; default: the scene's trajectory from the data.
     quick_end_time: [s] end time of the scene in a quick run.
+    not_in_quick_report: why a quick report on all studies leaves it out; empty if it does not.
     """
 
     name: str
@@ -87,3 +88,4 @@ class Study:
     tables: Callable[[Results], list[TextTable]] = no_tables
     quick_end_time: float = 0.5
     repeats: int = 5
+    not_in_quick_report: str = ""

@@ -5,7 +5,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from exudyn_inext.errors import InputError
-from studies.registry import find_studies, find_study
+from studies.registry import AnyStudy, find_studies, find_study
 
 from .gather import QUICK_FOLDER, Wish, failed, gather
 
@@ -46,11 +46,12 @@ def report(options: argparse.Namespace) -> int:
 
     if options.strict and not options.compare:
         raise InputError("--strict judges a comparison: give --compare OLD, or leave it out.")
-    studies = {name: find_study(name) for name in options.only} if options.only else find_studies()
+    studies, left_out = _studies(options)
     folder = options.output / QUICK_FOLDER if options.quick else options.output
     wish = Wish(folder, options.quick, options.missing == "run", options.fresh, options.other_commit)
     old = read_earlier(options.compare, options.quick) if options.compare else None
     gathered = gather(studies, wish)
+    gathered.absent |= left_out
     comparison = None if old is None else compare(old, gathered.documents)
     for path in write(make_report(gathered, folder, options.quick, comparison), folder):
         print(f"Written: {path}")
@@ -60,6 +61,16 @@ def report(options: argparse.Namespace) -> int:
         print(f"Left out: {name}: {reason}")
     is_worse = options.strict and comparison is not None and comparison.is_worse
     return WORSE if failed(gathered.absent) or is_worse else 0
+
+
+def _studies(options: argparse.Namespace) -> tuple[dict[str, AnyStudy], dict[str, str]]:
+    """Those that are asked for; and why others are not part of a quick report."""
+    if options.only:
+        return {name: find_study(name) for name in options.only}, {}
+    found = find_studies()
+    left_out = {name: found[name].not_in_quick_report for name in found if options.quick}
+    left_out = {name: reason for name, reason in left_out.items() if reason}
+    return {name: study for name, study in found.items() if name not in left_out}, left_out
 
 
 def _require_libraries() -> None:

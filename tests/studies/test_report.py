@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -149,6 +150,16 @@ def test_results_that_do_not_belong_into_the_report_count_as_missing(folder, sto
     )
     assert report(folder, "--missing", "skip") == 0
     assert "Left out: second" in capsys.readouterr().out
+
+
+def test_a_quick_report_leaves_out_what_is_too_long_unless_asked_for(folder, studies, monkeypatch):
+    studies["first"] = replace(studies["first"], not_in_quick_report="it takes an hour")
+    monkeypatch.setattr(command, "find_study", studies.get)
+    assert report(folder, "--quick") == 0
+    text = page_of(folder / "quick")[1].text
+    assert "first: it takes an hour." in text and "What of second?" in text and "What of first?" not in text
+    assert report(folder, "--quick", "--only", "first") == 0
+    assert "What of first?" in page_of(folder / "quick")[1].text
 
 
 def test_a_study_that_fails_leaves_its_reason_and_the_others_go_on(studies, tmp_path, capsys):
