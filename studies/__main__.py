@@ -1,4 +1,4 @@
-"""python -m studies: list and run the studies."""
+"""python -m studies: list the studies, run one, report on all."""
 
 import argparse
 import sys
@@ -10,6 +10,7 @@ from exudyn_inext.errors import InputError
 from .harness.run import run
 from .harness.sweep.study import SweepOptions
 from .registry import find_studies, find_study
+from .report.command import add_options, report
 
 MAIN_STUDY = "table1"
 
@@ -25,6 +26,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_sweep_options(
         one.add_argument_group("studies that sweep over many cases, and resume where they were")
     )
+    add_options(commands.add_parser("report", help="everything measured, as one Markdown and one HTML page"))
     return parser
 
 
@@ -43,12 +45,14 @@ def _sweep_options(options: argparse.Namespace) -> SweepOptions:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Return the exit code: 0 done, 2 wrong input."""
+    """Return the exit code: 0 done, 1 a report on something that failed or became worse, 2 wrong input."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     options = _parser().parse_args(given or ["run", MAIN_STUDY])
     try:
         if options.command == "list":
             _print_list()
+        elif options.command == "report":
+            return report(options)
         else:
             study, sweep = find_study(options.name), _sweep_options(options)
             print(run(study, options.output, options.quick, sweep))

@@ -43,6 +43,7 @@ from reference_models.scenes import Line, Scene, load_scene
 from .harness.benchmark import Benchmark, Figures, Table
 from .harness.study import Row
 from .harness.timing import garbage_collection_off
+from .harness.verdict import at_most, verdict
 
 SCENE = load_scene("planar_pendulum")
 MILLI = 1e3
@@ -188,14 +189,14 @@ def conclude(figures: Figures) -> list[str]:
     return [
         f"A cable in the ensemble costs at most {dearest['costRatio']:.2f} of a cable alone (N = "
         f"{dearest['elements']}, {dearest['endTime']:g} s, {dearest['label']}); the bar of 1 is "
-        f"{'kept' if dearest['costRatio'] <= 1.0 else 'MISSED'}.",
-        *(_gain_sentence(rows, end_time) for end_time in sorted({row["endTime"] for row in rows})),
+        f"{verdict(at_most(dearest['costRatio'], 1.0, figures.noise))}.",
+        *(_gain_sentence(rows, end_time, figures.noise) for end_time in sorted({r["endTime"] for r in rows})),
         "Alone, in the ensemble, and on any number of cores, the motions are "
         + ("equal bit for bit." if all(row["isEqual"] for row in rows) else "NOT EQUAL."),
     ]
 
 
-def _gain_sentence(rows: Sequence[Row], end_time: float) -> str:
+def _gain_sentence(rows: Sequence[Row], end_time: float, noise: float) -> str:
     """What all cores do in motions of that length."""
     cores = rows[0]["cores"]
     measured = [row for row in rows if row["endTime"] == end_time and row["gain"] is not None]
@@ -206,7 +207,7 @@ def _gain_sentence(rows: Sequence[Row], end_time: float) -> str:
     return (
         f"Motions of {end_time:g} s: {cores} cores do at least {slowest['gain']:.2f} times as much as one ("
         f"N = {slowest['elements']}, {slowest['label']}); the bar of {bar:g} is "
-        f"{'kept' if slowest['gain'] >= bar else 'MISSED'}."
+        f"{verdict(at_most(bar, slowest['gain'], noise))}."
     )
 
 

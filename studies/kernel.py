@@ -41,6 +41,7 @@ from .harness.operations import count_operations
 from .harness.plot import COLORS, label_axes, new_figure
 from .harness.step_tasks import SCENES, empty_task, moving_state, native_task, steps_task
 from .harness.study import Row
+from .harness.verdict import UNDECIDED, at_most, verdict
 
 BARS = {2: 0.5, 3: 0.6}
 INTEGRATORS = ("Zhai", "RATTLE")
@@ -175,12 +176,12 @@ def conclude(figures: Figures) -> list[str]:
     for dim, bar in BARS.items():
         rows = [r for r in figures.of_kind("ratio") if r["dimension"] == dim and r["bar"] is not None]
         worst = max(rows, key=lambda row: float(row["ratio"]))
-        verdict = "kept" if worst["ratio"] <= bar else "MISSED"
+        is_kept, kept = at_most(worst["ratio"], bar, figures.noise), _kept(rows, figures.noise)
         sentences.append(
             f"{dim}D: one full step costs at most {worst['ratio']:.2f} of a native ComputeODE2RHS of as many "
             f"elements ({worst['integrator']}, {worst['curvatureMeasure']}, N = {worst['elements']}); the "
-            f"bar of {bar} is {verdict}; kept by {_kept(rows)}. With the Lobatto quadrature: at most "
-            f"{max(row['ratioLobatto'] for row in rows):.2f}."
+            f"bar of {bar} is {verdict(is_kept)}; kept by {kept}. With the Lobatto "
+            f"quadrature: at most {max(row['ratioLobatto'] for row in rows):.2f}."
         )
     floors = figures.of_kind("floor")
     above = [row["aboveScalarFloor"] for row in floors]
@@ -190,15 +191,23 @@ def conclude(figures: Figures) -> list[str]:
     ]
 
 
-def _kept(rows: Sequence[Row]) -> str:
-    """Which rows are within the bar."""
-    count = sum(row["ratio"] <= row["bar"] for row in rows)
-    missed = [
-        f"{row['integrator']}, {row['curvatureMeasure']}, N = {row['elements']}: {row['ratio']:.2f}"
-        for row in rows
-        if row["ratio"] > row["bar"]
+def _kept(rows: Sequence[Row], noise: float) -> str:
+    """Which rows are within the bar, which are not, which may be."""
+    verdicts = [at_most(row["ratio"], row["bar"], noise) for row in rows]
+    named = {
+        is_kept: [
+            f"{row['integrator']}, {row['curvatureMeasure']}, N = {row['elements']}: {row['ratio']:.2f}"
+            for row, found in zip(rows, verdicts, strict=True)
+            if found is is_kept
+        ]
+        for is_kept in (False, None)
+    }
+    others = [
+        f"{what}: {'; '.join(named[is_kept])}"
+        for is_kept, what in ((False, "missed"), (None, UNDECIDED))
+        if named[is_kept]
     ]
-    return f"{count} of {len(rows)} rows" + (f" (missed: {'; '.join(missed)})" if missed else "")
+    return f"{verdicts.count(True)} of {len(rows)} rows" + (f" ({', '.join(others)})" if others else "")
 
 
 def draw(figures: Figures, directory: Path) -> list[Path]:

@@ -37,6 +37,7 @@ from reference_models.scenes import load_scene
 from .harness.benchmark import Benchmark, Figures, Table
 from .harness.plot import COLORS, label_axes, new_figure
 from .harness.study import Row
+from .harness.verdict import at_most, verdict
 
 STEP = 1e-3
 SETTINGS = ExplicitSettings("RATTLE", stepSize=STEP, massScaling=0.3)
@@ -45,6 +46,7 @@ PORTION = 1000
 RESTART = 20.0  # [s] of motion
 NANO = 1e-9
 MICRO = 1e6
+QUICK_TAIL_NOISE = 5.0  # factor: the 99.9 percentile of a quick run is that of its five slowest steps
 
 
 @dataclass
@@ -159,11 +161,12 @@ def conclude(figures: Figures) -> list[str]:
     worst = max(rows, key=lambda row: float(row["worst"]))
     late = sum(row["lateShare"] * row["samples"] for row in rows)
     (nothing,) = (row for row in figures.of_kind("step") if row["what"] == "nothing")
-    verdict = "bar kept" if slowest["percentile999"] < MICRO * STEP else "bar MISSED"
+    noise = QUICK_TAIL_NOISE if figures.quick else 1.0
+    is_kept = at_most(slowest["percentile999"], MICRO * STEP, noise)
     return [
         f"99.9 % of the steps are done within {slowest['percentile999']:.0f} us of wall time "
         f"({slowest['label']}), {slowest['cpuPercentile999']:.0f} us of CPU time; the step size is "
-        f"{MICRO * STEP:g} us ({verdict}).",
+        f"{MICRO * STEP:g} us ({verdict(is_kept, 'bar kept', 'bar MISSED')}).",
         f"The longest of {sum(row['samples'] for row in rows)} steps took {worst['worst']:.0f} us "
         f"({worst['label']}), {max(row['cpuWorst'] for row in rows):.0f} us of CPU time at most; "
         f"{late:.0f} took longer than the step size. Nothing at all took up to "

@@ -31,8 +31,9 @@ What is left out
 """
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -51,9 +52,9 @@ from .harness.error import distance_to_reference
 from .harness.figures import TIME, draw_cost_and_accuracy
 from .harness.front import is_explicit, is_implicit, is_implicit_by_default
 from .harness.plot import COLORS, REFERENCE_COLOR, label_axes, new_figure
-from .harness.ratios import Comparison, ratio_table
-from .harness.study import Results, Study
-from .harness.table import markdown_table, number
+from .harness.ratios import Comparison, ratios
+from .harness.study import Ratio, Results, Study
+from .harness.table import TextTable, number
 
 PAPER_STEP = 2.4842e-4  # s, from Eq. (37) with C = 0.9
 PROPOSED = "paper's proposed: inextensible, Zhai, N = 20, h = 2.48e-4 s, product"
@@ -74,7 +75,7 @@ def make_cases(scene: Scene, quick: bool) -> list[Case]:
     """All rows; a quick run leaves out the costly ones."""
     inextensible, implicit = _inextensible_cases(scene), _implicit_cases(scene)
     if quick:
-        return [*_paper_cases(scene), *inextensible[:2], *implicit[:2]]
+        return [*_paper_cases(scene), *islice(inextensible, 2), *implicit[:2]]
     return [*_paper_cases(scene), *inextensible, *implicit, *_explicit_cases(scene)]
 
 
@@ -86,21 +87,19 @@ def _paper_cases(scene: Scene) -> list[Case]:
     ]
 
 
-def _inextensible_cases(scene: Scene) -> list[Case]:
+def _inextensible_cases(scene: Scene) -> Iterator[Case]:
     """Near the largest stable steps, then the front of cost and accuracy with scaled mass."""
-    return [
-        explicit_case(scene, "Zhai", 20, 5e-4, 0.26, zeta=300.0),
-        explicit_case(scene, "RATTLE", 20, 5e-4, 0.26),
-        explicit_case(scene, "RATTLE", 10, 1e-3),
-        explicit_case(scene, "RATTLE", 20, 2.5e-4),
-        explicit_case(scene, "Zhai", 10, 2e-3, 0.26, zeta=300.0),
-        explicit_case(scene, "Zhai", 12, 1e-3, 0.26, zeta=300.0),
-        explicit_case(scene, "Zhai", 14, 1e-3, 0.26, zeta=300.0),
-        explicit_case(scene, "Zhai", 14, 5e-4, 0.35, zeta=300.0),
-        explicit_case(scene, "Zhai", 16, 5e-4, 0.35, zeta=300.0),
-        explicit_case(scene, "RATTLE", 14, 1e-3, 0.26),
-        explicit_case(scene, "RATTLE", 40, 2.5e-4, 0.26),
-    ]
+    yield explicit_case(scene, "Zhai", 20, 5e-4, 0.26, zeta=300.0)
+    yield explicit_case(scene, "RATTLE", 20, 5e-4, 0.26)
+    yield explicit_case(scene, "RATTLE", 10, 1e-3)
+    yield explicit_case(scene, "RATTLE", 20, 2.5e-4)
+    yield explicit_case(scene, "Zhai", 10, 2e-3, 0.26, zeta=300.0)
+    yield explicit_case(scene, "Zhai", 12, 1e-3, 0.26, zeta=300.0)
+    yield explicit_case(scene, "Zhai", 14, 1e-3, 0.26, zeta=300.0)
+    yield explicit_case(scene, "Zhai", 14, 5e-4, 0.35, zeta=300.0)
+    yield explicit_case(scene, "Zhai", 16, 5e-4, 0.35, zeta=300.0)
+    yield explicit_case(scene, "RATTLE", 14, 1e-3, 0.26)
+    yield explicit_case(scene, "RATTLE", 40, 2.5e-4, 0.26)
 
 
 def _implicit_cases(scene: Scene) -> list[Case]:
@@ -186,22 +185,30 @@ def _draw_ring(axes: Axes, runs: Sequence[Trajectory], time: float) -> None:
     axes.set_title(f"t = {time:g} s", loc="left", fontsize=10)
 
 
-def make_conclusions(results: Results) -> list[str]:
-    """Errors of both measures, the step-size rule, and the ratios."""
+def make_tables(results: Results) -> list[TextTable]:
+    """Errors of both measures."""
     rows = {row["label"]: row for row in results.rows}
     lines = [
         (label, number(_error_until(results, label, 1.0)), number(rows[label]["errorMax"]))
         for label in (PROPOSED, SIMPLER)
     ]
     header = ("largest distance to the reference [m]", "first second", "whole run")
-    simpler = rows[SIMPLER]
-    limit = simpler["stepLimit"]
-    rule = (
+    return [TextTable("", header, lines)]
+
+
+def make_ratios(results: Results) -> list[Ratio]:
+    """At equal accuracy: the paper gives no times."""
+    return ratios(results.rows, {}, PROPOSED, COMPARISONS)
+
+
+def make_conclusions(results: Results) -> list[str]:
+    """The step-size rule."""
+    (limit,) = (row["stepLimit"] for row in results.rows if row["label"] == SIMPLER)
+    return [
         f"The paper's step {PAPER_STEP:g} s, Eq. (37) with C = 0.9, is {PAPER_STEP / limit:.3f} of the "
         f"stability limit {limit:.4g} s of the ring at rest; the critical C is "
         f"{0.9 * limit / PAPER_STEP:.3f}. {_tried_around(results.scene, limit)}"
-    )
-    return [markdown_table(header, lines), rule, ratio_table(results.rows, {}, PROPOSED, COMPARISONS)]
+    ]
 
 
 def _tried_around(scene: Scene, limit: float) -> str:
@@ -217,7 +224,7 @@ def _outcome(scene: Scene, step_size: float) -> str:
             # an output at each step: its size must not be rounded to fit the sensor's period
             solved(scene, Inextensible(20, settings, output_period=step_size))
     except DivergenceError as error:
-        return str(error).partition("diverged ")[2].partition(":")[0].join(["diverges ", ""])
+        return "diverges " + str(error).partition("diverged ")[2].partition(" s")[0] + " s"
     return f"stays stable over {scene.end_time:g} s"
 
 
@@ -236,4 +243,7 @@ STUDY = Study(
     cases=make_cases,
     figures=make_figures,
     conclusions=make_conclusions,
+    ratios=make_ratios,
+    tables=make_tables,
+    not_in_quick_report="the kernels of closed cables, in both curvature measures, take long to compile",
 )

@@ -40,6 +40,7 @@ from .harness.rows import make_row
 from .harness.stepper_case import stepper_case
 from .harness.study import Row
 from .harness.timing import measure as measure_cases
+from .harness.verdict import at_most, verdict
 
 PLANAR = load_scene("planar_pendulum")
 RING = replace(load_scene("vibrating_ring"), loads=())
@@ -153,7 +154,7 @@ def _speed(row: Row, scene: Scene) -> Row:
 def conclude(figures: Figures) -> list[str]:
     """Whether the bars are kept."""
     return [
-        *(_spread(label, rows) for label, rows in _series(figures).items()),
+        *(_spread(label, rows, figures.noise) for label, rows in _series(figures).items()),
         *(
             f"{row['elements']} elements, {row['label']}: {row['peakMegabytes']:.0f} MB at most, "
             f"{row['librariesMegabytes']:.0f} MB of them libraries "
@@ -176,8 +177,8 @@ def _beyond_caches(row: Row, figures: Figures) -> str:
     )
 
 
-def _verdict(is_kept: bool) -> str:
-    return "bar kept" if is_kept else "bar MISSED"
+def _verdict(is_kept: bool | None) -> str:
+    return verdict(is_kept, "bar kept", "bar MISSED")
 
 
 def _series(figures: Figures) -> dict[str, list[Row]]:
@@ -188,13 +189,13 @@ def _series(figures: Figures) -> dict[str, list[Row]]:
     }
 
 
-def _spread(label: str, rows: Sequence[Row]) -> str:
+def _spread(label: str, rows: Sequence[Row], noise: float) -> str:
     least, most = (pick(rows, key=lambda row: row["microseconds"]) for pick in (min, max))
     ratio = most["microseconds"] / least["microseconds"]
     return (
         f"{label}: {least['microseconds']:.3f} us per element and step (N = {least['elements']}) to "
         f"{most['microseconds']:.3f} us (N = {most['elements']}), a factor of {ratio:.2f} "
-        f"({_verdict(ratio <= SPREAD)}); "
+        f"({_verdict(at_most(ratio, SPREAD, noise))}); "
         f"{1e6 * rows[-1]['megabytes'] / rows[-1]['elements']:.0f} bytes an element."
     )
 

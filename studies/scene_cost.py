@@ -37,6 +37,7 @@ from .harness.joined_scenes import Contents, joined_scene
 from .harness.plot import COLORS, label_axes, new_figure
 from .harness.study import Row
 from .harness.timing import garbage_collection_off
+from .harness.verdict import at_most, verdict
 
 STEP = 5e-4
 SETTINGS = ExplicitSettings("RATTLE", stepSize=STEP, massScaling=0.3)
@@ -138,10 +139,10 @@ def conclude(figures: Figures) -> list[str]:
         for name in ("elements, watched", "elements, with a spring", "elements, with a body")
         for row in (series[name][0], series[name][-1])
     ]
-    return sentences + [_growth(name, rows) for name, rows in series.items()]
+    return sentences + [_growth(name, rows, figures.noise) for name, rows in series.items()]
 
 
-def _growth(name: str, rows: Sequence[Row]) -> str:
+def _growth(name: str, rows: Sequence[Row], noise: float) -> str:
     """Cost of one more: over the smaller and over the larger half of the range."""
     sizes, costs = [_size(row) for row in rows], [row["microseconds"] for row in rows]
     middle = len(rows) // 2
@@ -150,9 +151,10 @@ def _growth(name: str, rows: Sequence[Row]) -> str:
         return f"{name}: {total:.3g} us for one more."
     first = (costs[middle] - costs[0]) / (sizes[middle] - sizes[0])
     second = (costs[-1] - costs[middle]) / (sizes[-1] - sizes[middle])
+    is_linear = at_most(second, 1.5 * first, noise)
     return (
         f"{name}: {first:.3g} us for one more from {sizes[0]} to {sizes[middle]}, {second:.3g} us from "
-        f"{sizes[middle]} to {sizes[-1]} ({'linear' if second < 1.5 * first else 'NOT linear'})."
+        f"{sizes[middle]} to {sizes[-1]} ({verdict(is_linear, 'linear', 'NOT linear')})."
     )
 
 

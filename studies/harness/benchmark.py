@@ -4,12 +4,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from .machine import machine
+from .document import concluded, measured, store
 from .progress import announce
-from .provenance import code_versions
-from .store import gallery, prepare_directory, write_json, write_text
+from .store import prepare_directory
 from .study import Row
-from .table import cell, markdown_table
+from .table import TextTable, cell
+from .verdict import timing_noise
 
 
 @dataclass(frozen=True)
@@ -31,6 +31,11 @@ class Figures:
     def of_kind(self, kind: str) -> list[Row]:
         return [row for row in self.rows if row["kind"] == kind]
 
+    @property
+    def noise(self) -> float:
+        """Factor within which a timed figure counts as equal to its bar, see `verdict`."""
+        return timing_noise(self.quick)
+
 
 def no_pictures(figures: Figures, directory: Path) -> list[Path]:
     """For benchmarks without pictures."""
@@ -44,6 +49,7 @@ class Benchmark:
     measure: quick -> rows; `quick` asks for few, cheap ones. Each row has a "kind".
     tables: how they are shown.
     conclusions: sentences that are computed from them.   pictures: draws into a directory.
+    not_in_quick_report: why a quick report on all studies leaves it out; empty if it does not.
     """
 
     name: str
@@ -52,6 +58,7 @@ class Benchmark:
     tables: Sequence[Table]
     conclusions: Callable[[Figures], list[str]]
     pictures: Callable[[Figures, Path], list[Path]] = no_pictures
+    not_in_quick_report: str = ""
 
 
 def run_benchmark(benchmark: Benchmark, output: Path, quick: bool = False) -> str:
@@ -59,28 +66,21 @@ def run_benchmark(benchmark: Benchmark, output: Path, quick: bool = False) -> st
     prepare_directory(output)
     announce(benchmark.name, "measuring")
     figures = Figures(quick, benchmark.measure(quick))
-    conclusions = benchmark.conclusions(figures)
-    document = {
-        "study": benchmark.name,
-        "quick": quick,
-        "machine": machine(),
-        "versions": code_versions(),
-        "rows": figures.rows,
-        "conclusions": conclusions,
-    }
-    write_json(output / f"{benchmark.name}.json", document)
-    report = _report(benchmark, figures, conclusions)
-    pictures = benchmark.pictures(figures, output)
-    write_text(output / f"{benchmark.name}.md", report + gallery(pictures))
-    return report
+    mode = "quick: few, short measurements" if quick else ""
+    document = measured(benchmark.name, benchmark.question, quick, figures.rows, mode)
+    store(output, document)
+    document = concluded(document, _tables(benchmark, figures), benchmark.conclusions(figures))
+    return store(output, document, benchmark.pictures(figures, output))
 
 
-def _report(benchmark: Benchmark, figures: Figures, conclusions: Sequence[str]) -> str:
-    mode = " (quick: few, short measurements)" if figures.quick else ""
-    paragraphs = [f"# {benchmark.name}{mode}", benchmark.question]
-    for table in benchmark.tables:
-        rows = figures.of_kind(table.kind)
-        if rows:
-            lines = [[cell(row.get(key)) for key in table.columns.values()] for row in rows]
-            paragraphs += [table.title, markdown_table(list(table.columns), lines)]
-    return "\n\n".join([*paragraphs, "\n".join(f"- {sentence}" for sentence in conclusions)]) + "\n"
+def _tables(benchmark: Benchmark, figures: Figures) -> list[TextTable]:
+    """Those that have rows."""
+    return [
+        TextTable(
+            table.title,
+            list(table.columns),
+            [[cell(row.get(key)) for key in table.columns.values()] for row in figures.of_kind(table.kind)],
+        )
+        for table in benchmark.tables
+        if figures.of_kind(table.kind)
+    ]

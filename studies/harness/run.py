@@ -12,13 +12,13 @@ from reference_models.scenes import Scene
 from reference_models.trajectory import Case
 
 from .benchmark import Benchmark, run_benchmark
+from .document import Document, concluded, measured, store
 from .error import interpolation_error
-from .machine import machine
 from .progress import announce
-from .provenance import code_versions
+from .ratios import ratio_sentences, ratio_tables
 from .reference import ReferenceSolution
 from .rows import make_row
-from .store import gallery, prepare_directory, write_json, write_text
+from .store import prepare_directory
 from .study import Results, Study
 from .sweep.study import SweepOptions, SweepStudy, run_sweep_study
 from .table import number, rows_table
@@ -61,12 +61,10 @@ def run_study(study: Study, output: Path, quick: bool = False) -> str:
     _require_distinct_labels(cases)
     results = _results(scene, quick, _measure(study, cases, quick), reference)
     document = _document(study, results)
-    write_json(output / f"{study.name}.json", document)
+    store(output, document)
     announce(study.name, "drawing the figures")
     figures = study.figures(results, output)
-    report = _report(study, results, document["reference"])
-    write_text(output / f"{study.name}.md", report + gallery(figures))
-    return report
+    return store(output, _concluded(study, results, document), figures)
 
 
 def _measure(study: Study, cases: Sequence[Case], quick: bool) -> list[Measurement]:
@@ -103,12 +101,12 @@ def _results(
     )
 
 
-def _document(study: Study, results: Results) -> dict[str, Any]:
+def _document(study: Study, results: Results) -> Document:
+    """What is known before conclusions are drawn and pictures made."""
     reference = results.reference
     interpolation = interpolation_error(reference.trajectory)
-    return {
-        "study": study.name,
-        "quick": results.quick,
+    mode = f"quick: {results.scene.end_time:g} s of motion" if results.quick else ""
+    return measured(study.name, study.question, results.quick, results.rows, mode) | {
         "paper": study.paper,
         "reference": {
             "file": reference.file,
@@ -117,21 +115,23 @@ def _document(study: Study, results: Results) -> dict[str, Any]:
             "interpolationErrorMax": interpolation.maximum,
             "interpolationErrorRms": interpolation.rms,
         },
-        "machine": machine(),
-        "versions": code_versions(),
-        "rows": results.rows,
     }
 
 
-def _report(study: Study, results: Results, reference: dict[str, Any]) -> str:
-    """What is printed and stored as Markdown: question, table, conclusions."""
-    mode = f" (quick: {results.scene.end_time:g} s of motion)" if results.quick else ""
-    note = (
+def _concluded(study: Study, results: Results, document: Document) -> Document:
+    ratios = study.ratios(results)
+    tables = [rows_table(results.rows), *study.tables(results), *ratio_tables(ratios)]
+    conclusions = study.conclusions(results) + ratio_sentences(ratios, results.quick)
+    note = _note(document["reference"])
+    return concluded(document, tables, conclusions, [note], [vars(ratio) for ratio in ratios])
+
+
+def _note(reference: dict[str, Any]) -> str:
+    """What the errors are."""
+    return (
         f"Errors are distances to: {reference['source']}, good to "
         f"{reference['uncertainty']:.0e} m; between its samples a spline, whose error at twice "
         "the sampling period is "
         f"{number(reference['interpolationErrorMax'], 2)} m at most, "
         f"{number(reference['interpolationErrorRms'], 2)} m rms."
     )
-    paragraphs = [f"# {study.name}{mode}", study.question, rows_table(results.rows), note]
-    return "\n\n".join(paragraphs + study.conclusions(results)) + "\n"

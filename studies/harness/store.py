@@ -4,7 +4,7 @@ import json
 import math
 import os
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -43,11 +43,6 @@ def write_text(path: Path, text: str) -> None:
     except BaseException:
         Path(name).unlink(missing_ok=True)
         raise
-
-
-def gallery(pictures: Sequence[Path]) -> str:
-    """Markdown that shows pictures beside it."""
-    return "".join(f"\n![{picture.stem}]({picture.name})\n" for picture in pictures)
 
 
 def plain(value: Any) -> Any:

@@ -1,22 +1,37 @@
-"""Rows and conclusions as Markdown."""
+"""Tables as text: what a report shows of rows."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
-from .study import Row
-
 COLUMNS = ("case", "N", "h [s]", "CPU [s]", "CPU min [s]", "error max [m]", "error rms [m]")
+
+
+@dataclass(frozen=True)
+class TextTable:
+    """A table that is ready to be shown.   header: one text a column.   lines: cells as texts."""
+
+    title: str
+    header: Sequence[str]
+    lines: Sequence[Sequence[str]]
+
+    @property
+    def markdown(self) -> str:
+        """Title, if there is one, and table."""
+        table = markdown_table(self.header, self.lines)
+        return f"{self.title}\n\n{table}" if self.title else table
 
 
 def markdown_table(header: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
     """A Markdown table: the first column is text, the others numbers."""
     ruler = ["---"] + ["---:"] * (len(header) - 1)
-    return "\n".join("| " + " | ".join(cells) + " |" for cells in (header, ruler, *lines))
+    escaped = ([cell.replace("|", "\\|") for cell in cells] for cells in (header, ruler, *lines))
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in escaped)
 
 
-def rows_table(rows: Iterable[Row]) -> str:
+def rows_table(rows: Iterable[Mapping[str, Any]]) -> TextTable:
     """All rows; a failed one shows its status instead of figures."""
-    return markdown_table(COLUMNS, (_cells(row) for row in rows))
+    return TextTable("", COLUMNS, [_cells(row) for row in rows])
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -31,8 +46,8 @@ def cell(value: Any) -> str:
     return "-" if value is None else str(value)
 
 
-def _cells(row: Row) -> list[str]:
-    status = "" if row["status"] == "ok" else f" ({row['status']})".replace("|", "/")
+def _cells(row: Mapping[str, Any]) -> list[str]:
+    status = "" if row["status"] == "ok" else f" ({row['status']})"
     figures = (row[key] for key in ("cpuSeconds", "cpuSecondsMin", "errorMax", "errorRms"))
     return [
         row["label"] + status,

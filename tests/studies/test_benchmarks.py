@@ -8,12 +8,13 @@ import pytest
 from studies import soak
 from studies.__main__ import main
 from studies.harness.benchmark import Benchmark, Figures, Table
+from studies.harness.document import KEYS
 from studies.harness.dropped_scenes import KINDS
 from studies.harness.interleaved import medians, seconds_per_time
 from studies.harness.operations import Counted, tally
 from studies.registry import find_study
 
-DOCUMENT_KEYS = {"study", "quick", "machine", "versions", "rows", "conclusions"}
+DOCUMENT_KEYS = set(KEYS)
 
 
 @pytest.fixture
@@ -145,3 +146,9 @@ def test_soak_finds_a_drift_and_memory_that_grows():
     assert memory["growthPercent"] == pytest.approx(100.0 * (338.5 / 320.5 - 1.0))
     sentences = soak.conclude(Figures(False, [drifting, memory]))
     assert "DRIFTS" in sentences[0] and "within" in sentences[1] and "NOT flat" in sentences[2]
+    control = [row | {"label": "control"} for row in (drifting, memory)]
+    found = soak.conclude(Figures(False, control))
+    assert "drifts, as it should" in found[0] and "growing, as it should" in found[2]
+    blind = soak.conclude(Figures(False, [control[0] | {"drift": 0.0}, control[1] | {"growthPercent": 0.0}]))
+    assert "does NOT drift" in blind[0] and "NOT growing" in blind[2]
+    assert all("undecided" in soak.conclude(Figures(True, control))[n] for n in (0, 2))

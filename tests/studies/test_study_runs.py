@@ -9,6 +9,7 @@ from reference_models.data import reference_trajectory
 from reference_models.scenes import load_scene
 from reference_models.trajectory import Case, Trajectory
 from studies.__main__ import main
+from studies.harness.document import KEYS
 from studies.harness.study import Study
 from studies.registry import find_studies, find_study
 from studies.table1 import PAPER_IMPLICIT
@@ -18,7 +19,7 @@ ROW_KEYS = {
     "label", "formulation", "integrator", "elements", "stepSize", "steps", "cpuSeconds",
     "cpuSecondsMin", "repeats", "errorMax", "errorRms", "status",
 }  # fmt: skip
-DOCUMENT_KEYS = {"study", "paper", "reference", "machine", "versions", "rows"}
+DOCUMENT_KEYS = {*KEYS, "paper", "reference"}
 
 
 def offset_case(label, offset):

@@ -3,9 +3,10 @@
 import pytest
 
 from reference_models.scenes import load_scene
+from studies.harness.ratios import ratio_sentences, ratio_tables
 from studies.harness.reference import from_data
 from studies.harness.study import Results
-from studies.table1 import PAPER_EXPLICIT, PAPER_IMPLICIT, PAPER_PROPOSED, make_conclusions
+from studies.table1 import PAPER_EXPLICIT, PAPER_IMPLICIT, PAPER_PROPOSED, make_ratios
 from tests.studies.rows import row
 
 SCENE = load_scene("planar_pendulum")
@@ -24,8 +25,8 @@ ROWS = [
 
 
 def conclusion_lines(rows):
-    (table,) = make_conclusions(Results(SCENE, False, rows, {}, from_data(SCENE)))
-    return table.splitlines()[2:]
+    (table,) = ratio_tables(make_ratios(Results(SCENE, False, rows, {}, from_data(SCENE))))
+    return table.markdown.splitlines()[2:]
 
 
 @pytest.mark.parametrize(
@@ -45,3 +46,25 @@ def test_ratios_compare_rows_of_the_same_accuracy(line, texts):
 def test_ratios_without_an_inextensible_row_are_left_open():
     native = [row for row in ROWS if row["formulation"] == "conventional"]
     assert all(line.endswith("| - |") for line in conclusion_lines(native))
+
+
+def sentences(quick, **seconds):
+    """Of ROWS, some of which took other times [s]."""
+    rows = [row | {"cpuSeconds": seconds.get(row["label"], row["cpuSeconds"])} for row in ROWS]
+    return ratio_sentences(make_ratios(Results(SCENE, quick, rows, {}, from_data(SCENE))), quick)
+
+
+def test_sentences_say_the_closest_comparison_of_equal_accuracy_and_stand_beside_the_paper():
+    equal, implicit, explicit = sentences(False)
+    assert "is always cheaper" in equal and "3.50" in equal and implicit.endswith("(a larger gain).")
+    assert "178 in the paper" in explicit
+    assert "is NOT always cheaper" in sentences(False, tuned=0.003)[0]
+
+
+def test_the_few_rows_of_a_quick_run_decide_nothing_on_equal_accuracy():
+    assert not any("equal accuracy" in sentence for sentence in sentences(True, tuned=0.003))
+
+
+@pytest.mark.parametrize(("seconds", "found"), [(0.6, "equal within noise"), (1.5, "a larger gain")])
+def test_a_quick_ratio_near_that_of_the_paper_is_neither_larger_nor_smaller(seconds, found):
+    assert sentences(True, **{PAPER_EXPLICIT: seconds})[1].endswith(f"({found}).")

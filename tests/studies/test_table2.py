@@ -6,10 +6,11 @@ import pytest
 
 from reference_models.scenes import load_scene
 from studies.__main__ import main
+from studies.harness.ratios import ratio_tables
 from studies.harness.reference import from_data
 from studies.harness.study import Results
 from studies.registry import find_study
-from studies.table2 import PAPER_EXPLICIT, PAPER_IMPLICIT, PAPER_PROPOSED, make_conclusions
+from studies.table2 import PAPER_EXPLICIT, PAPER_IMPLICIT, PAPER_PROPOSED, make_ratios
 from tests.studies.rows import row
 
 SCENE = load_scene("spatial_pendulum")
@@ -30,8 +31,8 @@ ROWS = [
 
 
 def conclusion_line(text):
-    (table,) = make_conclusions(Results(SCENE, False, ROWS, {}, from_data(SCENE)))
-    (line,) = [line for line in table.splitlines() if line.startswith(f"| {text}")]
+    (table,) = ratio_tables(make_ratios(Results(SCENE, False, ROWS, {}, from_data(SCENE))))
+    (line,) = [line for line in table.markdown.splitlines() if line.startswith(f"| {text}")]
     return line
 
 

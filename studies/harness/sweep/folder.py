@@ -29,21 +29,14 @@ class CaseFolder:
     """
 
     def __init__(self, output: Path, sweep: Sweep, fresh: bool = False) -> None:
-        stamp = output / FOLDER / _STAMP
         self._folder = output / FOLDER / sweep.name
-        found = _read(stamp)
-        if found is None and stamp.parent.exists() and any(stamp.parent.iterdir()):
-            found = {"commit": "unknown", "changed": True, "sources": "", "versions": {}}
-        difference = _difference(found) if found else ""
         if fresh:
-            shutil.rmtree(output / FOLDER if difference else self._folder, ignore_errors=True)
-        elif difference:
-            raise InputError(
-                f"'{output}' holds cases that belong to another state of the code ({difference}): "
-                "choose another --output, go back to that state, or give --fresh to discard them."
-            )
+            is_foreign = bool(_foreign(output))
+            shutil.rmtree(output / FOLDER if is_foreign else self._folder, ignore_errors=True)
+        else:
+            require_same_state(output)
         prepare_directory(self._folder)
-        write_json(stamp, provenance())
+        write_json(output / FOLDER / _STAMP, provenance())
 
     def load(self, case: Row) -> Outcome | None:
         """What became of the case earlier, or None."""
@@ -57,6 +50,25 @@ class CaseFolder:
 
     def _path(self, case: Row) -> Path:
         return self._folder / f"{key_of(case)}.json"
+
+
+def require_same_state(output: Path) -> None:
+    """Refuse (InputError) a directory with cases of another commit, changed sources or other versions."""
+    difference = _foreign(output)
+    if difference:
+        raise InputError(
+            f"'{output}' holds cases that belong to another state of the code ({difference}): "
+            "choose another --output, go back to that state, or give --fresh to discard them."
+        )
+
+
+def _foreign(output: Path) -> str:
+    """What separates the state of stored cases from the present one; empty if nothing does."""
+    stamp = output / FOLDER / _STAMP
+    found = _read(stamp)
+    if found is None and stamp.parent.exists() and any(stamp.parent.iterdir()):
+        found = {"commit": "unknown", "changed": True, "sources": "", "versions": {}}
+    return _difference(found) if found else ""
 
 
 def _difference(found: dict[str, Any]) -> str:

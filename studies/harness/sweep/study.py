@@ -47,7 +47,8 @@ class SweepStudy:
     """A question that one command answers, over many cases.
 
     cases: quick -> cases, each with its "kind"; see `Sweep`.   run: case -> what was found.
-    tables, conclusions, pictures: see `Benchmark`; a row is a case, what was found, and its "status".
+    tables, conclusions, pictures, not_in_quick_report: see `Benchmark`; a row is a case, what was found,
+    and its "status".
     """
 
     name: str
@@ -57,6 +58,7 @@ class SweepStudy:
     tables: Sequence[Table]
     conclusions: Callable[[Figures], list[str]]
     pictures: Callable[[Figures, Path], list[Path]] = no_pictures
+    not_in_quick_report: str = ""
 
 
 def run_sweep_study(

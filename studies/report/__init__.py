@@ -1,0 +1,1 @@
+"""The report: everything measured as one Markdown and one HTML page, beside an earlier one."""

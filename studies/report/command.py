@@ -1,0 +1,82 @@
+"""The command: gather, compare, write."""
+
+import argparse
+from importlib.util import find_spec
+from pathlib import Path
+
+from exudyn_inext.errors import InputError
+from studies.registry import AnyStudy, find_studies, find_study
+
+from .gather import QUICK_FOLDER, Wish, failed, gather
+
+WORSE = 1
+_LIBRARIES = ("jinja2", "markdown_it")
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Of the command `report`."""
+    add = parser.add_argument
+    add("--quick", action="store_true", help="run all studies in quick mode, into OUTPUT/quick; some minutes")
+    add("--output", type=Path, default=Path("results"), help="default: results")
+    add("--only", nargs="+", metavar="NAME", help="these studies, as shown by 'list'")
+    add("--missing", choices=("run", "skip"), default="run", help="studies without result; default: run")
+    add("--fresh", action="store_true", help="discard what is stored, and run all studies anew")
+    add("--other-commit", action="store_true", help="report what one other commit measured; nothing is run")
+    add(
+        "--compare", nargs="+", type=Path, metavar="OLD",
+        help="folder, or NAME.json files, of an earlier report: what became worse beyond noise",
+    )  # fmt: skip
+    add("--strict", action="store_true", help=f"exit code {WORSE} if anything became worse than in OLD")
+
+
+def report(options: argparse.Namespace) -> int:
+    """Write report.md and report.html; print where, and what was found.
+
+    Returns:
+        0; 1 if a study failed, or, with --strict, if anything is worse than in the earlier report.
+
+    Raises:
+        InputError: see `gather`, `read_earlier`; missing libraries; --strict without --compare.
+    """
+    _require_libraries()
+    from .compare.comparison import compare
+    from .compare.earlier import read_earlier
+    from .content import make_report
+    from .render import write
+
+    if options.strict and not options.compare:
+        raise InputError("--strict judges a comparison: give --compare OLD, or leave it out.")
+    studies, left_out = _studies(options)
+    folder = options.output / QUICK_FOLDER if options.quick else options.output
+    wish = Wish(folder, options.quick, options.missing == "run", options.fresh, options.other_commit)
+    old = read_earlier(options.compare, options.quick) if options.compare else None
+    gathered = gather(studies, wish)
+    gathered.absent |= left_out
+    comparison = None if old is None else compare(old, gathered.documents)
+    for path in write(make_report(gathered, folder, options.quick, comparison), folder):
+        print(f"Written: {path}")
+    if comparison:
+        print("\n".join(comparison.summary))
+    for name, reason in gathered.absent.items():
+        print(f"Left out: {name}: {reason}")
+    is_worse = options.strict and comparison is not None and comparison.is_worse
+    return WORSE if failed(gathered.absent) or is_worse else 0
+
+
+def _studies(options: argparse.Namespace) -> tuple[dict[str, AnyStudy], dict[str, str]]:
+    """Those that are asked for; and why others are not part of a quick report."""
+    if options.only:
+        return {name: find_study(name) for name in options.only}, {}
+    found = find_studies()
+    left_out = {name: found[name].not_in_quick_report for name in found if options.quick}
+    left_out = {name: reason for name, reason in left_out.items() if reason}
+    return {name: study for name, study in found.items() if name not in left_out}, left_out
+
+
+def _require_libraries() -> None:
+    missing = [name for name in _LIBRARIES if find_spec(name) is None]
+    if missing:
+        raise InputError(
+            f"the report needs {' and '.join(missing)}, not installed here: pip install "
+            "'exudyn_inext[report]'."
+        )

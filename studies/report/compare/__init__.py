@@ -1,0 +1,1 @@
+"""Two reports beside each other: what became slower or less accurate beyond noise."""

@@ -1,0 +1,58 @@
+"""Before quick runs are timed, all that they compile is compiled, whatever fails."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from reference_models.scenes import load_scene
+from reference_models.trajectory import Case
+from studies.harness.benchmark import Benchmark
+from studies.harness.study import Study
+from studies.harness.sweep.engines import Engine
+from studies.harness.sweep.study import SweepStudy
+from studies.report import warm_up
+from studies.report.warm_up import BRIEF
+
+SCENE = load_scene("planar_pendulum")
+
+
+@pytest.fixture
+def studies(monkeypatch):
+    """One of each kind, and the list of what ran; the cases of numbers 1 fail."""
+    ran = []
+
+    def run(what):
+        ran.append(what)
+        if str(what).endswith("1"):
+            raise RuntimeError("as it should")
+
+    def cases(scene, quick):
+        assert quick and scene.end_time == BRIEF
+        return [Case(f"c{n}", "a", "b", 1, 1.0, 1, lambda n=n: lambda: run(f"case {n}")) for n in range(3)]
+
+    nothing = {"question": "", "tables": (), "conclusions": lambda figures: []}
+    sweep = [{"timed": n != 2, "kind": "k", "n": n} for n in range(4)]
+    found = {
+        "study": Study("study", "", SCENE, {}, cases),
+        "sweep": SweepStudy(
+            "sweep", cases=lambda quick: sweep, run=lambda case: run(f"timed {case['n']}"), **nothing
+        ),
+        "benchmark": Benchmark("benchmark", measure=lambda quick: run(f"quick: {quick}"), **nothing),
+    }
+    monkeypatch.setattr(warm_up, "find_study", found.get)
+    monkeypatch.setattr(warm_up, "processes", lambda: Engine("threads", lambda: ThreadPoolExecutor(1)))
+    return found, ran
+
+
+def test_all_quick_cases_that_are_timed_run_once(studies):
+    found, ran = studies
+    tasks = [("study", 0), ("sweep", 0), ("sweep", 1), ("sweep", 2), ("benchmark", 0)]
+    assert warm_up._tasks(found) == tasks
+    warm_up.warm_up(found)
+    assert sorted(ran) == [*(f"case {n}" for n in range(3)), "quick: True", "timed 0", "timed 1", "timed 3"]
+    assert ran[:3] == ["case 0", "case 1", "case 2"]
+
+
+def test_without_studies_no_process_is_started(monkeypatch):
+    monkeypatch.setattr(warm_up, "processes", None)
+    warm_up.warm_up({})
