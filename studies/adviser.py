@@ -12,8 +12,9 @@ Protocol
     rubber, thrown, kicked, clamped, closed, in space. Tolerances 1e-2, 3e-3, 1e-3 and 3e-4 of the length.
     "Few meshes": pilots have 4, 6, 8 elements at most, so that it must extrapolate. What it recommends is run
     again, and compared with a finer solution of another integrator: Zhai (RK4 where it diverges), 48
-    elements, half of its limit, and one with 32 for its uncertainty; for rubber, where stretch matters, native cables, 24 and 16 elements.
-    Cases whose tolerance is below four times that uncertainty say nothing and are left out.
+    elements, half of its limit, and one with 32 for its uncertainty; for rubber, where stretch matters,
+    native cables, 24 and 16 elements. Cases whose tolerance is below four times that uncertainty say
+    nothing and are left out.
     Predicted CPU time is that of the pilot, or the cost model's; achieved is that of the run again.
 
 What is left out

@@ -41,8 +41,8 @@ def judge_rivals(search: Search, pilots: Sequence[Pilot]) -> None:
 def judge_by_themselves(pilots: Sequence[Pilot]) -> list[Tried]:
     """Where cables stretch, the inextensible solution is no judge: the finest conventional one is.
 
-    It has half the step of the next coarser one; with the second order of the scheme, its own error is a third
-    of what separates them.
+    It has half the step of the next coarser one; with the second order of the scheme, its own error is a
+    third of what separates them.
     """
     runs = [pilot for pilot in pilots if not pilot.failure]
     if len(runs) < 2:
