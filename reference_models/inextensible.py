@@ -44,6 +44,7 @@ class Inextensible:
     None: the sensors' period.   measure: curvature measure.
     length_constraints: n_bar of Eq. (19), 0 (none) to N; None: one an element.
     spatial: whether a planar scene is built in space.
+    enforcement: of the length; see CreateInextensibleCable.
     """
 
     elements: int
@@ -52,6 +53,7 @@ class Inextensible:
     measure: str = "secondDerivative"
     length_constraints: int | None = None
     spatial: bool = False
+    enforcement: str = "projection"
 
 
 def build(scene: Scene, elements: int, measure: str = "secondDerivative") -> Model:
@@ -97,6 +99,7 @@ def _build_at_rest(scene: Scene, inextensible: Inextensible) -> tuple[Model, Any
         groundConstraintsEnd=end,
         shape=_shape(scene, elements),
         dimension=dimension,
+        enforcement=inextensible.enforcement,
     )
     nodes = tuple(cable["nodes"])
     if scene.cable.shape.closed:
@@ -203,6 +206,8 @@ def _label(model: Inextensible, report: dict[str, Any]) -> str:
         parts.append(f"zeta = {model.settings.stabilizationRate:g} 1/s")
     if model.settings.massScaling:
         parts.append(f"mass scaling {model.settings.massScaling:g}")
+    if model.settings.integrator == "Zhai" and model.settings.scheme and model.settings.scheme.corrector:
+        parts.append("corrector")
     if model.measure != "secondDerivative":
         parts.append(model.measure)
     if model.length_constraints is not None:

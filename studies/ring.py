@@ -72,10 +72,10 @@ COMPARISONS = (
 
 def make_cases(scene: Scene, quick: bool) -> list[Case]:
     """All rows; a quick run leaves out the costly ones."""
-    inextensible, implicit = _inextensible_cases(scene), _implicit_cases(scene)
+    inextensible, implicit = inextensible_cases(scene), implicit_cases(scene)
     if quick:
         return [*_paper_cases(scene), *inextensible[:2], *implicit[:2]]
-    return [*_paper_cases(scene), *inextensible, *implicit, *_explicit_cases(scene)]
+    return [*_paper_cases(scene), *inextensible, *implicit, *explicit_cases(scene)]
 
 
 def _paper_cases(scene: Scene) -> list[Case]:
@@ -86,7 +86,7 @@ def _paper_cases(scene: Scene) -> list[Case]:
     ]
 
 
-def _inextensible_cases(scene: Scene) -> list[Case]:
+def inextensible_cases(scene: Scene) -> list[Case]:
     """Near the largest stable steps, then the front of cost and accuracy with scaled mass."""
     return [
         explicit_case(scene, "Zhai", 20, 5e-4, 0.26, zeta=300.0),
@@ -103,7 +103,7 @@ def _inextensible_cases(scene: Scene) -> list[Case]:
     ]
 
 
-def _implicit_cases(scene: Scene) -> list[Case]:
+def implicit_cases(scene: Scene) -> list[Case]:
     """Generalized-alpha, cheapest at its accuracy, see the head of this file; coarse ones first."""
     each_step: Newton = "modifiedEachStep"
     return [
@@ -120,7 +120,8 @@ def _implicit_cases(scene: Scene) -> list[Case]:
     ]
 
 
-def _explicit_cases(scene: Scene) -> list[Case]:
+def explicit_cases(scene: Scene) -> list[Case]:
+    """Native velocity Verlet at its largest stable steps."""
     return [
         largest_step_case(scene, 16, "velocityVerlet", "lobatto"),
         largest_step_case(scene, 20, "velocityVerlet", "lobatto"),

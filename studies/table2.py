@@ -99,10 +99,10 @@ QUICK_MESHES: dict[str, Sequence[int]] = dict.fromkeys(MESHES, (4, 6))
 
 def make_cases(scene: Scene, quick: bool) -> list[Case]:
     """All rows; a quick run leaves out the costly ones."""
-    inextensible, implicit = _inextensible_cases(scene), _tuned_implicit_cases(scene)
+    inextensible, implicit = inextensible_cases(scene), implicit_cases(scene)
     if quick:
         return [*_paper_cases(scene), *inextensible[:3], *implicit[:3]]
-    return [*_paper_cases(scene), *inextensible, *implicit, *_explicit_cases(scene)]
+    return [*_paper_cases(scene), *inextensible, *implicit, *explicit_cases(scene)]
 
 
 def _paper_cases(scene: Scene) -> list[Case]:
@@ -116,7 +116,7 @@ def _paper_cases(scene: Scene) -> list[Case]:
     ]
 
 
-def _inextensible_cases(scene: Scene) -> list[Case]:
+def inextensible_cases(scene: Scene) -> list[Case]:
     """The paper's rate on a finer mesh, steps near the largest stable ones, then with scaled mass."""
     return [
         explicit_case(scene, "Zhai", 10, 6e-4, zeta=1000.0),
@@ -140,7 +140,7 @@ def _inextensible_cases(scene: Scene) -> list[Case]:
     ]
 
 
-def _tuned_implicit_cases(scene: Scene) -> list[Case]:
+def implicit_cases(scene: Scene) -> list[Case]:
     """Generalized-alpha, cheapest at its accuracy, see the head of this file; coarse ones first."""
     each_step: Newton = "modifiedEachStep"
     return [
@@ -162,7 +162,7 @@ def _tuned_implicit_cases(scene: Scene) -> list[Case]:
     ]
 
 
-def _explicit_cases(scene: Scene) -> list[Case]:
+def explicit_cases(scene: Scene) -> list[Case]:
     """Native explicit integrators at their largest stable steps."""
     return [
         largest_step_case(scene, 4, "velocityVerlet", "lobatto"),

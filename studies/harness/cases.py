@@ -1,12 +1,13 @@
 """Cases and solutions that studies share."""
 
+import math
 from collections.abc import Sequence
 
 from exudyn_inext import ExplicitSettings
 from reference_models.conventional.convergence import explicit_solution
 from reference_models.inextensible import Inextensible, fine_solution, inextensible_case
 from reference_models.scenes import Scene
-from reference_models.trajectory import Case, Trajectory
+from reference_models.trajectory import Case, Run, Trajectory
 
 
 def explicit_case(
@@ -23,6 +24,17 @@ def explicit_case(
         integrator, stepSize=step_size, massScaling=mass_scaling, stabilizationRate=zeta
     )
     return inextensible_case(scene, Inextensible(elements, settings, measure=measure))
+
+
+def failing_case(
+    label: str, integrator: str, elements: int, error: Exception, step_size: float = math.nan
+) -> Case:
+    """An inextensible row that could not even be prepared: it keeps its place, with its status."""
+
+    def prepare() -> Run:
+        raise error
+
+    return Case(label, "inextensible", integrator, elements, step_size, 0, prepare)
 
 
 def mesh_series(

@@ -8,7 +8,7 @@ from exudyn_inext.errors import InputError
 
 from ..benchmark import Benchmark, Figures, Table, no_pictures, run_benchmark
 from ..study import Row
-from .case import Sweep
+from .case import Outcome, Sweep
 from .engines import Engine, dask, mpi, processes
 from .folder import CaseFolder
 from .run import run_sweep
@@ -42,12 +42,18 @@ class SweepOptions:
         return mpi() if self.mpi else processes(self.workers)
 
 
+def one_row(case: Row, outcome: Outcome) -> list[Row]:
+    """The case, what was found, and its status."""
+    return [{**case, **outcome.result, "status": outcome.status}]
+
+
 @dataclass(frozen=True)
 class SweepStudy:
     """A question that one command answers, over many cases.
 
     cases: quick -> cases, each with its "kind"; see `Sweep`.   run: case -> what was found.
-    tables, conclusions, pictures: see `Benchmark`; a row is a case, what was found, and its "status".
+    tables, conclusions, pictures: see `Benchmark`.
+    rows: of a case and its outcome; default: one.
     """
 
     name: str
@@ -57,6 +63,7 @@ class SweepStudy:
     tables: Sequence[Table]
     conclusions: Callable[[Figures], list[str]]
     pictures: Callable[[Figures, Path], list[Path]] = no_pictures
+    rows: Callable[[Row, Outcome], list[Row]] = one_row
 
 
 def run_sweep_study(
@@ -71,7 +78,7 @@ def run_sweep_study(
             sweep, CaseFolder(output, sweep, options.fresh), options.engine(), options.retry_failed
         )
         pairs = zip(sweep.cases, outcomes, strict=True)
-        return [{**case, **outcome.result, "status": outcome.status} for case, outcome in pairs]
+        return [row for case, outcome in pairs for row in study.rows(case, outcome)]
 
     benchmark = Benchmark(
         study.name, study.question, measure, study.tables, study.conclusions, study.pictures
