@@ -10,7 +10,7 @@ from .trajectory import Case, Run
 
 
 def enforced_case(scene: Scene, elements: int, enforcement: str, solver: Solver) -> Case:
-    """One row of a comparison.   enforcement: "penaltyMass" for explicit, "algebraic" for implicit solvers."""
+    """One row of a comparison.   enforcement: "penaltyMass" (explicit) or "algebraic" (implicit)."""
 
     def prepare() -> Run:
         return partial(solve, build_variant(scene, Inextensible(elements, enforcement=enforcement)), solver)

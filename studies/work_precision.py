@@ -23,13 +23,13 @@ Reference and tolerance
     3e-4 m of the limit.
 
 How the rows were chosen
-    Conventional: the tuned rows of `table1`, `table2`, `ring`, `table3`, and series beside them; explicit ones
-    at their largest stable steps, found by bisection, and some at half of it. Inextensible: every scheme at
-    0.95 and 0.5 of its limit on every mesh, scaled masses over meshes and steps, the tuned rows of the tables;
-    penalty masses and algebraic constraints under native solvers near the steps of `enforcement`.
-    Rigid links (extra `peers`): RK4 at 0.95 and 0.5 of its stability limit, with the rotary inertia of uniform
-    rods and with a larger one that halves the error on the planar pendulum; MuJoCo's other integrators, which
-    are of first order here, where they are cheap.
+    Conventional: the tuned rows of `table1`, `table2`, `ring`, `table3`, and series beside them; explicit
+    ones at their largest stable steps, found by bisection, and some at half of it. Inextensible: every scheme
+    at 0.95 and 0.5 of its limit on every mesh, scaled masses over meshes and steps, the tuned rows of the
+    tables; penalty masses and algebraic constraints under native solvers near the steps of `enforcement`.
+    Rigid links (extra `peers`): RK4 at 0.95 and 0.5 of its stability limit, with the rotary inertia of
+    uniform rods and with a larger one that lessens the error on the planar pendulum; MuJoCo's other
+    integrators, which are of first order here, where they are cheap.
 
 What is left out
     Conventional explicit rows of more than some 20 s; rigid links on the ring and on the power line.

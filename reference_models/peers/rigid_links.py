@@ -1,10 +1,10 @@
 """A truly inextensible cable of another make: rigid links on hinges with springs, moved by MuJoCo.
 
 n uniform links of length l = L / n. In the plane a joint is a hinge, in space a universal joint, that is two
-hinges. The bending of half a link on each side of a joint gives a spring of stiffness EI / l, the half link at
-a clamp 2 EI / l, and a pin has none: the trapezoidal rule for the energy of bending. Such a chain converges
-with l^2. As long as the links are uniform rods, its errors of mass and springs cancel in bending vibrations to
-that order; what is left is mainly that chords are shorter than arcs.
+hinges. The bending of half a link on each side of a joint gives a spring of stiffness EI / l, the half link
+at a clamp 2 EI / l, and a pin has none: the trapezoidal rule for the energy of bending. Such a chain
+converges with l^2. As long as the links are uniform rods, its errors of mass and springs cancel in bending
+vibrations to that order; what is left is mainly that chords are shorter than arcs.
 
 The universal joint of a pin is singular where the first link points along the y axis of its frame, in which
 the cable starts along x. A ball joint would not help: a chain without torsion has no inertia about itself.
@@ -28,8 +28,8 @@ from ..scenes.checks import Vector
 from ..trajectory import Array, Case, Trajectory, Untimed
 
 FORMULATION = "rigid links"
-IMAGINARY_LIMIT = {"RK4": 2.0 * math.sqrt(2.0), "Euler": 2.0, "implicitfast": 2.0}
-"""h w at which the scheme becomes unstable for an undamped oscillator."""
+IMAGINARY_LIMIT = {"RK4": 2.0 * math.sqrt(2.0), "Euler": 2.0, "implicitfast": 2.0, "implicit": 2.0}
+"""h w at which the scheme becomes unstable for an undamped oscillator; implicit: dampers are, springs are not."""
 
 _SLENDER = 1e-6  # inertia of a link about itself over that across: none, but MuJoCo wants a positive one
 _TIP = "tip"
@@ -184,7 +184,7 @@ def largest_frequency(model: Any, data: Any) -> float:
 
 
 def largest_step(scene: Scene, chain: RigidLinks) -> float:
-    """Stability limit [s] of the straight chain; infinite for implicit integrators."""
+    """Stability limit [s] of the straight chain; infinite where none is known."""
     limit = IMAGINARY_LIMIT.get(chain.integrator, math.inf)
     return limit / largest_frequency(*build(scene, chain))
 

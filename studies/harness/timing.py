@@ -43,8 +43,8 @@ def measure(
 
     The warm-up takes compilation and caches out of the timing. A case that fails or diverges keeps
     its place, with its status and without further runs. `advance` hears of every run, skipped ones
-    included: len(cases) * (repeats + 1) calls. `repeats_of` says, from the CPU time of the warm-up [s], in how
-    many of the rounds a case takes part; default: in all.
+    included: len(cases) * (repeats + 1) calls. `repeats_of` says, from the CPU time of the warm-up [s], in
+    how many of the rounds a case takes part; default: in all.
     """
     measurements = [Measurement(case) for case in cases]
     for completed in range(repeats + 1):

@@ -50,7 +50,7 @@ MESHES = {
         (6, 8, 10, 12, 16, 20, 28),
         (8, 10, 12, 14, 16, 20, 28, 40),
         (2e-3, 1e-3, 5e-4, 2.5e-4),
-        ((4, 5e-3), (6, 5e-3), (6, 3.34e-3), (8, 3.34e-3), (8, 5e-3), (10, 3.34e-3)),
+        ((6, 5e-3), (6, 3.34e-3), (8, 3.34e-3), (8, 5e-3), (10, 3.34e-3)),
         zeta=300.0,
     ),
     "power_line": Meshes(
@@ -62,7 +62,7 @@ MESHES = {
     ),
 }
 QUICK = Meshes((5,), (5, 8), (5e-3, 2.5e-3), ((3, 1e-2),))
-QUICK_BY_FOURS = Meshes((8,), (8, 12), (5e-3, 2.5e-3), ((4, 1e-2),))
+QUICK_BY_FOURS = Meshes((8,), (8, 12), (5e-3, 2.5e-3), ((8, 1e-2),))
 TUNED = {
     "planar_pendulum": table1.inextensible_cases,
     "spatial_pendulum": table2.inextensible_cases,

@@ -93,15 +93,7 @@ def _draw_ratios(figures: Figures, references: Sequence[Row], directory: Path) -
     with new_figure(path, 11.0, 8.0) as figure:
         grid = figure.subplots(2, 2, squeeze=False).flat
         for axes, reference in zip(grid, references, strict=False):
-            runs = _runs(figures, reference)
-            own = front_of(members(runs, INEXTENSIBLE), reference["uncertainty"])
-            for opponent in (family for family in FAMILIES if family != INEXTENSIBLE):
-                theirs = front_of(filter(OPPONENTS[opponent], runs), reference["uncertainty"])
-                errors, ratios = ratio_curve(theirs, own)
-                if len(errors):
-                    axes.loglog(errors, ratios, color=_LOOK[opponent][0], label=opponent)
-            axes.axhline(1.0, color="black", linewidth=0.8)
-            label_axes(axes, "error [m]", "CPU time over the inextensible cable's [-]", reference["scene"])
+            _draw_scene_ratios(axes, _runs(figures, reference), reference)
         for axes in list(figure.axes)[len(references) :]:
             axes.set_axis_off()
         handles = {
@@ -111,6 +103,19 @@ def _draw_ratios(figures: Figures, references: Sequence[Row], directory: Path) -
         }
         figure.legend(handles.values(), handles.keys(), loc="outside upper left", ncols=4)
     return path
+
+
+def _draw_scene_ratios(axes: Axes, runs: Sequence[Row], reference: Row) -> None:
+    own = front_of(members(runs, INEXTENSIBLE), reference["uncertainty"])
+    for opponent in (family for family in FAMILIES if family != INEXTENSIBLE):
+        theirs = front_of(filter(OPPONENTS[opponent], runs), reference["uncertainty"])
+        errors, ratios = ratio_curve(theirs, own)
+        if len(errors):
+            axes.loglog(errors, ratios, color=_LOOK[opponent][0], label=opponent)
+    if not axes.lines:
+        axes.text(0.5, 0.5, "no fronts overlap", transform=axes.transAxes, ha="center")
+    axes.axhline(1.0, color="black", linewidth=0.8)
+    label_axes(axes, "error [m]", "CPU time over the inextensible cable's [-]", reference["scene"])
 
 
 def ratio_curve(theirs: Front, own: Front, points: int = 200) -> tuple[np.ndarray, np.ndarray]:
