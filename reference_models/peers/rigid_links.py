@@ -29,7 +29,7 @@ from ..trajectory import Array, Case, Trajectory, Untimed
 
 FORMULATION = "rigid links"
 IMAGINARY_LIMIT = {"RK4": 2.0 * math.sqrt(2.0), "Euler": 2.0, "implicitfast": 2.0, "implicit": 2.0}
-"""h w at which the scheme becomes unstable for an undamped oscillator; implicit: dampers are, springs are not."""
+"""h w at which the scheme becomes unstable for an undamped oscillator; springs are explicit in all."""
 
 _SLENDER = 1e-6  # inertia of a link about itself over that across: none, but MuJoCo wants a positive one
 _TIP = "tip"

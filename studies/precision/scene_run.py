@@ -24,7 +24,7 @@ from .reading import Front, front_of, read
 BOUNDS = (1e-2, 5e-3, 3e-3, 1e-3, 7e-4, 3e-4)  # [m]
 BELOW = "below the reference's uncertainty"
 REPEATS, SLOW_REPEATS, SLOWEST_REPEATS = 5, 3, 1
-SLOW, SLOWEST = 0.5, 3.0  # [s] of CPU time
+SLOW, SLOWEST = 0.3, 3.0  # [s] of CPU time
 
 
 def repeats_of(seconds: float) -> int:

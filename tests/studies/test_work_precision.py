@@ -269,7 +269,7 @@ def few_cases(scene, quick):
 
 def test_it_runs_in_quick_mode_with_rows_tables_and_pictures(tmp_path, monkeypatch):
     monkeypatch.setattr(scene_run, "cases_of", few_cases)
-    monkeypatch.setattr(native, "QUICK", {"planar_pendulum": native.Series((10,), (), (5e-3,), (), ())})
+    monkeypatch.setattr(native, "QUICK", {"planar_pendulum": native.Series((10,), (), (5e-3,))})
     study = replace(STUDY, cases=lambda quick: make_cases(quick)[:1])
     monkeypatch.setattr("studies.__main__.find_study", lambda name: study)
     assert main(["run", "work_precision", "--quick", "--output", str(tmp_path)]) == 0
