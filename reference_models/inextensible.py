@@ -168,7 +168,7 @@ def inextensible_case(scene: Scene, model: Inextensible, label: str = "") -> Cas
         return run
 
     return Case(
-        label=label or _label(model, report),
+        label=label or label_of(model, report["stepSize"]),
         formulation="inextensible",
         integrator=model.settings.integrator,
         elements=model.elements,
@@ -199,9 +199,10 @@ def fine_solution(scene: Scene, elements: int) -> Trajectory:
     return sensor_trajectory(solved(scene, Inextensible(elements, settings)), scene.main_point)
 
 
-def _label(model: Inextensible, report: dict[str, Any]) -> str:
+def label_of(model: Inextensible, step_size: float) -> str:
+    """Says all that distinguishes one inextensible row from another.   step_size: the one used [s]."""
     parts = [f"inextensible {model.settings.integrator}, N = {model.elements}"]
-    parts.append(f"h = {report['stepSize']:.3g} s")
+    parts.append(f"h = {step_size:.3g} s")
     if model.settings.stabilizationRate != ExplicitSettings.stabilizationRate:
         parts.append(f"zeta = {model.settings.stabilizationRate:g} 1/s")
     if model.settings.massScaling:

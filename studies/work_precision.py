@@ -28,8 +28,8 @@ How the rows were chosen
     at 0.95 and 0.5 of its limit on every mesh, scaled masses over meshes and steps, the tuned rows of the
     tables; penalty masses and algebraic constraints under native solvers near the steps of `enforcement`.
     Rigid links (extra `peers`): RK4 at 0.95 and 0.5 of its stability limit, with the rotary inertia of
-    uniform rods and with the one of least error on these scenes (3/4 to 3/2 of that were tried); MuJoCo's other
-    integrators, which are of first order here, where they are cheap.
+    uniform rods and with that of least error on these scenes (3/4 to 3/2 of it were tried); MuJoCo's
+    other integrators, which are of first order here, where they are cheap.
 
 What is left out
     Conventional explicit rows of more than some 20 s; rigid links on the ring and on the power line.

@@ -4,8 +4,9 @@ import math
 from collections.abc import Sequence
 
 from exudyn_inext import ExplicitSettings
+from exudyn_inext.errors import InextensibleError
 from reference_models.conventional.convergence import explicit_solution
-from reference_models.inextensible import Inextensible, fine_solution, inextensible_case
+from reference_models.inextensible import Inextensible, fine_solution, inextensible_case, label_of
 from reference_models.scenes import Scene
 from reference_models.trajectory import Case, Run, Trajectory
 
@@ -23,7 +24,18 @@ def explicit_case(
     settings = ExplicitSettings(
         integrator, stepSize=step_size, massScaling=mass_scaling, stabilizationRate=zeta
     )
-    return inextensible_case(scene, Inextensible(elements, settings, measure=measure))
+    return kept_case(scene, Inextensible(elements, settings, measure=measure))
+
+
+def kept_case(scene: Scene, model: Inextensible) -> Case:
+    """A row that keeps its place, with its status, even if its step is refused or the run diverges."""
+    try:
+        return inextensible_case(scene, model)
+    except InextensibleError as error:
+        settings = model.settings
+        step_size = settings.stepSize or math.nan
+        label = label_of(model, step_size)
+        return failing_case(label, settings.integrator, model.elements, error, step_size)
 
 
 def failing_case(

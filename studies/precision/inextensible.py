@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from exudyn_inext import ExplicitSettings, Zhai
-from exudyn_inext.errors import InextensibleError
-from reference_models.inextensible import Inextensible, inextensible_case
+from reference_models.inextensible import Inextensible
 from reference_models.scenes import Scene
 from reference_models.trajectory import Case
 from studies import ring, table1, table2, table3
-from studies.harness.cases import failing_case
+from studies.harness.cases import kept_case
 
 from .selection import Selection
 
@@ -85,9 +84,9 @@ def inextensible_selection(scene: Scene, quick: bool) -> Selection:
     pairs = [(n, h) for n in meshes.scaled for h in meshes.steps] + list(meshes.coarse)
     for elements, step_size in pairs:
         for integrator, theta in SCALED:
-            settings = ExplicitSettings(
-                integrator, stepSize=step_size, massScaling=theta, stabilizationRate=meshes.zeta
-            )
+            settings = ExplicitSettings(integrator, stepSize=step_size, massScaling=theta)
+            if integrator == "Zhai":
+                settings = replace(settings, stabilizationRate=meshes.zeta)
             selection.add(_case(scene, elements, settings))
     return selection
 
@@ -105,14 +104,7 @@ def _limited_cases(scene: Scene, elements: int, name: str) -> list[Case]:
 
 def _case(scene: Scene, elements: int, settings: ExplicitSettings) -> Case:
     """One that diverges, or is refused, keeps its place."""
+    case = kept_case(scene, Inextensible(elements, settings))
     corrector = settings.scheme is not None and settings.scheme.corrector
-    try:
-        case = inextensible_case(scene, Inextensible(elements, settings))
-    except InextensibleError as error:
-        theta = f", mass scaling {settings.massScaling:g}" if settings.massScaling else ""
-        name = f"{settings.integrator}{', corrector' if corrector else ''}"
-        step = settings.stepSize or float("nan")
-        label = f"inextensible {name}, N = {elements}, h = {step:.3g} s{theta}"
-        case = failing_case(label, settings.integrator, elements, error, step)
-        case = replace(case, details={"massScaling": settings.massScaling})
-    return replace(case, details=dict(case.details) | {"corrector": corrector})
+    details = {"massScaling": settings.massScaling, **case.details, "corrector": corrector}
+    return replace(case, details=details)
