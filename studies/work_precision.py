@@ -13,8 +13,9 @@ Protocol
     above 0.3 s, once above 3 s; medians of CPU time are compared. What is timed is the solver's call, as for
     Table 1, with sensors at 100 Hz; of MuJoCo its steps alone. What diverges or fails stays, with its status.
     A scene is one case of the sweep: a run that was killed goes on with the scene that it was at.
-    Fronts hold the runs that no other of their family beats. The cost of an error is read off between
-    neighbours of a front, on logarithmic scales, and never beyond its ends.
+    Fronts hold the runs that no other of their family beats, and that gain 5 % of the error at least. The
+    cost of an error is read off between neighbours of a front, on logarithmic scales, and never beyond its
+    ends.
 
 Reference and tolerance
     Those of the scenes: independent MBDyn models of the inextensible limit (pendulums, ring), a refined

@@ -64,7 +64,7 @@ def _ratios(rows: Sequence[Row]) -> list[str]:
 def _ratio(row: Row) -> str:
     """A ratio, or why there is none."""
     if row["ratio"] is not None:
-        return str(number(row["ratio"], 2))
+        return f"{row['ratio']:.0f}" if row["ratio"] >= 10.0 else f"{row['ratio']:.1f}"
     if row["opponentOutcome"] == BELOW:
         return f"nothing ({BELOW})"
     who = "opponent" if row["opponentSeconds"] is None else "cable"

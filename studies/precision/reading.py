@@ -14,6 +14,7 @@ READ = "read"
 TOO_LOOSE = "looser than its front"
 NOT_REACHED = "not reached"
 EMPTY = "no rows"
+LEAST_GAIN = 0.05  # of the error
 
 
 @dataclass(frozen=True)
@@ -44,9 +45,17 @@ class Reading:
 
 
 def front_of(rows: Iterable[Row], uncertainty: float) -> Front:
-    """The front of the usable rows; errors below the uncertainty [m] are raised to it."""
+    """The front of the usable rows; errors below the uncertainty [m] are raised to it.
+
+    A row that gains less than LEAST_GAIN over a cheaper one is left out: half a step at the same error of the
+    mesh would otherwise make all accuracies beyond it look twice as costly.
+    """
     raised = [row | {"errorMax": max(row["errorMax"], uncertainty)} for row in rows if is_usable(row)]
-    return Front(front(raised), uncertainty)
+    kept: list[Row] = []
+    for row in front(raised):
+        if not kept or row["errorMax"] <= (1.0 - LEAST_GAIN) * kept[-1]["errorMax"]:
+            kept.append(row)
+    return Front(kept, uncertainty)
 
 
 def require_above(bound: float, uncertainty: float) -> None:

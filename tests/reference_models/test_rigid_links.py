@@ -61,6 +61,14 @@ def test_a_cantilever_bends_as_the_trapezoidal_rule_says(scene, links):
     assert deflection == pytest.approx(exact * (1.0 + 0.5 / links**2), rel=1e-12)
 
 
+@pytest.mark.parametrize("links", [1, 7])
+def test_a_straight_chain_turns_about_its_pin_like_a_rod(links):
+    section = PLANAR.cable.section
+    turning = np.eye(links)[0]
+    inertia = turning @ mass_of(*build(PLANAR, RigidLinks(links, 1e-3))) @ turning
+    assert inertia == pytest.approx(section.mass_per_length * PLANAR.cable.length**3 / 3.0, rel=1e-12)
+
+
 @pytest.mark.parametrize(("scene", "root"), [(CLAMPED, 1.875104), (WEIGHTLESS, 3.926602)])
 def test_the_first_bending_frequency_of_beams_is_found_with_second_order(scene, root, known_answer):
     section, errors = scene.cable.section, []

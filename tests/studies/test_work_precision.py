@@ -95,6 +95,12 @@ def test_errors_below_the_uncertainty_count_as_large_as_it():
     assert list(found.errors) == [1e-3, U] and read(found, U).seconds == pytest.approx(3.0)
 
 
+def test_a_gain_of_nothing_for_twice_the_time_does_not_make_the_rest_dear():
+    found = front_of(runs((1e-2, 1e-3), (0.99e-2, 2e-3), (1e-3, 1e-2)), U)
+    assert [row["errorMax"] for row in found.rows] == [1e-2, 1e-3]
+    assert read(found, 3e-3).seconds == pytest.approx(1e-5 / 3e-3)
+
+
 def test_runs_that_failed_are_on_no_front():
     lost = [run(None, None, status="diverged: too fast")]
     assert front_of(lost, U).rows == [] and len(front_of([*OWN, *lost], U).rows) == 2
