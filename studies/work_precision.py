@@ -11,7 +11,8 @@ What would refute it
 Protocol
     All cases of a scene are run once untimed, then in turn, alone in one process: five times, three times
     above 0.3 s, once above 3 s; medians of CPU time are compared. What is timed is the solver's call, as for
-    Table 1, with sensors at 100 Hz; of MuJoCo its steps alone. What diverges or fails stays, with its status.
+    Table 1, with sensors at 100 Hz; of MuJoCo its steps alone. Inextensible runs are not ended for their
+    energy, since it is the error that is measured. What diverges or fails stays, with its status.
     A scene is one case of the sweep: a run that was killed goes on with the scene that it was at.
     Fronts hold the runs that no other of their family beats, and that gain 5 % of the error at least. The
     cost of an error is read off between neighbours of a front, on logarithmic scales, and never beyond its
