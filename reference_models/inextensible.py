@@ -44,6 +44,7 @@ class Inextensible:
     None: the sensors' period.   measure: curvature measure.
     length_constraints: n_bar of Eq. (19), 0 (none) to N; None: one an element.
     spatial: whether a planar scene is built in space.
+    enforcement: of the length; see CreateInextensibleCable.
     """
 
     elements: int
@@ -52,6 +53,7 @@ class Inextensible:
     measure: str = "secondDerivative"
     length_constraints: int | None = None
     spatial: bool = False
+    enforcement: str = "projection"
 
 
 def build(scene: Scene, elements: int, measure: str = "secondDerivative") -> Model:
@@ -97,6 +99,7 @@ def _build_at_rest(scene: Scene, inextensible: Inextensible) -> tuple[Model, Any
         groundConstraintsEnd=end,
         shape=_shape(scene, elements),
         dimension=dimension,
+        enforcement=inextensible.enforcement,
     )
     nodes = tuple(cable["nodes"])
     if scene.cable.shape.closed:
@@ -165,7 +168,7 @@ def inextensible_case(scene: Scene, model: Inextensible, label: str = "") -> Cas
         return run
 
     return Case(
-        label=label or _label(model, report),
+        label=label or label_of(model, report["stepSize"]),
         formulation="inextensible",
         integrator=model.settings.integrator,
         elements=model.elements,
@@ -196,13 +199,16 @@ def fine_solution(scene: Scene, elements: int) -> Trajectory:
     return sensor_trajectory(solved(scene, Inextensible(elements, settings)), scene.main_point)
 
 
-def _label(model: Inextensible, report: dict[str, Any]) -> str:
+def label_of(model: Inextensible, step_size: float) -> str:
+    """Says all that distinguishes one inextensible row from another.   step_size: the one used [s]."""
     parts = [f"inextensible {model.settings.integrator}, N = {model.elements}"]
-    parts.append(f"h = {report['stepSize']:.3g} s")
+    parts.append(f"h = {step_size:.3g} s")
     if model.settings.stabilizationRate != ExplicitSettings.stabilizationRate:
         parts.append(f"zeta = {model.settings.stabilizationRate:g} 1/s")
     if model.settings.massScaling:
         parts.append(f"mass scaling {model.settings.massScaling:g}")
+    if model.settings.integrator == "Zhai" and model.settings.scheme and model.settings.scheme.corrector:
+        parts.append("corrector")
     if model.measure != "secondDerivative":
         parts.append(model.measure)
     if model.length_constraints is not None:

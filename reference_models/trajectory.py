@@ -31,8 +31,11 @@ class Trajectory:
         return bool(np.isfinite(self.times).all() and np.isfinite(self.positions).all())
 
 
-Run = Callable[[], Trajectory]
-"""Solves a model that is ready to go; only this call is timed."""
+Untimed = Callable[[], Trajectory]
+"""Gives the trajectory of a run that is over."""
+
+Run = Callable[[], Trajectory | Untimed]
+"""Solves a model that is ready to go; only this call is timed, not what it may return to be called later."""
 
 
 @dataclass(frozen=True)

@@ -73,10 +73,10 @@ COMPARISONS = (
 
 def make_cases(scene: Scene, quick: bool) -> list[Case]:
     """All rows; a quick run leaves out the costly ones."""
-    inextensible, implicit = _inextensible_cases(scene), _implicit_cases(scene)
+    inextensible, implicit = inextensible_cases(scene), implicit_cases(scene)
     if quick:
         return [*_paper_cases(scene), *islice(inextensible, 2), *implicit[:2]]
-    return [*_paper_cases(scene), *inextensible, *implicit, *_explicit_cases(scene)]
+    return [*_paper_cases(scene), *inextensible, *implicit, *explicit_cases(scene)]
 
 
 def _paper_cases(scene: Scene) -> list[Case]:
@@ -87,7 +87,7 @@ def _paper_cases(scene: Scene) -> list[Case]:
     ]
 
 
-def _inextensible_cases(scene: Scene) -> Iterator[Case]:
+def inextensible_cases(scene: Scene) -> Iterator[Case]:
     """Near the largest stable steps, then the front of cost and accuracy with scaled mass."""
     yield explicit_case(scene, "Zhai", 20, 5e-4, 0.26, zeta=300.0)
     yield explicit_case(scene, "RATTLE", 20, 5e-4, 0.26)
@@ -102,7 +102,7 @@ def _inextensible_cases(scene: Scene) -> Iterator[Case]:
     yield explicit_case(scene, "RATTLE", 40, 2.5e-4, 0.26)
 
 
-def _implicit_cases(scene: Scene) -> list[Case]:
+def implicit_cases(scene: Scene) -> list[Case]:
     """Generalized-alpha, cheapest at its accuracy, see the head of this file; coarse ones first."""
     each_step: Newton = "modifiedEachStep"
     return [
@@ -119,7 +119,8 @@ def _implicit_cases(scene: Scene) -> list[Case]:
     ]
 
 
-def _explicit_cases(scene: Scene) -> list[Case]:
+def explicit_cases(scene: Scene) -> list[Case]:
+    """Native velocity Verlet at its largest stable steps."""
     return [
         largest_step_case(scene, 16, "velocityVerlet", "lobatto"),
         largest_step_case(scene, 20, "velocityVerlet", "lobatto"),

@@ -86,10 +86,10 @@ QUICK_MESHES: dict[str, Sequence[int]] = dict.fromkeys(MESHES, (4, 10))
 
 def make_cases(scene: Scene, quick: bool) -> list[Case]:
     """All rows; a quick run leaves out the costly ones."""
-    inextensible, implicit = _inextensible_cases(scene), _tuned_implicit_cases(scene)
+    inextensible, implicit = inextensible_cases(scene), implicit_cases(scene)
     if quick:
         return [*_paper_cases(scene), *islice(inextensible, 3), *implicit[:4]]
-    return [*_paper_cases(scene), *inextensible, *implicit, *_explicit_cases(scene)]
+    return [*_paper_cases(scene), *inextensible, *implicit, *explicit_cases(scene)]
 
 
 def _paper_cases(scene: Scene) -> list[Case]:
@@ -102,7 +102,7 @@ def _paper_cases(scene: Scene) -> list[Case]:
     ]
 
 
-def _inextensible_cases(scene: Scene) -> Iterator[Case]:
+def inextensible_cases(scene: Scene) -> Iterator[Case]:
     """Near their largest stable steps, and with scaled mass at larger ones; zeta = 100 for Zhai."""
     yield explicit_case(scene, "Zhai", 10, 6e-4)
     yield explicit_case(scene, "RATTLE", 5, 2.5e-3)
@@ -120,7 +120,7 @@ def _inextensible_cases(scene: Scene) -> Iterator[Case]:
     yield explicit_case(scene, "RATTLE", 20, 1e-3, 0.25)
 
 
-def _tuned_implicit_cases(scene: Scene) -> list[Case]:
+def implicit_cases(scene: Scene) -> list[Case]:
     """Generalized-alpha, cheapest at its accuracy, see the head of this file; coarse ones first."""
     each_step: Newton = "modifiedEachStep"
     return [
@@ -143,7 +143,7 @@ def _tuned_implicit_cases(scene: Scene) -> list[Case]:
     ]
 
 
-def _explicit_cases(scene: Scene) -> list[Case]:
+def explicit_cases(scene: Scene) -> list[Case]:
     """Native explicit integrators at their largest stable steps."""
     return [
         largest_step_case(scene, 4, "velocityVerlet", "lobatto"),

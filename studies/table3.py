@@ -105,15 +105,15 @@ def refined(scene: Scene) -> ReferenceSolution:
 
 def make_cases(scene: Scene, quick: bool) -> list[Case]:
     """All rows; a quick run leaves out the costly ones."""
-    inextensible, implicit = _inextensible_cases(scene), _implicit_cases(scene)
+    inextensible, implicit = inextensible_cases(scene), implicit_cases(scene)
     proposed = inextensible_case(scene, Inextensible(20, PAPER_ZHAI), label=PAPER_PROPOSED)
     if quick:
         return [proposed, *islice(inextensible, 2), *implicit[:2]]
     explicit = zhai_case(scene, 40, 1e-5, label=PAPER_EXPLICIT)
-    return [explicit, proposed, *inextensible, *implicit, *_explicit_cases(scene)]
+    return [explicit, proposed, *inextensible, *implicit, *explicit_cases(scene)]
 
 
-def _inextensible_cases(scene: Scene) -> Iterator[Case]:
+def inextensible_cases(scene: Scene) -> Iterator[Case]:
     """The front of cost and accuracy with scaled mass, and the largest stable step without.
 
     With 12 elements and h = 5e-3 s, errors of mesh and step partly cancel: that is luck, too.
@@ -130,7 +130,7 @@ def _inextensible_cases(scene: Scene) -> Iterator[Case]:
     yield explicit_case(scene, "RATTLE", 40, 1e-3, 0.26)
 
 
-def _implicit_cases(scene: Scene) -> list[Case]:
+def implicit_cases(scene: Scene) -> list[Case]:
     """Generalized-alpha, cheapest at its accuracy, see the head of this file; coarse ones first."""
     return [
         native_case(scene, 8, Implicit(1e-2, "modifiedEachStep", "sparse", 1e-4, 0.7), "lobatto"),
@@ -146,7 +146,8 @@ def _implicit_cases(scene: Scene) -> list[Case]:
     ]
 
 
-def _explicit_cases(scene: Scene) -> list[Case]:
+def explicit_cases(scene: Scene) -> list[Case]:
+    """Native velocity Verlet at its largest stable step."""
     return [largest_step_case(scene, 16, "velocityVerlet", "lobatto")]
 
 

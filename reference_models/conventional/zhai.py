@@ -39,6 +39,14 @@ def zhai_case(
     )
 
 
+def largest_zhai_step(scene: Scene, elements: int, quadrature: Quadrature = "full") -> float:
+    """Stability limit [s] in the initial state."""
+    model = build(scene, elements, quadrature, hanger_stiffness=spring_stiffness(scene))
+    with silence():
+        report = SolveExplicit(model.mbs, quiet_settings(1e-4, 1, 1e-4), ExplicitSettings("Zhai"))
+    return float(report["bounds"].stability_limit)
+
+
 def _label(elements: int, step_size: float, quadrature: Quadrature) -> str:
     label = f"native Zhai, N = {elements}, h = {step_size:.3g} s"
     return label if quadrature == "full" else f"{label}, {quadrature} quadrature"

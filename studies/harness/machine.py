@@ -7,7 +7,7 @@ from pathlib import Path
 
 import exudyn
 
-PACKAGES = ("exudyn", "exudyn_inext", "numpy", "scipy", "numba")
+PACKAGES = ("exudyn", "exudyn_inext", "numpy", "scipy", "numba", "mujoco")
 
 
 def machine() -> dict[str, str | int | None]:

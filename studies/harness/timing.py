@@ -16,10 +16,11 @@ DIVERGED = "diverged"
 
 @dataclass(eq=False)
 class Measurement:
-    """Timed runs of one case.   cpu_seconds: one entry a timed run [s]."""
+    """Timed runs of one case.   cpu_seconds: one entry a timed run [s].   warm_up: of the first run [s]."""
 
     case: Case
     cpu_seconds: list[float] = field(default_factory=list)
+    warm_up: float = 0.0
     trajectory: Trajectory | None = None
     status: str = OK
 
@@ -33,19 +34,24 @@ class Measurement:
 
 
 def measure(
-    cases: Sequence[Case], repeats: int, advance: Callable[[str], None] = lambda label: None
+    cases: Sequence[Case],
+    repeats: int,
+    advance: Callable[[str], None] = lambda label: None,
+    repeats_of: Callable[[float], int] | None = None,
 ) -> list[Measurement]:
     """Run every case once untimed, then `repeats` rounds over all that have not failed.
 
     The warm-up takes compilation and caches out of the timing. A case that fails or diverges keeps
     its place, with its status and without further runs. `advance` hears of every run, skipped ones
-    included: len(cases) * (repeats + 1) calls.
+    included: len(cases) * (repeats + 1) calls. `repeats_of` says, from the CPU time of the warm-up [s], in
+    how many of the rounds a case takes part; default: in all.
     """
     measurements = [Measurement(case) for case in cases]
-    for _ in range(repeats + 1):
+    for completed in range(repeats + 1):
         for measurement in measurements:
             advance(measurement.case.label)
-            if measurement.status == OK:
+            wanted = repeats if repeats_of is None else repeats_of(measurement.warm_up)
+            if measurement.status == OK and completed <= wanted:
                 _run_once(measurement)
     return measurements
 
@@ -57,8 +63,9 @@ def _run_once(measurement: Measurement) -> None:
         run = measurement.case.prepare()
         with garbage_collection_off():
             start = time.process_time()
-            trajectory = run()
+            found = run()
             elapsed = time.process_time() - start
+        trajectory = found if isinstance(found, Trajectory) else found()
     except DivergenceError as error:
         measurement.status = f"{DIVERGED}: {error}"
         return
@@ -68,7 +75,9 @@ def _run_once(measurement: Measurement) -> None:
     measurement.trajectory = trajectory
     if not trajectory.is_finite:
         measurement.status = DIVERGED
-    elif not is_warm_up:
+    elif is_warm_up:
+        measurement.warm_up = elapsed
+    else:
         measurement.cpu_seconds.append(elapsed)
 
 

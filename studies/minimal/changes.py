@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any
 
 from exudyn_inext import ExplicitSettings, Zhai
 from reference_models.inextensible import Inextensible, inextensible_case
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case
+from studies.harness.cases import failing_case
 from studies.harness.reference import ReferenceSolution, from_data
 from studies.harness.rows import make_row
 from studies.harness.study import Row
@@ -108,18 +108,11 @@ def _case(scene: Scene, given: Row, label: str) -> Case:
         settings = _settings(given, PART * limits.details["stepLimit"])
         return inextensible_case(scene, _model(given, settings), label)
     except ArithmeticError as error:
-        return _failing(given, label, error)
+        return failing_case(label, given["integrator"], given["elements"], error)
 
 
 def _brief(scene: Scene) -> Scene:
     return replace(scene, end_time=0.01)
-
-
-def _failing(given: Row, label: str, error: Exception) -> Case:
-    def prepare() -> Any:
-        raise error
-
-    return Case(label, "inextensible", given["integrator"], given["elements"], float("nan"), 0, prepare)
 
 
 def _settings(given: Row, step: float | None = None) -> ExplicitSettings:

@@ -8,7 +8,7 @@ from exudyn_inext.errors import InputError
 
 from ..benchmark import Benchmark, Figures, Table, no_pictures, run_benchmark
 from ..study import Row
-from .case import Sweep
+from .case import Outcome, Sweep
 from .engines import Engine, dask, mpi, processes
 from .folder import CaseFolder
 from .run import run_sweep
@@ -42,6 +42,11 @@ class SweepOptions:
         return mpi() if self.mpi else processes(self.workers)
 
 
+def one_row(case: Row, outcome: Outcome) -> list[Row]:
+    """The case, what was found, and its status."""
+    return [{**case, **outcome.result, "status": outcome.status}]
+
+
 @dataclass(frozen=True)
 class SweepStudy:
     """A question that one command answers, over many cases.
@@ -49,6 +54,7 @@ class SweepStudy:
     cases: quick -> cases, each with its "kind"; see `Sweep`.   run: case -> what was found.
     tables, conclusions, pictures, not_in_quick_report: see `Benchmark`; a row is a case, what was found,
     and its "status".
+    rows: of a case and its outcome; default: one.
     """
 
     name: str
@@ -59,6 +65,7 @@ class SweepStudy:
     conclusions: Callable[[Figures], list[str]]
     pictures: Callable[[Figures, Path], list[Path]] = no_pictures
     not_in_quick_report: str = ""
+    rows: Callable[[Row, Outcome], list[Row]] = one_row
 
 
 def run_sweep_study(
@@ -73,7 +80,7 @@ def run_sweep_study(
             sweep, CaseFolder(output, sweep, options.fresh), options.engine(), options.retry_failed
         )
         pairs = zip(sweep.cases, outcomes, strict=True)
-        return [{**case, **outcome.result, "status": outcome.status} for case, outcome in pairs]
+        return [row for case, outcome in pairs for row in study.rows(case, outcome)]
 
     benchmark = Benchmark(
         study.name, study.question, measure, study.tables, study.conclusions, study.pictures

@@ -1,0 +1,120 @@
+"""Sentences that follow from the rows."""
+
+from collections.abc import Sequence
+
+from studies.harness.benchmark import Figures
+from studies.harness.study import Row
+from studies.harness.table import number
+
+from .families import EXPLICIT, FAMILIES, IMPLICIT, INEXTENSIBLE, OPPONENTS, PEER, members, method_of
+from .links import NOT_INSTALLED, SCENES
+from .reading import ALONE, CHEAPER, Loss, front_of, losses
+from .scene_run import BELOW
+
+BAR = 50.0
+BAR_SCENE, BAR_BOUNDS = "planar_pendulum", (5e-3, 7e-4)
+
+
+def conclude(figures: Figures) -> list[str]:
+    """References, bars, ratios, losses, failures: scene by scene."""
+    failed = [f"FAILED: {row['scene']}: {row['status']}" for row in figures.of_kind("scene")]
+    sentences = failed + _bars(figures)
+    for reference in figures.of_kind("reference"):
+        runs = [row for row in figures.of_kind("run") if row["scene"] == reference["scene"]]
+        ratios = [row for row in figures.of_kind("speedUp") if row["scene"] == reference["scene"]]
+        sentences += [_reference(reference), _best(reference, runs)]
+        sentences += _ratios(ratios) + _losses(reference, runs) + _failures(runs)
+        if reference["scene"] in SCENES and not members(runs, PEER):
+            sentences.append(f"{reference['scene']}: {NOT_INSTALLED}")
+    return sentences
+
+
+def _reference(row: Row) -> str:
+    how = " (no independent one exists: self-convergence)" if row["selfConvergence"] else ""
+    return (
+        f"{row['scene']}, {row['motion']:g} s: errors are distances to {row['source']}{how}, good to "
+        f"{number(row['uncertainty'], 2)} m; smaller errors count as large as that."
+    )
+
+
+def _best(reference: Row, runs: Sequence[Row]) -> str:
+    """Which methods make up the inextensible front."""
+    found = front_of(members(runs, INEXTENSIBLE), reference["uncertainty"])
+    if not found.rows:
+        return f"{reference['scene']}: no inextensible run succeeded."
+    methods = list(dict.fromkeys(method_of(row) for row in found.rows))
+    return (
+        f"{reference['scene']}: the inextensible front reaches from {number(found.errors[0], 2)} m in "
+        f"{number(found.seconds[0], 2)} s to {number(found.errors[-1], 2)} m in "
+        f"{number(found.seconds[-1], 2)} s; on it: {', '.join(methods)}."
+    )
+
+
+def _ratios(rows: Sequence[Row]) -> list[str]:
+    sentences = []
+    for opponent in dict.fromkeys(row["opponent"] for row in rows):
+        own = [row for row in rows if row["opponent"] == opponent]
+        parts = [f"{_ratio(row)} at {row['bound']:g} m" for row in own]
+        sentences.append(
+            f"{own[0]['scene']}, CPU time of {opponent} over that of the cable: {', '.join(parts)}."
+        )
+    return sentences
+
+
+def _ratio(row: Row) -> str:
+    """A ratio, or why there is none."""
+    if row["ratio"] is not None:
+        return f"{row['ratio']:.0f}" if row["ratio"] >= 10.0 else f"{row['ratio']:.1f}"
+    if row["opponentOutcome"] == BELOW:
+        return f"nothing ({BELOW})"
+    who = "opponent" if row["opponentSeconds"] is None else "cable"
+    return f"none ({who}: {row['opponentOutcome'] if who == 'opponent' else row['ownOutcome']})"
+
+
+def _losses(reference: Row, runs: Sequence[Row]) -> list[str]:
+    """Where the inextensible front loses, against every opponent."""
+    own = front_of(members(runs, INEXTENSIBLE), reference["uncertainty"])
+    sentences = []
+    for opponent in (family for family in FAMILIES if family != INEXTENSIBLE):
+        theirs = [row for row in runs if OPPONENTS[opponent](row)]
+        if not theirs:
+            continue
+        found = losses(front_of(theirs, reference["uncertainty"]), own)
+        where = "; ".join(f"{_range(loss)} ({loss.why})" for loss in found) or "nowhere"
+        sentences.append(f"{reference['scene']}: against {opponent}, the inextensible cable loses {where}.")
+    return sentences
+
+
+def _range(loss: Loss) -> str:
+    assert loss.why in (ALONE, CHEAPER)
+    if loss.least == loss.largest:
+        return f"at {number(loss.least, 2)} m"
+    return f"from {number(loss.least, 2)} to {number(loss.largest, 2)} m"
+
+
+def _failures(runs: Sequence[Row]) -> list[str]:
+    lost = [row for row in runs if row["status"] != "ok"]
+    if not lost:
+        return []
+    counts = {family: len(members(lost, family)) for family in FAMILIES}
+    parts = [f"{count} of {len(members(runs, family))} {family}" for family, count in counts.items() if count]
+    return [f"{lost[0]['scene']}: runs that failed or diverged, kept with their status: {', '.join(parts)}."]
+
+
+def _bars(figures: Figures) -> list[str]:
+    """What the study has to show, on the planar pendulum."""
+    rows = [row for row in figures.of_kind("speedUp") if row["scene"] == BAR_SCENE]
+    sentences = []
+    for bound in BAR_BOUNDS:
+        own = {row["opponent"]: row for row in rows if row["bound"] == bound}
+        for opponent, bar in ((IMPLICIT, BAR), (EXPLICIT, BAR), (PEER, 1.0)):
+            if opponent in own:
+                sentences.append(_verdict(own[opponent], bar))
+    return sentences
+
+
+def _verdict(row: Row, bar: float) -> str:
+    left = f"bar: {row['scene']} at {row['bound']:g} m, {row['opponent']}, at least {bar:g} times"
+    if row["ratio"] is not None:
+        return f"{left}: {'kept' if row['ratio'] >= bar else 'MISSED'}, {number(row['ratio'])}."
+    return f"{left}: {_ratio(row)}."

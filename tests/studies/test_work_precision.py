@@ -1,0 +1,291 @@
+"""Fronts are read where they are and nowhere else; failures stay; sentences follow from rows."""
+
+import json
+import math
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from exudyn_inext.errors import InputError
+from reference_models.scenes import load_scene
+from reference_models.trajectory import Case, Trajectory
+from studies.__main__ import main
+from studies.harness.benchmark import Figures
+from studies.harness.cases import explicit_case, failing_case
+from studies.harness.reference import from_data
+from studies.harness.sweep.case import Outcome
+from studies.harness.timing import measure
+from studies.precision import inextensible, links, native, scene_run
+from studies.precision.enforced import enforced_cases
+from studies.precision.families import BY_NATIVE_SOLVERS, IMPLICIT, INEXTENSIBLE, PEER, family_of
+from studies.precision.findings import conclude
+from studies.precision.reading import (
+    ALONE,
+    CHEAPER,
+    EMPTY,
+    NOT_REACHED,
+    READ,
+    TOO_LOOSE,
+    front_of,
+    losses,
+    read,
+    speed_up,
+)
+from studies.precision.selection import Selection
+from studies.work_precision import STUDY, make_cases, rows_of
+
+PLANAR = load_scene("planar_pendulum")
+U = 1e-4  # uncertainty of the reference [m]
+
+
+def run(error, seconds, formulation="inextensible", integrator="RATTLE", status="ok", **more):
+    row = {
+        "kind": "run", "scene": "planar_pendulum", "formulation": formulation, "integrator": integrator,
+        "cpuSeconds": seconds, "errorMax": error, "status": status, **more,
+    }  # fmt: skip
+    return row | {"family": family_of(row)}
+
+
+def runs(*points, **options):
+    return [run(error, seconds, **options) for error, seconds in points]
+
+
+OWN = runs((1e-2, 1e-3), (1e-3, 1e-2), (2e-3, 5e-2))  # on the front: seconds = 1e-5 / error
+
+
+def test_between_neighbours_a_power_law_is_found_again():
+    found = front_of(OWN, U)
+    assert len(found.rows) == 2
+    for bound in (1e-2, 3e-3, 1e-3):
+        assert read(found, bound).seconds == pytest.approx(1e-5 / bound)
+        assert read(found, bound).what == READ
+
+
+def test_a_steeper_opponent_has_the_known_ratio():
+    theirs = front_of(runs((1e-2, 1e-2), (1e-3, 1.0), (1e-3, 2.0)), U)  # 1e-6 / error^2
+    for bound in (1e-2, 5e-3, 1e-3):
+        assert speed_up(theirs, front_of(OWN, U), bound) == pytest.approx(0.1 / bound)
+
+
+def test_only_neighbours_count():
+    bent = front_of(runs((1e-2, 1e-3), (5e-3, 1e-3 * 2), (1e-3, 1.0)), U)
+    assert read(bent, math.sqrt(1e-2 * 5e-3)).seconds == pytest.approx(1e-3 * math.sqrt(2.0))
+
+
+@pytest.mark.parametrize(
+    ("points", "bound", "what"),
+    [([(1e-2, 1.0), (1e-3, 2.0)], 1.1e-2, TOO_LOOSE), ([(1e-2, 1.0)], 9e-3, NOT_REACHED), ([], 1e-2, EMPTY)],
+)
+def test_nothing_is_read_beyond_the_ends(points, bound, what):
+    found = read(front_of(runs(*points), U), bound)
+    assert (found.seconds, found.what) == (None, what)
+    assert speed_up(front_of(runs(*points), U), front_of(OWN, U), bound) is None
+
+
+@pytest.mark.parametrize("bound", [0.99 * U, 0.0, -1.0, math.nan, math.inf])
+def test_what_the_reference_cannot_tell_is_refused(bound):
+    with pytest.raises(InputError, match=r"error bound .* m( is below the uncertainty.*0.0001 m|: must be)"):
+        speed_up(front_of(OWN, U), front_of(OWN, U), bound)
+
+
+def test_errors_below_the_uncertainty_count_as_large_as_it():
+    found = front_of(runs((1e-3, 1.0), (1e-6, 3.0), (1e-7, 9.0)), U)
+    assert list(found.errors) == [1e-3, U] and read(found, U).seconds == pytest.approx(3.0)
+
+
+def test_a_gain_of_nothing_for_twice_the_time_does_not_make_the_rest_dear():
+    found = front_of(runs((1e-2, 1e-3), (0.99e-2, 2e-3), (1e-3, 1e-2)), U)
+    assert [row["errorMax"] for row in found.rows] == [1e-2, 1e-3]
+    assert read(found, 3e-3).seconds == pytest.approx(1e-5 / 3e-3)
+
+
+def test_runs_that_failed_are_on_no_front():
+    lost = [run(None, None, status="diverged: too fast")]
+    assert front_of(lost, U).rows == [] and len(front_of([*OWN, *lost], U).rows) == 2
+
+
+def test_losses_are_found_where_they_are():
+    theirs = front_of(runs((2e-2, 5e-4), (5e-3, 1e-3), (3e-3, 1e-3 * 2), (2e-3, 1.0), (5e-4, 2.0)), U)
+    found = losses(theirs, front_of(OWN, U))
+    assert [(loss.largest, loss.least, loss.why) for loss in found] == [
+        (2e-2, 3e-3, CHEAPER),
+        (5e-4, 5e-4, ALONE),
+    ]
+    assert losses(front_of(runs((5e-3, 1.0)), U), front_of(OWN, U)) == []
+
+
+# ------------------------------------------------------------------------------------- measuring
+
+
+def shifted(label, offset):
+    """The reference, moved by `offset` [m]."""
+
+    def prepare():
+        reference = from_data(PLANAR).trajectory
+        return lambda: Trajectory(reference.times, reference.positions + np.array([0.0, 0.0, offset]))
+
+    return Case(label, "inextensible", "Zhai", 5, 0.01, 500, prepare)
+
+
+def test_a_failing_case_keeps_its_row_and_status():
+    cases = [shifted("good", 1e-3), failing_case("bad", "RK4", 7, ArithmeticError("too fast"), 0.5)]
+    cases.append(shifted("lost", math.nan))
+    good, bad, lost = scene_run.measured(PLANAR, cases, from_data(PLANAR), repeats=1)
+    assert (good["status"], good["kind"], good["repeats"]) == ("ok", "run", 1)
+    assert good["errorMax"] == pytest.approx(1e-3) and good["family"] == INEXTENSIBLE
+    assert (bad["status"], bad["errorMax"], bad["stepSize"]) == (
+        "failed: ArithmeticError: too fast",
+        None,
+        0.5,
+    )
+    assert (lost["status"], lost["cpuSeconds"]) == ("diverged", None)
+
+
+def test_steps_that_are_refused_or_diverge_become_rows(monkeypatch):
+    monkeypatch.setattr(inextensible, "FRACTIONS", (1.2,))
+    brief = replace(PLANAR, end_time=0.05)
+    (case,) = inextensible._limited_cases(brief, 5, "RATTLE")
+    (row,) = scene_run.measured(brief, [case], from_data(PLANAR), repeats=1)
+    assert row["status"].startswith("failed: StepSizeError") and row["cpuSeconds"] is None
+
+
+def test_slow_cases_are_repeated_less_often():
+    assert [scene_run.repeats_of(seconds) for seconds in (0.1, 1.0, 5.0)] == [5, 3, 1]
+    heard = []
+    found = measure([shifted("a", 0.0), shifted("b", 0.0)], 3, heard.append, lambda seconds: 1)
+    assert [len(measurement.cpu_seconds) for measurement in found] == [1, 1] and len(heard) == 8
+
+
+def test_what_a_run_returns_to_be_called_later_is_not_timed():
+    def spin():
+        end = 0
+        for k in range(3_000_000):
+            end += k
+        return from_data(PLANAR).trajectory
+
+    (found,) = measure([Case("later", "rigid links", "RK4", 5, 0.01, 500, lambda: lambda: spin)], 1)
+    assert found.status == "ok" and found.cpu_seconds[0] < 0.02 and found.trajectory is not None
+
+
+def test_equal_labels_are_run_once():
+    selection = Selection()
+    selection.add(shifted("a", 0.0), shifted("b", 0.0), shifted("a", 1.0))
+    assert [case.label for case in selection.cases] == ["a", "b"]
+
+
+def test_a_scene_without_a_reference_is_compared_with_itself_and_that_is_said(monkeypatch):
+    monkeypatch.setattr(scene_run, "refined", lambda scene: from_data(PLANAR))
+    line = load_scene("power_line")
+    row = scene_run.reference_row(line, scene_run.reference_of(line))
+    assert row["selfConvergence"] and "self-convergence" in " ".join(conclude(Figures(False, [row])))
+    other = scene_run.reference_row(PLANAR, scene_run.reference_of(PLANAR))
+    assert not other["selfConvergence"]
+
+
+# ------------------------------------------------------------------------------------- sentences
+
+
+def sentences(*rows, uncertainty=5e-5):
+    reference = {
+        "kind": "reference", "scene": "planar_pendulum", "source": "MBDyn", "uncertainty": uncertainty,
+        "selfConvergence": False, "motion": 5.0,
+    }  # fmt: skip
+    ratios = scene_run.ratio_rows("planar_pendulum", rows, uncertainty)
+    return "\n".join(conclude(Figures(False, [reference, *rows, *ratios])))
+
+
+NATIVE = {"formulation": "conventional", "integrator": "generalizedAlpha"}
+OURS = runs((1e-2, 1e-3), (3e-4, 1e-2))
+
+
+def test_the_bar_is_kept_or_missed():
+    text = sentences(*OURS, *runs((1e-2, 1e-1), (3e-4, 1.0), **NATIVE))
+    assert text.count("at least 50 times: kept, 100.") == 2
+    text = sentences(*OURS, *runs((1e-2, 1e-2), (3e-4, 1.0), **NATIVE))
+    assert "at 0.005 m, conventional, implicit, at least 50 times: MISSED, 1" in text
+
+
+def test_readings_that_are_none_say_why_and_losses_say_where():
+    text = sentences(*OURS, *runs((8e-3, 1e-4), (1e-3, 1.0), **NATIVE))
+    assert "none (opponent: looser than its front) at 0.01 m" in text
+    assert "none (opponent: not reached) at 0.0003 m" in text
+    assert "against conventional, implicit, the inextensible cable loses at 0.0080 m (the opponent" in text
+    assert "loses nowhere" in sentences(*OURS, *runs((8e-3, 1.0), **NATIVE))
+
+
+def test_bounds_below_the_uncertainty_are_named_and_not_read():
+    text = sentences(*OURS, *runs((1e-2, 1e-1), (1e-6, 1.0), **NATIVE), uncertainty=5e-4)
+    assert "nothing (below the reference's uncertainty) at 0.0003 m" in text
+    assert "at 0.0007 m, conventional, implicit, at least 50 times: kept" in text
+
+
+def test_failures_and_a_missing_opponent_are_told():
+    text = sentences(*OURS, run(None, None, status="diverged"), *runs((1e-2, 1.0), **NATIVE))
+    assert "runs that failed or diverged, kept with their status: 1 of 3 inextensible." in text
+    assert "MuJoCo is not installed" in text
+    peers = runs((1e-2, 1.0), formulation="rigid links", integrator="RK4")
+    assert "MuJoCo is not installed" not in sentences(*OURS, *peers)
+
+
+def test_families_tell_formulations_and_solvers_apart():
+    assert family_of(run(1.0, 1.0, enforcement="algebraic")) == BY_NATIVE_SOLVERS
+    assert family_of(run(1.0, 1.0, **NATIVE)) == IMPLICIT
+    assert family_of(run(1.0, 1.0, formulation="rigid links", integrator="RK4")) == PEER
+
+
+def test_a_scene_that_failed_as_a_whole_is_told():
+    (case, *_) = make_cases(True)
+    rows = rows_of(case, Outcome("failed: OSError: disk", {}, {}))
+    assert "FAILED: planar_pendulum: failed: OSError: disk" in conclude(Figures(True, rows))
+
+
+# -------------------------------------------------------------------------------- the whole study
+
+
+def test_every_scene_has_cases_of_every_formulation():
+    assert {case["scene"] for case in make_cases(False)} == set(native.SERIES) == set(inextensible.MESHES)
+    assert all(case["timed"] for case in make_cases(False))
+    for name in ("planar_pendulum", "spatial_pendulum"):
+        labels = [case.label for case in enforced_cases(load_scene(name), False)]
+        assert len(labels) == len(set(labels)) and {label.split()[1] for label in labels} == {
+            "penaltyMass,",
+            "algebraic,",
+        }
+
+
+def test_rigid_links_are_left_out_where_mujoco_is_not_installed(monkeypatch):
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    assert links.links_selection(PLANAR, True).cases == []
+
+
+def test_rigid_links_belong_to_the_pendulums_only():
+    pytest.importorskip("mujoco", reason="pip install 'exudyn_inext[peers]'")
+    assert links.links_selection(load_scene("vibrating_ring"), True).cases == []
+    cases = links.links_selection(load_scene("spatial_pendulum"), True).cases
+    assert {case.integrator for case in cases} >= {"RK4", "Euler", "implicitfast"}
+
+
+def few_cases(scene, quick):
+    scaled = [explicit_case(scene, "RATTLE", n, h, 0.3) for n, h in ((3, 1e-2), (5, 5e-3), (8, 2.5e-3))]
+    natives = [case for case in native.native_selection(scene, True).cases if case.elements == 10]
+    return [*scaled, *natives, *enforced_cases(scene, True), *links.links_selection(scene, True).cases[:2]]
+
+
+def test_it_runs_in_quick_mode_with_rows_tables_and_pictures(tmp_path, monkeypatch):
+    monkeypatch.setattr(scene_run, "cases_of", few_cases)
+    monkeypatch.setattr(native, "QUICK", {"planar_pendulum": native.Series((10,), (), (5e-3,))})
+    study = replace(STUDY, cases=lambda quick: make_cases(quick)[:1])
+    monkeypatch.setattr("studies.__main__.find_study", lambda name: study)
+    assert main(["run", "work_precision", "--quick", "--output", str(tmp_path)]) == 0
+    document = json.loads((tmp_path / "work_precision.json").read_text())
+    kinds = {kind: [row for row in document["rows"] if row["kind"] == kind] for kind in
+             ("reference", "run", "speedUp")}  # fmt: skip
+    assert kinds["reference"][0]["uncertainty"] == 5e-5 and not kinds["reference"][0]["selfConvergence"]
+    assert all(row["status"] == "ok" and 0.0 < row["errorMax"] < 1e-2 for row in kinds["run"])
+    assert {row["family"] for row in kinds["run"]} >= {INEXTENSIBLE, IMPLICIT, BY_NATIVE_SOLVERS}
+    assert {row["bound"] for row in kinds["speedUp"]} == {1e-2, 5e-3, 3e-3, 1e-3, 7e-4, 3e-4}
+    report = (tmp_path / "work_precision.md").read_text()
+    for name in ("planar_pendulum", "ratios"):
+        assert f"(work_precision_{name}.png)" in report
