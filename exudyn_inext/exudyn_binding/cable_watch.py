@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..chain.border import all_links, motions_of
 from ..chain.cable import Cable
 from ..integrators.watch import (
     CONSTRAINTS,
@@ -35,8 +36,10 @@ class CableWatch:
         self._names = scene_cable.item.node_names
         self._shape = cable.reference.shape
         self._round_off = _round_off(cable, loads.constant)
-        steady = not len(loads.pattern) and not cable.section.bending_damping and cable.drag is None
-        self.watch = build_watch(state, STEPS_BETWEEN if steady else STEPS_WITH_POWER, energy_tolerance)
+        moves = not all(motion.rests for motion in motions_of(all_links(cable)))
+        has_power = moves or bool(cable.section.bending_damping) or cable.drag is not None
+        every = STEPS_WITH_POWER if has_power else STEPS_BETWEEN
+        self.watch = build_watch(state, every, energy_tolerance, loads.pattern)
 
     def open(self, system: Any, external: Array, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""
@@ -76,7 +79,7 @@ def figures(watch: Watch) -> dict[str, float]:
 
 def memory_of(watch: Watch) -> dict[str, Any]:
     """Arrays that its next inspections depend on, by names."""
-    names = ("account", "position", "force", "change", "way", "gauges")
+    names = ("account", "position", "force", "change", "way", "work", "gauges")
     return {name: getattr(watch, name) for name in names} | {"kept": watch.kept._asdict()}
 
 

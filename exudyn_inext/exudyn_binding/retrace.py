@@ -27,7 +27,7 @@ def retrace(run: Any, scheme: Any, grid: TimeGrid, step: int, history: Array, go
     account = run.watch.watch.account[0]
     if account.suspect >= PATIENCE:  # slow growth: the last inspection is as good as any
         return good
-    trouble, rows = account.trouble, len(history) - good
+    trouble, error, rows = account.trouble, account.error, len(history) - good
     first_row = step // grid.substeps
     last = min(step + run.watch.watch.every, (first_row + rows) * grid.substeps)
     run.go_on(grid.start + step * grid.h)
@@ -40,5 +40,6 @@ def retrace(run: Any, scheme: Any, grid: TimeGrid, step: int, history: Array, go
         if (next_step + 1) % grid.substeps == 0:
             history[good] = row[0]
             good += 1
-    account.trouble = account.trouble or trouble
+    if not account.trouble:
+        account.trouble, account.error = trouble, error
     return good

@@ -58,7 +58,7 @@ def _compile_parts(fields, m):
 def _of_intervals(loads, first, number, steps):
     """What `loads` holds of some intervals of `steps` steps each."""
     ahead = loads.factor[first * steps : (first + number) * steps]
-    return LoadHistory(loads.constant, loads.pattern, ahead)
+    return LoadHistory(loads.constant, loads.pattern, ahead, loads.work)
 
 
 @inlined

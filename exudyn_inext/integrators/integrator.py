@@ -44,6 +44,10 @@ class Integrator:
     trouble: Callable[[Any, Any], str] = lambda scheme, state: ""
 
 
+NO_WORK = np.zeros((0, 5))
+SUM, PROJECTION, FACTOR, FIRST, LAST = range(5)
+
+
 class LoadHistory(NamedTuple):
     """External force F(t) = constant + sum_p factor_p(t) pattern_p, sampled where a scheme needs it.
 
@@ -52,11 +56,14 @@ class LoadHistory(NamedTuple):
     constant: (n_external,) [N, Nm].
     pattern: (P, n_external) [N, Nm] per unit factor.
     factor: (steps, stages, P) [-].
+    work: (P, 5) of each pattern: its work so far [J] (SUM), what it needs of the last step (PROJECTION of q,
+        FACTOR), and its FIRST and LAST coordinate; or NO_WORK.
     """
 
     constant: Array
     pattern: Array
     factor: Array
+    work: Array = NO_WORK
 
 
 @singledispatch
@@ -93,8 +100,22 @@ def record(scheme: Any, system: Any, loads: Any, state: Any, h: float, steps: in
 
 
 @inlined
-def store(history, step, steps, q, v, a):
-    """Keep q, v, a after step number `step` if it ends an interval of `steps` steps."""
+def count_work(loads, step, q):
+    """Add the work of each pattern in a step to q, by the trapezoidal rule."""
+    pattern, factor, work = loads.pattern, loads.factor, loads.work
+    for p in range(len(work)):
+        projection, now = 0.0, factor[step, -1, p]
+        for i in range(int(work[p, FIRST]), int(work[p, LAST]) + 1):
+            projection += pattern[p, i] * q[i]
+        before = work[p, FACTOR] if work[p, FACTOR] < np.inf else now
+        work[p, SUM] += 0.5 * (before + now) * (projection - work[p, PROJECTION])
+        work[p, PROJECTION], work[p, FACTOR] = projection, now
+
+
+@inlined
+def store(history, loads, step, steps, q, v, a):
+    """Keep q, v, a after step number `step` if it ends an interval of `steps` steps; count work."""
+    count_work(loads, step, q)
     if (step + 1) % steps == 0:
         interval = step // steps
         for i in range(len(q)):

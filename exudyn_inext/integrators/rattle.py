@@ -114,7 +114,7 @@ def advance_rattle(scheme, system, loads, state, h, steps, history):
                 state.residual[0] = violation
             q[:] = np.nan
         accelerate_and_project(system, external, q, v_half, 0.5 * h, a, v)
-        store(history, step, steps, q, v, a)
+        store(history, loads, step, steps, q, v, a)
 
 
 def trouble(scheme: Rattle, state: RattleState) -> str:

@@ -78,7 +78,7 @@ def advance_runge_kutta(scheme, system, loads, state, h, steps, history):
         for i in range(len(q)):
             q[i] = q_stage[i]
             v[i] = v_stage[i]
-        store(history, step, steps, q, v, a)
+        store(history, loads, step, steps, q, v, a)
 
 
 INTEGRATOR = Integrator(

@@ -11,12 +11,12 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import inlined, kernel
 from ..system import AGITATION, ELASTIC, KINETIC, POWER, VIOLATION, gauge
-from .integrator import LoadHistory, advance
+from .integrator import FACTOR, FIRST, LAST, PROJECTION, SUM, LoadHistory, advance
 
 ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY = 0, 1, 2, 3
 
-STEPS_BETWEEN = 64  # inspections of a run whose energy only forces change that are known at its ends
-STEPS_WITH_POWER = 48  # of one with damping, drag, or forces and supports that move
+STEPS_BETWEEN = 64  # inspections of a run whose energy only forces change
+STEPS_WITH_POWER = 36  # of one with damping, drag, or supports that move
 LARGEST_VIOLATION = 0.05  # of |r_x|^2 = 1 [-], and of lengths, relative
 PATIENCE = 256  # steps for which the energy may be above its limit
 VIOLENT = 30.0  # times the limit: no patience
@@ -30,6 +30,7 @@ ACCOUNT = np.dtype(
         ("work", np.float64),
         ("unsure", np.float64),
         ("scatter", np.float64),
+        ("rise", np.float64),
         ("largest_kinetic", np.float64),
         ("least_elastic", np.float64),
         ("largest_elastic", np.float64),
@@ -51,12 +52,14 @@ class Watch(NamedTuple):
     every: steps between two inspections.
     tolerance: energy that a run may gain, as a share of what its motion turns over [-].
     account: (1,) record. Energy at the `start` and `agitation` then [J/s^2]; `work` done since [J], of which
-        we are `unsure`, to one side [J], and its `scatter` [J^2]; bounds of kinetic and elastic energy so
+        we are `unsure`, to one side [J], and its `scatter` [J^2]; the last `rise` of the power [W], whose
+        changes tell how well trapezoids fit; bounds of kinetic and elastic energy so
         far [J]; relative `error` of the energy and its extremes so far, `gain` and `loss` [-]; largest
         `violation` of a constraint so far [-]; for how many steps the energy has been `suspect`; how many
         `steps` were found well so far; what the `trouble` is.
     position, force: (n_dof,) when work was counted last.   change, way: (n_dof,) of the force, and
         of the position, before that.
+    pattern, work: (P, n_dof), (P, 5) of load histories, see `LoadHistory`.
     gauges: (5,) at the last inspection, see `gauge`.   force_now, gauges_now: memory.
     kept: state of the integrator at the last inspection; if it found trouble, the state that it found.
     """
@@ -68,15 +71,21 @@ class Watch(NamedTuple):
     force: Array
     change: Array
     way: Array
+    pattern: Array
+    work: Array
     gauges: Array
     force_now: Array
     gauges_now: Array
     kept: Any
 
 
-def build_watch(state: Any, every: int, tolerance: float) -> Watch:
-    """A watch over the run of an integrator's `state`; `open_account` begins it."""
+def build_watch(state: Any, every: int, tolerance: float, pattern: Array | None = None) -> Watch:
+    """A watch over the run of an integrator's `state`; `open_account` begins it.
+
+    pattern: (P, n_external) of load histories; None: there are none.
+    """
     size = len(state.q)
+    own = np.zeros((0, size)) if pattern is None else np.ascontiguousarray(pattern[:, :size])
     return Watch(
         every,
         tolerance,
@@ -85,11 +94,24 @@ def build_watch(state: Any, every: int, tolerance: float) -> Watch:
         force=np.zeros(size),
         change=np.zeros(size),
         way=np.zeros(size),
+        pattern=own,
+        work=_no_work(own),
         gauges=np.zeros(5),
         force_now=np.zeros(size),
         gauges_now=np.zeros(5),
         kept=type(state)(*[memory.copy() for memory in state]),
     )
+
+
+def _no_work(pattern: Array) -> Array:
+    """(P, 5); a motion, which is no force, has no coordinates and does no work."""
+    work = np.zeros((len(pattern), 5))
+    work[:, LAST] = -1.0
+    for row, of_load in zip(work, pattern, strict=True):
+        places = np.flatnonzero(of_load)
+        if len(places):
+            row[FIRST], row[LAST] = places[0], places[-1]
+    return work
 
 
 @inlined
@@ -120,6 +142,7 @@ def _open(watch, state, round_off):
     account.work = 0.0
     account.unsure = round_off
     account.scatter = 0.0
+    account.rise = 0.0
     account.largest_kinetic = kinetic
     account.least_elastic = elastic
     account.largest_elastic = elastic
@@ -130,6 +153,11 @@ def _open(watch, state, round_off):
         watch.position[i] = state.q[i]
         watch.force[i] = watch.force_now[i]
         watch.change[i], watch.way[i] = 0.0, 0.0
+    for p in range(len(watch.work)):
+        watch.work[p, SUM], watch.work[p, FACTOR] = 0.0, np.inf  # that is known from the first step on
+        watch.work[p, PROJECTION] = 0.0
+        for i in range(len(watch.position)):
+            watch.work[p, PROJECTION] += watch.pattern[p, i] * state.q[i]
     _keep(watch, state)
 
 
@@ -168,30 +196,15 @@ def _add_work(watch, q):
 
 
 @inlined
-def _add_work_of_histories(watch, loads, first, steps, q, v, duration):
-    """What the trapezoidal rule misses of loads that are known at each of the `steps` steps from `first`.
-
-    To be called before `_add_work`: their mean replaces that of both ends. What is left to be wrong depends
-    on how the velocity changes meanwhile, which is known at the end only.
-    """
+def _add_work_of_loads(watch, constant, q):
+    """Work of the constant forces since the last call, and of the load histories, counted step by step."""
     account = watch.account[0]
-    end = loads.factor.shape[1] - 1
-    for p in range(len(loads.pattern)):
-        way, rate = 0.0, 0.0
-        for i in range(len(watch.position)):
-            way += loads.pattern[p, i] * (q[i] - watch.position[i])
-            rate += loads.pattern[p, i] * v[i]
-        last, total = loads.factor[first + steps - 1, end, p], 0.0
-        for step in range(first, first + steps - 1):
-            total += loads.factor[step, end, p]
-        before = last
-        if first > 0:
-            before = loads.factor[first - 1, end, p]
-        elif steps > 1:  # of an earlier call: on the line through the first two
-            before = 2.0 * loads.factor[0, end, p] - loads.factor[1, end, p]
-        mean = (total + 0.5 * (before + last)) / steps
-        account.work += (mean - 0.5 * (before + last)) * way
-        account.scatter += ((last - before) * rate * duration / 6.0) ** 2
+    for i in range(len(watch.position)):
+        account.work += constant[i] * (q[i] - watch.position[i])
+        watch.position[i] = q[i]
+    for p in range(len(watch.work)):
+        account.work += watch.work[p, SUM]
+        watch.work[p, SUM] = 0.0
 
 
 @inlined
@@ -203,6 +216,9 @@ def _draw_up(watch, steps, duration):
     """
     account, now = watch.account[0], watch.gauges_now
     by_power = 0.5 * (watch.gauges[POWER] + now[POWER]) * duration
+    rise = now[POWER] - watch.gauges[POWER]
+    account.scatter += (duration / 12.0 * (rise - account.rise)) ** 2
+    account.rise = rise
     account.work += by_power
     account.unsure += SHARE_OF_POWER * abs(by_power)
     account.largest_kinetic = max(account.largest_kinetic, now[KINETIC])
@@ -294,11 +310,10 @@ def record_watched(scheme, system, loads, state, h, steps, history, watch):
         else:
             last = min(first + watch.every // steps, len(history))
             number, of_interval = (last - first) * steps, steps
-        ahead = LoadHistory(loads.constant, loads.pattern, loads.factor[done : done + number])
+        ahead = LoadHistory(loads.constant, loads.pattern, loads.factor[done : done + number], watch.work)
         advance(scheme, system, ahead, state, h, of_interval, history[first:last])
         gauge(system, state.external, state.q, state.v, state.a, watch.force_now, watch.gauges_now)
-        _add_work_of_histories(watch, loads, done, number, state.q, state.v, number * h)
-        _add_work(watch, state.q)
+        _add_work_of_loads(watch, loads.constant, state.q)
         if _judge(watch, state, number, number * h) != ALL_IS_WELL:
             return first
         done += number

@@ -109,7 +109,7 @@ def advance_zhai(scheme, system, loads, state, h, steps, history):
             if phase == 1:
                 _correct(scheme, h, q, v, a, a_previous, q_start, v_start)
             index_reduced_rates(system, external, q, v, a, rate)
-        store(history, step, steps, q, v, a)
+        store(history, loads, step, steps, q, v, a)
 
 
 INTEGRATOR = Integrator(

@@ -6,8 +6,16 @@ import pytest
 from exudyn.itemInterface import MarkerBodyPosition, MarkerNodePosition, ObjectConnectorCartesianSpringDamper
 from exudyn.utilities import InertiaCuboid
 
-from exudyn_inext import AttachToBody, CreatePrescribedMotion, DivergenceError
+from exudyn_inext import (
+    AttachToBody,
+    CreatePrescribedMotion,
+    DivergenceError,
+    ExplicitSettings,
+    SolveExplicit,
+)
+from reference_models.inextensible import build
 from reference_models.model import quiet_settings
+from reference_models.scenes import load_scene
 from tests.exudyn_binding.items import load_node
 
 LIMIT = 0.00274159  # of the step of the pendulum with N = 5 [s]
@@ -126,3 +134,19 @@ def test_a_force_that_runs_away_among_bodies_is_no_fault_of_the_energy(mbs, add_
     mbs.Assemble()
     drift = solve(mbs, settings=quiet_settings(0.3, 30), stepSize=5e-4)["drift"]
     assert drift["energyGain"] < 2e-3
+
+
+def test_work_is_known_where_a_load_turns_around_within_an_inspection():
+    """The ring with a step of an eightieth of its load's period: 64 steps are most of that period."""
+    model = build(load_scene("vibrating_ring"), 12)
+    explicit = ExplicitSettings("RATTLE", stepSize=2.5e-3, massScaling=0.25)
+    drift = SolveExplicit(model.mbs, quiet_settings(0.6, 60), explicit)["drift"]
+    assert drift["energyGain"] < 1e-3 and drift["energyLoss"] < 1e-3
+
+
+@pytest.mark.parametrize("rate", [3.0, 20.0, 60.0])
+def test_a_support_that_moves_fast_is_no_fault_of_the_energy(mbs, add_cable, solve, rate):
+    cable = add_cable(mbs)
+    CreatePrescribedMotion(mbs, cable["nodes"][0], lambda t: [0.02 * (1.0 - np.cos(rate * t)), 0.0])
+    mbs.Assemble()
+    assert solve(mbs, 1.0, integrator="RATTLE")["drift"]["energyGain"] < 1e-3

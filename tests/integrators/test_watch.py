@@ -39,7 +39,7 @@ class WatchedPendulum:
         self.state = self.integrator.allocate(self.constant.size, self.constant.size)
         self.state.q[:] = cable.reference.ravel()
         self.integrator.start(self.system, self.constant, self.state)
-        self.watch = build_watch(self.state, every, TOLERANCE)
+        self.watch = build_watch(self.state, every, TOLERANCE, self.pattern)
         open_account(self.watch, self.system, self.constant, self.state, 1e-12)
         self.account = self.watch.account[0]
 
