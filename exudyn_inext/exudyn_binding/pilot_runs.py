@@ -46,6 +46,7 @@ class PilotRuns:
         self.end_time = end_time
         self.period = end_time / max(1, round(end_time / period))
         self._limits: dict[tuple[int, str], float] = {}
+        self._ran: set[tuple[str, str]] = set()
         self.dimension = 0
         self.length_constraints: dict[int, int] = {}  # n_bar of a cable, by its number of elements
 
@@ -69,7 +70,10 @@ class PilotRuns:
     def run(self, choice: Choice) -> Pilot:
         """See `Problem`."""
         pilot = self._run_once(choice)
-        if pilot.failure or pilot.seconds > REPEATS_BELOW:
+        way = (choice.formulation, choice.integrator)
+        is_first = way not in self._ran  # and may have compiled what the short run did not need
+        self._ran.add(way)
+        if pilot.failure or (pilot.seconds > REPEATS_BELOW and not is_first):
             return pilot
         again = self._run_once(choice)
         return min(pilot, again, key=lambda one: one.seconds)
