@@ -20,7 +20,7 @@ from ..adviser.stretch import stretch_error
 from ..adviser.survey import survey_meshes
 from ..checks import require_positive
 from ..errors import InputError
-from .advice_settings import SAMPLES, AdviceSettings, require_builder
+from .advice_settings import MOST_SAMPLES, SAMPLES, AdviceSettings, require_builder
 from .pilot_runs import Build, PilotRuns
 from .settings import ExplicitSettings
 
@@ -82,6 +82,11 @@ class _Session:
     ) -> None:
         self._tolerance, self._budget, self._settings = tolerance, budget, settings
         period = settings.samplePeriod or end_time / SAMPLES
+        if end_time / period > MOST_SAMPLES:
+            raise InputError(
+                f"samplePeriod = {period:g} s: these are more than {MOST_SAMPLES:g} samples in endTime = "
+                f"{end_time:g} s; give a larger one."
+            )
         self._problem = PilotRuns(build, settings.buildConventional, end_time, period)
         numbers, cost = settings.numbersOfElements, settings.pilotBudget
         self._survey = survey_meshes(self._problem, tolerance, numbers, cost)

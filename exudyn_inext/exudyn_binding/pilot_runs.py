@@ -112,6 +112,9 @@ class PilotRuns:
         except Exception as error:  # Exudyn's solver errors have no common type
             return _failed(choice, time.process_time() - start, f"{type(error).__name__}: {error}")
         seconds = time.process_time() - start
+        reached = mbs.systemData.GetTime()
+        if reached < self.end_time - 0.5 * self.period:  # a user function may stop it, which is no error
+            return _failed(choice, seconds, f"stopped at t = {reached:.6g} s")
         return Pilot(choice, self._sampled(mbs, sensor), seconds, steps)
 
     def _sampled(self, mbs: Any, sensor: int) -> Array:
