@@ -77,4 +77,5 @@ def stretch_sentence(tension: Tension, axial_stiffness: float, error: float, tol
 
 
 def is_conventional(tried: Tried) -> bool:
+    """Whether it ran with native cables."""
     return tried.pilot.choice.formulation == CONVENTIONAL

@@ -51,7 +51,11 @@ class PilotRuns:
         self.length_constraints: dict[int, int] = {}  # n_bar of a cable, by its number of elements
 
     def step_limit(self, elements: int, integrator: str) -> float:
-        """See `Problem`; a short run also compiles what the pilots need."""
+        """See `Problem`; a short run also compiles what the pilots need.
+
+        Raises:
+            SceneError: the scene has no inextensible cable.
+        """
         if (elements, integrator) not in self._limits:
             mbs, _ = _built("build", self._build, elements)
             cables = read_scene(mbs).cables
