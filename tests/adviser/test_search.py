@@ -72,6 +72,14 @@ def test_uncertainty_and_errors_bound_the_true_ones(mesh, step):
         assert true <= tried.error <= true + 2.0 * survey.uncertainty
 
 
+def test_a_mesh_that_is_hopeless_is_run_but_once():
+    problem = Analytic(mesh=30.0)
+    search = searched(problem, 1e-3)
+    hopeless = {t.pilot.choice.elements for t in search.tried if t.error > 5.0 * search.tolerance}
+    assert len(hopeless) >= 3
+    assert [c.elements for c in problem.runs if c.elements in hopeless] == sorted(hopeless)
+
+
 def test_the_survey_ends_with_the_mesh_that_is_good_enough_and_not_later():
     problem = Analytic()
     ends = [surveyed(problem, tolerance).finest.choice.elements for tolerance in (1e-1, 1e-2, 1e-3, 1e-4)]

@@ -220,6 +220,7 @@ def test_a_body_on_the_end_of_the_cable(new_mbs, add_pendulum, add_sensor, solve
 def test_runs_are_sampled_alike_whatever_the_period(build, build_native):
     """A period that does not divide the end time is made to."""
     runs = PilotRuns(build, partial(build_native, 1e5), 0.1, 0.03)
+    assert runs.period == pytest.approx(0.1 / 3.0)
     own = runs.run(Choice(INEXTENSIBLE, "RATTLE", 4, 1e-3))
     native = runs.run(Choice(CONVENTIONAL, "generalizedAlpha", 4, runs.period / 2))
     assert own.values.shape == native.values.shape == (4, 3)
