@@ -15,7 +15,7 @@ from exudyn_inext import CreateInextensibleCable
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-INNER = ("element", "chain", "constraints", "loads", "integrators", "statics", "coupling")
+INNER = ("element", "chain", "constraints", "loads", "integrators", "statics", "coupling", "adviser")
 DOCUMENTS = [
     ROOT / "README.md",
     ROOT / "CHANGELOG.md",

@@ -11,7 +11,17 @@ import pytest
 import exudyn_inext
 from docs.extensions.docstrings import items, sections
 
-FOLDERS = ("element", "chain", "constraints", "loads", "integrators", "statics", "coupling", "exudyn_binding")
+FOLDERS = (
+    "element",
+    "chain",
+    "constraints",
+    "loads",
+    "integrators",
+    "statics",
+    "coupling",
+    "adviser",
+    "exudyn_binding",
+)
 
 
 def public_functions():

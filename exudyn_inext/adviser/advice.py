@@ -43,8 +43,10 @@ def choice_sentence(tried: Tried, tolerance: float) -> str:
 def rival_sentence(rivals: Sequence[Tried], best: Tried | None, tolerance: float) -> str:
     """How the conventional cable does."""
     good = [one for one in rivals if one.works and one.error <= tolerance]
+    closest = min(rivals, key=lambda one: one.error)
+    if not closest.works:
+        return f"No conventional run reached its end: {closest.pilot.failure}"
     if not good:
-        closest = min(rivals, key=lambda one: one.error)
         return (
             f"No conventional run was both accurate enough and worth its time; the most accurate one, "
             f"{closest.pilot.choice.label}, has an error of {closest.error:.2g} after "
@@ -75,4 +77,5 @@ def stretch_sentence(tension: Tension, axial_stiffness: float, error: float, tol
 
 
 def is_conventional(tried: Tried) -> bool:
+    """Whether it ran with native cables."""
     return tried.pilot.choice.formulation == CONVENTIONAL

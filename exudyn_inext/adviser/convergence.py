@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+import numpy as np
 from scipy.optimize import brentq
 
 ORDERS = (0.5, 8.0)
@@ -19,7 +20,9 @@ def observed_order(elements: Sequence[int], differences: Sequence[float]) -> flo
     (1994), 405-413.
     """
     coarse, fine = differences
-    if not fine > 0.0:
+    if not np.isfinite(differences).all():
+        return None
+    if fine == 0.0:
         return ORDERS[1]
     n0, n1, n2 = elements
 

@@ -12,17 +12,17 @@ ORDER = 2
 LENIENCE = 2.0  # times the cost of the best inextensible run, that a rung is expected to cost at most
 
 
-def climb(problem: Problem, survey: Survey, worth: float) -> list[Pilot]:
-    """Refine mesh and step together, as long as a run costs little more than what it has to beat.
+def climb(problem: Problem, survey: Survey, most: float) -> list[Pilot]:
+    """Refine mesh and step together, as long as the next run is not expected to be too expensive.
 
     Args:
         problem: to be run; it can build conventional cables.   survey: its meshes are taken.
-        worth: CPU time of the best inextensible run [s].
+        most: CPU time of a run [s].
     """
     pilots: list[Pilot] = []
     for rung, own in enumerate(survey.pilots):
         elements, step = own.choice.elements, problem.period * REFINEMENT**rung
-        if pilots and _expected_seconds(pilots[-1], elements, step) > LENIENCE * worth:
+        if pilots and _expected_seconds(pilots[-1], elements, step) > most:
             break
         pilots.append(problem.run(Choice(CONVENTIONAL, INTEGRATOR, elements, step)))
     return pilots

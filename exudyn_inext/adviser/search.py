@@ -1,10 +1,13 @@
 """The cheapest choice that is accurate enough: candidates are tried in the order of their expected cost."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
+from ..errors import InputError
 from .cost import predicted_seconds
 from .pilot import INEXTENSIBLE, Choice, Pilot, Problem
+from .survey import INTEGRATOR as SURVEYOR
 from .survey import Survey
 
 # integrator, theta, step over the limit without mass scaling
@@ -20,6 +23,7 @@ FAMILIES = (
 HOPELESS = 1.5  # times the tolerance: the error of a mesh for which no other step is tried
 FINEST_EXTRAPOLATION = 4.0  # times the elements of the finest pilot
 SAFETY = 1.5  # of an extrapolated error
+HIGHEST_ORDER = 4.0  # that an extrapolation relies on
 
 
 @dataclass(eq=False)
@@ -63,11 +67,11 @@ class Search:
 def search_inextensible(problem: Problem, survey: Survey, tolerance: float) -> Search:
     """Try all families that could be cheaper than the best so far, cheapest first."""
     search = Search(tolerance, survey)
-    for pilot in survey.pilots:
+    for pilot in (*survey.pilots, *survey.failed):
         search.add(pilot)
     if survey.uncertainty > tolerance:
         return search
-    waiting = set(_candidates(problem, search))
+    waiting = list(dict.fromkeys(_candidates(problem, search)))  # without duplicates, in a fixed order
     while waiting:
         pilots = [tried.pilot for tried in search.tried if tried.works]
         expected = {choice: predicted_seconds(pilots, choice, problem.end_time) for choice in waiting}
@@ -90,24 +94,41 @@ def _candidates(problem: Problem, search: Search) -> Iterator[Choice]:
             yield Choice(INEXTENSIBLE, integrator, elements, step, theta)
 
 
-def extrapolated(survey: Survey, tolerance: float) -> Choice | None:
+def extrapolated(problem: Problem, survey: Survey, tolerance: float) -> Choice | None:
     """The mesh that would be accurate enough; None if it is too far from those that were tried.
 
     The step keeps its share of the limit, which falls with N^2.
     """
     last = survey.finest.choice
-    order = min(survey.order, 4.0)
-    ratio = max(1.0, (SAFETY * survey.uncertainty / tolerance) ** (1.0 / order))
+    ratio = max(1.0, (SAFETY * survey.uncertainty / tolerance) ** (1.0 / _order(survey)))
     if ratio > FINEST_EXTRAPOLATION:
         return None
-    elements = round(last.elements * ratio + 0.499)
+    elements = _buildable(problem, math.ceil(last.elements * ratio))
+    if elements is None:
+        return None
     step = last.step_size * (last.elements / elements) ** 2
     return Choice(INEXTENSIBLE, last.integrator, elements, step)
 
 
+def _buildable(problem: Problem, least: int) -> int | None:
+    """Smallest number of elements from `least` on that can be built; None: none up to twice as many."""
+    for elements in range(least, 2 * least + 1):
+        try:
+            problem.step_limit(elements, SURVEYOR)
+        except InputError:
+            continue
+        return elements
+    return None
+
+
 def expected_error(survey: Survey, choice: Choice) -> float:
     """Of the extrapolated choice."""
-    return survey.uncertainty * (survey.finest.choice.elements / choice.elements) ** min(survey.order, 4.0)
+    return survey.uncertainty * (survey.finest.choice.elements / choice.elements) ** _order(survey)
+
+
+def _order(survey: Survey) -> float:
+    """That an extrapolation relies on."""
+    return min(survey.order, HIGHEST_ORDER)
 
 
 def most_accurate(tried: Sequence[Tried], budget: float) -> Tried | None:

@@ -17,12 +17,13 @@ CAUTION = 3.0  # the finest meshes count as of no higher order, which luck may f
 class Survey:
     """Pilots of one integrator on finer and finer meshes.
 
-    order: observed.   uncertainty: error of the last one.
+    order: observed.   uncertainty: error of the last one.   failed: those that did not reach their end.
     """
 
     pilots: list[Pilot]
     order: float
     uncertainty: float
+    failed: Sequence[Pilot] = ()
 
     @property
     def finest(self) -> Pilot:
@@ -38,12 +39,13 @@ def survey_meshes(problem: Problem, tolerance: float, numbers: Sequence[int], bu
         budget: CPU time for these pilots [s].
 
     Raises:
-        InputError: fewer than three of the numbers can be built.
+        InputError: fewer than three of the numbers can be built and run.
         SceneError: the solutions do not converge.
     """
     pilots: list[Pilot] = []
+    failed: list[Pilot] = []
     spent, refused = 0.0, ""
-    found: tuple[float, float] | None = None
+    found: tuple[float, float] | None = None  # order and uncertainty
     for elements in numbers:
         try:
             limit = problem.step_limit(elements, INTEGRATOR)
@@ -55,20 +57,21 @@ def survey_meshes(problem: Problem, tolerance: float, numbers: Sequence[int], bu
         pilot = problem.run(Choice(INEXTENSIBLE, INTEGRATOR, elements, _step(problem, limit)))
         spent += pilot.seconds
         if pilot.failure:
+            failed.append(pilot)
+            refused = pilot.failure
             continue
         pilots.append(pilot)
-        found = _convergence(pilots) or found
-        if found and found[1] <= SHARE_OF_TOLERANCE * tolerance and _convergence(pilots):
+        found = _convergence(pilots)
+        if found and found[1] <= SHARE_OF_TOLERANCE * tolerance:
             break
     if len(pilots) < 3:
         raise InputError(
             f"only {len(pilots)} of numbersOfElements = {tuple(numbers)} could be run, at least 3 must: "
-            + (refused or "give more, or finer ones.")
+            f"{refused} Give more, or finer ones."
         )
-    last = _convergence(pilots)
-    if last is None:
+    if found is None:
         raise SceneError(_not_converged(pilots))
-    return Survey(pilots, *last)
+    return Survey(pilots, *found, failed)
 
 
 def _step(problem: Problem, limit: float) -> float:

@@ -10,7 +10,9 @@ from .pilot_runs import Build
 
 NUMBERS = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96)
 SAMPLES = 500
+MOST_SAMPLES = 1e6
 LARGEST_NUMBER = 100_000
+OPTIONAL = ("samplePeriod", "axialStiffness")
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,7 @@ class AdviceSettings:
             InputError: a number out of range, or numbers of elements that do not increase.
         """
         for name in ("samplePeriod", "pilotBudget", "axialStiffness"):
-            if getattr(self, name) is not None:
+            if getattr(self, name) is not None or name not in OPTIONAL:
                 object.__setattr__(self, name, require_positive(name, getattr(self, name)))
         numbers = self.numbersOfElements
         if not isinstance(numbers, list | tuple) or len(numbers) < 3:

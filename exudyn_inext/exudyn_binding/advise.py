@@ -14,13 +14,13 @@ from ..adviser.advice import (
 )
 from ..adviser.cost import predicted_seconds
 from ..adviser.pilot import INEXTENSIBLE, Choice
-from ..adviser.rivals import climb, judge_by_themselves, judge_rivals
+from ..adviser.rivals import LENIENCE, climb, judge_by_themselves, judge_rivals
 from ..adviser.search import Tried, expected_error, extrapolated, most_accurate, search_inextensible
 from ..adviser.stretch import stretch_error
 from ..adviser.survey import survey_meshes
 from ..checks import require_positive
 from ..errors import InputError
-from .advice_settings import SAMPLES, AdviceSettings, require_builder
+from .advice_settings import MOST_SAMPLES, SAMPLES, AdviceSettings, require_builder
 from .pilot_runs import Build, PilotRuns
 from .settings import ExplicitSettings
 
@@ -53,7 +53,7 @@ def Advise(
         'numberOfLengthConstraints', 'integrator', 'stepSize' [s], 'stabilizationRate' [1/s], 'massScaling'
         [-], 'explicitSettings' (to be handed to SolveExplicit; None for conventional cables),
         'predictedError', 'predictedSeconds' (CPU), 'extrapolated', 'meetsTolerance', 'meetsBudget',
-        'reasons' (sentences), 'tried' (list of dicts, one a pilot) and 'pilotSeconds'.
+        'reasons' (sentences), 'tried' (list of dicts, one a pilot) and 'pilotSeconds' (CPU, of these).
 
     Raises:
         InputError: arguments out of their limits, a builder that returns something else, or a tolerance
@@ -68,7 +68,7 @@ def Advise(
     require_builder("build", build)
     tolerance, end_time = require_positive("tolerance", tolerance), require_positive("endTime", endTime)
     limit = float("inf") if budget is None else require_positive("budget", budget)
-    settings = settings or AdviceSettings()
+    settings = AdviceSettings() if settings is None else settings
     if not isinstance(settings, AdviceSettings):
         raise InputError(f"settings = {settings!r}: must be AdviceSettings.")
     return _Session(build, tolerance, end_time, limit, settings).result()
@@ -82,6 +82,11 @@ class _Session:
     ) -> None:
         self._tolerance, self._budget, self._settings = tolerance, budget, settings
         period = settings.samplePeriod or end_time / SAMPLES
+        if end_time / period > MOST_SAMPLES:
+            raise InputError(
+                f"samplePeriod = {period:g} s: these are more than {MOST_SAMPLES:g} samples in endTime = "
+                f"{end_time:g} s; give a larger one."
+            )
         self._problem = PilotRuns(build, settings.buildConventional, end_time, period)
         numbers, cost = settings.numbersOfElements, settings.pilotBudget
         self._survey = survey_meshes(self._problem, tolerance, numbers, cost)
@@ -96,7 +101,9 @@ class _Session:
             "formulation": choice.formulation,
             "dimension": self._problem.dimension,
             "numberOfElements": choice.elements,
-            "numberOfLengthConstraints": choice.elements if explicit else None,
+            "numberOfLengthConstraints": self._problem.length_constraints[choice.elements]
+            if explicit
+            else None,
             "integrator": choice.integrator,
             "stepSize": choice.step_size,
             "stabilizationRate": explicit.stabilizationRate if explicit else None,
@@ -116,9 +123,9 @@ class _Session:
     def _rivals(self) -> list[Tried]:
         if self._settings.buildConventional is None:
             return []
-        best = self._search.best
-        worth = float("inf") if self._stretches or not best else best.pilot.seconds
-        pilots = climb(self._problem, self._survey, worth)
+        best = None if self._stretches else self._search.best
+        most = LENIENCE * best.pilot.seconds if best else self._settings.pilotBudget
+        pilots = climb(self._problem, self._survey, most)
         if self._stretches:
             return judge_by_themselves(pilots)
         judge_rivals(self._search, pilots)
@@ -126,8 +133,10 @@ class _Session:
 
     @cached_property
     def _tried(self) -> list[Tried]:
-        extra = self._rivals if self._stretches else []
-        return [*self._search.tried, *extra]
+        """All that was run; where cables stretch, that is an error of the inextensible ones."""
+        if not (self._stretch and self._stretches):
+            return self._search.tried
+        return [*(Tried(t.pilot, t.error + self._stretch[0]) for t in self._search.tried), *self._rivals]
 
     @cached_property
     def _stretch(self) -> tuple[float, str] | None:
@@ -149,17 +158,15 @@ class _Session:
             reasons.append(self._stretch[1])
         rivals = self._rivals
         if rivals:
-            own = min((t for t in self._search.good if not is_conventional(t)), key=_seconds, default=None)
-            reasons.append(rival_sentence(rivals, own, self._tolerance))
+            own = [] if self._stretches else [t for t in self._search.good if not is_conventional(t)]
+            best = min(own, key=_seconds, default=None)
+            reasons.append(rival_sentence(rivals, best, self._tolerance))
         best = self._best_conventional(rivals) if self._stretches else self._search.best
         if best is None and not self._stretches:
             return self._extrapolated(reasons)
         if best is None:
             best = self._closest(reasons)
-        if best.pilot.seconds > self._budget:
-            best = self._within_budget(best, reasons)
-        reasons.insert(0, choice_sentence(best, self._tolerance))
-        return Advice(best.pilot.choice, best.error, best.pilot.seconds, False, tuple(reasons))
+        return self._measured(self._within_budget(best.pilot.seconds, reasons) or best, reasons)
 
     def _best_conventional(self, rivals: Sequence[Tried]) -> Tried | None:
         good = [one for one in rivals if one.works and one.error <= self._tolerance]
@@ -171,23 +178,24 @@ class _Session:
             "No conventional run within the tolerance was found"
             + (": give buildConventional." if self._settings.buildConventional is None else ".")
         )
-        error = self._stretch[0] if self._stretch else 0.0
-        runs = self._rivals or [Tried(t.pilot, t.error + error) for t in self._search.tried if t.works]
-        return min(runs, key=lambda one: one.error)
+        return min(self._rivals or self._tried, key=lambda one: one.error)
 
-    def _within_budget(self, best: Tried, reasons: list[str]) -> Tried:
+    def _within_budget(self, seconds: float, reasons: list[str]) -> Tried | None:
+        """What replaces a run of that CPU time [s]; None if that is within the budget, or no pilot is."""
+        if seconds <= self._budget:
+            return None
         found = most_accurate(self._tried, self._budget)
         if found is None:
             reasons.append(f"No pilot took less than the budget of {self._budget:g} s.")
-            return best
+            return None
         reasons.append(
-            f"The tolerance needs {best.pilot.seconds:.2g} s, more than the budget of {self._budget:g} s: "
+            f"The tolerance needs {seconds:.2g} s, more than the budget of {self._budget:g} s: "
             "the most accurate run within the budget is advised."
         )
         return found
 
     def _extrapolated(self, reasons: list[str]) -> Advice:
-        choice = extrapolated(self._survey, self._tolerance)
+        choice = extrapolated(self._problem, self._survey, self._tolerance)
         if choice is None:
             raise InputError(
                 f"tolerance = {self._tolerance:g}: the pilots resolve {self._survey.uncertainty:.2g} at best "
@@ -195,9 +203,16 @@ class _Session:
                 "pilotBudget, finer numbersOfElements, or a larger tolerance."
             )
         seconds = predicted_seconds(self._survey.pilots, choice, self._problem.end_time)
+        affordable = self._within_budget(seconds, reasons)
+        if affordable:
+            return self._measured(affordable, reasons)
         error = expected_error(self._survey, choice)
         reasons.insert(0, f"{choice.label}: error and CPU time are extrapolated from coarser meshes.")
         return Advice(choice, error, seconds, True, tuple(reasons))
+
+    def _measured(self, best: Tried, reasons: list[str]) -> Advice:
+        reasons.insert(0, choice_sentence(best, self._tolerance))
+        return Advice(best.pilot.choice, best.error, best.pilot.seconds, False, tuple(reasons))
 
 
 def _seconds(tried: Tried) -> float:

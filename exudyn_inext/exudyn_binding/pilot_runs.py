@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from itertools import pairwise
+from numbers import Integral
 from typing import Any
 
 import exudyn
@@ -13,9 +14,9 @@ import numpy as np
 from ..adviser.pilot import CONVENTIONAL, Choice, Pilot
 from ..adviser.stretch import Tension
 from ..arrays import Array
-from ..errors import DivergenceError, InputError, SceneError
+from ..errors import DivergenceError, InputError, SceneError, StepSizeError
 from .cable_forces import CableForces
-from .scene import read_scene
+from .scene import read_scene, require_assembled
 from .settings import ExplicitSettings
 from .solver import SolveExplicit
 
@@ -23,6 +24,7 @@ Build = Callable[[int], Any]
 """Number of elements -> (mbs, sensorNumber)."""
 
 LOOKS_AT_TENSION = 40
+POINTS = 21  # along each cable
 REPEATS_BELOW = 0.2  # [s] of CPU time: shorter runs are taken twice, the shorter time counts
 NEWTON_TOLERANCE = 1e-5
 DENSE = 8  # elements up to which a dense solve is quicker
@@ -33,7 +35,7 @@ class PilotRuns:
 
     Args:
         build: of inextensible cables.   build_conventional: of native ones, or None.
-        end_time: [s].   period: of the sensor's samples [s].
+        end_time: [s].   period: of the sensor's samples [s]; made to divide the end time.
     """
 
     def __init__(
@@ -42,20 +44,27 @@ class PilotRuns:
         self._build = build
         self._build_conventional = build_conventional
         self.end_time = end_time
-        self.period = period
+        self.period = end_time / max(1, round(end_time / period))
         self._limits: dict[tuple[int, str], float] = {}
+        self._ran: set[tuple[str, str]] = set()
         self.dimension = 0
+        self.length_constraints: dict[int, int] = {}  # n_bar of a cable, by its number of elements
 
     def step_limit(self, elements: int, integrator: str) -> float:
-        """See `Problem`; a short run also compiles what the pilots need."""
+        """See `Problem`; a short run also compiles what the pilots need.
+
+        Raises:
+            SceneError: the scene has no inextensible cable.
+        """
         if (elements, integrator) not in self._limits:
-            mbs, _ = _built(self._build, elements)
+            mbs, _ = _built("build", self._build, elements)
             cables = read_scene(mbs).cables
             if not cables:
                 raise SceneError(
                     "build: the mbs has no inextensible cable; add one with CreateInextensibleCable."
                 )
             self.dimension = max(cable.cable.dimension for cable in cables)
+            self.length_constraints[elements] = max(cable.cable.length_constraints for cable in cables)
             end = min(1e-3, self.end_time)
             report = SolveExplicit(mbs, _settings(end, end), ExplicitSettings(integrator))
             bounds = report["bounds"]
@@ -65,7 +74,10 @@ class PilotRuns:
     def run(self, choice: Choice) -> Pilot:
         """See `Problem`."""
         pilot = self._run_once(choice)
-        if pilot.failure or pilot.seconds > REPEATS_BELOW:
+        way = (choice.formulation, choice.integrator)
+        is_first = way not in self._ran  # and may have compiled what the short run did not need
+        self._ran.add(way)
+        if pilot.failure or (pilot.seconds > REPEATS_BELOW and not is_first):
             return pilot
         again = self._run_once(choice)
         return min(pilot, again, key=lambda one: one.seconds)
@@ -73,7 +85,7 @@ class PilotRuns:
     def _run_once(self, choice: Choice) -> Pilot:
         if choice.formulation == CONVENTIONAL:
             return self._run_conventional(choice)
-        mbs, sensor = _built(self._build, choice.elements)
+        mbs, sensor = _built("build", self._build, choice.elements)
         explicit = ExplicitSettings(
             choice.integrator, stepSize=choice.step_size, massScaling=choice.mass_scaling
         )
@@ -81,14 +93,14 @@ class PilotRuns:
         start = time.process_time()
         try:
             report = SolveExplicit(mbs, settings, explicit)
-        except DivergenceError as error:
-            return Pilot(choice, np.zeros((0, 1)), time.process_time() - start, 0, str(error))
+        except (DivergenceError, StepSizeError) as error:
+            return _failed(choice, time.process_time() - start, str(error))
         seconds = time.process_time() - start
         taken = replace(choice, step_size=report["stepSize"])
-        return Pilot(taken, _stored(mbs, sensor), seconds, report["steps"])
+        return Pilot(taken, self._sampled(mbs, sensor), seconds, report["steps"])
 
     def _run_conventional(self, choice: Choice) -> Pilot:
-        mbs, sensor = _built(self._build_conventional, choice.elements)
+        mbs, sensor = _built("buildConventional", self._build_conventional, choice.elements)
         steps = max(1, round(self.end_time / choice.step_size))
         settings = _settings(self.end_time, self.end_time / steps)
         settings.solution.sensors.writePeriod = self.period
@@ -102,14 +114,22 @@ class PilotRuns:
             with _silence():
                 mbs.SolveDynamic(settings)
         except Exception as error:  # Exudyn's solver errors have no common type
-            return Pilot(
-                choice, np.zeros((0, 1)), time.process_time() - start, 0, f"{type(error).__name__}: {error}"
-            )
-        return Pilot(choice, _stored(mbs, sensor), time.process_time() - start, steps)
+            return _failed(choice, time.process_time() - start, f"{type(error).__name__}: {error}")
+        seconds = time.process_time() - start
+        reached = mbs.systemData.GetTime()
+        if reached < self.end_time - 0.5 * self.period:  # a user function may stop it, which is no error
+            return _failed(choice, seconds, f"stopped at t = {reached:.6g} s")
+        return Pilot(choice, self._sampled(mbs, sensor), seconds, steps)
+
+    def _sampled(self, mbs: Any, sensor: int) -> Array:
+        """(T, m) values at the same times in all runs; an implicit solver that cuts its steps misses some."""
+        stored = np.atleast_2d(np.asarray(mbs.GetSensorStoredData(sensor)))
+        times = np.linspace(0.0, self.end_time, round(self.end_time / self.period) + 1)
+        return np.column_stack([np.interp(times, stored[:, 0], column) for column in stored.T[1:]])
 
     def tension(self, choice: Choice) -> Tension:
-        """Largest one along all cables, at some times of a run."""
-        mbs, _ = _built(self._build, choice.elements)
+        """Largest one along all cables, or compression, at some times of a run."""
+        mbs, _ = _built("build", self._build, choice.elements)
         explicit = ExplicitSettings(choice.integrator, stepSize=choice.step_size)
         cables = read_scene(mbs).cables
         times, found = np.linspace(0.0, self.end_time, LOOKS_AT_TENSION + 1), []
@@ -118,7 +138,7 @@ class PilotRuns:
             settings.timeIntegration.startTime = float(start)
             SolveExplicit(mbs, settings, explicit)
             _go_on_from_here(mbs)
-            found.append(max(float(CableForces(mbs, cable.number, 21)["tension"].max()) for cable in cables))
+            found.append(max(float(np.abs(_tension(mbs, cable.number)).max()) for cable in cables))
         section = cables[0].cable.section
         return Tension(
             rms=float(np.sqrt(np.mean(np.square(found)))),
@@ -128,22 +148,38 @@ class PilotRuns:
         )
 
 
-def _built(build: Build | None, elements: int) -> tuple[Any, int]:
+def _tension(mbs: Any, cable: int) -> Array:
+    """(POINTS,) along a cable [N]."""
+    found: Array = CableForces(mbs, cable, POINTS)["tension"]
+    return found
+
+
+def _failed(choice: Choice, seconds: float, why: str) -> Pilot:
+    return Pilot(choice, np.zeros((0, 1)), seconds, 0, why)
+
+
+def _built(name: str, build: Build | None, elements: int) -> tuple[Any, int]:
+    """An assembled mbs, and the number of its sensor.   name: of the function, for messages."""
     built = build(elements) if build else None
-    if not (isinstance(built, tuple | list) and len(built) == 2 and hasattr(built[0], "systemData")):
-        raise InputError(f"build({elements}) returned {built!r}: must return (mbs, sensorNumber).")
+    if not (isinstance(built, tuple | list) and len(built) == 2 and isinstance(built[0], exudyn.MainSystem)):
+        raise InputError(f"{name}({elements}) returned {built!r}: must return (mbs, sensorNumber).")
     mbs, sensor = built
+    require_assembled(mbs)
     number = int(mbs.systemData.NumberOfSensors())
-    if (
-        isinstance(sensor, bool)
-        or not 0 <= int(sensor) < number
-        or not mbs.GetSensor(sensor)["storeInternal"]
-    ):
+    if not (_is_number(sensor, number) and mbs.GetSensor(int(sensor))["storeInternal"]):
         raise InputError(
-            f"build({elements}) returned the sensor {sensor!r}: must be the number of a sensor of mbs, which "
-            f"has {number}, with storeInternal=True."
+            f"{name}({elements}) returned the sensor {sensor!r}: must be the number of a sensor of mbs, "
+            f"which has {number}, with storeInternal=True."
         )
     return mbs, int(sensor)
+
+
+def _is_number(sensor: Any, sensors: int) -> bool:
+    """Whether it is the number of one of so many sensors."""
+    is_integer = isinstance(sensor, Integral | exudyn.exudynCPP.SensorIndex) and not isinstance(
+        sensor, bool | np.bool_
+    )
+    return is_integer and 0 <= int(sensor) < sensors
 
 
 def _settings(end_time: float, step: float) -> Any:
@@ -155,12 +191,6 @@ def _settings(end_time: float, step: float) -> Any:
     settings.timeIntegration.numberOfSteps = max(1, round(end_time / step))
     settings.timeIntegration.verboseMode = 0
     return settings
-
-
-def _stored(mbs: Any, sensor: int) -> Array:
-    """(T, m) values."""
-    stored: Array = np.atleast_2d(np.asarray(mbs.GetSensorStoredData(sensor)))[:, 1:]
-    return stored
 
 
 def _go_on_from_here(mbs: Any) -> None:

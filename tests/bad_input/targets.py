@@ -16,6 +16,8 @@ from exudyn.itemInterface import (
 
 from exudyn_inext import (
     AddPointMass,
+    AdviceSettings,
+    Advise,
     AttachToBody,
     CableDrag,
     CableForces,
@@ -251,6 +253,28 @@ def rest_with(scene: Any, arguments: dict[str, Any]) -> None:
     SolveEquilibrium(scene.mbs, None, StaticSettings(**arguments))
 
 
+def advise(scene: Any, arguments: dict[str, Any]) -> None:
+    arguments["build"] = guarded(arguments["build"])
+    with silence():
+        Advise(**arguments)
+
+
+def advise_with(scene: Any, arguments: dict[str, Any]) -> None:
+    arguments["buildConventional"] = guarded(arguments["buildConventional"])
+    with silence():
+        Advise(built(scene), 1e-3, 2e-3, settings=AdviceSettings(**arguments))
+
+
+def built(scene: Any) -> Callable[[int], tuple[Any, int]]:
+    """A builder of pendulums; the scene keeps the last one alive."""
+
+    def build(elements: int) -> tuple[Any, int]:
+        scene.last = pendulum(numberOfElements=elements)
+        return scene.last.mbs, scene.last.tip
+
+    return build
+
+
 def free_cable() -> Any:
     return loose_pendulum(groundConstraintsStart=None)
 
@@ -423,6 +447,28 @@ TARGETS = {
         pendulum,
         lambda scene, arguments: SolveEquilibrium(**arguments),
         MBS | {"simulationSettings": [None], "staticSettings": [None]},
+    ),
+    "Advise": Target(
+        pendulum,
+        advise,
+        {
+            "build": [Of(built)],
+            "tolerance": [1e-3],
+            "endTime": [2e-3],
+            "budget": [None, 1.0],
+            "settings": [AdviceSettings(numbersOfElements=(2, 3, 4), samplePeriod=1e-3)],
+        },
+    ),
+    "AdviceSettings": Target(
+        pendulum,
+        advise_with,
+        {
+            "samplePeriod": [1e-3],
+            "numbersOfElements": [(2, 3, 4)],
+            "pilotBudget": [1.0],
+            "axialStiffness": [None, 1e5],
+            "buildConventional": [None],
+        },
     ),
     "StaticSettings": Target(
         pendulum, rest_with, {"tolerance": [1e-9], "maxIterations": [500], "loadSteps": [1]}

@@ -74,6 +74,26 @@ def test_the_same_key_means_what_its_kind_of_row_says():
     assert quantity({"kind": "change"}, "seconds").kind == TIME
     assert quantity({"kind": "long"}, "seconds").kind == LIMIT
     assert quantity({"kind": "zeta"}, "value") is None
+    for kind in ("alone", "among bodies"):
+        assert quantity({"kind": kind}, "share").kind == QUOTIENT
+    assert quantity({"kind": "share"}, "share") is None
+
+
+def test_shares_below_their_bar_are_noise_and_above_it_they_count():
+    old = [{"kind": "alone", "label": "2D, steady, Zhai", "elements": 5, "share": 0.002}]
+    assert beside(old, [old[0] | {"share": 0.028}]).slower == []
+    assert beside(old, [old[0] | {"share": -0.01}]).better == []
+    assert [c.key for c in beside(old, [old[0] | {"share": 0.06}]).slower] == ["share"]
+
+
+def test_what_advice_takes_is_compared_and_what_it_predicts_is_not():
+    same = {"kind": "advice", "label": "rope", "what": "measured", "value": 1e-3, "achievedSeconds": 0.1}
+    errors = {"predictedError": 1e-4, "achievedError": 1e-4, "ratio": 1.0}
+    old = [same | errors | {"referenceUncertainty": 1e-5}]
+    new = [old[0] | {"referenceUncertainty": 2e-5, "predictedError": 1e-2, "achievedError": 1e-2}]
+    found = beside(old, new)
+    assert [c.key for c in found.less_accurate] == ["referenceUncertainty"]
+    assert found.compared == 2 and found.times == 1
 
 
 def test_a_smaller_stable_step_is_worse_and_rounding_is_nothing():

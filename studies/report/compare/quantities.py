@@ -1,7 +1,8 @@
 """What the figures in stored rows are, and which way is better: all that a comparison knows of studies.
 
 A key means the same in all rows, unless "KIND.KEY" says otherwise for rows of one kind. A figure of a study
-that is not named here is not compared; a new study adds its keys, or uses those that there are.
+that is not named here is not compared; a new study adds its keys, or uses those that there are. What `Advise`
+predicts and achieves is left out: it chooses by measured times, so that the next run may choose another.
 
 TIME      CPU or wall time, divided by the common factor of both machines; noise from the repeats if
           they are stored, otherwise GENERIC_NOISE.
@@ -62,11 +63,14 @@ QUANTITIES = {
     "cpuMedian": Quantity(TIME),
     "change.seconds": Quantity(TIME),
     "change.baseSeconds": Quantity(TIME),
+    "achievedSeconds": Quantity(TIME),
     "percentile999": Quantity(TAIL),
     "cpuPercentile999": Quantity(TAIL),
     "ratio.ratio": Quantity(QUOTIENT),
     "ratioLobatto": Quantity(QUOTIENT),
     "costRatio": Quantity(QUOTIENT),
+    "alone.share": Quantity(QUOTIENT, floor=0.03),
+    "among bodies.share": Quantity(QUOTIENT, floor=0.03),
     "aboveScalarFloor": Quantity(QUOTIENT),
     "gain": Quantity(QUOTIENT, MORE),
     "realTime": Quantity(SPEED, MORE),
@@ -75,6 +79,7 @@ QUANTITIES = {
     "errorRms": Quantity(ERROR),
     "error": Quantity(ERROR),
     "baseError": Quantity(ERROR),
+    "referenceUncertainty": Quantity(ERROR),
     "stretch": Quantity(ERROR, floor=1e-10),
     "violation": Quantity(ERROR, floor=1e-11),
     "rate": Quantity(ERROR, floor=1e-10),

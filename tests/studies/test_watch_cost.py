@@ -1,0 +1,59 @@
+"""The cost of the watch: rows of tiny runs, and what is said of them; no timing is asserted."""
+
+import pytest
+
+from studies import watch_cost
+from studies.harness.benchmark import Figures
+
+
+def row(kind, share, number=5):
+    return {
+        "kind": kind, "label": "2D, steady, Zhai", "elements": number, "share": share, "microseconds": 2.0,
+    }  # fmt: skip
+
+
+def conclude(*shares):
+    rows = [row(kind, share, n) for kind in ("alone", "among bodies") for n, share in enumerate(shares)]
+    return watch_cost.conclude(Figures(False, rows))
+
+
+def test_shares_below_the_bar_keep_it():
+    for sentence, kind in zip(conclude(0.01, 0.02, 0.029), ("alone", "among bodies"), strict=True):
+        assert sentence.startswith(f"Cables {kind}: the watch costs 2.0% of a step (median), at most 2.9%")
+        assert "N = 2" in sentence and sentence.endswith("the bar of 3% is kept.")
+
+
+def test_one_above_the_bar_misses_it():
+    alone, _ = conclude(0.01, 0.02, 0.05)
+    assert "at most 5.0%" in alone and alone.endswith("the bar of 3% is MISSED by 1 of 3.")
+
+
+@pytest.fixture
+def rows_of(monkeypatch):
+    """(kind, tasks) -> rows of a few steps."""
+    monkeypatch.setattr(watch_cost, "STEPS", 64)
+    monkeypatch.setattr(watch_cost, "STEPS_AMONG_BODIES", 16)
+    monkeypatch.setattr(watch_cost, "LEAST_SECONDS", 1e-6)
+
+    def rows(kind, tasks):
+        return watch_cost._rows((2, kind, 3), tasks, 64, 2)
+
+    return rows
+
+
+@pytest.mark.parametrize("kind", ["steady", "loaded"])
+def test_cables_alone_are_compared_with_and_without_inspections(rows_of, kind):
+    found = rows_of(kind, watch_cost._tasks_alone)
+    assert [r["integrator"] for r in found] == list(watch_cost.INTEGRATORS)
+    for r in found:
+        assert (r["kind"], r["scene"], r["elements"], r["repeats"]) == ("alone", kind, 3, 2)
+        assert r["lowerQuartile"] <= r["share"] <= r["upperQuartile"] and r["microseconds"] > 0
+        assert r["overPlain"] is not None
+
+
+def test_among_bodies_the_watch_is_switched_off_for_comparison_and_on_again(rows_of):
+    watching = watch_cost.CoupledWatch.is_well_after
+    found = rows_of("beside", watch_cost._tasks_among_bodies)
+    assert watch_cost.CoupledWatch.is_well_after is watching
+    assert {r["kind"] for r in found} == {"among bodies"}
+    assert all(r["overPlain"] is None and r["microseconds"] > 0 for r in found)
