@@ -137,7 +137,7 @@ def _tasks_alone(chain: Chain, name: str) -> Ways:
         run.start(0.0)
 
     def watched(times: int, every: int = run.watch.watch.every) -> None:
-        watch = run.watch.watch._replace(every=every)
+        watch = run.watch.watch._replace(every=every, least=min(every, run.watch.watch.least))
         for _ in range(times):
             begin()
             record_watched(scheme, run.system, loads, run.state, h, STEPS_OF_AN_OUTPUT, history, watch)

@@ -11,6 +11,7 @@ from ..integrators.watch import (
     CONSTRAINTS,
     ENERGY,
     LARGEST_VIOLATION,
+    LEAST_STEPS_WITH_POWER,
     STEPS_BETWEEN,
     STEPS_WITH_POWER,
     Watch,
@@ -38,8 +39,10 @@ class CableWatch:
         self._round_off = _round_off(cable, loads.constant)
         moves = not all(motion.rests for motion in motions_of(all_links(cable)))
         has_power = moves or bool(cable.section.bending_damping) or cable.drag is not None
-        every = STEPS_WITH_POWER if has_power else STEPS_BETWEEN
-        self.watch = build_watch(state, every, energy_tolerance, loads.pattern)
+        every, least = (
+            (STEPS_WITH_POWER, LEAST_STEPS_WITH_POWER) if has_power else (STEPS_BETWEEN, STEPS_BETWEEN)
+        )
+        self.watch = build_watch(state, every, energy_tolerance, loads.pattern, least)
 
     def open(self, system: Any, external: Array, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""

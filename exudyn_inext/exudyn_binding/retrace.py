@@ -31,7 +31,7 @@ def retrace(run: Any, scheme: Any, grid: TimeGrid, step: int, history: Array, go
     first_row = step // grid.substeps
     last = min(step + run.watch.watch.every, (first_row + rows) * grid.substeps)
     run.go_on(grid.start + step * grid.h)
-    each_step = run.watch.watch._replace(every=1)
+    each_step = run.watch.watch._replace(every=1, least=1)
     row = np.zeros((1, *history.shape[1:]))
     for next_step in range(step, last):
         loads = run.loads.sample(grid.start, grid.h, 1, run.stages, first=next_step)

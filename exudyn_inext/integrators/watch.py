@@ -16,7 +16,9 @@ from .integrator import FACTOR, FIRST, LAST, PROJECTION, SUM, LoadHistory, advan
 ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY = 0, 1, 2, 3
 
 STEPS_BETWEEN = 64  # inspections of a run whose energy only forces change
-STEPS_WITH_POWER = 36  # of one with damping, drag, or supports that move
+STEPS_WITH_POWER = 36  # of one with damping, drag, or supports that move, at most
+LEAST_STEPS_WITH_POWER = 4
+BENT, STRAIGHT = 0.2, 0.05  # change of the power's rise, over its largest value, for fewer and for more steps
 LARGEST_VIOLATION = 0.05  # of |r_x|^2 = 1 [-], and of lengths, relative
 PATIENCE = 256  # steps for which the energy may be above its limit
 VIOLENT = 30.0  # times the limit: no patience
@@ -30,7 +32,8 @@ ACCOUNT = np.dtype(
         ("work", np.float64),
         ("unsure", np.float64),
         ("scatter", np.float64),
-        ("rise", np.float64),
+        ("slope", np.float64),
+        ("largest_power", np.float64),
         ("largest_kinetic", np.float64),
         ("least_elastic", np.float64),
         ("largest_elastic", np.float64),
@@ -40,6 +43,7 @@ ACCOUNT = np.dtype(
         ("violation", np.float64),
         ("suspect", np.int64),
         ("steps", np.int64),
+        ("ahead", np.int64),
         ("trouble", np.int64),
     ],
     align=True,
@@ -49,14 +53,15 @@ ACCOUNT = np.dtype(
 class Watch(NamedTuple):
     """What a watch knows of a run.
 
-    every: steps between two inspections.
+    every, least: steps between two inspections, at most and at least.
     tolerance: energy that a run may gain, as a share of what its motion turns over [-].
     account: (1,) record. Energy at the `start` and `agitation` then [J/s^2]; `work` done since [J], of which
-        we are `unsure`, to one side [J], and its `scatter` [J^2]; the last `rise` of the power [W], whose
-        changes tell how well trapezoids fit; bounds of kinetic and elastic energy so
-        far [J]; relative `error` of the energy and its extremes so far, `gain` and `loss` [-]; largest
-        `violation` of a constraint so far [-]; for how many steps the energy has been `suspect`; how many
-        `steps` were found well so far; what the `trouble` is.
+        we are `unsure`, to one side [J], and its `scatter` [J^2]; the `slope` of the power [W/s], whose
+        changes tell how well trapezoids fit, and the `largest_power` so far [W]; bounds of kinetic and
+        elastic energy so far [J]; relative `error` of the energy and its extremes so far, `gain` and `loss`
+        [-]; largest `violation` of a constraint so far [-]; for how many steps the energy has been
+        `suspect`; how many `steps` were found well so far, how many are `ahead` of the next inspection;
+        what the `trouble` is.
     position, force: (n_dof,) when work was counted last.   change, way: (n_dof,) of the force, and
         of the position, before that.
     pattern, work: (P, n_dof), (P, 5) of load histories, see `LoadHistory`.
@@ -65,6 +70,7 @@ class Watch(NamedTuple):
     """
 
     every: int
+    least: int
     tolerance: float
     account: Any
     position: Array
@@ -79,17 +85,22 @@ class Watch(NamedTuple):
     kept: Any
 
 
-def build_watch(state: Any, every: int, tolerance: float, pattern: Array | None = None) -> Watch:
+def build_watch(
+    state: Any, every: int, tolerance: float, pattern: Array | None = None, least: int | None = None
+) -> Watch:
     """A watch over the run of an integrator's `state`; `open_account` begins it.
 
-    pattern: (P, n_external) of load histories; None: there are none.
+    pattern: (P, n_external) of load histories; None: there are none.   least: default: `every`.
     """
     size = len(state.q)
     own = np.zeros((0, size)) if pattern is None else np.ascontiguousarray(pattern[:, :size])
+    account = np.zeros(1, ACCOUNT).view(np.recarray)
+    account.ahead = every
     return Watch(
         every,
+        every if least is None else least,
         tolerance,
-        account=np.zeros(1, ACCOUNT).view(np.recarray),
+        account=account,
         position=np.zeros(size),
         force=np.zeros(size),
         change=np.zeros(size),
@@ -142,7 +153,9 @@ def _open(watch, state, round_off):
     account.work = 0.0
     account.unsure = round_off
     account.scatter = 0.0
-    account.rise = 0.0
+    account.slope = 0.0
+    account.largest_power = 0.0
+    account.ahead = watch.least
     account.largest_kinetic = kinetic
     account.least_elastic = elastic
     account.largest_elastic = elastic
@@ -208,6 +221,21 @@ def _add_work_of_loads(watch, constant, q):
 
 
 @inlined
+def _look_ahead(watch, duration):
+    """How well the power is known between inspections, and when the next one is due."""
+    account, power = watch.account[0], watch.gauges_now[POWER]
+    slope = (power - watch.gauges[POWER]) / duration
+    bend = duration * abs(slope - account.slope)
+    account.scatter += (duration / 12.0 * bend) ** 2
+    account.slope = slope
+    account.largest_power = max(account.largest_power, abs(power))
+    if bend > BENT * account.largest_power:
+        account.ahead = max(watch.least, account.ahead // 2)
+    elif bend <= STRAIGHT * account.largest_power:
+        account.ahead = min(watch.every, 2 * account.ahead)
+
+
+@inlined
 def _draw_up(watch, steps, duration):
     """The present error of the energy, beyond what the account itself may be wrong by.
 
@@ -216,10 +244,8 @@ def _draw_up(watch, steps, duration):
     """
     account, now = watch.account[0], watch.gauges_now
     by_power = 0.5 * (watch.gauges[POWER] + now[POWER]) * duration
-    rise = now[POWER] - watch.gauges[POWER]
-    account.scatter += (duration / 12.0 * (rise - account.rise)) ** 2
-    account.rise = rise
     account.work += by_power
+    _look_ahead(watch, duration)
     account.unsure += SHARE_OF_POWER * abs(by_power)
     account.largest_kinetic = max(account.largest_kinetic, now[KINETIC])
     account.least_elastic = min(account.least_elastic, now[ELASTIC])
@@ -303,15 +329,15 @@ def record_watched(scheme, system, loads, state, h, steps, history, watch):
     """
     done, total = 0, len(history) * steps
     while done < total:
-        first = done // steps
-        if steps > watch.every:
-            number = min(watch.every, steps - done % steps)
+        first, ahead = done // steps, watch.account[0].ahead
+        if steps > ahead:
+            number = min(ahead, steps - done % steps)
             last, of_interval = first + 1, number
         else:
-            last = min(first + watch.every // steps, len(history))
+            last = min(first + ahead // steps, len(history))
             number, of_interval = (last - first) * steps, steps
-        ahead = LoadHistory(loads.constant, loads.pattern, loads.factor[done : done + number], watch.work)
-        advance(scheme, system, ahead, state, h, of_interval, history[first:last])
+        part = LoadHistory(loads.constant, loads.pattern, loads.factor[done : done + number], watch.work)
+        advance(scheme, system, part, state, h, of_interval, history[first:last])
         gauge(system, state.external, state.q, state.v, state.a, watch.force_now, watch.gauges_now)
         _add_work_of_loads(watch, loads.constant, state.q)
         if _judge(watch, state, number, number * h) != ALL_IS_WELL:
