@@ -15,8 +15,8 @@ from .integrator import FACTOR, FIRST, LAST, PROJECTION, SUM, LoadHistory, advan
 
 ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY = 0, 1, 2, 3
 
-STEPS_BETWEEN = 64  # inspections of a run whose energy only forces change
-STEPS_WITH_POWER = 36  # of one with damping, drag, or supports that move, at most
+STEPS_BETWEEN = 160  # inspections of a run whose energy only forces change
+STEPS_WITH_POWER = 80  # of one with damping, drag, or supports that move, at most
 LEAST_STEPS_WITH_POWER = 4
 BENT, STRAIGHT = 0.2, 0.05  # change of the power's rise, over its largest value, for fewer and for more steps
 LARGEST_VIOLATION = 0.05  # of |r_x|^2 = 1 [-], and of lengths, relative

@@ -137,7 +137,7 @@ def test_a_force_that_runs_away_among_bodies_is_no_fault_of_the_energy(mbs, add_
 
 
 def test_work_is_known_where_a_load_turns_around_within_an_inspection():
-    """The ring with a step of an eightieth of its load's period: 64 steps are most of that period."""
+    """The ring with a step of an eightieth of its load's period: 160 steps are two of them."""
     model = build(load_scene("vibrating_ring"), 12)
     explicit = ExplicitSettings("RATTLE", stepSize=2.5e-3, massScaling=0.25)
     drift = SolveExplicit(model.mbs, quiet_settings(0.6, 60), explicit)["drift"]
