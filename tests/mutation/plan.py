@@ -76,6 +76,7 @@ _TESTS: dict[str, Sequence[str]] = {
         "chain/test_ring_frequencies.py",
     ),
     "linked_cable": ("chain/test_linked_cable.py", *_FREQUENCIES),
+    "energy": ("chain/test_energy.py",),
     "cable": (
         "chain/test_cable.py",
         "chain/test_motion.py",
