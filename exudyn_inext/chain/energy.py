@@ -3,7 +3,7 @@
 from ..compiled import inlined
 from .assembly import add_damping, add_drag
 
-LOSS = 1  # column of the nodes' forces that no constraint equation uses between two evaluations
+LOSS = 1  # column of the nodes' forces that is zero between two evaluations, and has to be
 
 
 @inlined
@@ -29,10 +29,6 @@ def dissipative_power(axes, nodes, elements, q, v):
     """Power of bending damping and drag [W]; flowing air may do work.   q, v: (n, 2, dim)."""
     if elements[0].damping.shape[0] == 0 and elements[0].drag.shape[0] == 0:
         return 0.0
-    for k in range(len(nodes)):
-        for i in range(len(axes)):
-            nodes[k].force[LOSS, 0, i] = 0.0
-            nodes[k].force[LOSS, 1, i] = 0.0
     add_damping(axes, nodes, elements, q, v, 0.0, v, LOSS)
     add_drag(axes, nodes, elements, q, v, 0.0, v, LOSS)
     power = 0.0

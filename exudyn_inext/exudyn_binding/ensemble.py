@@ -2,13 +2,14 @@
 
 import os
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import islice, tee
 from typing import Any
 
 import numpy as np
+from tqdm import tqdm
 
 from ..arrays import Array
 from ..checks import require_finite, require_integer
@@ -48,7 +49,8 @@ def SolveEnsemble(
     Args:
         systems: sequence of assembled mbs, or a function that builds one: f(parameters[i]) -> mbs.
         simulationSettings: exudyn.SimulationSettings; used are startTime, endTime, numberOfSteps (a
-            lower bound of the number of outputs) and solution.sensors.writePeriod, the output period.
+            lower bound of the number of outputs), solution.sensors.writePeriod, the output period, and
+            verboseMode: from 1 on, progress and remaining time are shown.
         explicitSettings: as for SolveExplicit; without stepSize, the largest step that is safe for all
             members.
         parameters: one entry a member, handed to the function.
@@ -84,7 +86,9 @@ def SolveEnsemble(
         members, all_of_them = tee(members)
         wanted, _ = wanted_step(tightest_bounds([member.bounds for member in all_of_them]), explicit)
     ensemble = _Ensemble(len(builders), _grid(settings, wanted), explicit, derivatives + 1)
-    ensemble.solve(members, workers)
+    silent = settings.timeIntegration.verboseMode < 1
+    with tqdm(total=len(builders), desc="SolveEnsemble", unit="member", disable=silent) as progress:
+        ensemble.solve(members, workers, progress.update)
     return ensemble.results() | {"threads": workers}
 
 
@@ -126,23 +130,23 @@ class _Ensemble:
         self._stages = find_integrator(explicit.integrator).stages
         self._number, self._derivatives = number, derivatives
 
-    def solve(self, members: Iterator[Member], threads: int) -> None:
-        """Advance all members, `threads` at the same time.
+    def solve(self, members: Iterator[Member], threads: int, done: Callable[[int], Any]) -> None:
+        """Advance all members, `threads` at the same time; `done` is told how many have got to their end.
 
         The calling thread reads systems and samples loads while the others compute.
         """
         if threads == 1:
             for chunk in self._chunks(members, threads):
-                self._advance(chunk)
+                done(self._advance(chunk))
             return
-        pending: deque[Future[None]] = deque()
+        pending: deque[Future[int]] = deque()
         with ThreadPoolExecutor(threads) as pool:
             for chunk in self._chunks(members, threads):
                 pending.append(pool.submit(self._advance, chunk))
                 if len(pending) > 2 * threads:  # the chunks that wait hold memory
-                    pending.popleft().result()
+                    done(pending.popleft().result())
             for future in pending:
-                future.result()
+                done(future.result())
 
     def _chunks(self, members: Iterator[Member], threads: int) -> Iterator[_Chunk]:
         while len(self.bounds) < self._number:
@@ -191,8 +195,12 @@ class _Ensemble:
         for states, values in zip(self.states[:, number, 0], first, strict=False):
             states[run.indices] = values
 
-    def _advance(self, chunk: _Chunk) -> None:
-        """Compute the chunk's states and put them into their places, up to a divergence."""
+    def _advance(self, chunk: _Chunk) -> int:
+        """Compute the chunk's states and put them into their places, up to a divergence.
+
+        Returns:
+            Number of members that have got to their end: with the last one of their cables.
+        """
         grid, run = self.grid, chunk.runs[0]
         shape = (len(self.states), len(chunk.runs), grid.loop_steps, len(run.indices))
         output = np.full(shape, np.nan)
@@ -204,6 +212,7 @@ class _Ensemble:
             output[0, place] -= run.reference
             self._good[chunk.cable, number] = good[place]
             self.states[:, number, 1 : good[place] + 1][..., run.indices] = output[:, place, : good[place]]
+        return len(chunk.runs) if chunk.cable == len(self._good) - 1 else 0
 
     def results(self) -> dict[str, Any]:
         """What `SolveEnsemble` returns; of several cables, the first divergence ends their member."""

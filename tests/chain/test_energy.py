@@ -93,3 +93,15 @@ def test_what_the_energy_gains_is_the_work_of_forces_and_power(links, changes, d
     gain = v @ dense_mass(state.cable) @ a - v @ bending_force(state.cable, state.q).ravel()
     assert abs(gauges[POWER]) > 0.1
     assert force @ v + gauges[POWER] == pytest.approx(gain, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("dim", DIMENSIONS)
+def test_gauges_leave_no_trace_in_the_evaluations_to_come(dim):
+    state = with_section(linked_state(5, 5, dim, MEASURES[0], next(iter(LINKS))), bending_damping=0.3)
+    state = replace(state, cable=replace(state.cable, drag=Drag(0.4, 0.1, np.ones(dim))))
+    system, q, v = cable_system(state.cable, 0.0), state.q.ravel(), state.v.ravel()
+    before, after = np.zeros((2, q.size)), np.zeros((2, q.size))
+    index_reduced_rates(system, state.inputs, q, v, *before)
+    gauge(system, state.inputs, q, v, before[0], np.zeros(q.size), np.zeros(5))
+    index_reduced_rates(system, state.inputs, q, v, *after)
+    np.testing.assert_array_equal(before, after)

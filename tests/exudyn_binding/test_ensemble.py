@@ -277,3 +277,11 @@ def not_assembled():
 def test_what_is_no_ensemble_is_refused(systems, arguments, error, message):
     with pytest.raises(error, match=message):
         SolveEnsemble(systems(), quiet_settings(END, 1), **arguments)
+
+
+def test_progress_is_shown_where_exudyn_would_show_it(capsys):
+    for verbose in (0, 1):
+        settings = quiet_settings(0.02, 2)
+        settings.timeIntegration.verboseMode = verbose
+        SolveEnsemble(pendulum, settings, parameters=[0.05, 0.0866, 0.1])
+        assert ("3/3" in capsys.readouterr().err) == bool(verbose)

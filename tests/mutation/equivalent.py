@@ -37,6 +37,20 @@ def _lines(*pairs: tuple[str, str]) -> Callable[[str, str], bool]:
 
 
 _EMPTY_TABLE = "tables that are not needed are empty: loops over them end at once anyway"
+_is_long_way = _lines(
+    *(
+        (f"{table}.shape[0] == 0", f"{table}.shape[{axis}] {sign} {number}")
+        for table in ("damping", "drag")
+        for axis, sign, number in (
+            (0, "<", 0),
+            (0, "<=", 0),
+            (-1, "==", 0),
+            (1, "==", 0),
+            (0, "==", -1),
+            (0, "==", 1),
+        )
+    )
+)
 
 _RULES = [
     Rule("memory that is larger than needed", "", _is_larger_memory),
@@ -57,23 +71,8 @@ _RULES = [
         "element/natural_curvature.py",
         _lines(("natural.shape[0]", "natural.shape[1]"), ("natural.shape[1]", "natural.shape[0]")),
     ),
-    Rule(
-        _EMPTY_TABLE,
-        "chain/assembly.py",
-        _lines(
-            *(
-                (f"{table}.shape[0] == 0", f"{table}.shape[{axis}] {sign} {number}")
-                for table in ("damping", "drag")
-                for axis, sign, number in (
-                    (0, "<", 0),
-                    (0, "<=", 0),
-                    (-1, "==", 0),
-                    (1, "==", 0),
-                    (0, "==", -1),
-                )
-            )
-        ),
-    ),
+    Rule(_EMPTY_TABLE, "chain/assembly.py", _is_long_way),
+    Rule(_EMPTY_TABLE, "chain/energy.py", _is_long_way),
     Rule(
         "never read", "chain/attached.py", _lines(("0.0], flow", "1.0], flow"), ("0.0], flow", "-1.0], flow"))
     ),
