@@ -71,7 +71,7 @@ def measure(quick: bool) -> list[Row]:
     chains = [(dim, kind, number) for dim in dims for kind in ALONE for number in numbers]
     rows = [row for chain in chains for row in _rows(chain, _tasks_alone, STEPS, repeats)]
     coupled = [(2, kind, number) for kind in AMONG_BODIES for number in numbers[:2]]
-    fewer = 3 if quick else 15
+    fewer = 4 if quick else 24
     return rows + [
         row for chain in coupled for row in _rows(chain, _tasks_among_bodies, STEPS_AMONG_BODIES, fewer)
     ]

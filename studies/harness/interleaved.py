@@ -1,7 +1,11 @@
-"""Time of short tasks: samples round robin, so that a busy spell hits all alike."""
+"""Time of short tasks: samples round robin, so that a busy spell hits all alike.
+
+Each round begins with another task: what the caches hold after the task before differs by place.
+"""
 
 import statistics
 import time
+from collections import deque
 from collections.abc import Callable, Mapping
 
 from tqdm import tqdm
@@ -22,10 +26,12 @@ def seconds_per_time(
     """
     times = {label: _times_of(task, least_seconds) for label, task in tasks.items()}
     samples: dict[str, list[float]] = {label: [] for label in tasks}
+    order = deque(tasks.items())
     for _ in tqdm(range(repeats), desc=name, unit="round"):
         with garbage_collection_off():
-            for label, task in tasks.items():
+            for label, task in order:
                 samples[label].append(_seconds(task, times[label]) / times[label])
+        order.rotate(-1)
     return samples
 
 
