@@ -50,6 +50,7 @@ from reference_models.model import quiet_settings, silence
 from .harness.benchmark import Benchmark, Figures, Table
 from .harness.interleaved import Task, seconds_per_time
 from .harness.study import Row
+from .harness.verdict import UNDECIDED
 
 BAR = 0.03
 STEPS = 4096
@@ -242,13 +243,15 @@ _ADDITIONS = {"loaded": _push, "moved": _move, "joined": _join, "beside": _stand
 
 def conclude(figures: Figures) -> list[str]:
     """Whether the bar is kept."""
-    return [_sentence(figures.of_kind(kind), kind) for kind in ("alone", "among bodies")]
+    return [_sentence(figures.of_kind(kind), kind, figures.quick) for kind in ("alone", "among bodies")]
 
 
-def _sentence(rows: Sequence[Row], kind: str) -> str:
+def _sentence(rows: Sequence[Row], kind: str, quick: bool) -> str:
     worst = max(rows, key=lambda row: float(row["share"]))
     above = [row for row in rows if row["share"] > BAR]
     verdict = "kept" if not above else f"MISSED by {len(above)} of {len(rows)}"
+    if quick:  # few samples tell no per cent
+        verdict = UNDECIDED
     return (
         f"Cables {kind}: the watch costs {statistics.median(row['share'] for row in rows):.1%} of a step "
         f"(median), at most {worst['share']:.1%} ({worst['label']}, N = {worst['elements']}, "

@@ -102,7 +102,9 @@ def _failures(runs: Sequence[Row]) -> list[str]:
 
 
 def _bars(figures: Figures) -> list[str]:
-    """What the study has to show, on the planar pendulum."""
+    """What the study has to show, on the whole motion of the planar pendulum."""
+    if figures.quick:
+        return []
     rows = [row for row in figures.of_kind("speedUp") if row["scene"] == BAR_SCENE]
     sentences = []
     for bound in BAR_BOUNDS:

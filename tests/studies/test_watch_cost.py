@@ -57,3 +57,9 @@ def test_among_bodies_the_watch_is_switched_off_for_comparison_and_on_again(rows
     assert watch_cost.CoupledWatch.is_well_after is watching
     assert {r["kind"] for r in found} == {"among bodies"}
     assert all(r["overPlain"] is None and r["microseconds"] > 0 for r in found)
+
+
+def test_few_samples_give_no_verdict():
+    rows = [row(kind, 0.05, 5) for kind in ("alone", "among bodies")]
+    for sentence in watch_cost.conclude(Figures(True, rows)):
+        assert sentence.endswith("the bar of 3% is undecided within noise.")
