@@ -1,7 +1,6 @@
 """A scene as an assembled Exudyn model, whatever its formulation; and what its sensors stored."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,6 +9,8 @@ import numpy as np
 from exudyn.itemInterface import SensorNode
 
 from exudyn_inext.errors import InputError
+from exudyn_inext.exudyn_binding import quiet
+from exudyn_inext.exudyn_binding.quiet import silence as silence
 
 from .scenes import Scene
 from .trajectory import Array, Trajectory
@@ -79,13 +80,7 @@ def _add_sensors(mbs: Any, points: Mapping[str, float], nodes: Sequence[int], ou
 
 def quiet_settings(end_time: float, steps: int, period: float = SENSOR_PERIOD) -> Any:
     """exudyn.SimulationSettings: silent, no files, sensors every `period` [s]."""
-    settings = exudyn.SimulationSettings()
-    settings.solution.file.write = False
-    settings.solution.sensors.writePeriod = period
-    settings.timeIntegration.endTime = end_time
-    settings.timeIntegration.numberOfSteps = steps
-    settings.timeIntegration.verboseMode = 0
-    return settings
+    return quiet.quiet_settings(end_time, steps, period)
 
 
 def sensor_trajectory(model: Model, point: str) -> Trajectory:
@@ -107,14 +102,3 @@ def sensor_slopes(model: Model, point: str) -> tuple[Array, Array]:
     slopes = np.zeros((len(stored), 3))
     slopes[:, :dimension] = coordinates[:, dimension:]
     return stored[:, 0].copy(), slopes
-
-
-@contextmanager
-def silence() -> Iterator[None]:
-    """Keep Exudyn's notes and failure reports off the console; errors still come as exceptions."""
-    before = exudyn.config.printToConsole
-    exudyn.config.printToConsole = False
-    try:
-        yield
-    finally:
-        exudyn.config.printToConsole = before

@@ -1,8 +1,7 @@
 """Pilot runs of a scene that a user's function builds."""
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from numbers import Integral
@@ -16,6 +15,7 @@ from ..adviser.stretch import Tension
 from ..arrays import Array
 from ..errors import DivergenceError, InputError, SceneError, StepSizeError
 from .cable_forces import CableForces
+from .quiet import quiet_settings, silence
 from .scene import read_scene, require_assembled
 from .settings import ExplicitSettings
 from .solver import SolveExplicit
@@ -111,7 +111,7 @@ class PilotRuns:
             settings.linearSolver.solverType = exudyn.LinearSolverType.EigenSparse
         start = time.process_time()
         try:
-            with _silence():
+            with silence():
                 mbs.SolveDynamic(settings)
         except Exception as error:  # Exudyn's solver errors have no common type
             return _failed(choice, time.process_time() - start, f"{type(error).__name__}: {error}")
@@ -183,14 +183,8 @@ def _is_number(sensor: Any, sensors: int) -> bool:
 
 
 def _settings(end_time: float, step: float) -> Any:
-    """Silent, no files, one of Exudyn's steps a sample.   step: [s]."""
-    settings = exudyn.SimulationSettings()
-    settings.solution.file.write = False
-    settings.solution.sensors.writePeriod = step
-    settings.timeIntegration.endTime = end_time
-    settings.timeIntegration.numberOfSteps = max(1, round(end_time / step))
-    settings.timeIntegration.verboseMode = 0
-    return settings
+    """Quiet, one of Exudyn's steps a sample.   step: [s]."""
+    return quiet_settings(end_time, max(1, round(end_time / step)), step)
 
 
 def _go_on_from_here(mbs: Any) -> None:
@@ -200,13 +194,3 @@ def _go_on_from_here(mbs: Any) -> None:
     data.SetODE2Coordinates_t(data.GetODE2Coordinates_t(), initial)
     data.SetODE1Coordinates(data.GetODE1Coordinates(), initial)
     data.SetDataCoordinates(data.GetDataCoordinates(), initial)
-
-
-@contextmanager
-def _silence() -> Iterator[None]:
-    before = exudyn.config.printToConsole
-    exudyn.config.printToConsole = False
-    try:
-        yield
-    finally:
-        exudyn.config.printToConsole = before
