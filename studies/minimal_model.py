@@ -29,11 +29,9 @@ from .harness.benchmark import Figures, Table
 from .harness.plot import COLORS, label_axes, new_figure
 from .harness.study import Row
 from .harness.sweep.study import SweepStudy
-from .harness.table import number
 from .minimal.changes import change_cases, run_change
 from .minimal.dense_system import dense_cases, run_dense
-
-HARMLESS = 1.1  # error over that of the base
+from .minimal.summary import sentences_of, summary_of
 
 
 def make_cases(quick: bool) -> Sequence[Row]:
@@ -46,54 +44,9 @@ def run_case(case: Row) -> Row:
     return run_dense(case) if case["kind"] == "dense" else run_change(case)
 
 
-def is_harmless(row: Row) -> bool:
-    """Whether the error stays that of the base, or what the reference cannot tell from it."""
-    if row.get("error") is None or row.get("baseError") is None:
-        return False
-    bound = max(HARMLESS * row["baseError"], row["baseError"] + row["uncertainty"])
-    return bool(row["error"] <= bound)
-
-
 def conclude(figures: Figures) -> list[str]:
-    """For each change: where it may be made, and what it saves or costs."""
-    rows = figures.of_kind("change")
-    sentences = [_sentence(label, rows) for label in dict.fromkeys(row["label"] for row in rows)]
-    return sentences + _dense_sentences(figures.of_kind("dense"))
-
-
-def _sentence(label: str, rows: Sequence[Row]) -> str:
-    own = [row for row in rows if row["label"] == label]
-    where = [row["scene"] for row in own if is_harmless(row)]
-    elsewhere = [f"{row['scene']} ({_error(row)})" for row in own if not is_harmless(row)]
-    costs = [row["costRatio"] for row in own if row.get("costRatio") is not None]
-    cost = f"{min(costs):.2f} to {max(costs):.2f} times the CPU time" if costs else "no CPU time"
-    return (
-        f"{label}: harmless on {', '.join(where) or 'no scene'}"
-        + (f"; not on {', '.join(elsewhere)}" if elsewhere else "")
-        + f"; {cost}."
-    )
-
-
-def _error(row: Row) -> str:
-    if row.get("errorRatio") is None:
-        return str(row.get("outcome", row["status"]))[:60]
-    return f"{number(row['errorRatio'])} times the error"
-
-
-def _dense_sentences(rows: Sequence[Row]) -> list[str]:
-    sentences = []
-    for count in dict.fromkeys(row["elements"] for row in rows):
-        own = {row["label"]: row for row in rows if row["elements"] == count}
-        base = own.pop("as in the package", None)
-        for label, row in own.items():
-            if row.get("error") is None or base is None or not base.get("error"):
-                sentences.append(f"Pendulum, N = {count}, {label}: {row.get('outcome', row['status'])}.")
-                continue
-            sentences.append(
-                f"Pendulum, N = {count}, {label}: {row['error'] / base['error']:.2f} times the error; "
-                f"slopes at nodes stretch by up to {number(row['stretch'], 2)}."
-            )
-    return sentences
+    """What may be changed where, and what that saves."""
+    return sentences_of(summary_of(figures))
 
 
 def draw(figures: Figures, directory: Path) -> list[Path]:
@@ -123,6 +76,18 @@ def draw(figures: Figures, directory: Path) -> list[Path]:
 
 
 TABLES = (
+    Table(
+        "summary",
+        "What may be left out when (error within a tenth of the base's, or not to be told from it):",
+        {
+            "change": "change",
+            "verdict": "verdict",
+            "harmless on": "harmless",
+            "not on": "elsewhere",
+            "CPU ratio": "costRatio",
+        },
+        summary_of,
+    ),
     Table(
         "change",
         "One change at a time:",

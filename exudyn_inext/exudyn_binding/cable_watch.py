@@ -82,7 +82,7 @@ def figures(watch: Watch) -> dict[str, float]:
 
 def memory_of(watch: Watch) -> dict[str, Any]:
     """Arrays that its next inspections depend on, by names."""
-    names = ("account", "position", "force", "change", "way", "work", "gauges")
+    names = ("account", "position", "work", "gauges")
     return {name: getattr(watch, name) for name in names} | {"kept": watch.kept._asdict()}
 
 

@@ -41,7 +41,6 @@ class SteppedCable:
         )
         self._initial = run.state.q.copy(), run.state.v.copy()
         self._present, self._before = (np.zeros((1, 3, run.state.q.size)) for _ in range(2))
-        self._new_force = np.zeros(run.state.q.size)  # less that of the last step
 
     def start(self, time: float) -> None:
         """Back to the initial state; see `CableRun.start`."""
@@ -61,12 +60,10 @@ class SteppedCable:
         run = self.run
         self._present, self._before = self._before, self._present
         loads = self._constant_loads or run.loads.sample(start, h, steps, self._stages, first=first)
-        watch = run.watch.watch
-        if steps > 1:  # else the force changes linearly until the end of the step, as the watch takes it
-            watch.force[:] += self._new_force
-        self._new_force[:] = 0.0
         return bool(
-            record_watched(self._scheme, run.system, loads, run.state, h, steps, self._present, watch)
+            record_watched(
+                self._scheme, run.system, loads, run.state, h, steps, self._present, run.watch.watch
+            )
         )
 
     def verdict(self, time: float, h: float) -> str:
@@ -92,9 +89,7 @@ class SteppedCable:
             )
         constant = self.run.loads.constant
         for i in range(dim):
-            new = self._without_forces[first + i] + force[i]
-            self._new_force[first + i] += new - constant[first + i]
-            constant[first + i] = new
+            constant[first + i] = self._without_forces[first + i] + force[i]
 
     def write(self, states: Array) -> None:
         """Displacements, velocities, accelerations into the system's (3, n_ode2)."""

@@ -62,10 +62,9 @@ class Watch(NamedTuple):
         [-]; largest `violation` of a constraint so far [-]; for how many steps the energy has been
         `suspect`; how many `steps` were found well so far, how many are `ahead` of the next inspection;
         what the `trouble` is.
-    position, force: (n_dof,) when work was counted last.   change, way: (n_dof,) of the force, and
-        of the position, before that.
+    position: (n_dof,) when work was counted last.
     pattern, work: (P, n_dof), (P, 5) of load histories, see `LoadHistory`.
-    gauges: (5,) at the last inspection, see `gauge`.   force_now, gauges_now: memory.
+    gauges: (5,) at the last inspection, see `gauge`.   force, gauges_now: memory.
     kept: state of the integrator at the last inspection; if it found trouble, the state that it found.
     """
 
@@ -74,13 +73,10 @@ class Watch(NamedTuple):
     tolerance: float
     account: Any
     position: Array
-    force: Array
-    change: Array
-    way: Array
     pattern: Array
     work: Array
     gauges: Array
-    force_now: Array
+    force: Array
     gauges_now: Array
     kept: Any
 
@@ -102,13 +98,10 @@ def build_watch(
         tolerance,
         account=account,
         position=np.zeros(size),
-        force=np.zeros(size),
-        change=np.zeros(size),
-        way=np.zeros(size),
         pattern=own,
         work=_no_work(own),
         gauges=np.zeros(5),
-        force_now=np.zeros(size),
+        force=np.zeros(size),
         gauges_now=np.zeros(5),
         kept=type(state)(*[memory.copy() for memory in state]),
     )
@@ -164,8 +157,6 @@ def _open(watch, state, round_off):
     account.trouble = ALL_IS_WELL
     for i in range(len(watch.position)):
         watch.position[i] = state.q[i]
-        watch.force[i] = watch.force_now[i]
-        watch.change[i], watch.way[i] = 0.0, 0.0
     for p in range(len(watch.work)):
         watch.work[p, SUM], watch.work[p, FACTOR] = 0.0, np.inf  # that is known from the first step on
         watch.work[p, PROJECTION] = 0.0
@@ -182,30 +173,31 @@ def open_account(watch, system, external, state, round_off):
         watch: over the run.   system: just started.   external: (n_external,) at the start.
         state: of the integrator.   round_off: of its energy [J].
     """
-    gauge(system, external, state.q, state.v, state.a, watch.force_now, watch.gauges_now)
+    gauge(system, external, state.q, state.v, state.a, watch.force, watch.gauges_now)
     _open(watch, state, round_off)
 
 
 @kernel
 def open_with_gauges(watch, state, round_off):
-    """As `open_account`, where `force_now` and `gauges_now` are set already."""
+    """As `open_account`, where `gauges_now` are set already."""
     _open(watch, state, round_off)
 
 
 @inlined
-def _add_work(watch, q):
-    """Work of the forces along the way since the last call, by the trapezoidal rule, and its likely error."""
-    work, error = 0.0, 0.0
-    for i in range(len(watch.position)):
-        way, change = q[i] - watch.position[i], watch.force_now[i] - watch.force[i]
-        work += (watch.force[i] + 0.5 * change) * way
-        error += (change - watch.change[i]) * way / 12.0 + change * (way - watch.way[i]) / 12.0
-        watch.position[i] = q[i]
-        watch.force[i] = watch.force_now[i]
-        watch.change[i], watch.way[i] = change, way
+def _add_work_of_steps(watch, constant, positions, forces):
+    """Work of forces along a way of steps, by the trapezoidal rule, and its likely error."""
+    work, scatter = 0.0, 0.0
+    for k in range(1, len(positions) - 1):
+        error = 0.0
+        for i in range(len(constant)):
+            way, change = positions[k + 1, i] - positions[k, i], forces[k + 1, i] - forces[k, i]
+            way_before, change_before = positions[k, i] - positions[k - 1, i], forces[k, i] - forces[k - 1, i]
+            work += (constant[i] + forces[k, i] + 0.5 * change) * way
+            error += (change - change_before) * way + change * (way - way_before)
+        scatter += (error / 12.0) ** 2
     account = watch.account[0]
     account.work += work
-    account.scatter += error * error
+    account.scatter += scatter
 
 
 @inlined
@@ -302,17 +294,15 @@ def judge(watch, state, steps, duration):
 
 
 @kernel
-def judge_after_steps(watch, state, positions, forces, duration):
+def judge_after_steps(watch, state, constant, positions, forces, duration):
     """As `judge`, after counting the work done along a way of steps at whose ends forces are known.
 
     Args:
-        watch, state, duration: see `judge`.   positions, forces: (steps, n) at the end of each.
+        watch, state, duration: see `judge`.   constant: (n,) force beside the others.
+        positions, forces: (steps + 2, n or more) one step before the last time, then, and after each step.
     """
-    for k in range(len(positions)):
-        for i in range(len(watch.force_now)):
-            watch.force_now[i] = forces[k, i]
-        _add_work(watch, positions[k])
-    return _judge(watch, state, len(positions), duration)
+    _add_work_of_steps(watch, constant, positions, forces)
+    return _judge(watch, state, len(positions) - 2, duration)
 
 
 @kernel
@@ -338,7 +328,7 @@ def record_watched(scheme, system, loads, state, h, steps, history, watch):
             number, of_interval = (last - first) * steps, steps
         part = LoadHistory(loads.constant, loads.pattern, loads.factor[done : done + number], watch.work)
         advance(scheme, system, part, state, h, of_interval, history[first:last])
-        gauge(system, state.external, state.q, state.v, state.a, watch.force_now, watch.gauges_now)
+        gauge(system, state.external, state.q, state.v, state.a, watch.force, watch.gauges_now)
         _add_work_of_loads(watch, loads.constant, state.q)
         if _judge(watch, state, number, number * h) != ALL_IS_WELL:
             return first

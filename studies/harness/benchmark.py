@@ -14,11 +14,19 @@ from .verdict import timing_noise
 
 @dataclass(frozen=True)
 class Table:
-    """The rows of one kind in the report.   columns: header -> key of the row."""
+    """The rows of one kind in the report.   columns: header -> key of the row.
+
+    summary: computes other rows from those that were measured; None: they are shown themselves.
+    """
 
     kind: str
     title: str
     columns: Mapping[str, str]
+    summary: "Callable[[Figures], Sequence[Row]] | None" = None
+
+    def rows(self, figures: "Figures") -> Sequence[Row]:
+        """What it shows."""
+        return figures.of_kind(self.kind) if self.summary is None else self.summary(figures)
 
 
 @dataclass(frozen=True)
@@ -79,8 +87,8 @@ def _tables(benchmark: Benchmark, figures: Figures) -> list[TextTable]:
         TextTable(
             table.title,
             list(table.columns),
-            [[cell(row.get(key)) for key in table.columns.values()] for row in figures.of_kind(table.kind)],
+            [[cell(row.get(key)) for key in table.columns.values()] for row in rows],
         )
         for table in benchmark.tables
-        if figures.of_kind(table.kind)
+        if (rows := table.rows(figures))
     ]

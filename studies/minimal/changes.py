@@ -40,19 +40,19 @@ def changes_of(scene: Scene, elements: int) -> dict[str, Row]:
         "n_bar = 0": {"lengthConstraints": 0},
         "n_bar = 1": {"lengthConstraints": 1},
         "n_bar = 2": {"lengthConstraints": 2},
-        f"n_bar = {half}": {"lengthConstraints": half},
-        f"n_bar = {elements - 1}": {"lengthConstraints": elements - 1},
+        "n_bar = N / 2": {"lengthConstraints": half},
+        "n_bar = N - 1": {"lengthConstraints": elements - 1},
         "v_n, not the projected rate": {"projectedRate": False},
         "zeta = 10": {"zeta": 10.0},
         "zeta = 300": {"zeta": 300.0},
         "corrector, psi = phi = 0": {"corrector": True, "psi": 0.0},
         "RATTLE": {"integrator": "RATTLE"},
         "RK4": {"integrator": "RK4"},
-        f"N = {half}": {"elements": half},
-        f"N = {2 * elements}": {"elements": 2 * elements},
+        "half as many elements": {"elements": half},
+        "twice as many elements": {"elements": 2 * elements},
     }
     if scene.is_planar:
-        changes["3D"] = {"spatial": True}
+        changes["3D, not 2D"] = {"spatial": True}
     return changes
 
 

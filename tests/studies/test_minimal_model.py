@@ -16,6 +16,7 @@ from studies.harness.error import distance_to_reference
 from studies.harness.reference import from_data
 from studies.minimal.changes import SCENES
 from studies.minimal.dense_system import VARIANTS, run_dense
+from studies.minimal.summary import is_harmless, summary_of
 
 ROW = {
     "kind": "change", "label": "n_bar = 1", "scene": "planar_pendulum", "uncertainty": 5e-5,
@@ -24,21 +25,52 @@ ROW = {
 }  # fmt: skip
 
 
-def sentence(**changes):
-    return " ".join(minimal_model.conclude(Figures(False, [ROW | changes])))
+DENSE = {
+    "kind": "dense", "scene": "planar_pendulum", "elements": 8, "uncertainty": 5e-5, "stretch": 0.0,
+    "status": "ok", "outcome": "ok",
+}  # fmt: skip
+
+
+def summarised(*rows):
+    return summary_of(Figures(False, rows))
 
 
 def test_harmless_and_harmful_changes_are_told_apart():
-    assert "harmless on planar_pendulum; 0.80 to 0.80 times" in sentence()
-    assert "no scene; not on planar_pendulum (3.00 times the error)" in sentence(error=3e-3, errorRatio=3.0)
-    lost = sentence(error=None, errorRatio=None, costRatio=None, outcome="diverged: too fast")
-    assert "diverged: too fast" in lost and "no CPU time" in lost
+    (kept,) = summarised(ROW)
+    assert kept["harmless"] == "planar_pendulum" and kept["elsewhere"] == "-" and kept["costRatio"] == 0.8
+    assert kept["verdict"] == "harmless everywhere, cheaper"
+    (harmful,) = summarised(ROW | {"error": 3e-3, "errorRatio": 3.0})
+    assert harmful["verdict"] == "harmful everywhere"
+    assert harmful["elsewhere"] == "planar_pendulum (3.00 times the error)"
+    (lost,) = summarised(ROW | {"error": None, "errorRatio": None, "costRatio": None, "outcome": "diverged"})
+    assert lost["elsewhere"] == "planar_pendulum (diverged)" and lost["costRatio"] is None
+
+
+def test_scenes_and_costs_decide_together():
+    there = ROW | {"scene": "power_line", "error": 3e-3, "errorRatio": 3.0, "costRatio": 1.4}
+    (row,) = summarised(ROW, there)
+    assert row["verdict"] == "harmless on some scenes, dearer" and row["costRatio"] == pytest.approx(1.1)
+
+
+def test_dense_variants_are_compared_with_the_one_of_as_many_elements():
+    base = DENSE | {"label": "as in the package", "error": 1e-3}
+    coarse = base | {"elements": 4, "error": 1e-2}
+    (row,) = summarised(coarse, base, DENSE | {"label": "lumped mass", "error": 2e-3})
+    assert row["elsewhere"] == "planar_pendulum, N = 8 (2.00 times the error)"
+
+
+def test_changes_are_listed_by_verdict():
+    rows = [ROW, ROW | {"label": "RK4"}, ROW | {"label": "n_bar = 0", "error": 1.0}]
+    assert minimal_model.conclude(Figures(False, rows)) == [
+        "Harmless everywhere, cheaper: n_bar = 1; RK4.",
+        "Harmful everywhere: n_bar = 0.",
+    ]
 
 
 def test_what_the_reference_cannot_tell_apart_is_harmless():
     small = {"baseError": 1e-5, "error": 5e-5}
-    assert minimal_model.is_harmless(ROW | small)
-    assert not minimal_model.is_harmless(ROW | small | {"error": 7e-5})
+    assert is_harmless(ROW | small)
+    assert not is_harmless(ROW | small | {"error": 7e-5})
 
 
 @pytest.fixture
@@ -81,4 +113,5 @@ def test_it_runs_in_quick_mode(tmp_path, monkeypatch):
     assert len(errors) == 3 and all(row["status"] == "ok" for row in rows)
     assert errors["RATTLE"] < 1e-3 < errors["n_bar = 1"] < 2e-2
     assert all(row["costRatio"] > 0 for row in rows if row["kind"] == "change")
-    assert "(minimal_model.png)" in (tmp_path / "minimal_model.md").read_text()
+    text = (tmp_path / "minimal_model.md").read_text()
+    assert "(minimal_model.png)" in text and "| n_bar = 1 | harmful everywhere |" in text

@@ -17,9 +17,10 @@ from ..cable_run import CableRun
 from ..cable_watch import memory_of
 from .coupled_scene import CoupledScene
 
-STEPS_BETWEEN = 128  # two inspections at most
+STEPS_BETWEEN = 256  # two inspections at most
+ROOM = 2**21  # numbers that steps may be remembered by: 16 MB
 STEPS_WITH_POWER = 32  # at most where damping or supports that move change the energy
-STEPS_BETWEEN_GLANCES = 4  # at the velocities
+STEPS_BETWEEN_GLANCES = 16  # at the velocities
 CALM = 4.0  # growth of their square since the last inspection that calls for no other one
 LENIENCE = 10.0  # of the energy: forces that jump, as those of contact do, have work between two steps
 ROUND_OFF = 1e-10  # of the energy, relative to the forces times the extent
@@ -37,48 +38,53 @@ class CoupledWatch:
         self, scene: CoupledScene, runs: Sequence[CableRun], state: Any, energy_tolerance: float
     ) -> None:
         self._scene = scene
+        self._surroundings = scene.surroundings
         self._runs = runs
+        self._longest = max(STEPS_WITH_POWER, min(STEPS_BETWEEN, ROOM // max(len(state.q), 1)))
         self._bodies = scene.system.parts[len(runs)]
         number = len(scene.map.indices)
-        short = np.zeros(number)
-        self.watch = build_watch(state, STEPS_BETWEEN, LENIENCE * energy_tolerance)._replace(
-            position=short.copy(),
-            force=short.copy(),
-            change=short.copy(),
-            way=short.copy(),
-            force_now=short.copy(),
-        )
+        self.watch = build_watch(state, self._longest, LENIENCE * energy_tolerance)
         self._gravity = np.zeros(number)
         for run, dofs in zip(runs, scene.map.slices, strict=False):
             self._gravity[dofs] = run.loads.constant[: dofs.stop - dofs.start]
         self._last = np.zeros(2)  # inspection: its time [s], and the square of the velocities then
+        self._calm = 0.0  # largest square of velocities that calls for no other one
         self._steps = 0  # since then
-        self._most_steps = STEPS_BETWEEN
+        self._next = 0  # number of them at which to look
+        self._most_steps = self._longest
         self._kept_steps = np.zeros(2, int)
-        self._rows = np.zeros((STEPS_BETWEEN + 1, 3, len(state.q)))
-        self._forces = np.zeros((STEPS_BETWEEN, number))  # without gravity
-        self._masses = self._bodies.system.make_room_for_masses(STEPS_BETWEEN + 1)
+        # one step before the last inspection, then, and after each step since:
+        self._positions = np.zeros((self._longest + 4, len(state.q)))
+        self._forces = np.zeros((self._longest + 2, number))  # without gravity
+        self._rows = [self._positions[np.newaxis, 2 + k : 5 + k] for k in range(self._longest)]
+        self._masses = self._bodies.system.make_room_for_masses(self._longest + 1)
 
     @property
     def row(self) -> Array:
-        """(1, 3, n) for q, v, a after the next step."""
-        return self._rows[self._steps + 1 : self._steps + 2]
+        """(1, 3, n) for q, v, a after the next step; v and a lie where the next ones' q will be."""
+        return self._rows[self._steps]
 
     def open(self, t: float, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""
         self._set_gauges(t, state)
+        self._steps = 0
+        self._positions[0] = state.q
+        self._forces[:2] = forces = self._surroundings.native_forces
         self._begin(t, state)
-        self.watch.force_now[:] = self._scene.surroundings.native_forces + self._gravity
         extent = float(np.abs(state.q).max(initial=0.0))
-        open_with_gauges(self.watch, state, ROUND_OFF * extent * float(np.abs(self.watch.force_now).sum()))
+        size = float(np.abs(forces + self._gravity).sum())
+        open_with_gauges(self.watch, state, ROUND_OFF * extent * size)
 
     def is_well_after(self, t: float, h: float, state: Any) -> bool:
         """Count a step to t [s], which `row` shows; judge from time to time, and if velocities grow."""
-        self._forces[self._steps] = self._scene.surroundings.native_forces
         self._steps = steps = self._steps + 1
+        self._forces[steps + 1] = self._surroundings.native_forces
         if self._masses:
             self._bodies.system.keep_masses(steps)
-        if steps < self._most_steps and (steps % STEPS_BETWEEN_GLANCES or self._is_calm(state.v)):
+        if steps < self._next:
+            return True
+        if steps < self._most_steps and state.v.dot(state.v) <= self._calm:
+            self._look_again()
             return True
         self._set_gauges(t, state)
         trouble = self._judge(h, t - self._last[0], state)
@@ -88,37 +94,42 @@ class CoupledWatch:
     def give_up(self, state: Any) -> None:
         """The last step could not be taken: the state is that of the last inspection."""
         self.watch.gauges_now[:] = np.nan
-        judge(self.watch, state, STEPS_BETWEEN, 0.0)
+        judge(self.watch, state, self._longest, 0.0)
 
     def memory(self) -> dict[str, Any]:
         """Arrays that the next inspections depend on, by names."""
         self._kept_steps[:] = self._steps, self._most_steps
-        rows = {"rows": self._rows, "forces": self._forces, "masses": self._masses}
+        rows = {"positions": self._positions, "forces": self._forces, "masses": self._masses}
         return memory_of(self.watch) | rows | {"last": self._last, "steps": self._kept_steps}
 
     def resume(self) -> None:
         """Go on with the memory that has been set."""
         self._steps, self._most_steps = (int(number) for number in self._kept_steps)
+        self._calm = CALM * float(self._last[1])
+        self._look_again()
 
     def _begin(self, t: float, state: Any) -> None:
         """Count steps from a state at t [s]."""
-        self._steps = 0
-        self._most_steps = STEPS_WITH_POWER if self.watch.gauges_now[POWER] else STEPS_BETWEEN
+        steps, self._steps = self._steps, 0
+        self._positions[0], self._positions[1] = self._positions[steps], state.q
+        self._forces[:2] = self._forces[steps : steps + 2]
+        self._most_steps = STEPS_WITH_POWER if self.watch.gauges_now[POWER] else self._longest
         self._last[:] = t, state.v.dot(state.v)
-        self._rows[0, 0] = state.q
+        self._calm = CALM * float(self._last[1])
+        self._look_again()
         self._bodies.system.keep_masses(0)
 
-    def _is_calm(self, v: Array) -> bool:
-        return bool(v.dot(v) <= CALM * self._last[1])
+    def _look_again(self) -> None:
+        passed = self._steps - self._steps % STEPS_BETWEEN_GLANCES
+        self._next = min(passed + STEPS_BETWEEN_GLANCES, self._most_steps)
 
     def _judge(self, h: float, duration: float, state: Any) -> int:
-        steps = self._steps
-        positions = self._rows[: steps + 1, 0, : len(self._gravity)]
+        rows = self._steps + 2
+        positions, forces = self._positions[:rows], self._forces[:rows]
         if self._masses:
-            rates = np.diff(positions[:, self._bodies.dofs], axis=0) / h
+            rates = np.diff(positions[1:, self._bodies.dofs], axis=0) / h
             self.watch.account[0].work += self._bodies.system.energy_of_changes(rates)
-        forces = self._forces[:steps] + self._gravity
-        return int(judge_after_steps(self.watch, state, positions[1:], forces, duration))
+        return int(judge_after_steps(self.watch, state, self._gravity, positions, forces, duration))
 
     def _set_gauges(self, t: float, state: Any) -> None:
         total = self.watch.gauges_now
