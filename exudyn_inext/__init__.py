@@ -11,7 +11,7 @@ from .errors import (
     SceneError,
     StepSizeError,
 )
-from .exudyn_binding.advise import AdviceSettings, Advise
+from .exudyn_binding.advising.advise import AdviceSettings, Advise
 from .exudyn_binding.attach.attach_to_body import AttachToBody
 from .exudyn_binding.attach.companions import CreateCompanionCables, MarkerOnCable
 from .exudyn_binding.attach.properties import AddPointMass, CableDrag, SetCableDrag

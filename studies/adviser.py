@@ -29,7 +29,7 @@ from tqdm import tqdm
 from exudyn_inext import AdviceSettings
 from exudyn_inext.adviser.pilot import CONVENTIONAL, INEXTENSIBLE, Choice, Pilot
 from exudyn_inext.errors import DivergenceError, InextensibleError
-from exudyn_inext.exudyn_binding.pilot_runs import PilotRuns
+from exudyn_inext.exudyn_binding.advising.pilot_runs import PilotRuns
 from reference_models.advice import advise_scene, builder
 from reference_models.conventional.model import build as build_native
 from reference_models.inextensible import build

@@ -11,6 +11,7 @@ What would refute it
 Protocol
     As for Table 1: every case once untimed, then five times, round robin; CPU time of the process,
     without building the model; the tip is sampled at 100 Hz, no files are written; medians.
+    Compiled steps: the steps and their watch alone, without Exudyn's loop, set-up and sensors.
 
 Reference and tolerance
     The inextensible, unshearable limit of an independent MBDyn model, good to 1e-4 m; scene and
@@ -53,6 +54,8 @@ from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case
 
 from .harness.cases import explicit_case, mesh_series
+from .harness.compiled_case import FORMULATION as COMPILED
+from .harness.compiled_case import compiled_case
 from .harness.figures import draw_convergence, draw_cost_and_accuracy, draw_path, draw_trajectories
 from .harness.front import (
     is_explicit,
@@ -88,6 +91,10 @@ COMPARISONS = (
     Comparison("implicit row, default quadrature,", is_implicit_by_default, 7e-3, 4.5e-3),
     Comparison("implicit row, default quadrature,", is_implicit_by_default, 7e-4),
     Comparison("explicit row, default quadrature,", is_explicit_by_default, 4.5e-3),
+    Comparison("implicit row", is_implicit, 4.5e-3, over=COMPILED),
+    Comparison("implicit row", is_implicit, 7e-4, over=COMPILED),
+    Comparison("implicit row, default quadrature,", is_implicit_by_default, 4.5e-3, over=COMPILED),
+    Comparison("implicit row, default quadrature,", is_implicit_by_default, 7e-4, over=COMPILED),
 )
 
 MESHES: dict[str, Sequence[int]] = {
@@ -101,9 +108,10 @@ QUICK_MESHES: dict[str, Sequence[int]] = dict.fromkeys(MESHES, (4, 6))
 def make_cases(scene: Scene, quick: bool) -> list[Case]:
     """All rows; a quick run leaves out the costly ones."""
     inextensible, implicit = inextensible_cases(scene), implicit_cases(scene)
+    compiled = compiled_cases(scene)
     if quick:
-        return [*_paper_cases(scene), *islice(inextensible, 3), *implicit[:3]]
-    return [*_paper_cases(scene), *inextensible, *implicit, *explicit_cases(scene)]
+        return [*_paper_cases(scene), *islice(inextensible, 3), *islice(compiled, 1), *implicit[:3]]
+    return [*_paper_cases(scene), *inextensible, *compiled, *implicit, *explicit_cases(scene)]
 
 
 def _paper_cases(scene: Scene) -> list[Case]:
@@ -128,15 +136,26 @@ def inextensible_cases(scene: Scene) -> Iterator[Case]:
     yield explicit_case(scene, "Zhai", 8, 1e-3)
     yield explicit_case(scene, "Zhai", 20, 1.25e-4)
     yield explicit_case(scene, "Zhai", 4, 5e-3, 0.35, zeta=150.0)
+    yield explicit_case(scene, "Zhai", 4, 5e-3, 0.4, zeta=200.0)
     yield explicit_case(scene, "Zhai", 5, 5e-3, 0.3, zeta=150.0)
+    yield explicit_case(scene, "Zhai", 8, 2e-3, 0.35, zeta=200.0)
     yield explicit_case(scene, "Zhai", 5, 3.34e-3, 0.3)
     yield explicit_case(scene, "Zhai", 8, 2e-3, 0.3)
     yield explicit_case(scene, "Zhai", 10, 1.67e-3, 0.3)
     yield explicit_case(scene, "RATTLE", 4, 5e-3, 0.3)
     yield explicit_case(scene, "RATTLE", 7, 3.34e-3, 0.25)
+    yield explicit_case(scene, "RATTLE", 7, 2.5e-3, 0.35)
     yield explicit_case(scene, "RATTLE", 8, 2.5e-3, 0.25)
     yield explicit_case(scene, "RATTLE", 10, 1.67e-3, 0.25)
     yield explicit_case(scene, "RATTLE", 20, 1e-3, 0.25)
+
+
+def compiled_cases(scene: Scene) -> Iterator[Case]:
+    """The cheapest of them, without Exudyn's loop."""
+    yield compiled_case(scene, "Zhai", 4, 5e-3, 0.4, zeta=200.0)
+    yield compiled_case(scene, "RATTLE", 4, 5e-3, 0.3)
+    yield compiled_case(scene, "Zhai", 8, 2e-3, 0.35, zeta=200.0)
+    yield compiled_case(scene, "RATTLE", 7, 2.5e-3, 0.35)
 
 
 def implicit_cases(scene: Scene) -> list[Case]:

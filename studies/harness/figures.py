@@ -21,6 +21,7 @@ _KINDS = {
     "native, implicit": (COLORS[1], "s"),
     "native, explicit": (COLORS[2], "^"),
     "inextensible": (COLORS[0], "o"),
+    "compiled steps": (COLORS[5], "v"),
 }
 
 
@@ -98,8 +99,8 @@ def draw_cost_and_accuracy(path: Path, rows: Sequence[Row]) -> Path:
 
 
 def _kind(row: Row) -> str:
-    if row["formulation"] == "inextensible":
-        return "inextensible"
+    if row["formulation"] in _KINDS:
+        return str(row["formulation"])
     return "native, implicit" if is_implicit(row) else "native, explicit"
 
 

@@ -9,7 +9,7 @@ from exudyn.utilities import InertiaCuboid
 from exudyn_inext import AdviceSettings, Advise, AttachToBody, InextensibleCable
 from exudyn_inext.adviser.pilot import CONVENTIONAL, INEXTENSIBLE, Choice
 from exudyn_inext.adviser.stretch import stretch_error
-from exudyn_inext.exudyn_binding.pilot_runs import PilotRuns
+from exudyn_inext.exudyn_binding.advising.pilot_runs import PilotRuns
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import native_cable, trajectory
 

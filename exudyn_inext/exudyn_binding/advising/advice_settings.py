@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..checks import require_integer, require_positive
-from ..errors import InputError
+from ...checks import require_integer, require_positive
+from ...errors import InputError
 from .pilot_runs import Build
 
 NUMBERS = (4, 6, 8, 12, 16, 24, 32, 48, 64, 96)

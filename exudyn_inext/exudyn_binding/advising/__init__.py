@@ -1,0 +1,1 @@
+"""Advice on formulation, mesh, integrator and step, from pilot runs inside Exudyn."""
