@@ -20,6 +20,7 @@ DISTURBANCE = 1e-7  # of slopes [-], of positions over the element length
 GROWTH = 1e3  # of the disturbance that counts as unstable
 STEPS = 3000
 RESOLUTION = 4e-3  # of the bisected limit
+AGREEMENT = 0.05  # of predicted and bisected limits in the linear regime
 ITERATIONS = 20  # of the fastest vibration, times those of its tracker
 FARTHEST = 30.0  # times the estimate, or that part of it
 

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from studies.harness.benchmark import Figures
 from studies.harness.study import Row
 
-AGREEMENT = 0.05  # of predicted and bisected limits in the linear regime
+from .bisection import AGREEMENT
+
 LINEAR = ("scheme", "zeta", "stiffness", "elements", "curvature", "gravity")
 WEAK_GROWTH = 1e3  # constraint drift that counts as lost, over that of the best run
 
@@ -95,10 +96,12 @@ def _spin(figures: Figures) -> list[str]:
         own = [row for row in rows if row["scheme"] == scheme]
         worst = min(own, key=lambda row: row["ratio"])
         explained = [row for row in own if abs(row["ratioInMotion"] - 1.0) <= AGREEMENT]
+        sooner = [row for row in own if abs(row.get("ratioSooner", 0.0) - 1.0) <= AGREEMENT]
+        before = f", and {len(sooner)} more before the cable has spun up" if sooner else ""
         sentences.append(
             f"{scheme}, spinning: the limit falls to {worst['ratio']:.2f} of that of w_max at "
             f"{worst['value']:g} rad/s; the linearised step explains {len(explained)} of {len(own)} within "
-            f"5 %. {_weak_growth(own)}"
+            f"5 %{before}. {_weak_growth(own)}"
         )
     return sentences
 

@@ -61,6 +61,12 @@ def test_a_spinning_cable_shows_what_zhai_adds_and_rattle_does_not():
         assert (abs(row["ratio"] - 1.0) < 0.05) == is_explained_by_frequency
 
 
+def test_a_cable_that_spins_up_meanwhile_agrees_over_fewer_steps():
+    given = {"elements": 10, "rate": 1000.0}
+    row = run_linear(linear._case("spin", "spinning", "Zhai, v_n", 1000.0, given, steps=500))
+    assert row["ratioInMotion"] < 0.95 and row["ratioSooner"] == pytest.approx(1.0, abs=0.05)
+
+
 def test_a_violent_start_costs_zhai_more_than_rattle():
     cases = [
         {"kind": "violent", "scheme": scheme, "zeta": 100.0, "value": 30.0, "duration": 0.1}
