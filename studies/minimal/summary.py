@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from ..harness.benchmark import Figures
 from ..harness.study import Row
 from ..harness.table import number
+from ..harness.timing import OK
 
 HARMLESS = 1.1  # error over that of the base
 CHEAPER, DEARER = 0.95, 1.05  # CPU time over that of the base
@@ -73,6 +74,8 @@ def _verdict(harmless: int, scenes: int, cost: float | None) -> str:
 
 
 def _error(row: Row) -> str:
-    if row.get("errorRatio") is None:
-        return str(row.get("outcome", row["status"]))[:60]
-    return f"{number(row['errorRatio'])} times the error"
+    if row.get("errorRatio") is not None:
+        return f"{number(row['errorRatio'])} times the error"
+    base = row.get("baseOutcome", OK)
+    said = str(row.get("outcome", row["status"])) if base == OK else f"the base {base}"
+    return said.split(". ")[0]

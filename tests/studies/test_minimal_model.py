@@ -46,6 +46,17 @@ def test_harmless_and_harmful_changes_are_told_apart():
     assert lost["elsewhere"] == "planar_pendulum (diverged)" and lost["costRatio"] is None
 
 
+def test_a_base_that_fails_is_named():
+    lost = ROW | {
+        "baseError": None,
+        "errorRatio": None,
+        "costRatio": None,
+        "baseOutcome": "diverged: at 1 s. Why",
+    }
+    (row,) = summarised(lost)
+    assert row["elsewhere"] == "planar_pendulum (the base diverged: at 1 s)"
+
+
 def test_scenes_and_costs_decide_together():
     there = ROW | {"scene": "power_line", "error": 3e-3, "errorRatio": 3.0, "costRatio": 1.4}
     (row,) = summarised(ROW, there)
