@@ -33,6 +33,8 @@ from .minimal.changes import change_cases, run_change
 from .minimal.dense_system import dense_cases, run_dense
 from .minimal.summary import sentences_of, summary_of
 
+COST_TICKS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+
 
 def make_cases(quick: bool) -> Sequence[Row]:
     """Dense variants and timed changes."""
@@ -67,6 +69,8 @@ def draw(figures: Figures, directory: Path) -> list[Path]:
             cost.semilogx([row["costRatio"] for row in own], places, **style)
         for axes in (error, cost):
             axes.axvline(1.0, color="black", linewidth=0.8)
+        cost.minorticks_off()  # their labels would overlap
+        cost.set_xticks(COST_TICKS, [f"{tick:g}" for tick in COST_TICKS])
         error.set_yticks(range(len(labels)), labels)
         error.invert_yaxis()
         label_axes(error, "error over that of the base [-]", "")
