@@ -38,11 +38,9 @@ from exudyn_inext import (
     InextensibleCable,
     SolveExplicit,
 )
-from exudyn_inext.exudyn_binding.cable_run import CableRun, Start
-from exudyn_inext.exudyn_binding.explicit_runs import scheme_of
+from exudyn_inext.exudyn_binding.explicit_runs import cable_runs, scheme_of
 from exudyn_inext.exudyn_binding.general.coupled_watch import CoupledWatch
-from exudyn_inext.exudyn_binding.scene import initial_state, read_scene
-from exudyn_inext.integrators import find_integrator
+from exudyn_inext.exudyn_binding.scene import read_scene
 from exudyn_inext.integrators.integrator import record
 from exudyn_inext.integrators.watch import record_watched
 from reference_models.model import quiet_settings, silence
@@ -124,12 +122,10 @@ def _tasks_alone(chain: Chain, name: str) -> Ways:
     """Steps of the compiled loops."""
     mbs = _build(chain)
     h = 0.5 * ExplicitStepper(mbs, ExplicitSettings(name)).bounds.stability_limit
-    explicit, integrator = ExplicitSettings(name), find_integrator(name)
-    cable = read_scene(mbs).cables[0]
-    start = Start(0.0, explicit.startTolerance, explicit.stabilizationRate, 0.0, math.inf)
-    run = CableRun(cable, initial_state(mbs, cable), start, integrator)
+    explicit = ExplicitSettings(name, energyTolerance=math.inf)
+    (run,) = cable_runs(mbs, read_scene(mbs).cables, 0.0, 0.0, explicit)
     initial = run.state.q.copy(), run.state.v.copy()
-    loads = run.loads.sample(0.0, h, STEPS, integrator.stages)
+    loads = run.loads.sample(0.0, h, STEPS, run.stages)
     history = np.zeros((STEPS // STEPS_OF_AN_OUTPUT, 3, run.state.q.size))
     scheme = scheme_of(explicit)
 
