@@ -225,13 +225,13 @@ def test_pickled_objects_are_not_loaded(tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"version": 2}, "is of version 2, this package reads version 1"),
+        ({"version": 1}, "is of version 1, this package reads version 2"),
         ({"format": "x"}, "not of the format"),
     ],
 )
 def test_another_version_or_format_is_refused(tmp_path, monkeypatch, change, message):
     path = tmp_path / "run.restart"
-    monkeypatch.setattr(restart_file, "VERSION", change.get("version", 1))
+    monkeypatch.setattr(restart_file, "VERSION", change.get("version", restart_file.VERSION))
     monkeypatch.setattr(restart_file, "FORMAT", change.get("format", restart_file.FORMAT))
     write_restart(path, some_restart())
     monkeypatch.undo()

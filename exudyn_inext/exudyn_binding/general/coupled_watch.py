@@ -18,7 +18,7 @@ from ..cable_watch import memory_of
 from .coupled_scene import CoupledScene
 
 STEPS_BETWEEN = 256  # two inspections at most
-ROOM = 2**21  # numbers that steps may be remembered by: 16 MB
+ROOM = 2**21  # coordinates, and as many forces, of the steps that are remembered: 16 MB each
 STEPS_WITH_POWER = 32  # at most where damping or supports that move change the energy
 STEPS_BETWEEN_GLANCES = 16  # at the velocities
 CALM = 4.0  # growth of their square since the last inspection that calls for no other one
