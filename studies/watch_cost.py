@@ -24,6 +24,7 @@ import statistics
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
+from itertools import repeat
 from typing import Any
 
 import exudyn
@@ -39,6 +40,7 @@ from exudyn_inext import (
     SolveExplicit,
 )
 from exudyn_inext.exudyn_binding.explicit_runs import cable_runs, scheme_of
+from exudyn_inext.exudyn_binding.general import coupled_run
 from exudyn_inext.exudyn_binding.general.coupled_watch import CoupledWatch
 from exudyn_inext.exudyn_binding.scene import read_scene
 from exudyn_inext.integrators.integrator import record
@@ -168,14 +170,27 @@ def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
     return {WATCHED: watched, UNINSPECTED: alone}
 
 
+class _Blind(CoupledWatch):
+    """Remembers and judges nothing."""
+
+    @property
+    def steps_ahead(self) -> int:
+        return STEPS_AMONG_BODIES
+
+    def rows(self, steps: int) -> Iterator[Any]:
+        return repeat(self._rows[0], steps)
+
+    def is_well_at(self, t: float, h: float, state: Any) -> bool:
+        return True
+
+
 @contextmanager
 def _nobody_watching() -> Iterator[None]:
-    watching = CoupledWatch.is_well_after
-    CoupledWatch.is_well_after = lambda self, t, h, state: True  # type: ignore[method-assign]
+    coupled_run.CoupledWatch = _Blind  # type: ignore[misc]
     try:
         yield
     finally:
-        CoupledWatch.is_well_after = watching  # type: ignore[method-assign]
+        coupled_run.CoupledWatch = CoupledWatch  # type: ignore[misc]
 
 
 def _build(chain: Chain) -> Any:

@@ -52,9 +52,9 @@ def test_cables_alone_are_compared_with_and_without_inspections(rows_of, kind):
 
 
 def test_among_bodies_the_watch_is_switched_off_for_comparison_and_on_again(rows_of):
-    watching = watch_cost.CoupledWatch.is_well_after
+    watching = watch_cost.coupled_run.CoupledWatch
     found = rows_of("beside", watch_cost._tasks_among_bodies)
-    assert watch_cost.CoupledWatch.is_well_after is watching
+    assert watch_cost.coupled_run.CoupledWatch is watching is watch_cost.CoupledWatch
     assert {r["kind"] for r in found} == {"among bodies"}
     assert all(r["overPlain"] is None and r["microseconds"] > 0 for r in found)
 

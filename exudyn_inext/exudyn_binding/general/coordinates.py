@@ -53,12 +53,11 @@ class CoordinateMap:
         self._vector[self.indices] = v
         return self._vector.tolist()
 
-    def forces(self, vector: Array) -> Array:
-        """(n,) forces on the parts from the system vector."""
-        forces: Array = vector[self.indices]
+    def forces(self, vector: Array, forces: Array) -> None:
+        """From the system vector to `forces` (n,) on the parts."""
+        vector.take(self.indices, out=forces, mode="clip")  # unlike "raise", writes to `out` directly
         if self._stands_twice is not None:
             forces[self._stands_twice] = 0.0
-        return forces
 
     def places(self, coordinates: np.ndarray) -> list[tuple[int, np.ndarray, np.ndarray]]:
         """(part, which of `coordinates` lie in it, their places there), for each part that is met."""

@@ -23,6 +23,8 @@ from .coupled_scene import CoupledCable, CoupledScene
 from .coupled_watch import CoupledWatch
 from .start import consistent_start
 
+_NOTHING, _TIME = np.zeros(1), np.ones((1, 1))  # the load of a coupled system is the time
+
 
 class CoupledRun:
     """All of a scene, see `time_loop.Run`.
@@ -153,23 +155,32 @@ class CoupledRun:
 
     def _is_well_through(self, scheme: Any, start: float, grid: TimeGrid) -> bool:
         """Take the steps of one interval."""
-        take_step = _plain(advance.dispatch(type(scheme)))
-        for substep in range(grid.substeps):
-            times = start + grid.h * (substep + np.array(self._integrator.stages))
-            loads = LoadHistory(np.zeros(1), np.ones((1, 1)), times.reshape(1, -1, 1))
-            end = start + grid.h * (substep + 1)
-            try:
-                take_step(scheme, self._scene.system, loads, self.state, grid.h, 1, self.watch.row)
-                self._scene.surroundings.finish_step(end, self.state.q, self.state.v)
-            except DivergenceError:
-                self.watch.give_up(self.state)
-                return False
-            if not self.watch.is_well_after(end, grid.h, self.state):
-                return False
+        steps = np.arange(grid.substeps)[:, np.newaxis]
+        times: Array = start + grid.h * (steps + np.array(self._integrator.stages))
+        done = 0
+        try:
+            while done < grid.substeps:
+                ahead = times[done : done + self.watch.steps_ahead]
+                self._take_steps(scheme, ahead, start + grid.h * done, grid.h)
+                done += len(ahead)
+                if not self.watch.is_well_at(start + grid.h * done, grid.h, self.state):
+                    return False
+        except DivergenceError:
+            self.watch.give_up(self.state)
+            return False
         if all(np.isfinite(values).all() for values in (self.state.q, self.state.v, self.state.a)):
             return True
         self.watch.give_up(self.state)
         return False
+
+    def _take_steps(self, scheme: Any, times: Array, start: float, h: float) -> None:
+        """Steps of h [s] from `start` [s].   times: (steps, stages) of their evaluations [s]."""
+        take_step = _plain(advance.dispatch(type(scheme)))
+        system, state, finish = self._scene.system, self.state, self._scene.surroundings.finish_step
+        factors = times[:, np.newaxis, :, np.newaxis]
+        for step, row in enumerate(self.watch.rows(len(times))):
+            take_step(scheme, system, LoadHistory(_NOTHING, _TIME, factors[step]), state, h, 1, row)
+            finish(start + h * (step + 1), state.q, state.v)
 
     def figures(self) -> dict[str, float]:
         """How well constraints and energy were kept."""

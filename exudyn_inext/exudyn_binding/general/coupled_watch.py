@@ -5,7 +5,7 @@ that depends on the configuration changes the energy, too: the forces of Exudyn 
 to the momentum, of which the kinetic energy takes one half.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -59,28 +59,40 @@ class CoupledWatch:
         self._rows = [self._positions[np.newaxis, 2 + k : 5 + k] for k in range(self._longest)]
         self._masses = self._bodies.system.make_room_for_masses(self._longest + 1)
 
-    @property
-    def row(self) -> Array:
-        """(1, 3, n) for q, v, a after the next step; v and a lie where the next ones' q will be."""
-        return self._rows[self._steps]
-
     def open(self, t: float, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""
         self._set_gauges(t, state)
         self._steps = 0
         self._positions[0] = state.q
-        self._forces[:2] = forces = self._surroundings.native_forces
+        self._forces[:2] = forces = self._surroundings.native_forces.copy()
         self._begin(t, state)
         extent = float(np.abs(state.q).max(initial=0.0))
         size = float(np.abs(forces + self._gravity).sum())
         open_with_gauges(self.watch, state, ROUND_OFF * extent * size)
 
-    def is_well_after(self, t: float, h: float, state: Any) -> bool:
-        """Count a step to t [s], which `row` shows; judge from time to time, and if velocities grow."""
-        self._steps = steps = self._steps + 1
-        self._forces[steps + 1] = self._surroundings.native_forces
-        if self._masses:
-            self._bodies.system.keep_masses(steps)
+    @property
+    def steps_ahead(self) -> int:
+        """That may be taken before the next `is_well_at`."""
+        return self._next - self._steps
+
+    def rows(self, steps: int) -> Iterator[Array]:
+        """(1, 3, n) for q, v, a after each of the next steps; the forces and masses of each are remembered.
+
+        v and a lie where the next ones' q will be.
+        """
+        surroundings, latest = self._surroundings, self._surroundings.native_forces
+        for step in range(self._steps, self._steps + steps):
+            surroundings.native_forces = self._forces[step + 2]
+            yield self._rows[step]
+            if self._masses:
+                self._bodies.system.keep_masses(step + 1)
+        latest[:] = surroundings.native_forces
+        surroundings.native_forces = latest
+        self._steps += steps
+
+    def is_well_at(self, t: float, h: float, state: Any) -> bool:
+        """Judge the steps of h [s] until t [s] from time to time, and if velocities grow."""
+        steps = self._steps
         if steps < self._next:
             return True
         if steps < self._most_steps and state.v.dot(state.v) <= self._calm:

@@ -24,12 +24,11 @@ class NativeSurroundings:
     """What Exudyn knows of a scene: all forces by one call, joints, masses that change.
 
     joints: names of the rows.   blocks: their Jacobian by parts.
-    native_forces: (n,) what Exudyn's items did to all second order coordinates when last asked [N, Nm].
+    native_forces: (n,) where to put what Exudyn's items do to all second order coordinates [N, Nm].
     """
 
     joints: Sequence[str]
     blocks: Sequence[JointBlock]
-    native_forces: Array
 
     def __init__(
         self,
@@ -54,6 +53,8 @@ class NativeSurroundings:
         self._rows = rows
         self._sizes = self._data.ODE2Size(), self._data.ODE1Size()
         self._bodies = self._dofs[len(loads)]
+        self._remembers = bool(self._data.DataSize() or mbs.NumberOfGeneralContacts())
+        self.native_forces = np.zeros(len(coordinates.indices))
         self._positions = np.zeros(self._dofs[-1].stop)  # that mbs has at the time self._time
         self._values: Array | None = None  # of all joints, if they are known there
         self.forget()
@@ -70,7 +71,8 @@ class NativeSurroundings:
         if first:
             self._solver.ComputeODE1RHS(self._mbs)
         residual = self._solver.GetSystemResidual()
-        self.native_forces = forces = self._coordinates.forces(residual[:second])
+        forces = self.native_forces
+        self._coordinates.forces(residual[:second], forces)
         result = []
         for loads, dofs in zip(self._loads, self._dofs, strict=False):
             force = loads.at(t).copy()
@@ -106,7 +108,7 @@ class NativeSurroundings:
 
         As Exudyn's explicit solvers do: once a step, and the next step starts from what is remembered.
         """
-        if self._data.DataSize() or self._mbs.NumberOfGeneralContacts():
+        if self._remembers:
             self._set_state(t, q, v)
             self._solver.PostNewton(self._mbs, self._settings)
             self._data.SetDataCoordinates(self._data.GetDataCoordinates(), _START_OF_STEP)
