@@ -2,6 +2,7 @@
 
 import pytest
 
+from exudyn_inext.exudyn_binding.general.coupled_watch import CoupledWatch
 from studies import watch_cost
 from studies.harness.benchmark import Figures
 
@@ -51,10 +52,16 @@ def test_cables_alone_are_compared_with_and_without_inspections(rows_of, kind):
         assert r["overPlain"] is not None
 
 
-def test_among_bodies_the_watch_is_switched_off_for_comparison_and_on_again(rows_of):
-    watching = watch_cost.coupled_run.CoupledWatch
+def test_among_bodies_one_run_is_compared_with_and_without_a_watch(rows_of, monkeypatch):
+    judged = []
+    is_well_at = CoupledWatch.is_well_at
+    monkeypatch.setattr(CoupledWatch, "is_well_at", lambda *args: judged.append(1) or is_well_at(*args))
+    tasks = watch_cost._tasks_among_bodies((2, "beside", 3), "Zhai")
+    for way, looks in ((watch_cost.WATCHED, True), (watch_cost.UNINSPECTED, False)):
+        judged.clear()
+        tasks[way](1)
+        assert bool(judged) is looks
     found = rows_of("beside", watch_cost._tasks_among_bodies)
-    assert watch_cost.coupled_run.CoupledWatch is watching is watch_cost.CoupledWatch
     assert {r["kind"] for r in found} == {"among bodies"}
     assert all(r["overPlain"] is None and r["microseconds"] > 0 for r in found)
 

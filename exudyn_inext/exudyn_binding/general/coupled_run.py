@@ -176,11 +176,22 @@ class CoupledRun:
     def _take_steps(self, scheme: Any, times: Array, start: float, h: float) -> None:
         """Steps of h [s] from `start` [s].   times: (steps, stages) of their evaluations [s]."""
         take_step = _plain(advance.dispatch(type(scheme)))
-        system, state, finish = self._scene.system, self.state, self._scene.surroundings.finish_step
-        factors = times[:, np.newaxis, :, np.newaxis]
-        for step, row in enumerate(self.watch.rows(len(times))):
+        system, state, watch, surroundings = (
+            self._scene.system,
+            self.state,
+            self.watch,
+            self._scene.surroundings,
+        )
+        factors, latest = times[:, np.newaxis, :, np.newaxis], surroundings.native_forces
+        keeps_masses = watch.keeps_masses
+        for step, (row, surroundings.native_forces) in enumerate(watch.memory_of_steps(len(times))):
             take_step(scheme, system, LoadHistory(_NOTHING, _TIME, factors[step]), state, h, 1, row)
-            finish(start + h * (step + 1), state.q, state.v)
+            surroundings.finish_step(start + h * (step + 1), state.q, state.v)
+            if keeps_masses:
+                watch.keep_masses(step)
+        latest[:] = surroundings.native_forces
+        surroundings.native_forces = latest
+        watch.count(len(times))
 
     def figures(self) -> dict[str, float]:
         """How well constraints and energy were kept."""

@@ -5,10 +5,11 @@ that depends on the configuration changes the energy, too: the forces of Exudyn 
 to the momentum, of which the kinetic energy takes one half.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ...arrays import Array
 from ...integrators.watch import build_watch, judge, judge_after_steps, open_with_gauges
@@ -17,11 +18,11 @@ from ..cable_run import CableRun
 from ..cable_watch import memory_of
 from .coupled_scene import CoupledScene
 
-STEPS_BETWEEN = 256  # two inspections at most
+STEPS_BETWEEN = 512  # two inspections at most
 ROOM = 2**21  # coordinates, and as many forces, of the steps that are remembered: 16 MB each
 STEPS_WITH_POWER = 32  # at most where damping or supports that move change the energy
 STEPS_BETWEEN_GLANCES = 16  # at the velocities
-CALM = 4.0  # growth of their square since the last inspection that calls for no other one
+CALM = 16.0  # growth of their square since the last inspection that calls for another one
 LENIENCE = 10.0  # of the energy: forces that jump, as those of contact do, have work between two steps
 ROUND_OFF = 1e-10  # of the energy, relative to the forces times the extent
 
@@ -56,7 +57,8 @@ class CoupledWatch:
         # one step before the last inspection, then, and after each step since:
         self._positions = np.zeros((self._longest + 4, len(state.q)))
         self._forces = np.zeros((self._longest + 2, number))  # without gravity
-        self._rows = [self._positions[np.newaxis, 2 + k : 5 + k] for k in range(self._longest)]
+        self._rows = list(sliding_window_view(self._positions[2:], (3, len(state.q)), writeable=True))
+        self._rows_of_forces = list(self._forces[2:])
         self._masses = self._bodies.system.make_room_for_masses(self._longest + 1)
 
     def open(self, t: float, state: Any) -> None:
@@ -71,23 +73,29 @@ class CoupledWatch:
         open_with_gauges(self.watch, state, ROUND_OFF * extent * size)
 
     @property
+    def keeps_masses(self) -> bool:
+        """Whether there are masses that change."""
+        return bool(self._masses)
+
+    @property
     def steps_ahead(self) -> int:
         """That may be taken before the next `is_well_at`."""
         return self._next - self._steps
 
-    def rows(self, steps: int) -> Iterator[Array]:
-        """(1, 3, n) for q, v, a after each of the next steps; the forces and masses of each are remembered.
+    def memory_of_steps(self, steps: int) -> Iterable[tuple[Array, Array]]:
+        """Of each of the next steps: (1, 3, n) for q, v, a after it, and (n,) for Exudyn's forces then.
 
         v and a lie where the next ones' q will be.
         """
-        surroundings, latest = self._surroundings, self._surroundings.native_forces
-        for step in range(self._steps, self._steps + steps):
-            surroundings.native_forces = self._forces[step + 2]
-            yield self._rows[step]
-            if self._masses:
-                self._bodies.system.keep_masses(step + 1)
-        latest[:] = surroundings.native_forces
-        surroundings.native_forces = latest
+        following = slice(self._steps, self._steps + steps)
+        return zip(self._rows[following], self._rows_of_forces[following], strict=True)
+
+    def keep_masses(self, step: int) -> None:
+        """Remember the masses after that one of the next steps."""
+        self._bodies.system.keep_masses(self._steps + step + 1)
+
+    def count(self, steps: int) -> None:
+        """These steps have been taken."""
         self._steps += steps
 
     def is_well_at(self, t: float, h: float, state: Any) -> bool:
@@ -96,7 +104,7 @@ class CoupledWatch:
         if steps < self._next:
             return True
         if steps < self._most_steps and state.v.dot(state.v) <= self._calm:
-            self._look_again()
+            self._next = min(steps + STEPS_BETWEEN_GLANCES, self._most_steps)
             return True
         self._set_gauges(t, state)
         trouble = self._judge(h, t - self._last[0], state)
@@ -138,7 +146,7 @@ class CoupledWatch:
     def _judge(self, h: float, duration: float, state: Any) -> int:
         rows = self._steps + 2
         positions, forces = self._positions[:rows], self._forces[:rows]
-        if self._masses:
+        if self.keeps_masses:
             rates = np.diff(positions[1:, self._bodies.dofs], axis=0) / h
             self.watch.account[0].work += self._bodies.system.energy_of_changes(rates)
         return int(judge_after_steps(self.watch, state, self._gravity, positions, forces, duration))
