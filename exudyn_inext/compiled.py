@@ -1,7 +1,8 @@
 """How numerical kernels are compiled, and the cache of their machine code.
 
-`kernel` makes an entry point, `inlined` a part of kernels, `local_array` small memory on the stack:
-loops over it have constant bounds and no aliases, so that the compiler keeps it in registers.
+`kernel` makes an entry point, `inlined` a part of kernels, `shared` one that Python calls, too, `optional`
+one that many cables do not have, `local_array` small memory on the stack: loops over it have constant
+bounds and no aliases, so that the compiler keeps it in registers.
 
 Numba invalidates a cached function when *its own* file changes, not when a function that it inlines
 does. The cache folder therefore carries a hash of all sources that hold kernels: an edit of one of
@@ -15,7 +16,7 @@ import tempfile
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
@@ -99,8 +100,42 @@ def kernel(function: _Function) -> _Function:
 
 
 def inlined(function: _Function) -> _Function:
-    """Compile `function` as a part of the kernels that call it."""
+    """Compile `function` as a part of the kernels that call it; Python cannot."""
+    return numba.njit(forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function)
+
+
+def shared(function: _Function) -> _Function:
+    """As `inlined`, for parts that plain Python calls, too; they take longer to compile."""
     return numba.njit(forceinline=True, **_OPTIONS)(function)
+
+
+def optional(field: str) -> Callable[[_Function], _Function]:
+    """Compile f(axes, nodes, elements, ...) as a part of kernels, where the elements' `field` is not empty.
+
+    Elsewhere it does nothing, and takes no time to compile.
+    """
+
+    def decorate(function: _Function) -> _Function:
+        compiled = inlined(function)
+
+        def part(axes, nodes, elements, *others):
+            if elements.dtype[field].shape[0] > 0:
+                function(axes, nodes, elements, *others)
+
+        @overload(part, strict=False, jit_options={"forceinline": True, **_OPTIONS})
+        def choose(axes, nodes, elements, *others):
+            def call(axes, nodes, elements, *others):
+                compiled(axes, nodes, elements, *others)
+
+            def nothing(axes, nodes, elements, *others):
+                pass
+
+            return call if elements.dtype.fields[field].type.shape[0] > 0 else nothing
+
+        part.__name__, part.__doc__ = function.__name__, function.__doc__
+        return cast(_Function, part)
+
+    return decorate
 
 
 def local_array(rows: int, columns: int) -> Any:

@@ -1,6 +1,6 @@
 """Forces and constraint terms of the whole chain, element by element."""
 
-from ..compiled import inlined, kernel, local_array
+from ..compiled import inlined, kernel, local_array, optional
 from ..element.bending import add_bending_force
 from ..element.bending_damping import add_damping_force
 from ..element.drag import add_drag_force
@@ -158,14 +158,12 @@ def assemble(axes, nodes, elements, q, v, column):
         set_gradient(axes, nodes[k].free, nodes[k + 1].free, result, element.gradient)
 
 
-@inlined
+@optional("damping")
 def add_damping(axes, nodes, elements, q, v, lead, a, column):
     """Damping forces at the velocities v + lead a, added to column `column` of the nodes' `force`.
 
     lead: [s]; a: (n, 2, dim) accelerations that v still lacks. Nothing happens without damping.
     """
-    if elements[0].damping.shape[0] == 0:
-        return
     e, e_t, lacking, result = local_array(3, 3), local_array(3, 3), local_array(3, 3), local_array(3, 3)
     memory = local_array(8, 3)
     for k in range(len(elements)):
@@ -180,11 +178,9 @@ def add_damping(axes, nodes, elements, q, v, lead, a, column):
         add_element_force(axes, result, nodes[k].force[column], nodes[k + 1].force[column])
 
 
-@inlined
+@optional("drag")
 def add_drag(axes, nodes, elements, q, v, lead, a, column):
     """Drag at the velocities v + lead a; arguments as for `add_damping`. Nothing happens without drag."""
-    if elements[0].drag.shape[0] == 0:
-        return
     e, rates, result, memory = local_array(3, 3), local_array(4, 3), local_array(4, 3), local_array(2, 3)
     for k in range(len(elements)):
         differences(axes, q, k, e)

@@ -153,7 +153,7 @@ def correct_cable_position(system, external, q, tolerance, learning, correction)
     if worst < tolerance:
         return worst
     reduce_right_hand_side(axes, nodes, elements, CORRECTION)
-    substitute(axes, nodes, (CORRECTION,), CORRECTION)
+    substitute(axes, nodes, (0,), CORRECTION)
     expand_solution(axes, nodes, elements, CORRECTION, correction.reshape(shape))
     return worst
 

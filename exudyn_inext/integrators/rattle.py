@@ -17,7 +17,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..checks import require_integer, require_positive
-from ..compiled import inlined, kernel
+from ..compiled import kernel, shared
 from ..system import accelerate_and_project, correct_position, implements
 from .integrator import Integrator, advance, allocate_state, external_force, store
 
@@ -66,8 +66,9 @@ def allocate(n_dof: int, n_external: int) -> RattleState:
 @kernel
 def start(system, external, state):
     """Evaluate at the initial state and project its velocity."""
-    state.residual[:] = 0.0
-    state.v_half[:] = state.v
+    state.residual[0] = 0.0
+    for i in range(len(state.v)):
+        state.v_half[i] = state.v[i]
     accelerate_and_project(system, external, state.q, state.v_half, 0.0, state.a, state.v)
 
 
@@ -78,7 +79,7 @@ def resume(system, external, state):
     accelerate_and_project(system, external, state.q, state.v, 0.0, memory, end_velocity)
 
 
-@inlined
+@shared
 def _drift(h, q, v, a, v_half):
     """v_(n+1/2) and q_(n+1) before the position constraints act."""
     for i in range(len(q)):
@@ -86,7 +87,7 @@ def _drift(h, q, v, a, v_half):
         q[i] += h * v_half[i]
 
 
-@inlined
+@shared
 def _add_correction(h, correction, q, v_half):
     for i in range(len(q)):
         q[i] += correction[i]
@@ -112,7 +113,7 @@ def advance_rattle(scheme, system, loads, state, h, steps, history):
         if not violation < scheme.tolerance:
             if state.residual[0] == 0.0:
                 state.residual[0] = violation
-            q[:] = np.nan
+            q.fill(np.nan)
         accelerate_and_project(system, external, q, v_half, 0.5 * h, a, v)
         store(history, loads, step, steps, q, v, a)
 

@@ -132,9 +132,11 @@ def _keep(watch, state):
 def _exchange(watch, state):
     """The state is the last good one again; the other one is kept, for whoever looks for the cause."""
     for memory in range(len(state)):
-        wrong = state[memory].copy()
-        state[memory][:] = watch.kept[memory]
-        watch.kept[memory][:] = wrong
+        kept, now = watch.kept[memory], state[memory]
+        for i in range(len(now)):
+            wrong = now[i]
+            now[i] = kept[i]
+            kept[i] = wrong
 
 
 @inlined

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from ..arrays import Array
 from ..checks import require_finite, require_flag
-from ..compiled import inlined, kernel
+from ..compiled import kernel, shared
 from ..system import implements, index_reduced_rates
 from .integrator import Integrator, advance, allocate_state, external_force, store
 
@@ -68,7 +68,8 @@ def allocate(n_dof: int, n_external: int) -> ZhaiState:
 def start(system, external, state):
     """Evaluate at the initial state; a_(-1) = a_0 makes the first step a Taylor step."""
     index_reduced_rates(system, external, state.q, state.v, state.a, state.rate)
-    state.a_previous[:] = state.a
+    for i in range(len(state.a)):
+        state.a_previous[i] = state.a[i]
 
 
 def change_step(state: ZhaiState, ratio: float) -> None:
@@ -76,7 +77,7 @@ def change_step(state: ZhaiState, ratio: float) -> None:
     state.a_previous[:] = state.a - ratio * (state.a - state.a_previous)
 
 
-@inlined
+@shared
 def _predict(scheme, h, q, v, a, a_previous, rate, q_start, v_start):
     """Phase I, Eqs. (31), (32); what the corrector needs of q_n and v_n is kept."""
     for i in range(len(q)):
@@ -87,7 +88,7 @@ def _predict(scheme, h, q, v, a, a_previous, rate, q_start, v_start):
         a_previous[i] = a[i]
 
 
-@inlined
+@shared
 def _correct(scheme, h, q, v, a_predicted, a_start, q_start, v_start):
     """Phase III, Eqs. (33), (34), from the predicted acceleration."""
     gamma = scheme.gamma_newmark
