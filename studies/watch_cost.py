@@ -71,11 +71,11 @@ MICRO = 1e6
 
 def measure(quick: bool) -> list[Row]:
     """One row for each cable and integrator."""
-    numbers = (5, 20)
-    repeats, dims = (5, (2,)) if quick else (21, (2, 3))
-    chains = [(dim, kind, number) for dim in dims for kind in ALONE for number in numbers]
+    kinds, numbers, dims = (ALONE[:1], (5,), (2,)) if quick else (ALONE, (5, 20), (2, 3))
+    repeats = 5 if quick else 21
+    chains = [(dim, kind, number) for dim in dims for kind in kinds for number in numbers]
     rows = [row for chain in chains for row in _rows(chain, _tasks_alone, STEPS, repeats)]
-    coupled = [(2, kind, number) for kind in AMONG_BODIES for number in numbers[:2]]
+    coupled = [(2, kind, number) for kind in AMONG_BODIES for number in numbers]
     more = 10 if quick else 100
     return rows + [
         row for chain in coupled for row in _rows(chain, _tasks_among_bodies, STEPS_AMONG_BODIES, more)

@@ -49,6 +49,7 @@ from .precision.scene_run import REPEATS, run_scene
 
 SCENES = ("planar_pendulum", "spatial_pendulum", "vibrating_ring", "power_line")
 QUICK_MOTION, QUICK_REPEATS = 0.5, 1  # [s]
+BRIEF_MOTION = 0.05  # [s]
 
 
 def make_cases(quick: bool) -> list[Row]:
@@ -124,4 +125,5 @@ STUDY = SweepStudy(
     conclusions=conclude,
     pictures=draw,
     rows=rows_of,
+    brief={"motion": BRIEF_MOTION, "repeats": 1},
 )

@@ -6,7 +6,8 @@ Each round begins with another task: what the caches hold after the task before 
 import statistics
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 
 from tqdm import tqdm
 
@@ -14,6 +15,19 @@ from .timing import garbage_collection_off
 
 Task = Callable[[int], None]
 """Does its work that many times."""
+
+
+_rehearsal: list[None] = []  # one for each `each_task_once` that is open
+
+
+@contextmanager
+def each_task_once() -> Iterator[None]:
+    """Inside, `seconds_per_time` runs each task once, for what it compiles; its seconds mean nothing."""
+    _rehearsal.append(None)
+    try:
+        yield
+    finally:
+        _rehearsal.pop()
 
 
 def seconds_per_time(
@@ -24,6 +38,10 @@ def seconds_per_time(
     Every task is first run untimed (compilation, caches), then as often in a sample as takes
     `least_seconds`.
     """
+    if _rehearsal:
+        for task in tasks.values():
+            task(1)
+        return {label: [1.0] * repeats for label in tasks}
     times = {label: _times_of(task, least_seconds) for label, task in tasks.items()}
     samples: dict[str, list[float]] = {label: [] for label in tasks}
     order = deque(tasks.items())

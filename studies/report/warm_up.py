@@ -10,6 +10,7 @@ from contextlib import redirect_stderr, suppress
 from dataclasses import replace
 from io import StringIO
 
+from studies.harness.interleaved import each_task_once
 from studies.harness.progress import announce
 from studies.harness.study import Study
 from studies.harness.sweep.case import is_timed
@@ -24,7 +25,7 @@ Task = tuple[str, int]
 
 
 def warm_up(studies: Mapping[str, AnyStudy]) -> None:
-    """Run quick cases: of studies on a scene for a moment, of sweeps the timed ones; and benchmarks."""
+    """Run quick cases: of studies on a scene for a moment, of sweeps the timed ones; and benchmarks, once."""
     tasks = _tasks(studies)
     if tasks:
         announce("report", f"compiling on {os.cpu_count()} cores, nothing is timed yet")
@@ -50,9 +51,10 @@ def rehearse(name: str, number: int) -> None:
         if isinstance(study, Study):
             _run_for_a_moment(study)
         elif isinstance(study, SweepStudy):
-            study.run([case for case in study.cases(True) if is_timed(case)][number])
+            study.run([case for case in study.cases(True) if is_timed(case)][number] | study.brief)
         else:
-            study.measure(True)
+            with each_task_once():
+                study.measure(True)
 
 
 def _run_for_a_moment(study: Study) -> None:

@@ -7,6 +7,7 @@ import pytest
 from reference_models.scenes import load_scene
 from reference_models.trajectory import Case
 from studies.harness.benchmark import Benchmark
+from studies.harness.interleaved import each_task_once, seconds_per_time
 from studies.harness.study import Study
 from studies.harness.sweep.engines import Engine
 from studies.harness.sweep.study import SweepStudy
@@ -35,7 +36,11 @@ def studies(monkeypatch):
     found = {
         "study": Study("study", "", SCENE, {}, cases),
         "sweep": SweepStudy(
-            "sweep", cases=lambda quick: sweep, run=lambda case: run(f"timed {case['n']}"), **nothing
+            "sweep",
+            cases=lambda quick: sweep,
+            run=lambda case: run(f"{case['kind']} timed {case['n']}"),
+            brief={"kind": "brief"},
+            **nothing,
         ),
         "benchmark": Benchmark("benchmark", measure=lambda quick: run(f"quick: {quick}"), **nothing),
     }
@@ -49,10 +54,20 @@ def test_all_quick_cases_that_are_timed_run_once(studies):
     tasks = [("study", 0), ("sweep", 0), ("sweep", 1), ("sweep", 2), ("benchmark", 0)]
     assert warm_up._tasks(found) == tasks
     warm_up.warm_up(found)
-    assert sorted(ran) == [*(f"case {n}" for n in range(3)), "quick: True", "timed 0", "timed 1", "timed 3"]
+    timed = [f"brief timed {n}" for n in (0, 1, 3)]
+    assert sorted(ran) == [*timed, *(f"case {n}" for n in range(3)), "quick: True"]
     assert ran[:3] == ["case 0", "case 1", "case 2"]
 
 
 def test_without_studies_no_process_is_started(monkeypatch):
     monkeypatch.setattr(warm_up, "processes", None)
     warm_up.warm_up({})
+
+
+def test_tasks_of_benchmarks_run_once():
+    ran = []
+    task = ran.append
+    with each_task_once():
+        assert seconds_per_time({"a": task, "b": task}, 3, 1e-3) == {"a": [1.0] * 3, "b": [1.0] * 3}
+    assert ran == [1, 1]
+    assert len(seconds_per_time({"a": task}, 3, 1e-6)["a"]) == 3 and len(ran) > 5

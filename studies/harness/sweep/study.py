@@ -1,7 +1,7 @@
 """A study whose rows come from a sweep."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from exudyn_inext.errors import InputError
@@ -55,6 +55,7 @@ class SweepStudy:
     tables, conclusions, pictures, not_in_quick_report: see `Benchmark`; a row is a case, what was found,
     and its "status".
     rows: of a case and its outcome; default: one.
+    brief: what makes a case short, when it is run for what it compiles.
     """
 
     name: str
@@ -66,6 +67,7 @@ class SweepStudy:
     pictures: Callable[[Figures, Path], list[Path]] = no_pictures
     not_in_quick_report: str = ""
     rows: Callable[[Row, Outcome], list[Row]] = one_row
+    brief: Row = field(default_factory=dict)
 
 
 def run_sweep_study(
