@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 from tqdm import tqdm
 
-from .timing import garbage_collection_off
+from .timing import garbage_collection_off, only_new_garbage
 
 Task = Callable[[int], None]
 """Does its work that many times."""
@@ -45,11 +45,12 @@ def seconds_per_time(
     times = {label: _times_of(task, least_seconds) for label, task in tasks.items()}
     samples: dict[str, list[float]] = {label: [] for label in tasks}
     order = deque(tasks.items())
-    for _ in tqdm(range(repeats), desc=name, unit="round"):
-        with garbage_collection_off():
-            for label, task in order:
-                samples[label].append(_seconds(task, times[label]) / times[label])
-        order.rotate(-1)
+    with only_new_garbage():
+        for _ in tqdm(range(repeats), desc=name, unit="round"):
+            with garbage_collection_off():
+                for label, task in order:
+                    samples[label].append(_seconds(task, times[label]) / times[label])
+            order.rotate(-1)
     return samples
 
 

@@ -47,12 +47,13 @@ def measure(
     how many of the rounds a case takes part; default: in all.
     """
     measurements = [Measurement(case) for case in cases]
-    for completed in range(repeats + 1):
-        for measurement in measurements:
-            advance(measurement.case.label)
-            wanted = repeats if repeats_of is None else repeats_of(measurement.warm_up)
-            if measurement.status == OK and completed <= wanted:
-                _run_once(measurement)
+    with only_new_garbage():
+        for completed in range(repeats + 1):
+            for measurement in measurements:
+                advance(measurement.case.label)
+                wanted = repeats if repeats_of is None else repeats_of(measurement.warm_up)
+                if measurement.status == OK and completed <= wanted:
+                    _run_once(measurement)
     return measurements
 
 
@@ -79,6 +80,17 @@ def _run_once(measurement: Measurement) -> None:
         measurement.warm_up = elapsed
     else:
         measurement.cpu_seconds.append(elapsed)
+
+
+@contextmanager
+def only_new_garbage() -> Iterator[None]:
+    """Inside, collections leave what is there already alone: modules and compilers are a million objects."""
+    gc.collect()
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
 
 
 @contextmanager

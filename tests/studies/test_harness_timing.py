@@ -90,3 +90,14 @@ def test_progress_hears_of_every_run():
     heard = []
     measure([case("a", trajectory), case("b", raising(RuntimeError()))], 2, heard.append)
     assert heard == ["a", "b"] * 3
+
+
+def test_garbage_collections_between_runs_see_new_objects_alone():
+    frozen = []
+
+    def run():
+        frozen.append(gc.get_freeze_count())
+        return trajectory()
+
+    measure([case("a", run)], 2)
+    assert min(frozen) > 1000 and gc.get_freeze_count() == 0
