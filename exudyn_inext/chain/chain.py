@@ -47,7 +47,7 @@ def build_chain(cable: Cable, mass_scaling: float = 0.0) -> Chain:
     """
     product = cable.measure is CurvatureMeasure.PRODUCT
     dim, number = cable.dimension, cable.number_of_elements
-    nodes = np.zeros(number + 1, node_type(dim)).view(np.recarray)
+    nodes = np.zeros(number + 1, node_type(dim))
     section = cable.section
     layout = element_type(
         dim,
@@ -56,27 +56,27 @@ def build_chain(cable: Cable, mass_scaling: float = 0.0) -> Chain:
         damped=section.bending_damping != 0.0,
         dragged=cable.drag is not None,
     )
-    elements = np.zeros(number, layout).view(np.recarray)
-    nodes.free = np.where(cable.fixed, 0.0, 1.0)
-    nodes.ends_group = _ends_group(cable)
-    nodes.mass, elements.mass = _mass_bands(cable, mass_scaling)
+    elements = np.zeros(number, layout)
+    nodes["free"] = np.where(cable.fixed, 0.0, 1.0)
+    nodes["ends_group"] = _ends_group(cable)
+    nodes["mass"], elements["mass"] = _mass_bands(cable, mass_scaling)
     lengths, stiffness = cable.element_lengths, section.bending_stiffness
-    elements.stiffness = stiffness * _in_differences(stiffness_matrix, lengths)
+    elements["stiffness"] = stiffness * _in_differences(stiffness_matrix, lengths)
     if product:
         tensors = _in_differences(stiffness_tensor, lengths)
-        elements.tensor = stiffness * np.stack([in_pairs(tensor) for tensor in tensors])
+        elements["tensor"] = stiffness * np.stack([in_pairs(tensor) for tensor in tensors])
     if section.natural_curvature:
-        elements.natural = stiffness * section.natural_curvature * _in_differences(turning_matrix, lengths)
+        elements["natural"] = stiffness * section.natural_curvature * _in_differences(turning_matrix, lengths)
     if section.bending_damping:
-        elements.damping = forms_of_mesh(damping_table, lengths)
-        elements.damping[:, :, 0] *= section.bending_damping
+        elements["damping"] = forms_of_mesh(damping_table, lengths)
+        elements["damping"][:, :, 0] *= section.bending_damping
     if cable.drag is not None:
-        elements.drag = forms_of_mesh(drag_table, lengths)
-        elements.drag_law = cable.drag.law()
+        elements["drag"] = forms_of_mesh(drag_table, lengths)
+        elements["drag_law"] = cable.drag.law()
     if cable.length_constraints > 0:
-        elements.slope_gram = _in_differences(slope_gram_matrix, lengths)
-    elements.reference_length = cable.constrained_lengths()
-    return Chain(tuple(range(dim)), nodes, elements)
+        elements["slope_gram"] = _in_differences(slope_gram_matrix, lengths)
+    elements["reference_length"] = cable.constrained_lengths()
+    return Chain(tuple(range(dim)), nodes.view(np.recarray), elements.view(np.recarray))
 
 
 def _in_differences(form: Callable[[float], Array], lengths: Array) -> Array:

@@ -44,10 +44,13 @@ class StartCorrection:
 def worst_violation(scene_cable: CableInScene, q: Array, v: Array, time: float) -> Violation:
     """The worst violation of all constraints by initial q, v (n, 2, dim)."""
     speed = max(1.0, float(np.abs(v).max()))
+    rests = not (v.any() or scene_cable.moving)  # then no rate can be wrong
     worst = Violation(0.0)
     for constraint in constraints_of_cable(scene_cable.cable):
-        value, rate = constraint.value(q, time), constraint.rate(q, v, time) / speed
-        for what, violations in (("initial coordinates", value), ("initial velocities", rate)):
+        found = [("initial coordinates", constraint.value(q, time))]
+        if not rests:
+            found.append(("initial velocities", constraint.rate(q, v, time) / speed))
+        for what, violations in found:
             sizes = np.abs(violations)
             row = int(np.argmax(sizes))  # that of a NaN, if there is one
             if not sizes[row] <= worst.size:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import chain
 from typing import Any, Protocol
 
 import exudyn
@@ -108,12 +109,11 @@ class ExplicitTimeLoop:
         return f"{names}: {ahead} of Exudyn's steps in one compiled call, because all loads are known"
 
     def _plain_user_function(self) -> Any:
-        next_state = self._states().__next__
+        next_state = chain.from_iterable(self._blocks_of_states()).__next__
         set_q, *set_others = self._setters()[: self._observed]
 
         def take_step_of_positions(solver: Any, mbs: Any, settings: Any) -> bool:
-            (q,) = next_state()
-            set_q(q)
+            set_q(next_state())
             return True
 
         def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
@@ -154,16 +154,19 @@ class ExplicitTimeLoop:
 
         return take_step
 
-    def _states(self) -> Iterator[list[list[float]]]:
-        """q and what is observed after each step of the loop; DivergenceError instead of a bad one."""
+    def _blocks_of_states(self) -> Iterator[list[Any]]:
+        """Some steps of the loop: after each, q if that is all that is observed, or a list of what is.
+
+        DivergenceError instead of a bad one.
+        """
         while True:
             first = self._computed
             with self._remembering_errors():
                 states, good = self._compute_ahead()
             self._ahead = (first, states[:good])
-            observed = states[:good, : self._observed]
+            observed = states[:good, 0 if self._observed == 1 else slice(self._observed)]
             for block in range(0, good, HANDED_OUT):
-                yield from observed[block : block + HANDED_OUT].tolist()
+                yield observed[block : block + HANDED_OUT].tolist()
             if good < len(states):
                 self.error = self._divergence(self.grid.time(first + good), self.grid.time(first + good + 1))
                 raise self.error

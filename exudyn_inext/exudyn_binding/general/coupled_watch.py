@@ -21,7 +21,7 @@ from .coupled_scene import CoupledScene
 STEPS_BETWEEN = 512  # two inspections at most
 ROOM = 2**21  # coordinates, and as many forces, of the steps that are remembered: 16 MB each
 STEPS_WITH_POWER = 32  # at most where damping or supports that move change the energy
-STEPS_BETWEEN_GLANCES = 16  # at the velocities
+STEPS_BETWEEN_GLANCES = 32  # at the velocities
 CALM = 16.0  # growth of their square since the last inspection that calls for another one
 LENIENCE = 10.0  # of the energy: forces that jump, as those of contact do, have work between two steps
 ROUND_OFF = 1e-10  # of the energy, relative to the forces times the extent
