@@ -1,8 +1,8 @@
 """How numerical kernels are compiled, and the cache of their machine code.
 
-`kernel` makes an entry point, `inlined` a part of kernels, `shared` one that Python calls, too, `optional`
-one that many cables do not have, `local_array` small memory on the stack: loops over it have constant
-bounds and no aliases, so that the compiler keeps it in registers.
+`kernel` makes an entry point, `inlined` a part of kernels, `optional` one that many cables do not have,
+`local_array` small memory on the stack: loops over it have constant bounds and no aliases, so that the
+compiler keeps it in registers.
 
 Numba invalidates a cached function when *its own* file changes, not when a function that it inlines
 does. The cache folder therefore carries a hash of all sources that hold kernels: an edit of one of
@@ -100,12 +100,7 @@ def kernel(function: _Function) -> _Function:
 
 
 def inlined(function: _Function) -> _Function:
-    """Compile `function` as a part of the kernels that call it; Python cannot."""
-    return numba.njit(forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function)
-
-
-def shared(function: _Function) -> _Function:
-    """As `inlined`, for parts that plain Python calls, too; they take longer to compile."""
+    """Compile `function` as a part of the kernels that call it."""
     return numba.njit(forceinline=True, **_OPTIONS)(function)
 
 

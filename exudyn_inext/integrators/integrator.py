@@ -9,7 +9,7 @@ import numpy as np
 from numba.extending import overload
 
 from ..arrays import Array
-from ..compiled import inlined, shared
+from ..compiled import inlined
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ def count_work(loads, step, q):
         work[p, PROJECTION], work[p, FACTOR] = projection, now
 
 
-@shared
+@inlined
 def store(history, loads, step, steps, q, v, a):
     """Keep q, v, a after step number `step` if it ends an interval of `steps` steps; count work."""
     count_work(loads, step, q)
@@ -124,7 +124,7 @@ def store(history, loads, step, steps, q, v, a):
             history[interval, 2, i] = a[i]
 
 
-@shared
+@inlined
 def external_force(loads, step, stage, external):
     """external = F at the given stage of the given step.   external: (n_external,) output."""
     constant, pattern, factor = loads.constant, loads.pattern, loads.factor
