@@ -44,7 +44,7 @@ class VariableBlocks:
 class _Stack:
     """Variable blocks and their solve: Z F + w b has p . a = b.
 
-    mass: (B, k, k) M now.   masses: (rows, B, k, k) of earlier times, see `keep_masses`.
+    mass: (B, k, k) M now.   mass_before: (B, k, k) when its change was counted last.
     normal: (B, k) dc/dq.   inverse: (B, k, k) Z.   lever: (B, k) w.   target: (B,) b.
     foresight: (B,) what b lacked in the last step of a position-level scheme.
     """
@@ -53,7 +53,7 @@ class _Stack:
         number, size = blocks.dofs.shape
         self.blocks = blocks
         self.mass = np.zeros((number, size, size))
-        self.masses = np.zeros((0, number, size, size))
+        self.mass_before = np.zeros((number, size, size))
         self.normal = np.zeros((number, size))
         self.inverse = np.zeros((number, size, size))
         self.lever = np.zeros((number, size))
@@ -98,20 +98,22 @@ class BodiesSystem:
             twice += float(np.einsum("bi,bij,bj->", rates, s.mass, rates))
         return 0.5 * twice
 
-    def make_room_for_masses(self, rows: int) -> dict[str, Array]:
-        """Let `keep_masses` take rows 0 to rows - 1; returns the memory."""
+    def begin_changes(self) -> None:
+        """Count changes from the masses at present on."""
         for s in self._stacks:
-            s.masses = np.zeros((rows, *s.mass.shape))
-        return {str(number): s.masses for number, s in enumerate(self._stacks)}
+            s.mass_before[:] = s.mass
 
-    def keep_masses(self, row: int) -> None:
-        """Remember the masses at present."""
+    def count_changes(self, way: Array, total: Array) -> None:
+        """Add way . dM way to `total` (1,), dM the changes of the masses since the last call.
+
+        way: (n,) of the bodies meanwhile.
+        """
         for s in self._stacks:
-            s.masses[row] = s.mass
+            _count_changes(s.blocks.dofs, s.mass, s.mass_before, way, total)
 
-    def energy_of_changes(self, v: Array) -> float:
-        """Sum of v_k . dM_k v_k / 2 [J] of the changes dM_k from row k to row k + 1.   v: (rows - 1, n)."""
-        return sum(_energy_of_changes(s.blocks.dofs, s.masses, v) for s in self._stacks)
+    def masses_before(self) -> dict[str, Array]:
+        """(B, k, k) since when changes are counted, for each size of blocks."""
+        return {str(number): s.mass_before for number, s in enumerate(self._stacks)}
 
     def solve(self, force: Array) -> Array:
         """Z F + w b with the targets b that are set.   force: (n,) [N, Nm]."""
@@ -184,17 +186,15 @@ def _matrix_of_blocks(size: int, blocks: Sequence[MassBlock]) -> Any:
 
 
 @kernel
-def _energy_of_changes(dofs, masses, v):
-    """Sum of v . dM v / 2 over the rows of v."""
-    energy = 0.0
+def _count_changes(dofs, mass, before, way, total):
+    """total += way . (M - M_before) way; M_before becomes M."""
     number, size = dofs.shape
-    for k in range(len(v)):
-        for b in range(number):
-            for i in range(size):
-                for j in range(size):
-                    change = masses[k + 1, b, i, j] - masses[k, b, i, j]
-                    energy += 0.5 * v[k, dofs[b, i]] * change * v[k, dofs[b, j]]
-    return energy
+    for b in range(number):
+        for i in range(size):
+            for j in range(size):
+                change = mass[b, i, j] - before[b, i, j]
+                total[0] += way[dofs[b, i]] * change * way[dofs[b, j]]
+                before[b, i, j] = mass[b, i, j]
 
 
 @kernel

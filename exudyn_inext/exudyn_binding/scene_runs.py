@@ -6,7 +6,7 @@ from typing import Any
 
 from ..errors import InputError, SceneError
 from ..integrators import find_integrator
-from .explicit_runs import cable_runs
+from .explicit_runs import cable_runs, scheme_of
 from .general.coupled_run import CoupledRun
 from .native_run import NativeRun, has_only_forces
 from .scene import Scene
@@ -39,16 +39,18 @@ def runs_of_scene(
         raise InputError(
             f"massScaling = {explicit.massScaling!r}: only inextensible cables have it; set it to zero."
         )
+    integrator = find_integrator(explicit.integrator)
     if not needs_coupling(mbs, scene):
         cables = cable_runs(mbs, scene.cables, time, h, explicit)
-        return cables or [NativeRun(mbs, solver, find_integrator(explicit.integrator))]
+        return cables or [NativeRun(mbs, solver, integrator)]
     unloaded = [replace(cable, loads=[]) for cable in scene.cables]  # Exudyn evaluates the loads
     return [
         CoupledRun(
             mbs,
             cable_runs(mbs, unloaded, time, h, explicit),
             scene.own_constraints,
-            find_integrator(explicit.integrator),
+            integrator,
+            integrator.evaluations(scheme_of(explicit)),
             zeta=explicit.stabilizationRate,
             tolerance=explicit.startTolerance,
             time=time,

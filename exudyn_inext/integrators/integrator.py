@@ -19,6 +19,7 @@ class Integrator:
     name: what the user calls it.
     order: order of convergence in the step.
     stages: abscissae within a step, in steps, at which loads are needed; 1.0 is its end.
+    evaluations: scheme -> number of evaluations of the accelerations in a step; the last one is at its end.
     scheme: NamedTuple type of its parameters, with defaults.
     allocate: (n_dof, n_external) -> state (NamedTuple of arrays with fields q, v, a, external at least).
     start: (system, external, state): sets all but q and v of the state; external (n_dof,).
@@ -33,6 +34,7 @@ class Integrator:
     name: str
     order: int
     stages: tuple[float, ...]
+    evaluations: Callable[[Any], int]
     scheme: type[Any]
     allocate: Callable[[int, int], Any]
     start: Callable[..., None]

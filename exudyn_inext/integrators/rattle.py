@@ -133,6 +133,7 @@ INTEGRATOR = Integrator(
     name="RATTLE",
     order=2,
     stages=(1.0,),
+    evaluations=lambda scheme: 1,
     scheme=Rattle,
     allocate=allocate,
     start=start,

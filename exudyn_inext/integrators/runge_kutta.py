@@ -85,6 +85,7 @@ INTEGRATOR = Integrator(
     name="RK4",
     order=4,
     stages=(0.5, 1.0),
+    evaluations=lambda scheme: 4,
     scheme=RungeKutta4,
     allocate=allocate,
     start=start,

@@ -186,23 +186,6 @@ def open_with_gauges(watch, state, round_off):
 
 
 @inlined
-def _add_work_of_steps(watch, constant, positions, forces):
-    """Work of forces along a way of steps, by the trapezoidal rule, and its likely error."""
-    work, scatter = 0.0, 0.0
-    for k in range(1, len(positions) - 1):
-        error = 0.0
-        for i in range(len(constant)):
-            way, change = positions[k + 1, i] - positions[k, i], forces[k + 1, i] - forces[k, i]
-            way_before, change_before = positions[k, i] - positions[k - 1, i], forces[k, i] - forces[k - 1, i]
-            work += (constant[i] + forces[k, i] + 0.5 * change) * way
-            error += (change - change_before) * way + change * (way - way_before)
-        scatter += (error / 12.0) ** 2
-    account = watch.account[0]
-    account.work += work
-    account.scatter += scatter
-
-
-@inlined
 def _add_work_of_loads(watch, constant, q):
     """Work of the constant forces since the last call, and of the load histories, counted step by step."""
     account = watch.account[0]
@@ -296,15 +279,18 @@ def judge(watch, state, steps, duration):
 
 
 @kernel
-def judge_after_steps(watch, state, constant, positions, forces, duration):
-    """As `judge`, after counting the work done along a way of steps at whose ends forces are known.
+def judge_after_work(watch, state, constant, work, scatter, steps, duration):
+    """As `judge`, after work that was counted elsewhere.
 
     Args:
-        watch, state, duration: see `judge`.   constant: (n,) force beside the others.
-        positions, forces: (steps + 2, n or more) one step before the last time, then, and after each step.
+        watch, state, steps, duration: see `judge`.   constant: (n_dof,) force whose work is counted here.
+        work: of the other forces [J].   scatter: of that work [J^2].
     """
-    _add_work_of_steps(watch, constant, positions, forces)
-    return _judge(watch, state, len(positions) - 2, duration)
+    account = watch.account[0]
+    account.work += work
+    account.scatter += scatter
+    _add_work_of_loads(watch, constant, state.q)
+    return _judge(watch, state, steps, duration)
 
 
 @kernel

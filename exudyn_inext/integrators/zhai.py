@@ -117,6 +117,7 @@ INTEGRATOR = Integrator(
     name="Zhai",
     order=2,
     stages=(1.0,),
+    evaluations=lambda scheme: 1 + scheme.corrector,
     scheme=Zhai,
     allocate=allocate,
     start=start,

@@ -19,6 +19,7 @@ from exudyn_inext.integrators.integrator import LoadHistory, advance, record
 from exudyn_inext.integrators.linear_stability import decay_limit, frequency_limit
 from exudyn_inext.integrators.rattle import Rattle
 from exudyn_inext.integrators.runge_kutta import RungeKutta4
+from exudyn_inext.integrators.zhai import Zhai
 from exudyn_inext.loads.gravity import gravity_force
 from exudyn_inext.system import (
     accelerate_and_project,
@@ -145,6 +146,45 @@ def test_recorded_intervals_are_the_states_of_one_run(integrator):
     apart = run_cable(integrator, 4, 0.004, intervals=4)
     assert np.ptp(apart[:, 0], axis=0).max() > 0.0
     np.testing.assert_allclose(apart[-1], together, rtol=1e-12, atol=1e-13)
+
+
+class Counting:
+    """q'' = -q, and how often it was asked for."""
+
+    def __init__(self):
+        self.asked = []
+
+
+@index_reduced_rates.register(Counting)
+def counting_rates(system, external, q, v, acceleration, rate):
+    acceleration[:], rate[:] = -q, v
+    system.asked.append(q.copy())
+
+
+@accelerate_and_project.register(Counting)
+def counting_accelerations(system, external, q, v, duration, acceleration, end_velocity):
+    counting_rates(system, external, q, v, acceleration, end_velocity)
+    end_velocity += duration * acceleration
+
+
+@correct_position.register(Counting)
+def nothing_to_correct(system, external, q, tolerance, learning, correction):
+    return 0.0
+
+
+ALL_SCHEMES = [*(integrator.scheme() for integrator in INTEGRATORS.values()), Zhai(corrector=True)]
+
+
+@pytest.mark.parametrize("scheme", ALL_SCHEMES, ids=str)
+def test_a_step_evaluates_as_often_as_declared_and_last_at_its_end(scheme):
+    (integrator,) = [i for i in INTEGRATORS.values() if i.scheme is type(scheme)]
+    advance_in_python = getattr(advance.dispatch(type(scheme)), "py_func", advance.dispatch(type(scheme)))
+    system, state = Counting(), integrator.allocate(2, 1)
+    state.q[:], state.v[:] = [1.0, 2.0], [0.3, 0.0]
+    loads = LoadHistory(np.zeros(1), np.zeros((0, 1)), np.zeros((3, len(integrator.stages), 0)))
+    advance_in_python(scheme, system, loads, state, 0.1, 3, np.zeros((1, 3, 2)))
+    assert len(system.asked) == 3 * integrator.evaluations(scheme)
+    np.testing.assert_array_equal(system.asked[-1], state.q)
 
 
 @every_integrator

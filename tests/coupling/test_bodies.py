@@ -76,6 +76,23 @@ def test_rates_are_those_of_the_dense_system():
     assert relative_error(rate, bodies.v + correction) < 1e-11
 
 
+def test_changes_of_masses_are_counted_along_the_way():
+    bodies, total = Bodies(), np.zeros(1)
+    bodies.system.begin_changes()
+    rng, expected = np.random.default_rng(7), 0.0
+    for way in rng.standard_normal((3, SIZE)):
+        before = [mass.copy() for mass in bodies.masses[:2]]
+        for mass in bodies.masses[:2]:
+            mass += 0.1 * np.diag(rng.random(7))
+        bodies.evaluate()
+        bodies.system.count_changes(way, total)
+        for places, mass, old in zip(PLACES, bodies.masses, before, strict=False):
+            expected += way[places] @ (mass - old) @ way[places]
+    assert total[0] == pytest.approx(expected, rel=1e-12) and expected > 0.1
+    bodies.system.count_changes(way, total)
+    assert total[0] == pytest.approx(expected, rel=1e-12)
+
+
 def test_projection_leads_to_velocities_that_keep_the_length():
     bodies, duration = Bodies(), 0.07
     a, end = np.zeros(SIZE), np.zeros(SIZE)

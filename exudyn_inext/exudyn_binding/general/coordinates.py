@@ -28,6 +28,7 @@ class CoordinateMap:
     to the first one.
 
     indices, reference: (n,) of all parts.   slices: of the parts.
+    of_forces: (n,) as the indices, with -1 for coordinates that stand there already.
     """
 
     def __init__(self, size: int, parts: Sequence[PartCoordinates]) -> None:
@@ -40,7 +41,8 @@ class CoordinateMap:
         first[self.indices[::-1]] = np.arange(len(self.indices))[::-1]
         self._first = first
         again = np.flatnonzero(first[self.indices] != np.arange(len(self.indices)))
-        self._stands_twice = again if len(again) else None
+        self.of_forces = self.indices.copy()
+        self.of_forces[again] = -1
         self._vector = np.zeros(size)
         self._part_of = np.repeat(np.arange(len(parts)), np.diff(ends))
 
@@ -52,12 +54,6 @@ class CoordinateMap:
         """(size,) system vector of velocities or accelerations (n,)."""
         self._vector[self.indices] = v
         return self._vector.tolist()
-
-    def forces(self, vector: Array, forces: Array) -> None:
-        """From the system vector to `forces` (n,) on the parts."""
-        vector.take(self.indices, out=forces, mode="clip")  # unlike "raise", writes to `out` directly
-        if self._stands_twice is not None:
-            forces[self._stands_twice] = 0.0
 
     def places(self, coordinates: np.ndarray) -> list[tuple[int, np.ndarray, np.ndarray]]:
         """(part, which of `coordinates` lie in it, their places there), for each part that is met."""

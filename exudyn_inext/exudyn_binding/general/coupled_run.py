@@ -29,6 +29,7 @@ _NOTHING, _TIME = np.zeros(1), np.ones((1, 1))  # the load of a coupled system i
 class CoupledRun:
     """All of a scene, see `time_loop.Run`.
 
+    evaluations: in a step, see `Integrator`.
     cables: models of the inextensible cables.   start_corrections: one for each of them, and for joints.
     """
 
@@ -40,6 +41,7 @@ class CoupledRun:
         cable_runs: Sequence[CableRun],
         own_constraints: frozenset[int],
         integrator: Integrator,
+        evaluations: int,
         zeta: float,
         tolerance: float,
         time: float,
@@ -64,7 +66,8 @@ class CoupledRun:
         self.start_correction = consistent_start(
             self._scene.system, time, self.state.q, self.state.v, tolerance
         )
-        self.watch = CoupledWatch(self._scene, cable_runs, self.state, energy_tolerance)
+        self._output = np.zeros((1, 3, self._scene.size))
+        self.watch = CoupledWatch(self._scene, cable_runs, self.state, evaluations, energy_tolerance)
 
     @property
     def name(self) -> str:
@@ -155,15 +158,16 @@ class CoupledRun:
 
     def _is_well_through(self, scheme: Any, start: float, grid: TimeGrid) -> bool:
         """Take the steps of one interval."""
-        steps = np.arange(grid.substeps)[:, np.newaxis]
-        times: Array = start + grid.h * (steps + np.array(self._integrator.stages))
+        steps, h = np.arange(grid.substeps)[:, np.newaxis], grid.h
+        times: Array = start + h * (steps + np.array(self._integrator.stages))
+        ends = (start + h * (steps + 1)).ravel().tolist()
         done = 0
         try:
             while done < grid.substeps:
-                ahead = times[done : done + self.watch.steps_ahead]
-                self._take_steps(scheme, ahead, start + grid.h * done, grid.h)
-                done += len(ahead)
-                if not self.watch.is_well_at(start + grid.h * done, grid.h, self.state):
+                ahead = slice(done, done + self.watch.steps_ahead)
+                self._take_steps(scheme, times[ahead], ends[ahead], h)
+                done = min(ahead.stop, grid.substeps)
+                if not self.watch.is_well_at(ends[done - 1], h, self.state):
                     return False
         except DivergenceError:
             self.watch.give_up(self.state)
@@ -173,25 +177,19 @@ class CoupledRun:
         self.watch.give_up(self.state)
         return False
 
-    def _take_steps(self, scheme: Any, times: Array, start: float, h: float) -> None:
-        """Steps of h [s] from `start` [s].   times: (steps, stages) of their evaluations [s]."""
+    def _take_steps(self, scheme: Any, times: Array, ends: Sequence[float], h: float) -> None:
+        """Steps of h [s].   times: (steps, stages) of their evaluations [s].   ends: of the steps [s]."""
         take_step = _plain(advance.dispatch(type(scheme)))
-        system, state, watch, surroundings = (
-            self._scene.system,
-            self.state,
-            self.watch,
-            self._scene.surroundings,
-        )
-        factors, latest = times[:, np.newaxis, :, np.newaxis], surroundings.native_forces
-        keeps_masses = watch.keeps_masses
-        for step, (row, surroundings.native_forces) in enumerate(watch.memory_of_steps(len(times))):
-            take_step(scheme, system, LoadHistory(_NOTHING, _TIME, factors[step]), state, h, 1, row)
-            surroundings.finish_step(start + h * (step + 1), state.q, state.v)
-            if keeps_masses:
-                watch.keep_masses(step)
-        latest[:] = surroundings.native_forces
-        surroundings.native_forces = latest
-        watch.count(len(times))
+        system, state, watch = self._scene.system, self.state, self.watch
+        surroundings = self._scene.surroundings
+        surroundings.path = watch.path_of_evaluations
+        for factors, end in zip(times[:, np.newaxis, :, np.newaxis], ends, strict=True):
+            take_step(scheme, system, LoadHistory(_NOTHING, _TIME, factors), state, h, 1, self._output)
+            surroundings.finish_step(end, state.q, state.v)
+            for call in watch.after_each_step:
+                call()
+        surroundings.path = None
+        watch.count(len(ends))
 
     def figures(self) -> dict[str, float]:
         """How well constraints and energy were kept."""

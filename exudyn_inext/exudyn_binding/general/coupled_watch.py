@@ -5,21 +5,20 @@ that depends on the configuration changes the energy, too: the forces of Exudyn 
 to the momentum, of which the kinetic energy takes one half.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
-from ...arrays import Array
-from ...integrators.watch import build_watch, judge, judge_after_steps, open_with_gauges
+from ...integrators.path_work import WAY, begin_path, build_path, follow, take_sums
+from ...integrators.watch import build_watch, judge, judge_after_work, open_with_gauges
 from ...system import AGITATION, KINETIC, POWER, VIOLATION, gauge
 from ..cable_run import CableRun
 from ..cable_watch import memory_of
 from .coupled_scene import CoupledScene
 
-STEPS_BETWEEN = 512  # two inspections at most
-ROOM = 2**21  # coordinates, and as many forces, of the steps that are remembered: 16 MB each
+STEPS_BETWEEN = 1024  # two inspections at most
 STEPS_WITH_POWER = 32  # at most where damping or supports that move change the energy
 STEPS_BETWEEN_GLANCES = 32  # at the velocities
 CALM = 16.0  # growth of their square since the last inspection that calls for another one
@@ -31,68 +30,61 @@ class CoupledWatch:
     """Keeps the account of a coupled scene.
 
     Args:
-        scene: the scene.   runs: of its cables.   state: of the integrator.   energy_tolerance: see
-            `ExplicitSettings.energyTolerance`.
+        scene: the scene.   runs: of its cables.   state: of the integrator.   evaluations: in a step.
+        energy_tolerance: see `ExplicitSettings.energyTolerance`.
+
+    path_of_evaluations: for `NativeSurroundings.path` during steps.
+    after_each_step: what to call then.
     """
 
     def __init__(
-        self, scene: CoupledScene, runs: Sequence[CableRun], state: Any, energy_tolerance: float
+        self,
+        scene: CoupledScene,
+        runs: Sequence[CableRun],
+        state: Any,
+        evaluations: int,
+        energy_tolerance: float,
     ) -> None:
         self._scene = scene
         self._surroundings = scene.surroundings
         self._runs = runs
-        self._longest = max(STEPS_WITH_POWER, min(STEPS_BETWEEN, ROOM // max(len(state.q), 1)))
         self._bodies = scene.system.parts[len(runs)]
-        number = len(scene.map.indices)
-        self.watch = build_watch(state, self._longest, LENIENCE * energy_tolerance)
-        self._gravity = np.zeros(number)
+        self.watch = build_watch(state, STEPS_BETWEEN, LENIENCE * energy_tolerance)
+        self._gravity = np.zeros(len(state.q))
         for run, dofs in zip(runs, scene.map.slices, strict=False):
             self._gravity[dofs] = run.loads.constant[: dofs.stop - dofs.start]
+        self._path = build_path(len(scene.map.indices))  # the work of all but gravity
+        self._changes = np.zeros(1)  # of masses since the last inspection, see `count_changes`
+        self.path_of_evaluations = self._path if evaluations == 1 else None
+        self.after_each_step: list[Callable[[], None]] = []
+        if evaluations > 1:
+            self.after_each_step += [partial(follow, self._path, state.q, self._surroundings.native_forces)]
+        if scene.bodies_of_variable_mass:
+            way = self._path[WAY, self._bodies.dofs]
+            self.after_each_step += [partial(self._bodies.system.count_changes, way, self._changes)]
         self._last = np.zeros(2)  # inspection: its time [s], and the square of the velocities then
         self._calm = 0.0  # largest square of velocities that calls for no other one
         self._steps = 0  # since then
         self._next = 0  # number of them at which to look
-        self._most_steps = self._longest
+        self._most_steps = STEPS_BETWEEN
         self._kept_steps = np.zeros(2, int)
-        # one step before the last inspection, then, and after each step since:
-        self._positions = np.zeros((self._longest + 4, len(state.q)))
-        self._forces = np.zeros((self._longest + 2, number))  # without gravity
-        self._rows = list(sliding_window_view(self._positions[2:], (3, len(state.q)), writeable=True))
-        self._rows_of_forces = list(self._forces[2:])
-        self._masses = self._bodies.system.make_room_for_masses(self._longest + 1)
 
     def open(self, t: float, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""
         self._set_gauges(t, state)
-        self._steps = 0
-        self._positions[0] = state.q
-        self._forces[:2] = forces = self._surroundings.native_forces.copy()
+        forces = self._surroundings.native_forces
+        begin_path(self._path, state.q, forces)
+        self._bodies.system.begin_changes()
+        self._changes[:] = 0.0
         self._begin(t, state)
         extent = float(np.abs(state.q).max(initial=0.0))
-        size = float(np.abs(forces + self._gravity).sum())
+        size = float(np.abs(forces + self._gravity[: len(forces)]).sum())
         open_with_gauges(self.watch, state, ROUND_OFF * extent * size)
-
-    @property
-    def keeps_masses(self) -> bool:
-        """Whether there are masses that change."""
-        return bool(self._masses)
 
     @property
     def steps_ahead(self) -> int:
         """That may be taken before the next `is_well_at`."""
         return self._next - self._steps
-
-    def memory_of_steps(self, steps: int) -> Iterable[tuple[Array, Array]]:
-        """Of each of the next steps: (1, 3, n) for q, v, a after it, and (n,) for Exudyn's forces then.
-
-        v and a lie where the next ones' q will be.
-        """
-        following = slice(self._steps, self._steps + steps)
-        return zip(self._rows[following], self._rows_of_forces[following], strict=True)
-
-    def keep_masses(self, step: int) -> None:
-        """Remember the masses after that one of the next steps."""
-        self._bodies.system.keep_masses(self._steps + step + 1)
 
     def count(self, steps: int) -> None:
         """These steps have been taken."""
@@ -104,7 +96,7 @@ class CoupledWatch:
         if steps < self._next:
             return True
         if steps < self._most_steps and state.v.dot(state.v) <= self._calm:
-            self._next = min(steps + STEPS_BETWEEN_GLANCES, self._most_steps)
+            self._look_again()
             return True
         self._set_gauges(t, state)
         trouble = self._judge(h, t - self._last[0], state)
@@ -114,13 +106,14 @@ class CoupledWatch:
     def give_up(self, state: Any) -> None:
         """The last step could not be taken: the state is that of the last inspection."""
         self.watch.gauges_now[:] = np.nan
-        judge(self.watch, state, self._longest, 0.0)
+        judge(self.watch, state, self._most_steps, 0.0)
 
     def memory(self) -> dict[str, Any]:
         """Arrays that the next inspections depend on, by names."""
         self._kept_steps[:] = self._steps, self._most_steps
-        rows = {"positions": self._positions, "forces": self._forces, "masses": self._masses}
-        return memory_of(self.watch) | rows | {"last": self._last, "steps": self._kept_steps}
+        path = {"path": self._path, "changes": self._changes}
+        masses = {"masses": self._bodies.system.masses_before()}
+        return memory_of(self.watch) | path | masses | {"last": self._last, "steps": self._kept_steps}
 
     def resume(self) -> None:
         """Go on with the memory that has been set."""
@@ -130,26 +123,21 @@ class CoupledWatch:
 
     def _begin(self, t: float, state: Any) -> None:
         """Count steps from a state at t [s]."""
-        steps, self._steps = self._steps, 0
-        self._positions[0], self._positions[1] = self._positions[steps], state.q
-        self._forces[:2] = self._forces[steps : steps + 2]
-        self._most_steps = STEPS_WITH_POWER if self.watch.gauges_now[POWER] else self._longest
+        self._steps = 0
+        self._most_steps = STEPS_WITH_POWER if self.watch.gauges_now[POWER] else STEPS_BETWEEN
         self._last[:] = t, state.v.dot(state.v)
         self._calm = CALM * float(self._last[1])
         self._look_again()
-        self._bodies.system.keep_masses(0)
 
     def _look_again(self) -> None:
         passed = self._steps - self._steps % STEPS_BETWEEN_GLANCES
         self._next = min(passed + STEPS_BETWEEN_GLANCES, self._most_steps)
 
     def _judge(self, h: float, duration: float, state: Any) -> int:
-        rows = self._steps + 2
-        positions, forces = self._positions[:rows], self._forces[:rows]
-        if self.keeps_masses:
-            rates = np.diff(positions[1:, self._bodies.dofs], axis=0) / h
-            self.watch.account[0].work += self._bodies.system.energy_of_changes(rates)
-        return int(judge_after_steps(self.watch, state, self._gravity, positions, forces, duration))
+        work, scatter = take_sums(self._path)
+        work += 0.5 * float(self._changes[0]) / h**2
+        self._changes[:] = 0.0
+        return int(judge_after_work(self.watch, state, self._gravity, work, scatter, self._steps, duration))
 
     def _set_gauges(self, t: float, state: Any) -> None:
         total = self.watch.gauges_now

@@ -12,6 +12,7 @@ from ...compiled import kernel
 from ...coupling.coupled_system import Part
 from ...coupling.joints import JointBlock, JointTerms
 from ...errors import DivergenceError
+from ...integrators.path_work import gather, gather_and_follow
 from ..cable_loads import CableLoads
 from .bodies import BodyMasses
 from .coordinates import CoordinateMap
@@ -24,11 +25,13 @@ class NativeSurroundings:
     """What Exudyn knows of a scene: all forces by one call, joints, masses that change.
 
     joints: names of the rows.   blocks: their Jacobian by parts.
-    native_forces: (n,) where to put what Exudyn's items do to all second order coordinates [N, Nm].
+    native_forces: (n,) what Exudyn's items did to all second order coordinates when last asked [N, Nm].
+    path: memory of the work that they do from one evaluation to the next, see `build_path`; None: not now.
     """
 
     joints: Sequence[str]
     blocks: Sequence[JointBlock]
+    path: Array | None = None
 
     def __init__(
         self,
@@ -72,7 +75,10 @@ class NativeSurroundings:
             self._solver.ComputeODE1RHS(self._mbs)
         residual = self._solver.GetSystemResidual()
         forces = self.native_forces
-        self._coordinates.forces(residual[:second], forces)
+        if self.path is None:
+            gather(residual, self._coordinates.of_forces, forces)
+        else:
+            gather_and_follow(self.path, q, residual, self._coordinates.of_forces, forces)
         result = []
         for loads, dofs in zip(self._loads, self._dofs, strict=False):
             force = loads.at(t).copy()

@@ -1,0 +1,74 @@
+"""Work of forces along a way of steps, at whose ends they are known."""
+
+import numpy as np
+
+from ..arrays import Array
+from ..compiled import inlined, kernel
+
+POSITION, FORCE, WAY, CHANGE, SUMS = range(5)
+WORK, SCATTER = range(2)
+
+
+def build_path(size: int) -> Array:
+    """Memory of the work of forces on `size` coordinates.
+
+    (5, size or more): POSITION and FORCE at present, WAY and CHANGE of the force in the last step, and the
+    SUMS over all steps: WORK [J], and its SCATTER [J^2].
+    """
+    return np.zeros((5, max(size, 2)))
+
+
+def begin_path(path: Array, q: Array, force: Array) -> None:
+    """From q (n or more,) on, with the force (n,) there."""
+    size = len(force)
+    path[:] = 0.0
+    path[POSITION, :size], path[FORCE, :size] = q[:size], force
+
+
+@inlined
+def _gather(vector, places, force):
+    for i in range(len(force)):
+        force[i] = vector[places[i]] if places[i] >= 0 else 0.0
+
+
+@kernel
+def gather(vector, places, force):
+    """force (n,) from its places (n,) in a system vector; zero where that is -1."""
+    _gather(vector, places, force)
+
+
+@inlined
+def _follow(path, q, force):
+    work, lack = 0.0, 0.0
+    for i in range(len(force)):
+        way, change = q[i] - path[POSITION, i], force[i] - path[FORCE, i]
+        work += (path[FORCE, i] + 0.5 * change) * way
+        lack += path[CHANGE, i] * way - change * path[WAY, i]
+        path[POSITION, i], path[FORCE, i] = q[i], force[i]
+        path[WAY, i], path[CHANGE, i] = way, change
+    path[SUMS, WORK] += work
+    path[SUMS, SCATTER] += (lack / 12.0) ** 2
+
+
+@kernel
+def follow(path, q, force):
+    """Count the work of a step to q (n or more,), where the force (n,) acts, by the trapezoidal rule.
+
+    The rule lacks (f' . q'' - f'' . q') / 12, with the derivatives by the number of steps; that is nothing
+    if the force is that of linear springs.
+    """
+    _follow(path, q, force)
+
+
+@kernel
+def gather_and_follow(path, q, vector, places, force):
+    """Both at once: see `gather` and `follow`."""
+    _gather(vector, places, force)
+    _follow(path, q, force)
+
+
+def take_sums(path: Array) -> tuple[float, float]:
+    """Work [J] and scatter [J^2] since the last call."""
+    work, scatter = path[SUMS, WORK], path[SUMS, SCATTER]
+    path[SUMS] = 0.0
+    return float(work), float(scatter)
