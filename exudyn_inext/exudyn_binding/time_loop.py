@@ -13,7 +13,7 @@ from ..chain.cable import Cable
 from ..errors import DivergenceError
 from .consistent_start import StartCorrection
 from .divergence import divergence
-from .observed import ACCELERATIONS
+from .observed import ACCELERATIONS, POSITIONS
 from .restart import Restarts
 from .time_grid import TimeGrid
 
@@ -164,7 +164,7 @@ class ExplicitTimeLoop:
             with self._remembering_errors():
                 states, good = self._compute_ahead()
             self._ahead = (first, states[:good])
-            observed = states[:good, 0 if self._observed == 1 else slice(self._observed)]
+            observed = states[:good, 0 if self._observed == POSITIONS else slice(self._observed)]
             for block in range(0, good, HANDED_OUT):
                 yield observed[block : block + HANDED_OUT].tolist()
             if good < len(states):

@@ -8,6 +8,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from contextvars import ContextVar
 
 from tqdm import tqdm
 
@@ -17,17 +18,17 @@ Task = Callable[[int], None]
 """Does its work that many times."""
 
 
-_rehearsal: list[None] = []  # one for each `each_task_once` that is open
+_is_rehearsal = ContextVar("rehearsal", default=False)
 
 
 @contextmanager
 def each_task_once() -> Iterator[None]:
     """Inside, `seconds_per_time` runs each task once, for what it compiles; its seconds mean nothing."""
-    _rehearsal.append(None)
+    token = _is_rehearsal.set(True)
     try:
         yield
     finally:
-        _rehearsal.pop()
+        _is_rehearsal.reset(token)
 
 
 def seconds_per_time(
@@ -38,7 +39,7 @@ def seconds_per_time(
     Every task is first run untimed (compilation, caches), then as often in a sample as takes
     `least_seconds`.
     """
-    if _rehearsal:
+    if _is_rehearsal.get():
         for task in tasks.values():
             task(1)
         return {label: [1.0] * repeats for label in tasks}
