@@ -246,6 +246,16 @@ def _is_finite(gauges):
     return finite
 
 
+@kernel
+def glance(q, v, a):
+    """v . v, or infinity if anything in q, v or a (n,) is not finite."""
+    square, finite = 0.0, True
+    for i in range(len(v)):
+        square += v[i] * v[i]
+        finite = finite and abs(q[i]) < np.inf and abs(a[i]) < np.inf
+    return square if finite and square < np.inf else np.inf
+
+
 @inlined
 def _judge(watch, state, steps, duration):
     """After some steps whose work is counted; trouble takes the state back, and is returned."""

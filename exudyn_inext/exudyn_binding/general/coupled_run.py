@@ -10,7 +10,7 @@ import numpy as np
 from ...arrays import Array
 from ...chain.cable import Cable
 from ...coupling.small_vibrations import FastestRates, fastest_rates
-from ...errors import DivergenceError
+from ...errors import DivergenceError, RedundantConstraintError
 from ...integrators.integrator import Integrator, LoadHistory, advance
 from ...integrators.linear_stability import frequency_limit
 from ..cable_run import CableRun
@@ -66,6 +66,7 @@ class CoupledRun:
         self.start_correction = consistent_start(
             self._scene.system, time, self.state.q, self.state.v, tolerance
         )
+        self._unsolvable = ""  # what was said of joints that could not be solved for
         self._output = np.zeros((1, 3, self._scene.size))
         self.watch = CoupledWatch(self._scene, cable_runs, self.state, evaluations, energy_tolerance)
 
@@ -169,13 +170,11 @@ class CoupledRun:
                 done = min(ahead.stop, grid.substeps)
                 if not self.watch.is_well_at(ends[done - 1], h, self.state):
                     return False
-        except DivergenceError:
+        except (DivergenceError, RedundantConstraintError) as error:
+            self._unsolvable = str(error) if isinstance(error, RedundantConstraintError) else ""
             self.watch.give_up(self.state)
             return False
-        if all(np.isfinite(values).all() for values in (self.state.q, self.state.v, self.state.a)):
-            return True
-        self.watch.give_up(self.state)
-        return False
+        return True
 
     def _take_steps(self, scheme: Any, times: Array, ends: Sequence[float], h: float) -> None:
         """Steps of h [s].   times: (steps, stages) of their evaluations [s].   ends: of the steps [s]."""
@@ -203,7 +202,7 @@ class CoupledRun:
         rates = fastest_rates(self._scene.system, time, self.state.q, self.state.v)
         limit = frequency_limit(self._integrator, scheme) / rates.frequency if rates.frequency else np.inf
         said = explanation(self._integrator, trouble, h, limit, scaled=True)
-        return f"{self.name}: {finding(self.watch.watch)}. {said}"
+        return f"{self.name}: {self._unsolvable or finding(self.watch.watch) + '.'} {said}"
 
 
 def _plain(function: Any) -> Any:

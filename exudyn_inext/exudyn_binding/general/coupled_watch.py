@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ...integrators.path_work import WAY, begin_path, build_path, follow, take_sums
-from ...integrators.watch import build_watch, judge, judge_after_work, open_with_gauges
+from ...integrators.watch import build_watch, glance, judge, judge_after_work, open_with_gauges
 from ...system import AGITATION, KINETIC, POWER, VIOLATION, gauge
 from ..cable_run import CableRun
 from ..cable_watch import memory_of
@@ -20,7 +20,7 @@ from .coupled_scene import CoupledScene
 
 STEPS_BETWEEN = 1024  # two inspections at most
 STEPS_WITH_POWER = 32  # at most where damping or supports that move change the energy
-STEPS_BETWEEN_GLANCES = 32  # at the velocities
+STEPS_BETWEEN_GLANCES = 32  # at the velocities, at most; outputs are looked at, too
 CALM = 16.0  # growth of their square since the last inspection that calls for another one
 LENIENCE = 10.0  # of the energy: forces that jump, as those of contact do, have work between two steps
 ROUND_OFF = 1e-10  # of the energy, relative to the forces times the extent
@@ -62,10 +62,10 @@ class CoupledWatch:
         if scene.bodies_of_variable_mass:
             way = self._path[WAY, self._bodies.dofs]
             self.after_each_step += [partial(self._bodies.system.count_changes, way, self._changes)]
+        self._scale = 1.0  # of violated joints [m, -]
         self._last = np.zeros(2)  # inspection: its time [s], and the square of the velocities then
         self._calm = 0.0  # largest square of velocities that calls for no other one
         self._steps = 0  # since then
-        self._next = 0  # number of them at which to look
         self._most_steps = STEPS_BETWEEN
         self._kept_steps = np.zeros(2, int)
 
@@ -78,25 +78,22 @@ class CoupledWatch:
         self._changes[:] = 0.0
         self._begin(t, state)
         extent = float(np.abs(state.q).max(initial=0.0))
+        self._scale = max(1.0, extent)
         size = float(np.abs(forces + self._gravity[: len(forces)]).sum())
         open_with_gauges(self.watch, state, ROUND_OFF * extent * size)
 
     @property
     def steps_ahead(self) -> int:
         """That may be taken before the next `is_well_at`."""
-        return self._next - self._steps
+        return min(STEPS_BETWEEN_GLANCES, self._most_steps - self._steps)
 
     def count(self, steps: int) -> None:
         """These steps have been taken."""
         self._steps += steps
 
     def is_well_at(self, t: float, h: float, state: Any) -> bool:
-        """Judge the steps of h [s] until t [s] from time to time, and if velocities grow."""
-        steps = self._steps
-        if steps < self._next:
-            return True
-        if steps < self._most_steps and state.v.dot(state.v) <= self._calm:
-            self._look_again()
+        """Judge the steps of h [s] until t [s] from time to time, and at once if velocities grow."""
+        if self._steps < self._most_steps and glance(state.q, state.v, state.a) <= self._calm:
             return True
         self._set_gauges(t, state)
         trouble = self._judge(h, t - self._last[0], state)
@@ -119,7 +116,6 @@ class CoupledWatch:
         """Go on with the memory that has been set."""
         self._steps, self._most_steps = (int(number) for number in self._kept_steps)
         self._calm = CALM * float(self._last[1])
-        self._look_again()
 
     def _begin(self, t: float, state: Any) -> None:
         """Count steps from a state at t [s]."""
@@ -127,11 +123,6 @@ class CoupledWatch:
         self._most_steps = STEPS_WITH_POWER if self.watch.gauges_now[POWER] else STEPS_BETWEEN
         self._last[:] = t, state.v.dot(state.v)
         self._calm = CALM * float(self._last[1])
-        self._look_again()
-
-    def _look_again(self) -> None:
-        passed = self._steps - self._steps % STEPS_BETWEEN_GLANCES
-        self._next = min(passed + STEPS_BETWEEN_GLANCES, self._most_steps)
 
     def _judge(self, h: float, duration: float, state: Any) -> int:
         work, scatter = take_sums(self._path)
@@ -152,6 +143,9 @@ class CoupledWatch:
             worst = np.maximum(total[VIOLATION], mine[VIOLATION])
             total += mine
             total[VIOLATION] = worst
+        if self._scene.joints:
+            worst_of_joints = np.abs(self._surroundings.violations(t, state.q)).max() / self._scale
+            total[VIOLATION] = np.maximum(total[VIOLATION], worst_of_joints)
         bodies = self._bodies
         total[KINETIC] += bodies.system.kinetic_energy(state.v[bodies.dofs])
         total[AGITATION] += bodies.system.kinetic_energy(state.a[bodies.dofs])

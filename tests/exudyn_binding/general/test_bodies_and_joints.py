@@ -15,12 +15,14 @@ from exudyn.itemInterface import (
     NodeGenericODE1,
     NodePointGround,
     ObjectGenericODE1,
+    SensorMarker,
     SensorObject,
     SphericalJoint,
 )
 from exudyn.utilities import InertiaCuboid
 
-from exudyn_inext import CreatePrescribedMotion
+from exudyn_inext import CreatePrescribedMotion, DivergenceError, RedundantConstraintError
+from exudyn_inext.coupling.joints import JointSolve
 from exudyn_inext.exudyn_binding.general.joint_items import read_joints
 from exudyn_inext.integrators import INTEGRATORS
 from reference_models.model import quiet_settings, silence
@@ -85,6 +87,63 @@ def test_energy_of_a_tumbling_body_is_accounted_for(mbs, add_sensor, solve, rota
     rigid_pendulum(mbs, add_sensor, rotation)
     drift = solve(mbs, settings=quiet_settings(0.5, 10), integrator=integrator, stepSize=1e-3)["drift"]
     assert drift["energyGain"] < 1e-3 and drift["energyLoss"] < 1e-3
+
+
+@pytest.fixture
+def whirl(mbs, solve):
+    """(rate, settings) -> report and largest gap [m] of a brick that whirls on a joint for 5 s."""
+
+    def run(rate, **settings):
+        rotation = rate * np.array([3.0, 1.0, 2.0])
+        body = mbs.CreateRigidBody(
+            inertia=InertiaCuboid(100, [0.2, 0.05, 0.1]),
+            referencePosition=[0.1, 0, 0],
+            initialAngularVelocity=rotation.tolist(),
+            initialVelocity=np.cross(rotation, [0.1, 0, 0]).tolist(),
+            gravity=GRAVITY,
+        )
+        hook = mbs.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=[-0.1, 0, 0]))
+        ground = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.CreateGround()))
+        mbs.AddObject(SphericalJoint(markerNumbers=[ground, hook]))
+        gap = mbs.AddSensor(
+            SensorMarker(
+                markerNumber=hook, outputVariableType=exudyn.OutputVariableType.Position, storeInternal=True
+            )
+        )
+        mbs.Assemble()
+        report = solve(mbs, settings=quiet_settings(5.0, 500), stepSize=2e-3, **settings)
+        return report, np.abs(mbs.GetSensorStoredData(gap)[:, 1:]).max()
+
+    return run
+
+
+@every_integrator
+def test_the_largest_gap_of_a_joint_is_reported(whirl, integrator):
+    report, gap = whirl(1.0, integrator=integrator)
+    assert 0.2 * gap < report["drift"]["constraints"] < 1.05 * gap
+
+
+def test_a_run_whose_joint_opens_is_stopped_before_it_is_handed_out(mbs, whirl):
+    loose = {"integrator": "Zhai", "stabilizationRate": 0.01, "energyTolerance": np.inf}
+    with pytest.raises(DivergenceError, match=r"another constraint is violated by .* \(limit 0.05\)"):
+        whirl(10.0, **loose)
+    assert np.abs(mbs.GetSensorStoredData(0)[:, 1:]).max() < 0.05
+
+
+def test_joints_that_cannot_be_solved_for_in_mid_run_leave_the_last_good_output(whirl, mbs, monkeypatch):
+    factorise, calls = JointSolve.factorise, []
+
+    def fail_once(self):
+        calls.append(1)
+        if len(calls) == 1000:
+            raise RedundantConstraintError("joint 7 is not independent: remove it.")
+        factorise(self)
+
+    monkeypatch.setattr(JointSolve, "factorise", fail_once)
+    said = r"before t = \d\.\d+ s\. native items: joint 7 is not independent: remove it\..* last good output"
+    with pytest.raises(DivergenceError, match=said):
+        whirl(1.0, integrator="RATTLE")
+    assert 1.5 < mbs.GetSensorStoredData(0)[-1, 0] < 2.0
 
 
 @every_integrator
