@@ -125,29 +125,24 @@ def set_violations(axes, nodes, elements, q):
 
 
 @inlined
-def assemble_nodes(axes, nodes, q, v, first, end):
-    """Constraint terms (18), (27) of the nodes from `first` to before `end`, at (q, v) (n, 2, dim)."""
-    for k in range(first, end):
-        terms = nodes[k].constraint
-        terms[VALUE] = nodal_constraint(axes, q[k, 1])
-        terms[RATE] = nodal_rate(axes, q[k, 1], v[k, 1])
-        terms[GAMMA] = nodal_gamma(axes, v[k, 1])
+def assemble(axes, nodes, elements, q, v, column):
+    """All that the index-reduced equations need at (q, v), into the records of the chain.
 
-
-@inlined
-def assemble_elements(axes, nodes, elements, q, v, column, first, end):
-    """What the index-reduced equations need of the elements from `first` to before `end`.
-
-    Elastic forces, added to column `column` of the nodes' `force`; constraint terms (19), (27), and their
-    Jacobian.
+    Nodes: elastic forces, added to column `column` of `force`, and constraint terms (18), (27).
+    Elements: constraint terms (19), (27) and the Jacobian.
 
     Args:
         axes, nodes, elements: of the chain.
         q, v: (n, 2, dim) coordinates and velocities.
         column: of the forces.
     """
+    for k in range(len(nodes)):
+        terms = nodes[k].constraint
+        terms[VALUE] = nodal_constraint(axes, q[k, 1])
+        terms[RATE] = nodal_rate(axes, q[k, 1], v[k, 1])
+        terms[GAMMA] = nodal_gamma(axes, v[k, 1])
     e, e_t, result = local_array(3, 3), local_array(3, 3), local_array(3, 3)
-    for k in range(first, end):
+    for k in range(len(elements)):
         element = elements[k]
         differences(axes, q, k, e)
         differences(axes, v, k, e_t)
@@ -164,15 +159,14 @@ def assemble_elements(axes, nodes, elements, q, v, column, first, end):
 
 
 @optional("damping")
-def add_damping(axes, nodes, elements, q, v, lead, a, column, first, end):
+def add_damping(axes, nodes, elements, q, v, lead, a, column):
     """Damping forces at the velocities v + lead a, added to column `column` of the nodes' `force`.
 
     lead: [s]; a: (n, 2, dim) accelerations that v still lacks. Nothing happens without damping.
-    first, end: of the elements, from `first` to before `end`.
     """
     e, e_t, lacking, result = local_array(3, 3), local_array(3, 3), local_array(3, 3), local_array(3, 3)
     memory = local_array(8, 3)
-    for k in range(first, end):
+    for k in range(len(elements)):
         differences(axes, q, k, e)
         differences(axes, v, k, e_t)
         differences(axes, a, k, lacking)
@@ -185,10 +179,10 @@ def add_damping(axes, nodes, elements, q, v, lead, a, column, first, end):
 
 
 @optional("drag")
-def add_drag(axes, nodes, elements, q, v, lead, a, column, first, end):
+def add_drag(axes, nodes, elements, q, v, lead, a, column):
     """Drag at the velocities v + lead a; arguments as for `add_damping`. Nothing happens without drag."""
     e, rates, result, memory = local_array(3, 3), local_array(4, 3), local_array(4, 3), local_array(2, 3)
-    for k in range(first, end):
+    for k in range(len(elements)):
         differences(axes, q, k, e)
         for row in range(4):
             for i in range(len(axes)):

@@ -29,8 +29,8 @@ def dissipative_power(axes, nodes, elements, q, v):
     """Power of bending damping and drag [W]; flowing air may do work.   q, v: (n, 2, dim)."""
     if elements[0].damping.shape[0] == 0 and elements[0].drag.shape[0] == 0:
         return 0.0
-    add_damping(axes, nodes, elements, q, v, 0.0, v, LOSS, 0, len(elements))
-    add_drag(axes, nodes, elements, q, v, 0.0, v, LOSS, 0, len(elements))
+    add_damping(axes, nodes, elements, q, v, 0.0, v, LOSS)
+    add_drag(axes, nodes, elements, q, v, 0.0, v, LOSS)
     power = 0.0
     for k in range(len(nodes)):
         for i in range(len(axes)):

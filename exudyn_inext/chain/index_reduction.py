@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from ..compiled import inlined, local_array
+from ..compiled import inlined
 from ..system import (
     AGITATION,
     ELASTIC,
@@ -21,27 +21,14 @@ from .assembly import (
     VALUE,
     add_damping,
     add_drag,
-    assemble_elements,
-    assemble_nodes,
+    assemble,
     elastic_energy,
     set_violations,
 )
 from .chain import Chain
 from .energy import dissipative_power, kinetic_energy
-from .saddle_point import (
-    clear_front,
-    clear_passed_on,
-    expand_solution,
-    factorise,
-    reduce_right_hand_side,
-    set_bases,
-    set_increments_along,
-    solve_column,
-    substitute_backward,
-    substitute_forward,
-)
+from .saddle_point import expand_solution, factorise, reduce_right_hand_side, substitute
 
-NODES_AT_ONCE = 32  # whose records stay in the fastest cache while all passes of a step go over them
 ACCELERATION, CORRECTION = 0, 1  # columns of Eq. (29): v' with lam, and q' - v with mu
 
 
@@ -57,90 +44,31 @@ class CableSystem(NamedTuple):
 
 
 @inlined
-def _set_external_forces(axes, nodes, external, first, end):
-    for k in range(first, end):
+def assemble_forces(axes, nodes, elements, external, q, v, lead, a):
+    """Forces at (q, v) and all terms of the constraints but the links; damping and drag act at v + lead a."""
+    for k in range(len(nodes)):
         for i in range(len(axes)):
             nodes[k].force[ACCELERATION, 0, i] = external[k, 0, i]
             nodes[k].force[ACCELERATION, 1, i] = external[k, 1, i]
-
-
-@inlined
-def _assemble_elements(axes, nodes, elements, q, v, lead, a, first, end):
-    assemble_elements(axes, nodes, elements, q, v, ACCELERATION, first, end)
-    add_damping(axes, nodes, elements, q, v, lead, a, ACCELERATION, first, end)
-    add_drag(axes, nodes, elements, q, v, lead, a, ACCELERATION, first, end)
-
-
-@inlined
-def assemble_forces(axes, nodes, elements, external, q, v, lead, a):
-    """Forces at (q, v) and all terms of the constraints but the links; damping and drag act at v + lead a."""
-    _set_external_forces(axes, nodes, external, 0, len(nodes))
-    assemble_nodes(axes, nodes, q, v, 0, len(nodes))
-    _assemble_elements(axes, nodes, elements, q, v, lead, a, 0, len(elements))
-
-
-@inlined
-def _end_of_block(first, number):
-    """(end, done): the nodes from `first` to before `end` come next; those before `done` have neighbours."""
-    end = min(first + NODES_AT_ONCE, number)
-    return end, end if end == number else end - 1
+    assemble(axes, nodes, elements, q, v, ACCELERATION)
+    add_damping(axes, nodes, elements, q, v, lead, a, ACCELERATION)
+    add_drag(axes, nodes, elements, q, v, lead, a, ACCELERATION)
 
 
 @inlined
 def assemble_and_factorise(axes, nodes, elements, external, q, v, lead, a):
-    """All of Eq. (29) but the links, block by block; arguments: see `assemble_forces`."""
-    block, w = local_array(6, 6), local_array(6, 6)
-    clear_front(axes, block, w)
-    start = 0
-    for first in range(0, len(nodes), NODES_AT_ONCE):
-        end, done = _end_of_block(first, len(nodes))
-        _set_external_forces(axes, nodes, external, first, end)
-        assemble_nodes(axes, nodes, q, v, first, end)
-        set_bases(axes, nodes, q, first, end)
-        _assemble_elements(axes, nodes, elements, q, v, lead, a, start, min(done, len(elements)))
-        factorise(axes, nodes, elements, block, w, start, done)
-        start = done
+    """All of Eq. (29) but the links; arguments: see `assemble_forces`."""
+    assemble_forces(axes, nodes, elements, external, q, v, lead, a)
+    factorise(axes, nodes, elements, q)
 
 
 @inlined
-def _eliminate(axes, nodes, elements, external, q, v, lead, a, set_targets, parameter):
-    """All of Eq. (29), factorised, and its right-hand sides substituted forward, block by block.
-
-    Arguments: see `assemble_forces`.   set_targets: (parameter, record), of nodes and elements.
-    """
-    block, w, passed_on = local_array(6, 6), local_array(6, 6), local_array(2, 6)
-    clear_front(axes, block, w)
-    clear_passed_on(axes, (ACCELERATION, CORRECTION), passed_on)
-    start = 0
-    for first in range(0, len(nodes), NODES_AT_ONCE):
-        end, done = _end_of_block(first, len(nodes))
-        elements_end = min(done, len(elements))
-        _set_external_forces(axes, nodes, external, first, end)
-        assemble_nodes(axes, nodes, q, v, first, end)
-        set_bases(axes, nodes, q, first, end)
-        for k in range(first, end):
-            set_targets(parameter, nodes[k])
-        _assemble_elements(axes, nodes, elements, q, v, lead, a, start, elements_end)
-        for k in range(start, elements_end):
-            set_targets(parameter, elements[k])
-        factorise(axes, nodes, elements, block, w, start, done)
-        for column in (ACCELERATION, CORRECTION):
-            set_increments_along(axes, nodes, column, first, end)
-            reduce_right_hand_side(axes, nodes, elements, column, start, done)
-        substitute_forward(axes, nodes, (ACCELERATION, CORRECTION), ACCELERATION, passed_on, start, done)
-        start = done
-
-
-@inlined
-def _substitute_back(axes, nodes, elements, acceleration, correction):
-    """(n, 2, dim) solutions, block by block from the last node on."""
-    right = local_array(2, 6)
-    clear_passed_on(axes, (ACCELERATION, CORRECTION), right)
-    for end in range(len(nodes), 0, -NODES_AT_ONCE):
-        first = max(end - NODES_AT_ONCE, 0)
-        substitute_backward(axes, nodes, (ACCELERATION, CORRECTION), ACCELERATION, right, first, end)
-        expand_solution(axes, nodes, elements, ACCELERATION, acceleration, first, end)
-        expand_solution(axes, nodes, elements, CORRECTION, correction, first, end)
+def _solve_both(axes, nodes, elements, acceleration, correction):
+    reduce_right_hand_side(axes, nodes, elements, ACCELERATION)
+    reduce_right_hand_side(axes, nodes, elements, CORRECTION)
+    substitute(axes, nodes, (ACCELERATION, CORRECTION), ACCELERATION)
+    expand_solution(axes, nodes, elements, ACCELERATION, acceleration)
+    expand_solution(axes, nodes, elements, CORRECTION, correction)
 
 
 @inlined
@@ -159,9 +87,15 @@ def cable_rates(system, external, q, v, acceleration, rate):
     """
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     shape = (len(nodes), 2, len(axes))
-    force, known, rates = external.reshape(shape), q.reshape(shape), v.reshape(shape)
-    _eliminate(axes, nodes, elements, force, known, rates, 0.0, rates, set_stabilised_targets, system.zeta)
-    _substitute_back(axes, nodes, elements, acceleration.reshape(shape), rate.reshape(shape))
+    known = v.reshape(shape)
+    assemble_and_factorise(
+        axes, nodes, elements, external.reshape(shape), q.reshape(shape), known, 0.0, known
+    )
+    for k in range(len(nodes)):
+        set_stabilised_targets(system.zeta, nodes[k])
+    for k in range(len(elements)):
+        set_stabilised_targets(system.zeta, elements[k])
+    _solve_both(axes, nodes, elements, acceleration.reshape(shape), rate.reshape(shape))
     for i in range(len(v)):
         rate[i] += v[i]
 
@@ -187,10 +121,21 @@ def accelerate_and_project_cable(system, external, q, v, duration, acceleration,
     """One factorisation for both columns. Arguments: see `accelerate_and_project`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     shape = (len(nodes), 2, len(axes))
-    force, known, rates = external.reshape(shape), q.reshape(shape), v.reshape(shape)
-    a = acceleration.reshape(shape)
-    _eliminate(axes, nodes, elements, force, known, rates, duration, a, set_projection_targets, duration)
-    _substitute_back(axes, nodes, elements, a, end_velocity.reshape(shape))
+    assemble_and_factorise(
+        axes,
+        nodes,
+        elements,
+        external.reshape(shape),
+        q.reshape(shape),
+        v.reshape(shape),
+        duration,
+        acceleration.reshape(shape),
+    )
+    for k in range(len(nodes)):
+        set_projection_targets(duration, nodes[k])
+    for k in range(len(elements)):
+        set_projection_targets(duration, elements[k])
+    _solve_both(axes, nodes, elements, acceleration.reshape(shape), end_velocity.reshape(shape))
     for i in range(len(v)):
         end_velocity[i] += v[i] + duration * acceleration[i]
 
@@ -207,7 +152,9 @@ def correct_cable_position(system, external, q, tolerance, learning, correction)
         set_correction_target(learning, elements[k])
     if worst < tolerance:
         return worst
-    solve_column(axes, nodes, elements, CORRECTION, correction.reshape(shape))
+    reduce_right_hand_side(axes, nodes, elements, CORRECTION)
+    substitute(axes, nodes, (0,), CORRECTION)
+    expand_solution(axes, nodes, elements, CORRECTION, correction.reshape(shape))
     return worst
 
 

@@ -8,7 +8,7 @@ from ..system import implements
 from .border import apply_links
 from .index_reduction import ACCELERATION, CableSystem
 from .linked_cable import LinkedCableSystem
-from .saddle_point import expand_solution, reduce_column, solve, substitute
+from .saddle_point import expand_solution, reduce_right_hand_side, solve, substitute
 
 
 @singledispatch
@@ -83,10 +83,10 @@ def constrained_inverse_of_linked_cable(system, force, x):
         elements[k].target[ACCELERATION] = 0.0
     for r in range(len(links)):
         links[r].target[ACCELERATION] = 0.0
-    reduce_column(axes, nodes, elements, ACCELERATION)
+    reduce_right_hand_side(axes, nodes, elements, ACCELERATION)
     substitute(axes, nodes, (ACCELERATION,), ACCELERATION)
     apply_links(axes, nodes, system.border, ACCELERATION)
-    expand_solution(axes, nodes, elements, ACCELERATION, x, 0, len(nodes))
+    expand_solution(axes, nodes, elements, ACCELERATION, x)
     if system.closed:
         x[len(nodes) - 1] = x[0]
 

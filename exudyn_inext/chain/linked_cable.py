@@ -38,7 +38,7 @@ from .index_reduction import (
     set_projection_targets,
     set_stabilised_targets,
 )
-from .saddle_point import expand_solution, reduce_column, substitute
+from .saddle_point import expand_solution, reduce_right_hand_side, substitute
 
 
 class LinkedCableSystem(NamedTuple):
@@ -76,10 +76,10 @@ def _motions(axes, external, n_dof):
 @inlined
 def _solve(axes, nodes, elements, border, column, x):
     """Solve for one column, links included; x (n, 2, dim)."""
-    reduce_column(axes, nodes, elements, column)
+    reduce_right_hand_side(axes, nodes, elements, column)
     substitute(axes, nodes, (0,), column)
     apply_links(axes, nodes, border, column)
-    expand_solution(axes, nodes, elements, column, x, 0, len(nodes))
+    expand_solution(axes, nodes, elements, column, x)
 
 
 @inlined

@@ -139,33 +139,19 @@ def _set_next_block(axes, w, inverse_pivot, block):
 
 
 @inlined
-def set_bases(axes, nodes, q, first, end):
-    """Slopes of the nodes from `first` to before `end` at q (n, 2, dim), and vectors transverse to them."""
-    for k in range(first, end):
+def factorise(axes, nodes, elements, q):
+    """L D L^T at q (n, 2, dim); the `gradient` of the elements must be set, see `assembly`."""
+    size = 2 * len(axes)
+    block, w, inverse_pivot = local_array(6, 6), local_array(6, 6), local_array(6, 1)
+    for i in range(size):
+        for j in range(size):
+            block[i, j] = 0.0
+            w[i, j] = 0.0
+    for k in range(len(nodes)):
         for i in range(len(axes)):
             nodes[k].slope[i] = q[k, 1, i]
         _set_basis(axes, nodes[k])
-
-
-@inlined
-def clear_front(axes, block, w):
-    """Before the first node: nothing is left to it.   block, w: (6, 6) local arrays."""
-    for i in range(2 * len(axes)):
-        for j in range(2 * len(axes)):
-            block[i, j] = 0.0
-            w[i, j] = 0.0
-
-
-@inlined
-def factorise(axes, nodes, elements, block, w, first, end):
-    """L D L^T of the nodes from `first` to before `end`.
-
-    The `gradient` of elements must be set up to the right of these nodes, see `assembly`, and the bases.
-    block, w: (6, 6) local arrays that hand on what is left to the next node; see `clear_front`.
-    """
-    size = 2 * len(axes)
-    inverse_pivot = local_array(6, 1)
-    for k in range(first, end):
+    for k in range(len(nodes)):
         node = nodes[k]
         _add_mass(axes, node, block)
         if k > 0:
@@ -209,21 +195,13 @@ def _length_target(axes, column, left, element, right):
 
 
 @inlined
-def set_increments_along(axes, nodes, column, first, end):
-    """p of the nodes from `first` to before `end`, from their `target`."""
-    for k in range(first, end):
-        _set_along(axes, nodes[k], column)
-
-
-@inlined
-def reduce_right_hand_side(axes, nodes, elements, column, first, end):
-    """`solution` = [f_r, N^T f_s, b] less the share of the known p, from `force` and `target`.
-
-    first, end: of the nodes, from `first` to before `end`; p must be known up to the next one.
-    """
+def reduce_right_hand_side(axes, nodes, elements, column):
+    """`solution` = [f_r, N^T f_s, b] less the share of the known p, from `force` and `target`."""
     dim = len(axes)
     on_position, on_slope = local_array(3, 1), local_array(3, 1)
-    for k in range(first, end):
+    for k in range(len(nodes)):
+        _set_along(axes, nodes[k], column)
+    for k in range(len(nodes)):
         node = nodes[k]
         for i in range(dim):
             on_position[i, 0] = node.force[column, 0, i]
@@ -267,30 +245,17 @@ def _apply_inverse_lower_transposed(axes, columns, node, z):
 
 
 @inlined
-def clear_passed_on(axes, columns, passed_on):
-    """Before the first node that is substituted: nothing comes from others.   passed_on: (2, 6)."""
-    for c in range(len(columns)):
-        for i in range(2 * len(axes)):
-            passed_on[c, i] = 0.0
-
-
-@inlined
-def substitute_forward(axes, nodes, columns, column, passed_on, first, end):
-    """Solve L D z = b in `solution`, for the nodes from `first` to before `end`.
-
-    Args:
-        axes, nodes: of a chain that is factorised there.
-        columns: (0,) or (0, 1): how many right-hand sides, as a compile-time constant.
-        column: the first of them.
-        passed_on: (2, 6) local array that hands on what comes from the nodes before.
-    """
+def _substitute_forward(axes, nodes, columns, first):
     size = 2 * len(axes)
-    z = local_array(2, 6)
-    for k in range(first, end):
+    z, passed_on = local_array(2, 6), local_array(2, 6)
+    for c in range(len(columns)):
+        for i in range(size):
+            passed_on[c, i] = 0.0
+    for k in range(len(nodes)):
         node = nodes[k]
         for c in range(len(columns)):
             for i in range(size):
-                z[c, i] = node.solution[column + c, i] + passed_on[c, i]
+                z[c, i] = node.solution[first + c, i] + passed_on[c, i]
                 passed_on[c, i] = 0.0
             if not node.ends_group:
                 passed_on[c, size - 1] = z[c, size - 1]
@@ -298,24 +263,23 @@ def substitute_forward(axes, nodes, columns, column, passed_on, first, end):
         _apply_inverse_lower(axes, columns, node, z)
         for c in range(len(columns)):
             for i in range(size):
-                node.solution[column + c, i] = z[c, i] * node.inverse_pivot[i]
+                node.solution[first + c, i] = z[c, i] * node.inverse_pivot[i]
                 for r in range(size):
                     passed_on[c, i] -= node.coupling[r, i] * z[c, r]
 
 
 @inlined
-def substitute_backward(axes, nodes, columns, column, right, first, end):
-    """Solve L^T x = z in `solution`, from the node before `end` down to `first`.
-
-    Arguments: see `substitute_forward`; right: (2, 6) local array, the solution of the next node.
-    """
+def _substitute_backward(axes, nodes, columns, first):
     size = 2 * len(axes)
-    z = local_array(2, 6)
-    for k in range(end - 1, first - 1, -1):
+    z, right = local_array(2, 6), local_array(2, 6)
+    for c in range(len(columns)):
+        for i in range(size):
+            right[c, i] = 0.0
+    for k in range(len(nodes) - 1, -1, -1):
         node = nodes[k]
         for c in range(len(columns)):
             for i in range(size):
-                z[c, i] = node.solution[column + c, i]
+                z[c, i] = node.solution[first + c, i]
                 for j in range(size):
                     z[c, i] -= node.coupling[i, j] * right[c, j]
         _apply_inverse_lower_transposed(axes, columns, node, z)
@@ -324,27 +288,27 @@ def substitute_backward(axes, nodes, columns, column, right, first, end):
                 z[c, size - 1] = right[c, size - 1]
             for i in range(size):
                 right[c, i] = z[c, i]
-                node.solution[column + c, i] = z[c, i]
+                node.solution[first + c, i] = z[c, i]
 
 
 @inlined
-def substitute(axes, nodes, columns, column):
-    """Solve for the reduced right-hand sides in `solution`; arguments: see `substitute_forward`."""
-    memory = local_array(2, 6)
-    clear_passed_on(axes, columns, memory)
-    substitute_forward(axes, nodes, columns, column, memory, 0, len(nodes))
-    clear_passed_on(axes, columns, memory)
-    substitute_backward(axes, nodes, columns, column, memory, 0, len(nodes))
+def substitute(axes, nodes, columns, first):
+    """Solve for the reduced right-hand sides in `solution`.
 
-
-@inlined
-def expand_solution(axes, nodes, elements, column, x, first, end):
-    """x = [r, N beta + p] (n, 2, dim), zero where a support holds, and the length multipliers.
-
-    first, end: of the nodes, from `first` to before `end`.
+    Args:
+        axes, nodes: of a chain that is factorised.
+        columns: (0,) or (0, 1): how many right-hand sides, as a compile-time constant.
+        first: the first of them.
     """
+    _substitute_forward(axes, nodes, columns, first)
+    _substitute_backward(axes, nodes, columns, first)
+
+
+@inlined
+def expand_solution(axes, nodes, elements, column, x):
+    """x = [r, N beta + p] (n, 2, dim), zero where a support holds, and the length multipliers."""
     dim = len(axes)
-    for k in range(first, end):
+    for k in range(len(nodes)):
         node = nodes[k]
         for i in range(dim):
             x[k, 0, i] = node.solution[column, i]
@@ -355,21 +319,6 @@ def expand_solution(axes, nodes, elements, column, x, first, end):
             elements[k - 1].multiplier[column] = node.solution[column, 2 * dim - 1]
 
 
-@inlined
-def reduce_column(axes, nodes, elements, column):
-    """`reduce_right_hand_side` of all nodes."""
-    set_increments_along(axes, nodes, column, 0, len(nodes))
-    reduce_right_hand_side(axes, nodes, elements, column, 0, len(nodes))
-
-
-@inlined
-def solve_column(axes, nodes, elements, column, x):
-    """x (n, 2, dim) from column `column` of `force` and `target`; the chain is factorised."""
-    reduce_column(axes, nodes, elements, column)
-    substitute(axes, nodes, (0,), column)
-    expand_solution(axes, nodes, elements, column, x, 0, len(nodes))
-
-
 @kernel
 def solve(chain, x):
     """Solve M x + C_q^T lam = f, C_q x = b for column 0 of `force` and `target`.
@@ -378,7 +327,10 @@ def solve(chain, x):
         chain: factorised.
         x: (n, 2, dim) solution; the multipliers are left in the elements.
     """
-    solve_column(chain.axes, chain.nodes, chain.elements, 0, x)
+    axes, nodes, elements = chain.axes, chain.nodes, chain.elements
+    reduce_right_hand_side(axes, nodes, elements, 0)
+    substitute(axes, nodes, (0,), 0)
+    expand_solution(axes, nodes, elements, 0, x)
 
 
 @kernel

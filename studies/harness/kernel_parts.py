@@ -4,18 +4,16 @@ from collections.abc import Callable
 
 import numpy as np
 
-from exudyn_inext.chain.assembly import assemble_elements, assemble_nodes
+from exudyn_inext.chain.assembly import assemble
 from exudyn_inext.chain.cable import Cable
 from exudyn_inext.chain.linked_cable import cable_system
 from exudyn_inext.chain.saddle_point import (
-    clear_front,
     expand_solution,
     factorise,
-    reduce_column,
-    set_bases,
+    reduce_right_hand_side,
     substitute,
 )
-from exudyn_inext.compiled import kernel, local_array
+from exudyn_inext.compiled import kernel
 from exudyn_inext.system import index_reduced_rates
 from reference_models.trajectory import Array
 
@@ -36,29 +34,24 @@ def _assembly(times, chain, external, q, v):
             for i in range(len(axes)):
                 nodes[k].force[0, 0, i] = external[k, 0, i]
                 nodes[k].force[0, 1, i] = external[k, 1, i]
-        assemble_nodes(axes, nodes, q, v, 0, len(nodes))
-        assemble_elements(axes, nodes, elements, q, v, 0, 0, len(elements))
+        assemble(axes, nodes, elements, q, v, 0)
 
 
 @kernel
 def _factorisation(times, chain, q):
-    axes, nodes, elements = chain.axes, chain.nodes, chain.elements
-    block, w = local_array(6, 6), local_array(6, 6)
     for _ in range(times):
-        clear_front(axes, block, w)
-        set_bases(axes, nodes, q, 0, len(nodes))
-        factorise(axes, nodes, elements, block, w, 0, len(nodes))
+        factorise(chain.axes, chain.nodes, chain.elements, q)
 
 
 @kernel
 def _substitution(times, chain, x, y):
     axes, nodes, elements = chain.axes, chain.nodes, chain.elements
     for _ in range(times):
-        reduce_column(axes, nodes, elements, 0)
-        reduce_column(axes, nodes, elements, 1)
+        reduce_right_hand_side(axes, nodes, elements, 0)
+        reduce_right_hand_side(axes, nodes, elements, 1)
         substitute(axes, nodes, (0, 1), 0)
-        expand_solution(axes, nodes, elements, 0, x, 0, len(nodes))
-        expand_solution(axes, nodes, elements, 1, y, 0, len(nodes))
+        expand_solution(axes, nodes, elements, 0, x)
+        expand_solution(axes, nodes, elements, 1, y)
 
 
 def rates_task(cable: Cable, external: Array, q: Array, v: Array) -> Callable[[int], None]:

@@ -62,8 +62,7 @@ def test_drag_of_the_chain_acts_at_the_leading_velocity(dim):
     for state in states(dim):
         a, chain = rng.standard_normal(state.q.shape), build_chain(state.cable)
         of_chain = getattr(add_drag, "py_func", add_drag)
-        number = len(chain.elements)
-        of_chain(chain.axes, chain.nodes, chain.elements, state.q, state.v, lead, a, 0, 0, number)
+        of_chain(chain.axes, chain.nodes, chain.elements, state.q, state.v, lead, a, 0)
         expected = drag_force(state.cable, state.q, state.v + lead * a)
         assert relative_error(chain.nodes.force[:, 0], expected) < 1e-12
 
