@@ -4,15 +4,11 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from ..arrays import Array
 from ..chain.attached_forces import drag_rate
-from ..chain.border import all_links
 from ..chain.cable import Cable
 from ..chain.frequency import FrequencyTracker, largest_frequency
 from ..chain.linked_cable import LinkedCableSystem, cable_system
-from ..errors import RedundantConstraintError
 from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit
 from ..integrators.watch import record_watched
@@ -28,12 +24,12 @@ from .consistent_start import (
 )
 from .divergence import GIVEN_UP, explanation
 from .link_items import require_smooth_motions
+from .redundancy import element_masses, require_independent
 from .retrace import retrace
 from .scene import CableInScene
 from .step_control import StepControl, StepRule
 from .time_grid import TimeGrid
 
-PIVOT_TOLERANCE = 1e-10
 STEPS_BETWEEN_LIMITS = 20_000  # so that a look at the present stability limit costs next to nothing
 
 
@@ -88,7 +84,7 @@ class CableRun:
         self.indices = scene_cable.indices
         self.reference = cable.reference.ravel()
         self.system = cable_system(cable, start.zeta, start.mass_scaling)
-        self._element_masses = _element_masses(cable, start.mass_scaling)
+        self._element_masses = element_masses(cable, start.mass_scaling)
         self._drag_rate = drag_rate(cable, scene_cable.item.gravity, initial[1])
         self._integrator = integrator
         self._is_scaled = start.mass_scaling > 0.0
@@ -126,7 +122,7 @@ class CableRun:
         self.forget()
         external = self.loads.at(time)
         self._integrator.start(self.system, external, self.state)
-        self.check_pivots()
+        self.require_independence()
         self.watch.open(self.system, external, self.state)
 
     def memory(self) -> dict[str, Any]:
@@ -276,42 +272,6 @@ class CableRun:
         links = [self.system.border.links] if isinstance(self.system, LinkedCableSystem) else []
         return [chain.nodes, chain.elements, *links]
 
-    def check_pivots(self) -> None:
-        """Each length multiplier's pivot must be negative, each link's positive, clear of round-off.
-
-        Raises:
-            RedundantConstraintError: it is not; at the latest evaluation.
-        """
-        nodes = self.system.chain.nodes
-        ends = np.flatnonzero(nodes.ends_group)
-        pivots = 1.0 / nodes.inverse_pivot[ends, -1]
-        dependent = ~(pivots < -PIVOT_TOLERANCE * 8.0 / self._element_masses[ends - 1])
-        if dependent.any():
-            k, names = int(ends[np.argmax(dependent)]), self.scene_cable.item.node_names
-            raise RedundantConstraintError(
-                f"the length constraint of the element between nodes {names[k - 1]} and {names[k]} of "
-                f"{self.name} is not independent of the other constraints (a straight cable between two "
-                "supports as far apart as it is long, or an element clamped at both ends): let it sag, "
-                "free a support, or use a smaller numberOfLengthConstraints."
-            )
-        if isinstance(self.system, LinkedCableSystem):
-            self._check_links(self.system.border.schur)
-
-    def _check_links(self, factor: Array) -> None:
-        squares = np.tril(factor) ** 2
-        dependent = ~(np.diag(squares) > PIVOT_TOLERANCE * squares.sum(axis=1))
-        if dependent.any():
-            link = all_links(self.scene_cable.cable)[int(np.argmax(dependent))]
-            names = " and ".join(str(self.scene_cable.item.node_names[k]) for k in link.nodes)
-            raise RedundantConstraintError(
-                f"the {link.kind} constraint at node {names} of {self.name} is not independent of the other "
-                "constraints (a node that is held or moved twice, or a cable pulled straight between what "
-                "holds it): remove one of them, or let the cable sag."
-            )
-
-
-def _element_masses(cable: Cable, mass_scaling: float) -> Array:
-    """(N,) rho_A l, and what mass scaling adds to it [kg]."""
-    section, lengths = cable.section, cable.element_lengths
-    masses: Array = section.mass_per_length * lengths
-    return masses + mass_scaling * 24.0 * section.bending_stiffness / lengths**3
+    def require_independence(self) -> None:
+        """RedundantConstraintError if constraints depend on each other; at the latest evaluation."""
+        require_independent(self.scene_cable, self.system, self._element_masses)

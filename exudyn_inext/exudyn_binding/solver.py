@@ -66,9 +66,10 @@ def SolveExplicit(
         'loopSteps', 'decidedBy' (what bounded the step), 'bounds' (StepSizeBounds), 'path' (which way the
         steps were computed), 'startCorrections' (of each cable, and of joints: how far the initial
         state was from the constraints), 'drift' (largest 'energyGain' and 'energyLoss' of a run, relative
-        to what its motion turned over, beyond the work done on it; largest violation of 'constraints'; in
-        runs of more than 20 000 steps of cables alone, 'stepOverLimit', the largest share that the step was
-        of the present stability limit),
+        to what its motion turned over, beyond the work done on it; largest violation of 'constraints',
+        of joints [m, -] over the largest coordinate at the start if that is above 1; in runs of more than
+        20 000 steps of cables alone, 'stepOverLimit', the largest share that the step was of the present
+        stability limit),
         'retries' (how often the run began anew) and 'resumedAt' [s] (of a restart file; or None).
 
     Raises:

@@ -122,7 +122,7 @@ class CoupledRun:
         begin = _plain(self._integrator.start)
         begin(self._scene.system, np.array([time]), self.state)
         for run in self._runs:
-            run.check_pivots()
+            run.require_independence()
         self.watch.open(time, self.state)
 
     def memory(self) -> dict[str, Any]:
