@@ -182,12 +182,14 @@ class CoupledRun:
         system, state, watch = self._scene.system, self.state, self.watch
         surroundings = self._scene.surroundings
         surroundings.path = watch.path_of_evaluations
-        for factors, end in zip(times[:, np.newaxis, :, np.newaxis], ends, strict=True):
-            take_step(scheme, system, LoadHistory(_NOTHING, _TIME, factors), state, h, 1, self._output)
-            surroundings.finish_step(end, state.q, state.v)
-            for call in watch.after_each_step:
-                call()
-        surroundings.path = None
+        try:
+            for factors, end in zip(times[:, np.newaxis, :, np.newaxis], ends, strict=True):
+                take_step(scheme, system, LoadHistory(_NOTHING, _TIME, factors), state, h, 1, self._output)
+                surroundings.finish_step(end, state.q, state.v)
+                for call in watch.after_each_step:
+                    call()
+        finally:
+            surroundings.path = None
         watch.count(len(ends))
 
     def figures(self) -> dict[str, float]:
