@@ -200,11 +200,13 @@ class CoupledRun:
         """What went wrong in the last steps; see `CableRun.verdict`."""
         if not self.watch.has_trouble:
             return ""
+        if self._unsolvable:
+            return f"{self.name}: {self._unsolvable} If the motion before that is wrong, reduce stepSize."
         trouble = self._integrator.trouble(scheme, self.watch.watch.kept)
         rates = fastest_rates(self._scene.system, time, self.state.q, self.state.v)
         limit = frequency_limit(self._integrator, scheme) / rates.frequency if rates.frequency else np.inf
         said = explanation(self._integrator, trouble, h, limit, scaled=True)
-        return f"{self.name}: {self._unsolvable or finding(self.watch.watch) + '.'} {said}"
+        return f"{self.name}: {finding(self.watch.watch)}. {said}"
 
 
 def _plain(function: Any) -> Any:

@@ -137,14 +137,14 @@ def test_joints_that_cannot_be_solved_for_in_mid_run_leave_the_last_good_output(
 ):
     factorise, calls = JointSolve.factorise, []
 
-    def fail_once(self):
+    def fail_at_last(self):
         calls.append(1)
-        if len(calls) == 1000:
+        if len(calls) >= 1000:
             raise RedundantConstraintError("joint 7 is not independent: remove it.")
         factorise(self)
 
-    monkeypatch.setattr(JointSolve, "factorise", fail_once)
-    said = r"before t = \d\.\d+ s\. native items: joint 7 is not independent: remove it\..* last good output"
+    monkeypatch.setattr(JointSolve, "factorise", fail_at_last)
+    said = r"before t = \d\.\d+ s.* joint 7 .* remove it\. .* reduce stepSize\. .* last good output"
     with pytest.raises(DivergenceError, match=said):
         whirl(1.0, integrator="RATTLE")
     last = mbs.GetSensorStoredData(0)[-1, 0]
