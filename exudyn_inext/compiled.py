@@ -99,6 +99,11 @@ def kernel(function: _Function) -> _Function:
     return compiled
 
 
+def plain(function: _Function) -> _Function:
+    """The Python function behind a kernel, for systems that only Python can evaluate."""
+    return getattr(function, "py_func", function)
+
+
 def inlined(function: _Function) -> _Function:
     """Compile `function` as a part of the kernels that call it."""
     return numba.njit(forceinline=True, **_OPTIONS)(function)

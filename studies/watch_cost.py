@@ -11,9 +11,9 @@ Protocol
     and a loop that was compiled without a watch, whose machine code differs in more than that. Steady:
     gravity alone; damped: bending damping; loaded: a force that is a function of time; moved: a support
     that moves. Step: half of the stability limit.
-    Among bodies: the loop over 2048 steps in mid-motion, with the watch and without one, of one and the
-    same run; joined: a rigid body on the cable's end; beside: a mass on a spring near the cable, the
-    cheapest step that there is. At the automatic step.
+    Among bodies: the loop in mid-motion, up to the second inspection, with the watch and without one, of
+    one and the same run; joined: a rigid body on the cable's end; beside: a mass on a spring near the
+    cable, the cheapest step that there is. At the automatic step.
     CPU time, all tasks of one chain round robin, medians of ratios within one round, and the interval
     that holds the median with 95 % confidence (sign test), whatever else the machine does.
 
@@ -180,7 +180,6 @@ def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
 class _Blind:
     """Remembers and judges nothing."""
 
-    has_trouble = False
     path_of_evaluations, after_each_step = None, ()
     steps_ahead = STEPS_OF_AN_OUTPUT
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..compiled import plain
 from ..element.drag import drag_density
 from ..element.shape_functions import first_derivatives, quadrature, shape_functions
 from .attached import placed
@@ -50,7 +51,7 @@ def _of_element(x: Array, k: int) -> Array:
 def _drag_until(cable: Cable, state: Any, k: int, end: float) -> Array:
     """(dim,) drag on element k from its left node to the abscissa `end` [N]."""
     length, axes = float(cable.element_lengths[k]), tuple(range(cable.dimension))
-    density = getattr(drag_density, "py_func", drag_density)
+    density = plain(drag_density)
     law, total = cable.drag.law(), np.zeros(cable.dimension)  # type: ignore[union-attr]
     for point, weight in zip(POINTS * end, WEIGHTS * end * length, strict=True):
         slope = first_derivatives(point, length) @ _of_element(state.q, k)

@@ -14,6 +14,7 @@ from scipy.linalg import eigh, inv
 
 from ..arrays import Array
 from ..chain.cable import Cable
+from ..compiled import plain
 from ..integrators.integrator import Integrator, advance, no_loads
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .consistent_start import StartCorrection
@@ -108,13 +109,12 @@ class NativeRun:
 
     def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
         """Advance through len(history) loop steps; see `CableRun.record`."""
-        take_step = advance.dispatch(type(scheme))
-        take_step = getattr(take_step, "py_func", take_step)
+        take_step = plain(advance.dispatch(type(scheme)))
         data = self._system.mbs.systemData
         start = grid.time(first)
         if not self._is_started:
             data.SetTime(start)
-            begin = getattr(self._integrator.start, "py_func", self._integrator.start)
+            begin = plain(self._integrator.start)
             begin(self._system, np.zeros(self.state.q.size), self.state)
             self._is_started = True
         for step in range(len(history) * grid.substeps):

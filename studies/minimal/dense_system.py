@@ -11,6 +11,7 @@ import numpy as np
 from exudyn_inext import RungeKutta4
 from exudyn_inext.arrays import Array
 from exudyn_inext.chain.sparse_forms import form_of_cable
+from exudyn_inext.compiled import plain
 from exudyn_inext.constraints import constraints_of_cable
 from exudyn_inext.element.bending import stiffness_matrix
 from exudyn_inext.element.inertia import mass_matrix
@@ -88,9 +89,8 @@ def run_dense(case: Row) -> Row:
     start = pendulum_of(case["elements"])
     system = _system(start, **VARIANTS[case["label"]])
     integrator, substeps = find_integrator("RK4"), SUBSTEPS[case["elements"]]
-    take_step = advance.dispatch(RungeKutta4)
-    take_step = getattr(take_step, "py_func", take_step)
-    begin = getattr(integrator.start, "py_func", integrator.start)
+    take_step = plain(advance.dispatch(RungeKutta4))
+    begin = plain(integrator.start)
     external = start.external.ravel()
     state = integrator.allocate(external.size, external.size)
     state.q[:] = start.q.ravel()

@@ -10,6 +10,7 @@ from exudyn_inext.chain.attached import Drag, PointMass
 from exudyn_inext.chain.chain import build_chain
 from exudyn_inext.chain.frequency import largest_frequency
 from exudyn_inext.chain.linked_cable import cable_system
+from exudyn_inext.compiled import plain
 from exudyn_inext.loads.gravity import gravity_force
 from exudyn_inext.system import accelerate_and_project
 from tests.cables import (
@@ -61,7 +62,7 @@ def test_drag_of_the_chain_acts_at_the_leading_velocity(dim):
     lead, rng = 0.05, np.random.default_rng(2)
     for state in states(dim):
         a, chain = rng.standard_normal(state.q.shape), build_chain(state.cable)
-        of_chain = getattr(add_drag, "py_func", add_drag)
+        of_chain = plain(add_drag)
         of_chain(chain.axes, chain.nodes, chain.elements, state.q, state.v, lead, a, 0)
         expected = drag_force(state.cable, state.q, state.v + lead * a)
         assert relative_error(chain.nodes.force[:, 0], expected) < 1e-12

@@ -13,7 +13,9 @@ from scipy.integrate import solve_ivp
 
 from exudyn_inext.chain.chain import build_chain
 from exudyn_inext.chain.index_reduction import CableSystem
+from exudyn_inext.compiled import plain
 from exudyn_inext.errors import InputError
+from exudyn_inext.exudyn_binding.native_run import NativeSystem
 from exudyn_inext.integrators import INTEGRATORS, find_integrator
 from exudyn_inext.integrators.integrator import LoadHistory, advance, record
 from exudyn_inext.integrators.linear_stability import decay_limit, frequency_limit
@@ -148,28 +150,23 @@ def test_recorded_intervals_are_the_states_of_one_run(integrator):
     np.testing.assert_allclose(apart[-1], together, rtol=1e-12, atol=1e-13)
 
 
-class Counting:
-    """q'' = -q, and how often it was asked for."""
+class Springs:
+    """What a `NativeSystem` asks of Exudyn: F = -q, and for which q it was asked."""
 
     def __init__(self):
-        self.asked = []
+        self.systemData, self.asked = self, []
 
+    def SetODE2Coordinates(self, q):
+        self.asked.append(q.copy())
 
-@index_reduced_rates.register(Counting)
-def counting_rates(system, external, q, v, acceleration, rate):
-    acceleration[:], rate[:] = -q, v
-    system.asked.append(q.copy())
+    def SetODE2Coordinates_t(self, v):
+        pass
 
+    def ComputeODE2RHS(self, mbs):
+        pass
 
-@accelerate_and_project.register(Counting)
-def counting_accelerations(system, external, q, v, duration, acceleration, end_velocity):
-    counting_rates(system, external, q, v, acceleration, end_velocity)
-    end_velocity += duration * acceleration
-
-
-@correct_position.register(Counting)
-def nothing_to_correct(system, external, q, tolerance, learning, correction):
-    return 0.0
+    def GetSystemResidual(self):
+        return -self.asked[-1]
 
 
 ALL_SCHEMES = [*(integrator.scheme() for integrator in INTEGRATORS.values()), Zhai(corrector=True)]
@@ -178,13 +175,13 @@ ALL_SCHEMES = [*(integrator.scheme() for integrator in INTEGRATORS.values()), Zh
 @pytest.mark.parametrize("scheme", ALL_SCHEMES, ids=str)
 def test_a_step_evaluates_as_often_as_declared_and_last_at_its_end(scheme):
     (integrator,) = [i for i in INTEGRATORS.values() if i.scheme is type(scheme)]
-    advance_in_python = getattr(advance.dispatch(type(scheme)), "py_func", advance.dispatch(type(scheme)))
-    system, state = Counting(), integrator.allocate(2, 1)
+    springs, state = Springs(), integrator.allocate(2, 1)
+    system = NativeSystem(springs, springs, np.eye(2))
     state.q[:], state.v[:] = [1.0, 2.0], [0.3, 0.0]
     loads = LoadHistory(np.zeros(1), np.zeros((0, 1)), np.zeros((3, len(integrator.stages), 0)))
-    advance_in_python(scheme, system, loads, state, 0.1, 3, np.zeros((1, 3, 2)))
-    assert len(system.asked) == 3 * integrator.evaluations(scheme)
-    np.testing.assert_array_equal(system.asked[-1], state.q)
+    plain(advance.dispatch(type(scheme)))(scheme, system, loads, state, 0.1, 3, np.zeros((1, 3, 2)))
+    assert len(springs.asked) == 3 * integrator.evaluations(scheme)
+    np.testing.assert_array_equal(springs.asked[-1], state.q)
 
 
 @every_integrator

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...chain.cable import Cable
+from ...compiled import plain
 from ...coupling.small_vibrations import FastestRates, fastest_rates
 from ...errors import DivergenceError, RedundantConstraintError
 from ...integrators.integrator import Integrator, LoadHistory, advance
@@ -119,7 +120,7 @@ class CoupledRun:
         self._scene.forget()
         for run in self._runs:
             run.forget()
-        begin = _plain(self._integrator.start)
+        begin = plain(self._integrator.start)
         begin(self._scene.system, np.array([time]), self.state)
         for run in self._runs:
             run.require_independence()
@@ -138,7 +139,7 @@ class CoupledRun:
     def resume(self, time: float) -> None:
         """Go on at `time` [s] with the memory that has been set; data coordinates are those of mbs."""
         self._scene.surroundings.forces(time, self.state.q, self.state.v)
-        _plain(self._integrator.resume)(self._scene.system, np.array([time]), self.state)
+        plain(self._integrator.resume)(self._scene.system, np.array([time]), self.state)
         self.watch.resume()
 
     def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
@@ -178,7 +179,7 @@ class CoupledRun:
 
     def _take_steps(self, scheme: Any, times: Array, ends: Sequence[float], h: float) -> None:
         """Steps of h [s].   times: (steps, stages) of their evaluations [s].   ends: of the steps [s]."""
-        take_step = _plain(advance.dispatch(type(scheme)))
+        take_step = plain(advance.dispatch(type(scheme)))
         system, state, watch = self._scene.system, self.state, self.watch
         surroundings = self._scene.surroundings
         surroundings.path = watch.path_of_evaluations
@@ -207,8 +208,3 @@ class CoupledRun:
         limit = frequency_limit(self._integrator, scheme) / rates.frequency if rates.frequency else np.inf
         said = explanation(self._integrator, trouble, h, limit, scaled=True)
         return f"{self.name}: {finding(self.watch.watch)}. {said}"
-
-
-def _plain(function: Any) -> Any:
-    """The Python function behind a kernel."""
-    return getattr(function, "py_func", function)

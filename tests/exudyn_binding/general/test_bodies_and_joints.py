@@ -33,13 +33,14 @@ ROTATIONS = [exudyn.NodeType.RotationEulerParameters, exudyn.NodeType.RotationRx
 every_integrator = pytest.mark.parametrize("integrator", INTEGRATORS, ids=str)
 
 
-def rigid_pendulum(mbs, add_sensor, rotation):
-    """A brick on a spherical joint that starts tumbling; returns the sensor of its centre."""
+def hang_brick(mbs, rotation, rate=1.0):
+    """A brick on a spherical joint that starts tumbling; returns its node, and the marker at the joint."""
+    angular_velocity = rate * np.array([3.0, 1.0, 2.0])
     body = mbs.CreateRigidBody(
         inertia=InertiaCuboid(100, [0.2, 0.05, 0.1]),
         referencePosition=[0.1, 0, 0],
-        initialAngularVelocity=[3, 1, 2],
-        initialVelocity=np.cross([3, 1, 2], [0.1, 0, 0]).tolist(),
+        initialAngularVelocity=angular_velocity.tolist(),
+        initialVelocity=np.cross(angular_velocity, [0.1, 0, 0]).tolist(),
         gravity=GRAVITY,
         nodeType=rotation,
         returnDict=True,
@@ -47,7 +48,12 @@ def rigid_pendulum(mbs, add_sensor, rotation):
     hook = mbs.AddMarker(MarkerBodyPosition(bodyNumber=body["bodyNumber"], localPosition=[-0.1, 0, 0]))
     ground = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.CreateGround()))
     mbs.AddObject(SphericalJoint(markerNumbers=[ground, hook]))
-    sensor = add_sensor(mbs, body["nodeNumber"])
+    return body["nodeNumber"], hook
+
+
+def rigid_pendulum(mbs, add_sensor, rotation):
+    """The brick of `hang_brick`; returns the sensor of its centre."""
+    sensor = add_sensor(mbs, hang_brick(mbs, rotation)[0])
     mbs.Assemble()
     return sensor
 
@@ -94,17 +100,7 @@ def whirl(mbs, solve):
     """(rate, settings) -> report and largest gap [m] of a brick that whirls on a joint for 5 s."""
 
     def run(rate, **settings):
-        rotation = rate * np.array([3.0, 1.0, 2.0])
-        body = mbs.CreateRigidBody(
-            inertia=InertiaCuboid(100, [0.2, 0.05, 0.1]),
-            referencePosition=[0.1, 0, 0],
-            initialAngularVelocity=rotation.tolist(),
-            initialVelocity=np.cross(rotation, [0.1, 0, 0]).tolist(),
-            gravity=GRAVITY,
-        )
-        hook = mbs.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=[-0.1, 0, 0]))
-        ground = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.CreateGround()))
-        mbs.AddObject(SphericalJoint(markerNumbers=[ground, hook]))
+        _, hook = hang_brick(mbs, exudyn.NodeType.RotationEulerParameters, rate)
         gap = mbs.AddSensor(
             SensorMarker(
                 markerNumber=hook, outputVariableType=exudyn.OutputVariableType.Position, storeInternal=True
