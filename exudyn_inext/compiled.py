@@ -1,8 +1,8 @@
 """How numerical kernels are compiled, and the cache of their machine code.
 
 `kernel` makes an entry point, `inlined` a part of kernels, `optional` one that many cables do not have,
-`local_array` small memory on the stack: loops over it have constant bounds and no aliases, so that the
-compiler keeps it in registers.
+`local_array` small memory on the stack. Where all loops over it are unrolled it has no aliases and is
+kept in registers: a long body of such a loop belongs into a function of its own, or the loop stays.
 
 Numba invalidates a cached function when *its own* file changes, not when a function that it inlines
 does. The cache folder therefore carries a hash of all sources that hold kernels: an edit of one of
@@ -24,11 +24,15 @@ from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.serialize import dumps
 from numba.extending import intrinsic, overload
+from numba.np.arrayobj import make_array, populate_array
 
 PACKAGE = Path(__file__).parent
 FAST_MATH = {"contract", "reassoc", "nsz", "arcp"}  # neither nnan nor ninf: divergence must be seen
 
-_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": FAST_MATH, "nogil": True}
+NUMBER_BYTES = 8
+
+# Without `_nrt` references to arrays are not counted: that took a third of a step of a short chain.
+_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": FAST_MATH, "nogil": True, "_nrt": False}
 
 # What a source imports, or is, that defines kernels.
 _MARKS_OF_KERNELS = (b"compiled import", b"implements", b"numba.njit")
@@ -83,14 +87,27 @@ def _save(cache_file: Any, key: Any, data: Any) -> None:
 def kernel(function: _Function) -> _Function:
     """Compile `function` in nopython mode, cached on disk. Runs as plain Python without the JIT.
 
-    Kernels release Python's global lock, so that threads run them side by side.
+    Kernels release Python's global lock, so that threads run them side by side. They make no arrays, and
+    do not count references to those of others.
     """
+    return _compiled(function, _OPTIONS)
+
+
+def counting_kernel(function: _Function) -> _Function:
+    """A `kernel` that makes arrays or returns views, and counts references to them.
+
+    It must not take arrays from what an `inlined` part returns: those are not counted.
+    """
+    return _compiled(function, {**_OPTIONS, "_nrt": True})
+
+
+def _compiled(function: _Function, options: dict[str, Any]) -> _Function:
     if numba.config.DISABLE_JIT:
         return function
     shared_setting = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = str(CACHE_FOLDER or "")
     try:
-        compiled = numba.njit(cache=CACHE_FOLDER is not None, **_OPTIONS)(function)
+        compiled = numba.njit(cache=CACHE_FOLDER is not None, **options)(function)
     finally:
         numba.config.CACHE_DIR = shared_setting
     if CACHE_FOLDER is not None:
@@ -144,21 +161,29 @@ def local_array(rows: int, columns: int) -> Any:
 
 
 @intrinsic(prefer_literal=True)
-def _stack_memory(_context, size):
-    def allocate(_context, builder, _signature, _arguments):
-        memory = ir.ArrayType(ir.DoubleType(), size.literal_value)
+def _array_on_stack(_context, rows, columns):
+    shape = rows.literal_value, columns.literal_value
+    kind = types.Array(types.float64, 2, "C")
+
+    def allocate(context, builder, _signature, _arguments):
+        def number(value):
+            return context.get_constant(types.intp, value)
+
+        memory = ir.ArrayType(ir.DoubleType(), shape[0] * shape[1])
         pointer = cgutils.alloca_once(builder, memory, name="local_array")
-        return builder.bitcast(pointer, ir.DoubleType().as_pointer())
+        array = make_array(kind)(context, builder)
+        populate_array(
+            array,
+            data=builder.bitcast(pointer, ir.DoubleType().as_pointer()),
+            shape=[number(size) for size in shape],
+            strides=[number(NUMBER_BYTES * shape[1]), number(NUMBER_BYTES)],
+            itemsize=number(NUMBER_BYTES),
+            meminfo=None,
+        )
+        return array._getvalue()
 
-    return types.CPointer(types.float64)(size), allocate
+    return kind(rows, columns), allocate
 
 
-# Inlined before LLVM sees it: the memory belongs to the caller's frame.
-@overload(local_array, inline="always", prefer_literal=True)
-def _local_array_on_stack(rows, columns):
-    size = rows.literal_value * columns.literal_value
-
-    def allocate(rows, columns):
-        return numba.carray(_stack_memory(size), (rows, columns))
-
-    return allocate
+if not numba.config.DISABLE_JIT:
+    local_array = _array_on_stack

@@ -12,8 +12,14 @@ from ..element.inextensibility import (
     nodal_rate,
 )
 from ..element.natural_curvature import add_natural_curvature_force
+from .factorisation import set_frame
 
 VALUE, RATE, GAMMA = 0, 1, 2  # entries of the `constraint` of a record
+
+
+@inlined
+def leave_targets(parameter, record):
+    """For whoever needs no targets."""
 
 
 @inlined
@@ -102,12 +108,16 @@ def elastic_energy(chain, q):
 
 
 @inlined
-def set_violations(axes, nodes, elements, q):
-    """Values of all constraints at q into the records; returns the largest, lengths relative."""
+def set_violations(axes, nodes, elements, q, set_targets, parameter):
+    """Values of all constraints at q into the records; returns the largest, lengths relative.
+
+    set_targets, parameter: see `assemble`.
+    """
     worst = 0.0
     for k in range(len(nodes)):
         value = nodes[k].free[1] * nodal_constraint(axes, q[k, 1])
         nodes[k].constraint[VALUE] = value
+        set_targets(parameter, nodes[k])
         worst = max(worst, abs(value))
     e, gradient = local_array(3, 3), local_array(3, 3)
     of_group = 0.0
@@ -117,6 +127,7 @@ def set_violations(axes, nodes, elements, q):
         length_gradient(axes, element.slope_gram, e, gradient)
         value = 0.5 * contract(axes, e, gradient) - element.reference_length
         element.constraint[VALUE] = value
+        set_targets(parameter, element)
         of_group += value / element.reference_length
         if nodes[k + 1].ends_group:
             worst = max(worst, abs(of_group))
@@ -125,22 +136,29 @@ def set_violations(axes, nodes, elements, q):
 
 
 @inlined
-def assemble(axes, nodes, elements, q, v, column):
+def assemble(axes, nodes, elements, external, q, v, column, set_targets, parameter):
     """All that the index-reduced equations need at (q, v), into the records of the chain.
 
-    Nodes: elastic forces, added to column `column` of `force`, and constraint terms (18), (27).
+    Nodes: external and elastic forces, constraint terms (18), (27) and the frame.
     Elements: constraint terms (19), (27) and the Jacobian.
 
     Args:
         axes, nodes, elements: of the chain.
+        external: (n, 2, dim) [N, Nm].
         q, v: (n, 2, dim) coordinates and velocities.
         column: of the forces.
+        set_targets: (parameter, record): sets the targets of a record's constraint from its terms.
     """
     for k in range(len(nodes)):
+        for i in range(len(axes)):
+            nodes[k].force[column, 0, i] = external[k, 0, i]
+            nodes[k].force[column, 1, i] = external[k, 1, i]
+        set_frame(axes, nodes[k], q[k, 1])
         terms = nodes[k].constraint
         terms[VALUE] = nodal_constraint(axes, q[k, 1])
         terms[RATE] = nodal_rate(axes, q[k, 1], v[k, 1])
         terms[GAMMA] = nodal_gamma(axes, v[k, 1])
+        set_targets(parameter, nodes[k])
     e, e_t, result = local_array(3, 3), local_array(3, 3), local_array(3, 3)
     for k in range(len(elements)):
         element = elements[k]
@@ -155,6 +173,7 @@ def assemble(axes, nodes, elements, q, v, column):
         length_gradient(axes, element.slope_gram, e, result)
         element.constraint[VALUE] = 0.5 * contract(axes, e, result) - element.reference_length
         element.constraint[RATE] = contract(axes, e_t, result)
+        set_targets(parameter, element)
         set_gradient(axes, nodes[k].free, nodes[k + 1].free, result, element.gradient)
 
 

@@ -18,7 +18,7 @@ from .assembly import GAMMA, RATE, VALUE
 from .cable import Cable
 from .link import Link, Motion, rest
 from .records import link_type
-from .saddle_point import substitute
+from .saddle_point import substitute_reduced
 
 CLOSURE = "closure"
 
@@ -185,7 +185,7 @@ def _set_responses(axes, nodes, border):
                     nodes[k].solution[c, i] = 0.0
         for c in range(pair):
             _set_unit_force(axes, nodes, links[first + c], c)
-        substitute(axes, nodes, (0, 1), 0)
+        substitute_reduced(axes, nodes, (0, 1), 0)
         for k in range(len(nodes)):
             for c in range(2):
                 for i in range(size):

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..compiled import inlined, kernel, local_array
 from ..element.inextensibility import contract, length_gradient, nodal_constraint, nodal_rate
-from .assembly import differences, set_gradient
+from .assembly import differences, leave_targets, set_gradient
 from .cable import Cable
 from .chain import Chain, build_chain
 from .index_reduction import assemble_forces
@@ -68,8 +68,9 @@ def unconstrained_force(chain, external, q, v, force):
         q, v: (n, 2, dim) coordinates and velocities.
         force: (n, 2, dim) output [N, Nm].
     """
-    assemble_forces(chain.axes, chain.nodes, chain.elements, external, q, v, 0.0, v)
-    copy_force(chain.axes, chain.nodes, force)
+    axes, nodes, elements = chain.axes, chain.nodes, chain.elements
+    assemble_forces(axes, nodes, elements, external, q, v, 0.0, v, leave_targets, 0.0)
+    copy_force(axes, nodes, force)
 
 
 @kernel

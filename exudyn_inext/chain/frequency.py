@@ -81,14 +81,13 @@ def _apply_stiffness(system, q, tension, x, memory, y):
 
 
 @kernel
-def _lanczos(system, q, tension, start, diagonal, off_diagonal):
+def _lanczos(system, q, tension, start, memory, diagonal, off_diagonal):
     """Lanczos recursion of x -> constrained M^-1 H x in the mass inner product.
 
-    H: see `_apply_stiffness`.
+    H: see `_apply_stiffness`.   memory: (6, n, 2, dim), zero.
     Returns the number of rows of the tridiagonal matrix that were found before breakdown.
     """
     chain = system.chain
-    memory = np.zeros((6, *q.shape))
     current, previous, image, momentum = memory[2], memory[3], memory[4], memory[5]
     apply_mass(chain, start, momentum)
     _combine(1.0 / np.sqrt(_inner(start, momentum)), start, 0.0, start, current)
@@ -141,13 +140,12 @@ def largest_of_tridiagonal(diagonal, off_diagonal):
 
 
 @kernel
-def _power_iteration(system, q, tension, iterations, x):
+def _power_iteration(system, q, tension, iterations, memory, x):
     """Rayleigh quotient of x under x -> constrained M^-1 H x, H as in `_lanczos`, which x is iterated with.
 
-    x: (n, 2, dim), improved in place towards the fastest vibration.
+    memory: (4, n, 2, dim).   x: (n, 2, dim), improved in place towards the fastest vibration.
     """
     chain = system.chain
-    memory = np.zeros((4, *q.shape))
     image, momentum = memory[2], memory[3]
     quotient = 0.0
     for _ in range(iterations):
@@ -230,7 +228,7 @@ def largest_frequency(
     if rows < 1:
         return 0.0
     diagonal, off_diagonal = np.zeros(rows), np.zeros(rows)
-    found = _lanczos(system, q, tension, start, diagonal, off_diagonal)
+    found = _lanczos(system, q, tension, start, np.zeros((6, *q.shape)), diagonal, off_diagonal)
     if not np.isfinite(diagonal[:found]).all():
         return 0.0
     top = largest_of_tridiagonal(diagonal[:found], off_diagonal)
@@ -252,6 +250,7 @@ class FrequencyTracker:
     def __init__(self, system: CableSystem | LinkedCableSystem, shape: tuple[int, ...]) -> None:
         self._system = system
         self.vibration = np.zeros(shape)
+        self._memory = np.zeros((4, *shape))
 
     def frequency(self, q: Array, a: Array) -> float:
         """w_max [rad/s] of small vibrations about the state that `system` was evaluated at last.
@@ -265,7 +264,9 @@ class FrequencyTracker:
         if not x.any():
             constrained_inverse(system, _scattered(q.shape), x)
             iterations = self.FIRST
-        squared = _power_iteration(system, q, tension, iterations, x) if x.any() else 0.0
+        squared = 0.0
+        if x.any():
+            squared = _power_iteration(system, q, tension, iterations, self._memory, x)
         if not np.isfinite(x).all():
             x[:] = 0.0
         return float(np.sqrt(max(squared, 0.0)))

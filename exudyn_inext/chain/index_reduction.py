@@ -23,11 +23,13 @@ from .assembly import (
     add_drag,
     assemble,
     elastic_energy,
+    leave_targets,
     set_violations,
 )
 from .chain import Chain
 from .energy import dissipative_power, kinetic_energy
-from .saddle_point import expand_solution, factorise, reduce_right_hand_side, substitute
+from .factorisation import factorise
+from .saddle_point import solve_both_columns, solve_column
 
 ACCELERATION, CORRECTION = 0, 1  # columns of Eq. (29): v' with lam, and q' - v with mu
 
@@ -44,31 +46,21 @@ class CableSystem(NamedTuple):
 
 
 @inlined
-def assemble_forces(axes, nodes, elements, external, q, v, lead, a):
-    """Forces at (q, v) and all terms of the constraints but the links; damping and drag act at v + lead a."""
-    for k in range(len(nodes)):
-        for i in range(len(axes)):
-            nodes[k].force[ACCELERATION, 0, i] = external[k, 0, i]
-            nodes[k].force[ACCELERATION, 1, i] = external[k, 1, i]
-    assemble(axes, nodes, elements, q, v, ACCELERATION)
+def assemble_forces(axes, nodes, elements, external, q, v, lead, a, set_targets, parameter):
+    """Forces and all that the constraints but the links need, into the records; see `assemble`.
+
+    lead, a: damping and drag act at v + lead a.
+    """
+    assemble(axes, nodes, elements, external, q, v, ACCELERATION, set_targets, parameter)
     add_damping(axes, nodes, elements, q, v, lead, a, ACCELERATION)
     add_drag(axes, nodes, elements, q, v, lead, a, ACCELERATION)
 
 
 @inlined
-def assemble_and_factorise(axes, nodes, elements, external, q, v, lead, a):
+def assemble_and_factorise(axes, nodes, elements, external, q, v, lead, a, set_targets, parameter):
     """All of Eq. (29) but the links; arguments: see `assemble_forces`."""
-    assemble_forces(axes, nodes, elements, external, q, v, lead, a)
-    factorise(axes, nodes, elements, q)
-
-
-@inlined
-def _solve_both(axes, nodes, elements, acceleration, correction):
-    reduce_right_hand_side(axes, nodes, elements, ACCELERATION)
-    reduce_right_hand_side(axes, nodes, elements, CORRECTION)
-    substitute(axes, nodes, (ACCELERATION, CORRECTION), ACCELERATION)
-    expand_solution(axes, nodes, elements, ACCELERATION, acceleration)
-    expand_solution(axes, nodes, elements, CORRECTION, correction)
+    assemble_forces(axes, nodes, elements, external, q, v, lead, a, set_targets, parameter)
+    factorise(axes, nodes, elements)
 
 
 @inlined
@@ -89,13 +81,18 @@ def cable_rates(system, external, q, v, acceleration, rate):
     shape = (len(nodes), 2, len(axes))
     known = v.reshape(shape)
     assemble_and_factorise(
-        axes, nodes, elements, external.reshape(shape), q.reshape(shape), known, 0.0, known
+        axes,
+        nodes,
+        elements,
+        external.reshape(shape),
+        q.reshape(shape),
+        known,
+        0.0,
+        known,
+        set_stabilised_targets,
+        system.zeta,
     )
-    for k in range(len(nodes)):
-        set_stabilised_targets(system.zeta, nodes[k])
-    for k in range(len(elements)):
-        set_stabilised_targets(system.zeta, elements[k])
-    _solve_both(axes, nodes, elements, acceleration.reshape(shape), rate.reshape(shape))
+    solve_both_columns(axes, nodes, elements, acceleration.reshape(shape), rate.reshape(shape))
     for i in range(len(v)):
         rate[i] += v[i]
 
@@ -130,12 +127,10 @@ def accelerate_and_project_cable(system, external, q, v, duration, acceleration,
         v.reshape(shape),
         duration,
         acceleration.reshape(shape),
+        set_projection_targets,
+        duration,
     )
-    for k in range(len(nodes)):
-        set_projection_targets(duration, nodes[k])
-    for k in range(len(elements)):
-        set_projection_targets(duration, elements[k])
-    _solve_both(axes, nodes, elements, acceleration.reshape(shape), end_velocity.reshape(shape))
+    solve_both_columns(axes, nodes, elements, acceleration.reshape(shape), end_velocity.reshape(shape))
     for i in range(len(v)):
         end_velocity[i] += v[i] + duration * acceleration[i]
 
@@ -145,16 +140,9 @@ def correct_cable_position(system, external, q, tolerance, learning, correction)
     """One solve with the last factor. Arguments: see `correct_position`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     shape = (len(nodes), 2, len(axes))
-    worst = set_violations(axes, nodes, elements, q.reshape(shape))
-    for k in range(len(nodes)):
-        set_correction_target(learning, nodes[k])
-    for k in range(len(elements)):
-        set_correction_target(learning, elements[k])
-    if worst < tolerance:
-        return worst
-    reduce_right_hand_side(axes, nodes, elements, CORRECTION)
-    substitute(axes, nodes, (0,), CORRECTION)
-    expand_solution(axes, nodes, elements, CORRECTION, correction.reshape(shape))
+    worst = set_violations(axes, nodes, elements, q.reshape(shape), set_correction_target, learning)
+    if not worst < tolerance:
+        solve_column(axes, nodes, elements, CORRECTION, correction.reshape(shape))
     return worst
 
 
@@ -170,7 +158,7 @@ def gauge_chain(chain, external, q, v, a, force, gauges):
     gauges[ELASTIC] = elastic_energy(chain, known)
     gauges[AGITATION] = kinetic_energy(axes, nodes, elements, a.reshape(shape))
     gauges[POWER] = dissipative_power(axes, nodes, elements, known, rates)
-    gauges[VIOLATION] = set_violations(axes, nodes, elements, known)
+    gauges[VIOLATION] = set_violations(axes, nodes, elements, known, leave_targets, 0.0)
 
 
 @implements(gauge, CableSystem)

@@ -8,7 +8,7 @@ from ..system import implements
 from .border import apply_links
 from .index_reduction import ACCELERATION, CableSystem
 from .linked_cable import LinkedCableSystem
-from .saddle_point import expand_solution, reduce_right_hand_side, solve, substitute
+from .saddle_point import expand_solution, solve_column, substitute_backward, substitute_forward
 
 
 @singledispatch
@@ -66,7 +66,7 @@ def constrained_inverse_of_cable(system, force, x):
             chain.nodes[k].force[ACCELERATION, 1, i] = force[k, 1, i]
     for k in range(len(chain.elements)):
         chain.elements[k].target[ACCELERATION] = 0.0
-    solve(chain, x)
+    solve_column(chain.axes, chain.nodes, chain.elements, ACCELERATION, x)
 
 
 @implements(constrained_inverse, LinkedCableSystem)
@@ -83,8 +83,8 @@ def constrained_inverse_of_linked_cable(system, force, x):
         elements[k].target[ACCELERATION] = 0.0
     for r in range(len(links)):
         links[r].target[ACCELERATION] = 0.0
-    reduce_right_hand_side(axes, nodes, elements, ACCELERATION)
-    substitute(axes, nodes, (ACCELERATION,), ACCELERATION)
+    substitute_forward(axes, nodes, elements, (0,), ACCELERATION)
+    substitute_backward(axes, nodes, (0,), ACCELERATION)
     apply_links(axes, nodes, system.border, ACCELERATION)
     expand_solution(axes, nodes, elements, ACCELERATION, x)
     if system.closed:

@@ -38,7 +38,7 @@ from .index_reduction import (
     set_projection_targets,
     set_stabilised_targets,
 )
-from .saddle_point import expand_solution, reduce_right_hand_side, substitute
+from .saddle_point import expand_solution, substitute_backward, substitute_forward
 
 
 class LinkedCableSystem(NamedTuple):
@@ -67,30 +67,34 @@ def cable_system(cable: Cable, zeta: float, mass_scaling: float = 0.0) -> CableS
 
 
 @inlined
-def _motions(axes, external, n_dof):
-    """(M, 3, dim) motions of the anchors behind the force."""
-    number = (len(external) - n_dof) // (3 * len(axes))
-    return external[n_dof:].reshape((number, 3, len(axes)))
+def _shape_of_motions(axes, external, n_dof):
+    """(M, 3, dim) of the motions of the anchors behind the force."""
+    return (len(external) - n_dof) // (3 * len(axes)), 3, len(axes)
 
 
 @inlined
 def _solve(axes, nodes, elements, border, column, x):
     """Solve for one column, links included; x (n, 2, dim)."""
-    reduce_right_hand_side(axes, nodes, elements, column)
-    substitute(axes, nodes, (0,), column)
+    substitute_forward(axes, nodes, elements, (0,), column)
+    substitute_backward(axes, nodes, (0,), column)
     apply_links(axes, nodes, border, column)
     expand_solution(axes, nodes, elements, column, x)
 
 
 @inlined
-def _assemble(axes, nodes, elements, border, external, q, v, lead, a):
-    """All of Eq. (29), links included, factorised."""
+def _assemble(axes, nodes, elements, border, external, q, v, lead, a, set_targets, parameter):
+    """All of Eq. (29), links included, factorised. Arguments: see `assemble_and_factorise`."""
     shape = (len(nodes), 2, len(axes))
     n_dof = q.size
     known, rates = q.reshape(shape), v.reshape(shape)
     force = external[:n_dof].reshape(shape)
-    assemble_and_factorise(axes, nodes, elements, force, known, rates, lead, a.reshape(shape))
-    assemble_links(axes, nodes, border.links, known, rates, _motions(axes, external, n_dof))
+    assemble_and_factorise(
+        axes, nodes, elements, force, known, rates, lead, a.reshape(shape), set_targets, parameter
+    )
+    motions = external[n_dof:].reshape(_shape_of_motions(axes, external, n_dof))
+    assemble_links(axes, nodes, border.links, known, rates, motions)
+    for r in range(len(border.links)):
+        set_targets(parameter, border.links[r])
     factorise_border(axes, nodes, border)
 
 
@@ -107,15 +111,9 @@ def _join(closed, x):
 def linked_rates(system, external, q, v, acceleration, rate):
     """Eq. (30). Arguments: see `index_reduced_rates`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
-    border, links = system.border, system.border.links
+    border = system.border
     shape = (len(nodes), 2, len(axes))
-    _assemble(axes, nodes, elements, border, external, q, v, 0.0, v)
-    for k in range(len(nodes)):
-        set_stabilised_targets(system.zeta, nodes[k])
-    for k in range(len(elements)):
-        set_stabilised_targets(system.zeta, elements[k])
-    for k in range(len(links)):
-        set_stabilised_targets(system.zeta, links[k])
+    _assemble(axes, nodes, elements, border, external, q, v, 0.0, v, set_stabilised_targets, system.zeta)
     a, correction = acceleration.reshape(shape), rate.reshape(shape)
     _solve(axes, nodes, elements, border, ACCELERATION, a)
     _solve(axes, nodes, elements, border, CORRECTION, correction)
@@ -129,15 +127,21 @@ def linked_rates(system, external, q, v, acceleration, rate):
 def accelerate_and_project_linked(system, external, q, v, duration, acceleration, end_velocity):
     """Arguments: see `accelerate_and_project`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
-    border, links = system.border, system.border.links
+    border = system.border
     shape = (len(nodes), 2, len(axes))
-    _assemble(axes, nodes, elements, border, external, q, v, duration, acceleration)
-    for k in range(len(nodes)):
-        set_projection_targets(duration, nodes[k])
-    for k in range(len(elements)):
-        set_projection_targets(duration, elements[k])
-    for k in range(len(links)):
-        set_projection_targets(duration, links[k])
+    _assemble(
+        axes,
+        nodes,
+        elements,
+        border,
+        external,
+        q,
+        v,
+        duration,
+        acceleration,
+        set_projection_targets,
+        duration,
+    )
     a, end = acceleration.reshape(shape), end_velocity.reshape(shape)
     _solve(axes, nodes, elements, border, ACCELERATION, a)
     _solve(axes, nodes, elements, border, CORRECTION, end)
@@ -154,12 +158,9 @@ def correct_linked_position(system, external, q, tolerance, learning, correction
     border, links = system.border, system.border.links
     shape = (len(nodes), 2, len(axes))
     known = q.reshape(shape)
-    worst = set_violations(axes, nodes, elements, known)
-    worst = max(worst, set_link_violations(axes, links, known, _motions(axes, external, q.size)))
-    for k in range(len(nodes)):
-        set_correction_target(learning, nodes[k])
-    for k in range(len(elements)):
-        set_correction_target(learning, elements[k])
+    worst = set_violations(axes, nodes, elements, known, set_correction_target, learning)
+    motions = external[q.size :].reshape(_shape_of_motions(axes, external, q.size))
+    worst = max(worst, set_link_violations(axes, links, known, motions))
     for k in range(len(links)):
         set_correction_target(learning, links[k])
     if worst < tolerance:
@@ -175,7 +176,7 @@ def gauge_linked(system, external, q, v, a, force, gauges):
     """Arguments: see `gauge`."""
     axes, links = system.chain.axes, system.border.links
     gauge_chain(system.chain, external, q, v, a, force, gauges)
-    motions = _motions(axes, external, q.size)
+    motions = external[q.size :].reshape(_shape_of_motions(axes, external, q.size))
     known = q.reshape((len(system.chain.nodes), 2, len(axes)))
     gauges[VIOLATION] = max(gauges[VIOLATION], set_link_violations(axes, links, known, motions))
     gauges[POWER] += power_of_motions(axes, links, motions)

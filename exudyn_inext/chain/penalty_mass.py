@@ -15,7 +15,7 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import inlined, kernel
 from ..element.inertia import mass_matrix
-from .assembly import GAMMA, RATE, VALUE
+from .assembly import GAMMA, RATE, VALUE, leave_targets
 from .cable import Cable
 from .chain import Chain, build_chain
 from .constraint_rows import add_gradient, copy_force, set_length_gradients
@@ -107,7 +107,7 @@ def penalty_force(system, external, q, v, force):
         force: (n, 2, dim) output [N, Nm].
     """
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
-    assemble_forces(axes, nodes, elements, external, q, v, 0.0, v)
+    assemble_forces(axes, nodes, elements, external, q, v, 0.0, v, leave_targets, 0.0)
     copy_force(axes, nodes, force)
     z = system.z
     for k in range(len(nodes)):

@@ -2,177 +2,25 @@
 
 The nodal constraints (18) are eliminated: a slope's increment is x_s = N beta + p, where the columns
 of N are transverse to the slope and p, along it, is known from the constraint. What is left has
-2 dim unknowns a node, y_k = [r_k, beta_k, lam_(k-1)]: each length multiplier follows all coordinates
-that it touches, so that a block tridiagonal LDL^T needs no pivoting. A length constraint over several
-elements is carried from node to node and eliminated at its last one.
+2 dim unknowns a node, y_k = [r_k, beta_k, lam_(k-1)], and is factorised node by node, see `factorisation`.
 
 Everything that a solve needs and gives lies in the records of the chain, see `records`. Inlined parts
-take these arrays one by one: unpacking a tuple in the loop would cost reference counts.
+take these arrays one by one: unpacking a tuple in the loop would cost reference counts. A node is
+visited as rarely as possible: loops over few nodes cost as much as what they do.
 """
-
-import numpy as np
 
 from ..compiled import inlined, kernel, local_array
 
 
 @inlined
-def _set_basis(axes, node):
-    """Orthonormal vectors transverse to the slope.
-
-    3D without a branch on the direction: Duff et al., Building an Orthonormal Basis, Revisited,
-    Journal of Computer Graphics Techniques 6(1), 2017.
-    """
-    basis = node.basis
-    square = 0.0
-    for i in range(len(axes)):
-        square += node.slope[i] * node.slope[i]
-    inverse = 1.0 / np.sqrt(square)
-    x = node.slope[0] * inverse
-    y = node.slope[1] * inverse
-    if len(axes) == 2:
-        basis[0, 0] = -y
-        basis[1, 0] = x
-    else:
-        z = node.slope[2] * inverse
-        sign = np.copysign(1.0, z)
-        a = -1.0 / (sign + z)
-        b = x * y * a
-        basis[0, 0] = 1.0 + sign * x * x * a
-        basis[1, 0] = sign * b
-        basis[2, 0] = -sign * x
-        basis[0, 1] = b
-        basis[1, 1] = sign + y * y * a
-        basis[2, 1] = -y
-
-
-@inlined
-def _add_mass(axes, node, block):
-    """block += mass of the node with itself; lower triangle."""
-    dim = len(axes)
-    for i in range(dim):
-        block[i, i] += node.mass[0]
-        for j in range(dim - 1):
-            block[dim + j, i] += node.mass[1] * node.basis[i, j]
-    for j in range(dim - 1):
-        block[dim + j, dim + j] += node.mass[2]
-
-
-@inlined
-def _add_gradient(axes, node, element, block):
-    """block += Jacobian of the element to the node's left; lower triangle."""
-    dim = len(axes)
-    for i in range(dim):
-        block[2 * dim - 1, i] += element.gradient[2, i]
-        for j in range(dim - 1):
-            block[2 * dim - 1, dim + j] += node.basis[i, j] * element.gradient[3, i]
-
-
-@inlined
-def _set_coupling(axes, left, element, right, w):
-    """w = E: mass between two nodes and Jacobian of the element between them."""
-    dim = len(axes)
-    for i in range(dim):
-        for j in range(dim):
-            w[i, j] = 0.0
-    for i in range(dim):
-        w[i, i] = element.mass[0]
-        w[i, 2 * dim - 1] = element.gradient[0, i]
-        for j in range(dim - 1):
-            w[i, dim + j] = element.mass[1] * right.basis[i, j]
-            w[dim + j, i] = element.mass[2] * left.basis[i, j]
-    for j in range(dim - 1):
-        for m in range(dim - 1):
-            product = 0.0
-            for i in range(dim):
-                product += left.basis[i, j] * right.basis[i, m]
-            w[dim + j, dim + m] = element.mass[3] * product
-        product = 0.0
-        for i in range(dim):
-            product += left.basis[i, j] * element.gradient[1, i]
-        w[dim + j, 2 * dim - 1] = product
-    for j in range(2 * dim):
-        w[2 * dim - 1, j] = 0.0
-
-
-@inlined
-def _hand_on_multiplier(axes, block, w):
-    """Move an unfinished length multiplier to the next node; its slot here becomes void."""
-    last = 2 * len(axes) - 1
-    for i in range(last):
-        w[i, last] += block[last, i]
-        block[last, i] = 0.0
-    handed_on = block[last, last]
-    block[last, last] = 1.0
-    return handed_on
-
-
-@inlined
-def _eliminate(axes, node, block, w, inverse_pivot):
-    """L D L^T of the block, W = L^-1 E, and what both leave for the substitutions."""
-    size = 2 * len(axes)
-    for j in range(size):
-        inverse = 1.0 / block[j, j]
-        inverse_pivot[j, 0] = inverse
-        node.inverse_pivot[j] = inverse
-        for i in range(j + 1, size):
-            multiple = block[i, j] * inverse
-            node.lower[i, j] = multiple
-            for r in range(j + 1, i + 1):
-                block[i, r] -= multiple * block[r, j]
-            for c in range(size):
-                w[i, c] -= multiple * w[j, c]
-    for i in range(size):
-        for c in range(size):
-            node.coupling[i, c] = w[i, c] * inverse_pivot[i, 0]
-
-
-@inlined
-def _set_next_block(axes, w, inverse_pivot, block):
-    """block = -W^T D^-1 W: what a node leaves to the next one; lower triangle."""
-    size = 2 * len(axes)
-    for i in range(size):
-        for j in range(i + 1):
-            product = 0.0
-            for r in range(size):
-                product += w[r, i] * inverse_pivot[r, 0] * w[r, j]
-            block[i, j] = -product
-
-
-@inlined
-def factorise(axes, nodes, elements, q):
-    """L D L^T at q (n, 2, dim); the `gradient` of the elements must be set, see `assembly`."""
-    size = 2 * len(axes)
-    block, w, inverse_pivot = local_array(6, 6), local_array(6, 6), local_array(6, 1)
-    for i in range(size):
-        for j in range(size):
-            block[i, j] = 0.0
-            w[i, j] = 0.0
-    for k in range(len(nodes)):
-        for i in range(len(axes)):
-            nodes[k].slope[i] = q[k, 1, i]
-        _set_basis(axes, nodes[k])
-    for k in range(len(nodes)):
-        node = nodes[k]
-        _add_mass(axes, node, block)
-        if k > 0:
-            _add_gradient(axes, node, elements[k - 1], block)
-        if k < len(elements):
-            _set_coupling(axes, node, elements[k], nodes[k + 1], w)
-        handed_on = 0.0
-        if not node.ends_group:
-            handed_on = _hand_on_multiplier(axes, block, w)
-        _eliminate(axes, node, block, w, inverse_pivot)
-        _set_next_block(axes, w, inverse_pivot, block)
-        block[size - 1, size - 1] += handed_on
-
-
-@inlined
-def _set_along(axes, node, column):
+def _set_along(axes, columns, first, node):
     """p of a node: 2 r_x . (along r_x) = target."""
     square = 0.0
     for i in range(len(axes)):
         square += node.slope[i] * node.slope[i]
-    node.along[column] = node.free[1] * node.target[column] / (2.0 * square)
+    share = node.free[1] / (2.0 * square)
+    for c in range(len(columns)):
+        node.along[first + c] = share * node.target[first + c]
 
 
 @inlined
@@ -195,142 +43,177 @@ def _length_target(axes, column, left, element, right):
 
 
 @inlined
-def reduce_right_hand_side(axes, nodes, elements, column):
-    """`solution` = [f_r, N^T f_s, b] less the share of the known p, from `force` and `target`."""
+def _reduce(axes, nodes, elements, k, column, c, z):
+    """z[c] = [f_r, N^T f_s, b] of node k less the share of the known p, from `force` and `target`."""
     dim = len(axes)
+    node = nodes[k]
     on_position, on_slope = local_array(3, 1), local_array(3, 1)
-    for k in range(len(nodes)):
-        _set_along(axes, nodes[k], column)
-    for k in range(len(nodes)):
-        node = nodes[k]
+    for i in range(dim):
+        on_position[i, 0] = node.force[column, 0, i]
+        on_slope[i, 0] = node.force[column, 1, i]
+    _subtract_along(axes, column, node, node.mass[1], node.mass[2], on_position, on_slope)
+    z[c, 2 * dim - 1] = 0.0
+    if k > 0:
+        m = elements[k - 1].mass
+        _subtract_along(axes, column, nodes[k - 1], m[2], m[3], on_position, on_slope)
+        z[c, 2 * dim - 1] = _length_target(axes, column, nodes[k - 1], elements[k - 1], node)
+    if k < len(elements):
+        m = elements[k].mass
+        _subtract_along(axes, column, nodes[k + 1], m[1], m[3], on_position, on_slope)
+    for i in range(dim):
+        z[c, i] = node.free[0] * on_position[i, 0]
+    for j in range(dim - 1):
+        transverse = 0.0
         for i in range(dim):
-            on_position[i, 0] = node.force[column, 0, i]
-            on_slope[i, 0] = node.force[column, 1, i]
-        _subtract_along(axes, column, node, node.mass[1], node.mass[2], on_position, on_slope)
-        node.solution[column, 2 * dim - 1] = 0.0
-        if k > 0:
-            m = elements[k - 1].mass
-            _subtract_along(axes, column, nodes[k - 1], m[2], m[3], on_position, on_slope)
-            node.solution[column, 2 * dim - 1] = _length_target(
-                axes, column, nodes[k - 1], elements[k - 1], node
-            )
-        if k < len(elements):
-            m = elements[k].mass
-            _subtract_along(axes, column, nodes[k + 1], m[1], m[3], on_position, on_slope)
-        for j in range(dim - 1):
-            transverse = 0.0
-            for i in range(dim):
-                transverse += node.basis[i, j] * on_slope[i, 0]
-            node.solution[column, dim + j] = node.free[1] * transverse
-        for i in range(dim):
-            node.solution[column, i] = node.free[0] * on_position[i, 0]
+            transverse += node.basis[i, j] * on_slope[i, 0]
+        z[c, dim + j] = node.free[1] * transverse
 
 
 @inlined
-def _apply_inverse_lower(axes, columns, node, z):
-    """z = L^-1 z of one node."""
-    for j in range(2 * len(axes)):
-        for i in range(j + 1, 2 * len(axes)):
+def _eliminate_node(axes, columns, first, node, z, passed_on):
+    """`solution` = D^-1 L^-1 z of a node with what the last one passed on to z; passes on -E^T A^-1 z."""
+    size = 2 * len(axes)
+    for c in range(len(columns)):
+        for i in range(size):
+            z[c, i] += passed_on[c, i]
+            passed_on[c, i] = 0.0
+        if not node.ends_group:
+            passed_on[c, size - 1] = z[c, size - 1]
+            z[c, size - 1] = 0.0
+    for j in range(size):
+        for i in range(j + 1, size):
             for c in range(len(columns)):
                 z[c, i] -= node.lower[i, j] * z[c, j]
+    for c in range(len(columns)):
+        for i in range(size):
+            node.solution[first + c, i] = z[c, i] * node.inverse_pivot[i]
+            for r in range(size):
+                passed_on[c, i] -= node.coupling[r, i] * z[c, r]
 
 
 @inlined
-def _apply_inverse_lower_transposed(axes, columns, node, z):
-    """z = L^-T z of one node."""
-    for i in range(2 * len(axes) - 1, -1, -1):
+def _solve_node(axes, columns, first, node, z, right):
+    """z = the solution of a node, from its `solution` so far and that of the node to its `right`."""
+    size = 2 * len(axes)
+    for c in range(len(columns)):
+        for i in range(size):
+            z[c, i] = node.solution[first + c, i]
+            for j in range(size):
+                z[c, i] -= node.coupling[i, j] * right[c, j]
+    for i in range(size - 1, -1, -1):
         for j in range(i):
             for c in range(len(columns)):
                 z[c, j] -= node.lower[i, j] * z[c, i]
-
-
-@inlined
-def _substitute_forward(axes, nodes, columns, first):
-    size = 2 * len(axes)
-    z, passed_on = local_array(2, 6), local_array(2, 6)
     for c in range(len(columns)):
+        if not node.ends_group:
+            z[c, size - 1] = right[c, size - 1]
         for i in range(size):
-            passed_on[c, i] = 0.0
-    for k in range(len(nodes)):
-        node = nodes[k]
-        for c in range(len(columns)):
-            for i in range(size):
-                z[c, i] = node.solution[first + c, i] + passed_on[c, i]
-                passed_on[c, i] = 0.0
-            if not node.ends_group:
-                passed_on[c, size - 1] = z[c, size - 1]
-                z[c, size - 1] = 0.0
-        _apply_inverse_lower(axes, columns, node, z)
-        for c in range(len(columns)):
-            for i in range(size):
-                node.solution[first + c, i] = z[c, i] * node.inverse_pivot[i]
-                for r in range(size):
-                    passed_on[c, i] -= node.coupling[r, i] * z[c, r]
+            right[c, i] = z[c, i]
 
 
 @inlined
-def _substitute_backward(axes, nodes, columns, first):
-    size = 2 * len(axes)
-    z, right = local_array(2, 6), local_array(2, 6)
-    for c in range(len(columns)):
-        for i in range(size):
-            right[c, i] = 0.0
-    for k in range(len(nodes) - 1, -1, -1):
-        node = nodes[k]
-        for c in range(len(columns)):
-            for i in range(size):
-                z[c, i] = node.solution[first + c, i]
-                for j in range(size):
-                    z[c, i] -= node.coupling[i, j] * right[c, j]
-        _apply_inverse_lower_transposed(axes, columns, node, z)
-        for c in range(len(columns)):
-            if not node.ends_group:
-                z[c, size - 1] = right[c, size - 1]
-            for i in range(size):
-                right[c, i] = z[c, i]
-                node.solution[first + c, i] = z[c, i]
+def _expand(axes, nodes, elements, k, column, c, z, x):
+    """x[k] = [r, N beta + p] and the multiplier of the element to the left, from z[c]."""
+    dim = len(axes)
+    node = nodes[k]
+    for i in range(dim):
+        x[k, 0, i] = z[c, i]
+        x[k, 1, i] = node.along[column] * node.slope[i]
+        for j in range(dim - 1):
+            x[k, 1, i] += node.basis[i, j] * z[c, dim + j]
+    if k > 0:
+        elements[k - 1].multiplier[column] = z[c, 2 * dim - 1]
 
 
 @inlined
-def substitute(axes, nodes, columns, first):
-    """Solve for the reduced right-hand sides in `solution`.
+def _clear_columns(z):
+    """All entries of a (2, 6) local array to zero."""
+    for c in range(2):
+        for i in range(6):
+            z[c, i] = 0.0
+
+
+@inlined
+def substitute_forward(axes, nodes, elements, columns, first):
+    """First half of a solve, for the right-hand sides in `force` and `target`; leaves `solution`.
 
     Args:
-        axes, nodes: of a chain that is factorised.
+        axes, nodes, elements: of a chain that is factorised.
         columns: (0,) or (0, 1): how many right-hand sides, as a compile-time constant.
         first: the first of them.
     """
-    _substitute_forward(axes, nodes, columns, first)
-    _substitute_backward(axes, nodes, columns, first)
+    z, passed_on = local_array(2, 6), local_array(2, 6)
+    _clear_columns(passed_on)
+    for k in range(len(nodes)):
+        _set_along(axes, columns, first, nodes[k])
+    for k in range(len(nodes)):
+        for c in range(len(columns)):
+            _reduce(axes, nodes, elements, k, first + c, c, z)
+        _eliminate_node(axes, columns, first, nodes[k], z, passed_on)
+
+
+@inlined
+def substitute_backward(axes, nodes, columns, first):
+    """Second half of a solve, in `solution`; arguments: see `substitute_forward`."""
+    z, right = local_array(2, 6), local_array(2, 6)
+    _clear_columns(right)
+    for k in range(len(nodes) - 1, -1, -1):
+        _solve_node(axes, columns, first, nodes[k], z, right)
+        for c in range(len(columns)):
+            for i in range(2 * len(axes)):
+                nodes[k].solution[first + c, i] = z[c, i]
+
+
+@inlined
+def substitute_reduced(axes, nodes, columns, first):
+    """Solve for reduced right-hand sides that stand in `solution`; arguments: see `substitute_forward`."""
+    z, passed_on = local_array(2, 6), local_array(2, 6)
+    _clear_columns(passed_on)
+    for k in range(len(nodes)):
+        for c in range(len(columns)):
+            for i in range(2 * len(axes)):
+                z[c, i] = nodes[k].solution[first + c, i]
+        _eliminate_node(axes, columns, first, nodes[k], z, passed_on)
+    substitute_backward(axes, nodes, columns, first)
 
 
 @inlined
 def expand_solution(axes, nodes, elements, column, x):
     """x = [r, N beta + p] (n, 2, dim), zero where a support holds, and the length multipliers."""
-    dim = len(axes)
+    z = local_array(1, 6)
     for k in range(len(nodes)):
-        node = nodes[k]
-        for i in range(dim):
-            x[k, 0, i] = node.solution[column, i]
-            x[k, 1, i] = node.along[column] * node.slope[i]
-            for j in range(dim - 1):
-                x[k, 1, i] += node.basis[i, j] * node.solution[column, dim + j]
-        if k > 0:
-            elements[k - 1].multiplier[column] = node.solution[column, 2 * dim - 1]
+        for i in range(2 * len(axes)):
+            z[0, i] = nodes[k].solution[column, i]
+        _expand(axes, nodes, elements, k, column, 0, z, x)
 
 
-@kernel
-def solve(chain, x):
-    """Solve M x + C_q^T lam = f, C_q x = b for column 0 of `force` and `target`.
+@inlined
+def solve_column(axes, nodes, elements, column, x):
+    """Solve M x + C_q^T lam = f, C_q x = b for one column of `force` and `target`.
 
     Args:
-        chain: factorised.
+        axes, nodes, elements: of a chain that is factorised.
+        column: of the right-hand sides.
         x: (n, 2, dim) solution; the multipliers are left in the elements.
     """
-    axes, nodes, elements = chain.axes, chain.nodes, chain.elements
-    reduce_right_hand_side(axes, nodes, elements, 0)
-    substitute(axes, nodes, (0,), 0)
-    expand_solution(axes, nodes, elements, 0, x)
+    substitute_forward(axes, nodes, elements, (0,), column)
+    z, right = local_array(2, 6), local_array(2, 6)
+    _clear_columns(right)
+    for k in range(len(nodes) - 1, -1, -1):
+        _solve_node(axes, (0,), column, nodes[k], z, right)
+        _expand(axes, nodes, elements, k, column, 0, z, x)
+
+
+@inlined
+def solve_both_columns(axes, nodes, elements, x, y):
+    """The same for both columns at once.   x, y: (n, 2, dim) solutions for columns 0 and 1."""
+    substitute_forward(axes, nodes, elements, (0, 1), 0)
+    z, right = local_array(2, 6), local_array(2, 6)
+    _clear_columns(right)
+    for k in range(len(nodes) - 1, -1, -1):
+        _solve_node(axes, (0, 1), 0, nodes[k], z, right)
+        _expand(axes, nodes, elements, k, 0, 0, z, x)
+        _expand(axes, nodes, elements, k, 1, 1, z, y)
 
 
 @kernel

@@ -7,7 +7,7 @@
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import inlined
+from ..compiled import inlined, local_array
 from .shape_functions import first_derivatives, quadrature, second_derivatives
 
 # Pairs (a, b) of the three difference coordinates, the off-diagonal ones once.
@@ -72,6 +72,28 @@ def add_second_derivative_force(axes, stiffness, differences, force):
 
 
 @inlined
+def _set_product(axes, differences, products, pair):
+    """products[pair] = Q_ab = e_a . e_b / 2."""
+    a, b = PAIRS[pair]
+    products[pair, 0] = 0.0
+    for i in range(len(axes)):
+        products[pair, 0] += 0.5 * differences[a, i] * differences[b, i]
+
+
+@inlined
+def _add_force_of_pair(axes, tensor, products, differences, force, pair):
+    """force -= (k^{abmn} Q_mn) e_b of one pair (a, b), and of (b, a)."""
+    weight = 0.0
+    for column in range(6):
+        weight += tensor[pair, column] * products[column, 0]
+    a, b = PAIRS[pair]
+    for i in range(len(axes)):
+        force[a, i] -= weight * differences[b, i]
+        if a != b:
+            force[b, i] -= weight * differences[a, i]
+
+
+@inlined
 def add_product_force(axes, tensor, differences, force):
     """force -= k^{abmn} Q_mn e_b: elastic force of `product`, Eq. (16).
 
@@ -79,17 +101,11 @@ def add_product_force(axes, tensor, differences, force):
         axes, differences, force: see `add_second_derivative_force`.
         tensor: (6, 6) EI times the stiffness tensor over `PAIRS` of difference coordinates.
     """
-    for row in range(6):
-        weight = 0.0
-        for column in range(6):
-            m, n = PAIRS[column]
-            for i in range(len(axes)):
-                weight += 0.5 * tensor[row, column] * differences[m, i] * differences[n, i]
-        a, b = PAIRS[row]
-        for i in range(len(axes)):
-            force[a, i] -= weight * differences[b, i]
-            if a != b:
-                force[b, i] -= weight * differences[a, i]
+    products = local_array(6, 1)
+    for pair in range(6):
+        _set_product(axes, differences, products, pair)
+    for pair in range(6):
+        _add_force_of_pair(axes, tensor, products, differences, force, pair)
 
 
 @inlined

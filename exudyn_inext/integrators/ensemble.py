@@ -11,7 +11,7 @@ import numpy as np
 from numba.core import types
 from numba.extending import overload
 
-from ..compiled import inlined, kernel
+from ..compiled import counting_kernel, inlined
 from .integrator import LoadHistory
 from .watch import record_watched
 
@@ -55,13 +55,6 @@ def _compile_parts(fields, m):
 
 
 @inlined
-def _of_intervals(loads, first, number, steps):
-    """What `loads` holds of some intervals of `steps` steps each."""
-    ahead = loads.factor[first * steps : (first + number) * steps]
-    return LoadHistory(loads.constant, loads.pattern, ahead, loads.work)
-
-
-@inlined
 def _copy(states, interval, output):
     """Keep one interval of a member."""
     for d in range(len(output)):
@@ -69,7 +62,7 @@ def _copy(states, interval, output):
             output[d, interval, i] = states[d, i]
 
 
-@kernel
+@counting_kernel
 def record_members(scheme, systems, loads, states, h, steps, watches, output, good):
     """Advance one member after the other, as `record_watched` does, each until its end or its divergence.
 
@@ -92,7 +85,8 @@ def record_members(scheme, systems, loads, states, h, steps, watches, output, go
         good[m] = 0
         while good[m] < output.shape[2]:
             number = min(rows, output.shape[2] - good[m])
-            ahead = _of_intervals(forces, good[m], number, steps)
+            factor = forces.factor[good[m] * steps : (good[m] + number) * steps]
+            ahead = LoadHistory(forces.constant, forces.pattern, factor, forces.work)
             well = record_watched(scheme, system, ahead, state, h, steps, history[:number], watch)
             for interval in range(well):
                 _copy(history[interval], good[m] + interval, output[:, m])

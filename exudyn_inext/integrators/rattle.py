@@ -75,8 +75,8 @@ def start(system, external, state):
 @kernel
 def resume(system, external, state):
     """The factor at q, which the next step corrects positions with."""
-    memory, end_velocity = np.zeros_like(state.q), np.zeros_like(state.q)
-    accelerate_and_project(system, external, state.q, state.v, 0.0, memory, end_velocity)
+    state.v_half.fill(0.0)
+    accelerate_and_project(system, external, state.q, state.v, 0.0, state.v_half, state.correction)
 
 
 @inlined

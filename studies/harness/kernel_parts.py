@@ -4,15 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from exudyn_inext.chain.assembly import assemble
+from exudyn_inext.chain.assembly import assemble, leave_targets
 from exudyn_inext.chain.cable import Cable
+from exudyn_inext.chain.factorisation import factorise
 from exudyn_inext.chain.linked_cable import cable_system
-from exudyn_inext.chain.saddle_point import (
-    expand_solution,
-    factorise,
-    reduce_right_hand_side,
-    substitute,
-)
+from exudyn_inext.chain.saddle_point import solve_both_columns
 from exudyn_inext.compiled import kernel
 from exudyn_inext.system import index_reduced_rates
 from reference_models.trajectory import Array
@@ -30,28 +26,20 @@ def _rates(times, system, external, q, v, acceleration, rate):
 def _assembly(times, chain, external, q, v):
     axes, nodes, elements = chain.axes, chain.nodes, chain.elements
     for _ in range(times):
-        for k in range(len(nodes)):
-            for i in range(len(axes)):
-                nodes[k].force[0, 0, i] = external[k, 0, i]
-                nodes[k].force[0, 1, i] = external[k, 1, i]
-        assemble(axes, nodes, elements, q, v, 0)
+        assemble(axes, nodes, elements, external, q, v, 0, leave_targets, 0.0)
 
 
 @kernel
-def _factorisation(times, chain, q):
+def _factorisation(times, chain):
     for _ in range(times):
-        factorise(chain.axes, chain.nodes, chain.elements, q)
+        factorise(chain.axes, chain.nodes, chain.elements)
 
 
 @kernel
 def _substitution(times, chain, x, y):
     axes, nodes, elements = chain.axes, chain.nodes, chain.elements
     for _ in range(times):
-        reduce_right_hand_side(axes, nodes, elements, 0)
-        reduce_right_hand_side(axes, nodes, elements, 1)
-        substitute(axes, nodes, (0, 1), 0)
-        expand_solution(axes, nodes, elements, 0, x)
-        expand_solution(axes, nodes, elements, 1, y)
+        solve_both_columns(axes, nodes, elements, x, y)
 
 
 def rates_task(cable: Cable, external: Array, q: Array, v: Array) -> Callable[[int], None]:
@@ -70,6 +58,6 @@ def part_tasks(cable: Cable, external: Array, q: Array, v: Array) -> dict[str, C
     index_reduced_rates(system, external, q, v, x.ravel(), y.ravel())
     return {
         "assembly": lambda times: _assembly(times, chain, force, known, rates),
-        "factorisation": lambda times: _factorisation(times, chain, known),
+        "factorisation": lambda times: _factorisation(times, chain),
         "substitution": lambda times: _substitution(times, chain, x, y),
     }

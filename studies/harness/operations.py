@@ -75,13 +75,13 @@ def _counted(array: Any) -> Any:
 
 def _prepare_kernels() -> None:
     """Local memory, records and functions of NumPy take numbers that count."""
-    from exudyn_inext.chain import records, saddle_point
+    from exudyn_inext.chain import factorisation, records
 
     for name, module in list(sys.modules.items()):
         if name.startswith("exudyn_inext.") and hasattr(module, "local_array"):
             module.local_array = lambda rows, columns: np.empty((rows, columns), dtype=object)
     records.NUMBER = object
-    saddle_point.np = SimpleNamespace(
+    factorisation.np = SimpleNamespace(
         sqrt=_root, copysign=lambda x, y: Counted(np.copysign(float(x), float(y)))
     )
 
