@@ -23,7 +23,7 @@ import numpy as np
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.serialize import dumps
-from numba.extending import intrinsic, overload
+from numba.extending import lower_builtin, overload, type_callable
 from numba.np.arrayobj import make_array, populate_array
 
 PACKAGE = Path(__file__).parent
@@ -32,7 +32,7 @@ FAST_MATH = {"contract", "reassoc", "nsz", "arcp"}  # neither nnan nor ninf: div
 NUMBER_BYTES = 8
 
 # Without `_nrt` references to arrays are not counted: that took a third of a step of a short chain.
-_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": FAST_MATH, "nogil": True, "_nrt": False}
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": FAST_MATH, "nogil": True, "_nrt": False}
 
 # What a source imports, or is, that defines kernels.
 _MARKS_OF_KERNELS = (b"compiled import", b"implements", b"numba.njit")
@@ -90,15 +90,15 @@ def kernel(function: _Function) -> _Function:
     Kernels release Python's global lock, so that threads run them side by side. They make no arrays, and
     do not count references to those of others.
     """
-    return _compiled(function, _OPTIONS)
+    return _compiled(function, OPTIONS)
 
 
 def counting_kernel(function: _Function) -> _Function:
-    """A `kernel` that makes arrays or returns views, and counts references to them.
+    """A `kernel` that makes arrays, or calls functions of NumPy that do, and counts references to them.
 
-    It must not take arrays from what an `inlined` part returns: those are not counted.
+    It must not take arrays out of what an `inlined` part returns: those are not counted.
     """
-    return _compiled(function, {**_OPTIONS, "_nrt": True})
+    return _compiled(function, {**OPTIONS, "_nrt": True})
 
 
 def _compiled(function: _Function, options: dict[str, Any]) -> _Function:
@@ -123,7 +123,7 @@ def plain(function: _Function) -> _Function:
 
 def inlined(function: _Function) -> _Function:
     """Compile `function` as a part of the kernels that call it."""
-    return numba.njit(forceinline=True, **_OPTIONS)(function)
+    return numba.njit(forceinline=True, **OPTIONS)(function)
 
 
 def optional(field: str) -> Callable[[_Function], _Function]:
@@ -139,7 +139,7 @@ def optional(field: str) -> Callable[[_Function], _Function]:
             if elements.dtype[field].shape[0] > 0:
                 function(axes, nodes, elements, *others)
 
-        @overload(part, strict=False, jit_options={"forceinline": True, **_OPTIONS})
+        @overload(part, strict=False, jit_options={"forceinline": True, **OPTIONS})
         def choose(axes, nodes, elements, *others):
             def call(axes, nodes, elements, *others):
                 compiled(axes, nodes, elements, *others)
@@ -160,30 +160,32 @@ def local_array(rows: int, columns: int) -> Any:
     return np.empty((rows, columns))
 
 
-@intrinsic(prefer_literal=True)
-def _array_on_stack(_context, rows, columns):
-    shape = rows.literal_value, columns.literal_value
-    kind = types.Array(types.float64, 2, "C")
+@type_callable(local_array)
+def _type_local_array(_context):
+    def type_of_result(rows, columns):
+        if isinstance(rows, types.IntegerLiteral) and isinstance(columns, types.IntegerLiteral):
+            return types.Array(types.float64, 2, "C")
+        return None
 
-    def allocate(context, builder, _signature, _arguments):
-        def number(value):
-            return context.get_constant(types.intp, value)
-
-        memory = ir.ArrayType(ir.DoubleType(), shape[0] * shape[1])
-        pointer = cgutils.alloca_once(builder, memory, name="local_array")
-        array = make_array(kind)(context, builder)
-        populate_array(
-            array,
-            data=builder.bitcast(pointer, ir.DoubleType().as_pointer()),
-            shape=[number(size) for size in shape],
-            strides=[number(NUMBER_BYTES * shape[1]), number(NUMBER_BYTES)],
-            itemsize=number(NUMBER_BYTES),
-            meminfo=None,
-        )
-        return array._getvalue()
-
-    return kind(rows, columns), allocate
+    return type_of_result
 
 
-if not numba.config.DISABLE_JIT:
-    local_array = _array_on_stack
+@lower_builtin(local_array, types.IntegerLiteral, types.IntegerLiteral)
+def _array_on_stack(context, builder, signature, _arguments):
+    def number(value):
+        return context.get_constant(types.intp, value)
+
+    rows, columns = (size.literal_value for size in signature.args)
+    memory = ir.ArrayType(ir.DoubleType(), rows * columns)
+    array = make_array(signature.return_type)(context, builder)
+    populate_array(
+        array,
+        data=builder.gep(
+            cgutils.alloca_once(builder, memory, name="local_array"), [cgutils.intp_t(0), cgutils.intp_t(0)]
+        ),
+        shape=[number(rows), number(columns)],
+        strides=[number(NUMBER_BYTES * columns), number(NUMBER_BYTES)],
+        itemsize=number(NUMBER_BYTES),
+        meminfo=None,
+    )
+    return array._getvalue()

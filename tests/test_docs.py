@@ -56,8 +56,8 @@ def test_no_link_leads_nowhere(document):
 
 
 def test_a_name_that_does_not_exist_is_noticed():
-    assert resolves("chain.saddle_point.factorise")
-    assert not resolves("chain.saddle_point.factorize") and not resolves("chains.border")
+    assert resolves("chain.factorisation.factorise")
+    assert not resolves("chain.factorisation.factorize") and not resolves("chains.border")
 
 
 def test_the_reference_has_all_that_the_package_offers():

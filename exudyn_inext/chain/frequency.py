@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import kernel, local_array
+from ..compiled import counting_kernel, kernel, local_array
 from ..element.inextensibility import length_gradient
 from ..system import index_reduced_rates
 from .assembly import add_elastic_force, add_element_force, differences
@@ -111,7 +111,7 @@ def _lanczos(system, q, tension, start, memory, diagonal, off_diagonal):
     return len(diagonal)
 
 
-@kernel
+@counting_kernel
 def largest_of_tridiagonal(diagonal, off_diagonal):
     """Largest eigenvalue of a symmetric tridiagonal matrix, by bisection of its Sturm sequence.
 

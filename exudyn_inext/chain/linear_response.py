@@ -7,7 +7,7 @@ from numba.extending import overload
 from ..system import implements
 from .border import apply_links
 from .index_reduction import ACCELERATION, CableSystem
-from .linked_cable import LinkedCableSystem
+from .linked_cable import LinkedCableSystem, join_ends
 from .saddle_point import expand_solution, solve_column, substitute_backward, substitute_forward
 
 
@@ -87,8 +87,7 @@ def constrained_inverse_of_linked_cable(system, force, x):
     substitute_backward(axes, nodes, (0,), ACCELERATION)
     apply_links(axes, nodes, system.border, ACCELERATION)
     expand_solution(axes, nodes, elements, ACCELERATION, x)
-    if system.closed:
-        x[len(nodes) - 1] = x[0]
+    join_ends(system.closed, x)
 
 
 @implements(add_link_stiffness, CableSystem)

@@ -99,7 +99,7 @@ def _assemble(axes, nodes, elements, border, external, q, v, lead, a, set_target
 
 
 @inlined
-def _join(closed, x):
+def join_ends(closed, x):
     """Round-off must not separate the two ends of a closed cable.   x: (n, 2, dim)."""
     if closed:
         for i in range(x.shape[2]):
@@ -117,8 +117,8 @@ def linked_rates(system, external, q, v, acceleration, rate):
     a, correction = acceleration.reshape(shape), rate.reshape(shape)
     _solve(axes, nodes, elements, border, ACCELERATION, a)
     _solve(axes, nodes, elements, border, CORRECTION, correction)
-    _join(system.closed, a)
-    _join(system.closed, correction)
+    join_ends(system.closed, a)
+    join_ends(system.closed, correction)
     for i in range(len(v)):
         rate[i] += v[i]
 
@@ -145,8 +145,8 @@ def accelerate_and_project_linked(system, external, q, v, duration, acceleration
     a, end = acceleration.reshape(shape), end_velocity.reshape(shape)
     _solve(axes, nodes, elements, border, ACCELERATION, a)
     _solve(axes, nodes, elements, border, CORRECTION, end)
-    _join(system.closed, a)
-    _join(system.closed, end)
+    join_ends(system.closed, a)
+    join_ends(system.closed, end)
     for i in range(len(v)):
         end_velocity[i] += v[i] + duration * acceleration[i]
 
@@ -167,7 +167,7 @@ def correct_linked_position(system, external, q, tolerance, learning, correction
         return worst
     x = correction.reshape(shape)
     _solve(axes, nodes, elements, border, CORRECTION, x)
-    _join(system.closed, x)
+    join_ends(system.closed, x)
     return worst
 
 

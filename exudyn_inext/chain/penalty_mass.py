@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import inlined, kernel
+from ..compiled import counting_kernel, inlined, kernel
 from ..element.inertia import mass_matrix
 from .assembly import GAMMA, RATE, VALUE, leave_targets
 from .cable import Cable
@@ -133,7 +133,7 @@ def penalty_force(system, external, q, v, force):
             demand = 0.0
 
 
-@kernel
+@counting_kernel
 def penalty_mass(system, q, mass):
     """mass = M + k C_q^T C_q.
 

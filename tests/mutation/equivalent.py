@@ -107,9 +107,9 @@ _RULES = [
     Rule(
         "the other triangle and what lies behind the last row is zero, or not reached",
         "chain/saddle_point.py",
-        _lines(("range(j + 1, 2", "range(j + 0, 2"), ("range(2 * len(axes))", "range(3 * len(axes))")),
+        _lines(("range(2 * len(axes))", "range(3 * len(axes))")),
     ),
-    Rule("the only column", "chain/saddle_point.py", _lines(("basis[1, 0] = x", "basis[1, -1] = x"))),
+    Rule("the only column", "chain/factorisation.py", _lines(("basis[1, 0] = x", "basis[1, -1] = x"))),
     Rule("empty in any case", "chain/records.py", _lines(("else (0, 8)", "else (0, 7)"))),
     Rule(
         "more accurate than needed, and a start that is as good as any other",

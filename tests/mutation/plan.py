@@ -84,6 +84,7 @@ _TESTS: dict[str, Sequence[str]] = {
         "element/test_element_matrices.py",
     ),
     "link": ("chain/test_cable.py", "chain/test_linked_cable.py", "constraints", *_ROWS),
+    "factorisation": (*_CHAIN[:6], *_FREQUENCIES),
     "saddle_point": (*_CHAIN[:6], *_FREQUENCIES),
 }
 _OTHERS = (*(name for name in _CHAIN if "linked" not in name), "loads/test_loads.py", _FREQUENCIES[0])
