@@ -8,6 +8,7 @@ elements is carried from node to node and eliminated at its last one.
 import numpy as np
 
 from ..compiled import inlined, local_array
+from ..rows import set_multiple, subtract_multiple
 
 
 @inlined
@@ -111,8 +112,9 @@ def _hand_on_multiplier(axes, block, w):
 
 @inlined
 def _eliminate_unknown(axes, node, block, w, following, j):
-    """Column j of L, row j of W = L^-1 E, and its share of -W^T D^-1 W; lower triangles."""
-    size = 2 * len(axes)
+    """Column j of L, row j of W = L^-1 E, and its share of -W^T D^-1 W; lower triangles count."""
+    unknowns = axes + axes
+    size = len(unknowns)
     inverse = 1.0 / block[j, j]
     node.inverse_pivot[j] = inverse
     for i in range(j + 1, size):
@@ -120,13 +122,10 @@ def _eliminate_unknown(axes, node, block, w, following, j):
         node.lower[i, j] = multiple
         for r in range(j + 1, i + 1):
             block[i, r] -= multiple * block[r, j]
-        for c in range(size):
-            w[i, c] -= multiple * w[j, c]
+        subtract_multiple(unknowns, w[i], multiple, w[j])
+    set_multiple(unknowns, node.coupling[j], inverse, w[j])
     for i in range(size):
-        scaled = w[j, i] * inverse
-        node.coupling[j, i] = scaled
-        for c in range(i + 1):
-            following[i, c] -= scaled * w[j, c]
+        subtract_multiple(unknowns, following[i], w[j, i] * inverse, w[j])
 
 
 @inlined
@@ -134,7 +133,7 @@ def _eliminate_node(axes, node, block, w, following):
     """L D L^T of the block, and what the node leaves to the next one, which becomes the block."""
     size = 2 * len(axes)
     for i in range(size):
-        for j in range(i + 1):
+        for j in range(size):
             following[i, j] = 0.0
     for j in range(size):
         _eliminate_unknown(axes, node, block, w, following, j)

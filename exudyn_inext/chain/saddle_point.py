@@ -10,6 +10,7 @@ visited as rarely as possible: loops over few nodes cost as much as what they do
 """
 
 from ..compiled import inlined, kernel, local_array
+from ..rows import subtract_multiple
 
 
 @inlined
@@ -87,8 +88,7 @@ def _eliminate_node(axes, columns, first, node, z, passed_on):
     for c in range(len(columns)):
         for i in range(size):
             node.solution[first + c, i] = z[c, i] * node.inverse_pivot[i]
-            for r in range(size):
-                passed_on[c, i] -= node.coupling[r, i] * z[c, r]
+            subtract_multiple(axes + axes, passed_on[c], z[c, i], node.coupling[i])
 
 
 @inlined
