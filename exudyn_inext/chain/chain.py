@@ -61,8 +61,9 @@ def build_chain(cable: Cable, mass_scaling: float = 0.0) -> Chain:
     nodes["ends_group"] = _ends_group(cable)
     nodes["mass"], elements["mass"] = _mass_bands(cable, mass_scaling)
     lengths, stiffness = cable.element_lengths, section.bending_stiffness
-    elements["stiffness"] = stiffness * _in_differences(stiffness_matrix, lengths)
-    if product:
+    if not product:
+        elements["stiffness"] = stiffness * _in_differences(stiffness_matrix, lengths)
+    else:
         tensors = _in_differences(stiffness_tensor, lengths)
         elements["tensor"] = stiffness * np.stack([in_pairs(tensor) for tensor in tensors])
     if section.natural_curvature:

@@ -111,6 +111,12 @@ def _hand_on_multiplier(axes, block, w):
 
 
 @inlined
+def place_in_lower(i, j):
+    """Of L_ij, i > j, in `lower`."""
+    return (i * (i - 1) >> 1) + j
+
+
+@inlined
 def _eliminate_unknown(axes, node, block, w, following, j):
     """Column j of L, row j of W = L^-1 E, and its share of -W^T D^-1 W; lower triangles count."""
     unknowns = axes + axes
@@ -119,7 +125,7 @@ def _eliminate_unknown(axes, node, block, w, following, j):
     node.inverse_pivot[j] = inverse
     for i in range(j + 1, size):
         multiple = block[i, j] * inverse
-        node.lower[i, j] = multiple
+        node.lower[place_in_lower(i, j)] = multiple
         for r in range(j + 1, i + 1):
             block[i, r] -= multiple * block[r, j]
         subtract_multiple(unknowns, w[i], multiple, w[j])

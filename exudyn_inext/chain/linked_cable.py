@@ -67,18 +67,20 @@ def cable_system(cable: Cable, zeta: float, mass_scaling: float = 0.0) -> CableS
 
 
 @inlined
-def _shape_of_motions(axes, external, n_dof):
-    """(M, 3, dim) of the motions of the anchors behind the force."""
-    return (len(external) - n_dof) // (3 * len(axes)), 3, len(axes)
+def _solve_both(axes, nodes, elements, border, x, y):
+    """Solve for both columns at once, links included; x, y (n, 2, dim)."""
+    substitute_forward(axes, nodes, elements, (ACCELERATION, CORRECTION), ACCELERATION)
+    substitute_backward(axes, nodes, (ACCELERATION, CORRECTION), ACCELERATION)
+    apply_links(axes, nodes, border, ACCELERATION)
+    apply_links(axes, nodes, border, CORRECTION)
+    expand_solution(axes, nodes, elements, ACCELERATION, x)
+    expand_solution(axes, nodes, elements, CORRECTION, y)
 
 
 @inlined
-def _solve(axes, nodes, elements, border, column, x):
-    """Solve for one column, links included; x (n, 2, dim)."""
-    substitute_forward(axes, nodes, elements, (0,), column)
-    substitute_backward(axes, nodes, (0,), column)
-    apply_links(axes, nodes, border, column)
-    expand_solution(axes, nodes, elements, column, x)
+def _shape_of_motions(axes, external, n_dof):
+    """(M, 3, dim) of the motions of the anchors behind the force."""
+    return (len(external) - n_dof) // (3 * len(axes)), 3, len(axes)
 
 
 @inlined
@@ -115,8 +117,7 @@ def linked_rates(system, external, q, v, acceleration, rate):
     shape = (len(nodes), 2, len(axes))
     _assemble(axes, nodes, elements, border, external, q, v, 0.0, v, set_stabilised_targets, system.zeta)
     a, correction = acceleration.reshape(shape), rate.reshape(shape)
-    _solve(axes, nodes, elements, border, ACCELERATION, a)
-    _solve(axes, nodes, elements, border, CORRECTION, correction)
+    _solve_both(axes, nodes, elements, border, a, correction)
     join_ends(system.closed, a)
     join_ends(system.closed, correction)
     for i in range(len(v)):
@@ -143,8 +144,7 @@ def accelerate_and_project_linked(system, external, q, v, duration, acceleration
         duration,
     )
     a, end = acceleration.reshape(shape), end_velocity.reshape(shape)
-    _solve(axes, nodes, elements, border, ACCELERATION, a)
-    _solve(axes, nodes, elements, border, CORRECTION, end)
+    _solve_both(axes, nodes, elements, border, a, end)
     join_ends(system.closed, a)
     join_ends(system.closed, end)
     for i in range(len(v)):
@@ -166,7 +166,10 @@ def correct_linked_position(system, external, q, tolerance, learning, correction
     if worst < tolerance:
         return worst
     x = correction.reshape(shape)
-    _solve(axes, nodes, elements, border, CORRECTION, x)
+    substitute_forward(axes, nodes, elements, (CORRECTION,), CORRECTION)
+    substitute_backward(axes, nodes, (CORRECTION,), CORRECTION)
+    apply_links(axes, nodes, border, CORRECTION)
+    expand_solution(axes, nodes, elements, CORRECTION, x)
     join_ends(system.closed, x)
     return worst
 

@@ -22,7 +22,7 @@ def node_type(dim: int) -> np.dtype:
     target: right-hand sides of the nodal constraint, one for each column.
     foresight: what the constraint's acceleration lacked in the last step of a position-level scheme.
     along: known increments along the slope, one for each column.
-    lower, inverse_pivot: unit lower L and inverse of D of the node's diagonal block L D L^T.
+    lower, inverse_pivot: unit lower L, row by row, and inverse of D of the node's diagonal block L D L^T.
     coupling: D^-1 L^-1 E, where E couples the node with the next one.
     solution: reduced right-hand sides, then their solutions.
     """
@@ -39,7 +39,7 @@ def node_type(dim: int) -> np.dtype:
             ("target", NUMBER, (2,)),
             ("foresight", NUMBER),
             ("along", NUMBER, (2,)),
-            ("lower", NUMBER, (size, size)),
+            ("lower", NUMBER, (size * (size - 1) // 2,)),
             ("inverse_pivot", NUMBER, (size,)),
             ("coupling", NUMBER, (size, size)),
             ("solution", NUMBER, (2, size)),
@@ -54,8 +54,8 @@ def element_type(
     """Record of an element in `dim` dimensions; what a cable does not have takes no memory.
 
     mass: r-r, r-s, s-r, s-s mass of the left with the right node [kg, kg m, kg m, kg m^2].
-    stiffness: EI times the stiffness matrix, in difference coordinates (`secondDerivative`).
-    tensor: EI times the stiffness tensor over pairs (`product`), empty for the other measure.
+    stiffness: EI times the stiffness matrix, in difference coordinates, empty for `product`.
+    tensor: EI times the stiffness tensor over pairs, empty for `secondDerivative`.
     natural: EI kappa_0 times the turning matrix in difference coordinates, empty without kappa_0.
     damping: table of the damping force, empty without damping.
     drag: table of the drag, empty without drag.   drag_law: its coefficients and the flow.
@@ -70,7 +70,7 @@ def element_type(
     return np.dtype(
         [
             ("mass", NUMBER, (4,)),
-            ("stiffness", NUMBER, (3, 3)),
+            ("stiffness", NUMBER, (0, 0) if product else (3, 3)),
             ("tensor", NUMBER, (6, 6) if product else (0, 0)),
             ("natural", NUMBER, (3, 3) if natural else (0, 0)),
             ("damping", NUMBER, (4, 7) if damped else (0, 7)),

@@ -11,6 +11,7 @@ visited as rarely as possible: loops over few nodes cost as much as what they do
 
 from ..compiled import inlined, kernel, local_array
 from ..rows import subtract_multiple
+from .factorisation import place_in_lower
 
 
 @inlined
@@ -84,7 +85,7 @@ def _eliminate_node(axes, columns, first, node, z, passed_on):
     for j in range(size):
         for i in range(j + 1, size):
             for c in range(len(columns)):
-                z[c, i] -= node.lower[i, j] * z[c, j]
+                z[c, i] -= node.lower[place_in_lower(i, j)] * z[c, j]
     for c in range(len(columns)):
         for i in range(size):
             node.solution[first + c, i] = z[c, i] * node.inverse_pivot[i]
@@ -103,7 +104,7 @@ def _solve_node(axes, columns, first, node, z, right):
     for i in range(size - 1, -1, -1):
         for j in range(i):
             for c in range(len(columns)):
-                z[c, j] -= node.lower[i, j] * z[c, i]
+                z[c, j] -= node.lower[place_in_lower(i, j)] * z[c, i]
     for c in range(len(columns)):
         if not node.ends_group:
             z[c, size - 1] = right[c, size - 1]
