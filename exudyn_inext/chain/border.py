@@ -18,7 +18,7 @@ from .assembly import GAMMA, RATE, VALUE
 from .cable import Cable
 from .link import Link, Motion, rest
 from .records import link_type
-from .saddle_point import substitute_reduced
+from .saddle_point import solve_reduced
 
 CLOSURE = "closure"
 
@@ -185,11 +185,7 @@ def _set_responses(axes, nodes, border):
                     nodes[k].solution[c, i] = 0.0
         for c in range(pair):
             _set_unit_force(axes, nodes, links[first + c], c)
-        substitute_reduced(axes, nodes, (0, 1), 0)
-        for k in range(len(nodes)):
-            for c in range(2):
-                for i in range(size):
-                    response[first + c, k, i] = nodes[k].solution[c, i]
+        solve_reduced(axes, nodes, (0, 1), response[first : first + 2])
 
 
 @inlined
@@ -227,9 +223,9 @@ def _violation_of_solution(axes, nodes, link, column):
 
 
 @inlined
-def apply_links(axes, nodes, border, column):
-    """Correct the chain's solution in column `column` so that the links' targets are met."""
-    links, response, schur, nu = border.links, border.response, border.schur, border.multiplier
+def _set_multipliers(axes, nodes, border, column):
+    """S nu = B x - b for one column."""
+    links, schur, nu = border.links, border.schur, border.multiplier
     number = len(links)
     for r in range(number):
         nu[r] = _violation_of_solution(axes, nodes, links[r], column)
@@ -242,6 +238,19 @@ def apply_links(axes, nodes, border, column):
         nu[r] /= schur[r, r]
     for r in range(number):
         links[r].multiplier[column] = nu[r]
-        for k in range(len(nodes)):
-            for i in range(2 * len(axes)):
-                nodes[k].solution[column, i] -= nu[r] * response[r, k, i]
+
+
+@inlined
+def apply_links(axes, nodes, border, columns, first):
+    """Correct the chain's solution so that the links' targets are met.
+
+    columns, first: see `saddle_point.substitute_forward`.
+    """
+    links, response = border.links, border.response
+    for c in range(len(columns)):
+        _set_multipliers(axes, nodes, border, first + c)
+    for k in range(len(nodes)):
+        for r in range(len(links)):
+            for c in range(len(columns)):
+                for i in range(2 * len(axes)):
+                    nodes[k].solution[first + c, i] -= links[r].multiplier[first + c] * response[r, k, i]

@@ -85,7 +85,7 @@ def constrained_inverse_of_linked_cable(system, force, x):
         links[r].target[ACCELERATION] = 0.0
     substitute_forward(axes, nodes, elements, (0,), ACCELERATION)
     substitute_backward(axes, nodes, (0,), ACCELERATION)
-    apply_links(axes, nodes, system.border, ACCELERATION)
+    apply_links(axes, nodes, system.border, (ACCELERATION,), ACCELERATION)
     expand_solution(axes, nodes, elements, ACCELERATION, x)
     join_ends(system.closed, x)
 

@@ -71,8 +71,7 @@ def _solve_both(axes, nodes, elements, border, x, y):
     """Solve for both columns at once, links included; x, y (n, 2, dim)."""
     substitute_forward(axes, nodes, elements, (ACCELERATION, CORRECTION), ACCELERATION)
     substitute_backward(axes, nodes, (ACCELERATION, CORRECTION), ACCELERATION)
-    apply_links(axes, nodes, border, ACCELERATION)
-    apply_links(axes, nodes, border, CORRECTION)
+    apply_links(axes, nodes, border, (ACCELERATION, CORRECTION), ACCELERATION)
     expand_solution(axes, nodes, elements, ACCELERATION, x)
     expand_solution(axes, nodes, elements, CORRECTION, y)
 
@@ -168,7 +167,7 @@ def correct_linked_position(system, external, q, tolerance, learning, correction
     x = correction.reshape(shape)
     substitute_forward(axes, nodes, elements, (CORRECTION,), CORRECTION)
     substitute_backward(axes, nodes, (CORRECTION,), CORRECTION)
-    apply_links(axes, nodes, border, CORRECTION)
+    apply_links(axes, nodes, border, (CORRECTION,), CORRECTION)
     expand_solution(axes, nodes, elements, CORRECTION, x)
     join_ends(system.closed, x)
     return worst

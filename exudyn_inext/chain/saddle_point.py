@@ -166,16 +166,24 @@ def substitute_backward(axes, nodes, columns, first):
 
 
 @inlined
-def substitute_reduced(axes, nodes, columns, first):
-    """Solve for reduced right-hand sides that stand in `solution`; arguments: see `substitute_forward`."""
-    z, passed_on = local_array(2, 6), local_array(2, 6)
+def solve_reduced(axes, nodes, columns, x):
+    """Solve for reduced right-hand sides that stand in `solution`.
+
+    x: (columns, n, 2 dim) output, the reduced unknowns.   Other arguments: see `substitute_forward`.
+    """
+    z, passed_on, right = local_array(2, 6), local_array(2, 6), local_array(2, 6)
     _clear_columns(passed_on)
+    _clear_columns(right)
     for k in range(len(nodes)):
         for c in range(len(columns)):
             for i in range(2 * len(axes)):
-                z[c, i] = nodes[k].solution[first + c, i]
-        _eliminate_node(axes, columns, first, nodes[k], z, passed_on)
-    substitute_backward(axes, nodes, columns, first)
+                z[c, i] = nodes[k].solution[c, i]
+        _eliminate_node(axes, columns, 0, nodes[k], z, passed_on)
+    for k in range(len(nodes) - 1, -1, -1):
+        _solve_node(axes, columns, 0, nodes[k], z, right)
+        for c in range(len(columns)):
+            for i in range(2 * len(axes)):
+                x[c, k, i] = z[c, i]
 
 
 @inlined
