@@ -126,6 +126,14 @@ def inlined(function: _Function) -> _Function:
     return numba.njit(forceinline=True, **OPTIONS)(function)
 
 
+@inlined
+def clear(memory: Any) -> None:
+    """All entries of a local array to zero."""
+    for i in range(memory.shape[0]):
+        for j in range(memory.shape[1]):
+            memory[i, j] = 0.0
+
+
 def optional(field: str) -> Callable[[_Function], _Function]:
     """Compile f(axes, nodes, elements, ...) as a part of kernels, where the elements' `field` is not empty.
 

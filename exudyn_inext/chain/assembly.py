@@ -1,6 +1,6 @@
 """Forces and constraint terms of the whole chain, element by element."""
 
-from ..compiled import inlined, kernel, local_array, optional
+from ..compiled import clear, inlined, kernel, local_array, optional
 from ..element.bending import add_bending_force
 from ..element.bending_damping import add_damping_force
 from ..element.drag import add_drag_force
@@ -29,14 +29,6 @@ def differences(axes, q, k, e):
         e[0, i] = q[k + 1, 0, i] - q[k, 0, i]
         e[1, i] = q[k, 1, i]
         e[2, i] = q[k + 1, 1, i]
-
-
-@inlined
-def clear(e):
-    """All entries of a (3, 3) local array to zero."""
-    for a in range(3):
-        for i in range(3):
-            e[a, i] = 0.0
 
 
 @inlined

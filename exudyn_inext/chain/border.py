@@ -29,13 +29,11 @@ class Border(NamedTuple):
     links: (m,) records of `records.link_type`.
     response: (m + 1, n, 2 dim) A^-1 B^T in the reduced unknowns of each node.
     schur: (m, m) lower L of S = L L^T; its diagonal holds L's, not its inverse.
-    multiplier: (m,) memory.
     """
 
     links: Any
     response: Array
     schur: Array
-    multiplier: Array
 
 
 def all_links(cable: Cable) -> tuple[Link, ...]:
@@ -83,7 +81,7 @@ def build_border(cable: Cable) -> Border:
         record.scale = 1.0 / cable.element_lengths[min(link.nodes[0], cable.number_of_elements - 1)]
     number, size = len(links), 2 * cable.dimension
     response = np.zeros((number + 1, len(cable.reference), size))
-    return Border(records, response, np.zeros((number, number)), np.zeros(number))
+    return Border(records, response, np.zeros((number, number)))
 
 
 @inlined
@@ -119,11 +117,12 @@ def _set_terms(axes, nodes, link, v, motions):
 
 
 @inlined
-def assemble_links(axes, nodes, links, q, v, motions):
+def assemble_links(axes, nodes, links, q, v, motions, set_targets, parameter):
     """Values, rates, gamma (27), (28) and gradients of all links; the nodes' bases are set.
 
     Args:
         q, v: (n, 2, dim).   motions: (M, 3, dim) p, p_t, p_tt of the anchors.
+        set_targets, parameter: see `assembly.assemble`.
     """
     for r in range(len(links)):
         link = links[r]
@@ -132,15 +131,20 @@ def assemble_links(axes, nodes, links, q, v, motions):
                 link.normal[i] = nodes[link.node[0]].basis[i, link.follows]
         link.constraint[VALUE] = _set_offset(axes, link, q, motions)
         _set_terms(axes, nodes, link, v, motions)
+        set_targets(parameter, link)
 
 
 @inlined
-def set_link_violations(axes, links, q, motions):
-    """Values of the links at q into the records; returns the largest, lengths relative."""
+def set_link_violations(axes, links, q, motions, set_targets, parameter):
+    """Values of the links at q into the records; returns the largest, lengths relative.
+
+    Arguments: see `assemble_links`.
+    """
     worst = 0.0
     for r in range(len(links)):
         value = _set_offset(axes, links[r], q, motions)
         links[r].constraint[VALUE] = value
+        set_targets(parameter, links[r])
         worst = max(worst, abs(value) * links[r].scale)
     return worst
 
@@ -225,19 +229,18 @@ def _violation_of_solution(axes, nodes, link, column):
 @inlined
 def _set_multipliers(axes, nodes, border, column):
     """S nu = B x - b for one column."""
-    links, schur, nu = border.links, border.schur, border.multiplier
+    links, schur = border.links, border.schur
     number = len(links)
     for r in range(number):
-        nu[r] = _violation_of_solution(axes, nodes, links[r], column)
+        nu = _violation_of_solution(axes, nodes, links[r], column)
         for j in range(r):
-            nu[r] -= schur[r, j] * nu[j]
-        nu[r] /= schur[r, r]
+            nu -= schur[r, j] * links[j].multiplier[column]
+        links[r].multiplier[column] = nu / schur[r, r]
     for r in range(number - 1, -1, -1):
+        nu = links[r].multiplier[column]
         for j in range(r + 1, number):
-            nu[r] -= schur[j, r] * nu[j]
-        nu[r] /= schur[r, r]
-    for r in range(number):
-        links[r].multiplier[column] = nu[r]
+            nu -= schur[j, r] * links[j].multiplier[column]
+        links[r].multiplier[column] = nu / schur[r, r]
 
 
 @inlined

@@ -61,11 +61,11 @@ def build_chain(cable: Cable, mass_scaling: float = 0.0) -> Chain:
     nodes["ends_group"] = _ends_group(cable)
     nodes["mass"], elements["mass"] = _mass_bands(cable, mass_scaling)
     lengths, stiffness = cable.element_lengths, section.bending_stiffness
-    if not product:
-        elements["stiffness"] = stiffness * _in_differences(stiffness_matrix, lengths)
-    else:
+    if product:
         tensors = _in_differences(stiffness_tensor, lengths)
         elements["tensor"] = stiffness * np.stack([in_pairs(tensor) for tensor in tensors])
+    else:
+        elements["stiffness"] = stiffness * _in_differences(stiffness_matrix, lengths)
     if section.natural_curvature:
         elements["natural"] = stiffness * section.natural_curvature * _in_differences(turning_matrix, lengths)
     if section.bending_damping:

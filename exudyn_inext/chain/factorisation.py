@@ -7,7 +7,7 @@ elements is carried from node to node and eliminated at its last one.
 
 import numpy as np
 
-from ..compiled import inlined, local_array
+from ..compiled import clear, inlined, local_array
 from ..rows import set_multiple, subtract_multiple
 
 
@@ -138,9 +138,7 @@ def _eliminate_unknown(axes, node, block, w, following, j):
 def _eliminate_node(axes, node, block, w, following):
     """L D L^T of the block, and what the node leaves to the next one, which becomes the block."""
     size = 2 * len(axes)
-    for i in range(size):
-        for j in range(size):
-            following[i, j] = 0.0
+    clear(following)
     for j in range(size):
         _eliminate_unknown(axes, node, block, w, following, j)
     for i in range(size):
@@ -153,10 +151,8 @@ def factorise(axes, nodes, elements):
     """Frames of the nodes and Jacobians of the elements must be set, see `assembly`."""
     size = 2 * len(axes)
     block, w, following = local_array(6, 6), local_array(6, 6), local_array(6, 6)
-    for i in range(size):
-        for j in range(size):
-            block[i, j] = 0.0
-            w[i, j] = 0.0
+    clear(block)
+    clear(w)
     for k in range(len(nodes)):
         node = nodes[k]
         _add_mass(axes, node, block)

@@ -250,7 +250,6 @@ class FrequencyTracker:
     def __init__(self, system: CableSystem | LinkedCableSystem, shape: tuple[int, ...]) -> None:
         self._system = system
         self.vibration = np.zeros(shape)
-        self._memory = np.zeros((4, *shape))
 
     def frequency(self, q: Array, a: Array) -> float:
         """w_max [rad/s] of small vibrations about the state that `system` was evaluated at last.
@@ -266,7 +265,7 @@ class FrequencyTracker:
             iterations = self.FIRST
         squared = 0.0
         if x.any():
-            squared = _power_iteration(system, q, tension, iterations, self._memory, x)
+            squared = _power_iteration(system, q, tension, iterations, np.zeros((4, *q.shape)), x)
         if not np.isfinite(x).all():
             x[:] = 0.0
         return float(np.sqrt(max(squared, 0.0)))

@@ -4,11 +4,11 @@ from functools import singledispatch
 
 from numba.extending import overload
 
+from ..compiled import inlined
 from ..system import implements
-from .border import apply_links
 from .index_reduction import ACCELERATION, CableSystem
-from .linked_cable import LinkedCableSystem, join_ends
-from .saddle_point import expand_solution, solve_column, substitute_backward, substitute_forward
+from .linked_cable import LinkedCableSystem, solve_linked_column
+from .saddle_point import solve_column
 
 
 @singledispatch
@@ -55,25 +55,9 @@ def _compile_add_link_stiffness(system, multiplier, x, y):
     return call
 
 
-@implements(constrained_inverse, CableSystem)
-def constrained_inverse_of_cable(system, force, x):
-    """Arguments: see `constrained_inverse`."""
-    chain = system.chain
-    for k in range(len(chain.nodes)):
-        chain.nodes[k].target[ACCELERATION] = 0.0
-        for i in range(len(chain.axes)):
-            chain.nodes[k].force[ACCELERATION, 0, i] = force[k, 0, i]
-            chain.nodes[k].force[ACCELERATION, 1, i] = force[k, 1, i]
-    for k in range(len(chain.elements)):
-        chain.elements[k].target[ACCELERATION] = 0.0
-    solve_column(chain.axes, chain.nodes, chain.elements, ACCELERATION, x)
-
-
-@implements(constrained_inverse, LinkedCableSystem)
-def constrained_inverse_of_linked_cable(system, force, x):
-    """Arguments: see `constrained_inverse`."""
-    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
-    links = system.border.links
+@inlined
+def _set_right_hand_side(axes, nodes, elements, force):
+    """`force` (n, 2, dim) and targets of zero."""
     for k in range(len(nodes)):
         nodes[k].target[ACCELERATION] = 0.0
         for i in range(len(axes)):
@@ -81,13 +65,24 @@ def constrained_inverse_of_linked_cable(system, force, x):
             nodes[k].force[ACCELERATION, 1, i] = force[k, 1, i]
     for k in range(len(elements)):
         elements[k].target[ACCELERATION] = 0.0
+
+
+@implements(constrained_inverse, CableSystem)
+def constrained_inverse_of_cable(system, force, x):
+    """Arguments: see `constrained_inverse`."""
+    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
+    _set_right_hand_side(axes, nodes, elements, force)
+    solve_column(axes, nodes, elements, ACCELERATION, x)
+
+
+@implements(constrained_inverse, LinkedCableSystem)
+def constrained_inverse_of_linked_cable(system, force, x):
+    """Arguments: see `constrained_inverse`."""
+    _set_right_hand_side(system.chain.axes, system.chain.nodes, system.chain.elements, force)
+    links = system.border.links
     for r in range(len(links)):
         links[r].target[ACCELERATION] = 0.0
-    substitute_forward(axes, nodes, elements, (0,), ACCELERATION)
-    substitute_backward(axes, nodes, (0,), ACCELERATION)
-    apply_links(axes, nodes, system.border, (ACCELERATION,), ACCELERATION)
-    expand_solution(axes, nodes, elements, ACCELERATION, x)
-    join_ends(system.closed, x)
+    solve_linked_column(system, ACCELERATION, x)
 
 
 @implements(add_link_stiffness, CableSystem)

@@ -15,7 +15,7 @@ from ..system import (
     implements,
     index_reduced_rates,
 )
-from .assembly import set_violations
+from .assembly import leave_targets, set_violations
 from .border import (
     Border,
     all_links,
@@ -67,16 +67,6 @@ def cable_system(cable: Cable, zeta: float, mass_scaling: float = 0.0) -> CableS
 
 
 @inlined
-def _solve_both(axes, nodes, elements, border, x, y):
-    """Solve for both columns at once, links included; x, y (n, 2, dim)."""
-    substitute_forward(axes, nodes, elements, (ACCELERATION, CORRECTION), ACCELERATION)
-    substitute_backward(axes, nodes, (ACCELERATION, CORRECTION), ACCELERATION)
-    apply_links(axes, nodes, border, (ACCELERATION, CORRECTION), ACCELERATION)
-    expand_solution(axes, nodes, elements, ACCELERATION, x)
-    expand_solution(axes, nodes, elements, CORRECTION, y)
-
-
-@inlined
 def _shape_of_motions(axes, external, n_dof):
     """(M, 3, dim) of the motions of the anchors behind the force."""
     return (len(external) - n_dof) // (3 * len(axes)), 3, len(axes)
@@ -93,19 +83,47 @@ def _assemble(axes, nodes, elements, border, external, q, v, lead, a, set_target
         axes, nodes, elements, force, known, rates, lead, a.reshape(shape), set_targets, parameter
     )
     motions = external[n_dof:].reshape(_shape_of_motions(axes, external, n_dof))
-    assemble_links(axes, nodes, border.links, known, rates, motions)
-    for r in range(len(border.links)):
-        set_targets(parameter, border.links[r])
+    assemble_links(axes, nodes, border.links, known, rates, motions, set_targets, parameter)
     factorise_border(axes, nodes, border)
 
 
 @inlined
-def join_ends(closed, x):
+def _join_ends(closed, x):
     """Round-off must not separate the two ends of a closed cable.   x: (n, 2, dim)."""
     if closed:
         for i in range(x.shape[2]):
             x[len(x) - 1, 0, i] = x[0, 0, i]
             x[len(x) - 1, 1, i] = x[0, 1, i]
+
+
+@inlined
+def _substitute(system, columns, first):
+    """`solution` of the chain with its links; arguments: see `saddle_point.substitute_forward`."""
+    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
+    substitute_forward(axes, nodes, elements, columns, first)
+    substitute_backward(axes, nodes, columns, first)
+    apply_links(axes, nodes, system.border, columns, first)
+
+
+@inlined
+def _expand(system, column, x):
+    expand_solution(system.chain.axes, system.chain.nodes, system.chain.elements, column, x)
+    _join_ends(system.closed, x)
+
+
+@inlined
+def solve_linked_column(system, column, x):
+    """`saddle_point.solve_column` with links, for a system that is factorised."""
+    _substitute(system, (column,), column)
+    _expand(system, column, x)
+
+
+@inlined
+def _solve_both_linked_columns(system, x, y):
+    """The same for both columns at once.   x, y: (n, 2, dim) solutions for columns 0 and 1."""
+    _substitute(system, (ACCELERATION, CORRECTION), ACCELERATION)
+    _expand(system, ACCELERATION, x)
+    _expand(system, CORRECTION, y)
 
 
 @implements(index_reduced_rates, LinkedCableSystem)
@@ -115,10 +133,7 @@ def linked_rates(system, external, q, v, acceleration, rate):
     border = system.border
     shape = (len(nodes), 2, len(axes))
     _assemble(axes, nodes, elements, border, external, q, v, 0.0, v, set_stabilised_targets, system.zeta)
-    a, correction = acceleration.reshape(shape), rate.reshape(shape)
-    _solve_both(axes, nodes, elements, border, a, correction)
-    join_ends(system.closed, a)
-    join_ends(system.closed, correction)
+    _solve_both_linked_columns(system, acceleration.reshape(shape), rate.reshape(shape))
     for i in range(len(v)):
         rate[i] += v[i]
 
@@ -142,10 +157,7 @@ def accelerate_and_project_linked(system, external, q, v, duration, acceleration
         set_projection_targets,
         duration,
     )
-    a, end = acceleration.reshape(shape), end_velocity.reshape(shape)
-    _solve_both(axes, nodes, elements, border, a, end)
-    join_ends(system.closed, a)
-    join_ends(system.closed, end)
+    _solve_both_linked_columns(system, acceleration.reshape(shape), end_velocity.reshape(shape))
     for i in range(len(v)):
         end_velocity[i] += v[i] + duration * acceleration[i]
 
@@ -154,22 +166,15 @@ def accelerate_and_project_linked(system, external, q, v, duration, acceleration
 def correct_linked_position(system, external, q, tolerance, learning, correction):
     """Arguments: see `correct_position`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
-    border, links = system.border, system.border.links
+    links = system.border.links
     shape = (len(nodes), 2, len(axes))
     known = q.reshape(shape)
     worst = set_violations(axes, nodes, elements, known, set_correction_target, learning)
     motions = external[q.size :].reshape(_shape_of_motions(axes, external, q.size))
-    worst = max(worst, set_link_violations(axes, links, known, motions))
-    for k in range(len(links)):
-        set_correction_target(learning, links[k])
-    if worst < tolerance:
-        return worst
-    x = correction.reshape(shape)
-    substitute_forward(axes, nodes, elements, (CORRECTION,), CORRECTION)
-    substitute_backward(axes, nodes, (CORRECTION,), CORRECTION)
-    apply_links(axes, nodes, border, (CORRECTION,), CORRECTION)
-    expand_solution(axes, nodes, elements, CORRECTION, x)
-    join_ends(system.closed, x)
+    of_links = set_link_violations(axes, links, known, motions, set_correction_target, learning)
+    worst = max(worst, of_links)
+    if not worst < tolerance:
+        solve_linked_column(system, CORRECTION, correction.reshape(shape))
     return worst
 
 
@@ -180,5 +185,6 @@ def gauge_linked(system, external, q, v, a, force, gauges):
     gauge_chain(system.chain, external, q, v, a, force, gauges)
     motions = external[q.size :].reshape(_shape_of_motions(axes, external, q.size))
     known = q.reshape((len(system.chain.nodes), 2, len(axes)))
-    gauges[VIOLATION] = max(gauges[VIOLATION], set_link_violations(axes, links, known, motions))
+    of_links = set_link_violations(axes, links, known, motions, leave_targets, 0.0)
+    gauges[VIOLATION] = max(gauges[VIOLATION], of_links)
     gauges[POWER] += power_of_motions(axes, links, motions)

@@ -4,12 +4,11 @@ The nodal constraints (18) are eliminated: a slope's increment is x_s = N beta +
 of N are transverse to the slope and p, along it, is known from the constraint. What is left has
 2 dim unknowns a node, y_k = [r_k, beta_k, lam_(k-1)], and is factorised node by node, see `factorisation`.
 
-Everything that a solve needs and gives lies in the records of the chain, see `records`. Inlined parts
-take these arrays one by one: unpacking a tuple in the loop would cost reference counts. A node is
-visited as rarely as possible: loops over few nodes cost as much as what they do.
+Everything that a solve needs and gives lies in the records of the chain, see `records`. A node is visited
+as rarely as possible: loops over few nodes cost as much as what they do.
 """
 
-from ..compiled import inlined, kernel, local_array
+from ..compiled import clear, inlined, kernel, local_array
 from ..rows import subtract_multiple
 from .factorisation import place_in_lower
 
@@ -72,7 +71,7 @@ def _reduce(axes, nodes, elements, k, column, c, z):
 
 
 @inlined
-def _eliminate_node(axes, columns, first, node, z, passed_on):
+def _pass_forward(axes, columns, first, node, z, passed_on):
     """`solution` = D^-1 L^-1 z of a node with what the last one passed on to z; passes on -E^T A^-1 z."""
     size = 2 * len(axes)
     for c in range(len(columns)):
@@ -93,7 +92,7 @@ def _eliminate_node(axes, columns, first, node, z, passed_on):
 
 
 @inlined
-def _solve_node(axes, columns, first, node, z, right):
+def _pass_backward(axes, columns, first, node, z, right):
     """z = the solution of a node, from its `solution` so far and that of the node to its `right`."""
     size = 2 * len(axes)
     for c in range(len(columns)):
@@ -127,14 +126,6 @@ def _expand(axes, nodes, elements, k, column, c, z, x):
 
 
 @inlined
-def _clear_columns(z):
-    """All entries of a (2, 6) local array to zero."""
-    for c in range(2):
-        for i in range(6):
-            z[c, i] = 0.0
-
-
-@inlined
 def substitute_forward(axes, nodes, elements, columns, first):
     """First half of a solve, for the right-hand sides in `force` and `target`; leaves `solution`.
 
@@ -144,22 +135,22 @@ def substitute_forward(axes, nodes, elements, columns, first):
         first: the first of them.
     """
     z, passed_on = local_array(2, 6), local_array(2, 6)
-    _clear_columns(passed_on)
+    clear(passed_on)
     for k in range(len(nodes)):
         _set_along(axes, columns, first, nodes[k])
     for k in range(len(nodes)):
         for c in range(len(columns)):
             _reduce(axes, nodes, elements, k, first + c, c, z)
-        _eliminate_node(axes, columns, first, nodes[k], z, passed_on)
+        _pass_forward(axes, columns, first, nodes[k], z, passed_on)
 
 
 @inlined
 def substitute_backward(axes, nodes, columns, first):
     """Second half of a solve, in `solution`; arguments: see `substitute_forward`."""
     z, right = local_array(2, 6), local_array(2, 6)
-    _clear_columns(right)
+    clear(right)
     for k in range(len(nodes) - 1, -1, -1):
-        _solve_node(axes, columns, first, nodes[k], z, right)
+        _pass_backward(axes, columns, first, nodes[k], z, right)
         for c in range(len(columns)):
             for i in range(2 * len(axes)):
                 nodes[k].solution[first + c, i] = z[c, i]
@@ -172,15 +163,15 @@ def solve_reduced(axes, nodes, columns, x):
     x: (columns, n, 2 dim) output, the reduced unknowns.   Other arguments: see `substitute_forward`.
     """
     z, passed_on, right = local_array(2, 6), local_array(2, 6), local_array(2, 6)
-    _clear_columns(passed_on)
-    _clear_columns(right)
+    clear(passed_on)
+    clear(right)
     for k in range(len(nodes)):
         for c in range(len(columns)):
             for i in range(2 * len(axes)):
                 z[c, i] = nodes[k].solution[c, i]
-        _eliminate_node(axes, columns, 0, nodes[k], z, passed_on)
+        _pass_forward(axes, columns, 0, nodes[k], z, passed_on)
     for k in range(len(nodes) - 1, -1, -1):
-        _solve_node(axes, columns, 0, nodes[k], z, right)
+        _pass_backward(axes, columns, 0, nodes[k], z, right)
         for c in range(len(columns)):
             for i in range(2 * len(axes)):
                 x[c, k, i] = z[c, i]
@@ -207,9 +198,9 @@ def solve_column(axes, nodes, elements, column, x):
     """
     substitute_forward(axes, nodes, elements, (0,), column)
     z, right = local_array(2, 6), local_array(2, 6)
-    _clear_columns(right)
+    clear(right)
     for k in range(len(nodes) - 1, -1, -1):
-        _solve_node(axes, (0,), column, nodes[k], z, right)
+        _pass_backward(axes, (0,), column, nodes[k], z, right)
         _expand(axes, nodes, elements, k, column, 0, z, x)
 
 
@@ -218,9 +209,9 @@ def solve_both_columns(axes, nodes, elements, x, y):
     """The same for both columns at once.   x, y: (n, 2, dim) solutions for columns 0 and 1."""
     substitute_forward(axes, nodes, elements, (0, 1), 0)
     z, right = local_array(2, 6), local_array(2, 6)
-    _clear_columns(right)
+    clear(right)
     for k in range(len(nodes) - 1, -1, -1):
-        _solve_node(axes, (0, 1), 0, nodes[k], z, right)
+        _pass_backward(axes, (0, 1), 0, nodes[k], z, right)
         _expand(axes, nodes, elements, k, 0, 0, z, x)
         _expand(axes, nodes, elements, k, 1, 1, z, y)
 
@@ -244,11 +235,11 @@ def apply_mass(chain, x, y):
 
 @kernel
 def nodal_multipliers(chain, x, momentum, multiplier):
-    """Multipliers of the nodal constraints that `solve` eliminated, from the balance along r_x.
+    """Multipliers of the nodal constraints that a solve eliminated, from the balance along r_x.
 
     Args:
         chain: solved for column 0.
-        x: (n, 2, dim) what `solve` returned.
+        x: (n, 2, dim) the solution of `solve_column`.
         momentum: (n, 2, dim) memory.
         multiplier: (n,) output; zero where a support holds the slope.
     """
