@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from exudyn_inext.arrays import record_type
 from exudyn_inext.compiled import kernel, optional
 
 pytestmark = pytest.mark.kernel
@@ -24,7 +25,7 @@ def add_twice(axes, nodes, elements, amount):
 
 @pytest.mark.parametrize("rows", [0, 3])
 def test_they_act_where_the_records_have_their_field(rows):
-    elements = np.zeros(2, [("table", float, (rows, 2)), ("other", float)]).view(np.recarray)
+    elements = np.zeros(2, record_type([("table", float, (rows, 2)), ("other", float)]))
     nodes = np.zeros(4)
     add_twice((0, 1), nodes, elements, 0.5)
     assert (nodes == rows).all()
@@ -41,7 +42,7 @@ def test_where_the_field_is_empty_they_are_not_even_compiled():
     def call(axes, nodes, elements):
         impossible(axes, nodes, elements)
 
-    elements = np.zeros(1, [("table", float, (0, 2))]).view(np.recarray)
+    elements = np.zeros(1, record_type([("table", float, (0, 2))]))
     call((0, 1), np.zeros(1), elements)
 
 

@@ -68,7 +68,7 @@ def motions_of(links: tuple[Link, ...]) -> list[Motion]:
 def build_border(cable: Cable) -> Border:
     """Coefficients of the links of `cable`, and memory for their solves."""
     links = all_links(cable)
-    records = np.zeros(len(links), link_type(cable.dimension)).view(np.recarray)
+    records = np.zeros(len(links), link_type(cable.dimension))
     places = {id(motion): k for k, motion in enumerate(motions_of(links))}
     for link, record in zip(links, records, strict=True):
         record.node = (*link.nodes, link.nodes[-1])[:2]

@@ -77,7 +77,7 @@ def build_chain(cable: Cable, mass_scaling: float = 0.0) -> Chain:
     if cable.length_constraints > 0:
         elements["slope_gram"] = _in_differences(slope_gram_matrix, lengths)
     elements["reference_length"] = cable.constrained_lengths()
-    return Chain(tuple(range(dim)), nodes.view(np.recarray), elements.view(np.recarray))
+    return Chain(tuple(range(dim)), nodes, elements)
 
 
 def _in_differences(form: Callable[[float], Array], lengths: Array) -> Array:

@@ -174,7 +174,7 @@ def _tension(system: Any, acceleration: Array) -> tuple[Array, Array, Array]:
     """Nodal (n,), length (N,) and link (m,) multipliers; arguments: see `nodal_multipliers_of`."""
     of_links = np.array([link.multiplier[0] for link in _links(system)], dtype=float)
     nodal = nodal_multipliers_of(system, acceleration)
-    return nodal, system.chain.elements.multiplier[:, 0].copy(), of_links
+    return nodal, system.chain.elements["multiplier"][:, 0].copy(), of_links
 
 
 def _links(system: Any) -> Any:
@@ -197,9 +197,9 @@ def nodal_multipliers_of(system: Any, acceleration: Array) -> Array:
 
 def _degrees_of_freedom(system: Any) -> int:
     """Coordinates that move, less nodal, length and link constraints."""
-    free = system.chain.nodes.free.sum(axis=0)
+    free = system.chain.nodes["free"].sum(axis=0)
     dim = len(system.chain.axes)
-    rows = system.chain.nodes.ends_group.sum()
+    rows = system.chain.nodes["ends_group"].sum()
     if isinstance(system, LinkedCableSystem):
         rows += len(system.border.links)
     return int(dim * free[0] + (dim - 1) * free[1] - rows)

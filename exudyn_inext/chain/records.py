@@ -4,11 +4,16 @@ A record holds the constant coefficients of a node or element and the memory for
 side by side in memory. All shapes are part of the type, hence known when compiling.
 """
 
+from functools import lru_cache
+
 import numpy as np
+
+from ..arrays import record_type
 
 NUMBER = np.float64
 
 
+@lru_cache
 def node_type(dim: int) -> np.dtype:
     """Record of a node in `dim` dimensions.
 
@@ -27,7 +32,7 @@ def node_type(dim: int) -> np.dtype:
     solution: reduced right-hand sides, then their solutions.
     """
     size = 2 * dim
-    return np.dtype(
+    return record_type(
         [
             ("mass", NUMBER, (3,)),
             ("free", NUMBER, (2,)),
@@ -43,11 +48,11 @@ def node_type(dim: int) -> np.dtype:
             ("inverse_pivot", NUMBER, (size,)),
             ("coupling", NUMBER, (size, size)),
             ("solution", NUMBER, (2, size)),
-        ],
-        align=True,
+        ]
     )
 
 
+@lru_cache
 def element_type(
     dim: int, product: bool, natural: bool = False, damped: bool = False, dragged: bool = False
 ) -> np.dtype:
@@ -67,7 +72,7 @@ def element_type(
     foresight: as for nodes.
     multiplier: of the length constraint that the element belongs to, one for each column.
     """
-    return np.dtype(
+    return record_type(
         [
             ("mass", NUMBER, (4,)),
             ("stiffness", NUMBER, (0, 0) if product else (3, 3)),
@@ -83,11 +88,11 @@ def element_type(
             ("target", NUMBER, (2,)),
             ("foresight", NUMBER),
             ("multiplier", NUMBER, (2,)),
-        ],
-        align=True,
+        ]
     )
 
 
+@lru_cache
 def link_type(dim: int) -> np.dtype:
     """Record of a link, see `link.Link`, between two nodes, or on one that stands twice.
 
@@ -100,7 +105,7 @@ def link_type(dim: int) -> np.dtype:
     constraint: value [m], rate [m/s], gamma [m/s^2].
     target, foresight, multiplier: as for elements.
     """
-    return np.dtype(
+    return record_type(
         [
             ("node", np.int64, (2,)),
             ("weight", NUMBER, (2, 2)),
@@ -116,6 +121,5 @@ def link_type(dim: int) -> np.dtype:
             ("target", NUMBER, (2,)),
             ("foresight", NUMBER),
             ("multiplier", NUMBER, (2,)),
-        ],
-        align=True,
+        ]
     )

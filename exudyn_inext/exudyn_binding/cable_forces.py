@@ -63,7 +63,7 @@ class CableEvaluator:
         """The present state of the mbs, with its accelerations and multipliers."""
         q, v, a = self._solve_among_others(mbs) if self._scene.foreign else self._solve_alone(mbs)
         shape = self._cable.cable.reference.shape
-        multiplier = self._system.chain.elements.multiplier[:, 0].copy()
+        multiplier = self._system.chain.elements["multiplier"][:, 0].copy()
         return SolvedState(q.reshape(shape), v.reshape(shape), a.reshape(shape), multiplier)
 
     @cached_property

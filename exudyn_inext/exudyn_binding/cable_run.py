@@ -77,13 +77,13 @@ class CableRun:
         integrator: Integrator,
     ) -> None:
         require_smooth_motions(scene_cable.moving, start.time)
-        violation = worst_violation(scene_cable, *initial, start.time)
-        require_consistent(scene_cable, violation, start.tolerance)
         cable = scene_cable.cable
         self.scene_cable = scene_cable
         self.indices = scene_cable.indices
         self.reference = cable.reference.ravel()
         self.system = cable_system(cable, start.zeta, start.mass_scaling)
+        violation = worst_violation(scene_cable, self.system, *initial, start.time)
+        require_consistent(scene_cable, violation, start.tolerance)
         self._element_masses = element_masses(cable, start.mass_scaling)
         self._drag_rate = drag_rate(cable, scene_cable.item.gravity, initial[1])
         self._integrator = integrator
@@ -129,7 +129,7 @@ class CableRun:
         """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
         places = ("nodes", "elements", "links")
         foresight = {
-            place: records.foresight for place, records in zip(places, self._records(), strict=False)
+            place: records["foresight"] for place, records in zip(places, self._records(), strict=False)
         }
         control = self.control.memory() if self.control else {}
         return {
@@ -157,7 +157,7 @@ class CableRun:
     def forget(self) -> None:
         """What earlier steps taught the constraints does not hold any more."""
         for records in self._records():
-            records.foresight = 0.0
+            records["foresight"] = 0.0
 
     def _record_under_control(
         self, control: StepControl, scheme: Any, grid: TimeGrid, first: int, history: Array

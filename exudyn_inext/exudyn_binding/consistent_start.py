@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..chain.cable import Cable
+from ..chain.linked_cable import LinkedCableSystem
 from ..constraints import constraints_of_cable
 from ..errors import SceneError
 from ..system import accelerate_and_project, correct_position
@@ -41,11 +43,13 @@ class StartCorrection:
     velocity: float = 0.0
 
 
-def worst_violation(scene_cable: CableInScene, q: Array, v: Array, time: float) -> Violation:
-    """The worst violation of all constraints by initial q, v (n, 2, dim)."""
+def worst_violation(scene_cable: CableInScene, system: Any, q: Array, v: Array, time: float) -> Violation:
+    """The worst violation of all constraints by initial q, v (n, 2, dim); `system`: of the cable."""
     speed = max(1.0, float(np.abs(v).max()))
     rests = not (v.any() or scene_cable.moving)  # then no rate can be wrong
     worst = Violation(0.0)
+    if rests and _is_kept(system, scene_cable.cable, q):
+        return worst
     for constraint in constraints_of_cable(scene_cable.cable):
         found = [("initial coordinates", constraint.value(q, time))]
         if not rests:
@@ -58,6 +62,15 @@ def worst_violation(scene_cable: CableInScene, q: Array, v: Array, time: float) 
                 if not np.isfinite(worst.size):
                     return worst
     return worst
+
+
+def _is_kept(system: Any, cable: Cable, q: Array) -> bool:
+    """Whether a chain without links keeps its constraints, by one compiled look; False: look closer."""
+    if isinstance(system, LinkedCableSystem) or (q - cable.reference)[cable.fixed].any():
+        return False
+    places, memory = q.ravel(), np.zeros(q.size)
+    is_finite = bool(np.isfinite(places).all())
+    return is_finite and correct_position(system, places, places, np.inf, 0.0, memory) < ROUND_OFF
 
 
 def require_consistent(scene_cable: CableInScene, violation: Violation, tolerance: float) -> None:

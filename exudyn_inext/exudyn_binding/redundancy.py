@@ -31,8 +31,8 @@ def require_independent(scene_cable: CableInScene, system: Any, masses: Array) -
         RedundantConstraintError: a pivot is not.
     """
     nodes = system.chain.nodes
-    ends = np.flatnonzero(nodes.ends_group)
-    pivots = 1.0 / nodes.inverse_pivot[ends, -1]
+    ends = np.flatnonzero(nodes["ends_group"])
+    pivots = 1.0 / nodes["inverse_pivot"][ends, -1]
     dependent = ~(pivots < -PIVOT_TOLERANCE * 8.0 / masses[ends - 1])
     if dependent.any():
         k, names = int(ends[np.argmax(dependent)]), scene_cable.item.node_names

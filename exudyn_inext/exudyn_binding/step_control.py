@@ -6,13 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import record_type
 from ..chain.frequency import FrequencyTracker
 from .time_grid import steps_within
 
 STEPS_BETWEEN = 32  # two looks at the frequency
 SMALLEST = 1e-3  # step, relative to the first one, below which a run has diverged
 
-_LOG = np.dtype(
+_LOG = record_type(
     [
         ("frequency", np.float64),
         ("first", np.float64),
@@ -50,7 +51,7 @@ class StepControl:
     def __init__(self, rule: StepRule, tracker: FrequencyTracker) -> None:
         self._rule = rule
         self._tracker = tracker
-        self._log = np.zeros(1, _LOG).view(np.recarray)[0]
+        self._log = np.zeros(1, _LOG)[0]
         self._log.smallest = math.inf
         self.gave_up = False
 

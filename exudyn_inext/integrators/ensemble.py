@@ -20,7 +20,7 @@ def stacked(members: Sequence[Any]) -> Any:
     """NamedTuples of equal structure as one, each array with a new first axis; the rest from the first."""
     first = members[0]
     if isinstance(first, np.ndarray):
-        return np.stack(members).view(type(first))
+        return np.stack(members, dtype=first.dtype)
     if hasattr(first, "_fields"):
         return type(first)(*[stacked(parts) for parts in zip(*members, strict=True)])
     return first

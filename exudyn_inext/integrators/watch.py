@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, record_type
 from ..compiled import inlined, kernel
 from ..system import AGITATION, ELASTIC, KINETIC, POWER, VIOLATION, gauge
 from .integrator import FACTOR, FIRST, LAST, PROJECTION, SUM, LoadHistory, advance
@@ -25,7 +25,7 @@ VIOLENT = 30.0  # times the limit: no patience
 SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
 SCATTER = 4.0  # times its standard deviation may the work of forces be wrong
 
-ACCOUNT = np.dtype(
+ACCOUNT = record_type(
     [
         ("start", np.float64),
         ("agitation", np.float64),
@@ -45,8 +45,7 @@ ACCOUNT = np.dtype(
         ("steps", np.int64),
         ("ahead", np.int64),
         ("trouble", np.int64),
-    ],
-    align=True,
+    ]
 )
 
 
@@ -90,8 +89,8 @@ def build_watch(
     """
     size = len(state.q)
     own = np.zeros((0, size)) if pattern is None else np.ascontiguousarray(pattern[:, :size])
-    account = np.zeros(1, ACCOUNT).view(np.recarray)
-    account.ahead = every
+    account = np.zeros(1, ACCOUNT)
+    account["ahead"] = every
     return Watch(
         every,
         every if least is None else least,

@@ -76,7 +76,7 @@ class _Step:
         for name, part in zip(self._fields, parts, strict=True):
             getattr(state, name)[:] = part
         for records in (system.chain.nodes, system.chain.elements):
-            records.foresight = 0.0
+            records["foresight"] = 0.0
         history = np.zeros((1, 3, state.q.size))
         record(self._parameters, system, self._loads, state, self._motion.h, 1, history)
         return np.concatenate([getattr(state, name) for name in self._fields])

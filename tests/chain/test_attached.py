@@ -65,7 +65,7 @@ def test_drag_of_the_chain_acts_at_the_leading_velocity(dim):
         of_chain = plain(add_drag)
         of_chain(chain.axes, chain.nodes, chain.elements, state.q, state.v, lead, a, 0)
         expected = drag_force(state.cable, state.q, state.v + lead * a)
-        assert relative_error(chain.nodes.force[:, 0], expected) < 1e-12
+        assert relative_error(chain.nodes["force"][:, 0], expected) < 1e-12
 
 
 def test_drag_enters_the_projected_velocity():

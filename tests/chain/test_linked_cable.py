@@ -32,7 +32,7 @@ def compare(state, mass_scaling=0.0):
     assert relative_error(rate, expected_rate) < TOLERANCE
     if "length" in constraints.rows:
         length = lam[constraints.rows["length"]][state.cable.group_of_element()]
-        assert np.abs(chain.elements.multiplier[:, 0] - length).max() < TOLERANCE * np.abs(lam).max()
+        assert np.abs(chain.elements["multiplier"][:, 0] - length).max() < TOLERANCE * np.abs(lam).max()
 
 
 @pytest.mark.kernel

@@ -50,7 +50,7 @@ def compare(state, mass_scaling=0.0):
     if "length" in constraints.rows:
         for column, multipliers in enumerate((lam, mu)):
             length = multipliers[constraints.rows["length"]][group]
-            found = chain.elements.multiplier[:, column]
+            found = chain.elements["multiplier"][:, column]
             assert np.abs(found - length).max() < TOLERANCE * np.abs(multipliers).max()
     nodal = np.zeros(len(state.q))
     x = acceleration.reshape(state.q.shape)

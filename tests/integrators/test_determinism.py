@@ -41,5 +41,5 @@ def test_what_is_left_in_memory_from_another_run_does_not_reach_the_result(name)
     for records in (used.chain.nodes, used.chain.elements):
         for field in set(records.dtype.names) - COEFFICIENTS:
             records[field] = np.nan
-    used.chain.nodes.force[:, 1] = 0.0  # of the correction: zero, never written
+    used.chain.nodes["force"][:, 1] = 0.0  # of the correction: zero, never written
     np.testing.assert_array_equal(history(name, used, state), history(name, clean, state))

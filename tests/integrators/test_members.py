@@ -55,9 +55,9 @@ def test_a_member_is_a_view_of_the_stack():
     stack = stacked([first[0], second[0]])
     of_stack = member(stack, 1)
     assert of_stack.zeta == second[0].zeta
-    np.testing.assert_array_equal(of_stack.chain.nodes.mass, second[0].chain.nodes.mass)
-    of_stack.chain.nodes.mass[:] = 5.0
-    assert (stack.chain.nodes.mass[1] == 5.0).all() and not (stack.chain.nodes.mass[0] == 5.0).all()
+    np.testing.assert_array_equal(of_stack.chain.nodes["mass"], second[0].chain.nodes["mass"])
+    of_stack.chain.nodes["mass"][:] = 5.0
+    assert (stack.chain.nodes["mass"][1] == 5.0).all() and not (stack.chain.nodes["mass"][0] == 5.0).all()
 
 
 def test_an_iteration_that_gives_up_says_so_and_goes_no_further():

@@ -36,7 +36,9 @@ def tension(state, points):
     system = cable_system(state.cable, 0.0)
     a, rate = np.zeros(state.q.size), np.zeros(state.q.size)
     index_reduced_rates(system, state.inputs, state.q.ravel(), state.v.ravel(), a, rate)
-    solved = SolvedState(state.q, state.v, a.reshape(state.q.shape), system.chain.elements.multiplier[:, 0])
+    solved = SolvedState(
+        state.q, state.v, a.reshape(state.q.shape), system.chain.elements["multiplier"][:, 0]
+    )
     no_load = np.zeros(state.cable.dimension)
     return section_forces(state.cable, system.chain, solved, no_load, points).tension
 
