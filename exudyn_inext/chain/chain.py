@@ -1,11 +1,11 @@
 """The cable in the form that the compiled kernels use: records of nodes and elements."""
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import Array
+from ..compiled import kernel
 from ..element.bending import in_pairs, stiffness_matrix, stiffness_tensor
 from ..element.bending_damping import damping_table
 from ..element.difference_coordinates import in_differences
@@ -59,15 +59,15 @@ def build_chain(cable: Cable, mass_scaling: float = 0.0) -> Chain:
     elements = np.zeros(number, layout)
     nodes["free"] = np.where(cable.fixed, 0.0, 1.0)
     nodes["ends_group"] = _ends_group(cable)
-    nodes["mass"], elements["mass"] = _mass_bands(cable, mass_scaling)
+    _assemble_mass(_element_masses(cable, mass_scaling), nodes["free"], nodes["mass"], elements["mass"])
     lengths, stiffness = cable.element_lengths, section.bending_stiffness
     if product:
-        tensors = _in_differences(stiffness_tensor, lengths)
-        elements["tensor"] = stiffness * np.stack([in_pairs(tensor) for tensor in tensors])
+        elements["tensor"] = stiffness * forms_of_mesh(_tensor_over_pairs, lengths)
     else:
-        elements["stiffness"] = stiffness * _in_differences(stiffness_matrix, lengths)
+        elements["stiffness"] = stiffness * forms_of_mesh(_stiffness_in_differences, lengths)
     if section.natural_curvature:
-        elements["natural"] = stiffness * section.natural_curvature * _in_differences(turning_matrix, lengths)
+        turning = forms_of_mesh(_turning_in_differences, lengths)
+        elements["natural"] = stiffness * section.natural_curvature * turning
     if section.bending_damping:
         elements["damping"] = forms_of_mesh(damping_table, lengths)
         elements["damping"][:, :, 0] *= section.bending_damping
@@ -75,13 +75,25 @@ def build_chain(cable: Cable, mass_scaling: float = 0.0) -> Chain:
         elements["drag"] = forms_of_mesh(drag_table, lengths)
         elements["drag_law"] = cable.drag.law()
     if cable.length_constraints > 0:
-        elements["slope_gram"] = _in_differences(slope_gram_matrix, lengths)
+        elements["slope_gram"] = forms_of_mesh(_slope_gram_in_differences, lengths)
     elements["reference_length"] = cable.constrained_lengths()
     return Chain(tuple(range(dim)), nodes, elements)
 
 
-def _in_differences(form: Callable[[float], Array], lengths: Array) -> Array:
-    return in_differences(forms_of_mesh(form, lengths))
+def _tensor_over_pairs(length: float) -> Array:
+    return in_pairs(in_differences(stiffness_tensor(length)))
+
+
+def _stiffness_in_differences(length: float) -> Array:
+    return in_differences(stiffness_matrix(length))
+
+
+def _turning_in_differences(length: float) -> Array:
+    return in_differences(turning_matrix(length))
+
+
+def _slope_gram_in_differences(length: float) -> Array:
+    return in_differences(slope_gram_matrix(length))
 
 
 def _ends_group(cable: Cable) -> np.ndarray:
@@ -91,17 +103,34 @@ def _ends_group(cable: Cable) -> np.ndarray:
     return np.append(False, ends)
 
 
-def _mass_bands(cable: Cable, mass_scaling: float) -> tuple[Array, Array]:
-    """Diagonal (n, 3) and coupling (N, 4) of the scaled mass, with held coordinates taken out."""
+def _element_masses(cable: Cable, mass_scaling: float) -> Array:
+    """(N, 4, 4) element matrices of the scaled mass [kg, kg m; kg m, kg m^2]."""
     section, lengths = cable.section, cable.element_lengths
-    element = section.mass_per_length * forms_of_mesh(mass_matrix, lengths)
-    element += mass_of_points(cable.point_masses, lengths)
-    element += mass_scaling * section.bending_stiffness * forms_of_mesh(stiffness_matrix, lengths)
-    diagonal = np.zeros((cable.number_of_elements + 1, 3))
-    diagonal[:-1] += element[:, [0, 0, 1], [0, 1, 1]]
-    diagonal[1:] += element[:, [2, 2, 3], [2, 3, 3]]
-    free = np.where(cable.fixed, 0.0, 1.0)
-    diagonal *= np.stack([free[:, 0], free[:, 0] * free[:, 1], free[:, 1]], axis=1)
-    diagonal[:, [0, 2]] += 1.0 - free
-    pairs = free[:-1, [0, 0, 1, 1]] * free[1:, [0, 1, 0, 1]]
-    return diagonal, element[:, [0, 0, 1, 1], [2, 3, 2, 3]] * pairs
+    masses = section.mass_per_length * forms_of_mesh(mass_matrix, lengths)
+    if cable.point_masses:
+        masses += mass_of_points(cable.point_masses, lengths)
+    if mass_scaling:
+        masses += mass_scaling * section.bending_stiffness * forms_of_mesh(stiffness_matrix, lengths)
+    return masses
+
+
+@kernel
+def _assemble_mass(masses, free, of_nodes, of_elements):
+    """Bands of the mass matrix, see `records`; where a coordinate is held, those of the unit matrix.
+
+    Args:
+        masses: (N, 4, 4) of the elements.   free: (n, 2).
+        of_nodes: (n, 3) output.   of_elements: (N, 4) output.
+    """
+    for k in range(len(of_nodes)):
+        of_nodes[k, 0], of_nodes[k, 1], of_nodes[k, 2] = 1.0 - free[k, 0], 0.0, 1.0 - free[k, 1]
+    for k in range(len(of_elements)):
+        for side in range(2):
+            r, s = 2 * side, 2 * side + 1
+            free_r, free_s = free[k + side, 0], free[k + side, 1]
+            of_nodes[k + side, 0] += free_r * masses[k, r, r]
+            of_nodes[k + side, 1] += free_r * free_s * masses[k, r, s]
+            of_nodes[k + side, 2] += free_s * masses[k, s, s]
+        for i in range(2):
+            for j in range(2):
+                of_elements[k, 2 * i + j] = free[k, i] * masses[k, i, 2 + j] * free[k + 1, j]

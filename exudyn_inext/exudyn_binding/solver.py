@@ -107,11 +107,12 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings) -> dict[str, Any
     with switched_off(mbs, *scene.evaluated_by_kernels) if coupled else nullcontext():
         with state_kept(mbs) if coupled else nullcontext():
             restarts = Restarts(mbs, settings, explicit, scene.cables)
-            scaling = _scaling_step(mbs, settings, explicit, restarts)
+            given = None if explicit.stepSize is None else time_grid(mbs, settings, explicit.stepSize)
+            scaling = (restarts.step or given.h) if given and explicit.massScaling else 0.0
             runs = runs_of_scene(mbs, scene, solver, start, scaling, explicit)
             bounds = step_bounds(runs, start, explicit)
             wanted, decided_by = wanted_step(bounds, explicit, taken=scaling or None)
-            grid = restarts.grid(time_grid(mbs, settings, wanted))
+            grid = restarts.grid(given or time_grid(mbs, settings, wanted))
             follow_frequencies(runs, bounds, explicit)
             observed = observed_derivatives(mbs, settings)
             loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, restarts, observed)
@@ -132,13 +133,6 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings) -> dict[str, Any
         "drift": worst_figures(runs),
         "resumedAt": grid.time(grid.first) if grid.first else None,
     }
-
-
-def _scaling_step(mbs: Any, settings: Any, explicit: ExplicitSettings, restarts: Restarts) -> float:
-    """The step that scales the mass [s]; 0 without mass scaling."""
-    if not explicit.massScaling or explicit.stepSize is None:
-        return 0.0
-    return restarts.step or time_grid(mbs, settings, explicit.stepSize).h
 
 
 @contextmanager
