@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import counting_kernel, kernel, local_array
+from ..compiled import kernel, local_array
 from ..element.inextensibility import length_gradient
 from ..system import index_reduced_rates
 from .assembly import add_elastic_force, add_element_force, differences
 from .index_reduction import CableSystem
-from .linear_response import add_link_stiffness, constrained_inverse
+from .linear_response import add_link_stiffness, constrained_inverse, take_link_forces
 from .linked_cable import LinkedCableSystem
 from .saddle_point import apply_mass, nodal_multipliers
 
@@ -81,18 +81,19 @@ def _apply_stiffness(system, q, tension, x, memory, y):
 
 
 @kernel
-def _lanczos(system, q, tension, start, memory, diagonal, off_diagonal):
+def _lanczos(system, q, tension, rows, memory, diagonal, off_diagonal):
     """Lanczos recursion of x -> constrained M^-1 H x in the mass inner product.
 
-    H: see `_apply_stiffness`.   memory: (6, n, 2, dim), zero.
-    Returns the number of rows of the tridiagonal matrix that were found before breakdown.
+    H: see `_apply_stiffness`.   rows: of the tridiagonal matrix, at most.
+    memory: (6, n, 2, dim): the third one holds the vector to start from, the fourth one is zero.
+    Returns the number of rows that were found before breakdown.
     """
     chain = system.chain
     current, previous, image, momentum = memory[2], memory[3], memory[4], memory[5]
-    apply_mass(chain, start, momentum)
-    _combine(1.0 / np.sqrt(_inner(start, momentum)), start, 0.0, start, current)
+    apply_mass(chain, current, momentum)
+    _combine(1.0 / np.sqrt(_inner(current, momentum)), current, 0.0, current, current)
     norm = 0.0
-    for row in range(len(diagonal)):
+    for row in range(rows):
         _apply_stiffness(system, q, tension, current, memory, image)
         diagonal[row] = _inner(current, image)
         _combine(1.0, image, 0.0, image, momentum)
@@ -108,23 +109,22 @@ def _lanczos(system, q, tension, start, memory, diagonal, off_diagonal):
             return row + 1
         _combine(1.0, current, 0.0, current, previous)
         _combine(1.0 / norm, image, 0.0, image, current)
-    return len(diagonal)
+    return rows
 
 
-@counting_kernel
-def largest_of_tridiagonal(diagonal, off_diagonal):
+@kernel
+def largest_of_tridiagonal(number, diagonal, off_diagonal):
     """Largest eigenvalue of a symmetric tridiagonal matrix, by bisection of its Sturm sequence.
 
     Args:
-        diagonal: (n,).   off_diagonal: (n - 1,) or longer.
+        number: n, of rows.   diagonal: (n,) or longer.   off_diagonal: (n - 1,) or longer.
     """
-    number = len(diagonal)
-    upper = -np.inf
+    lower, upper = -np.inf, -np.inf
     for i in range(number):
         left = abs(off_diagonal[i - 1]) if i > 0 else 0.0
         right = abs(off_diagonal[i]) if i < number - 1 else 0.0
+        lower = max(lower, diagonal[i])
         upper = max(upper, diagonal[i] + left + right)
-    lower = diagonal.max()
     for _ in range(60):
         middle = 0.5 * (lower + upper)
         pivot = 1.0
@@ -159,26 +159,21 @@ def _power_iteration(system, q, tension, iterations, memory, x):
     return quotient
 
 
-def _tension_in_motion(system: Any, external: Array, q: Array, v: Array | None) -> tuple[Array, Array, Array]:
-    """Nodal (n,), length (N,) and link (m,) multipliers at q, v (None: at rest); factorised at q."""
-    acceleration, rate = np.zeros(q.size), np.zeros(q.size)
-    inputs = external.copy()
-    if v is None:
-        v = np.zeros(q.size)
-        inputs[q.size :].reshape(-1, 3, q.shape[2])[:, 1] = 0.0  # velocities of the anchors
-    index_reduced_rates(system, inputs, q.ravel(), v.ravel(), acceleration, rate)
-    return _tension(system, acceleration.reshape(q.shape))
+def _no_tension(system: Any) -> tuple[Array, Array, Array]:
+    """Memory for nodal (n,), length (N,) and link (m,) multipliers."""
+    chain = system.chain
+    links = len(system.border.links) if isinstance(system, LinkedCableSystem) else 0
+    return np.zeros(len(chain.nodes)), np.zeros(len(chain.elements)), np.zeros(links)
 
 
-def _tension(system: Any, acceleration: Array) -> tuple[Array, Array, Array]:
-    """Nodal (n,), length (N,) and link (m,) multipliers; arguments: see `nodal_multipliers_of`."""
-    of_links = np.array([link.multiplier[0] for link in _links(system)], dtype=float)
-    nodal = nodal_multipliers_of(system, acceleration)
-    return nodal, system.chain.elements["multiplier"][:, 0].copy(), of_links
-
-
-def _links(system: Any) -> Any:
-    return system.border.links if isinstance(system, LinkedCableSystem) else []
+@kernel
+def _set_tension(system, acceleration, momentum, tension):
+    """`tension` behind the last evaluation of `system`, which gave this acceleration (n, 2, dim)."""
+    elements = system.chain.elements
+    take_link_forces(system, tension[2])
+    nodal_multipliers(system.chain, acceleration, momentum, tension[0])
+    for k in range(len(elements)):
+        tension[1][k] = elements[k].multiplier[0]
 
 
 def nodal_multipliers_of(system: Any, acceleration: Array) -> Array:
@@ -187,22 +182,51 @@ def nodal_multipliers_of(system: Any, acceleration: Array) -> Array:
     Args:
         system: just evaluated by `index_reduced_rates`.   acceleration: (n, 2, dim) that it gave.
     """
-    for link in _links(system):
-        for k, gradient in zip(link.node, link.gradient, strict=True):
-            system.chain.nodes[k].force[0] -= link.multiplier[0] * gradient
-    nodal = np.zeros(len(acceleration))
-    nodal_multipliers(system.chain, acceleration, np.zeros_like(acceleration), nodal)
-    return nodal
+    tension = _no_tension(system)
+    _set_tension(system, acceleration, np.zeros_like(acceleration), tension)
+    return tension[0]
 
 
-def _degrees_of_freedom(system: Any) -> int:
+@kernel
+def _degrees_of_freedom(system, number_of_links):
     """Coordinates that move, less nodal, length and link constraints."""
-    free = system.chain.nodes["free"].sum(axis=0)
-    dim = len(system.chain.axes)
-    rows = system.chain.nodes["ends_group"].sum()
-    if isinstance(system, LinkedCableSystem):
-        rows += len(system.border.links)
-    return int(dim * free[0] + (dim - 1) * free[1] - rows)
+    nodes, dim = system.chain.nodes, len(system.chain.axes)
+    number = -number_of_links
+    for k in range(len(nodes)):
+        number += int(dim * nodes[k].free[0] + (dim - 1) * nodes[k].free[1]) - int(nodes[k].ends_group)
+    return number
+
+
+@kernel
+def _scatter(x):
+    """x (n, 2, dim): numbers between -1 and 1 without a pattern, always the same: every mode has a share."""
+    place = 0.0
+    for k in range(len(x)):
+        for kind in range(2):
+            for i in range(x.shape[2]):
+                x[k, kind, i] = np.cos(1.6180339887 * place * place)
+                place += 1.0
+
+
+@kernel
+def _largest_squared(system, inputs, q, v, tension, memory, diagonal, off_diagonal):
+    """w_max^2 [rad^2/s^2]; 0 if nothing can move.   memory: (6, n, 2, dim), zero."""
+    acceleration, rate, start, scattered = memory[0], memory[1], memory[2], memory[4]
+    size = q.size
+    index_reduced_rates(
+        system, inputs, q.reshape(size), v.reshape(size), acceleration.reshape(size), rate.reshape(size)
+    )
+    _set_tension(system, acceleration, scattered, tension)
+    rows = min(len(diagonal), _degrees_of_freedom(system, len(tension[2])))
+    if rows < 1:
+        return 0.0
+    _scatter(scattered)
+    constrained_inverse(system, scattered, start)
+    found = _lanczos(system, q, tension, rows, memory, diagonal, off_diagonal)
+    for row in range(found):
+        if not np.isfinite(diagonal[row]):
+            return 0.0
+    return largest_of_tridiagonal(found, diagonal, off_diagonal)
 
 
 def largest_frequency(
@@ -221,18 +245,14 @@ def largest_frequency(
     Returns:
         Largest natural frequency [rad/s]; 0 if nothing can move.
     """
-    tension = _tension_in_motion(system, external, q, v)
-    start = np.zeros_like(q)
-    constrained_inverse(system, _scattered(q.shape), start)
-    rows = min(LANCZOS_STEPS, _degrees_of_freedom(system))
-    if rows < 1:
-        return 0.0
-    diagonal, off_diagonal = np.zeros(rows), np.zeros(rows)
-    found = _lanczos(system, q, tension, start, np.zeros((6, *q.shape)), diagonal, off_diagonal)
-    if not np.isfinite(diagonal[:found]).all():
-        return 0.0
-    top = largest_of_tridiagonal(diagonal[:found], off_diagonal)
-    return float(np.sqrt(max(top, 0.0)))
+    inputs = external.copy()
+    if v is None:
+        v = np.zeros(q.shape)
+        inputs[q.size :].reshape(-1, 3, q.shape[2])[:, 1] = 0.0  # velocities of the anchors
+    tridiagonal = np.zeros(LANCZOS_STEPS), np.zeros(LANCZOS_STEPS)
+    memory = np.zeros((6, *q.shape))
+    squared = _largest_squared(system, inputs, q, v, _no_tension(system), memory, *tridiagonal)
+    return float(np.sqrt(max(squared, 0.0)))
 
 
 class FrequencyTracker:
@@ -258,19 +278,16 @@ class FrequencyTracker:
             q, a: (n, 2, dim) of that state; its velocities count by the tension that they cause.
         """
         system, x = self._system, self.vibration
-        tension = _tension(system, a)
+        tension, memory = _no_tension(system), np.zeros((4, *q.shape))
+        _set_tension(system, a, memory[0], tension)
         iterations = self.LATER
         if not x.any():
-            constrained_inverse(system, _scattered(q.shape), x)
+            _scatter(memory[0])
+            constrained_inverse(system, memory[0], x)
             iterations = self.FIRST
         squared = 0.0
         if x.any():
-            squared = _power_iteration(system, q, tension, iterations, np.zeros((4, *q.shape)), x)
+            squared = _power_iteration(system, q, tension, iterations, memory, x)
         if not np.isfinite(x).all():
             x[:] = 0.0
         return float(np.sqrt(max(squared, 0.0)))
-
-
-def _scattered(shape: tuple[int, ...]) -> Array:
-    """Numbers between -1 and 1 without a pattern, always the same: every mode has a share in them."""
-    return np.cos(np.arange(np.prod(shape), dtype=float) ** 2 * 1.6180339887).reshape(shape)

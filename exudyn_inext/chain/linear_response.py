@@ -1,4 +1,4 @@
-"""What small vibrations need of a system: two operators, dispatched on its type as in `system`."""
+"""What small vibrations need of a system: operators, dispatched on its type as in `system`."""
 
 from functools import singledispatch
 
@@ -35,6 +35,19 @@ def add_link_stiffness(system, multiplier, x, y):
     raise NotImplementedError(f"no link stiffness for {type(system).__name__}")
 
 
+@singledispatch
+def take_link_forces(system, multiplier):
+    """Take the forces of the links from the right-hand sides of the nodes.   multiplier: (m,) output nu.
+
+    Args:
+        system: solved for the accelerations.
+
+    Raises:
+        NotImplementedError: the type of `system` has no links.
+    """
+    raise NotImplementedError(f"no link forces for {type(system).__name__}")
+
+
 @overload(constrained_inverse, strict=False)
 def _compile_constrained_inverse(system, force, x):
     implementation = constrained_inverse.dispatch(getattr(system, "instance_class", object))
@@ -51,6 +64,16 @@ def _compile_add_link_stiffness(system, multiplier, x, y):
 
     def call(system, multiplier, x, y):
         implementation(system, multiplier, x, y)
+
+    return call
+
+
+@overload(take_link_forces, strict=False)
+def _compile_take_link_forces(system, multiplier):
+    implementation = take_link_forces.dispatch(getattr(system, "instance_class", object))
+
+    def call(system, multiplier):
+        implementation(system, multiplier)
 
     return call
 
@@ -106,3 +129,22 @@ def add_rod_stiffness(system, multiplier, x, y):
                 k = link.node[t]
                 y[k, 0, i] += link.weight[t, 0] * u
                 y[k, 1, i] += link.weight[t, 1] * u
+
+
+@implements(take_link_forces, CableSystem)
+def no_link_forces(system, multiplier):
+    """A cable without links has none."""
+
+
+@implements(take_link_forces, LinkedCableSystem)
+def take_forces_of_links(system, multiplier):
+    """Arguments: see `take_link_forces`."""
+    nodes, links = system.chain.nodes, system.border.links
+    for r in range(len(links)):
+        link = links[r]
+        multiplier[r] = link.multiplier[ACCELERATION]
+        for t in range(2):
+            force = nodes[link.node[t]].force
+            for i in range(len(system.chain.axes)):
+                force[ACCELERATION, 0, i] -= multiplier[r] * link.gradient[t, 0, i]
+                force[ACCELERATION, 1, i] -= multiplier[r] * link.gradient[t, 1, i]

@@ -36,11 +36,13 @@ def test_largest_eigenvalue_of_a_tridiagonal_matrix(number):
     for scale in (1.0, 1e6):
         diagonal, off_diagonal = scale * rng.standard_normal(number), scale * rng.standard_normal(number)
         expected = eigvalsh_tridiagonal(diagonal, off_diagonal[: number - 1])[-1]
-        assert largest_of_tridiagonal(diagonal, off_diagonal) == pytest.approx(expected, abs=1e-12 * scale)
+        assert largest_of_tridiagonal(number, diagonal, off_diagonal) == pytest.approx(
+            expected, abs=1e-12 * scale
+        )
 
 
 def test_what_is_behind_the_matrix_does_not_count():
-    assert largest_of_tridiagonal(np.array([1.0, 3.0]), np.array([0.0, 1e9])) == pytest.approx(3.0)
+    assert largest_of_tridiagonal(2, np.array([1.0, 3.0]), np.array([0.0, 1e9])) == pytest.approx(3.0)
 
 
 def at_rest(state):
