@@ -179,10 +179,9 @@ def CreateCableForceSensor(
     )
 
 
-def forget_evaluators(mbs: Any) -> None:
-    """Sensors of section forces let go of what they keep, when a run has ended."""
-    for number in range(mbs.systemData.NumberOfSensors()):
-        data = mbs.GetSensor(number)
+def forget_evaluators(sensors: Sequence[Any]) -> None:
+    """Sensors of section forces let go of what they keep, when a run has ended.   sensors: data of all."""
+    for data in sensors:
         if data["sensorType"] == "UserFunction":
             getattr(data["sensorUserFunction"]["function"], "forget", lambda: None)()
 

@@ -68,7 +68,8 @@ class CableLoads:
                 for pattern, value in zip(self._patterns(load), components, strict=True):
                     self.constant += value * pattern
         rows = [row for load in self._histories for row in self._patterns(load)]
-        rows += self._motion_patterns(len(force), motions)
+        if self._motions:
+            rows += self._motion_patterns(len(force), motions)
         self.pattern = np.array(rows).reshape(len(rows), len(self.constant))
 
     @property

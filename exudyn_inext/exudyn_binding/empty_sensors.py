@@ -1,7 +1,7 @@
 """Sensors that show zero where the user expects a force: named before a run, not found after it."""
 
 import warnings
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import exudyn
@@ -13,14 +13,14 @@ _SECTION_FORCES = {_Type.ForceLocal, _Type.TorqueLocal}
 _CONSTRAINT_FORCES = {_Type.Force, _Type.ForceLocal}
 
 
-def warn_of_empty_sensors(mbs: Any, own_constraints: Collection[int]) -> None:
+def warn_of_empty_sensors(mbs: Any, sensors: Sequence[Any], own_constraints: Collection[int]) -> None:
     """Warn of sensors of section forces of companions, and of forces in supports and links of cables.
 
     Args:
-        mbs: the system.   own_constraints: objects that belong to the solve of a cable.
+        mbs: the system.   sensors: data of all of its sensors.
+        own_constraints: objects that belong to the solve of a cable.
     """
-    for number in range(mbs.systemData.NumberOfSensors()):
-        sensor = mbs.GetSensor(number)
+    for number, sensor in enumerate(sensors):
         why = _emptiness(mbs, sensor, own_constraints)
         if why:
             warnings.warn(

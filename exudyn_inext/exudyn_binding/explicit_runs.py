@@ -5,8 +5,6 @@ import warnings
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from ..chain.cable import Cable
 from ..errors import InputError, SceneError
 from ..integrators import find_integrator
@@ -59,7 +57,7 @@ def step_bounds(runs: Sequence[Run], start: float, explicit: ExplicitSettings) -
     limits = [limit(w, run.damping_ratio(w)) for run, w in zip(runs, frequencies, strict=True)]
     coupled = [run for run in runs if isinstance(run, CoupledRun)]
     contacts = [run.rates_in_contact for run in coupled]
-    fastest = int(np.argmin(limits))
+    fastest = limits.index(min(limits))
     cables = [cable for run in runs for cable in run.cables]
     return StepSizeBounds(
         bending=limits[fastest],

@@ -1,5 +1,6 @@
 """Which parts of the state somebody looks at between the start and the end of a run."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import exudyn
@@ -20,11 +21,12 @@ _OF_POSITIONS = {
 _OF_VELOCITIES = {_Type.Velocity, _Type.Coordinates_t, _Type.AngularVelocity}
 
 
-def observed_derivatives(mbs: Any, settings: Any) -> int:
+def observed_derivatives(settings: Any, sensors: Sequence[Any]) -> int:
     """How many of coordinates, velocities, accelerations are needed at each step, the first ones always.
 
     Args:
-        mbs: its sensors decide.   settings: exudyn.SimulationSettings, whose solution file decides.
+        settings: exudyn.SimulationSettings, whose solution file decides.
+        sensors: data of all sensors, which decide, too.
     """
     needed = POSITIONS
     if settings.solution.file.write:
@@ -32,8 +34,7 @@ def observed_derivatives(mbs: Any, settings: Any) -> int:
         needed = VELOCITIES if export.velocities else needed
         needed = ACCELERATIONS if export.accelerations else needed
     if settings.solution.sensors.active:
-        for number in range(mbs.systemData.NumberOfSensors()):
-            needed = max(needed, _derivatives_of(mbs.GetSensor(number)))
+        needed = max([needed, *map(_derivatives_of, sensors)])
     return needed
 
 

@@ -2,22 +2,23 @@
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
 
 
-def require_writable_outputs(mbs: Any, settings: Any) -> None:
+def require_writable_outputs(settings: Any, sensors: Sequence[Any]) -> None:
     """Raise InputError unless the files of solution, sensors and restarts can be written.
 
     Missing folders are no fault, they are added.
 
     Args:
-        mbs: its sensors may write files.   settings: exudyn.SimulationSettings; where the solution goes.
+        settings: exudyn.SimulationSettings; where the solution goes.
+        sensors: data of all sensors, which may write files.
     """
-    for what, name in _files(mbs, settings.solution):
+    for what, name in _files(settings.solution, sensors):
         try:
             _try_to_write(Path(name))
         except (OSError, ValueError) as error:
@@ -27,7 +28,7 @@ def require_writable_outputs(mbs: Any, settings: Any) -> None:
             ) from None
 
 
-def _files(mbs: Any, solution: Any) -> Iterator[tuple[str, str]]:
+def _files(solution: Any, sensors: Sequence[Any]) -> Iterator[tuple[str, str]]:
     """What writes which file."""
     if solution.file.write:
         yield "solution.file.name", solution.file.name
@@ -35,8 +36,7 @@ def _files(mbs: Any, solution: Any) -> Iterator[tuple[str, str]]:
         yield "solution.restart.name", solution.restart.name
     if not solution.sensors.active:
         return
-    for number in range(mbs.systemData.NumberOfSensors()):
-        sensor = mbs.GetSensor(number)
+    for number, sensor in enumerate(sensors):
         if sensor["writeToFile"] and sensor["fileName"]:
             yield f"fileName of sensor {number} '{sensor['name']}'", sensor["fileName"]
 

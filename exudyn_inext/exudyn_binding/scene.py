@@ -67,11 +67,13 @@ class Scene:
 class Contents:
     """The objects of an mbs by number, sorted.
 
+    names: of the cables.
     enforcing: constraints by which cables keep their length under other solvers.
     others: descriptions for messages.
     """
 
     items: dict[int, CableItem] = field(default_factory=dict)
+    names: dict[int, str] = field(default_factory=dict)
     held: dict[int, "HeldCoordinate"] = field(default_factory=dict)
     moving: dict[int, MovingCoordinate] = field(default_factory=dict)
     rods: dict[int, Rod] = field(default_factory=dict)
@@ -140,6 +142,7 @@ def _contents(mbs: Any) -> Contents:
         item = find_cable_item(data)
         if item is not None:
             contents.items[number] = item
+            contents.names[number] = data["name"]
         elif (held := read_held_coordinate(mbs, data)) is not None:
             contents.held[number] = held
         elif (moving := read_moving_coordinate(mbs, number, data)) is not None:
@@ -217,8 +220,7 @@ def _foreign_nodes(mbs: Any, on_cables: set[int]) -> list[str]:
 
 
 def _cable_in_scene(mbs: Any, number: int, contents: Contents, loads: list[NodalLoad]) -> CableInScene:
-    name = mbs.GetObject(number)["name"]
-    item = contents.items[number]
+    name, item = contents.names[number], contents.items[number]
     moving = [coordinate for coordinate in contents.moving.values() if coordinate.node in item.nodes]
     fixed, links = _supports(item, [c for c in contents.held.values() if c.node in item.nodes], name)
     places = {node: place for place, node in enumerate(item.nodes)}

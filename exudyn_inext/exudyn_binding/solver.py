@@ -100,8 +100,9 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings) -> dict[str, Any
     require_assembled(mbs)
     solver = exudyn.MainSolverImplicitSecondOrder()
     scene = read_scene(mbs)
-    warn_of_empty_sensors(mbs, scene.own_constraints)
-    require_writable_outputs(mbs, settings)
+    sensors = [mbs.GetSensor(number) for number in range(mbs.systemData.NumberOfSensors())]
+    warn_of_empty_sensors(mbs, sensors, scene.own_constraints)
+    require_writable_outputs(settings, sensors)
     start = float(settings.timeIntegration.startTime)
     coupled = needs_coupling(mbs, scene)
     with switched_off(mbs, *scene.evaluated_by_kernels) if coupled else nullcontext():
@@ -114,10 +115,13 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings) -> dict[str, Any
             wanted, decided_by = wanted_step(bounds, explicit, taken=scaling or None)
             grid = restarts.grid(given or time_grid(mbs, settings, wanted))
             follow_frequencies(runs, bounds, explicit)
-            observed = observed_derivatives(mbs, settings)
+            observed = observed_derivatives(settings, sensors)
             loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, restarts, observed)
-        with restarts.initial_state():
-            _run(mbs, solver, settings, loop)
+        try:
+            with restarts.initial_state():
+                _run(mbs, solver, settings, loop)
+        finally:
+            forget_evaluators(sensors)
     controls = [run.control for run in runs if isinstance(run, CableRun) and run.control]
     return {
         "success": True,
@@ -183,7 +187,6 @@ def _run(mbs: Any, solver: Any, settings: Any, loop: ExplicitTimeLoop) -> None:
         finally:
             loop.complete_state()
             solver.SetUserFunctionDiscontinuousIteration(mbs, _nothing)  # mbs must not keep itself alive
-            forget_evaluators(mbs)
     if not success:
         raise loop.error or SceneError("the run was stopped before its end time.")
     loop.finish()
