@@ -1,6 +1,7 @@
 """Ensembles: every member moves as it would alone, on any number of threads; what must not differ."""
 
 import re
+import sys
 
 import exudyn
 import numpy as np
@@ -132,6 +133,23 @@ def test_every_member_moves_bit_for_bit_as_it_does_alone(build, parameters, expl
         alone = moved(build(values), **(explicit | {"stepSize": result["stepSize"]}))
         np.testing.assert_array_equal(member, alone)
     assert np.abs(np.diff(last(result), axis=0)).max() > 1e-3  # the parameters matter
+
+
+def test_the_interpreter_is_left_as_it_was():
+    """Threads take shorter turns while members are read; after a run, and after an error, as before."""
+    before, during = sys.getswitchinterval(), []
+
+    def watched(parameter):
+        during.append(sys.getswitchinterval())
+        if parameter is None:
+            raise ValueError("no parameter")
+        return pendulum(parameter)
+
+    ensemble(watched, [0.1, 0.2, 0.3], threads=2, stepSize=1e-3)  # given, so that they are read meanwhile
+    assert max(during[1:]) < before and sys.getswitchinterval() == before
+    with pytest.raises(ValueError, match="no parameter"):
+        ensemble(watched, [0.1, None], threads=2, stepSize=1e-3)
+    assert sys.getswitchinterval() == before
 
 
 def test_threads_change_no_bit():
