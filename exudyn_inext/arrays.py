@@ -1,4 +1,4 @@
-"""The array type of all public formulas, and that of records."""
+"""The array type of all public formulas, that of records, and places in arrays."""
 
 from typing import Any
 
@@ -6,6 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+
+def as_slice(indices: NDArray[np.int_]) -> Any:
+    """The same places as a slice, if they follow each other: it is copied several times faster."""
+    first = int(indices[0])
+    follow_each_other = np.array_equal(indices, np.arange(first, first + len(indices)))
+    return slice(first, first + len(indices)) if follow_each_other else indices
 
 
 def record_type(fields: Any) -> np.dtype[Any]:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from ..arrays import Array
+from ..arrays import Array, as_slice
 from ..checks import require_finite, require_integer
 from ..integrators import find_integrator
 from ..integrators.ensemble import record_members, stacked
@@ -221,11 +221,11 @@ class _Ensemble:
         stacks = (chunk.systems, chunk.loads, chunk.states)
         good = np.zeros(len(chunk.runs), dtype=int)
         record_members(self._scheme, *stacks, grid.h, grid.substeps, chunk.watches, output, good)
-        for place, run in enumerate(chunk.runs):
-            number = chunk.first + place
-            output[0, place] -= run.reference
-            self._good[chunk.cable, number] = good[place]
-            self.states[:, number, 1 : good[place] + 1][..., run.indices] = output[:, place, : good[place]]
+        for member, run in enumerate(chunk.runs):
+            number, places = chunk.first + member, as_slice(run.indices)
+            output[0, member] -= run.reference
+            self._good[chunk.cable, number] = good[member]
+            self.states[:, number, 1 : good[member] + 1][..., places] = output[:, member, : good[member]]
         return len(chunk.runs) if chunk.cable == len(self._good) - 1 else 0
 
     def results(self) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import exudyn
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, as_slice
 from ..chain.cable import Cable
 from ..errors import DivergenceError
 from .consistent_start import StartCorrection
@@ -85,7 +85,7 @@ class ExplicitTimeLoop:
         self._written = self._present(exudyn.ConfigurationType.Initial)
         self._observed = ACCELERATIONS if self._is_watched else observed
         self._restarts = restarts
-        self._places = [_places(run.indices) for run in runs]
+        self._places = [as_slice(run.indices) for run in runs]
         self._computed = grid.first  # steps of the loop
         self._ahead: tuple[int, Array] = (0, np.zeros((0, ACCELERATIONS, 0)))  # first step and its states
         for run in runs:
@@ -233,13 +233,6 @@ class ExplicitTimeLoop:
             run.state.q[:] = q[run.indices] + run.reference
             run.state.v[:] = v[run.indices]
             run.start(self.grid.time(self._computed))
-
-
-def _places(indices: np.ndarray) -> Any:
-    """The same places as a slice, if they follow each other: it is copied faster."""
-    first = int(indices[0])
-    follow_each_other = np.array_equal(indices, np.arange(first, first + len(indices)))
-    return slice(first, first + len(indices)) if follow_each_other else indices
 
 
 def worst_figures(runs: Sequence[Run]) -> dict[str, float]:
