@@ -37,7 +37,7 @@ def add_link_stiffness(system, multiplier, x, y):
 
 @singledispatch
 def take_link_forces(system, multiplier):
-    """Take the forces of the links from the right-hand sides of the nodes.   multiplier: (m,) output nu.
+    """Take the forces of the links from the right-hand sides on the slopes.   multiplier: (m,) output nu.
 
     Args:
         system: solved for the accelerations.
@@ -146,5 +146,4 @@ def take_forces_of_links(system, multiplier):
         for t in range(2):
             force = nodes[link.node[t]].force
             for i in range(len(system.chain.axes)):
-                force[ACCELERATION, 0, i] -= multiplier[r] * link.gradient[t, 0, i]
                 force[ACCELERATION, 1, i] -= multiplier[r] * link.gradient[t, 1, i]

@@ -1,10 +1,15 @@
 """Chains with links, closed ones included: the bordered O(N) solve gives what a dense solve gives."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from exudyn_inext.chain.frequency import nodal_multipliers_of
+from exudyn_inext.chain.link import Link, rest
 from exudyn_inext.chain.linked_cable import cable_system
-from exudyn_inext.system import accelerate_and_project, correct_position
+from exudyn_inext.constraints import prescribed_motion
+from exudyn_inext.system import accelerate_and_project, correct_position, index_reduced_rates
 from tests.cables import (
     DIMENSIONS,
     LINKS,
@@ -56,6 +61,30 @@ def test_long_chains_agree_with_the_dense_solve(dim, links):
 @all_links
 def test_mass_scaling_adds_the_bending_stiffness_to_the_mass(dim, links):
     compare(linked_state(53, 5, dim, MEASURES[0], links), mass_scaling=0.1)
+
+
+@pytest.mark.kernel
+@both_dimensions
+@all_links
+def test_nodal_multipliers_agree_with_the_dense_solve(dim, links):
+    """With a link on a slope, too, that is not transverse to it.
+
+    How first and last node of a closed cable share theirs depends on the direction of its closure.
+    """
+    state = linked_state(55, 5, dim, MEASURES[0], links)
+    weights, direction = np.array([[0.4, 0.7]]), np.array([0.6, 0.8, 0.0])[:dim]
+    turned = Link(prescribed_motion.KIND, (2,), weights, rest(weights[0] @ state.q[2]), direction)
+    state = replace(state, cable=replace(state.cable, links=(*state.cable.links, turned)))
+    system = cable_system(state.cable, ZETA)
+    a, rate = np.zeros(state.q.size), np.zeros(state.q.size)
+    index_reduced_rates(system, state.inputs, state.q.ravel(), state.v.ravel(), a, rate)
+    _, _, lam, _, constraints = dense_rates(state, ZETA)
+    expected = np.zeros(len(state.q))
+    expected[~state.cable.fixed[:, 1]] = lam[constraints.rows["nodal inextensibility"]]
+    found = nodal_multipliers_of(system, a.reshape(state.q.shape))
+    for nodal in (expected, found):
+        nodal[0], nodal[-1] = (nodal[0] + nodal[-1], 0.0) if state.cable.closed else (nodal[0], nodal[-1])
+    assert np.abs(found - expected).max() < TOLERANCE * np.abs(lam).max()
 
 
 @pytest.mark.kernel
