@@ -1,8 +1,8 @@
 """The user function that Exudyn's time loop calls in place of Newton's method."""
 
+import struct
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-import struct
 from itertools import chain
 from typing import Any, Protocol
 
