@@ -1,7 +1,7 @@
 """The user function that Exudyn's time loop calls in place of Newton's method."""
 
 import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import chain
 from typing import Any, Protocol
@@ -156,7 +156,7 @@ class ExplicitTimeLoop:
 
         return take_step
 
-    def _blocks_of_states(self) -> Iterator[list[Any]]:
+    def _blocks_of_states(self) -> Iterator[Iterable[Any]]:
         """Some steps of the loop: after each, q if that is all that is observed, or a list of what is.
 
         DivergenceError instead of a bad one.
