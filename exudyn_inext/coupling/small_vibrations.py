@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs
+from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigs
 
 from ..arrays import Array
 from ..system import accelerate_and_project, index_reduced_rates
@@ -70,9 +70,12 @@ def _largest_eigenvalue(operator: Callable[[Array], Array], start: Array) -> flo
         norm = float(np.abs(x).max())
         return norm * operator(np.real(x) / norm) if norm > 0.0 else np.zeros(size)
 
-    if size <= DENSE:
+    def of_matrix() -> Array:
         values = np.linalg.eigvals(np.stack([scaled(column) for column in np.eye(size)], axis=1))
-        return max(0.0, float(values.real.max()))
+        return np.real(values)
+
+    if size <= DENSE:
+        return max(0.0, float(of_matrix().max()))
     if not scaled(start).any():
         return 0.0
     linear = LinearOperator((size, size), matvec=lambda x: scaled(np.ravel(x)), dtype=float)
@@ -88,4 +91,6 @@ def _largest_eigenvalue(operator: Callable[[Array], Array], start: Array) -> flo
         )
     except ArpackNoConvergence as error:
         values = error.eigenvalues
+    except ArpackError:  # the iteration ended in round-off: what it looks for is hardly there
+        values = of_matrix()
     return max(0.0, float(np.real(values).max(initial=0.0)))
