@@ -1,5 +1,7 @@
 """The cable in the form that the compiled kernels use: records of nodes and elements."""
 
+from collections.abc import Callable
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -64,9 +66,9 @@ def build_chain(cable: Cable, mass_scaling: float = 0.0) -> Chain:
     if product:
         elements["tensor"] = stiffness * forms_of_mesh(_tensor_over_pairs, lengths)
     else:
-        elements["stiffness"] = stiffness * forms_of_mesh(_stiffness_in_differences, lengths)
+        elements["stiffness"] = stiffness * forms_of_mesh(_in_differences(stiffness_matrix), lengths)
     if section.natural_curvature:
-        turning = forms_of_mesh(_turning_in_differences, lengths)
+        turning = forms_of_mesh(_in_differences(turning_matrix), lengths)
         elements["natural"] = stiffness * section.natural_curvature * turning
     if section.bending_damping:
         elements["damping"] = forms_of_mesh(damping_table, lengths)
@@ -75,7 +77,7 @@ def build_chain(cable: Cable, mass_scaling: float = 0.0) -> Chain:
         elements["drag"] = forms_of_mesh(drag_table, lengths)
         elements["drag_law"] = cable.drag.law()
     if cable.length_constraints > 0:
-        elements["slope_gram"] = forms_of_mesh(_slope_gram_in_differences, lengths)
+        elements["slope_gram"] = forms_of_mesh(_in_differences(slope_gram_matrix), lengths)
     elements["reference_length"] = cable.constrained_lengths()
     return Chain(tuple(range(dim)), nodes, elements)
 
@@ -84,16 +86,10 @@ def _tensor_over_pairs(length: float) -> Array:
     return in_pairs(in_differences(stiffness_tensor(length)))
 
 
-def _stiffness_in_differences(length: float) -> Array:
-    return in_differences(stiffness_matrix(length))
-
-
-def _turning_in_differences(length: float) -> Array:
-    return in_differences(turning_matrix(length))
-
-
-def _slope_gram_in_differences(length: float) -> Array:
-    return in_differences(slope_gram_matrix(length))
+@cache
+def _in_differences(form: Callable[[float], Array]) -> Callable[[float], Array]:
+    """The same function for the same form, so that `forms_of_mesh` knows it again."""
+    return lambda length: in_differences(form(length))
 
 
 def _ends_group(cable: Cable) -> np.ndarray:

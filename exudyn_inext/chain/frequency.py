@@ -168,7 +168,10 @@ def _no_tension(system: Any) -> tuple[Array, Array, Array]:
 
 @kernel
 def _set_tension(system, acceleration, momentum, tension):
-    """`tension` behind the last evaluation of `system`, which gave this acceleration (n, 2, dim)."""
+    """`tension` behind the last evaluation of `system`, which gave this acceleration (n, 2, dim).
+
+    momentum: (n, 2, dim) memory.   tension: output, see `_no_tension`.
+    """
     elements = system.chain.elements
     take_link_forces(system, tension[2])
     nodal_multipliers(system.chain, acceleration, momentum, tension[0])

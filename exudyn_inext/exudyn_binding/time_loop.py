@@ -169,8 +169,9 @@ class ExplicitTimeLoop:
             if self._observed == POSITIONS:  # tuples are cheaper than lists
                 yield struct.iter_unpack(f"{states.shape[2]}d", states[:good, 0].tobytes())
             else:
+                observed = states[:good, : self._observed]
                 for block in range(0, good, HANDED_OUT):
-                    yield states[block : min(block + HANDED_OUT, good), : self._observed].tolist()
+                    yield observed[block : block + HANDED_OUT].tolist()
             if good < len(states):
                 self.error = self._divergence(self.grid.time(first + good), self.grid.time(first + good + 1))
                 raise self.error
