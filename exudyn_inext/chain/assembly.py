@@ -2,7 +2,7 @@
 
 from ..compiled import clear, inlined, kernel, local_array, optional
 from ..element.bending import add_bending_force
-from ..element.bending_damping import add_damping_force
+from ..element.bending_damping import add_curvature_force, add_damping_force
 from ..element.drag import add_drag_force
 from ..element.inextensibility import (
     contract,
@@ -187,6 +187,36 @@ def add_damping(axes, nodes, elements, q, v, lead, a, column):
         clear(result)
         add_damping_force(axes, elements[k].damping, e, e_t, memory, result)
         add_element_force(axes, result, nodes[k].force[column], nodes[k + 1].force[column])
+
+
+@inlined
+def lag_of(elements):
+    """h/2 [s] if the damping is implicit, see `implicit_bending`; 0 without damping."""
+    lag = 0.0
+    for g in range(elements[0].lag.shape[0]):
+        lag = elements[0].lag[g]
+    return lag
+
+
+@inlined
+def add_lagging_damping(axes, nodes, elements, q, a, column):
+    """lag (D_c - D) a, by which the matrix D_c on the left differs from the damping D, to the `force`.
+
+    a: (n, 2, dim) accelerations.   Other arguments: see `add_damping`.
+    """
+    e, e_tt, all_of_it, damped = local_array(3, 3), local_array(3, 3), local_array(3, 3), local_array(3, 3)
+    memory = local_array(8, 3)
+    for k in range(len(elements)):
+        differences(axes, q, k, e)
+        differences(axes, a, k, e_tt)
+        clear(all_of_it)
+        clear(damped)
+        add_curvature_force(axes, elements[k].damping, e_tt, memory, all_of_it)
+        add_damping_force(axes, elements[k].damping, e, e_tt, memory, damped)
+        for row in range(3):
+            for i in range(len(axes)):
+                damped[row, i] = elements[k].lag[0] * (damped[row, i] - all_of_it[row, i])
+        add_element_force(axes, damped, nodes[k].force[column], nodes[k + 1].force[column])
 
 
 @optional("drag")

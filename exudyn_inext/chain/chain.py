@@ -18,6 +18,7 @@ from ..element.inextensibility import slope_gram_matrix
 from ..element.natural_curvature import turning_matrix
 from .attached import mass_of_points
 from .cable import Cable, CurvatureMeasure
+from .implicit_bending import EXPLICIT, ImplicitBending
 from .records import element_type, node_type
 
 
@@ -39,13 +40,11 @@ class Chain(NamedTuple):
         return len(self.nodes), 2, len(self.axes)
 
 
-def build_chain(cable: Cable, mass_scaling: float = 0.0) -> Chain:
+def build_chain(cable: Cable, implicit: ImplicitBending = EXPLICIT) -> Chain:
     """Coefficients of `cable`, from the element formulas of `element/`, and memory for its solves.
 
     Args:
-        cable: the cable.
-        mass_scaling: theta h^2 [s^2]: the mass matrix becomes M + theta h^2 K with the constant K of
-            `secondDerivative`, which makes the bending part of an explicit scheme implicit.
+        cable: the cable.   implicit: see `set_mass`.
     """
     product = cable.measure is CurvatureMeasure.PRODUCT
     dim, number = cable.dimension, cable.number_of_elements
@@ -61,7 +60,6 @@ def build_chain(cable: Cable, mass_scaling: float = 0.0) -> Chain:
     elements = np.zeros(number, layout)
     nodes["free"] = np.where(cable.fixed, 0.0, 1.0)
     nodes["ends_group"] = _ends_group(cable)
-    _assemble_mass(_element_masses(cable, mass_scaling), nodes["free"], nodes["mass"], elements["mass"])
     lengths, stiffness = cable.element_lengths, section.bending_stiffness
     if product:
         elements["tensor"] = stiffness * forms_of_mesh(_tensor_over_pairs, lengths)
@@ -79,7 +77,17 @@ def build_chain(cable: Cable, mass_scaling: float = 0.0) -> Chain:
     if cable.length_constraints > 0:
         elements["slope_gram"] = forms_of_mesh(_in_differences(slope_gram_matrix), lengths)
     elements["reference_length"] = cable.constrained_lengths()
-    return Chain(tuple(range(dim)), nodes, elements)
+    chain = Chain(tuple(range(dim)), nodes, elements)
+    set_mass(chain, cable, implicit)
+    return chain
+
+
+def set_mass(chain: Chain, cable: Cable, implicit: ImplicitBending) -> None:
+    """Mass of the chain of `cable`, with what is implicit: M + (theta h^2 EI + h/2 D) int S_xx S_xx^T dx."""
+    nodes, elements = chain.nodes, chain.elements
+    masses = _element_masses(cable, implicit.factor(cable.section))
+    _assemble_mass(masses, nodes["free"], nodes["mass"], elements["mass"])
+    elements["lag"] = implicit.damping
 
 
 def _tensor_over_pairs(length: float) -> Array:
@@ -99,14 +107,17 @@ def _ends_group(cable: Cable) -> np.ndarray:
     return np.append(False, ends)
 
 
-def _element_masses(cable: Cable, mass_scaling: float) -> Array:
-    """(N, 4, 4) element matrices of the scaled mass [kg, kg m; kg m, kg m^2]."""
+def _element_masses(cable: Cable, of_curvature: float) -> Array:
+    """(N, 4, 4) element matrices of the mass [kg, kg m; kg m, kg m^2].
+
+    of_curvature: factor of int S_xx S_xx^T dx beside it [N m^2 s^2].
+    """
     section, lengths = cable.section, cable.element_lengths
     masses = section.mass_per_length * forms_of_mesh(mass_matrix, lengths)
     if cable.point_masses:
         masses += mass_of_points(cable.point_masses, lengths)
-    if mass_scaling:
-        masses += mass_scaling * section.bending_stiffness * forms_of_mesh(stiffness_matrix, lengths)
+    if of_curvature:
+        masses += of_curvature * forms_of_mesh(stiffness_matrix, lengths)
     return masses
 
 

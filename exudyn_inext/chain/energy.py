@@ -1,7 +1,8 @@
 """Kinetic energy of a cable, and the power of what is no energy of it: damping, drag, moving links."""
 
-from ..compiled import inlined
-from .assembly import add_damping, add_drag
+from ..compiled import inlined, local_array
+from ..element.bending_damping import curvature_power
+from .assembly import add_damping, add_drag, differences, lag_of
 
 LOSS = 1  # column of the nodes' forces that is zero between two evaluations, and has to be
 
@@ -22,6 +23,17 @@ def kinetic_energy(axes, nodes, elements, v):
             r_next, s_next = v[k + 1, 0, i], v[k + 1, 1, i]
             twice += 2.0 * (r * (m[0] * r_next + m[1] * s_next) + s * (m[2] * r_next + m[3] * s_next))
     return 0.5 * twice
+
+
+@inlined
+def lagging_energy(axes, elements, v):
+    """What the implicit damping in the mass adds to `kinetic_energy`, and is none: v . lag D_c v / 2 [J]."""
+    twice = 0.0
+    e_t, memory = local_array(3, 3), local_array(8, 3)
+    for k in range(len(elements)):
+        differences(axes, v, k, e_t)
+        twice += curvature_power(axes, elements[k].damping, e_t, memory)
+    return 0.5 * lag_of(elements) * twice
 
 
 @inlined

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from ..compiled import inlined
+from ..compiled import inlined, optional
 from ..system import (
     AGITATION,
     ELASTIC,
@@ -21,13 +21,15 @@ from .assembly import (
     VALUE,
     add_damping,
     add_drag,
+    add_lagging_damping,
     assemble,
     elastic_energy,
+    lag_of,
     leave_targets,
     set_violations,
 )
 from .chain import Chain
-from .energy import dissipative_power, kinetic_energy
+from .energy import dissipative_power, kinetic_energy, lagging_energy
 from .factorisation import factorise
 from .saddle_point import solve_both_columns, solve_column
 
@@ -49,10 +51,10 @@ class CableSystem(NamedTuple):
 def assemble_forces(axes, nodes, elements, external, q, v, lead, a, set_targets, parameter):
     """Forces and all that the constraints but the links need, into the records; see `assemble`.
 
-    lead, a: damping and drag act at v + lead a.
+    lead, a: damping and drag act at v + lead a; implicit damping takes its share of a from the left.
     """
     assemble(axes, nodes, elements, external, q, v, ACCELERATION, set_targets, parameter)
-    add_damping(axes, nodes, elements, q, v, lead, a, ACCELERATION)
+    add_damping(axes, nodes, elements, q, v, lead - lag_of(elements), a, ACCELERATION)
     add_drag(axes, nodes, elements, q, v, lead, a, ACCELERATION)
 
 
@@ -61,6 +63,17 @@ def assemble_and_factorise(axes, nodes, elements, external, q, v, lead, a, set_t
     """All of Eq. (29) but the links; arguments: see `assemble_forces`."""
     assemble_forces(axes, nodes, elements, external, q, v, lead, a, set_targets, parameter)
     factorise(axes, nodes, elements)
+
+
+@optional("damping")
+def _improve_damping(axes, nodes, elements, q, acceleration):
+    """One more solve for the damping that is in the matrix on the left, but not in the cable: order 2.
+
+    acceleration: (n, 2, dim), of a solve that took all of it.
+    """
+    if lag_of(elements) > 0.0:
+        add_lagging_damping(axes, nodes, elements, q, acceleration, ACCELERATION)
+        solve_column(axes, nodes, elements, ACCELERATION, acceleration)
 
 
 @inlined
@@ -88,11 +101,12 @@ def cable_rates(system, external, q, v, acceleration, rate):
         q.reshape(shape),
         known,
         0.0,
-        known,
+        acceleration.reshape(shape),
         set_stabilised_targets,
         system.zeta,
     )
     solve_both_columns(axes, nodes, elements, acceleration.reshape(shape), rate.reshape(shape))
+    _improve_damping(axes, nodes, elements, q.reshape(shape), acceleration.reshape(shape))
     for i in range(len(v)):
         rate[i] += v[i]
 
@@ -131,6 +145,7 @@ def accelerate_and_project_cable(system, external, q, v, duration, acceleration,
         duration,
     )
     solve_both_columns(axes, nodes, elements, acceleration.reshape(shape), end_velocity.reshape(shape))
+    _improve_damping(axes, nodes, elements, q.reshape(shape), acceleration.reshape(shape))
     for i in range(len(v)):
         end_velocity[i] += v[i] + duration * acceleration[i]
 
@@ -154,7 +169,7 @@ def gauge_chain(chain, external, q, v, a, force, gauges):
     known, rates = q.reshape(shape), v.reshape(shape)
     for i in range(len(q)):
         force[i] = external[i]
-    gauges[KINETIC] = kinetic_energy(axes, nodes, elements, rates)
+    gauges[KINETIC] = kinetic_energy(axes, nodes, elements, rates) - lagging_energy(axes, elements, rates)
     gauges[ELASTIC] = elastic_energy(chain, known)
     gauges[AGITATION] = kinetic_energy(axes, nodes, elements, a.reshape(shape))
     gauges[POWER] = dissipative_power(axes, nodes, elements, known, rates)

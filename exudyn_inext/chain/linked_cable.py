@@ -5,7 +5,7 @@ The external force is followed by the motions of the anchors: (n_dof + 3 dim M,)
 
 from typing import NamedTuple
 
-from ..compiled import inlined
+from ..compiled import inlined, optional
 from ..system import (
     POWER,
     VIOLATION,
@@ -15,7 +15,7 @@ from ..system import (
     implements,
     index_reduced_rates,
 )
-from .assembly import leave_targets, set_violations
+from .assembly import add_lagging_damping, lag_of, leave_targets, set_violations
 from .border import (
     Border,
     all_links,
@@ -28,6 +28,7 @@ from .border import (
 from .cable import Cable
 from .chain import Chain, build_chain
 from .energy import power_of_motions
+from .implicit_bending import EXPLICIT, ImplicitBending
 from .index_reduction import (
     ACCELERATION,
     CORRECTION,
@@ -54,13 +55,15 @@ class LinkedCableSystem(NamedTuple):
     closed: bool
 
 
-def cable_system(cable: Cable, zeta: float, mass_scaling: float = 0.0) -> CableSystem | LinkedCableSystem:
+def cable_system(
+    cable: Cable, zeta: float, implicit: ImplicitBending = EXPLICIT
+) -> CableSystem | LinkedCableSystem:
     """The index-reduced equations of `cable`; only with links they have to deal with links.
 
     Args:
-        cable: the cable.   zeta: stabilisation rate [1/s].   mass_scaling: see `build_chain` [s^2].
+        cable: the cable.   zeta: stabilisation rate [1/s].   implicit: see `set_mass`.
     """
-    chain = build_chain(cable, mass_scaling)
+    chain = build_chain(cable, implicit)
     if not all_links(cable):
         return CableSystem(chain, zeta)
     return LinkedCableSystem(chain, build_border(cable), zeta, cable.closed)
@@ -126,14 +129,24 @@ def _solve_both_linked_columns(system, x, y):
     _expand(system, CORRECTION, y)
 
 
+@optional("damping")
+def _improve_damping(axes, nodes, elements, system, q, acceleration):
+    """As `index_reduction._improve_damping`, with links."""
+    if lag_of(elements) > 0.0:
+        add_lagging_damping(axes, nodes, elements, q, acceleration, ACCELERATION)
+        solve_linked_column(system, ACCELERATION, acceleration)
+
+
 @implements(index_reduced_rates, LinkedCableSystem)
 def linked_rates(system, external, q, v, acceleration, rate):
     """Eq. (30). Arguments: see `index_reduced_rates`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     border = system.border
     shape = (len(nodes), 2, len(axes))
-    _assemble(axes, nodes, elements, border, external, q, v, 0.0, v, set_stabilised_targets, system.zeta)
+    targets = set_stabilised_targets
+    _assemble(axes, nodes, elements, border, external, q, v, 0.0, acceleration, targets, system.zeta)
     _solve_both_linked_columns(system, acceleration.reshape(shape), rate.reshape(shape))
+    _improve_damping(axes, nodes, elements, system, q.reshape(shape), acceleration.reshape(shape))
     for i in range(len(v)):
         rate[i] += v[i]
 
@@ -158,6 +171,7 @@ def accelerate_and_project_linked(system, external, q, v, duration, acceleration
         duration,
     )
     _solve_both_linked_columns(system, acceleration.reshape(shape), end_velocity.reshape(shape))
+    _improve_damping(axes, nodes, elements, system, q.reshape(shape), acceleration.reshape(shape))
     for i in range(len(v)):
         end_velocity[i] += v[i] + duration * acceleration[i]
 

@@ -63,6 +63,7 @@ def element_type(
     tensor: EI times the stiffness tensor over pairs, empty for `secondDerivative`.
     natural: EI kappa_0 times the turning matrix in difference coordinates, empty without kappa_0.
     damping: table of the damping force, empty without damping.
+    lag: h/2 [s], see `implicit_bending`, empty without damping.
     drag: table of the drag, empty without drag.   drag_law: its coefficients and the flow.
     slope_gram: slope Gram matrix in difference coordinates; zero without length constraint.
     reference_length: int |r_x|^2 dx in the reference configuration [m].
@@ -79,6 +80,7 @@ def element_type(
             ("tensor", NUMBER, (6, 6) if product else (0, 0)),
             ("natural", NUMBER, (3, 3) if natural else (0, 0)),
             ("damping", NUMBER, (4, 7) if damped else (0, 7)),
+            ("lag", NUMBER, (1,) if damped else (0,)),
             ("drag", NUMBER, (4, 8) if dragged else (0, 8)),
             ("drag_law", NUMBER, (2, 3) if dragged else (0, 3)),
             ("slope_gram", NUMBER, (3, 3)),

@@ -28,7 +28,7 @@ def damping_table(length: float) -> Array:
     return np.concatenate([weight[:, None], slope.T, curvature.T], axis=1)
 
 
-# Rows of the memory of the force.
+# Rows of the memory of the forces.
 R_X, R_XX, V_X, V_XX, B, B_T, ON_SLOPE, ON_CURVATURE = range(8)
 
 
@@ -86,3 +86,27 @@ def add_damping_force(axes, table, differences, rates, memory, force):
             for i in range(len(axes)):
                 weighted = table[g, 1 + a] * memory[ON_SLOPE, i] + table[g, 4 + a] * memory[ON_CURVATURE, i]
                 force[a, i] -= table[g, 0] * scale * weighted
+
+
+@inlined
+def add_curvature_force(axes, table, rates, memory, force):
+    """force -= D int r_xx,t . d(r_xx)/de dx: what the damping would be if all of r_xx,t were damped.
+
+    Its matrix is constant and at least that of `add_damping_force`. Arguments: see there.
+    """
+    for g in range(table.shape[0]):
+        _at_point(axes, table[g], 4, rates, memory, V_XX)
+        for a in range(3):
+            for i in range(len(axes)):
+                force[a, i] -= table[g, 0] * table[g, 4 + a] * memory[V_XX, i]
+
+
+@inlined
+def curvature_power(axes, table, rates, memory):
+    """D int r_xx,t . r_xx,t dx [W]; 0 where `table` is empty. Arguments: see `add_damping_force`."""
+    power = 0.0
+    for g in range(table.shape[0]):
+        _at_point(axes, table[g], 4, rates, memory, V_XX)
+        for i in range(len(axes)):
+            power += table[g, 0] * memory[V_XX, i] * memory[V_XX, i]
+    return power

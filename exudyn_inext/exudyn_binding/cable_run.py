@@ -1,17 +1,20 @@
 """One cable during a run: its compiled system, its state, and its place in the mbs."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from ..arrays import Array
 from ..chain.attached_forces import drag_rate
 from ..chain.cable import Cable
+from ..chain.chain import set_mass
 from ..chain.frequency import FrequencyTracker, largest_frequency
+from ..chain.implicit_bending import ImplicitBending
 from ..chain.linked_cable import LinkedCableSystem, cable_system
 from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit
-from ..integrators.watch import record_watched
+from ..integrators.watch import FAILED, NOW, record_watched
 from .cable_loads import CableLoads
 from .cable_watch import CableWatch, figures, memory_of
 from .consistent_start import (
@@ -22,12 +25,11 @@ from .consistent_start import (
     require_consistent,
     worst_violation,
 )
-from .divergence import GIVEN_UP, explanation
+from .divergence import explanation
 from .link_items import require_smooth_motions
 from .redundancy import element_masses, require_independent
-from .retrace import retrace
 from .scene import CableInScene
-from .step_control import StepControl, StepRule
+from .step_control import FrequencyFollower, StepControl, StepRule
 from .time_grid import TimeGrid
 
 STEPS_BETWEEN_LIMITS = 20_000  # so that a look at the present stability limit costs next to nothing
@@ -38,14 +40,16 @@ class Start:
     """How a cable starts.
 
     time: [s].   tolerance: see `ExplicitSettings.startTolerance`.
-    zeta: stabilisation rate [1/s].   mass_scaling: see `build_chain` [s^2].
+    zeta: stabilisation rate [1/s].   theta: share of bending that is implicit, see `implicit_bending` [-].
+    h: step that is likely, which scales the mass [s].
     energy_tolerance: see `ExplicitSettings.energyTolerance`; infinite where nobody asks.
     """
 
     time: float
     tolerance: float
     zeta: float
-    mass_scaling: float
+    theta: float
+    h: float
     energy_tolerance: float
 
 
@@ -58,12 +62,11 @@ class CableRun:
     loads: external force and motions.
     looks_ahead: whether several steps of the time loop can be computed at once.   reason: why not.
     start_correction: how far the initial state was from its constraints.
-    control: chooses the steps, if they are not all equal.
+    control: of the steps.
     watch: stops a run that goes wrong.
     """
 
-    control: StepControl | None = None
-
+    lenience = 1.0  # of the energy's tolerance
     reason = (
         "user functions of loads or moving supports may depend on more than the time (if they do not, set "
         "function.dependsOnTimeOnly = True)"
@@ -81,13 +84,15 @@ class CableRun:
         self.scene_cable = scene_cable
         self.indices = scene_cable.indices
         self.reference = cable.reference.ravel()
-        self.system = cable_system(cable, start.zeta, start.mass_scaling)
+        self._theta, self._likely_step = start.theta, start.h
+        self._gave_up = False
+        self._lag = 0.5 if integrator.has_implicit_damping and cable.section.bending_damping else 0.0
+        scaled = ImplicitBending(start.theta * start.h**2)
+        self.system = cable_system(cable, start.zeta, scaled)
         violation = worst_violation(scene_cable, self.system, *initial, start.time)
         require_consistent(scene_cable, violation, start.tolerance)
-        self._element_masses = element_masses(cable, start.mass_scaling)
         self._drag_rate = drag_rate(cable, scene_cable.item.gravity, initial[1])
         self._integrator = integrator
-        self._is_scaled = start.mass_scaling > 0.0
         self._tracker = FrequencyTracker(self.system, cable.reference.shape)
         self._steps_since_limit = 0
         self._largest_share = 0.0  # of the stability limit, that the step has been
@@ -95,7 +100,10 @@ class CableRun:
         self.state: Any = integrator.allocate(cable.reference.size, len(self.loads.constant))
         self.state.q[:], self.state.v[:] = (array.ravel() for array in initial)
         self.looks_ahead = self.loads.known_ahead
-        self.watch = CableWatch(scene_cable, self.loads, self.state, start.energy_tolerance)
+        self.watch = CableWatch(
+            scene_cable, self.loads, self.state, start.energy_tolerance, integrator.stabilised
+        )
+        self.control = StepControl()
         self.start_correction = self._project(violation, start.time)
 
     def _project(self, violation: Violation, time: float) -> StartCorrection:
@@ -111,7 +119,32 @@ class CableRun:
 
     def follow_frequency(self, rule: StepRule) -> None:
         """Let the steps follow the present stability limit."""
-        self.control = StepControl(rule, self._tracker)
+        self.control = StepControl(FrequencyFollower(rule, self._present_frequency))
+
+    def _present_frequency(self) -> float:
+        """w_max [rad/s] about the state that was evaluated last; implicit damping is no mass there."""
+        shape = self.scene_cable.cable.reference.shape
+        q, a = self.state.q.reshape(shape), self.state.a.reshape(shape)
+        if not self._lag:
+            return self._tracker.frequency(q, a)
+        plain = cable_system(self.scene_cable.cable, self.system.zeta)
+        return largest_frequency(plain, self.state.external, q.copy(), self.state.v.reshape(shape).copy())
+
+    @property
+    def _has_implicit_bending(self) -> bool:
+        return self._theta > 0.0 or self._lag > 0.0
+
+    def scale_mass(self, theta: float, h: float) -> None:
+        """Make that share of bending implicit, for steps of h [s] as long as no other ones are taken."""
+        self._theta, self._likely_step = theta, h
+        set_mass(self.system.chain, self.scene_cable.cable, ImplicitBending(theta * h**2))
+
+    def set_step(self, h: float) -> None:
+        """Prepare the system for steps of h [s]: what is implicit depends on it."""
+        self.control.present = h
+        if self._has_implicit_bending:
+            implicit = ImplicitBending(self._theta * h**2, self._lag * h)
+            set_mass(self.system.chain, self.scene_cable.cable, implicit)
 
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; the history of a multi-step scheme begins here.
@@ -131,16 +164,17 @@ class CableRun:
         foresight = {
             place: records["foresight"] for place, records in zip(places, self._records(), strict=False)
         }
-        control = self.control.memory() if self.control else {}
         return {
             "state": self.state._asdict(),
             "foresight": foresight,
             "watch": memory_of(self.watch.watch),
-            "control": control,
+            "control": self.control.memory() | {"vibration": self._tracker.vibration},
         }
 
     def resume(self, time: float) -> None:
         """Go on at `time` [s], with the memory that has been set."""
+        if self.control.present:
+            self.set_step(self.control.present)
         self._integrator.resume(self.system, self.loads.at(time), self.state)
 
     @property
@@ -148,51 +182,92 @@ class CableRun:
         """Of the scheme, see `Integrator`."""
         return self._integrator.stages
 
-    def go_on(self, time: float) -> None:
-        """Go on at `time` [s] from a state that the last steps have not led to."""
-        self.forget()
-        self.resume(time)
-        self.watch.open(self.system, self.loads.at(time), self.state)
-
     def forget(self) -> None:
         """What earlier steps taught the constraints does not hold any more."""
         for records in self._records():
             records["foresight"] = 0.0
 
-    def _record_under_control(
-        self, control: StepControl, scheme: Any, grid: TimeGrid, first: int, history: Array
-    ) -> int:
-        """As `record`, with steps of its own choice in each interval."""
-        interval = grid.substeps * grid.h
-        for k in range(len(history)):
-            end = grid.time(first + k + 1)
-            remaining = interval
-            while remaining > ROUND_OFF * interval:
-                taken = self._take_steps(control, scheme, end, remaining, history[k : k + 1])
-                remaining -= taken
-                if taken == 0.0:
-                    return k
-        return len(history)
-
-    def _take_steps(
-        self, control: StepControl, scheme: Any, end: float, remaining: float, history: Array
-    ) -> float:
-        """Some steps towards the time `end` [s]; returns the time that they took, 0 if they went wrong."""
-        shape = self.scene_cable.cable.reference.shape
-        steps, h, ratio = control.next_steps(
-            remaining, self.state.q.reshape(shape), self.state.a.reshape(shape)
-        )
-        if not steps:
-            return 0.0
-        if ratio != 1.0:
-            self._integrator.change_step(self.state, ratio)
-        loads = self.loads.sample(end - remaining, h, steps, self._integrator.stages)
+    def _record_nominal(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
+        """Equal steps through all intervals, in one compiled call; returns how many went well."""
+        h, steps = grid.h / 2**self.control.halvings, grid.substeps * 2**self.control.halvings
+        start = grid.time(first)
+        self._change_step(h, start)
+        number = len(history) * steps
+        loads = self.loads.sample(grid.start, h, number, self.stages, first=first * steps)
+        before = self.watch.steps
         good = record_watched(scheme, self.system, loads, self.state, h, steps, history, self.watch.watch)
-        return steps * h if good else 0.0
+        taken = self.watch.steps - before
+        self.control.accept(h, taken)
+        if good < len(history):
+            self.control.offset = (taken - good * steps) * h
+            self.forget()
+            self._reject(start + taken * h)
+        self._look_at_limit(scheme, h, number)
+        return good
+
+    def _finish_interval(self, scheme: Any, grid: TimeGrid, number: int, history: Array) -> bool:
+        """The rest of interval `number` of the loop, in pieces of steps that may change.
+
+        history: (1, 3, n_dof) output.   Returns whether the end was reached.
+        """
+        control, end, interval = self.control, grid.time(number + 1), grid.substeps * grid.h
+        while control.offset < (1.0 - ROUND_OFF) * interval:
+            remaining = interval - control.offset
+            duration, steps = control.piece(remaining, grid.h)
+            if not steps:
+                self._gave_up = True
+                return False
+            if self._take_piece(scheme, end - remaining, duration / steps, steps, history):
+                control.offset += duration
+            elif self._gave_up:
+                return False
+        control.offset = 0.0
+        return True
+
+    def _take_piece(self, scheme: Any, start: float, h: float, steps: int, history: Array) -> bool:
+        """Equal steps from the time `start` [s]; if they go wrong, the state is that before them."""
+        self._change_step(h, start)
+        kept = _copy(self.memory())
+        loads = self.loads.sample(start, h, steps, self.stages)
+        if record_watched(scheme, self.system, loads, self.state, h, steps, history, self.watch.watch):
+            self.control.accept(h, steps)
+            return True
+        failed, trouble = self.watch.watch.account[FAILED], self.watch.watch.account[NOW].trouble
+        found = failed.copy()
+        _set(self.memory(), kept)
+        self.watch.watch.account[FAILED] = found
+        self.watch.watch.account[NOW].trouble = trouble
+        self._reject(start)
+        return False
+
+    def _reject(self, time: float) -> None:
+        """After steps that went wrong, in the state before them, at `time` [s]: take smaller ones."""
+        if times := self.watch.steps_to_halve:
+            self.control.halve(times)
+        elif not self.control.reject():
+            self._gave_up = True
+            return
+        self.resume(time)
+
+    def _change_step(self, h: float, time: float) -> None:
+        """Prepare for steps of h [s] from the present state, at `time` [s]."""
+        before = self.control.present
+        if abs(h - before) <= ROUND_OFF * h:
+            return
+        self.set_step(h)
+        if self._has_implicit_bending:
+            self._integrator.start(self.system, self.loads.at(time), self.state)
+        elif before:
+            self._integrator.change_step(self.state, h / before)
+        self.watch.go_on(self.system, self.loads.at(time), self.state)
 
     @property
     def cables(self) -> list[Cable]:
         return [self.scene_cable.cable]
+
+    @property
+    def cable_runs(self) -> list["CableRun"]:
+        return [self]
 
     @property
     def start_corrections(self) -> list[StartCorrection]:
@@ -202,6 +277,8 @@ class CableRun:
         """Of a vibration of that frequency [rad/s]: bending damping grows with it, drag does not."""
         section = self.scene_cable.cable.section
         of_drag = self._drag_rate / frequency if frequency > 0.0 else 0.0
+        if self._lag:
+            return of_drag  # implicit damping does not bound the step
         return of_drag + frequency * section.bending_damping / section.bending_stiffness
 
     def largest_frequency(self, time: float) -> float:
@@ -210,28 +287,19 @@ class CableRun:
         return largest_frequency(self.system, self.loads.at(time), q.copy())
 
     def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
-        """Advance through len(history) loop steps from loop step `first`, in one compiled call.
+        """Advance through len(history) loop steps from loop step `first`; see `step_control`.
 
         history: (intervals, 3, n_dof) output: displacements from the reference, v, a after each.
 
         Returns:
             Number of loop steps that went well; later rows of `history` mean nothing.
         """
-        if self.control is not None:
-            good = self._record_under_control(self.control, scheme, grid, first, history)
-        else:
-            steps = len(history) * grid.substeps
-            loads = self.loads.sample(
-                grid.start, grid.h, steps, self._integrator.stages, first=first * grid.substeps
-            )
-            before = self.watch.steps
-            good = record_watched(
-                scheme, self.system, loads, self.state, grid.h, grid.substeps, history, self.watch.watch
-            )
-            if good < len(history):
-                step = first * grid.substeps + self.watch.steps - before
-                good = retrace(self, scheme, grid, step, history, good)
-            self._look_at_limit(scheme, grid.h, steps)
+        good = 0
+        while good < len(history) and not self._gave_up:
+            if self.control.is_nominal:
+                good += self._record_nominal(scheme, grid, first + good, history[good:])
+            else:
+                good += self._finish_interval(scheme, grid, first + good, history[good : good + 1])
         history[:good, 0] -= self.reference
         return good
 
@@ -243,7 +311,7 @@ class CableRun:
     def _look_at_limit(self, scheme: Any, h: float, steps: int) -> None:
         """From time to time: the share that the step is of the present stability limit."""
         self._steps_since_limit += steps
-        if self._steps_since_limit < STEPS_BETWEEN_LIMITS or self.watch.has_trouble:
+        if self._steps_since_limit < STEPS_BETWEEN_LIMITS or self.watch.has_trouble or self._lag:
             return
         self._steps_since_limit = 0
         shape = self.scene_cable.cable.reference.shape
@@ -251,16 +319,15 @@ class CableRun:
         self._largest_share = max(self._largest_share, h / self._stability_limit(scheme, frequency))
 
     def verdict(self, scheme: Any, time: float, h: float) -> str:
-        """What went wrong in the last steps, of h [s] at `time` [s], and why; empty if all is well."""
-        if not self.watch.has_trouble:
-            return f"{self.name}: {GIVEN_UP}." if self.control and self.control.gave_up else ""
-        trouble, taken = (
-            self._integrator.trouble(scheme, self.watch.watch.kept),
-            self.control.last if self.control else h,
-        )
+        """What went wrong in the last steps, and why; empty if all is well."""
+        if not self._gave_up:
+            return ""
+        smallest = self.control.present
+        trouble = self._integrator.trouble(scheme, self.watch.watch.kept)
         limit = self._stability_limit(scheme, self.largest_frequency(time))
-        said = explanation(self._integrator, trouble, taken, limit, self._is_scaled)
-        return f"{self.name}: {self.watch.finding(self.state)}. {said}"
+        said = explanation(self._integrator, trouble, smallest, limit, self._theta > 0.0)
+        tried = f"{self.control.rejections} times steps were rejected, the last ones of {smallest:.3g} s"
+        return f"{self.name}: {self.watch.finding(self.state)}; {tried}. {said}"
 
     def _stability_limit(self, scheme: Any, frequency: float) -> float:
         limit = frequency_limit(self._integrator, scheme, self.damping_ratio(frequency))
@@ -274,4 +341,21 @@ class CableRun:
 
     def require_independence(self) -> None:
         """RedundantConstraintError if constraints depend on each other; at the latest evaluation."""
-        require_independent(self.scene_cable, self.system, self._element_masses)
+        h, lag = self.control.present or self._likely_step, self._lag * self.control.present
+        implicit = ImplicitBending(self._theta * h**2, lag)
+        masses = element_masses(self.scene_cable.cable, implicit)
+        require_independent(self.scene_cable, self.system, masses)
+
+
+def _copy(memory: Mapping[str, Any]) -> dict[str, Any]:
+    """Of nested dicts of arrays."""
+    return {name: _copy(part) if isinstance(part, Mapping) else part.copy() for name, part in memory.items()}
+
+
+def _set(memory: Mapping[str, Any], values: Mapping[str, Any]) -> None:
+    """Set nested dicts of arrays, in place."""
+    for name, part in memory.items():
+        if isinstance(part, Mapping):
+            _set(part, values[name])
+        else:
+            part[...] = values[name]

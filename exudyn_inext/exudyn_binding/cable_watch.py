@@ -1,5 +1,6 @@
 """The watch over one cable during a run, and what it says."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -10,12 +11,19 @@ from ..chain.cable import Cable
 from ..integrators.watch import (
     CONSTRAINTS,
     ENERGY,
+    FAILED,
+    JUMP,
+    LARGEST_JUMP,
     LARGEST_VIOLATION,
-    LEAST_STEPS_WITH_POWER,
+    LEAST_STEPS,
+    NOW,
     STEPS_BETWEEN,
     STEPS_WITH_POWER,
+    TOO_FAST,
+    VIOLENT,
     Watch,
     build_watch,
+    go_on,
     open_account,
 )
 from .cable_loads import CableLoads
@@ -31,7 +39,12 @@ class CableWatch:
     """
 
     def __init__(
-        self, scene_cable: CableInScene, loads: CableLoads, state: Any, energy_tolerance: float
+        self,
+        scene_cable: CableInScene,
+        loads: CableLoads,
+        state: Any,
+        energy_tolerance: float,
+        gains_energy: bool,
     ) -> None:
         cable = scene_cable.cable
         self._names = scene_cable.item.node_names
@@ -39,24 +52,44 @@ class CableWatch:
         self._round_off = _round_off(cable, loads.constant)
         moves = not all(motion.rests for motion in motions_of(all_links(cable)))
         has_power = moves or bool(cable.section.bending_damping) or cable.drag is not None
-        every, least = (
-            (STEPS_WITH_POWER, LEAST_STEPS_WITH_POWER) if has_power else (STEPS_BETWEEN, STEPS_BETWEEN)
-        )
-        self.watch = build_watch(state, every, energy_tolerance, loads.pattern, least)
+        every = STEPS_WITH_POWER if has_power else STEPS_BETWEEN
+        most = VIOLENT * energy_tolerance if gains_energy else np.inf
+        self.watch = build_watch(state, every, energy_tolerance, loads.pattern, LEAST_STEPS, most)
+
+    def limit_phase(self, duration: float, phase: float) -> None:
+        """Let it find steps that are too long for the motion; arguments: see `Watch`."""
+        self.watch = self.watch._replace(duration=duration, phase=phase)
 
     def open(self, system: Any, external: Array, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""
         open_account(self.watch, system, external, state, self._round_off)
 
+    def go_on(self, system: Any, external: Array, state: Any) -> None:
+        """With another step, from a state that the integrator has just started from."""
+        go_on(self.watch, system, external, state)
+
     @property
     def has_trouble(self) -> bool:
         """Whether the last steps went wrong."""
-        return bool(self.watch.account[0].trouble)
+        return bool(self.watch.account[NOW].trouble)
+
+    @property
+    def steps_to_halve(self) -> int:
+        """How often the step must be halved for the motion; 0 if it is short enough."""
+        watch, account = self.watch, self.watch.account[FAILED]
+        if self.watch.account[NOW].trouble != TOO_FAST:
+            return 0
+        return max(1, math.ceil(0.5 * math.log2(account.phase / watch.phase)))
+
+    @property
+    def energy_error(self) -> float:
+        """Largest gain so far [-]."""
+        return float(self.watch.account[NOW].gain)
 
     @property
     def steps(self) -> int:
         """That have been inspected and found well."""
-        return int(self.watch.account[0].steps)
+        return int(self.watch.account[NOW].steps)
 
     def finding(self, state: Any) -> str:
         """What went wrong, by how much, and where.   state: the last good one."""
@@ -72,7 +105,7 @@ class CableWatch:
 
 def figures(watch: Watch) -> dict[str, float]:
     """Extremes so far: 'energyGain', 'energyLoss' [-] and 'constraints' [-]; see `Watch`."""
-    account = watch.account[0]
+    account = watch.account[NOW]
     return {
         "energyGain": float(account.gain),
         "energyLoss": -float(account.loss),
@@ -88,7 +121,7 @@ def memory_of(watch: Watch) -> dict[str, Any]:
 
 def finding(watch: Watch) -> str:
     """What went wrong, and by how much."""
-    account = watch.account[0]
+    account = watch.account[FAILED]
     if account.trouble == CONSTRAINTS:
         return (
             f"inextensibility or another constraint is violated by {account.violation:.2g} "
@@ -98,6 +131,11 @@ def finding(watch: Watch) -> str:
         return (
             f"it has {account.error:.2%} more energy than the work done on it explains, of what its "
             f"motion turns over (limit {watch.tolerance:.2%})"
+        )
+    if account.trouble == JUMP:
+        return (
+            f"its energy jumps by more than {LARGEST_JUMP * watch.tolerance:.2%} of what its motion turns "
+            "over within a few steps"
         )
     return "its coordinates are not finite any more"
 

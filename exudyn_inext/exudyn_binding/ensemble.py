@@ -203,6 +203,7 @@ class _Ensemble:
         )
 
     def _start(self, number: int, run: CableRun) -> None:
+        run.set_step(self.grid.h)
         run.start(self.grid.start)
         self.reference[number, run.indices] = run.reference
         first = (run.state.q - run.reference, run.state.v, run.state.a)

@@ -39,15 +39,18 @@ def cable_runs(
         time=time,
         tolerance=explicit.startTolerance,
         zeta=explicit.stabilizationRate,
-        mass_scaling=explicit.massScaling * h**2,
+        theta=explicit.massScaling or 0.0,
+        h=h,
         energy_tolerance=explicit.energyTolerance,
     )
     integrator = find_integrator(explicit.integrator)
     return [CableRun(cable, initial_state(mbs, cable), start, integrator) for cable in cables]
 
 
-def step_bounds(runs: Sequence[Run], start: float, explicit: ExplicitSettings) -> StepSizeBounds:
-    """The tightest bounds over all that moves."""
+def step_bounds(
+    runs: Sequence[Run], start: float, explicit: ExplicitSettings, accuracy: float = math.inf
+) -> StepSizeBounds:
+    """The tightest bounds over all that moves.   accuracy: see `automatic_step` [s]."""
     integrator, scheme = find_integrator(explicit.integrator), scheme_of(explicit)
     frequencies = [_finite_frequency(run, start) for run in runs]
 
@@ -62,7 +65,8 @@ def step_bounds(runs: Sequence[Run], start: float, explicit: ExplicitSettings) -
     return StepSizeBounds(
         bending=limits[fastest],
         stabilisation=decay_limit(integrator, scheme) / explicit.stabilizationRate if cables else math.inf,
-        rule=min((_rule(cable, explicit.stepConstant) for cable in cables), default=math.inf),
+        rule=_rule(cables, explicit),
+        accuracy=accuracy,
         largest_frequency=frequencies[fastest],
         cable=runs[fastest].name,
         contact=min((limit(w, d / w if w else 0.0) for w, d in contacts), default=math.inf),
@@ -81,7 +85,15 @@ def _finite_frequency(run: Run, start: float) -> float:
     return frequency
 
 
-def _rule(cable: Cable, constant: float) -> float:
+def _rule(cables: Sequence[Cable], explicit: ExplicitSettings) -> float:
+    """Step after Eq. (37) [s]; implicit bending needs none."""
+    if explicit.massScaling:
+        return math.inf
+    return min((rule_of_cable(cable, explicit.stepConstant) for cable in cables), default=math.inf)
+
+
+def rule_of_cable(cable: Cable, constant: float) -> float:
+    """Step after Eq. (37) for the shortest element of a cable [s]."""
     section = cable.section
     shortest = float(cable.element_lengths.min())
     return rule_step(shortest, section.mass_per_length, section.bending_stiffness, constant)

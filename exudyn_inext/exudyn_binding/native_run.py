@@ -6,6 +6,7 @@ out of the coupled mass matrix (Exudyn's own explicit solvers zero them after th
 for ANCF cables).
 """
 
+import math
 from typing import Any, ClassVar, NamedTuple
 
 import exudyn
@@ -19,6 +20,7 @@ from ..integrators.integrator import Integrator, advance, no_loads
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .consistent_start import StartCorrection
 from .scene import HeldCoordinate, read_held_coordinate
+from .step_control import StepControl
 from .time_grid import TimeGrid
 
 _CONSTANT_MASS = {"ANCFCable", "ANCFCable2D", "MassPoint", "MassPoint2D", "Mass1D"}
@@ -73,6 +75,8 @@ class NativeRun:
     looks_ahead = False
     reason = "Exudyn evaluates all forces, once for each evaluation"
     cables: ClassVar[list[Cable]] = []
+    cable_runs: ClassVar[list[Any]] = []
+    lenience = math.inf  # nothing is watched
     start_corrections: ClassVar[list[StartCorrection]] = []
 
     def __init__(self, mbs: Any, solver: Any, integrator: Integrator) -> None:
@@ -89,11 +93,18 @@ class NativeRun:
         self._integrator = integrator
         self._loads = no_loads(size, len(integrator.stages))
         self._is_started = False
+        self.control = StepControl()
         self.indices = np.arange(size)
         self.reference = np.zeros(size)  # coordinates are displacements here
         self.state = integrator.allocate(size, size)
         self.state.q[:] = mbs.systemData.GetODE2Coordinates(configuration)
         self.state.v[:] = mbs.systemData.GetODE2Coordinates_t(configuration)
+
+    def scale_mass(self, theta: float, h: float) -> None:
+        """Native items have no mass scaling."""
+
+    def set_step(self, h: float) -> None:
+        """Nothing depends on the step."""
 
     def start(self, time: float) -> None:
         """Begin anew from the present state, as soon as the time loop runs."""
@@ -121,6 +132,7 @@ class NativeRun:
             data.SetTime(start + (step + 1) * grid.h)
             row = history[step // grid.substeps]
             take_step(scheme, self._system, self._loads, self.state, grid.h, 1, row[None])
+        self.control.accept(grid.h, len(history) * grid.substeps)
         finite = np.isfinite(history.sum(axis=(1, 2)))
         return int(np.argmin(np.append(finite, False)))
 

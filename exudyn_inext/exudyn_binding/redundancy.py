@@ -7,6 +7,7 @@ import numpy as np
 from ..arrays import Array
 from ..chain.border import all_links
 from ..chain.cable import Cable
+from ..chain.implicit_bending import ImplicitBending
 from ..chain.linked_cable import LinkedCableSystem
 from ..errors import RedundantConstraintError
 from .scene import CableInScene
@@ -14,11 +15,11 @@ from .scene import CableInScene
 PIVOT_TOLERANCE = 1e-10
 
 
-def element_masses(cable: Cable, mass_scaling: float) -> Array:
-    """(N,) rho_A l, and what mass scaling adds to it [kg]."""
+def element_masses(cable: Cable, implicit: ImplicitBending) -> Array:
+    """(N,) rho_A l, and what implicit bending adds to it [kg]."""
     section, lengths = cable.section, cable.element_lengths
     masses: Array = section.mass_per_length * lengths
-    return masses + mass_scaling * 24.0 * section.bending_stiffness / lengths**3
+    return masses + 24.0 * implicit.factor(section) / lengths**3
 
 
 def require_independent(scene_cable: CableInScene, system: Any, masses: Array) -> None:

@@ -5,19 +5,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from ..checks import require_flag, require_integer, require_not_negative, require_positive
+from ..checks import require_flag, require_not_negative, require_positive
 from ..errors import InputError
 from ..integrators import find_integrator
-
-MOST_RETRIES = 20
 
 
 def _require_tolerance(name: str, value: Any) -> float:
     return math.inf if value == math.inf else require_positive(name, value)
-
-
-def _require_retries(name: str, value: Any) -> int:
-    return require_integer(name, value, 0, MOST_RETRIES)
 
 
 _CHECKS: dict[str, Callable[[str, Any], Any]] = {
@@ -30,9 +24,8 @@ _CHECKS: dict[str, Callable[[str, Any], Any]] = {
     "allowUnstableStep": require_flag,
     "adaptiveStep": require_flag,
     "energyTolerance": _require_tolerance,
-    "retries": _require_retries,
 }
-_OPTIONAL = ("stepSize", "stepSafety")
+_OPTIONAL = ("stepSize", "stepSafety", "massScaling")
 
 
 @dataclass(frozen=True)
@@ -52,7 +45,8 @@ class ExplicitSettings:
         massScaling: theta; the mass matrix becomes M + theta h^2 K with the constant bending stiffness K,
             a trapezoidal-like treatment of bending without Newton iterations. Above 1/4, bending no
             longer bounds the step; 0.3 leaves a margin for the tension. Vibrations faster than the step
-            are then not resolved. Order 2 is kept. Needs a stepSize.
+            are then not resolved. Order 2 is kept. None: 0 with a stepSize; without one, RATTLE takes 0.3 where
+            bending would bound a step that is short enough for the motion.
         startTolerance: largest violation of a constraint by the initial state: of values [-, m] and,
             relative to the speed, of rates. Up to it the state is projected onto the constraints, above it
             refused.
@@ -63,7 +57,6 @@ class ExplicitSettings:
         energyTolerance: energy that a run may have beyond the work done on it, as a share of what its motion
             turns over (largest kinetic energy and range of the bending energy so far) [-]; more of it for 256
             steps, or 30 times as much at once, ends the run. math.inf: the energy is not looked at.
-        retries: how often a run that has diverged begins anew, each time with half the step.
     """
 
     integrator: str = "RATTLE"
@@ -72,12 +65,11 @@ class ExplicitSettings:
     stabilizationRate: float = 100.0
     stepConstant: float = 0.7
     stepSafety: float | None = None
-    massScaling: float = 0.0
+    massScaling: float | None = None
     startTolerance: float = 1e-6
     allowUnstableStep: bool = False
     adaptiveStep: bool = False
     energyTolerance: float = 0.003
-    retries: int = 0
 
     def __post_init__(self) -> None:
         """Check all numbers.
@@ -102,9 +94,4 @@ class ExplicitSettings:
             raise InputError(
                 f"massScaling = {self.massScaling!r} with adaptiveStep: the scaled mass belongs to one step "
                 "size, and bending does not bound the step then; leave one of them out."
-            )
-        if self.massScaling and self.stepSize is None:
-            raise InputError(
-                f"massScaling = {self.massScaling!r} without stepSize: bending does not bound the step "
-                "then, only accuracy does; give a stepSize."
             )

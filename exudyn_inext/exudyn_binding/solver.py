@@ -1,19 +1,17 @@
 """SolveExplicit: an explicit integrator inside Exudyn's own time loop."""
 
-import math
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
-from dataclasses import replace
 from typing import Any
 
 import exudyn
 
-from ..errors import DivergenceError, SceneError
+from ..errors import SceneError
 from .arguments import explicit_settings, simulation_settings
+from .automatic_step import bounds_of_step
 from .cable_forces import forget_evaluators
-from .cable_run import CableRun
 from .empty_sensors import warn_of_empty_sensors
-from .explicit_runs import follow_frequencies, scheme_of, step_bounds, wanted_step
+from .explicit_runs import follow_frequencies, scheme_of, wanted_step
 from .general.surroundings import state_kept, switched_off
 from .observed import observed_derivatives
 from .output_files import require_writable_outputs
@@ -22,7 +20,7 @@ from .scene import read_scene, require_assembled
 from .scene_runs import needs_coupling, runs_of_scene
 from .settings import ExplicitSettings
 from .time_grid import TimeGrid, time_grid
-from .time_loop import ExplicitTimeLoop, worst_figures
+from .time_loop import ExplicitTimeLoop, warn_of_energy, worst_figures
 
 
 def SolveExplicit(
@@ -36,15 +34,16 @@ def SolveExplicit(
     and rotation vectors as coordinates, are refused. Without any inextensible cable, native items are
     moved, for comparisons. The report says which path was taken, and why.
 
-    The stability limit is that of the initial state. Tension that grows during the motion lowers it, and
-    general contacts that close: leave a margin (stepSafety), or let the steps adapt (adaptiveStep).
+    Steps that go wrong (constraints that cannot be solved for, an energy that jumps, numbers that are not
+    finite) are rejected: the run goes on from the state before them with smaller ones, which grow again.
 
     Sensors, solution files, pre- and post-step user functions and the SolutionViewer work as
     with mbs.SolveDynamic. Exudyn's steps are as long as the outputs allow: numberOfSteps of the
     time integration is a lower bound of their number, the write periods of sensors and solution
     file are upper bounds of their length; the integrator's own steps lie between them.
 
-    A run stops when its constraints or its energy go astray, see ExplicitSettings.energyTolerance.
+    It ends only where no step is small enough. An energy that grows slowly is warned of, see
+    ExplicitSettings.energyTolerance.
 
     Restart files follow simulationSettings.solution.restart: with `write`, one is written every writePeriod
     and at the end; with `continueIfAvailable`, a run goes on from it, bit for bit as if it had never been
@@ -63,6 +62,7 @@ def SolveExplicit(
 
     Returns:
         dict with 'success', 'integrator', 'stepSize' [s] (the smallest, if they adapt), 'steps',
+        'rejections' (how often steps went wrong and were taken again, smaller), 'massScaling' (theta),
         'loopSteps', 'decidedBy' (what bounded the step), 'bounds' (StepSizeBounds), 'path' (which way the
         steps were computed), 'startCorrections' (of each cable, and of joints: how far the initial
         state was from the constraints), 'drift' (largest 'energyGain' and 'energyLoss' of a run, relative
@@ -70,7 +70,7 @@ def SolveExplicit(
         of joints [m, -] over the largest coordinate at the start if that is above 1; in runs of more than
         20 000 steps of cables alone, 'stepOverLimit', the largest share that the step was of the present
         stability limit),
-        'retries' (how often the run began anew) and 'resumedAt' [s] (of a restart file; or None).
+        and 'resumedAt' [s] (of a restart file; or None).
 
     Raises:
         InputError: arguments or times out of their limits, or files that cannot be written.
@@ -85,18 +85,6 @@ def SolveExplicit(
     """
     settings = simulation_settings(simulationSettings)
     explicit = explicit_settings(explicitSettings)
-    for retry in range(explicit.retries + 1):
-        try:
-            return _solve(mbs, settings, explicit) | {"retries": retry}
-        except DivergenceError as error:
-            if retry == explicit.retries or not math.isfinite(error.step):
-                raise
-            explicit = replace(explicit, stepSize=0.5 * error.step)
-    raise AssertionError  # the last try returns or raises
-
-
-def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings) -> dict[str, Any]:
-    """One try of `SolveExplicit`."""
     require_assembled(mbs)
     solver = exudyn.MainSolverImplicitSecondOrder()
     scene = read_scene(mbs)
@@ -111,7 +99,8 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings) -> dict[str, Any
             given = None if explicit.stepSize is None else time_grid(mbs, settings, explicit.stepSize)
             scaling = (restarts.step or given.h) if given and explicit.massScaling else 0.0
             runs = runs_of_scene(mbs, scene, solver, start, scaling, explicit)
-            bounds = step_bounds(runs, start, explicit)
+            duration = float(settings.timeIntegration.endTime) - start
+            bounds, explicit = bounds_of_step(runs, start, duration, explicit)
             wanted, decided_by = wanted_step(bounds, explicit, taken=scaling or None)
             grid = restarts.grid(given or time_grid(mbs, settings, wanted))
             follow_frequencies(runs, bounds, explicit)
@@ -122,13 +111,15 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings) -> dict[str, Any
                 _run(mbs, solver, settings, loop)
         finally:
             forget_evaluators(sensors)
-    controls = [run.control for run in runs if isinstance(run, CableRun) and run.control]
+    controls = [run.control for run in runs]
+    warn_of_energy(runs, explicit.energyTolerance)
     return {
         "success": True,
         "integrator": explicit.integrator,
-        "stepSize": min([control.smallest for control in controls], default=grid.h),
-        "steps": sum(control.steps for control in controls)
-        or round((mbs.systemData.GetTime() - grid.start) / grid.h),
+        "stepSize": min(control.smallest for control in controls),
+        "steps": max(control.steps for control in controls),
+        "rejections": sum(control.rejections for control in controls),
+        "massScaling": explicit.massScaling or 0.0,
         "loopSteps": grid.loop_steps,
         "decidedBy": decided_by if grid.substeps > 1 or grid.h > 0.99 * wanted else "output period",
         "bounds": bounds,

@@ -1,25 +1,39 @@
-"""Steps that follow the present stability limit of a cable."""
+"""Which steps a cable takes: the nominal one, and smaller ones where it goes wrong.
+
+Steps that go wrong are rejected: the run goes on from the state before them with a quarter of the step, and with
+that again, until they go well; then they grow again. The nominal step is that of the time grid; it is halved where
+the motion turns out to be too fast for it, or follows the present stability limit of the cable.
+"""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..arrays import record_type
-from ..chain.frequency import FrequencyTracker
 from .time_grid import steps_within
 
+QUARTERS = 10  # at most: below a millionth of the nominal step a run has diverged
+PIECE = 8  # nominal steps that are taken at once while steps are smaller
+MOST_PATIENCE = 64  # pieces before a longer step is tried again
 STEPS_BETWEEN = 32  # two looks at the frequency
-SMALLEST = 1e-3  # step, relative to the first one, below which a run has diverged
+SMALLEST = 1e-3  # nominal step, relative to the first one, below which a run has diverged
 
 _LOG = record_type(
     [
         ("frequency", np.float64),
         ("first", np.float64),
-        ("last", np.float64),
+        ("present", np.float64),
         ("smallest", np.float64),
         ("largest", np.float64),
+        ("offset", np.float64),
+        ("halvings", np.int64),
+        ("quarters", np.int64),
+        ("calm", np.int64),
+        ("patience", np.int64),
+        ("rejections", np.int64),
         ("steps", np.int64),
     ]
 )
@@ -38,22 +52,46 @@ class StepRule:
     largest: float
 
 
-class StepControl:
-    """Chooses the steps of a run, from the largest frequency at present.
+class FrequencyFollower:
+    """Nominal steps that follow the largest frequency of a cable at present.
 
     A cable that straightens, is wound up or is pulled tight vibrates faster: the frequency is followed,
     and its last growth counted once more.
 
-    smallest, largest, last: steps so far [s].   steps: how many.
-    gave_up: whether the next one would have to be too small.
+    frequency: () -> w_max [rad/s] at present.
     """
 
-    def __init__(self, rule: StepRule, tracker: FrequencyTracker) -> None:
+    def __init__(self, rule: StepRule, frequency: Callable[[], float]) -> None:
         self._rule = rule
-        self._tracker = tracker
+        self._frequency = frequency
+
+    def nominal_step(self, log: Any) -> float:
+        """Largest step that is allowed now [s]; 0 if it would have to be so small that the run has diverged."""
+        frequency = self._frequency()
+        if not math.isfinite(frequency):
+            return 0.0
+        growth = max(0.0, frequency - log.frequency) if log.frequency else 0.0
+        log.frequency = frequency
+        allowed = self._rule.safety * self._rule.limit / max(frequency + growth, 1e-300)
+        step = min(allowed, self._rule.largest)
+        log.first = log.first or step
+        return step if step > SMALLEST * log.first else 0.0
+
+
+class StepControl:
+    """What the next steps of a run will be, and what the last ones were.
+
+    follower: sets the nominal step, or None: that of the grid.
+
+    smallest, largest: steps so far [s].   steps: how many.   rejections: how often they went wrong.
+    present: step that the system is prepared for [s].   offset: of the present state in its interval [s].
+    """
+
+    def __init__(self, follower: FrequencyFollower | None = None) -> None:
+        self.follower = follower
         self._log = np.zeros(1, _LOG)[0]
         self._log.smallest = math.inf
-        self.gave_up = False
+        self._log.patience = 1
 
     @property
     def smallest(self) -> float:
@@ -64,44 +102,85 @@ class StepControl:
         return float(self._log.largest)
 
     @property
-    def last(self) -> float:
-        return float(self._log.last)
-
-    @property
     def steps(self) -> int:
         return int(self._log.steps)
 
+    @property
+    def rejections(self) -> int:
+        return int(self._log.rejections)
+
+    @property
+    def halvings(self) -> int:
+        """How often the nominal step has been halved."""
+        return int(self._log.halvings)
+
+    @property
+    def present(self) -> float:
+        return float(self._log.present)
+
+    @present.setter
+    def present(self, h: float) -> None:
+        self._log.present = h
+
+    @property
+    def offset(self) -> float:
+        return float(self._log.offset)
+
+    @offset.setter
+    def offset(self, time: float) -> None:
+        self._log.offset = time
+
+    @property
+    def is_nominal(self) -> bool:
+        """Whether whole intervals of equal steps may be taken."""
+        return self.follower is None and self._log.quarters == 0 and self._log.offset == 0.0
+
     def memory(self) -> dict[str, Any]:
         """What the next steps depend on, to be kept or set."""
-        return {"log": self._log.base, "vibration": self._tracker.vibration}
+        return {"log": self._log.base}
 
-    def next_steps(self, remaining: float, q: Any, a: Any) -> tuple[int, float, float]:
-        """How many steps to take before asking again, their size [s], and its ratio to that of the last ones.
-
-        No steps if they would have to be so small that the run must have diverged.
-
-        Equal steps of this size would end with the `remaining` time [s].
+    def piece(self, remaining: float, h: float) -> tuple[float, int]:
+        """Duration [s] and number of the next equal steps, of which an integer number makes up the rest.
 
         Args:
-            q, a: (n, 2, dim) at present, where the cable's system was evaluated last.
+            remaining: of the interval [s].   h: nominal step of the grid [s].
         """
-        frequency = self._tracker.frequency(q, a)
-        if not math.isfinite(frequency):
-            self.gave_up = True
-            return 0, 0.0, 1.0
+        nominal, together = h / 2**self.halvings, PIECE
+        if self.follower is not None:
+            nominal, together = self.follower.nominal_step(self._log), STEPS_BETWEEN
+        if nominal == 0.0:
+            return 0.0, 0
+        if self._log.quarters == 0:
+            number = steps_within(remaining, nominal)
+            taken = min(number, together)
+            return remaining * (taken / number), taken
+        duration = remaining / steps_within(remaining, PIECE * nominal)
+        return duration, steps_within(duration, nominal / 4**self._log.quarters)
+
+    def accept(self, h: float, number: int) -> None:
+        """These steps went well; longer ones are tried again after some patience."""
         log = self._log
-        growth = max(0.0, frequency - log.frequency) if log.frequency else 0.0
-        log.frequency = frequency
-        allowed = self._rule.safety * self._rule.limit / max(frequency + growth, 1e-300)
-        number = steps_within(remaining, min(allowed, self._rule.largest))
-        step = remaining / number
-        log.first = log.first or step
-        if not step > SMALLEST * min(log.first, remaining):
-            self.gave_up = True
-            return 0, step, 1.0
-        ratio = step / log.last if log.last else 1.0
-        log.last = step
-        log.smallest, log.largest = min(log.smallest, step), max(log.largest, step)
-        taken = min(number, STEPS_BETWEEN)
-        log.steps += taken
-        return taken, step, ratio
+        log.smallest, log.largest = min(log.smallest, h), max(log.largest, h)
+        log.steps += number
+        log.calm += 1
+        if log.quarters and log.calm >= log.patience:
+            log.quarters -= 1
+            log.calm = 0
+        elif not log.quarters and log.calm > MOST_PATIENCE:
+            log.patience = 1
+
+    def reject(self) -> bool:
+        """The last steps went wrong; returns whether smaller ones may be tried."""
+        log = self._log
+        log.rejections += 1
+        if log.calm < 2:  # the longer step that was tried was too long: wait twice as long
+            log.patience = min(2 * log.patience, MOST_PATIENCE)
+        log.calm = 0
+        if log.quarters >= QUARTERS:
+            return False
+        log.quarters += 1
+        return True
+
+    def halve(self, times: int) -> None:
+        """The nominal step is too long for the motion."""
+        self._log.halvings += times

@@ -42,12 +42,13 @@ class SteppedCable:
         self._initial = run.state.q.copy(), run.state.v.copy()
         self._present, self._before = (np.zeros((1, 3, run.state.q.size)) for _ in range(2))
 
-    def start(self, time: float) -> None:
-        """Back to the initial state; see `CableRun.start`."""
+    def start(self, time: float, h: float) -> None:
+        """Back to the initial state, for steps of h [s]; see `CableRun.start`."""
         state = self.run.state
         for memory in state:
             memory[:] = 0.0
         state.q[:], state.v[:] = self._initial
+        self.run.set_step(h)
         self.run.start(time)
         self._present[0] = state.q, state.v, state.a
 

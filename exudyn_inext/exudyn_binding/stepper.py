@@ -98,7 +98,7 @@ class ExplicitStepper:
         self._steps = 0
         self._is_ready = False
         for cable in self._cables:
-            cable.start(self._start_time)
+            cable.start(self._start_time, self.stepSize)
         self._is_ready = True
 
     def Step(self, n: int = 1) -> None:

@@ -1,6 +1,7 @@
 """The user function that Exudyn's time loop calls in place of Newton's method."""
 
 import struct
+import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import chain
@@ -16,6 +17,7 @@ from .consistent_start import StartCorrection
 from .divergence import divergence
 from .observed import ACCELERATIONS, POSITIONS
 from .restart import Restarts
+from .step_control import StepControl
 from .time_grid import TimeGrid
 
 LOOK_AHEAD_LIMIT = 1_000_000  # coordinates times steps in a call: some 30 ms, so that Ctrl-C works
@@ -26,6 +28,8 @@ class Run(Protocol):
     """What the loop moves: a cable, or native items; see CableRun for the attributes."""
 
     state: Any
+    lenience: float
+    control: StepControl
     indices: np.ndarray
     reference: Array
     looks_ahead: bool
@@ -37,10 +41,17 @@ class Run(Protocol):
     def cables(self) -> Sequence[Cable]: ...
 
     @property
+    def cable_runs(self) -> Sequence[Any]: ...
+
+    @property
     def start_corrections(self) -> Sequence[StartCorrection]: ...
 
     @property
     def name(self) -> str: ...
+
+    def scale_mass(self, theta: float, h: float) -> None: ...
+
+    def set_step(self, h: float) -> None: ...
 
     def start(self, time: float) -> None: ...
 
@@ -89,6 +100,7 @@ class ExplicitTimeLoop:
         self._computed = grid.first  # steps of the loop
         self._ahead: tuple[int, Array] = (0, np.zeros((0, ACCELERATIONS, 0)))  # first step and its states
         for run in runs:
+            run.set_step(grid.h)
             run.start(grid.start)
         if restarts.found:
             restarts.resume(runs, grid)
@@ -234,6 +246,19 @@ class ExplicitTimeLoop:
             run.state.q[:] = q[run.indices] + run.reference
             run.state.v[:] = v[run.indices]
             run.start(self.grid.time(self._computed))
+
+
+def warn_of_energy(runs: Sequence[Run], tolerance: float) -> None:
+    """Once a run, where an energy has grown by more than that share of what its motion turns over."""
+    for run in runs:
+        gain = run.figures().get("energyGain", 0.0)
+        if gain > tolerance * run.lenience:
+            warnings.warn(
+                f"{run.name}: the energy has grown by {gain:.2%} of what the motion turns over, beyond the work "
+                f"done on it (energyTolerance {tolerance:.2%}): take integrator='RATTLE' if it is another one, or "
+                "a smaller stepSize.",
+                stacklevel=3,
+            )
 
 
 def worst_figures(runs: Sequence[Run]) -> dict[str, float]:

@@ -139,6 +139,7 @@ INTEGRATOR = Integrator(
     start=start,
     carries=("a",),
     stabilised=False,
+    has_implicit_damping=True,
     resume=resume,
     checked=checked,
     trouble=trouble,

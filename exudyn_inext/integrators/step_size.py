@@ -18,6 +18,7 @@ class StepSizeBounds:
     largest_frequency: w_max [rad/s].
     cable: name of the cable that decides the first bound.
     contact: as `bending`, if all contacts close at once: an estimate, for the automatic step alone.
+    accuracy: step that resolves the motion as well as the mesh does, for the automatic step alone.
     safety: share of the stability limit that leaves a margin for what the motion changes [-].
     """
 
@@ -27,6 +28,7 @@ class StepSizeBounds:
     largest_frequency: float
     cable: str
     contact: float = math.inf
+    accuracy: float = math.inf
     safety: float = 0.95
 
     @property
@@ -56,6 +58,7 @@ def choose_step(bounds: StepSizeBounds, safety: float | None = None) -> tuple[fl
     """
     safety = safety or bounds.safety
     candidates = {
+        "accuracy": bounds.accuracy,
         "contact": safety * bounds.contact,
         "rule (37)": bounds.rule,
         "bending": safety * bounds.bending,

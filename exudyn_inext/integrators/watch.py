@@ -1,7 +1,13 @@
 """A watch over a run: whether it stays finite, on its constraints, and with the energy that it should have.
 
 That is the energy of its start and the work done since; what it has beyond that, the scheme has made. Every
-few steps the account is drawn up, and the state kept, so that a run stops with the last good one.
+few steps the account is drawn up, and the state kept, so that a run can go on from the last good one.
+
+It also looks at how fast the motion is: the vibrations that carry it, of the frequency
+
+    w^2 = int a . M a dt / int v . M v dt,
+
+have a phase error of w T (h w)^2 / 24 after a time T under a scheme of central differences.
 """
 
 from typing import Any, NamedTuple
@@ -13,25 +19,33 @@ from ..compiled import inlined, kernel
 from ..system import AGITATION, ELASTIC, KINETIC, POWER, VIOLATION, gauge
 from .integrator import FACTOR, FIRST, LAST, PROJECTION, SUM, LoadHistory, advance
 
-ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY = 0, 1, 2, 3
+NOW, KEPT, FAILED = range(3)  # accounts
+ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY, JUMP, TOO_FAST = range(6)
 
 STEPS_BETWEEN = 160  # inspections of a run whose energy only forces change
 STEPS_WITH_POWER = 80  # of one with damping, drag, or supports that move, at most
-LEAST_STEPS_WITH_POWER = 4
+LEAST_STEPS = 4  # at the beginning, and where the power changes fast
 BENT, STRAIGHT = 0.2, 0.05  # change of the power's rise, over its largest value, for fewer and for more steps
 LARGEST_VIOLATION = 0.05  # of |r_x|^2 = 1 [-], and of lengths, relative
-PATIENCE = 256  # steps for which the energy may be above its limit
-VIOLENT = 30.0  # times the limit: no patience
+LARGEST_JUMP = 5.0  # of the energy between two inspections, times the tolerance
+VIOLENT = 30.0  # times the tolerance: what a scheme that gains energy may gain altogether
+BEGINNING = 3.0  # phase [rad] of the motion before which its frequency is not known
 SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
 SCATTER = 4.0  # times its standard deviation may the work of forces be wrong
 
 ACCOUNT = record_type(
     [
         ("start", np.float64),
+        ("surplus", np.float64),
+        ("time", np.float64),
+        ("forces", np.float64),
+        ("speeds", np.float64),
+        ("phase", np.float64),
         ("agitation", np.float64),
         ("work", np.float64),
         ("unsure", np.float64),
         ("scatter", np.float64),
+        ("scattered", np.float64),
         ("slope", np.float64),
         ("largest_power", np.float64),
         ("largest_kinetic", np.float64),
@@ -41,7 +55,6 @@ ACCOUNT = record_type(
         ("gain", np.float64),
         ("loss", np.float64),
         ("violation", np.float64),
-        ("suspect", np.int64),
         ("steps", np.int64),
         ("ahead", np.int64),
         ("trouble", np.int64),
@@ -54,15 +67,18 @@ class Watch(NamedTuple):
 
     every, least: steps between two inspections, at most and at least.
     tolerance: energy that a run may gain, as a share of what its motion turns over [-].
-    account: (1,) record. Energy at the `start` and `agitation` then [J/s^2]; `work` done since [J], of which
-        we are `unsure`, to one side [J], and its `scatter` [J^2]; the `slope` of the power [W/s], whose
+    most: as `tolerance`, of a scheme that gains energy: with more, it has diverged.
+    duration: T of the run [s].   phase: error that the step may cause in it [rad].
+    account: (3,) records, NOW, KEPT and FAILED. Energy at the `start` and `agitation` then [J/s^2]; its present `surplus` [J];
+        `time` since then [s], and the integrals of `forces`, a . M a / 2 [J/s], and `speeds`, v . M v / 2
+        [J s], over it, and the `phase` error of the run that they let expect [rad]; `work` done since [J], of which
+        we are `unsure`, to one side [J], and its `scatter` [J^2], `scattered` until the last inspection; the `slope` of the power [W/s], whose
         changes tell how well trapezoids fit, and the `largest_power` so far [W]; bounds of kinetic and
         elastic energy so far [J]; relative `error` of the energy and its extremes so far, `gain` and `loss`
-        [-]; largest `violation` of a constraint so far [-]; for how many steps the energy has been
-        `suspect`; how many `steps` were found well so far, how many are `ahead` of the next inspection;
-        what the `trouble` is.
+        [-]; largest `violation` of a constraint so far [-]; how many `steps` were found well so far, how many
+        are `ahead` of the next inspection; what the `trouble` is.
     position: (n_dof,) when work was counted last.
-    pattern, work: (P, n_dof), (P, 5) of load histories, see `LoadHistory`.
+    pattern, work: (P, n_dof), (P, 5) of load histories, see `LoadHistory`.   kept_work: at the last inspection.
     gauges: (5,) at the last inspection, see `gauge`.   force, gauges_now: memory.
     kept: state of the integrator at the last inspection; if it found trouble, the state that it found.
     """
@@ -70,10 +86,14 @@ class Watch(NamedTuple):
     every: int
     least: int
     tolerance: float
+    most: float
+    duration: float
+    phase: float
     account: Any
     position: Array
     pattern: Array
     work: Array
+    kept_work: Array
     gauges: Array
     force: Array
     gauges_now: Array
@@ -81,24 +101,34 @@ class Watch(NamedTuple):
 
 
 def build_watch(
-    state: Any, every: int, tolerance: float, pattern: Array | None = None, least: int | None = None
+    state: Any,
+    every: int,
+    tolerance: float,
+    pattern: Array | None = None,
+    least: int | None = None,
+    most: float = np.inf,
 ) -> Watch:
     """A watch over the run of an integrator's `state`; `open_account` begins it.
 
     pattern: (P, n_external) of load histories; None: there are none.   least: default: `every`.
+    Other arguments: see `Watch`; nobody looks at the phase yet.
     """
     size = len(state.q)
     own = np.zeros((0, size)) if pattern is None else np.ascontiguousarray(pattern[:, :size])
-    account = np.zeros(1, ACCOUNT)
+    account = np.zeros(3, ACCOUNT)
     account["ahead"] = every
     return Watch(
         every,
         every if least is None else least,
         tolerance,
+        most,
+        duration=1.0,
+        phase=np.inf,
         account=account,
         position=np.zeros(size),
         pattern=own,
         work=_no_work(own),
+        kept_work=_no_work(own),
         gauges=np.zeros(5),
         force=np.zeros(size),
         gauges_now=np.zeros(5),
@@ -125,6 +155,10 @@ def _keep(watch, state):
             kept[i] = now[i]
     for i in range(len(watch.gauges)):
         watch.gauges[i] = watch.gauges_now[i]
+    for p in range(len(watch.work)):
+        for i in range(watch.work.shape[1]):
+            watch.kept_work[p, i] = watch.work[p, i]
+    watch.account[KEPT] = watch.account[NOW]
 
 
 @inlined
@@ -136,17 +170,31 @@ def _exchange(watch, state):
             wrong = now[i]
             now[i] = kept[i]
             kept[i] = wrong
+    for i in range(len(watch.position)):
+        watch.position[i] = state.q[i]
+    for p in range(len(watch.work)):
+        for i in range(watch.work.shape[1]):
+            watch.work[p, i] = watch.kept_work[p, i]
+    watch.account[FAILED] = watch.account[NOW]
+    watch.account[NOW] = watch.account[KEPT]
+    watch.account[NOW].trouble = watch.account[FAILED].trouble
+    watch.account[NOW].ahead = watch.least
 
 
 @inlined
 def _open(watch, state, round_off):
-    account = watch.account[0]
+    account = watch.account[NOW]
     kinetic, elastic = watch.gauges_now[KINETIC], watch.gauges_now[ELASTIC]
     account.start = kinetic + elastic
+    account.surplus = 0.0
+    account.time = 0.0
+    account.forces = 0.0
+    account.speeds = 0.0
     account.agitation = watch.gauges_now[AGITATION]
     account.work = 0.0
     account.unsure = round_off
     account.scatter = 0.0
+    account.scattered = 0.0
     account.slope = 0.0
     account.largest_power = 0.0
     account.ahead = watch.least
@@ -154,7 +202,6 @@ def _open(watch, state, round_off):
     account.least_elastic = elastic
     account.largest_elastic = elastic
     account.error = 0.0
-    account.suspect = 0
     account.trouble = ALL_IS_WELL
     for i in range(len(watch.position)):
         watch.position[i] = state.q[i]
@@ -184,10 +231,22 @@ def open_with_gauges(watch, state, round_off):
     _open(watch, state, round_off)
 
 
+@kernel
+def go_on(watch, system, external, state):
+    """After a change of the step, and so of the mass: the energy is another one, its surplus is not.
+
+    Arguments: see `open_account`.
+    """
+    account = watch.account[NOW]
+    gauge(system, external, state.q, state.v, state.a, watch.force, watch.gauges_now)
+    account.start = watch.gauges_now[KINETIC] + watch.gauges_now[ELASTIC] - account.work - account.surplus
+    _keep(watch, state)
+
+
 @inlined
 def _add_work_of_loads(watch, constant, q):
     """Work of the constant forces since the last call, and of the load histories, counted step by step."""
-    account = watch.account[0]
+    account = watch.account[NOW]
     for i in range(len(watch.position)):
         account.work += constant[i] * (q[i] - watch.position[i])
         watch.position[i] = q[i]
@@ -199,7 +258,7 @@ def _add_work_of_loads(watch, constant, q):
 @inlined
 def _look_ahead(watch, duration):
     """How well the power is known between inspections, and when the next one is due."""
-    account, power = watch.account[0], watch.gauges_now[POWER]
+    account, power = watch.account[NOW], watch.gauges_now[POWER]
     slope = (power - watch.gauges[POWER]) / duration
     bend = duration * abs(slope - account.slope)
     account.scatter += (duration / 12.0 * bend) ** 2
@@ -213,12 +272,12 @@ def _look_ahead(watch, duration):
 
 @inlined
 def _draw_up(watch, steps, duration):
-    """The present error of the energy, beyond what the account itself may be wrong by.
+    """The present error of the energy, beyond what the account itself may be wrong by; returns its jump.
 
     A central difference scheme keeps the energy less h^2 a . M a / 8, exactly if the system is linear: so
     much is in vibrations that the step does not resolve.
     """
-    account, now = watch.account[0], watch.gauges_now
+    account, now = watch.account[NOW], watch.gauges_now
     by_power = 0.5 * (watch.gauges[POWER] + now[POWER]) * duration
     account.work += by_power
     _look_ahead(watch, duration)
@@ -230,10 +289,29 @@ def _draw_up(watch, steps, duration):
     error = now[KINETIC] + now[ELASTIC] - account.start - account.work
     unresolved = 0.25 * (duration / steps) ** 2 * (account.agitation + now[AGITATION])
     unsure = account.unsure + SCATTER * np.sqrt(account.scatter) + unresolved
+    doubt = (
+        SHARE_OF_POWER * abs(by_power) + SCATTER * np.sqrt(account.scatter - account.scattered) + unresolved
+    )
+    account.scattered = account.scatter
+    jump = (error - account.surplus - doubt) / max(turned_over, unsure)
+    account.surplus = error
     account.error = np.copysign(max(abs(error) - unsure, 0.0), error) / max(turned_over, unsure)
     account.gain = max(account.gain, account.error)
     account.loss = min(account.loss, account.error)
     account.violation = max(account.violation, now[VIOLATION])
+    return jump
+
+
+@inlined
+def _is_too_fast(watch, steps, duration):
+    """Whether the motion so far is too fast for the step."""
+    account, now = watch.account[NOW], watch.gauges_now
+    account.time += duration
+    account.forces += now[AGITATION] * duration
+    account.speeds += now[KINETIC] * duration
+    squared = account.forces / account.speeds
+    account.phase = np.sqrt(squared) * watch.duration * (duration / steps) ** 2 * squared / 24.0
+    return account.phase > watch.phase and squared * account.time**2 > BEGINNING**2
 
 
 @inlined
@@ -258,17 +336,20 @@ def glance(q, v, a):
 @inlined
 def _judge(watch, state, steps, duration):
     """After some steps whose work is counted; trouble takes the state back, and is returned."""
-    account, now = watch.account[0], watch.gauges_now
+    account, now = watch.account[NOW], watch.gauges_now
     account.trouble = ALL_IS_WELL
     if not _is_finite(now):
         account.trouble = NOT_FINITE
     else:
-        _draw_up(watch, steps, duration)
-        account.suspect = account.suspect + steps if account.error > watch.tolerance else 0
+        jump = _draw_up(watch, steps, duration)
         if now[VIOLATION] > LARGEST_VIOLATION:
             account.trouble = CONSTRAINTS
-        elif account.suspect >= PATIENCE or account.error > VIOLENT * watch.tolerance:
+        elif account.error > watch.most:
             account.trouble = ENERGY
+        elif jump > LARGEST_JUMP * watch.tolerance:
+            account.trouble = JUMP
+        elif _is_too_fast(watch, steps, duration):
+            account.trouble = TOO_FAST
     if account.trouble == ALL_IS_WELL:
         account.steps += steps
         _keep(watch, state)
@@ -295,7 +376,7 @@ def judge_after_work(watch, state, constant, work, scatter, steps, duration):
         watch, state, steps, duration: see `judge`.   constant: (n_dof,) force whose work is counted here.
         work: of the other forces [J].   scatter: of that work [J^2].
     """
-    account = watch.account[0]
+    account = watch.account[NOW]
     account.work += work
     account.scatter += scatter
     _add_work_of_loads(watch, constant, state.q)
@@ -316,7 +397,7 @@ def record_watched(scheme, system, loads, state, h, steps, history, watch):
     """
     done, total = 0, len(history) * steps
     while done < total:
-        first, ahead = done // steps, watch.account[0].ahead
+        first, ahead = done // steps, watch.account[NOW].ahead
         if steps > ahead:
             number = min(ahead, steps - done % steps)
             last, of_interval = first + 1, number

@@ -122,6 +122,7 @@ INTEGRATOR = Integrator(
     allocate=allocate,
     start=start,
     carries=("a_previous",),
+    has_implicit_damping=True,
     change_step=change_step,
     checked=checked,
 )

@@ -18,10 +18,11 @@ from ..cable_run import CableRun
 from ..cable_watch import figures, finding
 from ..consistent_start import StartCorrection
 from ..divergence import explanation
+from ..step_control import StepControl
 from ..time_grid import TimeGrid
 from .contact_rates import contact_rates, with_contact
 from .coupled_scene import CoupledCable, CoupledScene
-from .coupled_watch import CoupledWatch
+from .coupled_watch import LENIENCE, CoupledWatch
 from .start import consistent_start
 
 _NOTHING, _TIME = np.zeros(1), np.ones((1, 1))  # the load of a coupled system is the time
@@ -35,6 +36,7 @@ class CoupledRun:
     """
 
     looks_ahead = False
+    lenience = LENIENCE
 
     def __init__(
         self,
@@ -67,6 +69,7 @@ class CoupledRun:
         self.start_correction = consistent_start(
             self._scene.system, time, self.state.q, self.state.v, tolerance
         )
+        self.control = StepControl()
         self._unsolvable = ""  # what was said of joints that could not be solved for
         self._output = np.zeros((1, 3, self._scene.size))
         self.watch = CoupledWatch(self._scene, cable_runs, self.state, evaluations, energy_tolerance)
@@ -82,6 +85,10 @@ class CoupledRun:
     @property
     def cables(self) -> list[Cable]:
         return [run.scene_cable.cable for run in self._runs]
+
+    @property
+    def cable_runs(self) -> Sequence[CableRun]:
+        return self._runs
 
     @property
     def start_corrections(self) -> list[StartCorrection]:
@@ -114,6 +121,17 @@ class CoupledRun:
         """Strongest damping [1/s], as a share of that frequency."""
         ratio = self._rates.damping / frequency if frequency > 0.0 else 0.0
         return ratio if ratio > 1e-6 else 0.0
+
+    def scale_mass(self, theta: float, h: float) -> None:
+        """See `CableRun.scale_mass`."""
+        self.__dict__.pop("_rates", None)
+        for run in self._runs:
+            run.scale_mass(theta, h)
+
+    def set_step(self, h: float) -> None:
+        """Prepare the cables for steps of h [s]."""
+        for run in self._runs:
+            run.set_step(h)
 
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; see `CableRun.start`."""
@@ -154,6 +172,7 @@ class CoupledRun:
             for place, values in enumerate((self.state.q, self.state.v, self.state.a)):
                 history[interval, place] = values[:number]
             history[interval, 0] -= self.reference
+        self.control.accept(grid.h, grid.substeps * len(history))
         end = grid.time(first + len(history))
         self._scene.surroundings.show(end, self.state.q, self.state.v, self._scene.system.multipliers)
         return len(history)

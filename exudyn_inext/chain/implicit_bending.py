@@ -1,0 +1,30 @@
+"""Bending treated implicitly by an explicit scheme: a constant matrix beside the mass.
+
+A central difference scheme takes M (q_(n+1) - 2 q_n + q_(n-1)) / h^2 + D (q_(n+1) - q_(n-1)) / (2 h) + K q = F with
+
+    (M + theta h^2 K + h/2 D) a_n = F - K q_n - D v_(n-1/2),    a_n = (q_(n+1) - 2 q_n + q_(n-1)) / h^2,
+
+the matrix on the left constant. theta >= 1/4 takes bending out of the step limit, h/2 D the bending damping.
+"""
+
+from dataclasses import dataclass
+
+from .cable import Section
+
+
+@dataclass(frozen=True)
+class ImplicitBending:
+    """What of the bending forces is in the matrix on the left.
+
+    stiffness: theta h^2 [s^2].   damping: h/2 [s]; 0: the damping is explicit.
+    """
+
+    stiffness: float = 0.0
+    damping: float = 0.0
+
+    def factor(self, section: Section) -> float:
+        """Of the curvature's Gram matrix beside the mass: theta h^2 EI + h/2 D [N m^2 s^2]."""
+        return self.stiffness * section.bending_stiffness + self.damping * section.bending_damping
+
+
+EXPLICIT = ImplicitBending()
