@@ -249,6 +249,13 @@ class CableRun:
             return
         self.resume(time)
 
+    def _begin_again(self, memory: Mapping[str, Any], time: float) -> None:
+        """With half the step, from the beginning, which a longer one has spoilt.   time: of it [s]."""
+        halvings = self.control.halvings
+        _set(self.memory(), memory)
+        self.control.halve(halvings - self.control.halvings)
+        self.resume(time)
+
     def _change_step(self, h: float, time: float) -> None:
         """Prepare for steps of h [s] from the present state, at `time` [s]."""
         before = self.control.present
@@ -295,11 +302,15 @@ class CableRun:
             Number of loop steps that went well; later rows of `history` mean nothing.
         """
         good = 0
+        beginning = _copy(self.memory()) if first == grid.first else None
         while good < len(history) and not self._gave_up:
             if self.control.is_nominal:
                 good += self._record_nominal(scheme, grid, first + good, history[good:])
             else:
                 good += self._finish_interval(scheme, grid, first + good, history[good : good + 1])
+            if self.watch.steps_to_halve and beginning:
+                self._begin_again(beginning, grid.time(first))
+                good = 0
         history[:good, 0] -= self.reference
         return good
 

@@ -7,7 +7,8 @@ It also looks at how fast the motion is: the vibrations that carry it, of the fr
 
     w^2 = int a . M a dt / int v . M v dt,
 
-have a phase error of w T (h w)^2 / 24 after a time T under a scheme of central differences.
+have a phase error of w T (h w)^2 / 24 after a time T under a scheme of central differences. That counts the less
+the smaller their amplitude is, relative to the way of the motion so far: by 1 / (w t).
 """
 
 from typing import Any, NamedTuple
@@ -27,7 +28,7 @@ STEPS_WITH_POWER = 80  # of one with damping, drag, or supports that move, at mo
 LEAST_STEPS = 4  # at the beginning, and where the power changes fast
 BENT, STRAIGHT = 0.2, 0.05  # change of the power's rise, over its largest value, for fewer and for more steps
 LARGEST_VIOLATION = 0.05  # of |r_x|^2 = 1 [-], and of lengths, relative
-LARGEST_JUMP = 5.0  # of the energy between two inspections, times the tolerance
+LARGEST_JUMP = 1.0  # of the energy between two inspections, times the tolerance
 VIOLENT = 30.0  # times the tolerance: what a scheme that gains energy may gain altogether
 BEGINNING = 3.0  # phase [rad] of the motion before which its frequency is not known
 SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
@@ -68,7 +69,7 @@ class Watch(NamedTuple):
     every, least: steps between two inspections, at most and at least.
     tolerance: energy that a run may gain, as a share of what its motion turns over [-].
     most: as `tolerance`, of a scheme that gains energy: with more, it has diverged.
-    duration: T of the run [s].   phase: error that the step may cause in it [rad].
+    duration: T of the run [s].   phase: error that the step may cause in it [rad], see above.
     account: (3,) records, NOW, KEPT and FAILED. Energy at the `start` and `agitation` then [J/s^2]; its present `surplus` [J];
         `time` since then [s], and the integrals of `forces`, a . M a / 2 [J/s], and `speeds`, v . M v / 2
         [J s], over it, and the `phase` error of the run that they let expect [rad]; `work` done since [J], of which
@@ -310,8 +311,10 @@ def _is_too_fast(watch, steps, duration):
     account.forces += now[AGITATION] * duration
     account.speeds += now[KINETIC] * duration
     squared = account.forces / account.speeds
-    account.phase = np.sqrt(squared) * watch.duration * (duration / steps) ** 2 * squared / 24.0
-    return account.phase > watch.phase and squared * account.time**2 > BEGINNING**2
+    turned = np.sqrt(squared) * account.time
+    error = np.sqrt(squared) * watch.duration * (duration / steps) ** 2 * squared / 24.0
+    account.phase = error * BEGINNING / turned
+    return account.phase > watch.phase and turned > BEGINNING
 
 
 @inlined
@@ -398,7 +401,7 @@ def record_watched(scheme, system, loads, state, h, steps, history, watch):
     done, total = 0, len(history) * steps
     while done < total:
         first, ahead = done // steps, watch.account[NOW].ahead
-        if steps > ahead:
+        if steps > ahead or done % steps:
             number = min(ahead, steps - done % steps)
             last, of_interval = first + 1, number
         else:
