@@ -1,9 +1,9 @@
 """The step of a run that is given none: as long as accuracy allows, with implicit bending where that decides.
 
-A transverse wave of the speed c, which the tension gives it, takes 20 steps to pass an element: the error in time is
-then near that of the mesh. c^2 is the tension over rho_A that weight, loads and inertia can cause at most, and twice
-the energy by mass that the motion starts with. How fast the motion really is, the watch finds out, see
-`integrators.watch`.
+A transverse wave of the speed c, which the tension gives it, takes 20 steps to pass an element: the error in
+time is then near that of the mesh. c^2 is the tension over rho_A that weight, loads and inertia can cause at
+most, and twice the energy by mass that the motion starts with. How fast the motion really is, the watch finds
+out, see `integrators.watch`.
 """
 
 import math
@@ -66,8 +66,8 @@ def bounds_of_step(
     cables = [cable for run in runs for cable in run.cable_runs]
     if explicit.stepSize is not None or find_integrator(explicit.integrator).stabilised or not cables:
         return step_bounds(runs, start, explicit), explicit
-    for cable in cables:
-        cable.watch.limit_phase(min(duration, MOST_DURATION), PHASE)
+    for run in runs:
+        run.watch.limit_phase(min(duration, MOST_DURATION), PHASE)
     step = accuracy = min(accurate_step(cable, start) for cable in cables)
     explicit = replace(explicit, massScaling=_mass_scaling(cables, accuracy, explicit))
     for _ in range(MOST_TRIALS):

@@ -1,7 +1,8 @@
 """One cable during a run: its compiled system, its state, and its place in the mbs."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -131,7 +132,8 @@ class CableRun:
         return largest_frequency(plain, self.state.external, q.copy(), self.state.v.reshape(shape).copy())
 
     @property
-    def _has_implicit_bending(self) -> bool:
+    def has_implicit_bending(self) -> bool:
+        """Whether the system depends on the step."""
         return self._theta > 0.0 or self._lag > 0.0
 
     def scale_mass(self, theta: float, h: float) -> None:
@@ -142,9 +144,27 @@ class CableRun:
     def set_step(self, h: float) -> None:
         """Prepare the system for steps of h [s]: what is implicit depends on it."""
         self.control.present = h
-        if self._has_implicit_bending:
+        if self.has_implicit_bending:
             implicit = ImplicitBending(self._theta * h**2, self._lag * h)
             set_mass(self.system.chain, self.scene_cable.cable, implicit)
+
+    @contextmanager
+    def implicit_damping_left_out(self) -> Iterator[None]:
+        """The system without the damping that is implicit, for limits of the step."""
+        if not self._lag:
+            yield
+            return
+        elements, step = self.system.chain.elements, self.control.present
+        weights = elements["damping"][:, :, 0].copy()
+        elements["damping"][:, :, 0] = 0.0
+        scaled = ImplicitBending(self._theta * (step or self._likely_step) ** 2)
+        set_mass(self.system.chain, self.scene_cable.cable, scaled)
+        try:
+            yield
+        finally:
+            elements["damping"][:, :, 0] = weights
+            if step:
+                self.set_step(step)
 
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; the history of a multi-step scheme begins here.
@@ -262,7 +282,7 @@ class CableRun:
         if abs(h - before) <= ROUND_OFF * h:
             return
         self.set_step(h)
-        if self._has_implicit_bending:
+        if self.has_implicit_bending:
             self._integrator.start(self.system, self.loads.at(time), self.state)
         elif before:
             self._integrator.change_step(self.state, h / before)
@@ -337,8 +357,7 @@ class CableRun:
         trouble = self._integrator.trouble(scheme, self.watch.watch.kept)
         limit = self._stability_limit(scheme, self.largest_frequency(time))
         said = explanation(self._integrator, trouble, smallest, limit, self._theta > 0.0)
-        tried = f"{self.control.rejections} times steps were rejected, the last ones of {smallest:.3g} s"
-        return f"{self.name}: {self.watch.finding(self.state)}; {tried}. {said}"
+        return f"{self.name}: {self.watch.finding(self.state)}; {self.control.said}. {said}"
 
     def _stability_limit(self, scheme: Any, frequency: float) -> float:
         limit = frequency_limit(self._integrator, scheme, self.damping_ratio(frequency))

@@ -76,10 +76,7 @@ class CableWatch:
     @property
     def steps_to_halve(self) -> int:
         """How often the step must be halved for the motion; 0 if it is short enough."""
-        watch, account = self.watch, self.watch.account[FAILED]
-        if self.watch.account[NOW].trouble != TOO_FAST:
-            return 0
-        return max(1, math.ceil(0.5 * math.log2(account.phase / watch.phase)))
+        return steps_to_halve(self.watch)
 
     @property
     def energy_error(self) -> float:
@@ -101,6 +98,13 @@ class CableWatch:
         sizes = np.linalg.norm(a.reshape(self._shape)[:, 0], axis=1)
         k = int(np.argmax(sizes[1:] + sizes[:-1]))
         return self._names[k], self._names[k + 1]
+
+
+def steps_to_halve(watch: Watch) -> int:
+    """How often the step must be halved for the motion; 0 if it is short enough."""
+    if watch.account[NOW].trouble != TOO_FAST:
+        return 0
+    return max(1, math.ceil(0.5 * math.log2(watch.account[FAILED].phase / watch.phase)))
 
 
 def figures(watch: Watch) -> dict[str, float]:

@@ -76,7 +76,8 @@ class NativeRun:
     reason = "Exudyn evaluates all forces, once for each evaluation"
     cables: ClassVar[list[Cable]] = []
     cable_runs: ClassVar[list[Any]] = []
-    lenience = math.inf  # nothing is watched
+    lenience = math.inf
+    watch = None  # nothing is
     start_corrections: ClassVar[list[StartCorrection]] = []
 
     def __init__(self, mbs: Any, solver: Any, integrator: Integrator) -> None:

@@ -1,8 +1,8 @@
 """Which steps a cable takes: the nominal one, and smaller ones where it goes wrong.
 
-Steps that go wrong are rejected: the run goes on from the state before them with a quarter of the step, and with
-that again, until they go well; then they grow again. The nominal step is that of the time grid; it is halved where
-the motion turns out to be too fast for it, or follows the present stability limit of the cable.
+Steps that go wrong are rejected: the run goes on from the state before them with a quarter of the step, and
+with that again, until they go well; then they grow again. The nominal step is that of the time grid; it is
+halved where the motion turns out to be too fast for it, or follows the present stability limit of the cable.
 """
 
 import math
@@ -66,7 +66,7 @@ class FrequencyFollower:
         self._frequency = frequency
 
     def nominal_step(self, log: Any) -> float:
-        """Largest step that is allowed now [s]; 0 if it would have to be so small that the run has diverged."""
+        """Largest step that is allowed now [s]; 0 if only a run that has diverged asks for so small a one."""
         frequency = self._frequency()
         if not math.isfinite(frequency):
             return 0.0
@@ -129,6 +129,12 @@ class StepControl:
     @offset.setter
     def offset(self, time: float) -> None:
         self._log.offset = time
+
+    @property
+    def said(self) -> str:
+        """What is said of a run whose steps cannot be made small enough."""
+        tried = f"{self.rejections} times steps were taken again"
+        return f"{tried}, and those of {self.present:.3g} s, the smallest ones, went wrong, too"
 
     @property
     def is_nominal(self) -> bool:

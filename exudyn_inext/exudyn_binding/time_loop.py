@@ -30,6 +30,7 @@ class Run(Protocol):
     state: Any
     lenience: float
     control: StepControl
+    watch: Any
     indices: np.ndarray
     reference: Array
     looks_ahead: bool
@@ -254,9 +255,9 @@ def warn_of_energy(runs: Sequence[Run], tolerance: float) -> None:
         gain = run.figures().get("energyGain", 0.0)
         if gain > tolerance * run.lenience:
             warnings.warn(
-                f"{run.name}: the energy has grown by {gain:.2%} of what the motion turns over, beyond the work "
-                f"done on it (energyTolerance {tolerance:.2%}): take integrator='RATTLE' if it is another one, or "
-                "a smaller stepSize.",
+                f"{run.name}: the energy has grown by {gain:.2%} of what the motion turns over, beyond the "
+                f"work done on it (energyTolerance {tolerance:.2%}): take integrator='RATTLE' if it is another "
+                "one, or a smaller stepSize.",
                 stacklevel=3,
             )
 

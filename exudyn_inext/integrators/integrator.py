@@ -25,8 +25,8 @@ class Integrator:
     start: (system, external, state): sets all but q and v of the state; external (n_dof,).
     carries: fields of the state that a step needs besides q and v, and does not compute from them.
     stabilised: whether it integrates the stabilised equations (30), whose zeta bounds the step.
-    has_implicit_damping: whether its accelerations are central differences of the positions, so that damping may
-        be in the matrix on the left, see `accelerate_and_project`.
+    has_implicit_damping: whether its accelerations are central differences of the positions, so that damping
+        may be in the matrix on the left.
     change_step: (state, ratio): prepares the memory of a multi-step scheme for steps longer by that ratio.
     resume: (system, external, state): what a step needs of the system besides the state, evaluated again.
     checked: scheme -> the same of plain numbers; raises InputError for a parameter out of its limits.

@@ -7,8 +7,8 @@ It also looks at how fast the motion is: the vibrations that carry it, of the fr
 
     w^2 = int a . M a dt / int v . M v dt,
 
-have a phase error of w T (h w)^2 / 24 after a time T under a scheme of central differences. That counts the less
-the smaller their amplitude is, relative to the way of the motion so far: by 1 / (w t).
+have a phase error of w T (h w)^2 / 24 after a time T under a scheme of central differences. That counts the
+less the smaller their amplitude is, relative to the way of the motion so far: by 1 / (w t).
 """
 
 from typing import Any, NamedTuple
@@ -70,16 +70,18 @@ class Watch(NamedTuple):
     tolerance: energy that a run may gain, as a share of what its motion turns over [-].
     most: as `tolerance`, of a scheme that gains energy: with more, it has diverged.
     duration: T of the run [s].   phase: error that the step may cause in it [rad], see above.
-    account: (3,) records, NOW, KEPT and FAILED. Energy at the `start` and `agitation` then [J/s^2]; its present `surplus` [J];
-        `time` since then [s], and the integrals of `forces`, a . M a / 2 [J/s], and `speeds`, v . M v / 2
-        [J s], over it, and the `phase` error of the run that they let expect [rad]; `work` done since [J], of which
-        we are `unsure`, to one side [J], and its `scatter` [J^2], `scattered` until the last inspection; the `slope` of the power [W/s], whose
+    account: (3,) records, NOW, KEPT and FAILED. Energy at the `start` and `agitation` then [J/s^2]; its
+        present `surplus` [J]; `time` since then [s], and the integrals of `forces`, a . M a / 2 [J/s], and
+        `speeds`, v . M v / 2 [J s], over it, and the `phase` error of the run that they let expect [rad];
+        `work` done since [J], of which we are `unsure`, to one side [J], and its `scatter` [J^2], `scattered`
+        until the last inspection; the `slope` of the power [W/s], whose
         changes tell how well trapezoids fit, and the `largest_power` so far [W]; bounds of kinetic and
         elastic energy so far [J]; relative `error` of the energy and its extremes so far, `gain` and `loss`
         [-]; largest `violation` of a constraint so far [-]; how many `steps` were found well so far, how many
         are `ahead` of the next inspection; what the `trouble` is.
     position: (n_dof,) when work was counted last.
-    pattern, work: (P, n_dof), (P, 5) of load histories, see `LoadHistory`.   kept_work: at the last inspection.
+    pattern, work: (P, n_dof), (P, 5) of load histories, see `LoadHistory`.
+    kept_work: at the last inspection.
     gauges: (5,) at the last inspection, see `gauge`.   force, gauges_now: memory.
     kept: state of the integrator at the last inspection; if it found trouble, the state that it found.
     """
@@ -232,16 +234,27 @@ def open_with_gauges(watch, state, round_off):
     _open(watch, state, round_off)
 
 
+@inlined
+def _go_on(watch, state):
+    account, now = watch.account[NOW], watch.gauges_now
+    account.start = now[KINETIC] + now[ELASTIC] - account.work - account.surplus
+    _keep(watch, state)
+
+
 @kernel
 def go_on(watch, system, external, state):
     """After a change of the step, and so of the mass: the energy is another one, its surplus is not.
 
     Arguments: see `open_account`.
     """
-    account = watch.account[NOW]
     gauge(system, external, state.q, state.v, state.a, watch.force, watch.gauges_now)
-    account.start = watch.gauges_now[KINETIC] + watch.gauges_now[ELASTIC] - account.work - account.surplus
-    _keep(watch, state)
+    _go_on(watch, state)
+
+
+@kernel
+def go_on_with_gauges(watch, state):
+    """As `go_on`, where `gauges_now` are set already."""
+    _go_on(watch, state)
 
 
 @inlined

@@ -1,6 +1,7 @@
 """Cables, bodies and joints of a scene, moved together: one right-hand side call for each evaluation."""
 
 from collections.abc import Sequence
+from contextlib import ExitStack
 from functools import cached_property
 from typing import Any
 
@@ -16,13 +17,14 @@ from ...integrators.integrator import Integrator, LoadHistory, advance
 from ...integrators.linear_stability import frequency_limit
 from ..cable_run import CableRun
 from ..cable_watch import figures, finding
-from ..consistent_start import StartCorrection
+from ..consistent_start import ROUND_OFF, StartCorrection
 from ..divergence import explanation
 from ..step_control import StepControl
 from ..time_grid import TimeGrid
 from .contact_rates import contact_rates, with_contact
 from .coupled_scene import CoupledCable, CoupledScene
 from .coupled_watch import LENIENCE, CoupledWatch
+from .kept_state import KeptState
 from .start import consistent_start
 
 _NOTHING, _TIME = np.zeros(1), np.ones((1, 1))  # the load of a coupled system is the time
@@ -70,9 +72,13 @@ class CoupledRun:
             self._scene.system, time, self.state.q, self.state.v, tolerance
         )
         self.control = StepControl()
+        self._gave_up = False
         self._unsolvable = ""  # what was said of joints that could not be solved for
         self._output = np.zeros((1, 3, self._scene.size))
-        self.watch = CoupledWatch(self._scene, cable_runs, self.state, evaluations, energy_tolerance)
+        self.watch = CoupledWatch(
+            self._scene, cable_runs, self.state, evaluations, energy_tolerance, integrator.stabilised
+        )
+        self._kept = KeptState(mbs, self.memory())
 
     @property
     def name(self) -> str:
@@ -96,7 +102,14 @@ class CoupledRun:
 
     @cached_property
     def _rates(self) -> FastestRates:
-        return fastest_rates(self._scene.system, self._time, self.state.q, self.state.v)
+        return self._rates_at(self._time)
+
+    def _rates_at(self, time: float) -> FastestRates:
+        """Of the present state; the cables' implicit damping does not bound the step."""
+        with ExitStack() as stack:
+            for run in self._runs:
+                stack.enter_context(run.implicit_damping_left_out())
+            return fastest_rates(self._scene.system, time, self.state.q, self.state.v)
 
     @property
     def rates_in_contact(self) -> FastestRates:
@@ -130,6 +143,7 @@ class CoupledRun:
 
     def set_step(self, h: float) -> None:
         """Prepare the cables for steps of h [s]."""
+        self.control.present = h
         for run in self._runs:
             run.set_step(h)
 
@@ -152,10 +166,13 @@ class CoupledRun:
             "scene": self._scene.memory(),
             "cables": cables,
             "watch": self.watch.memory(),
+            "control": self.control.memory(),
         }
 
     def resume(self, time: float) -> None:
         """Go on at `time` [s] with the memory that has been set; data coordinates are those of mbs."""
+        if self.control.present:
+            self.set_step(self.control.present)
         self._scene.surroundings.forces(time, self.state.q, self.state.v)
         plain(self._integrator.resume)(self._scene.system, np.array([time]), self.state)
         self.watch.resume()
@@ -165,30 +182,78 @@ class CoupledRun:
         number = len(self.indices)
         self._scene.surroundings.forget()
         for interval in range(len(history)):
-            start = grid.time(first + interval)
             with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges
-                if not self._is_well_through(scheme, start, grid):
+                if not self._finish_interval(scheme, grid.time(first + interval), grid):
                     return interval
             for place, values in enumerate((self.state.q, self.state.v, self.state.a)):
                 history[interval, place] = values[:number]
             history[interval, 0] -= self.reference
-        self.control.accept(grid.h, grid.substeps * len(history))
         end = grid.time(first + len(history))
         self._scene.surroundings.show(end, self.state.q, self.state.v, self._scene.system.multipliers)
         return len(history)
 
-    def _is_well_through(self, scheme: Any, start: float, grid: TimeGrid) -> bool:
-        """Take the steps of one interval."""
-        steps, h = np.arange(grid.substeps)[:, np.newaxis], grid.h
+    def _finish_interval(self, scheme: Any, start: float, grid: TimeGrid) -> bool:
+        """The rest of the interval that began at `start` [s]; returns whether its end was reached."""
+        control, interval = self.control, grid.substeps * grid.h
+        while control.offset < (1.0 - ROUND_OFF) * interval:
+            time, remaining, is_nominal = (
+                start + control.offset,
+                interval - control.offset,
+                control.is_nominal,
+            )
+            if is_nominal:
+                duration, steps = interval, grid.substeps * 2**control.halvings
+            else:
+                duration, steps = control.piece(remaining, grid.h)
+            h = duration / steps
+            self._change_step(h, time)
+            self._kept.keep()
+            if self._is_well_through(scheme, time, h, steps, at_once=not is_nominal):
+                control.accept(h, steps)
+                control.offset += duration
+            elif not self._is_rejected(time):
+                return False
+        control.offset = 0.0
+        return True
+
+    def _is_rejected(self, time: float) -> bool:
+        """Back to the state before the last steps, at `time` [s]; False if there are no smaller ones."""
+        found, trouble, times = self.watch.failed, self.watch.trouble, self.watch.steps_to_halve
+        self._kept.restore()
+        self.watch.note(found, trouble)
+        if times:
+            self.control.halve(times)
+        elif not self.control.reject():
+            self._gave_up = True
+            return False
+        self._scene.surroundings.forget()
+        self.resume(time)
+        return True
+
+    def _change_step(self, h: float, time: float) -> None:
+        """Prepare for steps of h [s] from the present state, at `time` [s]."""
+        before = self.control.present
+        if abs(h - before) <= ROUND_OFF * h:
+            return
+        self.set_step(h)
+        if any(run.has_implicit_bending for run in self._runs):
+            plain(self._integrator.start)(self._scene.system, np.array([time]), self.state)
+        elif before:
+            self._integrator.change_step(self.state, h / before)
+        self.watch.go_on(time, self.state)
+
+    def _is_well_through(self, scheme: Any, start: float, h: float, number: int, at_once: bool) -> bool:
+        """Take so many steps of h [s] from `start` [s].   at_once: whether they are judged at their end."""
+        steps = np.arange(number)[:, np.newaxis]
         times: Array = start + h * (steps + np.array(self._integrator.stages))
         ends = (start + h * (steps + 1)).ravel().tolist()
         done = 0
         try:
-            while done < grid.substeps:
+            while done < number:
                 ahead = slice(done, done + self.watch.steps_ahead)
                 self._take_steps(scheme, times[ahead], ends[ahead], h)
-                done = min(ahead.stop, grid.substeps)
-                if not self.watch.is_well_at(ends[done - 1], h, self.state):
+                done = min(ahead.stop, number)
+                if not self.watch.is_well_at(ends[done - 1], h, self.state, at_once and done == number):
                     return False
         except (DivergenceError, RedundantConstraintError) as error:
             self._unsolvable = str(error) if isinstance(error, RedundantConstraintError) else ""
@@ -218,12 +283,12 @@ class CoupledRun:
 
     def verdict(self, scheme: Any, time: float, h: float) -> str:
         """What went wrong in the last steps; see `CableRun.verdict`."""
-        if not self.watch.has_trouble:
+        if not self._gave_up:
             return ""
         if self._unsolvable:
             return f"{self.name}: {self._unsolvable} If the motion before that is wrong, reduce stepSize."
         trouble = self._integrator.trouble(scheme, self.watch.watch.kept)
-        rates = fastest_rates(self._scene.system, time, self.state.q, self.state.v)
+        rates = self._rates_at(time)
         limit = frequency_limit(self._integrator, scheme) / rates.frequency if rates.frequency else np.inf
-        said = explanation(self._integrator, trouble, h, limit, scaled=True)
-        return f"{self.name}: {finding(self.watch.watch)}. {said}"
+        said = explanation(self._integrator, trouble, self.control.present, limit, scaled=True)
+        return f"{self.name}: {finding(self.watch.watch)}; {self.control.said}. {said}"

@@ -12,13 +12,25 @@ from typing import Any
 import numpy as np
 
 from ...integrators.path_work import WAY, begin_path, build_path, follow, take_sums
-from ...integrators.watch import build_watch, glance, judge, judge_after_work, open_with_gauges
+from ...integrators.watch import (
+    FAILED,
+    NOW,
+    VIOLENT,
+    Watch,
+    build_watch,
+    glance,
+    go_on_with_gauges,
+    judge,
+    judge_after_work,
+    open_with_gauges,
+)
 from ...system import AGITATION, KINETIC, POWER, VIOLATION, gauge
 from ..cable_run import CableRun
-from ..cable_watch import memory_of
+from ..cable_watch import memory_of, steps_to_halve
 from .coupled_scene import CoupledScene
 
 STEPS_BETWEEN = 1024  # two inspections at most
+FIRST_STEPS = 4  # two inspections, which are further and further apart
 STEPS_WITH_POWER = 32  # at most where damping or supports that move change the energy
 STEPS_BETWEEN_GLANCES = 32  # at the velocities, at most; outputs are looked at, too
 CALM = 16.0  # growth of their square since the last inspection that calls for another one
@@ -44,12 +56,15 @@ class CoupledWatch:
         state: Any,
         evaluations: int,
         energy_tolerance: float,
+        gains_energy: bool,
     ) -> None:
         self._scene = scene
         self._surroundings = scene.surroundings
         self._runs = runs
         self._bodies = scene.system.parts[len(runs)]
-        self.watch = build_watch(state, STEPS_BETWEEN, LENIENCE * energy_tolerance)
+        tolerance = LENIENCE * energy_tolerance
+        most = VIOLENT * tolerance if gains_energy else np.inf
+        self.watch = build_watch(state, STEPS_BETWEEN, tolerance, most=most)
         self._gravity = np.zeros(len(state.q))
         for run, dofs in zip(runs, scene.map.slices, strict=False):
             self._gravity[dofs] = run.loads.constant[: dofs.stop - dofs.start]
@@ -63,24 +78,51 @@ class CoupledWatch:
             way = self._path[WAY, self._bodies.dofs]
             self.after_each_step += [partial(self._bodies.system.count_changes, way, self._changes)]
         self._scale = 1.0  # of violated joints [m, -]
+        self._step = 0.0  # last one [s]
         self._last = np.zeros(2)  # inspection: its time [s], and the square of the velocities then
         self._calm = 0.0  # largest square of velocities that calls for no other one
-        self._steps = 0  # since then
-        self._most_steps = STEPS_BETWEEN
-        self._kept_steps = np.zeros(2, int)
+        self._counts = np.zeros(2, int)  # of steps since then, and until the next one at most
+
+    @property
+    def _steps(self) -> int:
+        return int(self._counts[0])
+
+    @property
+    def _most_steps(self) -> int:
+        return int(self._counts[1])
+
+    def limit_phase(self, duration: float, phase: float) -> None:
+        """Let it find steps that are too long for the motion; arguments: see `Watch`."""
+        self.watch = self.watch._replace(duration=duration, phase=phase)
 
     def open(self, t: float, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""
-        self._set_gauges(t, state)
-        forces = self._surroundings.native_forces
-        begin_path(self._path, state.q, forces)
-        self._bodies.system.begin_changes()
-        self._changes[:] = 0.0
+        forces = self._begin_work(t, state)
+        self._counts[1] = FIRST_STEPS
         self._begin(t, state)
         extent = float(np.abs(state.q).max(initial=0.0))
         self._scale = max(1.0, extent)
         size = float(np.abs(forces + self._gravity[: len(forces)]).sum())
         open_with_gauges(self.watch, state, ROUND_OFF * extent * size)
+
+    def _begin_work(self, t: float, state: Any) -> Any:
+        """Count work from a state on; returns the forces of Exudyn's items in it."""
+        self._set_gauges(t, state)
+        forces = self._surroundings.native_forces
+        begin_path(self._path, state.q, forces)
+        self._bodies.system.begin_changes()
+        self._changes[:] = 0.0
+        return forces
+
+    def go_on(self, t: float, state: Any) -> None:
+        """With another step, from a state that the integrator has just started from, at t [s]."""
+        if self._steps:  # what has gone on since the last inspection counts, and is not judged any more
+            self._set_gauges(t, state)
+            indifferent = self.watch._replace(tolerance=np.inf, most=np.inf, phase=np.inf)
+            self._judge(indifferent, self._step, t - self._last[0], state)
+        self._begin_work(t, state)
+        self._begin(t, state)
+        go_on_with_gauges(self.watch, state)
 
     @property
     def steps_ahead(self) -> int:
@@ -89,14 +131,15 @@ class CoupledWatch:
 
     def count(self, steps: int) -> None:
         """These steps have been taken."""
-        self._steps += steps
+        self._counts[0] += steps
 
-    def is_well_at(self, t: float, h: float, state: Any) -> bool:
-        """Judge the steps of h [s] until t [s] from time to time, and at once if velocities grow."""
-        if self._steps < self._most_steps and glance(state.q, state.v, state.a) <= self._calm:
+    def is_well_at(self, t: float, h: float, state: Any, at_once: bool = False) -> bool:
+        """Judge the steps of h [s] until t [s] from time to time, and `at_once`, or if velocities grow."""
+        self._step = h
+        if not at_once and self._steps < self._most_steps and glance(state.q, state.v, state.a) <= self._calm:
             return True
         self._set_gauges(t, state)
-        trouble = self._judge(h, t - self._last[0], state)
+        trouble = self._judge(self.watch, h, t - self._last[0], state)
         self._begin(t, state)
         return not trouble
 
@@ -107,28 +150,26 @@ class CoupledWatch:
 
     def memory(self) -> dict[str, Any]:
         """Arrays that the next inspections depend on, by names."""
-        self._kept_steps[:] = self._steps, self._most_steps
         path = {"path": self._path, "changes": self._changes}
         masses = {"masses": self._bodies.system.masses_before()}
-        return memory_of(self.watch) | path | masses | {"last": self._last, "steps": self._kept_steps}
+        return memory_of(self.watch) | path | masses | {"last": self._last, "steps": self._counts}
 
     def resume(self) -> None:
         """Go on with the memory that has been set."""
-        self._steps, self._most_steps = (int(number) for number in self._kept_steps)
         self._calm = CALM * float(self._last[1])
 
     def _begin(self, t: float, state: Any) -> None:
         """Count steps from a state at t [s]."""
-        self._steps = 0
-        self._most_steps = STEPS_WITH_POWER if self.watch.gauges_now[POWER] else STEPS_BETWEEN
+        most = STEPS_WITH_POWER if self.watch.gauges_now[POWER] else STEPS_BETWEEN
+        self._counts[:] = 0, min(2 * self._counts[1], most)
         self._last[:] = t, state.v.dot(state.v)
         self._calm = CALM * float(self._last[1])
 
-    def _judge(self, h: float, duration: float, state: Any) -> int:
+    def _judge(self, watch: Watch, h: float, duration: float, state: Any) -> int:
         work, scatter = take_sums(self._path)
         work += 0.5 * float(self._changes[0]) / h**2
         self._changes[:] = 0.0
-        return int(judge_after_work(self.watch, state, self._gravity, work, scatter, self._steps, duration))
+        return int(judge_after_work(watch, state, self._gravity, work, scatter, self._steps, duration))
 
     def _set_gauges(self, t: float, state: Any) -> None:
         total = self.watch.gauges_now
@@ -152,6 +193,21 @@ class CoupledWatch:
         total[POWER] += self._scene.system.multipliers @ self._scene.system.drift
 
     @property
-    def has_trouble(self) -> bool:
-        """Whether the last steps went wrong."""
-        return bool(self.watch.account[0].trouble)
+    def trouble(self) -> int:
+        """What went wrong in the last steps, see `integrators.watch`."""
+        return int(self.watch.account[NOW].trouble)
+
+    @property
+    def failed(self) -> Any:
+        """The account of steps that went wrong."""
+        return self.watch.account[FAILED].copy()
+
+    def note(self, failed: Any, trouble: int) -> None:
+        """After steps that were rejected: what was found of them."""
+        self.watch.account[FAILED] = failed
+        self.watch.account[NOW].trouble = trouble
+
+    @property
+    def steps_to_halve(self) -> int:
+        """See `cable_watch.steps_to_halve`."""
+        return steps_to_halve(self.watch)
