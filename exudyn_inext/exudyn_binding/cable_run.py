@@ -264,6 +264,8 @@ class CableRun:
         """After steps that went wrong, in the state before them, at `time` [s]: take smaller ones."""
         if times := self.watch.steps_to_halve:
             self.control.halve(times)
+            if not self.control.may_halve:
+                self.watch.limit_phase(1.0, math.inf)
         elif not self.control.reject():
             self._gave_up = True
             return

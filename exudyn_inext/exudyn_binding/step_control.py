@@ -15,8 +15,9 @@ import numpy as np
 from ..arrays import record_type
 from .time_grid import steps_within
 
-QUARTERS = 10  # at most: below a millionth of the nominal step a run has diverged
-PIECE = 8  # nominal steps that are taken at once while steps are smaller
+QUARTERS = 6  # at most: below 1/4096 of the nominal step a run has diverged
+PIECE = 8  # nominal steps that are taken at once while steps are smaller, half as many for each quarter
+MOST_HALVINGS = 12  # of the nominal step
 MOST_PATIENCE = 64  # pieces before a longer step is tried again
 STEPS_BETWEEN = 32  # two looks at the frequency
 SMALLEST = 1e-3  # nominal step, relative to the first one, below which a run has diverged
@@ -160,7 +161,8 @@ class StepControl:
             number = steps_within(remaining, nominal)
             taken = min(number, together)
             return remaining * (taken / number), taken
-        duration = remaining / steps_within(remaining, PIECE * nominal)
+        together = PIECE * nominal / 2**self._log.quarters
+        duration = remaining / steps_within(remaining, together)
         return duration, steps_within(duration, nominal / 4**self._log.quarters)
 
     def accept(self, h: float, number: int) -> None:
@@ -188,5 +190,10 @@ class StepControl:
         return True
 
     def halve(self, times: int) -> None:
-        """The nominal step is too long for the motion."""
-        self._log.halvings += times
+        """The nominal step is too long for the motion; `may_halve`."""
+        self._log.halvings = min(self.halvings + times, MOST_HALVINGS)
+
+    @property
+    def may_halve(self) -> bool:
+        """Whether the nominal step may become still shorter."""
+        return self.halvings < MOST_HALVINGS

@@ -223,6 +223,8 @@ class CoupledRun:
         self.watch.note(found, trouble)
         if times:
             self.control.halve(times)
+            if not self.control.may_halve:
+                self.watch.limit_phase(1.0, np.inf)
         elif not self.control.reject():
             self._gave_up = True
             return False
