@@ -30,6 +30,7 @@ BENT, STRAIGHT = 0.2, 0.05  # change of the power's rise, over its largest value
 LARGEST_VIOLATION = 0.05  # of |r_x|^2 = 1 [-], and of lengths, relative
 LARGEST_JUMP = 1.0  # of the energy between two inspections, times the tolerance
 VIOLENT = 30.0  # times the tolerance: what a scheme that gains energy may gain altogether
+MOTION = 1e4  # times the round-off of the energy: less is none
 BEGINNING = 3.0  # phase [rad] of the motion before which its frequency is not known
 SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
 SCATTER = 4.0  # times its standard deviation may the work of forces be wrong
@@ -42,6 +43,7 @@ ACCOUNT = record_type(
         ("forces", np.float64),
         ("speeds", np.float64),
         ("phase", np.float64),
+        ("round_off", np.float64),
         ("agitation", np.float64),
         ("work", np.float64),
         ("unsure", np.float64),
@@ -72,7 +74,7 @@ class Watch(NamedTuple):
     duration: T of the run [s].   phase: error that the step may cause in it [rad], see above.
     account: (3,) records, NOW, KEPT and FAILED. Energy at the `start` and `agitation` then [J/s^2]; its
         present `surplus` [J]; `time` since then [s], and the integrals of `forces`, a . M a / 2 [J/s], and
-        `speeds`, v . M v / 2 [J s], over it, and the `phase` error of the run that they let expect [rad];
+        `speeds`, v . M v / 2 [J s], over it, and the `phase` error of the run that they let expect [rad]; its `round_off` [J];
         `work` done since [J], of which we are `unsure`, to one side [J], and its `scatter` [J^2], `scattered`
         until the last inspection; the `slope` of the power [W/s], whose
         changes tell how well trapezoids fit, and the `largest_power` so far [W]; bounds of kinetic and
@@ -196,6 +198,7 @@ def _open(watch, state, round_off):
     account.agitation = watch.gauges_now[AGITATION]
     account.work = 0.0
     account.unsure = round_off
+    account.round_off = round_off
     account.scatter = 0.0
     account.scattered = 0.0
     account.slope = 0.0
@@ -327,7 +330,8 @@ def _is_too_fast(watch, steps, duration):
     turned = np.sqrt(squared) * account.time
     error = np.sqrt(squared) * watch.duration * (duration / steps) ** 2 * squared / 24.0
     account.phase = error * BEGINNING / turned
-    return account.phase > watch.phase and turned > BEGINNING
+    moves = account.largest_kinetic > MOTION * account.round_off
+    return moves and turned > BEGINNING and account.phase > watch.phase
 
 
 @inlined

@@ -229,8 +229,11 @@ class CoupledRun:
             self._gave_up = True
             return False
         self._scene.surroundings.forget()
-        self.resume(time)
-        return True
+        try:
+            self.resume(time)
+        except RedundantConstraintError as error:
+            self._unsolvable, self._gave_up = str(error), True
+        return not self._gave_up
 
     def _change_step(self, h: float, time: float) -> None:
         """Prepare for steps of h [s] from the present state, at `time` [s]."""
@@ -249,7 +252,7 @@ class CoupledRun:
         steps = np.arange(number)[:, np.newaxis]
         times: Array = start + h * (steps + np.array(self._integrator.stages))
         ends = (start + h * (steps + 1)).ravel().tolist()
-        done = 0
+        self._unsolvable, done = "", 0
         try:
             while done < number:
                 ahead = slice(done, done + self.watch.steps_ahead)
