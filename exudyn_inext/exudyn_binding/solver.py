@@ -14,6 +14,7 @@ from .cable_forces import forget_evaluators
 from .cable_run import CableRun
 from .empty_sensors import warn_of_empty_sensors
 from .explicit_runs import follow_frequencies, scheme_of, step_bounds, wanted_step
+from .first_row import first_row
 from .general.surroundings import state_kept, switched_off
 from .observed import observed_derivatives
 from .output_files import require_writable_outputs
@@ -118,7 +119,8 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings) -> dict[str, Any
             observed = observed_derivatives(settings, sensors)
             loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, restarts, observed)
         try:
-            with restarts.initial_state():
+            shown = restarts.initial_state() if restarts.found else first_row(mbs, runs, start)
+            with shown:
                 _run(mbs, solver, settings, loop)
         finally:
             forget_evaluators(sensors)
