@@ -15,6 +15,7 @@ import numpy as np
 
 from ..checks import require_positive
 from ..errors import InputError
+from .loop_clock import LoopClock
 from .restart_file import Restart, packed, read_restart, unpack, write_restart
 from .settings import ExplicitSettings
 from .time_grid import TimeGrid
@@ -63,6 +64,13 @@ class Restarts:
                     "anew."
                 )
 
+    def clock(self, grid: TimeGrid) -> LoopClock | None:
+        """Of Exudyn's loop in the run that is continued; None: there is none."""
+        if self.found is None:
+            return None
+        step = self.found.header["loopStep"]
+        return LoopClock(grid.start, step, grid.first, self._end, grid.loop_steps)
+
     @property
     def step(self) -> float | None:
         """That of the run which is continued [s]."""
@@ -110,7 +118,11 @@ class Restarts:
             arrays |= packed(str(number), run.memory())
         at = replace(grid, first=step)
         numbers = {field.name: getattr(at, field.name) for field in fields(at)}
-        write_restart(self._name, Restart({"identity": self._identity, "grid": numbers}, arrays))
+        loop_step = (
+            self.found.header["loopStep"] if self.found else (self._end - grid.start) / grid.loop_steps
+        )
+        header = {"identity": self._identity, "grid": numbers, "loopStep": loop_step}
+        write_restart(self._name, Restart(header, arrays))
 
     def resume(self, runs: Sequence[Any], grid: TimeGrid) -> None:
         """Give the runs the states and memories of the file."""
