@@ -112,7 +112,7 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings) -> dict[str, Any
     coupled = needs_coupling(mbs, scene)
     with switched_off(mbs, *scene.evaluated_by_kernels) if coupled else nullcontext():
         with state_kept(mbs) if coupled else nullcontext():
-            restarts = Restarts(mbs, settings, explicit, scene.cables)
+            restarts = Restarts(mbs, settings, explicit)
             outputs = ResumedOutputs(settings, sensors) if restarts.found else None
             given = None if explicit.stepSize is None else time_grid(mbs, settings, explicit.stepSize)
             scaling = (restarts.step or given.h) if given and explicit.massScaling else 0.0
