@@ -6,12 +6,14 @@ They follow simulationSettings.solution.restart: `write`, `name`, `writePeriod`,
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import fields, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import exudyn
 import numpy as np
 
+from ..arrays import Array
 from ..checks import require_positive
 from ..errors import InputError
 from .loop_clock import LoopClock
@@ -73,11 +75,15 @@ class Restarts:
             )
         self._identity = theirs
 
-    def _identities(self) -> dict[str, Any]:
-        """That of the start, and what user functions have changed since."""
-        has_changed = has_functions(self._identity)
-        changed = changes(self._identity, self._present_identity()) if has_changed else {}
-        return {_IDENTITY: packed_identity(self._identity), _CHANGES: packed_identity(changed)}
+    def _changes(self) -> dict[str, dict[str, str]]:
+        """What user functions have changed since the start."""
+        if not has_functions(self._identity):
+            return {}
+        return changes(self._identity, self._present_identity())
+
+    @cached_property
+    def _packed_identity(self) -> Array:
+        return packed_identity(self._identity)
 
     def clock(self, grid: TimeGrid) -> LoopClock | None:
         """Of Exudyn's loop in the run that is continued; None: there is none."""
@@ -128,7 +134,9 @@ class Restarts:
 
     def write(self, runs: Sequence[Any], grid: TimeGrid, step: int) -> None:
         """Write the state after that step of the loop, which mbs has at present."""
-        arrays = packed("mbs", _state_of(self._mbs, exudyn.ConfigurationType.Current)) | self._identities()
+        arrays = packed("mbs", _state_of(self._mbs, exudyn.ConfigurationType.Current))
+        changed = self._changes() if step == grid.loop_steps else {}  # a later run of the same mbs finds them
+        arrays |= {_IDENTITY: self._packed_identity, _CHANGES: packed_identity(changed)}
         for number, run in enumerate(runs):
             arrays |= packed(str(number), run.memory())
         at = replace(grid, first=step)

@@ -51,10 +51,10 @@ def SolveExplicit(
 
     Restart files follow simulationSettings.solution.restart: with `write`, one is written every writePeriod
     and at the end; with `continueIfAvailable`, a run goes on from it, bit for bit as if it had never been
-    interrupted, if the scene and the settings are the same (endTime may be later). Sensor and solution
-    files are then cut back to their last whole row at or before the time of the restart file, and appended
-    to; Exudyn does not append to binary solution files, they are refused. Rows that a restart file counts
-    on are flushed to their files at once.
+    interrupted. Scene and settings must be the same, user functions included (endTime may be later); names,
+    drawing, sensors and files may change. Sensor and solution files are cut back to their last whole row at
+    or before the time of the restart file, and appended to; binary solution files are refused, as Exudyn
+    does not append to them. With `write`, rows are flushed to their files at once.
 
     Many of Exudyn's steps are computed in one compiled call where no user function sees the states in
     between. A user function of a load that depends on the time alone may say so by an attribute,
