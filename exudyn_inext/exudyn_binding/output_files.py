@@ -31,7 +31,7 @@ def require_writable_outputs(settings: Any, sensors: Sequence[Any]) -> None:
 def _files(solution: Any, sensors: Sequence[Any]) -> Iterator[tuple[str, str]]:
     """What writes which file."""
     if solution.file.write:
-        yield "solution.file.name", str(solution_file(solution))
+        yield "solution.file.name", solution.file.name
     if solution.restart.write:
         yield "solution.restart.name", solution.restart.name
     for number, path in sensor_files(solution, sensors):
