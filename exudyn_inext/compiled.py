@@ -3,19 +3,12 @@
 `kernel` makes an entry point, `inlined` a part of kernels, `optional` one that many cables do not have,
 `local_array` small memory on the stack. Where all loops over it are unrolled it has no aliases and is
 kept in registers: a long body of such a loop belongs into a function of its own, or the loop stays.
-
-Numba invalidates a cached function when *its own* file changes, not when a function that it inlines
-does. The cache folder therefore carries a hash of all sources that hold kernels: an edit of one of
-them starts a new folder and removes the stale ones.
 """
 
 import hashlib
-import os
-import shutil
-import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
-from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
@@ -26,7 +19,8 @@ from numba.core.serialize import dumps
 from numba.extending import lower_builtin, overload, type_callable
 from numba.np.arrayobj import make_array, populate_array
 
-PACKAGE = Path(__file__).parent
+from .kernel_cache import cache_folder
+
 FAST_MATH = {"contract", "reassoc", "nsz", "arcp"}  # neither nnan nor ninf: divergence must be seen
 
 NUMBER_BYTES = 8
@@ -34,54 +28,23 @@ NUMBER_BYTES = 8
 # Without `_nrt` references to arrays are not counted: that took a third of a step of a short chain.
 OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": FAST_MATH, "nogil": True, "_nrt": False}
 
-# What a source imports, or is, that defines kernels.
-_MARKS_OF_KERNELS = (b"compiled import", b"implements", b"numba.njit")
-
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
-def _source_hash() -> str:
-    digest = hashlib.sha256(f"numba {numba.__version__} numpy {np.__version__}".encode())
-    for source in sorted(PACKAGE.rglob("*.py")):
-        text = source.read_bytes()
-        if any(mark in text for mark in _MARKS_OF_KERNELS):
-            digest.update(source.relative_to(PACKAGE).as_posix().encode() + text)
-    return digest.hexdigest()[:16]
-
-
-def _writable(folder: Path) -> bool:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return True
-    except OSError:
-        return False
-
-
-def _cache_folder() -> Path | None:
-    """Beside the sources, or in NUMBA_CACHE_DIR; None (compile in every process) if unwritable."""
-    root = Path(os.environ.get("NUMBA_CACHE_DIR") or PACKAGE / "__pycache__")
-    name = f"exudyn_inext_kernels_{_source_hash()}"
-    if not _writable(root / name):
-        return None
-    for stale in root.glob("exudyn_inext_kernels_*"):
-        if stale.name != name:
-            shutil.rmtree(stale, ignore_errors=True)
-    return root / name
-
-
-CACHE_FOLDER = _cache_folder()
+CACHE_FOLDER = None if numba.config.DISABLE_JIT else cache_folder()
 
 
 def _save(cache_file: Any, key: Any, data: Any) -> None:
     """Store machine code under the name of what it is for.
 
     Numba counts the files instead: processes that compile at once would take the same number, and later
-    ones load code that was compiled for other types.
+    ones load code that was compiled for other types. A cache that cannot be written to, as the disk is full
+    or its folder has been removed meanwhile, is no reason to stop.
     """
     name = cache_file._data_name(int(hashlib.sha256(dumps(key)).hexdigest()[:16], 16))
-    cache_file._save_data(name, data)
-    cache_file._save_index({**cache_file._load_index(), key: name})
+    with suppress(OSError):
+        cache_file._save_data(name, data)
+        cache_file._save_index({**cache_file._load_index(), key: name})
 
 
 def kernel(function: _Function) -> _Function:

@@ -2,10 +2,10 @@
 
 import os
 import sys
+import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice, tee
 from typing import Any
@@ -105,15 +105,32 @@ def _grid(settings: Any, wanted: float) -> TimeGrid:
     return grid_of_period(settings, wanted, settings.solution.sensors.writePeriod)
 
 
-@contextmanager
-def _short_turns() -> Iterator[None]:
-    """Threads that are done computing must not wait for Python's lock while another one reads systems."""
-    before = sys.getswitchinterval()
-    sys.setswitchinterval(min(TURN, before))
-    try:
-        yield
-    finally:
-        sys.setswitchinterval(before)
+class _ShortTurns:
+    """Threads that are done computing must not wait for Python's lock while another one reads systems.
+
+    The first of ensembles that overlap makes the turns short, the last one puts them back.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._ensembles = 0
+        self._before = 0.0  # [s]
+
+    def __enter__(self) -> None:
+        with self._lock:
+            if self._ensembles == 0:
+                self._before = sys.getswitchinterval()
+                sys.setswitchinterval(min(TURN, self._before))
+            self._ensembles += 1
+
+    def __exit__(self, *error: object) -> None:
+        with self._lock:
+            self._ensembles -= 1
+            if self._ensembles == 0:
+                sys.setswitchinterval(self._before)
+
+
+_SHORT_TURNS = _ShortTurns()
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,7 +171,7 @@ class _Ensemble:
                 done(self._advance(chunk))
             return
         pending: deque[Future[int]] = deque()
-        with ThreadPoolExecutor(threads) as pool, _short_turns():
+        with ThreadPoolExecutor(threads) as pool, _SHORT_TURNS:
             for chunk in self._chunks(members, threads):
                 pending.append(pool.submit(self._advance, chunk))
                 if len(pending) > 2 * threads:  # the chunks that wait hold memory

@@ -111,6 +111,12 @@ class NativeRun:
         """Begin anew from the present state, as soon as the time loop runs."""
         self._is_started = False
 
+    def accelerations(self, solver: Any) -> Array:
+        """(n,) of the present state, at the present time of mbs, as the given solver evaluates it."""
+        a, rate = np.zeros((2, self.state.q.size))
+        native_rates(self._system._replace(solver=solver), None, self.state.q, self.state.v, a, rate)
+        return a
+
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the initial configuration."""
         return self._frequency

@@ -34,11 +34,23 @@ def _files(solution: Any, sensors: Sequence[Any]) -> Iterator[tuple[str, str]]:
         yield "solution.file.name", solution.file.name
     if solution.restart.write:
         yield "solution.restart.name", solution.restart.name
+    for number, path in sensor_files(solution, sensors):
+        yield f"fileName of sensor {number} '{sensors[number]['name']}'", str(path)
+
+
+def solution_file(solution: Any) -> Path:
+    """Where Exudyn writes the solution: it adds an ending to names without any dot."""
+    name, ending = solution.file.name, ".sol" if solution.file.binary else ".txt"
+    return Path(name if "." in name else name + ending)
+
+
+def sensor_files(solution: Any, sensors: Sequence[Any]) -> Iterator[tuple[int, Path]]:
+    """Numbers of the sensors that write files, and where to."""
     if not solution.sensors.active:
         return
     for number, sensor in enumerate(sensors):
         if sensor["writeToFile"] and sensor["fileName"]:
-            yield f"fileName of sensor {number} '{sensor['name']}'", sensor["fileName"]
+            yield number, Path(sensor["fileName"])
 
 
 def _try_to_write(path: Path) -> None:

@@ -3,24 +3,33 @@
 They follow simulationSettings.solution.restart: `write`, `name`, `writePeriod`, `continueIfAvailable`.
 """
 
-import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import fields, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import exudyn
 import numpy as np
 
+from ..arrays import Array
 from ..checks import require_positive
 from ..errors import InputError
+from .loop_clock import LoopClock
 from .restart_file import Restart, packed, read_restart, unpack, write_restart
+from .scene_identity import (
+    changes,
+    difference,
+    has_functions,
+    packed_identity,
+    scene_identity,
+    unpacked_identity,
+)
 from .settings import ExplicitSettings
 from .time_grid import TimeGrid
 
-_FREE_TO_CHANGE = {"retries", "energyTolerance"}
-_NUMBERS_OF_ITEMS = ("Objects", "Nodes", "Markers", "Loads")
+_IDENTITY, _CHANGES = "identity", "changes"
 
 
 class Restarts:
@@ -28,7 +37,6 @@ class Restarts:
 
     Args:
         mbs: assembled.   settings: exudyn.SimulationSettings.   explicit: of the run.
-        scene: its inextensible cables, as plain data.
 
     Attributes:
         found: what the run continues from, or None.
@@ -37,7 +45,7 @@ class Restarts:
         InputError: the file that the run shall continue from is damaged, or of another run.
     """
 
-    def __init__(self, mbs: Any, settings: Any, explicit: ExplicitSettings, cables: Sequence[Any]) -> None:
+    def __init__(self, mbs: Any, settings: Any, explicit: ExplicitSettings) -> None:
         options = settings.solution.restart
         self._mbs = mbs
         self._name = str(options.name)
@@ -47,21 +55,42 @@ class Restarts:
         self._continues = bool(options.continueIfAvailable) and Path(self._name).exists()
         self._start = float(settings.timeIntegration.startTime)
         self._end = float(settings.timeIntegration.endTime)
-        self._identity = _identity(mbs, explicit, cables) if options.write or self._continues else {}
+        self._explicit = explicit
+        self._identity = self._present_identity() if options.write or self._continues else {}
         self.found: Restart | None = read_restart(self._name) if self._continues else None
         if self.found is not None:
-            self._require_same(self.found.header)
+            self._require_same(self.found.arrays)
 
-    def _require_same(self, header: Mapping[str, Any]) -> None:
-        mine = {**self._identity, "startTime": self._start}
-        theirs = {**header["identity"], "startTime": header["grid"]["start"]}
-        for what, value in mine.items():
-            if theirs.get(what) != value:
-                raise InputError(
-                    f"restart file '{self._name}' is of another run: {what} was {theirs.get(what)}, and is "
-                    f"{value} now. Build the same scene with the same settings, or remove the file to start "
-                    "anew."
-                )
+    def _present_identity(self) -> dict[str, dict[str, str]]:
+        return scene_identity(self._mbs, self._explicit, self._start)
+
+    def _require_same(self, arrays: Mapping[str, Any]) -> None:
+        """Our scene must be as theirs at its start; or, in the same process, as they have left it."""
+        theirs, changed = (unpacked_identity(arrays[name]) for name in (_IDENTITY, _CHANGES))
+        found = difference(self._identity, theirs, changed)
+        if found:
+            raise InputError(
+                f"restart file '{self._name}' is of another run: {found}. Build the same scene with the same "
+                "settings, or remove the file to start anew."
+            )
+        self._identity = theirs
+
+    def _changes(self) -> dict[str, dict[str, str]]:
+        """What user functions have changed since the start."""
+        if not has_functions(self._identity):
+            return {}
+        return changes(self._identity, self._present_identity())
+
+    @cached_property
+    def _packed_identity(self) -> Array:
+        return packed_identity(self._identity)
+
+    def clock(self, grid: TimeGrid) -> LoopClock | None:
+        """Of Exudyn's loop in the run that is continued; None: there is none."""
+        if self.found is None:
+            return None
+        step = self.found.header["loopStep"]
+        return LoopClock(grid.start, step, grid.first, self._end, grid.loop_steps)
 
     @property
     def step(self) -> float | None:
@@ -106,11 +135,16 @@ class Restarts:
     def write(self, runs: Sequence[Any], grid: TimeGrid, step: int) -> None:
         """Write the state after that step of the loop, which mbs has at present."""
         arrays = packed("mbs", _state_of(self._mbs, exudyn.ConfigurationType.Current))
+        changed = self._changes() if step == grid.loop_steps else {}  # a later run of the same mbs finds them
+        arrays |= {_IDENTITY: self._packed_identity, _CHANGES: packed_identity(changed)}
         for number, run in enumerate(runs):
             arrays |= packed(str(number), run.memory())
         at = replace(grid, first=step)
         numbers = {field.name: getattr(at, field.name) for field in fields(at)}
-        write_restart(self._name, Restart({"identity": self._identity, "grid": numbers}, arrays))
+        loop_step = (
+            self.found.header["loopStep"] if self.found else (self._end - grid.start) / grid.loop_steps
+        )
+        write_restart(self._name, Restart({"grid": numbers, "loopStep": loop_step}, arrays))
 
     def resume(self, runs: Sequence[Any], grid: TimeGrid) -> None:
         """Give the runs the states and memories of the file."""
@@ -164,39 +198,3 @@ def _set_state(mbs: Any, state: Mapping[str, Any], configuration: Any) -> None:
     data.SetODE1Coordinates(state["ODE1"], configuration)
     data.SetAECoordinates(state["AE"], configuration)
     data.SetDataCoordinates(state["Data"], configuration)
-
-
-def _identity(mbs: Any, explicit: ExplicitSettings, cables: Sequence[Any]) -> dict[str, Any]:
-    """What must not change between two parts of a run, by names for messages."""
-    settings = {f.name: repr(getattr(explicit, f.name)) for f in fields(explicit)}
-    numbers = {
-        f"number of {kind.lower()}": getattr(mbs.systemData, f"NumberOf{kind}")()
-        for kind in _NUMBERS_OF_ITEMS
-    }
-    kinds = [mbs.GetObject(k)["objectType"] for k in range(mbs.systemData.NumberOfObjects())]
-    return {
-        **{name: value for name, value in settings.items() if name not in _FREE_TO_CHANGE},
-        **numbers,
-        "kinds of objects": _digest(kinds),
-        **{f"cable '{cable.name}'": _digest([cable.cable, cable.item.gravity]) for cable in cables},
-    }
-
-
-def _digest(data: Any) -> str:
-    return hashlib.sha256("\n".join(_parts(data)).encode()).hexdigest()[:16]
-
-
-def _parts(data: Any) -> Iterator[str]:
-    """Numbers and names of plain data; functions are left out."""
-    if isinstance(data, np.ndarray):
-        yield f"{data.shape} {data.tobytes().hex()}"
-    elif is_dataclass(data):
-        for field in fields(data):
-            yield field.name
-            yield from _parts(getattr(data, field.name))
-    elif isinstance(data, list | tuple):
-        yield str(len(data))
-        for part in data:
-            yield from _parts(part)
-    elif not callable(data):
-        yield repr(data)

@@ -12,10 +12,13 @@ from .automatic_step import bounds_of_step
 from .cable_forces import forget_evaluators
 from .empty_sensors import warn_of_empty_sensors
 from .explicit_runs import follow_frequencies, scheme_of, wanted_step
+from .first_row import first_row
 from .general.surroundings import state_kept, switched_off
+from .loop_clock import LoopClock
 from .observed import observed_derivatives
 from .output_files import require_writable_outputs
 from .restart import Restarts
+from .resumed_outputs import ResumedOutputs
 from .scene import read_scene, require_assembled
 from .scene_runs import needs_coupling, runs_of_scene
 from .settings import ExplicitSettings
@@ -47,8 +50,10 @@ def SolveExplicit(
 
     Restart files follow simulationSettings.solution.restart: with `write`, one is written every writePeriod
     and at the end; with `continueIfAvailable`, a run goes on from it, bit for bit as if it had never been
-    interrupted, if the scene and the settings are the same (endTime may be later). Sensor and solution
-    files are then appended to; what a killed run wrote after its last restart file stands there twice.
+    interrupted. Scene and settings must be the same, user functions included (endTime may be later); names,
+    drawing, sensors and files may change. Sensor and solution files are cut back to their last whole row at
+    or before the time of the restart file, and appended to; binary solution files are refused, as Exudyn
+    does not append to them. With `write`, rows are flushed to their files at once.
 
     Many of Exudyn's steps are computed in one compiled call where no user function sees the states in
     between. A user function of a load that depends on the time alone may say so by an attribute,
@@ -95,7 +100,8 @@ def SolveExplicit(
     coupled = needs_coupling(mbs, scene)
     with switched_off(mbs, *scene.evaluated_by_kernels) if coupled else nullcontext():
         with state_kept(mbs) if coupled else nullcontext():
-            restarts = Restarts(mbs, settings, explicit, scene.cables)
+            restarts = Restarts(mbs, settings, explicit)
+            outputs = ResumedOutputs(settings, sensors) if restarts.found else None
             given = None if explicit.stepSize is None else time_grid(mbs, settings, explicit.stepSize)
             scaling = (restarts.step or given.h) if given and explicit.massScaling else 0.0
             runs = runs_of_scene(mbs, scene, solver, start, scaling, explicit)
@@ -107,8 +113,11 @@ def SolveExplicit(
             observed = observed_derivatives(settings, sensors)
             loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, restarts, observed)
         try:
-            with restarts.initial_state():
-                _run(mbs, solver, settings, loop)
+            shown = restarts.initial_state() if restarts.found else first_row(mbs, runs, start)
+            if outputs is not None:
+                outputs.cut(grid.time(grid.first) + 0.5 * grid.substeps * grid.h)
+            with shown:
+                _run(mbs, solver, settings, loop, restarts, outputs)
         finally:
             forget_evaluators(sensors)
     controls = [run.control for run in runs]
@@ -131,22 +140,27 @@ def SolveExplicit(
 
 
 @contextmanager
-def _settings_of_the_loop(settings: Any, grid: TimeGrid) -> Iterator[None]:
-    """Exudyn's own integrator must do nothing: no accelerations, no step control, no dense matrix."""
+def _settings_of_the_loop(
+    settings: Any, grid: TimeGrid, clock: LoopClock | None, outputs: ResumedOutputs | None
+) -> Iterator[None]:
+    """Exudyn's own integrator must do nothing: no accelerations, no step control, no dense matrix.
+
+    What a restart file counts on must be in the other files when it is written.
+    """
     time, solution = settings.timeIntegration, settings.solution
     wanted = [
-        (time, "numberOfSteps", grid.loop_steps - grid.first),
-        (time, "startTime", grid.time(grid.first)),
+        (time, "numberOfSteps", grid.loop_steps),
         (time, "adaptiveStep", False),
         (time.generalizedAlpha, "computeInitialAccelerations", False),
         (settings.linearSolver, "solverType", exudyn.LinearSolverType.EigenSparse),
+        (solution, "flushFilesImmediately", bool(solution.restart.write or solution.flushFilesImmediately)),
         (solution.restart, "write", False),
         (solution.restart, "continueIfAvailable", False),
     ]
-    if grid.first:  # the outputs that are there go on
-        wanted += [(outputs, "append", True) for outputs in (solution.file, solution.sensors)]
-        wanted += [(outputs, "writeHeader", False) for outputs in (solution.file, solution.sensors)]
-        wanted += [(solution.file, "writeInitialValues", False)]
+    if clock is not None:
+        wanted += clock.settings(time)
+    if outputs is not None:
+        wanted += outputs.settings(solution)
     saved = [(part, name, getattr(part, name)) for part, name, _ in wanted]
     try:
         for part, name, value in wanted:
@@ -162,12 +176,22 @@ def _nothing(solver: Any, mbs: Any, settings: Any) -> bool:
     return True
 
 
-def _run(mbs: Any, solver: Any, settings: Any, loop: ExplicitTimeLoop) -> None:
+def _run(
+    mbs: Any,
+    solver: Any,
+    settings: Any,
+    loop: ExplicitTimeLoop,
+    restarts: Restarts,
+    outputs: ResumedOutputs | None,
+) -> None:
+    function, clock = loop.user_function, restarts.clock(loop.grid)
+    if clock is not None:
+        function = clock.continued(function, settings.solution)
     # In place of the iteration that calls Newton's method until contacts have settled: they do in a run.
-    solver.SetUserFunctionDiscontinuousIteration(mbs, loop.user_function)
+    solver.SetUserFunctionDiscontinuousIteration(mbs, function)
     mbs.sys["dynamicSolver"] = solver
     mbs.sys["simulationSettings"] = settings
-    with _settings_of_the_loop(settings, loop.grid):
+    with _settings_of_the_loop(settings, loop.grid, clock, outputs):
         try:
             success = solver.SolveSystem(mbs, settings)
         except Exception as error:

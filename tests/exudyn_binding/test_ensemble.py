@@ -2,6 +2,8 @@
 
 import re
 import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import exudyn
 import numpy as np
@@ -150,6 +152,31 @@ def test_the_interpreter_is_left_as_it_was():
     with pytest.raises(ValueError, match="no parameter"):
         ensemble(watched, [0.1, None], threads=2, stepSize=1e-3)
     assert sys.getswitchinterval() == before
+
+
+def test_overlapping_ensembles_leave_the_interpreter_as_it_was():
+    """One begins first and ends first: the other one must not put back what it has found."""
+    before, during = sys.getswitchinterval(), []
+    second_has_begun, first_has_ended = threading.Event(), threading.Event()
+
+    def first(number):
+        if number == 1:
+            assert second_has_begun.wait(60)
+        return pendulum()
+
+    def second(number):
+        if number == 1:
+            second_has_begun.set()
+            assert first_has_ended.wait(60)
+            during.append(sys.getswitchinterval())
+        return pendulum()
+
+    with ThreadPoolExecutor(2) as pool:
+        one, other = (pool.submit(ensemble, f, [0, 1], threads=2, stepSize=1e-3) for f in (first, second))
+        assert one.result()["success"]
+        first_has_ended.set()
+        assert other.result()["success"]
+    assert during[0] < before and sys.getswitchinterval() == before
 
 
 def test_threads_change_no_bit():

@@ -225,7 +225,7 @@ def test_pickled_objects_are_not_loaded(tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"version": 1}, "is of version 1, this package reads version 4"),
+        ({"version": 1}, "is of version 1, this package reads version 5"),
         ({"format": "x"}, "not of the format"),
     ],
 )
@@ -263,7 +263,10 @@ def test_another_scene_is_refused(build, solve, tmp_path, new_mbs, add_pendulum,
     heavier = new_mbs()
     add_pendulum(heavier, gravity=[0, -9.80, 0])
     heavier.Assemble()
-    with pytest.raises(InputError, match=r"of another run: cable 'object0' was \w+, and is \w+ now"):
+    with pytest.raises(
+        InputError,
+        match=r"another run: gravity of object 0 'object0' was \[0\.0, -9\.81\], and is \[0\.0, -9\.8\] now",
+    ):
         solve(heavier, settings=restarting(quiet_settings(0.2, 1), tmp_path))
     with pytest.raises(InputError, match="of another run: number of objects was 3, and is 8"):
         solve(build("a body")[0], settings=restarting(quiet_settings(0.2, 1), tmp_path))

@@ -1,0 +1,282 @@
+"""Texts that tell values and user functions apart, the same in every process: no addresses, no hash seeds.
+
+Of a function count its code (bytecode, constants, names) and what it uses: values of its closure, defaults,
+attributes, and the global variables that it reads. So do functions and classes of the user's own modules that
+it calls; those of installed packages go by their names. Of an object count the attributes, if its class is
+the user's, NumPy's or SciPy's. What else there is (open files, an mbs, symbolic functions, objects of
+compiled modules) goes by the name of its type.
+"""
+
+import dis
+import enum
+import hashlib
+import sys
+import sysconfig
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import is_dataclass
+from functools import lru_cache, partial
+from pathlib import Path
+from types import BuiltinFunctionType, CodeType, FunctionType, MethodType, ModuleType, SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+LONGEST = 80  # characters of a value that is shown as it is
+DEEPEST = 60  # objects within objects; what lies deeper goes by the name of its type
+
+_PLAIN = (bool, int, float, complex, str, bytes, type(None), type(Ellipsis), np.number, np.bool_)
+_DATA_OF_PACKAGES = {"numpy", "scipy"}
+_PACKAGE = Path(__file__).parents[1]
+_IMPLICIT = {"__dict__", "__weakref__", "__doc__", "__module__", "__firstlineno__", "__static_attributes__"}
+
+
+def text_of(value: Any) -> str:
+    """The value itself, if it is plain and short; else a name and a hash."""
+    if _is_plain(value):
+        shown = repr(value.tolist() if isinstance(value, np.ndarray | np.generic) else value)
+        if len(shown) <= LONGEST:
+            return shown
+    return f"{_name_of(value)} {hash_of(_Walk().tokens(value))}"
+
+
+def texts_of_function(name: str, function: Callable[..., Any]) -> dict[str, str]:
+    """A user function of that name as texts: one of its code, and one of each value that it uses."""
+    core, used = _parts(function)
+    own = f"{_name_of(function)} {hash_of(_Walk().each(core))}"
+    return {name: own} | {f"'{what}' in {name}": text_of(value) for what, value in used.items()}
+
+
+def strings_in(function: Callable[..., Any]) -> set[str]:
+    """String constants in the code of a function."""
+    inner = getattr(function, "func", getattr(function, "__func__", function))
+    code = getattr(inner, "__code__", None) or getattr(type(inner).__call__, "__code__", None)
+    return set(_strings(code)) if code else set()
+
+
+def _strings(code: CodeType) -> Iterator[str]:
+    for constant in code.co_consts:
+        if isinstance(constant, str):
+            yield constant
+        elif isinstance(constant, CodeType):
+            yield from _strings(constant)
+
+
+def hash_of(tokens: Iterator[str]) -> str:
+    """16 digits."""
+    digest = hashlib.sha256()
+    for token in tokens:
+        digest.update(token.encode("utf-8", "surrogatepass") + b"\0")
+    return digest.hexdigest()[:16]
+
+
+def _is_plain(value: Any, depth: int = 3) -> bool:
+    if isinstance(value, np.ndarray):
+        return value.size <= LONGEST and value.dtype.kind in "biufc"
+    if isinstance(value, list | tuple):
+        return depth > 0 and len(value) <= LONGEST and all(_is_plain(entry, depth - 1) for entry in value)
+    return isinstance(value, _PLAIN)
+
+
+def _name_of(value: Any) -> str:
+    if isinstance(value, partial):
+        return f"partial of {_name_of(value.func)}"
+    named = value if callable(value) and hasattr(value, "__qualname__") else type(value)
+    return f"{getattr(named, '__qualname__', '?')}"
+
+
+class _Walk:
+    """What a value consists of, as words; objects that come again are not described again."""
+
+    def __init__(self) -> None:
+        self._seen: dict[int, tuple[int, Any]] = {}  # kept alive, as another object could have the same id
+        self._depth = 0
+
+    def each(self, values: Any) -> Iterator[str]:
+        for value in values:
+            yield from self.tokens(value)
+
+    def tokens(self, value: Any) -> Iterator[str]:
+        """Words of the value."""
+        if isinstance(value, _PLAIN):
+            yield repr(value.item() if isinstance(value, np.generic) else value)
+        elif isinstance(value, CodeType):
+            yield from self._of_code(value)
+        elif isinstance(value, frozenset):
+            yield from sorted(hash_of(_Walk().tokens(entry)) for entry in value)
+        elif self._depth > DEEPEST:
+            yield _full_name(type(value))
+        elif id(value) in self._seen:
+            yield f"again {self._seen[id(value)][0]}"
+        else:
+            if not isinstance(value, tuple):  # constants, which a compiler may share or not
+                self._seen[id(value)] = (len(self._seen), value)
+            self._depth += 1
+            yield from self._of_reference(value)
+            self._depth -= 1
+
+    def _of_reference(self, value: Any) -> Iterator[str]:
+        yield type(value).__name__
+        if isinstance(value, np.ndarray):
+            yield from self._of_array(value)
+        elif isinstance(value, list | tuple):
+            yield str(len(value))
+            yield from self.each(value)
+        elif isinstance(value, Mapping):
+            for key, entry in value.items():
+                yield from self.each((key, entry))
+        elif isinstance(value, set):
+            yield from sorted(hash_of(_Walk().tokens(entry)) for entry in value)
+        else:
+            yield from self._of_object(value)
+
+    def _of_array(self, array: np.ndarray) -> Iterator[str]:
+        yield f"{array.shape} {array.dtype.str}"
+        if array.dtype.hasobject:
+            yield from self.each(array.ravel().tolist())
+        else:
+            yield hashlib.sha256(np.ascontiguousarray(array).tobytes()).hexdigest()
+
+    def _of_object(self, value: Any) -> Iterator[str]:
+        data = _data_of_exudyn(value)
+        if data is not None:
+            yield from self.tokens(data)
+            return
+        core, used = _parts(value)
+        yield from self.each(core)
+        for name, entry in used.items():
+            yield name
+            yield from self.tokens(entry)
+
+    def _of_code(self, code: CodeType) -> Iterator[str]:
+        yield code.co_code.hex() + getattr(code, "co_exceptiontable", b"").hex()
+        yield " ".join(code.co_names)
+        yield from self.each(code.co_consts)
+
+
+def _data_of_exudyn(value: Any) -> Any:
+    """Numbers of a list, matrix, section, index or choice of Exudyn's; None of anything else."""
+    if type(value).__module__.partition(".")[0] != "exudyn":
+        return None
+    if hasattr(value, "GetPythonObject"):
+        return value.GetPythonObject()
+    if type(value).__name__ == "BeamSection":
+        return value.GetDictionary()
+    if hasattr(value, "__index__"):
+        return int(value)
+    return None
+
+
+def _parts(value: Any) -> tuple[list[Any], dict[str, Any]]:
+    """What a function or an object is, and the values that it uses, by names."""
+    value = getattr(value, "py_func", value)  # behind a compiled function
+    if isinstance(value, FunctionType):
+        return _parts_of_function(value)
+    if isinstance(value, MethodType):
+        core, used = _parts(value.__func__)
+        owner, attributes = _parts(value.__self__)
+        return [*core, *owner], used | attributes
+    if isinstance(value, partial):
+        core, used = _parts(value.func)
+        arguments = {f"argument {k}": argument for k, argument in enumerate(value.args)}
+        return [*core, len(value.args)], used | arguments | value.keywords
+    if isinstance(value, type):
+        return _parts_of_class(value)
+    if isinstance(value, enum.Enum | ModuleType | BuiltinFunctionType):
+        return [_full_name(value), getattr(value, "value", None)], {}
+    return _parts_of_instance(value)
+
+
+def _full_name(value: Any) -> str:
+    name = getattr(value, "__qualname__", None) or getattr(value, "__name__", None) or str(type(value))
+    return f"{getattr(value, '__module__', '')}.{name}"
+
+
+def _parts_of_function(function: FunctionType) -> tuple[list[Any], dict[str, Any]]:
+    code, used = function.__code__, dict(_closure(function))
+    parameters = code.co_varnames[: code.co_argcount]
+    defaults = function.__defaults__ or ()
+    used |= dict(zip(parameters[len(parameters) - len(defaults) :], defaults, strict=True))
+    used |= (function.__kwdefaults__ or {}) | vars(function)
+    if _is_installed(code.co_filename):
+        return [_full_name(function)], used
+    return [code], used | dict(_globals(function, code))
+
+
+def _closure(function: FunctionType) -> Iterator[tuple[str, Any]]:
+    for name, cell in zip(function.__code__.co_freevars, function.__closure__ or (), strict=True):
+        try:
+            yield name, cell.cell_contents
+        except ValueError:  # not set yet
+            yield name, None
+
+
+def _globals(function: FunctionType, code: CodeType) -> Iterator[tuple[str, Any]]:
+    """Global variables that the code reads, and what it may read of the user's modules."""
+    names = [
+        step.argval for step in dis.get_instructions(code) if step.opname in ("LOAD_GLOBAL", "LOAD_NAME")
+    ]
+    for name in dict.fromkeys(names):
+        value = function.__globals__.get(name)
+        yield name, value
+        if isinstance(value, ModuleType) and not _is_of_installed(value):
+            read = [attribute for attribute in code.co_names if attribute in vars(value)]
+            yield from ((f"{name}.{attribute}", vars(value)[attribute]) for attribute in read)
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _globals(function, constant)
+
+
+def _parts_of_class(value: type) -> tuple[list[Any], dict[str, Any]]:
+    """Methods and data of the classes that are the user's."""
+    used: dict[str, Any] = {}
+    for base in reversed(value.__mro__):
+        if not _is_of_installed(base):
+            own = {name: entry for name, entry in vars(base).items() if name not in _IMPLICIT}
+            used |= {f"{base.__qualname__}.{name}": _bare(entry) for name, entry in own.items()}
+    return [_full_name(value)], used
+
+
+def _bare(entry: Any) -> Any:
+    """The function behind a property, a class method or a static method; all else as it is."""
+    return getattr(entry, "fget", None) or getattr(entry, "__func__", entry)
+
+
+def _parts_of_instance(value: Any) -> tuple[list[Any], dict[str, Any]]:
+    kind = type(value)
+    has_data = not _is_of_installed(kind) or is_dataclass(value) or isinstance(value, SimpleNamespace)
+    if not has_data and kind.__module__.partition(".")[0] not in _DATA_OF_PACKAGES:
+        return [_full_name(kind)], {}
+    slots = (slot for base in kind.__mro__ for slot in _slots(base))
+    of_slots = {slot: getattr(value, slot) for slot in slots if hasattr(value, slot)}
+    return [kind, str(getattr(value, "__name__", ""))], of_slots | getattr(value, "__dict__", {})
+
+
+def _slots(kind: type) -> tuple[str, ...]:
+    slots = vars(kind).get("__slots__", ())
+    return tuple(slot for slot in ((slots,) if isinstance(slots, str) else slots) if slot not in _IMPLICIT)
+
+
+def _is_of_installed(value: Any) -> bool:
+    """Whether a class or module does not stand in a file of the user's."""
+    if isinstance(value, type):
+        return _is_installed_module(value.__module__)
+    return _is_installed(getattr(value, "__file__", None) or "<frozen>")
+
+
+def _is_installed_module(name: str) -> bool:
+    module = sys.modules.get(name)
+    if module is None or name == "__main__":
+        return False
+    return _is_of_installed(module)
+
+
+@lru_cache(maxsize=1024)
+def _is_installed(filename: str) -> bool:
+    """Whether a source belongs to Python, to an installed package, or to this one."""
+    if filename.startswith("<"):
+        return filename.startswith("<frozen")
+    path = Path(filename).resolve()
+    if not {"site-packages", "dist-packages"}.isdisjoint(path.parts):
+        return True
+    roots = [_PACKAGE, *(Path(sysconfig.get_path(kind)).resolve() for kind in ("stdlib", "platstdlib"))]
+    return any(path.is_relative_to(root) for root in roots)
