@@ -1,4 +1,4 @@
-"""Native items under the same integrators: right-hand side from Exudyn's C++, one call a step.
+"""Native items under the same integrators: right-hand side from Exudyn's C++, one call an evaluation.
 
 This serves comparisons: the paper's middle column steps conventional ANCF cables with its explicit
 method. Supported are items of constant mass, with coordinate constraints to ground, which are taken
@@ -15,7 +15,7 @@ from scipy.linalg import eigh, inv
 from ..arrays import Array
 from ..chain.cable import Cable
 from ..compiled import plain
-from ..integrators.integrator import Integrator, advance, no_loads
+from ..integrators.integrator import Integrator, LoadHistory, advance
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .consistent_start import StartCorrection
 from .scene import HeldCoordinate, read_held_coordinate
@@ -28,6 +28,9 @@ _FORCES_ONLY = {
     "ConnectorCartesianSpringDamper",
     "ConnectorCoordinateSpringDamper",
 }
+
+
+_NOTHING, _TIME = np.zeros(1), np.ones((1, 1))  # the load of native items is the time
 
 
 class NativeSystem(NamedTuple):
@@ -43,8 +46,9 @@ class NativeSystem(NamedTuple):
 
 @index_reduced_rates.register(NativeSystem)
 def native_rates(system, external, q, v, acceleration, rate):
-    """a = M^-1 F with F of all items and loads at the mbs' present time; the rate is v."""
+    """a = M^-1 F with F of all items and loads; the rate is v.   external: (1,) time [s]."""
     data = system.mbs.systemData
+    data.SetTime(float(external[0]))
     data.SetODE2Coordinates(q)
     data.SetODE2Coordinates_t(v)
     system.solver.ComputeODE2RHS(system.mbs)
@@ -56,8 +60,8 @@ def native_rates(system, external, q, v, acceleration, rate):
 @accelerate_and_project.register(NativeSystem)
 def accelerate_native(system, external, q, v, duration, acceleration, end_velocity):
     """Native items have no constraints but held coordinates: nothing to project."""
-    native_rates(system, external, q, v, acceleration, end_velocity)
-    end_velocity += duration * acceleration
+    native_rates(system, external, q, v + duration * acceleration, acceleration, end_velocity)
+    end_velocity[:] = v + duration * acceleration
 
 
 @correct_position.register(NativeSystem)
@@ -87,11 +91,10 @@ class NativeRun:
         self._frequency = float(np.sqrt(eigh(stiffness[free], mass[free], eigvals_only=True)[-1]))
         self._system = NativeSystem(mbs, solver, inverse_mass)
         self._integrator = integrator
-        self._loads = no_loads(size, len(integrator.stages))
         self._is_started = False
         self.indices = np.arange(size)
         self.reference = np.zeros(size)  # coordinates are displacements here
-        self.state = integrator.allocate(size, size)
+        self.state = integrator.allocate(size, 1)
         self.state.q[:] = mbs.systemData.GetODE2Coordinates(configuration)
         self.state.v[:] = mbs.systemData.GetODE2Coordinates_t(configuration)
 
@@ -113,14 +116,15 @@ class NativeRun:
         data = self._system.mbs.systemData
         start = grid.time(first)
         if not self._is_started:
-            data.SetTime(start)
             begin = plain(self._integrator.start)
-            begin(self._system, np.zeros(self.state.q.size), self.state)
+            begin(self._system, np.array([start]), self.state)
             self._is_started = True
+        stages = np.array(self._integrator.stages)[:, np.newaxis]
         for step in range(len(history) * grid.substeps):
-            data.SetTime(start + (step + 1) * grid.h)
+            times = LoadHistory(_NOTHING, _TIME, start + grid.h * (step + stages[np.newaxis]))
             row = history[step // grid.substeps]
-            take_step(scheme, self._system, self._loads, self.state, grid.h, 1, row[None])
+            take_step(scheme, self._system, times, self.state, grid.h, 1, row[None])
+        data.SetTime(grid.time(first + len(history)))
         finite = np.isfinite(history.sum(axis=(1, 2)))
         return int(np.argmin(np.append(finite, False)))
 
