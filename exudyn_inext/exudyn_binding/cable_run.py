@@ -85,13 +85,13 @@ class CableRun:
         violation = worst_violation(scene_cable, self.system, *initial, start.time)
         require_consistent(scene_cable, violation, start.tolerance)
         self._element_masses = element_masses(cable, start.mass_scaling)
-        self._drag_rate = drag_rate(cable, scene_cable.item.gravity, initial[1])
         self._integrator = integrator
         self._is_scaled = start.mass_scaling > 0.0
         self._tracker = FrequencyTracker(self.system, cable.reference.shape)
         self._steps_since_limit = 0
         self._largest_share = 0.0  # of the stability limit, that the step has been
         self.loads = CableLoads(scene_cable)
+        self._drag_rate = drag_rate(cable, self.loads.gravity_at(start.time), initial[1])
         self.state: Any = integrator.allocate(cable.reference.size, len(self.loads.constant))
         self.state.q[:], self.state.v[:] = (array.ravel() for array in initial)
         self.looks_ahead = self.loads.known_ahead

@@ -1,7 +1,6 @@
 """Which runs move a scene: the cheapest way that is valid for what it contains."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 from ..errors import InputError, SceneError
@@ -43,7 +42,7 @@ def runs_of_scene(
     if not needs_coupling(mbs, scene):
         cables = cable_runs(mbs, scene.cables, time, h, explicit)
         return cables or [NativeRun(mbs, solver, integrator)]
-    unloaded = [replace(cable, loads=[]) for cable in scene.cables]  # Exudyn evaluates the loads
+    unloaded = [cable.among_others for cable in scene.cables]  # Exudyn evaluates the loads
     return [
         CoupledRun(
             mbs,
