@@ -205,7 +205,7 @@ class CableRun:
         return of_drag + frequency * section.bending_damping / section.bending_stiffness
 
     def largest_frequency(self, time: float) -> float:
-        """w_max [rad/s] of small vibrations about the present configuration."""
+        """w_max [rad/s] of small vibrations about the present configuration; NaN if it is not found."""
         q = self.state.q.reshape(self.scene_cable.cable.reference.shape)
         return largest_frequency(self.system, self.loads.at(time), q.copy())
 
@@ -263,6 +263,8 @@ class CableRun:
         return f"{self.name}: {self.watch.finding(self.state)}. {said}"
 
     def _stability_limit(self, scheme: Any, frequency: float) -> float:
+        if math.isnan(frequency):
+            return math.nan
         limit = frequency_limit(self._integrator, scheme, self.damping_ratio(frequency))
         return limit / frequency if frequency > 0.0 else math.inf
 

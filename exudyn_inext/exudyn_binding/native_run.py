@@ -15,6 +15,7 @@ from scipy.linalg import eigh, inv
 from ..arrays import Array
 from ..chain.cable import Cable
 from ..compiled import plain
+from ..coupling.small_vibrations import OVERDAMPED, FastestRates
 from ..integrators.integrator import Integrator, LoadHistory, advance
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .consistent_start import StartCorrection
@@ -83,12 +84,12 @@ class NativeRun:
         held = _held_coordinates(mbs)
         size = mbs.systemData.ODE2Size()
         configuration = exudyn.ConfigurationType.Initial
-        mass, stiffness, _ = mbs.ComputeLinearizedSystem()
         self._free = np.setdiff1d(np.arange(size), held)
         free = np.ix_(self._free, self._free)
+        mass, stiffness, damping = (matrix[free] for matrix in mbs.ComputeLinearizedSystem())
         inverse_mass = np.zeros((size, size))
-        inverse_mass[free] = inv(mass[free])
-        self._frequency = float(np.sqrt(eigh(stiffness[free], mass[free], eigvals_only=True)[-1]))
+        inverse_mass[free] = inv(mass)
+        self._rates = _fastest_rates(mass, stiffness, damping)
         self._system = NativeSystem(mbs, solver, inverse_mass)
         self._integrator = integrator
         self._is_started = False
@@ -104,11 +105,11 @@ class NativeRun:
 
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the initial configuration."""
-        return self._frequency
+        return self._rates.frequency
 
     def damping_ratio(self, frequency: float) -> float:
-        """Dampers are not looked at."""
-        return 0.0
+        """Strongest damping [1/s], as a share of that frequency."""
+        return self._rates.damping / frequency if frequency > 0.0 else 0.0
 
     def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
         """Advance through len(history) loop steps; see `CableRun.record`."""
@@ -148,6 +149,14 @@ class NativeRun:
     def figures(self) -> dict[str, float]:
         """Nothing is watched."""
         return {}
+
+
+def _fastest_rates(mass: Array, stiffness: Array, damping: Array) -> FastestRates:
+    """Of M a + D v + K q = 0."""
+    if not (np.isfinite(stiffness).all() and np.isfinite(damping).all()):
+        return FastestRates(np.nan, np.nan)
+    squared, rate = (max(0.0, eigh(k, mass, eigvals_only=True)[-1]) for k in (stiffness, damping))
+    return FastestRates(max(float(np.sqrt(squared)), rate / OVERDAMPED), float(rate))
 
 
 def has_only_forces(mbs: Any) -> bool:
