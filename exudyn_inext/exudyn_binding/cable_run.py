@@ -20,7 +20,7 @@ from .consistent_start import (
     Violation,
     project,
     require_consistent,
-    worst_violation,
+    worst_violations,
 )
 from .divergence import GIVEN_UP, explanation
 from .link_items import require_smooth_motions
@@ -60,6 +60,7 @@ class CableRun:
     start_correction: how far the initial state was from its constraints.
     control: chooses the steps, if they are not all equal.
     watch: stops a run that goes wrong.
+    is_scaled: whether its mass is scaled.
     """
 
     control: StepControl | None = None
@@ -82,11 +83,13 @@ class CableRun:
         self.indices = scene_cable.indices
         self.reference = cable.reference.ravel()
         self.system = cable_system(cable, start.zeta, start.mass_scaling)
-        violation = worst_violation(scene_cable, self.system, *initial, start.time)
-        require_consistent(scene_cable, violation, start.tolerance)
+        violations = worst_violations(scene_cable, self.system, *initial, start.time)
+        require_consistent(scene_cable, violations[0], start.tolerance)
+        if not math.isfinite(violations[1].size):  # whatever is a number can be projected
+            require_consistent(scene_cable, violations[1], start.tolerance)
         self._element_masses = element_masses(cable, start.mass_scaling)
         self._integrator = integrator
-        self._is_scaled = start.mass_scaling > 0.0
+        self.is_scaled = start.mass_scaling > 0.0
         self._tracker = FrequencyTracker(self.system, cable.reference.shape)
         self._steps_since_limit = 0
         self._largest_share = 0.0  # of the stability limit, that the step has been
@@ -96,14 +99,17 @@ class CableRun:
         self.state.q[:], self.state.v[:] = (array.ravel() for array in initial)
         self.looks_ahead = self.loads.known_ahead
         self.watch = CableWatch(scene_cable, self.loads, self.state, start.energy_tolerance)
-        self.start_correction = self._project(violation, start.time)
+        self.start_correction = self._project(*violations, start)
 
-    def _project(self, violation: Violation, time: float) -> StartCorrection:
-        if violation.size < ROUND_OFF:
+    def _project(self, of_places: Violation, of_rates: Violation, start: Start) -> StartCorrection:
+        if max(of_places.size, of_rates.size) < ROUND_OFF:
             return StartCorrection()
-        self.start(time)  # redundant constraints are named before the projection meets them
-        cable = self.scene_cable.cable
-        return project(self.system, self.loads.at(time), cable, self.state.q, self.state.v)
+        given = self.state.v.copy()
+        self.start(start.time)  # redundant constraints are named before the projection meets them
+        self.state.v[:] = given
+        far = of_rates if of_rates.size > start.tolerance else None
+        inputs = self.loads.at(start.time)
+        return project(self.scene_cable, self.system, inputs, self.state, start.time, far, start.tolerance)
 
     @property
     def name(self) -> str:
@@ -259,7 +265,7 @@ class CableRun:
             self.control.last if self.control else h,
         )
         limit = self._stability_limit(scheme, self.largest_frequency(time))
-        said = explanation(self._integrator, trouble, taken, limit, self._is_scaled)
+        said = explanation(self._integrator, trouble, taken, limit, self.is_scaled)
         return f"{self.name}: {self.watch.finding(self.state)}. {said}"
 
     def _stability_limit(self, scheme: Any, frequency: float) -> float:

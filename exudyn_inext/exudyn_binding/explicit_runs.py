@@ -78,8 +78,8 @@ def _finite_frequency(run: Run, start: float) -> float:
             run.require_independence()
         raise SceneError(
             f"the largest frequency of {run.name} at the start, {frequency:g} rad/s, or its damping is no "
-            "finite number, so that no step is known to be stable: check the units of sections, lengths, "
-            "velocities, masses and loads, and what user functions return."
+            "finite number: check the units of sections, lengths, velocities, masses and loads, and what "
+            "user functions return. Without it, no step is known to be stable."
         )
     return frequency
 

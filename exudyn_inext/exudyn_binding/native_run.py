@@ -16,10 +16,12 @@ from ..arrays import Array
 from ..chain.cable import Cable
 from ..compiled import plain
 from ..coupling.small_vibrations import OVERDAMPED, FastestRates
+from ..errors import SceneError
 from ..integrators.integrator import Integrator, LoadHistory, advance
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
-from .consistent_start import StartCorrection
-from .scene import HeldCoordinate, read_held_coordinate
+from .consistent_start import PLACES, RATES, StartCorrection
+from .scene import read_held_coordinate
+from .start_velocities import require_finite, warn_of_velocities
 from .time_grid import TimeGrid
 
 _CONSTANT_MASS = {"ANCFCable", "ANCFCable2D", "MassPoint", "MassPoint2D", "Mass1D"}
@@ -80,13 +82,15 @@ class NativeRun:
     cables: ClassVar[list[Cable]] = []
     start_corrections: ClassVar[list[StartCorrection]] = []
 
-    def __init__(self, mbs: Any, solver: Any, integrator: Integrator) -> None:
-        held = _held_coordinates(mbs)
+    def __init__(self, mbs: Any, solver: Any, integrator: Integrator, tolerance: float) -> None:
+        names = _held_coordinates(mbs)
+        held = list(names)
         size = mbs.systemData.ODE2Size()
         configuration = exudyn.ConfigurationType.Initial
         self._free = np.setdiff1d(np.arange(size), held)
         free = np.ix_(self._free, self._free)
-        mass, stiffness, damping = (matrix[free] for matrix in mbs.ComputeLinearizedSystem())
+        linearised = mbs.ComputeLinearizedSystem()
+        mass, stiffness, damping = (matrix[free] for matrix in linearised)
         inverse_mass = np.zeros((size, size))
         inverse_mass[free] = inv(mass)
         self._rates = _fastest_rates(mass, stiffness, damping)
@@ -98,6 +102,8 @@ class NativeRun:
         self.state = integrator.allocate(size, 1)
         self.state.q[:] = mbs.systemData.GetODE2Coordinates(configuration)
         self.state.v[:] = mbs.systemData.GetODE2Coordinates_t(configuration)
+        require_finite(mbs, self.indices, self.state.v)
+        _take_hold(names, linearised[0], inverse_mass, self.state.q, self.state.v, tolerance)
 
     def start(self, time: float) -> None:
         """Begin anew from the present state, as soon as the time loop runs."""
@@ -170,9 +176,45 @@ def has_only_forces(mbs: Any) -> bool:
     )
 
 
-def _held_coordinates(mbs: Any) -> list[int]:
-    """System indices of the held coordinates."""
-    objects = (mbs.GetObject(number) for number in range(mbs.systemData.NumberOfObjects()))
-    constraints = (read_held_coordinate(mbs, data) for data in objects)
-    held: list[HeldCoordinate] = [constraint for constraint in constraints if constraint is not None]
-    return [mbs.systemData.GetNodeLTGODE2(c.node)[c.coordinate] for c in held]
+def _held_coordinates(mbs: Any) -> dict[int, str]:
+    """System indices of the held coordinates, and what holds them."""
+    held = {}
+    for number in range(mbs.systemData.NumberOfObjects()):
+        data = mbs.GetObject(number)
+        if (found := read_held_coordinate(mbs, data)) is not None:
+            index = mbs.systemData.GetNodeLTGODE2(found.node)[found.coordinate]
+            held[index] = f"object {number} '{data['name']}' ({data['objectType']})"
+    return held
+
+
+def _take_hold(
+    names: dict[int, str], mass: Array, inverse_mass: Array, q: Array, v: Array, tolerance: float
+) -> None:
+    """Stop held coordinates at the start, by impulses there.
+
+    Args:
+        names: see `_held_coordinates`.   mass: (n, n).   inverse_mass: see `NativeSystem`.
+        q, v: (n,) state, v in place.   tolerance: see `ExplicitSettings.startTolerance`.
+
+    Raises:
+        SceneError: a held coordinate is not where it is held.
+    """
+    held = list(names)
+    if not held:
+        return
+    if said := _said(PLACES, names, q, tolerance):
+        raise SceneError(f"{said}: correct the initial values of its node.")
+    said = _said(RATES, names, v / max(1.0, float(np.abs(v).max())), tolerance)
+    before = 0.5 * float(v @ mass @ v)
+    v += inverse_mass @ (mass[:, held] @ v[held])
+    v[held] = 0.0
+    if said:
+        warn_of_velocities(said, before, 0.5 * float(v @ mass @ v))
+
+
+def _said(what: str, names: dict[int, str], values: Array, tolerance: float) -> str:
+    """Which held coordinate has the largest value, if that is above the tolerance."""
+    worst = max(names, key=lambda index: abs(values[index]))
+    if abs(values[worst]) <= tolerance:
+        return ""
+    return f"the {what} violate {names[worst]} by {values[worst]:.3g} (limit {tolerance:g})"

@@ -41,7 +41,7 @@ def runs_of_scene(
     integrator = find_integrator(explicit.integrator)
     if not needs_coupling(mbs, scene):
         cables = cable_runs(mbs, scene.cables, time, h, explicit)
-        return cables or [NativeRun(mbs, solver, integrator)]
+        return cables or [NativeRun(mbs, solver, integrator, explicit.startTolerance)]
     unloaded = [cable.among_others for cable in scene.cables]  # Exudyn evaluates the loads
     return [
         CoupledRun(

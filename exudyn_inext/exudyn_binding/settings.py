@@ -54,8 +54,9 @@ class ExplicitSettings:
             longer bounds the step; 0.3 leaves a margin for the tension. Vibrations faster than the step
             are then not resolved. Order 2 is kept. Needs a stepSize.
         startTolerance: largest violation of a constraint by the initial state: of values [-, m] and,
-            relative to the speed, of rates. Up to it the state is projected onto the constraints, above it
-            refused.
+            relative to the speed, of rates. Up to it the state is projected onto the constraints; above it
+            coordinates are refused, and velocities projected with a warning, as by impulses at supports and
+            joints.
         allowUnstableStep: warn, rather than refuse, if stepSize is above the stability limit.
         adaptiveStep: between two outputs, take as many equal steps as the present largest frequency of the
             cable asks for, so that one that straightens or is pulled tight stays within its stability limit;
