@@ -21,7 +21,7 @@ def attached_variation(cable: Cable, state: Any, gravity: Array, k: np.ndarray, 
     """n at xi of element k, less its mean weighted with 6 xi (1 - xi), from point masses and drag.
 
     Args:
-        cable: the cable.   state: its q, v, a (n, 2, dim).   gravity: (dim,) g [m/s^2].
+        cable: the cable.   state: its q, v, a (n, 2, dim).   gravity: (N, dim) g of each element [m/s^2].
         k: (m,) elements.   xi: (m,) within them, 0 to 1 [-].
 
     Returns:
@@ -30,7 +30,7 @@ def attached_variation(cable: Cable, state: Any, gravity: Array, k: np.ndarray, 
     variation = np.zeros((len(k), cable.dimension))
     for point in placed(cable.point_masses, cable.element_lengths):
         shape = shape_functions(point.xi, float(cable.element_lengths[point.element]))
-        jump: Array = point.mass * (shape @ _of_element(state.a, point.element) - gravity)
+        jump: Array = point.mass * (shape @ _of_element(state.a, point.element) - gravity[point.element])
         mean = 1.0 - point.xi**2 * (3.0 - 2.0 * point.xi)
         here = k == point.element
         variation[here] += np.multiply.outer((xi[here] > point.xi) - mean, jump)
@@ -64,11 +64,12 @@ def _drag_until(cable: Cable, state: Any, k: int, end: float) -> Array:
 def drag_rate(cable: Cable, gravity: Array, v: Array) -> float:
     """Largest d [1/s] of v' = -d v that drag gives at the speeds to be expected.
 
-    These are the present ones, v (n, 2, dim), and that of free fall under gravity (dim,) [m/s^2].
+    These are the present ones, v (n, 2, dim), and that of free fall under gravity (dim,) or (N, dim) [m/s^2].
     """
     drag, density = cable.drag, cable.section.mass_per_length
     if drag is None:
         return 0.0
-    fall = np.sqrt(density * np.linalg.norm(gravity) / drag.normal) if drag.normal > 0.0 else 0.0
+    strongest = np.linalg.norm(gravity, axis=-1).max()
+    fall = np.sqrt(density * strongest / drag.normal) if drag.normal > 0.0 else 0.0
     speed = max(fall, np.linalg.norm(v[:, 0] - np.array(drag.flow), axis=1).max())
     return float(2.0 * max(drag.normal, drag.tangential) * speed / density)

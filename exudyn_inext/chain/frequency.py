@@ -212,14 +212,12 @@ def _scatter(x):
 
 
 @kernel
-def _largest_squared(system, inputs, q, v, tension, memory, diagonal, off_diagonal):
-    """w_max^2 [rad^2/s^2]; 0 if nothing can move.   memory: (6, n, 2, dim), zero."""
-    acceleration, rate, start, scattered = memory[0], memory[1], memory[2], memory[4]
-    size = q.size
-    index_reduced_rates(
-        system, inputs, q.reshape(size), v.reshape(size), acceleration.reshape(size), rate.reshape(size)
-    )
-    _set_tension(system, acceleration, scattered, tension)
+def _largest_at_state(system, q, tension, memory, diagonal, off_diagonal):
+    """w_max^2 [rad^2/s^2] where `system` was evaluated last; 0 if nothing can move, NaN if it is not found.
+
+    tension: see `_set_tension`.   memory: (6, n, 2, dim); the fourth one is zero.
+    """
+    start, scattered = memory[2], memory[4]
     rows = min(len(diagonal), _degrees_of_freedom(system, len(tension[2])))
     if rows < 1:
         return 0.0
@@ -227,9 +225,21 @@ def _largest_squared(system, inputs, q, v, tension, memory, diagonal, off_diagon
     constrained_inverse(system, scattered, start)
     found = _lanczos(system, q, tension, rows, memory, diagonal, off_diagonal)
     for row in range(found):
-        if not np.isfinite(diagonal[row]):
-            return 0.0
+        if not (abs(diagonal[row]) < np.inf and abs(off_diagonal[row]) < np.inf):
+            return np.nan
     return largest_of_tridiagonal(found, diagonal, off_diagonal)
+
+
+@kernel
+def _largest_squared(system, inputs, q, v, tension, memory, diagonal, off_diagonal):
+    """As `_largest_at_state`, at (q, v).   memory: (6, n, 2, dim), zero."""
+    acceleration, rate = memory[0], memory[1]
+    size = q.size
+    index_reduced_rates(
+        system, inputs, q.reshape(size), v.reshape(size), acceleration.reshape(size), rate.reshape(size)
+    )
+    _set_tension(system, acceleration, memory[4], tension)
+    return _largest_at_state(system, q, tension, memory, diagonal, off_diagonal)
 
 
 def largest_frequency(
@@ -246,16 +256,24 @@ def largest_frequency(
         v: (n, 2, dim) velocities, which count by the tension that they cause; None: at rest.
 
     Returns:
-        Largest natural frequency [rad/s]; 0 if nothing can move.
+        Largest natural frequency [rad/s]; 0 if nothing can vibrate, NaN if state or forces are not finite, or
+        constraints depend on each other.
     """
     inputs = external.copy()
     if v is None:
         v = np.zeros(q.shape)
         inputs[q.size :].reshape(-1, 3, q.shape[2])[:, 1] = 0.0  # velocities of the anchors
-    tridiagonal = np.zeros(LANCZOS_STEPS), np.zeros(LANCZOS_STEPS)
-    memory = np.zeros((6, *q.shape))
-    squared = _largest_squared(system, inputs, q, v, _no_tension(system), memory, *tridiagonal)
-    return float(np.sqrt(max(squared, 0.0)))
+    return _root(_largest_squared(system, inputs, q, v, _no_tension(system), *_lanczos_memory(q.shape)))
+
+
+def _lanczos_memory(shape: tuple[int, ...]) -> tuple[Array, Array, Array]:
+    """Memory (6, n, 2, dim), and the tridiagonal matrix.   shape: (n, 2, dim)."""
+    return np.zeros((6, *shape)), np.zeros(LANCZOS_STEPS), np.zeros(LANCZOS_STEPS)
+
+
+def _root(squared: float) -> float:
+    """w of w^2: zero if that is negative, as nothing vibrates then; a NaN stays."""
+    return 0.0 if squared <= 0.0 else float(np.sqrt(squared))
 
 
 class FrequencyTracker:
@@ -277,8 +295,13 @@ class FrequencyTracker:
     def frequency(self, q: Array, a: Array) -> float:
         """w_max [rad/s] of small vibrations about the state that `system` was evaluated at last.
 
+        Where the fastest vibration has been lost, it is looked for as `largest_frequency` does.
+
         Args:
             q, a: (n, 2, dim) of that state; its velocities count by the tension that they cause.
+
+        Returns:
+            See `largest_frequency`.
         """
         system, x = self._system, self.vibration
         tension, memory = _no_tension(system), np.zeros((4, *q.shape))
@@ -291,6 +314,7 @@ class FrequencyTracker:
         squared = 0.0
         if x.any():
             squared = _power_iteration(system, q, tension, iterations, memory, x)
-        if not np.isfinite(x).all():
+        if not (squared > 0.0 and np.isfinite(x).all()):
             x[:] = 0.0
-        return float(np.sqrt(max(squared, 0.0)))
+            squared = _largest_at_state(system, q, tension, *_lanczos_memory(q.shape))
+        return _root(squared)

@@ -76,13 +76,14 @@ def section_forces(
     Args:
         cable, chain: the cable and its kernel form.
         state: of `cable`, solved.
-        density: (dim,) force density f = rho_A g of gravity [N/m].
+        density: (dim,) force density f = rho_A g of gravity, or (N, dim), one of each element [N/m].
         arc_length: (m,) within 0 and the cable's length [m]; at a node, those of the element before it.
 
     Returns:
         `SectionForces` at these points.
     """
-    mean = np.zeros((cable.number_of_elements, cable.dimension))
+    density = np.broadcast_to(density, (cable.number_of_elements, cable.dimension))
+    mean = np.zeros(density.shape)
     _mean_section_forces(chain, state.q, state.v, state.multiplier, mean)
     ends = np.cumsum(cable.element_lengths)
     k = np.minimum(np.searchsorted(ends, arc_length - 1e-12 * cable.length), len(ends) - 1)
@@ -112,9 +113,9 @@ def _variation(cable: Cable, a: Array, density: Array, k: np.ndarray, xi: Array)
     for row, (element, x) in enumerate(zip(k, xi, strict=True)):
         length = float(cable.element_lengths[element])
 
-        def running(at: Array, length: float = length, row: int = row) -> Array:
+        def running(at: Array, length: float = length, row: int = row, f: Array = density[element]) -> Array:
             shapes = _integrated_shape_functions(np.asarray(at), length)
-            return rho * (nodal[row].T @ shapes) - np.multiply.outer(density, length * np.asarray(at))
+            return rho * (nodal[row].T @ shapes) - np.multiply.outer(f, length * np.asarray(at))
 
         variation[row] = running(np.array([x]))[:, 0] - running(points) @ weights
     return variation

@@ -1,7 +1,6 @@
 """Tension, shear force and bending moment of a cable of an mbs: as values and as sensors."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import cached_property
 from numbers import Integral
 from typing import Any
@@ -37,6 +36,7 @@ class CableEvaluator:
         self._cable = self._scene.cables[self._place]
         self._system = cable_system(self._cable.cable, 0.0)
         self._coupled: CoupledScene | None = None
+        self._gravity = np.zeros(self._cable.cable.dimension)  # of the state that was solved
 
     @property
     def length(self) -> float:
@@ -50,8 +50,8 @@ class CableEvaluator:
 
     def forces(self, state: SolvedState, arc_length: Array) -> SectionForces:
         """Section forces at arc lengths (m,) [m]."""
-        cable, item = self._cable.cable, self._cable.item
-        density = cable.section.mass_per_length * item.gravity
+        cable = self._cable.cable
+        density = cable.section.mass_per_length * self._gravity
         return section_forces(cable, self._system.chain, state, density, arc_length)
 
     def multiplier_tension(self, state: SolvedState) -> Array:
@@ -61,6 +61,7 @@ class CableEvaluator:
 
     def solve(self, mbs: Any) -> SolvedState:
         """The present state of the mbs, with its accelerations and multipliers."""
+        self._gravity = self._loads.gravity_at(mbs.systemData.GetTime())
         q, v, a = self._solve_among_others(mbs) if self._scene.foreign else self._solve_alone(mbs)
         shape = self._cable.cable.reference.shape
         multiplier = self._system.chain.elements["multiplier"][:, 0].copy()
@@ -92,7 +93,7 @@ class CableEvaluator:
         cables = []
         for cable in self._scene.cables:
             system = self._system if cable is self._cable else cable_system(cable.cable, 0.0)
-            loads = CableLoads(replace(cable, loads=[]))
+            loads = CableLoads(cable.among_others)
             reference = cable.cable.reference.ravel()
             cables.append(CoupledCable(cable.number, cable.indices, reference, system, loads))
         return CoupledScene(mbs, cables, self._scene.own_constraints, 0.0)

@@ -10,8 +10,8 @@ from ..chain.link import Motion
 from ..errors import SceneError
 from ..integrators.integrator import LoadHistory
 from ..loads.gravity import gravity_force
-from .load_items import NodalLoad
-from .scene import CableInScene
+from .element_weights import ElementWeight
+from .scene import CableInScene, CableLoad
 
 
 def _at_rest(motion: Motion, dim: int) -> Array:
@@ -19,7 +19,7 @@ def _at_rest(motion: Motion, dim: int) -> Array:
     return motion.at(0.0).ravel() if motion.rests else np.zeros(3 * dim)
 
 
-def _as_rows(returned: list[Any], times: list[float], load: NodalLoad) -> Array:
+def _as_rows(returned: list[Any], times: list[float], load: CableLoad) -> Array:
     """(T, m) what a user function returned, all of it numbers; SceneError at the first that is not."""
     number = len(load.constant)
     try:
@@ -32,7 +32,7 @@ def _as_rows(returned: list[Any], times: list[float], load: NodalLoad) -> Array:
     for row, value, t in zip(rows, returned, times, strict=True):
         if row.shape != (number,) or not np.isfinite(row).all():
             raise SceneError(
-                f"the user function of the load on node {load.node} returned {value!r} at "
+                f"the user function of the load on {load.place} returned {value!r} at "
                 f"t = {t:g} s: must return {number} finite number(s)."
             )
     return np.stack(rows)
@@ -56,11 +56,12 @@ class CableLoads:
 
     def __init__(self, cable: CableInScene) -> None:
         self._dimension = cable.cable.dimension
-        self._nodes = cable.item.nodes
+        self._item = cable.item
         motions = motions_of(all_links(cable.cable))
         force = gravity_force(cable.cable, cable.item.gravity).ravel()
         self.constant = np.concatenate([force, *(_at_rest(motion, self._dimension) for motion in motions)])
         self._motions = [motion for motion in motions if not motion.rests]
+        self._loads = cable.loads
         self._histories = [load for load in cable.loads if load.history is not None]
         for load in cable.loads:
             if load.history is None:
@@ -71,6 +72,20 @@ class CableLoads:
         if self._motions:
             rows += self._motion_patterns(len(force), motions)
         self.pattern = np.array(rows).reshape(len(rows), len(self.constant))
+
+    @property
+    def has_histories(self) -> bool:
+        """Whether forces depend on the time."""
+        return bool(self._histories)
+
+    def gravity_at(self, time: float) -> Array:
+        """(N, dim) gravity acceleration of each element at `time` [m/s^2]."""
+        shape = self._item.cable.number_of_elements, self._dimension
+        total = np.tile(self._item.gravity, (shape[0], 1))
+        for load in self._loads:
+            if isinstance(load, ElementWeight):
+                total += load.gravity(self._components(load, [time])[0], shape)
+        return total
 
     @property
     def known_ahead(self) -> bool:
@@ -104,7 +119,7 @@ class CableLoads:
         columns += [np.array([motion.at(t).ravel() for t in times]) for motion in self._motions]
         return np.concatenate(columns, axis=1) if columns else np.zeros((len(times), 0))
 
-    def _components(self, load: NodalLoad, times: list[float]) -> Array:
+    def _components(self, load: CableLoad, times: list[float]) -> Array:
         """(T, m) components of a load.
 
         Raises:
@@ -114,11 +129,11 @@ class CableLoads:
             values = np.tile(load.constant, (len(times), 1))
         else:
             values = _as_rows([load.history(t) for t in times], times, load)
-        for coordinate, column in zip(load.coordinates, values.T, strict=True):
-            if not self._is_in_space(load, coordinate) and column.any():
+        for component, column in enumerate(values.T):
+            if not load.is_in_space(component, self._dimension) and column.any():
                 value = column[np.flatnonzero(column)[0]]
                 raise SceneError(
-                    f"load on node {load.node} has the z component {value:g} N, but its cable is "
+                    f"load on {load.place} has the z component {value:g} {load.unit}, but its cable is "
                     "planar: create the cable with dimension=3."
                 )
         return values
@@ -132,18 +147,9 @@ class CableLoads:
         rows[np.arange(len(places)), places] = 1.0
         return list(rows)
 
-    def _is_in_space(self, load: NodalLoad, coordinate: int) -> bool:
-        """Whether a component acts on the cable; the z component of a force on a planar one does not."""
-        return len(load.coordinates) == 1 or coordinate < self._dimension
-
-    def _patterns(self, load: NodalLoad) -> list[Array]:
-        """One (n_dof,) unit force a component; zero for one that is out of the cable's plane."""
-        width = 2 * self._dimension
-        node = self._nodes.index(load.node)
-        patterns = []
-        for coordinate in load.coordinates:
-            pattern = np.zeros(len(self.constant))
-            if self._is_in_space(load, coordinate):
-                pattern[node * width + coordinate] = 1.0
-            patterns.append(pattern)
+    def _patterns(self, load: CableLoad) -> Array:
+        """(m, n_external) one unit force a component; zero for one that is out of the cable's plane."""
+        forces = load.unit_forces(self._item)
+        patterns = np.zeros((len(forces), len(self.constant)))
+        patterns[:, : forces.shape[1]] = forces
         return patterns

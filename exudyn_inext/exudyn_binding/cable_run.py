@@ -24,7 +24,7 @@ from .consistent_start import (
     Violation,
     project,
     require_consistent,
-    worst_violation,
+    worst_violations,
 )
 from .divergence import explanation
 from .link_items import require_smooth_motions
@@ -90,14 +90,16 @@ class CableRun:
         self._lag = 0.5 if integrator.has_implicit_damping and cable.section.bending_damping else 0.0
         scaled = ImplicitBending(start.theta * start.h**2)
         self.system = cable_system(cable, start.zeta, scaled)
-        violation = worst_violation(scene_cable, self.system, *initial, start.time)
-        require_consistent(scene_cable, violation, start.tolerance)
-        self._drag_rate = drag_rate(cable, scene_cable.item.gravity, initial[1])
+        violations = worst_violations(scene_cable, self.system, *initial, start.time)
+        require_consistent(scene_cable, violations[0], start.tolerance)
+        if not math.isfinite(violations[1].size):  # whatever is a number can be projected
+            require_consistent(scene_cable, violations[1], start.tolerance)
         self._integrator = integrator
         self._tracker = FrequencyTracker(self.system, cable.reference.shape)
         self._steps_since_limit = 0
         self._largest_share = 0.0  # of the stability limit, that the step has been
         self.loads = CableLoads(scene_cable)
+        self._drag_rate = drag_rate(cable, self.loads.gravity_at(start.time), initial[1])
         self.state: Any = integrator.allocate(cable.reference.size, len(self.loads.constant))
         self.state.q[:], self.state.v[:] = (array.ravel() for array in initial)
         self.looks_ahead = self.loads.known_ahead
@@ -105,14 +107,17 @@ class CableRun:
             scene_cable, self.loads, self.state, start.energy_tolerance, integrator.stabilised
         )
         self.control = StepControl()
-        self.start_correction = self._project(violation, start.time)
+        self.start_correction = self._project(*violations, start)
 
-    def _project(self, violation: Violation, time: float) -> StartCorrection:
-        if violation.size < ROUND_OFF:
+    def _project(self, of_places: Violation, of_rates: Violation, start: Start) -> StartCorrection:
+        if max(of_places.size, of_rates.size) < ROUND_OFF:
             return StartCorrection()
-        self.start(time)  # redundant constraints are named before the projection meets them
-        cable = self.scene_cable.cable
-        return project(self.system, self.loads.at(time), cable, self.state.q, self.state.v)
+        given = self.state.v.copy()
+        self.start(start.time)  # redundant constraints are named before the projection meets them
+        self.state.v[:] = given
+        far = of_rates if of_rates.size > start.tolerance else None
+        inputs = self.loads.at(start.time)
+        return project(self.scene_cable, self.system, inputs, self.state, start.time, far, start.tolerance)
 
     @property
     def name(self) -> str:
@@ -130,6 +135,11 @@ class CableRun:
             return self._tracker.frequency(q, a)
         plain = cable_system(self.scene_cable.cable, self.system.zeta)
         return largest_frequency(plain, self.state.external, q.copy(), self.state.v.reshape(shape).copy())
+
+    @property
+    def is_scaled(self) -> bool:
+        """Whether its mass is scaled."""
+        return self._theta > 0.0
 
     @property
     def has_implicit_bending(self) -> bool:
@@ -311,7 +321,7 @@ class CableRun:
         return of_drag + frequency * section.bending_damping / section.bending_stiffness
 
     def largest_frequency(self, time: float) -> float:
-        """w_max [rad/s] of small vibrations about the present configuration."""
+        """w_max [rad/s] of small vibrations about the present configuration; NaN if it is not found."""
         q = self.state.q.reshape(self.scene_cable.cable.reference.shape)
         return largest_frequency(self.system, self.loads.at(time), q.copy())
 
@@ -358,10 +368,12 @@ class CableRun:
         smallest = self.control.present
         trouble = self._integrator.trouble(scheme, self.watch.watch.kept)
         limit = self._stability_limit(scheme, self.largest_frequency(time))
-        said = explanation(self._integrator, trouble, smallest, limit, self._theta > 0.0)
+        said = explanation(self._integrator, trouble, smallest, limit, self.is_scaled)
         return f"{self.name}: {self.watch.finding(self.state)}; {self.control.said}. {said}"
 
     def _stability_limit(self, scheme: Any, frequency: float) -> float:
+        if math.isnan(frequency):
+            return math.nan
         limit = frequency_limit(self._integrator, scheme, self.damping_ratio(frequency))
         return limit / frequency if frequency > 0.0 else math.inf
 

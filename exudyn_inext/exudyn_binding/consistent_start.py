@@ -12,8 +12,10 @@ from ..constraints import constraints_of_cable
 from ..errors import SceneError
 from ..system import accelerate_and_project, correct_position
 from .scene import CableInScene
+from .start_velocities import kinetic_energy, nearest_velocities, warn_of_velocities
 
 ROUND_OFF = 1e-12
+PLACES, RATES = "initial coordinates", "initial velocities"
 _ITERATIONS = 20
 
 
@@ -43,25 +45,33 @@ class StartCorrection:
     velocity: float = 0.0
 
 
-def worst_violation(scene_cable: CableInScene, system: Any, q: Array, v: Array, time: float) -> Violation:
-    """The worst violation of all constraints by initial q, v (n, 2, dim); `system`: of the cable."""
+def worst_violations(
+    scene_cable: CableInScene, system: Any, q: Array, v: Array, time: float
+) -> tuple[Violation, Violation]:
+    """The worst violations of all constraints by initial q, and by v; both (n, 2, dim).
+
+    system: of the cable.
+    """
     speed = max(1.0, float(np.abs(v).max()))
     rests = not (v.any() or scene_cable.moving)  # then no rate can be wrong
-    worst = Violation(0.0)
+    of_places, of_rates = Violation(0.0, PLACES), Violation(0.0, RATES)
     if rests and _is_kept(system, scene_cable.cable, q):
-        return worst
+        return of_places, of_rates
     for constraint in constraints_of_cable(scene_cable.cable):
-        found = [("initial coordinates", constraint.value(q, time))]
+        of_places = _worse(of_places, constraint, constraint.value(q, time))
         if not rests:
-            found.append(("initial velocities", constraint.rate(q, v, time) / speed))
-        for what, violations in found:
-            sizes = np.abs(violations)
-            row = int(np.argmax(sizes))  # that of a NaN, if there is one
-            if not sizes[row] <= worst.size:
-                worst = Violation(float(sizes[row]), what, constraint, row)
-                if not np.isfinite(worst.size):
-                    return worst
-    return worst
+            with np.errstate(invalid="ignore"):  # of what is infinite
+                of_rates = _worse(of_rates, constraint, constraint.rate(q, v, time) / speed)
+    return of_places, of_rates
+
+
+def _worse(worst: Violation, constraint: Any, violations: Array) -> Violation:
+    """The worst of what was found so far, and of one constraint; what is not finite stays."""
+    sizes = np.abs(violations)
+    row = int(np.argmax(sizes))  # that of a NaN, if there is one
+    if not np.isfinite(worst.size) or sizes[row] <= worst.size:
+        return worst
+    return Violation(float(sizes[row]), worst.what, constraint, row)
 
 
 def _is_kept(system: Any, cable: Cable, q: Array) -> bool:
@@ -76,13 +86,19 @@ def _is_kept(system: Any, cable: Cable, q: Array) -> bool:
 def require_consistent(scene_cable: CableInScene, violation: Violation, tolerance: float) -> None:
     """Raise SceneError, which names the worst constraint and by how much it is violated."""
     if not violation.size <= tolerance:
-        where = violation.constraint.describe(violation.row, scene_cable.item.node_names)
         raise SceneError(
-            f"the {violation.what} of cable '{scene_cable.name}' violate the {violation.constraint.name} "
-            f"constraint at the {where} by {violation.size:.3g} (limit {tolerance:g}): correct the initial "
-            "values of its nodes, start from an equilibrium (SolveEquilibrium), or let a larger "
-            "startTolerance project them."
+            f"{found(scene_cable, violation, tolerance)}: correct the initial values of its nodes, start "
+            "from an equilibrium (SolveEquilibrium), or let a larger startTolerance project them."
         )
+
+
+def found(scene_cable: CableInScene, violation: Violation, tolerance: float) -> str:
+    """What violates which constraint, and by how much."""
+    where = violation.constraint.describe(violation.row, scene_cable.item.node_names)
+    return (
+        f"the {violation.what} of cable '{scene_cable.name}' violate the {violation.constraint.name} "
+        f"constraint at the {where} by {violation.size:.3g} (limit {tolerance:g})"
+    )
 
 
 def settle(system: Any, inputs: Array, q: Array, v: Array) -> None:
@@ -100,13 +116,28 @@ def settle(system: Any, inputs: Array, q: Array, v: Array) -> None:
     v[:] = end_velocity
 
 
-def project(system: Any, inputs: Array, cable: Any, q: Array, v: Array) -> StartCorrection:
-    """Move q and v (n_dof,) onto the constraints of `cable`, in the mass metric, in place.
+def project(
+    scene_cable: CableInScene,
+    system: Any,
+    inputs: Array,
+    state: Any,
+    time: float,
+    far: Violation | None,
+    tolerance: float,
+) -> StartCorrection:
+    """Move q and v (n_dof,) of a state onto the constraints of a cable, in the mass metric, in place.
 
     Args:
-        system: of the cable; its memory is used.   inputs: (n_external,) at the start.
+        scene_cable: the cable.   system: its equations, whose memory is used.
+        inputs: (n_external,) at the start.   state: of the integrator.   time: of the start [s].
+        far: violation by the velocities that deserves a warning, or None.   tolerance: that it exceeds.
     """
+    cable, q, v = scene_cable.cable, state.q, state.v
     given_q, given_v = q.copy(), v.copy()
+    if far is not None:
+        v[:] = nearest_velocities(cable, q, v, time)
+        energies = kinetic_energy(cable, given_v), kinetic_energy(cable, v)
+        warn_of_velocities(found(scene_cable, far, tolerance), *energies)
     held = np.repeat(cable.fixed[:, :, None], cable.dimension, axis=2).ravel()
     q[held] = cable.reference.ravel()[held]
     v[held] = 0.0

@@ -37,7 +37,8 @@ def explanation(integrator: Integrator, trouble: str, h: float, limit: float, sc
         )
     if trouble:
         return trouble
-    share = f"at {h / limit:.0%} of the stability limit of the present configuration"
+    known = f"at {h / limit:.0%} of the stability limit of the present configuration"
+    share = known if limit > 0.0 else "in a configuration whose stability limit cannot be found"
     if integrator.stabilised:
         return (
             f"Likely cause: {integrator.name}, {share}, gains energy where the motion is violent, and slowly "

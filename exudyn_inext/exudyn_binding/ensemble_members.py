@@ -119,7 +119,7 @@ def _require_known_ahead(run: CableRun) -> None:
     if run.looks_ahead:
         return
     scene = run.scene_cable
-    culprits = [f"load on node {load.node}" for load in scene.loads if load.history and not load.is_pure]
+    culprits = [f"load on {load.place}" for load in scene.loads if load.history and not load.is_pure]
     culprits += [f"constraint {moving.name}" for moving in scene.moving if not moving.motion.is_pure]
     raise SceneError(
         f"{run.name}: the user function of {', '.join(culprits)} may depend on the state, but is asked ahead "

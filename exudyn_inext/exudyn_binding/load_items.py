@@ -2,11 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ..arrays import Array
+from .cable_data import CableItem
 
 _POSITION_MARKERS = {"NodePosition", "NodeRigid"}
 
@@ -28,6 +29,26 @@ class NodalLoad:
     history: Callable[[float], Any] | None
     is_pure: bool = False
 
+    unit: ClassVar[str] = "N"
+
+    @property
+    def place(self) -> str:
+        """For messages."""
+        return f"node {self.node}"
+
+    def is_in_space(self, component: int, dim: int) -> bool:
+        """Whether a component acts on the cable; the z component of a force on a planar one does not."""
+        return len(self.coordinates) == 1 or self.coordinates[component] < dim
+
+    def unit_forces(self, item: CableItem) -> Array:
+        """(m, n_dof) generalised force per unit of each component; zero for one out of the plane [-]."""
+        dim = item.cable.dimension
+        forces = np.zeros((len(self.coordinates), item.cable.reference.size))
+        for component, coordinate in enumerate(self.coordinates):
+            if self.is_in_space(component, dim):
+                forces[component, item.nodes.index(self.node) * 2 * dim + coordinate] = 1.0
+        return forces
+
 
 def read_load(mbs: Any, number: int) -> NodalLoad | None:
     """Load `number` of mbs, or None if it is of a kind that is not supported."""
@@ -46,13 +67,18 @@ def read_load(mbs: Any, number: int) -> NodalLoad | None:
         node=int(marker["nodeNumber"]),
         coordinates=coordinates,
         constant=np.atleast_1d(np.asarray(value, dtype=float)),
-        history=_history(mbs, user_function, value),
-        is_pure=bool(user_function)
-        and getattr(user_function["function"], "dependsOnTimeOnly", False) is True,
+        history=history_of(mbs, user_function, value),
+        is_pure=is_of_time_alone(user_function),
     )
 
 
-def _history(mbs: Any, user_function: Any, value: Any) -> Callable[[float], Any] | None:
+def is_of_time_alone(user_function: Any) -> bool:
+    """Whether a load has a user function that says so of itself."""
+    return bool(user_function) and getattr(user_function["function"], "dependsOnTimeOnly", False) is True
+
+
+def history_of(mbs: Any, user_function: Any, value: Any) -> Callable[[float], Any] | None:
+    """t -> what the user function of a load returns; None without one.   value: of the load."""
     if not user_function:
         return None
     function = user_function["function"]

@@ -16,10 +16,13 @@ from .attach.inert import is_inert_cable
 from .attach.markers import REMEDY, unsuitable_markers
 from .cable_data import CableItem, belongs_to_a_cable, find_cable_item
 from .cable_item import supports_of_flags
+from .element_weights import Elements, ElementWeight, elements_by_nodes, put_together, read_weight
 from .link_items import MovingCoordinate, Rod, links_of_motions, read_moving_coordinate, read_rod
 from .load_items import NodalLoad, read_load
 
 _HARMLESS = {"Ground"}
+
+CableLoad = NodalLoad | ElementWeight
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +32,7 @@ class CableInScene:
     cable: model with supports and links.
     item: the items that it came from.
     indices: (n_dof,) places of its coordinates in the system vector.
-    loads: nodal loads.
+    loads: on its nodes, and weights of its elements.
     moving: coordinates that follow a motion.
     number: of its object.   name: for messages.
     """
@@ -37,10 +40,15 @@ class CableInScene:
     cable: Cable
     item: CableItem
     indices: np.ndarray
-    loads: list[NodalLoad]
+    loads: list[CableLoad]
     moving: list[MovingCoordinate]
     number: int
     name: str
+
+    @property
+    def among_others(self) -> "CableInScene":
+        """Without the loads that Exudyn evaluates together with those of other items: all but weights."""
+        return replace(self, loads=[load for load in self.loads if isinstance(load, ElementWeight)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +111,7 @@ def read_scene(mbs: Any) -> Scene:
     """Inextensible cables of an assembled mbs, and what else there is."""
     contents = _contents(mbs)
     on_cables = {node for item in contents.items.values() for node in item.nodes}
-    loads, other_loads = _read_loads(mbs, on_cables)
+    loads, other_loads = _read_loads(mbs, on_cables, elements_by_nodes(contents.items))
     foreign = [*contents.others, *_foreign_nodes(mbs, on_cables), *other_loads]
     foreign += _take_foreign_constraints(mbs, contents)
     if mbs.NumberOfGeneralContacts():
@@ -196,16 +204,19 @@ def read_held_coordinate(mbs: Any, data: dict[str, Any]) -> HeldCoordinate | Non
     return HeldCoordinate(int(moving[0]["nodeNumber"]), int(moving[0]["coordinate"]))
 
 
-def _read_loads(mbs: Any, on_cables: set[int]) -> tuple[list[NodalLoad], list[str]]:
-    loads, others = [], []
+def _read_loads(mbs: Any, on_cables: set[int], elements: Elements) -> tuple[list[CableLoad], list[str]]:
+    loads: list[CableLoad] = []
+    weights: list[ElementWeight] = []
+    others = []
     for number in range(mbs.systemData.NumberOfLoads()):
-        load = read_load(mbs, number)
-        if load is None or load.node not in on_cables:
+        if (weight := read_weight(mbs, number, elements)) is not None:
+            weights.append(weight)
+        elif (load := read_load(mbs, number)) is not None and load.node in on_cables:
+            loads.append(load)
+        else:
             data = mbs.GetLoad(number)
             others.append(f"load {number} '{data['name']}' ({data['loadType']})")
-        else:
-            loads.append(load)
-    return loads, others
+    return loads + put_together(weights), others
 
 
 def _foreign_nodes(mbs: Any, on_cables: set[int]) -> list[str]:
@@ -219,7 +230,7 @@ def _foreign_nodes(mbs: Any, on_cables: set[int]) -> list[str]:
     return foreign
 
 
-def _cable_in_scene(mbs: Any, number: int, contents: Contents, loads: list[NodalLoad]) -> CableInScene:
+def _cable_in_scene(mbs: Any, number: int, contents: Contents, loads: list[CableLoad]) -> CableInScene:
     name, item = contents.names[number], contents.items[number]
     moving = [coordinate for coordinate in contents.moving.values() if coordinate.node in item.nodes]
     fixed, links = _supports(item, [c for c in contents.held.values() if c.node in item.nodes], name)
@@ -235,11 +246,15 @@ def _cable_in_scene(mbs: Any, number: int, contents: Contents, loads: list[Nodal
         cable=replace(item.cable, fixed=fixed, links=tuple(links)),
         item=item,
         indices=indices,
-        loads=[load for load in loads if load.node in item.nodes],
+        loads=[load for load in loads if _is_on(load, number, item)],
         moving=moving,
         number=number,
         name=name,
     )
+
+
+def _is_on(load: CableLoad, number: int, item: CableItem) -> bool:
+    return load.cable == number if isinstance(load, ElementWeight) else load.node in item.nodes
 
 
 def _supports(item: CableItem, held: list[HeldCoordinate], name: str) -> tuple[np.ndarray, list[Link]]:

@@ -1,7 +1,6 @@
 """Which runs move a scene: the cheapest way that is valid for what it contains."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 from ..errors import InputError, SceneError
@@ -42,8 +41,8 @@ def runs_of_scene(
     integrator = find_integrator(explicit.integrator)
     if not needs_coupling(mbs, scene):
         cables = cable_runs(mbs, scene.cables, time, h, explicit)
-        return cables or [NativeRun(mbs, solver, integrator)]
-    unloaded = [replace(cable, loads=[]) for cable in scene.cables]  # Exudyn evaluates the loads
+        return cables or [NativeRun(mbs, solver, integrator, explicit.startTolerance)]
+    unloaded = [cable.among_others for cable in scene.cables]  # Exudyn evaluates the loads
     return [
         CoupledRun(
             mbs,

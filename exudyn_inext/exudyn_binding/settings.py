@@ -48,8 +48,9 @@ class ExplicitSettings:
             are then not resolved. Order 2 is kept. None: 0 with a stepSize; without one, RATTLE takes 0.3
             where bending would bound a step that is short enough for the motion.
         startTolerance: largest violation of a constraint by the initial state: of values [-, m] and,
-            relative to the speed, of rates. Up to it the state is projected onto the constraints, above it
-            refused.
+            relative to the speed, of rates. Up to it the state is projected onto the constraints; above it
+            coordinates are refused, and velocities projected with a warning, as by impulses at supports and
+            joints.
         allowUnstableStep: warn, rather than refuse, if stepSize is above the stability limit.
         adaptiveStep: between two outputs, take as many equal steps as the present largest frequency of the
             cable asks for, so that one that straightens or is pulled tight stays within its stability limit;

@@ -74,7 +74,8 @@ class Watch(NamedTuple):
     duration: T of the run [s].   phase: error that the step may cause in it [rad], see above.
     account: (3,) records, NOW, KEPT and FAILED. Energy at the `start` and `agitation` then [J/s^2]; its
         present `surplus` [J]; `time` since then [s], and the integrals of `forces`, a . M a / 2 [J/s], and
-        `speeds`, v . M v / 2 [J s], over it, and the `phase` error of the run that they let expect [rad]; its `round_off` [J];
+        `speeds`, v . M v / 2 [J s], over it, and the `phase` error of the run that they let expect
+        [rad]; its `round_off` [J];
         `work` done since [J], of which we are `unsure`, to one side [J], and its `scatter` [J^2], `scattered`
         until the last inspection; the `slope` of the power [W/s], whose
         changes tell how well trapezoids fit, and the `largest_power` so far [W]; bounds of kinetic and

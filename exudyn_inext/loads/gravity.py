@@ -1,4 +1,4 @@
-"""Gravity: a uniform force density rho_A g, and m g of point masses."""
+"""Gravity: a force density rho_A g, uniform on each element, and m g of point masses."""
 
 import numpy as np
 
@@ -14,18 +14,18 @@ def gravity_force(cable: Cable, gravity: Array) -> Array:
 
     Args:
         cable: the cable.
-        gravity: (dim,) acceleration g [m/s^2].
+        gravity: (dim,) acceleration g, or (N, dim), one of each element [m/s^2].
 
     Returns:
         (n, 2, dim) [N, Nm].
     """
-    gravity = np.asarray(gravity, dtype=float)
+    gravity = np.broadcast_to(np.asarray(gravity, dtype=float), (cable.number_of_elements, cable.dimension))
     density = cable.section.mass_per_length * gravity
-    elements = np.multiply.outer(forms_of_mesh(uniform_force, cable.element_lengths), density)
+    elements = forms_of_mesh(uniform_force, cable.element_lengths)[:, :, None] * density[:, None]
     force = np.zeros(cable.reference.shape)
     force[:-1] += elements[:, :2]
     force[1:] += elements[:, 2:]
     for point in placed(cable.point_masses, cable.element_lengths):
         k, length = point.element, float(cable.element_lengths[point.element])
-        force[k : k + 2] += point_force(point.mass * gravity, point.xi, length).reshape(2, 2, -1)
+        force[k : k + 2] += point_force(point.mass * gravity[k], point.xi, length).reshape(2, 2, -1)
     return force

@@ -1,9 +1,12 @@
 """The largest frequency equals that of a dense eigenvalue solve on the constraints' null space."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.linalg import eigvalsh
 
+from exudyn_inext.chain import frequency
 from exudyn_inext.chain.chain import build_chain
 from exudyn_inext.chain.frequency import largest_frequency
 from exudyn_inext.chain.index_reduction import CableSystem
@@ -11,6 +14,7 @@ from exudyn_inext.chain.linked_cable import cable_system
 from exudyn_inext.integrators import INTEGRATORS
 from exudyn_inext.integrators.integrator import no_loads, record
 from exudyn_inext.loads.gravity import gravity_force
+from exudyn_inext.system import index_reduced_rates
 from tests.cables import (
     DIMENSIONS,
     LINKS,
@@ -180,3 +184,38 @@ def growth(cable, h):
     history = np.zeros((1, 3, state.q.size))
     record(zhai.scheme(), system, no_loads(state.q.size, 1), state, h, 300, history)
     return np.abs(v[:, 0, 1]).max() / disturbance
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, 1e300])
+@both_dimensions
+def test_a_frequency_that_is_not_finite_is_not_zero(dim, bad):
+    cable, gravity = planar_pendulum(5, dim)
+    system = cable_system(cable, 100.0)
+    force = gravity_force(cable, gravity)
+    force[3, 0, 0] = bad
+    found = largest_frequency(system, force.ravel(), cable.reference.copy())
+    assert not np.isfinite(found) or found > 1e100
+    q = cable.reference.copy()
+    q[3, 1, 0] = bad
+    assert np.isnan(largest_frequency(system, gravity_force(cable, gravity).ravel(), q))
+
+
+def test_a_cable_that_is_held_everywhere_has_none():
+    cable, _ = planar_pendulum(2)
+    cable = replace(cable, fixed=np.ones_like(cable.fixed), length_constraints=0)
+    assert largest_frequency(cable_system(cable, 100.0), np.zeros(12), cable.reference.copy()) == 0.0
+
+
+@pytest.mark.parametrize("lost", [0.0, -3.0, np.nan])
+@both_dimensions
+def test_a_tracker_that_has_lost_the_fastest_vibration_finds_it_again(dim, lost, monkeypatch):
+    cable, gravity = planar_pendulum(8, dim)
+    system, force = cable_system(cable, 100.0), gravity_force(cable, gravity).ravel()
+    q = cable.reference
+    expected = largest_frequency(system, force, q.copy())
+    a, rate = np.zeros(q.size), np.zeros(q.size)
+    index_reduced_rates(system, force, q.ravel(), np.zeros(q.size), a, rate)
+    monkeypatch.setattr(frequency, "_power_iteration", lambda *_: lost)
+    tracker = frequency.FrequencyTracker(system, q.shape)
+    for _ in range(2):
+        assert tracker.frequency(q, a.reshape(q.shape)) == pytest.approx(expected, rel=1e-6)

@@ -156,6 +156,9 @@ class Springs:
     def __init__(self):
         self.systemData, self.asked = self, []
 
+    def SetTime(self, t):
+        pass
+
     def SetODE2Coordinates(self, q):
         self.asked.append(q.copy())
 

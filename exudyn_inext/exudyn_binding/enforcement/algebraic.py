@@ -27,6 +27,7 @@ from ...element.inertia import mass_matrix
 from ...loads.gravity import gravity_force
 from ..cable_data import CableItem
 from .coordinates import Coordinates
+from .weights import WeightWatch
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ class Algebraic:
         rows = build_rows(item.cable, held)
         ground = mbs.AddMarker(MarkerNodeCoordinates(nodeNumber=mbs.AddNode(NodePointGround())))
         marker = mbs.AddMarker(MarkerObjectODE2Coordinates(objectNumber=number))
-        values, jacobian = _constraint_user_functions(rows, Coordinates(item.cable))
+        values, jacobian = _constraint_user_functions(rows, item)
         constraint = CoordinateVectorConstraint(
             name=f"inextensibility of object {number}",
             markerNumbers=[ground, marker],
@@ -85,12 +86,14 @@ def _forces_of_user_functions(cable: Cable, chain: Chain, external: Array) -> di
     return {"forceUserFunction": cable_force_user_function}
 
 
-def _constraint_user_functions(rows: ConstraintRows, coordinates: Coordinates) -> tuple[Any, Any]:
+def _constraint_user_functions(rows: ConstraintRows, item: CableItem) -> tuple[Any, Any]:
     """User functions of constraint and Jacobian; they get coordinates with reference values."""
+    coordinates, weights = Coordinates(item.cable), WeightWatch(item)
     values = np.zeros((2, rows.number))
     gradients = np.zeros((rows.number, *coordinates.shape))
 
     def inextensibility_user_function(mbs, t, itemNumber, q, q_t, velocityLevel):
+        weights.look(mbs, t)
         constraint_values(rows, coordinates.nodal(q), coordinates.nodal(q_t), values)
         return values[int(velocityLevel)]
 

@@ -12,6 +12,7 @@ from ...loads.gravity import gravity_force
 from ..cable_data import CableItem
 from ..explicit_traps import TrapWatch
 from .coordinates import Coordinates
+from .weights import WeightWatch
 
 LIMITS = 1e2, 1e6  # of the penalty: constraints too soft; mass matrix too badly conditioned
 
@@ -59,10 +60,11 @@ class PenaltyMass:
         system = build_penalty_system(cable, item.held, float(self.penalty), float(self.stabilizationRate))
         external = gravity_force(cable, item.gravity)
         force, mass = np.zeros(coordinates.shape), np.zeros(coordinates.shape * 2)
-        watch = TrapWatch()
+        traps, weights = TrapWatch(), WeightWatch(item)
 
         def penalty_force_user_function(mbs, t, itemNumber, q, q_t):
-            watch.look(mbs, t)
+            traps.look(mbs, t)
+            weights.look(mbs, t)
             penalty_force(system, external, coordinates.total(q), coordinates.nodal(q_t), force)
             return coordinates.vector(force)
 

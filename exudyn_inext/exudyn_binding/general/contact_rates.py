@@ -16,6 +16,7 @@ from ...chain.cable import Cable
 from ...coupling.small_vibrations import FastestRates
 from ...element.inertia import mass_matrix
 from ...element.shape_functions import shape_functions
+from ...errors import SceneError
 from ..cable_run import CableRun
 
 _NORMAL = ("contactStiffness", "contactDamping")
@@ -45,11 +46,20 @@ def contact_rates(mbs: Any, runs: Sequence[CableRun]) -> FastestRates:
             max(data[normal], data.get(tangential, 0.0))
             for normal, tangential in zip(_NORMAL, _TANGENTIAL, strict=True)
         )
+        _require_finite(number, data, stiffness, rate)
         squared[key] = squared.get(key, 0.0) + share * stiffness
         damping[key] = damping.get(key, 0.0) + share * rate
     return FastestRates(
         float(np.sqrt(max(squared.values(), default=0.0))), max(damping.values(), default=0.0)
     )
+
+
+def _require_finite(number: int, data: dict[str, Any], stiffness: float, damping: float) -> None:
+    if not (np.isfinite(stiffness) and np.isfinite(damping)):
+        raise SceneError(
+            f"object {number} '{data['name']}' ({data['objectType']}) has a stiffness of {stiffness:g} N/m "
+            f"and a damping of {damping:g} N s/m, so that no step is known to be stable: give finite numbers."
+        )
 
 
 def with_contact(rates: FastestRates, contact: FastestRates) -> FastestRates:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...chain.cable import Cable
+from ...chain.linked_cable import cable_system
 from ...compiled import plain
 from ...coupling.small_vibrations import FastestRates, fastest_rates
 from ...errors import DivergenceError, RedundantConstraintError
@@ -19,6 +20,7 @@ from ..cable_run import CableRun
 from ..cable_watch import figures, finding
 from ..consistent_start import ROUND_OFF, StartCorrection
 from ..divergence import explanation
+from ..start_velocities import require_finite
 from ..step_control import StepControl
 from ..time_grid import TimeGrid
 from .contact_rates import contact_rates, with_contact
@@ -68,8 +70,14 @@ class CoupledRun:
         self.state.q[:], self.state.v[:] = self._scene.state(exudyn.ConfigurationType.Initial)
         for run, dofs in zip(cable_runs, self._scene.map.slices, strict=False):
             self.state.q[dofs], self.state.v[dofs] = run.state.q, run.state.v
+        require_finite(mbs, self.indices, self.state.v[: len(self.indices)])
+        unscaled = self._scene
+        if any(run.is_scaled for run in cable_runs):  # impulses at the start meet the mass as it is
+            bare = [cable_system(cable, zeta) for cable in self.cables]
+            without = [cable._replace(system=system) for cable, system in zip(cables, bare, strict=True)]
+            unscaled = CoupledScene(mbs, without, own_constraints, zeta)
         self.start_correction = consistent_start(
-            self._scene.system, time, self.state.q, self.state.v, tolerance
+            unscaled.system, self.cables, time, self.state.q, self.state.v, tolerance
         )
         self.control = StepControl()
         self._gave_up = False

@@ -73,7 +73,7 @@ class CoupledWatch:
         self.path_of_evaluations = self._path if evaluations == 1 else None
         self.after_each_step: list[Callable[[], None]] = []
         if evaluations > 1:
-            self.after_each_step += [partial(follow, self._path, state.q, self._surroundings.native_forces)]
+            self.after_each_step += [partial(follow, self._path, state.q, self._surroundings.varying_forces)]
         if scene.bodies_of_variable_mass:
             way = self._path[WAY, self._bodies.dofs]
             self.after_each_step += [partial(self._bodies.system.count_changes, way, self._changes)]
@@ -108,7 +108,7 @@ class CoupledWatch:
     def _begin_work(self, t: float, state: Any) -> Any:
         """Count work from a state on; returns the forces of Exudyn's items in it."""
         self._set_gauges(t, state)
-        forces = self._surroundings.native_forces
+        forces = self._surroundings.varying_forces
         begin_path(self._path, state.q, forces)
         self._bodies.system.begin_changes()
         self._changes[:] = 0.0

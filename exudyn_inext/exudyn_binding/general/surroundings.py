@@ -12,7 +12,7 @@ from ...compiled import kernel
 from ...coupling.coupled_system import Part
 from ...coupling.joints import JointBlock, JointTerms
 from ...errors import DivergenceError
-from ...integrators.path_work import gather, gather_and_follow
+from ...integrators.path_work import follow, gather, gather_and_follow
 from ..cable_loads import CableLoads
 from .bodies import BodyMasses
 from .coordinates import CoordinateMap
@@ -26,6 +26,7 @@ class NativeSurroundings:
 
     joints: names of the rows.   blocks: their Jacobian by parts.
     native_forces: (n,) what Exudyn's items did to all second order coordinates when last asked [N, Nm].
+    varying_forces: (n,) the same, with the weights of cables that change in time.
     path: memory of the work that they do from one evaluation to the next, see `build_path`; None: not now.
     """
 
@@ -58,6 +59,8 @@ class NativeSurroundings:
         self._bodies = self._dofs[len(loads)]
         self._remembers = bool(self._data.DataSize() or mbs.NumberOfGeneralContacts())
         self.native_forces = np.zeros(len(coordinates.indices))
+        self._has_histories = any(of_cable.has_histories for of_cable in loads)
+        self.varying_forces = self.native_forces.copy() if self._has_histories else self.native_forces
         self._positions = np.zeros(self._dofs[-1].stop)  # that mbs has at the time self._time
         self._values: Array | None = None  # of all joints, if they are known there
         self.forget()
@@ -75,20 +78,28 @@ class NativeSurroundings:
             self._solver.ComputeODE1RHS(self._mbs)
         residual = self._solver.GetSystemResidual()
         forces = self.native_forces
-        if self.path is None:
+        if self.path is None or self._has_histories:
             gather(residual, self._coordinates.of_forces, forces)
         else:
             gather_and_follow(self.path, q, residual, self._coordinates.of_forces, forces)
-        result = []
-        for loads, dofs in zip(self._loads, self._dofs, strict=False):
-            force = loads.at(t).copy()
+        result = [loads.at(t).copy() for loads in self._loads]
+        if self._has_histories:
+            self._add_histories(q, result)
+        for force, dofs in zip(result, self._dofs, strict=False):
             force[: dofs.stop - dofs.start] += forces[dofs]
-            result.append(force)
         self._masses.update(q[self._bodies])
         result.append(forces[self._bodies])
         if first:
             result.append(residual[second : second + first])
         return result
+
+    def _add_histories(self, q: Array, given: Sequence[Array]) -> None:
+        """Set the forces that vary, and count their work.   given: of each cable's own loads, at present."""
+        self.varying_forces[:] = self.native_forces
+        for force, loads, dofs in zip(given, self._loads, self._dofs, strict=False):
+            self.varying_forces[dofs] += (force - loads.constant)[: dofs.stop - dofs.start]
+        if self.path is not None:
+            follow(self.path, q, self.varying_forces)
 
     def motions(self, t: float) -> Sequence[Array]:
         """Of the cables' own constraints; bodies and first order states have none."""
