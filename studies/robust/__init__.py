@@ -1,0 +1,1 @@
+"""Random scenes for the study of robustness."""
