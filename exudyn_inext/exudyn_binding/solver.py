@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager, nullcontext
 from dataclasses import replace
 from typing import Any
 
@@ -12,6 +12,11 @@ from ..errors import DivergenceError, SceneError
 from .arguments import explicit_settings, simulation_settings
 from .cable_forces import forget_evaluators
 from .cable_run import CableRun
+from .changes.builder import RunBuilder
+from .changes.constraints import SteppedReader
+from .changes.follower import ChangeFollower
+from .changes.limit import StepLimit
+from .changes.log import ChangeLog, listening
 from .empty_sensors import warn_of_empty_sensors
 from .explicit_runs import follow_frequencies, scheme_of, step_bounds, wanted_step
 from .general.surroundings import state_kept, switched_off
@@ -22,7 +27,7 @@ from .scene import read_scene, require_assembled
 from .scene_runs import needs_coupling, runs_of_scene
 from .settings import ExplicitSettings
 from .time_grid import TimeGrid, time_grid
-from .time_loop import ExplicitTimeLoop, worst_figures
+from .time_loop import ExplicitTimeLoop, is_watched, worst_figures
 
 
 def SolveExplicit(
@@ -85,44 +90,53 @@ def SolveExplicit(
     """
     settings = simulation_settings(simulationSettings)
     explicit = explicit_settings(explicitSettings)
+    log = ChangeLog(mbs)
     for retry in range(explicit.retries + 1):
         try:
-            return _solve(mbs, settings, explicit) | {"retries": retry}
+            return _solve(mbs, settings, explicit, log) | {"retries": retry}
         except DivergenceError as error:
             if retry == explicit.retries or not math.isfinite(error.step):
                 raise
+            log.restore()
             explicit = replace(explicit, stepSize=0.5 * error.step)
     raise AssertionError  # the last try returns or raises
 
 
-def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings) -> dict[str, Any]:
+def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings, log: ChangeLog) -> dict[str, Any]:
     """One try of `SolveExplicit`."""
     require_assembled(mbs)
     solver = exudyn.MainSolverImplicitSecondOrder()
-    scene = read_scene(mbs)
+    reader = SteppedReader(mbs)
+    scene = read_scene(mbs, reader)
     sensors = [mbs.GetSensor(number) for number in range(mbs.systemData.NumberOfSensors())]
     warn_of_empty_sensors(mbs, sensors, scene.own_constraints)
     require_writable_outputs(settings, sensors)
     start = float(settings.timeIntegration.startTime)
     coupled = needs_coupling(mbs, scene)
-    with switched_off(mbs, *scene.evaluated_by_kernels) if coupled else nullcontext():
+    with ExitStack() as stack:
+        if coupled:
+            stack.enter_context(switched_off(mbs, *scene.evaluated_by_kernels))
         with state_kept(mbs) if coupled else nullcontext():
             restarts = Restarts(mbs, settings, explicit, scene.cables)
             given = None if explicit.stepSize is None else time_grid(mbs, settings, explicit.stepSize)
             scaling = (restarts.step or given.h) if given and explicit.massScaling else 0.0
             runs = runs_of_scene(mbs, scene, solver, start, scaling, explicit)
+            log.is_followed = is_watched(mbs, runs)
             bounds = step_bounds(runs, start, explicit)
             wanted, decided_by = wanted_step(bounds, explicit, taken=scaling or None)
             grid = restarts.grid(given or time_grid(mbs, settings, wanted))
             follow_frequencies(runs, bounds, explicit)
             observed = observed_derivatives(settings, sensors)
-            loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, restarts, observed)
+            builder = RunBuilder(mbs, solver, explicit, scaling, stack)
+            limit = StepLimit(grid.h, bounds.stability_limit, explicit)
+            changes = ChangeFollower(mbs, scene, reader, log, builder, limit, sensors)
+            loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, restarts, observed, changes)
         try:
-            with restarts.initial_state():
-                _run(mbs, solver, settings, loop)
+            with restarts.initial_state(), listening(log):
+                _run(mbs, solver, settings, loop, log)
         finally:
             forget_evaluators(sensors)
-    controls = [run.control for run in runs if isinstance(run, CableRun) and run.control]
+    controls = [run.control for run in loop.runs if isinstance(run, CableRun) and run.control]
     return {
         "success": True,
         "integrator": explicit.integrator,
@@ -134,7 +148,7 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings) -> dict[str, Any
         "bounds": bounds,
         "path": loop.path,
         "startCorrections": [correction for run in runs for correction in run.start_corrections],
-        "drift": worst_figures(runs),
+        "drift": worst_figures([*loop.runs, changes]),
         "resumedAt": grid.time(grid.first) if grid.first else None,
     }
 
@@ -171,7 +185,7 @@ def _nothing(solver: Any, mbs: Any, settings: Any) -> bool:
     return True
 
 
-def _run(mbs: Any, solver: Any, settings: Any, loop: ExplicitTimeLoop) -> None:
+def _run(mbs: Any, solver: Any, settings: Any, loop: ExplicitTimeLoop, log: ChangeLog) -> None:
     # In place of the iteration that calls Newton's method until contacts have settled: they do in a run.
     solver.SetUserFunctionDiscontinuousIteration(mbs, loop.user_function)
     mbs.sys["dynamicSolver"] = solver
@@ -183,6 +197,9 @@ def _run(mbs: Any, solver: Any, settings: Any, loop: ExplicitTimeLoop) -> None:
             if loop.error is None and "KeyboardInterrupt" in str(error):  # Exudyn wraps it
                 kept = f"interrupted at t = {mbs.systemData.GetTime():.6g} s; mbs holds the state there."
                 raise KeyboardInterrupt(kept) from None
+            if log.refused(error):
+                mbs.systemData.SetTime(loop.time)
+                raise log.refusal from None
             raise loop.error or error from None
         finally:
             loop.complete_state()

@@ -59,6 +59,15 @@ class Run(Protocol):
     def resume(self, time: float) -> None: ...
 
 
+class Changes(Protocol):
+    """What user functions have changed, see `changes.follower.ChangeFollower`."""
+
+    @property
+    def has_news(self) -> bool: ...
+
+    def follow(self, runs: Sequence[Run], time: float, end: float) -> Sequence[Run]: ...
+
+
 class ExplicitTimeLoop:
     """Moves all cables of a scene; Exudyn calls `user_function` once for each step of its time loop.
 
@@ -75,13 +84,15 @@ class ExplicitTimeLoop:
         grid: TimeGrid,
         restarts: Restarts,
         observed: int = ACCELERATIONS,
+        changes: Changes | None = None,
     ) -> None:
         self.runs = runs
+        self._changes = changes
         self.scheme = scheme
         self.grid = grid
         self.error: Exception | None = None
         self._data = mbs.systemData
-        self._is_watched = _has_step_user_functions(mbs) or not all(run.looks_ahead for run in runs)
+        self._is_watched = is_watched(mbs, runs)
         self._written = self._present(exudyn.ConfigurationType.Initial)
         self._observed = ACCELERATIONS if self._is_watched else observed
         self._restarts = restarts
@@ -150,6 +161,7 @@ class ExplicitTimeLoop:
         def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
             with self._remembering_errors():
                 self._take_over_changes()
+                self._follow_changes()
             plain(solver, mbs, settings)
             self._written = self._present()
             return True
@@ -224,6 +236,22 @@ class ExplicitTimeLoop:
         data = self._data
         return [data.GetODE2Coordinates(configuration), data.GetODE2Coordinates_t(configuration)]
 
+    @property
+    def time(self) -> float:
+        """After the steps of the loop that have been computed [s]."""
+        return self.grid.time(self._computed)
+
+    def _follow_changes(self) -> None:
+        """A user function may have changed items since the last step: go on with what they are now."""
+        if self._changes is None or not self._changes.has_news:
+            return
+        try:
+            self.runs = self._changes.follow(self.runs, self.time, self.grid.time(self._computed + 1))
+        except Exception:
+            self._data.SetTime(self.time)
+            raise
+        self._places = [as_slice(run.indices) for run in self.runs]
+
     def _take_over_changes(self) -> None:
         """A user function may have set coordinates since the last step: restart from them."""
         present = self._present()
@@ -236,13 +264,14 @@ class ExplicitTimeLoop:
             run.start(self.grid.time(self._computed))
 
 
-def worst_figures(runs: Sequence[Run]) -> dict[str, float]:
+def worst_figures(runs: Sequence[Any]) -> dict[str, float]:
     """Of each figure, the largest of all runs."""
     all_of_them = [run.figures() for run in runs]
     names = dict.fromkeys(name for figures in all_of_them for name in figures)
     return {name: max(figures[name] for figures in all_of_them if name in figures) for name in names}
 
 
-def _has_step_user_functions(mbs: Any) -> bool:
-    """Whether functions of the user are called between the steps of Exudyn's loop."""
-    return bool(mbs.GetPreStepUserFunction()) or bool(mbs.GetPostStepUserFunction())
+def is_watched(mbs: Any, runs: Sequence[Run]) -> bool:
+    """Whether functions of the user, between steps of Exudyn's loop, may see or change something."""
+    has_functions = bool(mbs.GetPreStepUserFunction()) or bool(mbs.GetPostStepUserFunction())
+    return has_functions or not all(run.looks_ahead for run in runs)

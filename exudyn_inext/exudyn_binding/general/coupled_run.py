@@ -16,7 +16,7 @@ from ...integrators.integrator import Integrator, LoadHistory, advance
 from ...integrators.linear_stability import frequency_limit
 from ..cable_run import CableRun
 from ..cable_watch import figures, finding
-from ..consistent_start import StartCorrection
+from ..consistent_start import StartCorrection, agree
 from ..divergence import explanation
 from ..time_grid import TimeGrid
 from .contact_rates import contact_rates, with_contact
@@ -24,6 +24,7 @@ from .coupled_scene import CoupledCable, CoupledScene
 from .coupled_watch import CoupledWatch
 from .start import consistent_start
 
+FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
 _NOTHING, _TIME = np.zeros(1), np.ones((1, 1))  # the load of a coupled system is the time
 
 
@@ -31,6 +32,8 @@ class CoupledRun:
     """All of a scene, see `time_loop.Run`.
 
     evaluations: in a step, see `Integrator`.
+    end_of_step: of the time loop [s], at which violated joints shall be fulfilled, for a run that takes over
+        from another one; None: they are violated by at most the tolerance.
     cables: models of the inextensible cables.   start_corrections: one for each of them, and for joints.
     """
 
@@ -48,6 +51,7 @@ class CoupledRun:
         time: float,
         why: str,
         energy_tolerance: float,
+        end_of_step: float | None = None,
     ) -> None:
         self._mbs = mbs
         self._runs = cable_runs
@@ -64,9 +68,13 @@ class CoupledRun:
         self.state.q[:], self.state.v[:] = self._scene.state(exudyn.ConfigurationType.Initial)
         for run, dofs in zip(cable_runs, self._scene.map.slices, strict=False):
             self.state.q[dofs], self.state.v[dofs] = run.state.q, run.state.v
-        self.start_correction = consistent_start(
-            self._scene.system, time, self.state.q, self.state.v, tolerance
-        )
+        self.start_correction = StartCorrection()
+        if end_of_step is None:
+            self.start_correction = consistent_start(
+                self._scene.system, time, self.state.q, self.state.v, tolerance
+            )
+        else:
+            self.approach(time, end_of_step)
         self._unsolvable = ""  # what was said of joints that could not be solved for
         self._output = np.zeros((1, 3, self._scene.size))
         self.watch = CoupledWatch(self._scene, cable_runs, self.state, evaluations, energy_tolerance)
@@ -80,6 +88,16 @@ class CoupledRun:
         return " and ".join([cables, *others]) if cables else "native items"
 
     @property
+    def integrator(self) -> Integrator:
+        """What moves it."""
+        return self._integrator
+
+    @property
+    def cable_runs(self) -> Sequence[CableRun]:
+        """Those of the inextensible cables, which move as its parts."""
+        return self._runs
+
+    @property
     def cables(self) -> list[Cable]:
         return [run.scene_cable.cable for run in self._runs]
 
@@ -90,6 +108,11 @@ class CoupledRun:
     @cached_property
     def _rates(self) -> FastestRates:
         return fastest_rates(self._scene.system, self._time, self.state.q, self.state.v)
+
+    def forget_rates(self, time: float) -> None:
+        """Find them again, for the configuration at `time` [s]; the run must then begin again."""
+        self._time = time
+        self.__dict__.pop("_rates", None)
 
     @property
     def rates_in_contact(self) -> FastestRates:
@@ -114,6 +137,25 @@ class CoupledRun:
         """Strongest damping [1/s], as a share of that frequency."""
         ratio = self._rates.damping / frequency if frequency > 0.0 else 0.0
         return ratio if ratio > 1e-6 else 0.0
+
+    def approach(self, time: float, end: float) -> None:
+        """Let joints that have been changed be fulfilled at `end` [s], with velocities for that."""
+        self._scene.surroundings.begin_approach(time, end, self.state.q, FULFILLED)
+        self._agree(time)
+
+    def rest_joints(self, time: float) -> None:
+        """After an approach."""
+        self._scene.surroundings.approach = None
+        self._agree(time)
+
+    def _agree(self, time: float) -> None:
+        """Project the velocities onto all constraints."""
+        agree(self._scene.system, np.array([time]), self.state)
+
+    @property
+    def approaches(self) -> bool:
+        """Whether joints have moved through the last step, as they were changed."""
+        return self._scene.surroundings.approach is not None
 
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; see `CableRun.start`."""

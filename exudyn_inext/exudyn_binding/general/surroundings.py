@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import exudyn
 import numpy as np
@@ -21,17 +22,40 @@ from .joint_rows import JointRows
 _START_OF_STEP = exudyn.ConfigurationType.StartOfStep
 
 
+class Approach(NamedTuple):
+    """Joints that were changed in a run are fulfilled at the end of the step, at a steady rate till then.
+
+    left: (m,) c at the start of the step.   end: of it [s].   duration: of it [s].
+    """
+
+    left: Array
+    end: float
+    duration: float
+
+    def left_at(self, t: float) -> Array:
+        """(m,) what may be left at t [s]."""
+        return self.left * (max(self.end - t, 0.0) / self.duration)
+
+    def applied(self, terms: JointTerms, t: float) -> JointTerms:
+        """Terms of c(q, t) less what may be left."""
+        return replace(
+            terms, value=terms.value - self.left_at(t), drift=terms.drift + self.left / self.duration
+        )
+
+
 class NativeSurroundings:
     """What Exudyn knows of a scene: all forces by one call, joints, masses that change.
 
     joints: names of the rows.   blocks: their Jacobian by parts.
     native_forces: (n,) what Exudyn's items did to all second order coordinates when last asked [N, Nm].
+    approach: of joints that were changed before the present step of the time loop, if any was.
     path: memory of the work that they do from one evaluation to the next, see `build_path`; None: not now.
     """
 
     joints: Sequence[str]
     blocks: Sequence[JointBlock]
     path: Array | None = None
+    approach: Approach | None = None
 
     def __init__(
         self,
@@ -95,8 +119,21 @@ class NativeSurroundings:
         nothing = np.zeros(0)
         return [loads.at(t) for loads in self._loads] + [nothing] * (len(self._dofs) - len(self._loads))
 
+    def begin_approach(self, t: float, end: float, q: Array, tolerance: float) -> None:
+        """Let joints that are violated by more than the tolerance at (t, q) be fulfilled at `end` [s]."""
+        self.forget()
+        self._rows.forget()
+        left = self._values_of_mbs(t, q)
+        left = np.where(np.abs(left) > tolerance, left, 0.0)
+        self.approach = Approach(left, end, end - t) if left.any() else None
+
     def violations(self, t: float, q: Array) -> Array:
-        """c(q, t) (m,)."""
+        """c(q, t) (m,), of which an approach leaves a part."""
+        values = self._values_of_mbs(t, q)
+        return values if self.approach is None else values - self.approach.left_at(t)
+
+    def _values_of_mbs(self, t: float, q: Array) -> Array:
+        """c(q, t) (m,) as Exudyn has it."""
         self._set_positions(t, q)
         if self._values is None:
             self._solver.ComputeAlgebraicEquations(self._mbs, False)
@@ -107,7 +144,8 @@ class NativeSurroundings:
         """The joints at (t, q, v)."""
         self._set_positions(t, q)
         self._rows.update_jacobian(self._mbs, q)
-        return self._rows.terms(self.violations, t, q, v)
+        terms = self._rows.terms(self._values_of_mbs, t, q, v)
+        return terms if self.approach is None else self.approach.applied(terms, t)
 
     def finish_step(self, t: float, q: Array, v: Array) -> None:
         """Let contact and friction update what they remember, in the state at the end of a step.

@@ -1,0 +1,63 @@
+"""The runs of a scene that has changed."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from typing import Any
+
+import exudyn
+
+from ...checks import LARGEST
+from ..general.surroundings import switched_off
+from ..scene import Scene
+from ..scene_runs import needs_coupling, runs_of_scene
+from ..settings import ExplicitSettings
+from ..time_loop import Run
+
+
+class RunBuilder:
+    """Makes runs that take over from others.
+
+    Args:
+        mbs: assembled.   solver: of the time loop.   explicit: settings.
+        scaling: step that scales the mass [s]; 0 without mass scaling.
+        stack: at its end, cables that were switched off for coupled scenes are switched on again.
+    """
+
+    def __init__(
+        self, mbs: Any, solver: Any, explicit: ExplicitSettings, scaling: float, stack: ExitStack
+    ) -> None:
+        self._mbs = mbs
+        self._solver = solver
+        self._explicit = explicit
+        self._scaling = scaling
+        self._stack = stack
+        self._is_switched_off = False
+
+    def _switch_off(self, scene: Scene) -> None:
+        """Keep Exudyn from evaluating cables, if it evaluates what else there is."""
+        if not self._is_switched_off and needs_coupling(self._mbs, scene):
+            self._stack.enter_context(switched_off(self._mbs, *scene.evaluated_by_kernels))
+            self._is_switched_off = True
+
+    def build(self, scene: Scene, time: float, end: float) -> Sequence[Run]:
+        """Runs from the present state, to be started, at the start of a step from `time` to `end` [s].
+
+        Constraints that have been switched on may be violated by any velocity.
+        """
+        self._switch_off(scene)
+        lenient = replace(self._explicit, startTolerance=LARGEST)
+        with _present_as_initial(self._mbs):
+            return runs_of_scene(self._mbs, scene, self._solver, time, self._scaling, lenient, end)
+
+
+@contextmanager
+def _present_as_initial(mbs: Any) -> Iterator[None]:
+    """Runs begin from the initial configuration: meanwhile it is the present one."""
+    data, initial = mbs.systemData, exudyn.ConfigurationType.Initial
+    state = data.GetSystemState(initial)
+    data.SetSystemState(data.GetSystemState(exudyn.ConfigurationType.Current), initial)
+    try:
+        yield
+    finally:
+        data.SetSystemState(state, initial)

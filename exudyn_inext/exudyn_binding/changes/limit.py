@@ -1,0 +1,73 @@
+"""The step of a run after a change."""
+
+import warnings
+from collections.abc import Sequence
+
+from ...errors import StepSizeError
+from ...integrators.step_size import StepSizeBounds, step_above_limit
+from ..cable_run import CableRun
+from ..explicit_runs import follow_frequencies, step_bounds
+from ..general.coupled_run import CoupledRun
+from ..settings import ExplicitSettings
+from ..time_loop import Run
+from .log import Parameter
+
+NOTICEABLE = 0.98  # share of the limit before the change: above it, the motion is to blame
+
+
+class StepLimit:
+    """Watches the stability limit of runs whose scene changes.
+
+    h: step of the integrator [s].   last: limit when it was looked at last [s].
+    """
+
+    def __init__(self, h: float, last: float, explicit: ExplicitSettings) -> None:
+        self._h = h
+        self._last = last
+        self._explicit = explicit
+
+    def look_again(self, runs: Sequence[Run], time: float, changed: Sequence[Parameter]) -> None:
+        """The same runs, with another stiffness around them. They must begin again."""
+        for run in runs:
+            if isinstance(run, CoupledRun):
+                run.forget_rates(time)
+        self._require_stable(step_bounds(runs, time, self._explicit), self._last, time, changed)
+
+    def take_over(
+        self, before: Sequence[Run], runs: Sequence[Run], time: float, changed: Sequence[Parameter]
+    ) -> None:
+        """Other runs, which have not begun yet.
+
+        Raises:
+            StepSizeError: the change has brought the limit below the step.
+            SceneError: steps that adapt, among other items.
+        """
+        bounds = step_bounds(runs, time, self._explicit)
+        if self._explicit.adaptiveStep:
+            follow_frequencies(runs, bounds, self._explicit)
+            _pass_on_steps(before, runs)
+            return
+        last = self._last
+        if self._h > bounds.stability_limit and all(isinstance(run, CableRun) for run in before):
+            last = step_bounds(before, time, self._explicit).stability_limit
+        self._require_stable(bounds, last, time, changed)
+
+    def _require_stable(
+        self, bounds: StepSizeBounds, last: float, time: float, changed: Sequence[Parameter]
+    ) -> None:
+        self._last = bounds.stability_limit
+        error = step_above_limit(self._h, bounds, self._explicit.integrator)
+        if error is None or bounds.stability_limit > NOTICEABLE * last:
+            return
+        cause = ", ".join(map(str, changed))
+        said = StepSizeError(f"after the change of {cause} at t = {time:.6g} s: {error}")
+        if not self._explicit.allowUnstableStep:
+            raise said
+        warnings.warn(str(said), stacklevel=2)
+
+
+def _pass_on_steps(before: Sequence[Run], runs: Sequence[Run]) -> None:
+    """Steps that adapt go on being counted."""
+    for old, new in zip(before, runs, strict=False):
+        if isinstance(old, CableRun) and isinstance(new, CableRun) and old.control and new.control:
+            new.control.memory()["log"][...] = old.control.memory()["log"]
