@@ -103,6 +103,7 @@ class Model:
         settings = quiet_settings(end_time, round(end_time / step))
         settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
         settings.timeIntegration.newton.relativeTolerance = 1e-6
+        settings.timeIntegration.reuseConstantMassMatrix = False
         self.mbs.Assemble()
         return self.run_again(settings, **explicit)
 
@@ -170,17 +171,16 @@ def release(model):
     return change
 
 
-def catch(model):
-    """The tip is held where it is at 0.3 s, in x alone, until 0.5 s."""
-    constraint = model.hold(model.nodes[-1], 0, active=False)
+def release_and_catch(model):
+    """The first node is let go, and held where it is a little later; the cable swings about it."""
 
     def change(t):
-        if abs(t - 0.3) < 1e-9:
-            model.set_object(
-                constraint, offset=float(model.position(model.nodes[-1])[0]) - 1.8, activeConnector=True
-            )
-        if abs(t - 0.5) < 1e-9:
-            model.set_object(constraint, activeConnector=False)
+        for axis, support in enumerate(model.supports):
+            if abs(t - 0.2) < 1e-9:
+                model.set_object(support, activeConnector=False)
+            if abs(t - 0.3) < 1e-9:
+                place = float(model.position(model.nodes[0])[axis])
+                model.set_object(support, offset=place, activeConnector=True)
 
     return change
 
@@ -190,13 +190,26 @@ def moving_support(model):
 
 
 def support_that_steps(model):
-    """By 2 mm, ten times a second."""
-    return lambda t: model.set_object(model.supports[1], offset=2e-3 * int(10 * t + 1e-9))
+    """By 0.2 mm, ten times a second."""
+    return lambda t: model.set_object(model.supports[1], offset=2e-4 * int(10 * t + 1e-9))
 
 
 def hanger(model):
     rod = model.hang(model.nodes[-1], [1.8, 0.5, 0], 0.5)
-    return lambda t: model.set_object(rod, activeConnector=not 0.2 < t)
+    return lambda t: model.set_object(rod, activeConnector=t <= 0.2)
+
+
+def hanger_that_catches(model):
+    """The swinging tip is caught at 0.3 s, on a rod that is as long as the tip is away from its end."""
+    end = np.array([1.4, 0.3, 0])
+    rod = model.hang(model.nodes[-1], end.tolist(), 0.5, active=False)
+
+    def change(t):
+        if abs(t - 0.3) < 1e-9:
+            distance = float(np.linalg.norm(model.position(model.nodes[-1]) - end))
+            model.set_object(rod, distance=distance, activeConnector=True)
+
+    return change
 
 
 def winch(model):
@@ -253,8 +266,8 @@ def driven_mass(model):
     """The coordinate of a mass, which a joint ties to the cable, is set step by step."""
     node, _ = model.mass_point([1.8, 0, 0])
     model.mbs.AddObject(SphericalJoint(markerNumbers=[model.at(model.nodes[-1]), model.at(node)]))
-    drive = model.hold(node, 0)
-    return lambda t: model.set_object(drive, offset=float(-0.4 * t**2))
+    drive = model.hold(node, 1)
+    return lambda t: model.set_object(drive, offset=float(-0.8 * t**2))
 
 
 def mass_that_grows(model):
@@ -267,7 +280,7 @@ def feedback_of_a_sensor(model):
     load, sensor = model.force(model.nodes[-1]), model.sensors[0]
 
     def change(t):
-        x, y, z = model.mbs.GetSensorValues(sensor)
+        x, y, _ = model.mbs.GetSensorValues(sensor)
         model.mbs.SetLoadParameter(load, "loadVector", [-2.0 * (x - 1.2), -1.0 * (y + 1.0), 0])
 
     return change
@@ -279,15 +292,22 @@ ALONE = [
     load_that_walks,
     user_function_replaced,
     release,
-    catch,
+    release_and_catch,
     moving_support,
     support_that_steps,
     hanger,
+    hanger_that_catches,
     winch,
     moving_end_of_a_hanger,
     feedback_of_a_sensor,
 ]
-AMONG_OTHERS = [release_beside_a_mass, joint_released_and_caught, spring_and_force, driven_mass, mass_that_grows]
+AMONG_OTHERS = [
+    release_beside_a_mass,
+    joint_released_and_caught,
+    spring_and_force,
+    driven_mass,
+    mass_that_grows,
+]
 KINDS = [*ALONE, *AMONG_OTHERS]
 
 

@@ -1,6 +1,6 @@
 """What a changed parameter asks of a run."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from enum import IntEnum
 from typing import Any
 
@@ -13,22 +13,26 @@ from ..time_loop import Run
 from .log import Parameter
 
 _JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
-_OF_STIFFNESS = ("stiffness", "damping")
+_PLACES = ("offset", "distance")
 
 
 class Demand(IntEnum):
-    """Nothing; an evaluation by Exudyn; the scene read again; runs built again."""
+    """Nothing; an evaluation by Exudyn; joints that move; the scene read again; runs built again."""
 
     NOTHING = 0
     EVALUATE = 1
-    READ = 2
-    BUILD = 3
+    MOVE = 2
+    READ = 3
+    BUILD = 4
 
 
-def demand(mbs: Any, runs: Sequence[Run], key: Parameter) -> Demand:
+def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) -> Demand:
     """What a change asks for, at least: what is read decides whether runs are built again.
 
     Exudyn evaluates whatever is not of a cable, so that loads and springs there act by themselves.
+
+    Args:
+        mbs: the system.   runs: of it.   own: objects that belong to a cable.   key: what has changed.
     """
     if key.kind == "Node":
         return Demand.NOTHING  # initial values
@@ -38,22 +42,11 @@ def demand(mbs: Any, runs: Sequence[Run], key: Parameter) -> Demand:
         return Demand.EVALUATE
     if key.kind == "Marker":
         return Demand.READ
-    return _of_object(mbs, key, any(isinstance(run, CoupledRun) for run in runs))
-
-
-def _of_object(mbs: Any, key: Parameter, has_joints: bool) -> Demand:
-    """has_joints: whether constraints are joints that can move."""
     kind = mbs.GetObject(key.number)["objectType"]
     if kind == "Ground":
         return Demand.READ
-    is_constraint = _JACOBIAN in mbs.ComputeItem(ObjectIndex(key.number))
-    if is_constraint:
-        return Demand.READ if has_joints and key.name in ("offset", "distance") else Demand.BUILD
+    if _JACOBIAN in mbs.ComputeItem(ObjectIndex(key.number)):
+        is_joint = any(isinstance(run, CoupledRun) for run in runs) and key.name in _PLACES
+        return Demand.BUILD if not is_joint else Demand.READ if key.number in own else Demand.MOVE
     is_connector = kind.startswith(("Connector", "Contact"))
     return Demand.EVALUATE if is_connector else Demand.BUILD
-
-
-def changes_stiffness(key: Parameter) -> bool:
-    """Whether the stability limit may follow a parameter of a connector."""
-    name = key.name.lower()
-    return key.kind == "Object" and (name == "activeconnector" or any(word in name for word in _OF_STIFFNESS))

@@ -16,7 +16,7 @@ from ..time_loop import Run, worst_figures
 from .builder import RunBuilder
 from .constraints import SteppedReader
 from .continuation import go_on_coupled, go_on_with_cable
-from .demand import Demand, changes_stiffness, demand
+from .demand import Demand, demand
 from .limit import StepLimit
 from .log import ChangeLog, Parameter, not_listening
 from .same_structure import same_structure
@@ -79,16 +79,17 @@ class ChangeFollower:
     def _followed(
         self, runs: Sequence[Run], changed: Sequence[Parameter], time: float, end: float
     ) -> Sequence[Run]:
-        demands = [demand(self._mbs, runs, key) for key in changed]
+        own = self._scene.own_constraints
+        demands = [demand(self._mbs, runs, own, key) for key in changed]
         asked = max(demands, default=Demand.NOTHING)
         if asked > Demand.NOTHING:
             forget_evaluators(self._sensors)
         if asked < Demand.READ:
-            stiffer = [key for key in changed if changes_stiffness(key)]
+            stiffer = self._limit.stiffer(self._mbs, changed)
             if stiffer:
                 self._limit.look_again(runs, time, stiffer)
-            if self._moves or stiffer:
-                self._go_on(runs, time, end, has_changed=False)
+            if self._moves or stiffer or asked == Demand.MOVE:
+                self._go_on(runs, time, end, asked == Demand.MOVE)
             return runs
         before, self._scene = self._scene, read_scene(self._mbs, self._reader)
         if asked < Demand.BUILD and same_structure(before, self._scene) and self._take_loads(runs):

@@ -2,6 +2,9 @@
 
 import warnings
 from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
 
 from ...errors import StepSizeError
 from ...integrators.step_size import StepSizeBounds, step_above_limit
@@ -12,6 +15,7 @@ from ..settings import ExplicitSettings
 from ..time_loop import Run
 from .log import Parameter
 
+GROWTH = 1.1  # of a stiffness or damping since the limit was looked at, that calls for another look
 NOTICEABLE = 0.98  # share of the limit before the change: above it, the motion is to blame
 
 
@@ -25,9 +29,24 @@ class StepLimit:
         self._h = h
         self._last = last
         self._explicit = explicit
+        self._seen: dict[Parameter, float] = {}  # size of each stiffness
+
+    def stiffer(self, mbs: Any, changed: Sequence[Parameter]) -> list[Parameter]:
+        """Those parameters of connectors that are now much larger than when the limit was looked at."""
+        grown = []
+        for key in filter(_is_of_stiffness, changed):
+            size = float(np.abs(key.value(mbs)).max())
+            if size > GROWTH * self._seen.get(key, 0.0):
+                grown.append(key)
+                self._seen[key] = size
+        return grown
 
     def look_again(self, runs: Sequence[Run], time: float, changed: Sequence[Parameter]) -> None:
-        """The same runs, with another stiffness around them. They must begin again."""
+        """The same runs, with another stiffness around them. They must begin again.
+
+        Raises:
+            StepSizeError: the change has brought the limit below the step.
+        """
         for run in runs:
             if isinstance(run, CoupledRun):
                 run.forget_rates(time)
@@ -64,6 +83,13 @@ class StepLimit:
         if not self._explicit.allowUnstableStep:
             raise said
         warnings.warn(str(said), stacklevel=2)
+
+
+def _is_of_stiffness(key: Parameter) -> bool:
+    """Whether the stability limit may follow a parameter: a number of a connector."""
+    name = key.name.lower()
+    is_named_so = name == "activeconnector" or "stiffness" in name or "damping" in name
+    return key.kind == "Object" and is_named_so
 
 
 def _pass_on_steps(before: Sequence[Run], runs: Sequence[Run]) -> None:
