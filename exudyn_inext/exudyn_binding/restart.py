@@ -121,8 +121,8 @@ class Restarts:
 
     @property
     def first_state(self) -> list[list[float]]:
-        """Coordinates and velocities that the run continues with."""
-        return [self._arrays[f"mbs/{name}"].tolist() for name in ("ODE2", "ODE2_t")]
+        """Coordinates, velocities and first order states that the run continues with."""
+        return [self._arrays[f"mbs/{name}"].tolist() for name in ("ODE2", "ODE2_t", "ODE1")]
 
     @property
     def _arrays(self) -> Mapping[str, Any]:

@@ -234,7 +234,8 @@ class ExplicitTimeLoop:
 
     def _present(self, configuration: Any = exudyn.ConfigurationType.Current) -> list[list[float]]:
         data = self._data
-        return [data.GetODE2Coordinates(configuration), data.GetODE2Coordinates_t(configuration)]
+        getters = (data.GetODE2Coordinates, data.GetODE2Coordinates_t, data.GetODE1Coordinates)
+        return [get(configuration) for get in getters]
 
     @property
     def time(self) -> float:
@@ -257,10 +258,13 @@ class ExplicitTimeLoop:
         present = self._present()
         if all(map(np.array_equal, present, self._written)):
             return
-        q, v = map(np.asarray, present)
+        q, v, first_order = map(np.asarray, present)
         for run in self.runs:
-            run.state.q[:] = q[run.indices] + run.reference
-            run.state.v[:] = v[run.indices]
+            number = len(run.indices)
+            run.state.q[:number] = q[run.indices] + run.reference
+            run.state.v[:number] = v[run.indices]
+            if len(run.state.v) > number:  # first order states are moved as velocities
+                run.state.v[number:] = first_order
             run.start(self.grid.time(self._computed))
 
 

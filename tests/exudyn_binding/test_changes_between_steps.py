@@ -15,44 +15,67 @@ from exudyn.itemInterface import (
     MarkerNodePosition,
     NodePointGround,
     SensorNode,
+    SensorUserFunction,
     SphericalJoint,
     SpringDamper,
 )
 
-from exudyn_inext import CreateInextensibleCable, ExplicitSettings, InextensibleCable, SolveExplicit
+from exudyn_inext import (
+    CableShape,
+    CreateCableForceSensor,
+    CreateInextensibleCable,
+    ExplicitSettings,
+    InextensibleCable,
+    SceneError,
+    SolveExplicit,
+    StepSizeError,
+)
 from reference_models.model import quiet_settings, silence
+from tests.exudyn_binding.items import native_cable
 
 TEMPLATE = InextensibleCable(massPerLength=0.0348, bendingStiffness=0.0866)
 PINNED = [True, True, False, False]
-STEP = 1e-3
+STEP = 5e-4
 TIP = [1.8, 0, 0]
 
 
 class Model:
-    """A cable of 1.8 m, for SolveExplicit or, with its own constraints as native ones, for SolveDynamic."""
+    """A cable of 1.8 m, for SolveExplicit or, with its own constraints as native ones, for SolveDynamic.
 
-    def __init__(self, native, dim=2, **changes):
+    ancf: a native cable that hardly stretches, with twice as many elements, in place of the latter.
+    """
+
+    def __init__(self, native, dim=2, ancf=False, **changes):
         self.container = exudyn.SystemContainer()
         self.mbs = mbs = self.container.AddSystem()
         self.native = native
-        pin = {"groundConstraintsStart": [True] * dim + [False] * dim}
-        line = {"positionStart": [0, 0, 0], "positionEnd": TIP, "numberOfElements": 8}
-        self.cable = CreateInextensibleCable(
-            mbs,
-            beamTemplate=TEMPLATE,
-            gravity=[0, -9.81, 0],
-            dimension=dim,
-            enforcement="algebraic" if native else "projection",
-            **(line | pin | changes),
-        )
-        self.nodes = self.cable["nodes"]
-        self.supports = self.cable["constraintObjects"][: 2 if dim == 2 else 3]
         self.ground = mbs.AddMarker(
             MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0)
         )
         self.sensors = []
+        if ancf:
+            self.nodes = native_cable(mbs, dim, 16)["nodes"][::2]
+            self.supports = [self.hold(self.nodes[0], axis) for axis in range(dim)]
+        else:
+            self.add_cable(dim, changes)
         self.watch(self.nodes[-1])
         self.watch(self.nodes[4])
+
+    def add_cable(self, dim, changes):
+        pin = {"groundConstraintsStart": [True] * dim + [False] * dim}
+        line = {"positionStart": [0, 0, 0], "positionEnd": TIP, "numberOfElements": 8}
+        if "shape" in changes:
+            line = {}
+        self.cable = CreateInextensibleCable(
+            self.mbs,
+            beamTemplate=TEMPLATE,
+            gravity=[0, -9.81, 0],
+            dimension=dim,
+            enforcement="algebraic" if self.native else "projection",
+            **(line | pin | changes),
+        )
+        self.nodes = self.cable["nodes"]
+        self.supports = self.cable["constraintObjects"][: 2 if dim == 2 else 3]
 
     def watch(self, node):
         kind = exudyn.OutputVariableType.Position
@@ -315,19 +338,232 @@ def moved(kind, native, register="SetPreStepUserFunction", end_time=0.6, step=ST
     """The model after a run with that kind of changes."""
     model = Model(native, dim)
     change = kind(model)
-
-    def step_user_function(mbs, t):
-        change(t)
-        return True
-
-    getattr(model.mbs, register)(step_user_function)
+    getattr(model.mbs, register)(lambda mbs, t: change(t) or True)
     report = model.run(end_time, step, **explicit)
     return SimpleNamespace(model=model, motion=model.motion, report=report)
 
 
-@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.__name__)
+def name_of(kind):
+    return kind.__name__
+
+
 @pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("kind", KINDS, ids=name_of)
 def test_a_pre_step_function_changes_the_motion_as_under_the_implicit_solver(kind, dim):
     ours, native = moved(kind, False, dim=dim), moved(kind, True, dim=dim)
-    print("DEV", kind.__name__, dim, deviation(ours.motion, native.motion), ours.report["drift"])
     assert deviation(ours.motion, native.motion) < 0.01
+    assert ours.report["drift"]["energyGain"] < 0.003
+
+
+@pytest.mark.parametrize("kind", [force_on_a_node, release, moving_support, hanger, driven_mass], ids=name_of)
+def test_a_post_step_function_does_so_too(kind):
+    ours, native = (moved(kind, is_native, "SetPostStepUserFunction") for is_native in (False, True))
+    assert deviation(ours.motion, native.motion) < 0.01
+
+
+@pytest.mark.parametrize("integrator", ["Zhai", "RK4"])
+@pytest.mark.parametrize("kind", [force_on_a_node, release, moving_support, driven_mass], ids=name_of)
+def test_every_scheme_follows_changes(kind, integrator):
+    ours = moved(kind, False, integrator=integrator, stepSize=2.5e-4)
+    assert deviation(ours.motion, moved(kind, True).motion) < 0.01
+
+
+@pytest.mark.parametrize("options", [{"adaptiveStep": True}, {"stepSize": 5e-4, "massScaling": 0.3}], ids=str)
+@pytest.mark.parametrize("kind", [force_on_a_node, release, moving_support], ids=name_of)
+def test_changes_act_with_steps_that_adapt_and_with_mass_scaling(kind, options):
+    ours = moved(kind, False, **options)
+    assert deviation(ours.motion, moved(kind, True).motion) < 0.01
+    assert ours.report["steps"] >= 1200
+
+
+@pytest.mark.parametrize("kind", [force_on_a_node, release, moving_support, hanger], ids=name_of)
+def test_the_motion_is_that_of_a_stiff_native_cable(kind):
+    ours = moved(kind, False, step=1e-3)
+    native = Model(True, ancf=True)
+    change = kind(native)
+    native.mbs.SetPreStepUserFunction(lambda mbs, t: change(t) or True)
+    native.run(0.6, 1e-3)
+    assert deviation(ours.motion, native.motion) < 0.01
+
+
+def begun_anew(kind, native):
+    """Motion in the second of two runs of the same mbs: parameters stay, the state is the initial one."""
+    run = moved(kind, native, end_time=0.4)
+    settings = quiet_settings(0.4, 800)
+    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
+    first = run.motion
+    run.model.mbs.SetPreStepUserFunction(lambda mbs, t: True)
+    run.model.run_again(settings)
+    return first, run.model.motion
+
+
+@pytest.mark.parametrize("kind", [force_on_a_node, release], ids=name_of)
+def test_a_second_run_starts_with_what_the_first_one_left(kind):
+    (first, second), (_, native) = (begun_anew(kind, is_native) for is_native in (False, True))
+    assert deviation(second, native) < 0.01
+    assert deviation(first, native) > 0.05
+
+
+def swinging(change=None, **explicit):
+    """A pendulum whose pre-step function calls `change`; (model, report)."""
+    model = Model(False)
+    if change is not None:
+        model.mbs.SetPreStepUserFunction(lambda mbs, t: change(model, t) or True)
+    return model, model.run(0.3, 1e-3, **explicit)
+
+
+def test_a_function_that_changes_nothing_changes_no_bit():
+    def set_the_same(model, t):
+        model.set_object(model.supports[0], offset=0.0, activeConnector=True)
+
+    motions = [swinging(change)[0].motion for change in (None, lambda model, t: None, set_the_same)]
+    np.testing.assert_array_equal(motions[1], motions[0])
+    np.testing.assert_array_equal(motions[2], motions[0])
+
+
+def test_what_is_changed_and_changed_back_within_a_step_changes_no_bit():
+    def blink(model, t):
+        for active in (False, True):
+            model.set_object(model.supports[0], activeConnector=active)
+
+    np.testing.assert_array_equal(swinging(blink)[0].motion, swinging()[0].motion)
+
+
+def test_methods_that_were_bound_before_the_run_are_noticed():
+    def motion(bound):
+        model = Model(False)
+        load = model.force(model.nodes[-1])
+        set_before = model.mbs.SetLoadParameter
+
+        def push(mbs, t):
+            setter = set_before if bound else mbs.SetLoadParameter
+            setter(load, "loadVector", [t, 0, 0])
+            return True
+
+        model.mbs.SetPreStepUserFunction(push)
+        model.run(0.3, 1e-3)
+        return model.motion
+
+    np.testing.assert_array_equal(motion(True), motion(False))
+
+
+def test_a_try_with_half_the_step_begins_with_the_parameters_of_the_first_one():
+    model, found = Model(False), []
+    load = model.force(model.nodes[-1], [0, 0.1, 0])
+
+    def push(mbs, t):
+        found.append(mbs.GetLoadParameter(load, "loadVector")[1])
+        mbs.SetLoadParameter(load, "loadVector", [0, 0.2, 0])
+        return True
+
+    model.mbs.SetPreStepUserFunction(push)
+    with pytest.warns(UserWarning, match="stepSize"):
+        report = model.run(1.0, 1e-2, stepSize=2.5e-3, allowUnstableStep=True, retries=3)
+    assert report["retries"] > 0
+    assert found.count(0.1) == 1 + report["retries"]
+
+
+def add_a_node(model):
+    model.mbs.AddNode(NodePointGround())
+
+
+def add_a_ground(model):
+    model.mbs.CreateGround()
+
+
+def move_a_reference(model):
+    model.mbs.SetNodeParameter(model.nodes[-1], "referenceCoordinates", [2.0, 0, 1, 0])
+
+
+def change_nodes(model):
+    model.set_object(model.cable["elements"][0], nodeNumbers=model.nodes[:-1])
+
+
+def change_markers(model):
+    model.set_object(model.supports[0], markerNumbers=[0, 0])
+
+
+def change_the_cable(model):
+    model.set_object(model.cable["elements"][0], forceUserFunction=lambda mbs, t, n, q, v: [0] * 36)
+
+
+BEYOND = [add_a_node, add_a_ground, move_a_reference, change_nodes, change_markers, change_the_cable]
+
+
+@pytest.mark.parametrize("beside_a_mass", [False, True])
+@pytest.mark.parametrize("change", BEYOND, ids=name_of)
+def test_what_a_run_cannot_follow_is_refused_with_the_state_before(change, beside_a_mass, fault):
+    model = Model(False)
+    if beside_a_mass:
+        model.mass_point([0, 1, 0])
+    seen = []
+
+    def step_user_function(mbs, t):
+        seen.append(mbs.systemData.GetODE2Coordinates())
+        if abs(t - 0.1) < 1e-9:
+            change(model)
+        return True
+
+    model.mbs.SetPreStepUserFunction(step_user_function)
+    with pytest.raises(
+        SceneError, match=r"in the step to t = 0\.1 s, .*cannot follow: .*activeConnector|use loads"
+    ):
+        model.run(0.2, 1e-3)
+    data = model.mbs.systemData
+    assert data.GetTime() == pytest.approx(0.099)
+    np.testing.assert_array_equal(data.GetODE2Coordinates(), seen[-1])
+    model.mbs.SetPreStepUserFunction(lambda mbs, t: True)
+    assert model.run_again(quiet_settings(0.2, 200))["success"]
+    where = "among bodies" if beside_a_mass else "cables alone"
+    fault(
+        f"a pre-step function tries: {name_of(change)} ({where})", "refused by name; mbs as before that step"
+    )
+
+
+def test_a_change_while_steps_are_computed_ahead_is_refused():
+    """By a sensor, say: nobody would look at it."""
+    model = Model(False)
+    load = model.force(model.nodes[-1])
+
+    def push(mbs, t, sensors, factors, configuration):
+        mbs.SetLoadParameter(load, "loadVector", [t, 0, 0])
+        return [t]
+
+    model.mbs.AddSensor(SensorUserFunction(sensorUserFunction=push, storeInternal=True))
+    with pytest.raises(SceneError, match="register a pre-step user function"):
+        model.run(0.2, 1e-3)
+
+
+def test_a_change_that_makes_the_step_too_long_is_refused_with_its_cause():
+    model = Model(False)
+    node, _ = model.mass_point([1.8, -0.4, 0])
+    markers = [model.at(model.nodes[-1]), model.at(node)]
+    spring = model.mbs.AddObject(SpringDamper(markerNumbers=markers, referenceLength=0.4, stiffness=20))
+
+    def stiffen(mbs, t):
+        model.set_object(spring, stiffness=20 if t < 0.1 else 1e6)
+        return True
+
+    model.mbs.SetPreStepUserFunction(stiffen)
+    with pytest.raises(
+        StepSizeError, match=rf"after the change of 'stiffness' of object {int(spring)} at t = 0\.0"
+    ):
+        model.run(0.2, 1e-3)
+    assert model.mbs.systemData.GetTime() == pytest.approx(0.099, abs=2e-3)
+
+
+def test_a_section_force_follows_a_changed_load_at_once():
+    """A hanging cable at rest is pulled: its tension there grows by the force."""
+    model = Model(False, shape=CableShape.Line([0, 0], [0, -1.8], 8))
+    load = model.force(model.nodes[-1])
+    sensor = CreateCableForceSensor(model.mbs, model.cable, 0.9)
+
+    def pull(mbs, t):
+        mbs.SetLoadParameter(load, "loadVector", [0, -5.0 * (t > 0.05), 0])
+        return True
+
+    model.mbs.SetPreStepUserFunction(pull)
+    model.run(0.1, 1e-3)
+    tension = np.asarray(model.mbs.GetSensorStoredData(sensor))[:, 1]
+    weight = 0.9 * 0.0348 * 9.81
+    np.testing.assert_allclose([tension[0], tension[-1]], [weight, weight + 5.0], rtol=1e-6)
