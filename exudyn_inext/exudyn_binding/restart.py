@@ -4,7 +4,7 @@ They follow simulationSettings.solution.restart: `write`, `name`, `writePeriod`,
 """
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
@@ -32,10 +32,13 @@ class Restarts:
 
     Attributes:
         found: what the run continues from, or None.
+        changes_so_far: () -> what user functions have changed, to be written.
 
     Raises:
         InputError: the file that the run shall continue from is damaged, or of another run.
     """
+
+    changes_so_far: Callable[[], dict[str, Any]] = dict
 
     def __init__(self, mbs: Any, settings: Any, explicit: ExplicitSettings, cables: Sequence[Any]) -> None:
         options = settings.solution.restart
@@ -62,6 +65,19 @@ class Restarts:
                     f"{value} now. Build the same scene with the same settings, or remove the file to start "
                     "anew."
                 )
+
+    @property
+    def time(self) -> float:
+        """From which the run continues, or starts [s]."""
+        if self.found is None:
+            return self._start
+        grid = TimeGrid(**self.found.header["grid"])
+        return grid.time(grid.first)
+
+    @property
+    def changes(self) -> Mapping[str, Any]:
+        """What user functions had changed when the file was written; empty if nothing, or without a file."""
+        return {} if self.found is None else dict(self.found.header.get("changes", {}))
 
     @property
     def step(self) -> float | None:
@@ -110,7 +126,8 @@ class Restarts:
             arrays |= packed(str(number), run.memory())
         at = replace(grid, first=step)
         numbers = {field.name: getattr(at, field.name) for field in fields(at)}
-        write_restart(self._name, Restart({"identity": self._identity, "grid": numbers}, arrays))
+        header = {"identity": self._identity, "grid": numbers, "changes": self.changes_so_far()}
+        write_restart(self._name, Restart(header, arrays))
 
     def resume(self, runs: Sequence[Any], grid: TimeGrid) -> None:
         """Give the runs the states and memories of the file."""

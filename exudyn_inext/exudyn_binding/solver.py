@@ -17,14 +17,15 @@ from .changes.constraints import SteppedReader
 from .changes.follower import ChangeFollower
 from .changes.limit import StepLimit
 from .changes.log import ChangeLog, listening
+from .changes.stored import restore_changes, restore_limit
 from .empty_sensors import warn_of_empty_sensors
 from .explicit_runs import follow_frequencies, scheme_of, step_bounds, wanted_step
-from .general.surroundings import state_kept, switched_off
+from .general.surroundings import state_kept
 from .observed import observed_derivatives
 from .output_files import require_writable_outputs
 from .restart import Restarts
 from .scene import read_scene, require_assembled
-from .scene_runs import needs_coupling, runs_of_scene
+from .scene_runs import needs_coupling
 from .settings import ExplicitSettings
 from .time_grid import TimeGrid, time_grid
 from .time_loop import ExplicitTimeLoop, is_watched, worst_figures
@@ -56,6 +57,10 @@ def SolveExplicit(
     interrupted, if the scene and the settings are the same (endTime may be later). Sensor and solution
     files are then appended to; what a killed run wrote after its last restart file stands there twice.
 
+    What pre- and post-step user functions change acts from that step on, as with mbs.SolveDynamic: parameters
+    of loads, connectors, constraints, markers and bodies, active connectors, and states. A constraint that
+    gets another place is fulfilled at the end of the step. Items cannot be added, nor connected otherwise.
+
     Many of Exudyn's steps are computed in one compiled call where no user function sees the states in
     between. A user function of a load that depends on the time alone may say so by an attribute,
     function.dependsOnTimeOnly = True, in order not to stand in the way.
@@ -79,7 +84,8 @@ def SolveExplicit(
 
     Raises:
         InputError: arguments or times out of their limits, or files that cannot be written.
-        SceneError: mbs not assembled, inconsistent, or contains what explicit steps cannot take.
+        SceneError: mbs not assembled, inconsistent, or contains what explicit steps cannot take; or a user
+            function makes a change that a run cannot follow.
         StepSizeError: stepSize is above the stability limit.
         RedundantConstraintError: constraints that depend on each other.
         DivergenceError: the run left the finite numbers or its constraints, or gained energy; mbs holds the
@@ -112,24 +118,31 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings, log: ChangeLog) 
     warn_of_empty_sensors(mbs, sensors, scene.own_constraints)
     require_writable_outputs(settings, sensors)
     start = float(settings.timeIntegration.startTime)
+    restarts = Restarts(mbs, settings, explicit, scene.cables)
+    if restarts.changes:
+        restore_changes(restarts.changes, log, reader)
+        scene = read_scene(mbs, reader)
     coupled = needs_coupling(mbs, scene)
     with ExitStack() as stack:
-        if coupled:
-            stack.enter_context(switched_off(mbs, *scene.evaluated_by_kernels))
         with state_kept(mbs) if coupled else nullcontext():
-            restarts = Restarts(mbs, settings, explicit, scene.cables)
             given = None if explicit.stepSize is None else time_grid(mbs, settings, explicit.stepSize)
             scaling = (restarts.step or given.h) if given and explicit.massScaling else 0.0
-            runs = runs_of_scene(mbs, scene, solver, start, scaling, explicit)
+            builder = RunBuilder(mbs, solver, explicit, scaling, stack)
+            if restarts.changes:
+                runs = builder.build_after_changes(scene, restarts)
+            else:
+                runs = builder.build(scene, start)
             log.is_followed = is_watched(mbs, runs)
             bounds = step_bounds(runs, start, explicit)
             wanted, decided_by = wanted_step(bounds, explicit, taken=scaling or None)
             grid = restarts.grid(given or time_grid(mbs, settings, wanted))
             follow_frequencies(runs, bounds, explicit)
             observed = observed_derivatives(settings, sensors)
-            builder = RunBuilder(mbs, solver, explicit, scaling, stack)
             limit = StepLimit(grid.h, bounds.stability_limit, explicit)
-            changes = ChangeFollower(mbs, scene, reader, log, builder, limit, sensors)
+            restore_limit(restarts.changes, limit)
+            moves = bool(restarts.changes.get("moves"))
+            changes = ChangeFollower(mbs, scene, reader, log, builder, limit, sensors, moves)
+            restarts.changes_so_far = changes.stored
             loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, restarts, observed, changes)
         try:
             with restarts.initial_state(), listening(log):

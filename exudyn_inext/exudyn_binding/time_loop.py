@@ -67,6 +67,8 @@ class Changes(Protocol):
 
     def follow(self, runs: Sequence[Run], time: float, end: float) -> Sequence[Run]: ...
 
+    def require_all_seen(self, runs: Sequence[Run]) -> None: ...
+
 
 class ExplicitTimeLoop:
     """Moves all cables of a scene; Exudyn calls `user_function` once for each step of its time loop.
@@ -144,6 +146,8 @@ class ExplicitTimeLoop:
 
     def finish(self) -> None:
         """After the last step, if there was no error."""
+        if self._changes is not None and self._is_watched:
+            self._changes.require_all_seen(self.runs)
         self._write_restart()
 
     def complete_state(self) -> None:

@@ -13,7 +13,10 @@ from exudyn.itemInterface import (
     MarkerBodyPosition,
     MarkerNodeCoordinate,
     MarkerNodePosition,
+    NodeGenericData,
+    NodeGenericODE1,
     NodePointGround,
+    ObjectGenericODE1,
     SensorNode,
     SensorUserFunction,
     SphericalJoint,
@@ -21,11 +24,13 @@ from exudyn.itemInterface import (
 )
 
 from exudyn_inext import (
+    AddPointMass,
     CableShape,
     CreateCableForceSensor,
     CreateInextensibleCable,
     ExplicitSettings,
     InextensibleCable,
+    InputError,
     SceneError,
     SolveExplicit,
     StepSizeError,
@@ -429,22 +434,32 @@ def test_what_is_changed_and_changed_back_within_a_step_changes_no_bit():
     np.testing.assert_array_equal(swinging(blink)[0].motion, swinging()[0].motion)
 
 
-def test_methods_that_were_bound_before_the_run_are_noticed():
-    def motion(bound):
-        model = Model(False)
-        load = model.force(model.nodes[-1])
-        set_before = model.mbs.SetLoadParameter
+def by_a_bound_load(model):
+    load, setter = model.force(model.nodes[-1]), model.mbs.SetLoadParameter
+    return lambda t: setter(load, "loadVector", [t, 0, 0])
 
-        def push(mbs, t):
-            setter = set_before if bound else mbs.SetLoadParameter
-            setter(load, "loadVector", [t, 0, 0])
-            return True
 
-        model.mbs.SetPreStepUserFunction(push)
-        model.run(0.3, 1e-3)
-        return model.motion
+def by_a_bound_support(model):
+    setter = model.mbs.SetObjectParameter
+    return lambda t: setter(model.supports[0], "activeConnector", t < 0.1)
 
-    np.testing.assert_array_equal(motion(True), motion(False))
+
+def by_a_point_mass(model):
+    return lambda t: AddPointMass(model.mbs, model.cable, 0.9, 0.01) if abs(t - 0.1) < 1e-9 else None
+
+
+@pytest.mark.parametrize("kind", [by_a_bound_load, by_a_bound_support, by_a_point_mass], ids=name_of)
+def test_changes_without_notice_are_not_silent(kind):
+    with pytest.raises(SceneError, match="changed during the run without its notice"):
+        moved(kind, False, end_time=0.2, step=1e-3)
+
+
+def test_the_methods_of_exudyn_are_as_before_after_a_run():
+    before = dict(vars(exudyn.MainSystem))
+    moved(force_on_a_node, False, end_time=0.1)
+    with pytest.raises(SceneError):
+        moved(lambda model: lambda t: model.mbs.CreateGround(), False, end_time=0.1)
+    assert dict(vars(exudyn.MainSystem)) == before
 
 
 def test_a_try_with_half_the_step_begins_with_the_parameters_of_the_first_one():
@@ -567,3 +582,88 @@ def test_a_section_force_follows_a_changed_load_at_once():
     tension = np.asarray(model.mbs.GetSensorStoredData(sensor))[:, 1]
     weight = 0.9 * 0.0348 * 9.81
     np.testing.assert_allclose([tension[0], tension[-1]], [weight, weight + 5.0], rtol=1e-6)
+
+
+def first_order_state(model):
+    """A force follows y with y' = -2 y, which is set to 3 at 0.2 s."""
+    node = model.mbs.AddNode(
+        NodeGenericODE1(referenceCoordinates=[0.0], initialCoordinates=[1.0], numberOfODE1Coordinates=1)
+    )
+    model.mbs.AddObject(ObjectGenericODE1(nodeNumbers=[node], systemMatrix=[[-2.0]], rhsVector=[0.0]))
+    state = model.mbs.systemData.GetODE1Coordinates
+    model.force(model.nodes[-1], loadVectorUserFunction=lambda mbs, t, load: [0.5 * state()[0], 0, 0])
+
+    def change(t):
+        if abs(t - 0.2) < 1e-9:
+            model.mbs.systemData.SetODE1Coordinates([3.0])
+
+    return change
+
+
+def data_coordinate(model):
+    """A force is what a data coordinate says."""
+    model.mbs.AddNode(NodeGenericData(initialCoordinates=[0.0], numberOfDataCoordinates=1))
+    value = model.mbs.systemData.GetDataCoordinates
+    model.force(model.nodes[-1], loadVectorUserFunction=lambda mbs, t, load: [0, value()[0], 0])
+    return lambda t: model.mbs.systemData.SetDataCoordinates([0.5 * (t > 0.1)])
+
+
+def velocities(model):
+    """Beside a first order state."""
+    first_order_state(model)
+
+    def change(t):
+        if abs(t - 0.2) < 1e-9:
+            rates = np.array(model.mbs.systemData.GetODE2Coordinates_t())
+            model.mbs.systemData.SetODE2Coordinates_t(0.5 * rates)
+
+    return change
+
+
+@pytest.mark.parametrize("kind", [first_order_state, data_coordinate, velocities], ids=name_of)
+def test_states_that_a_step_function_sets_act_too(kind):
+    ours, native = moved(kind, False), moved(kind, True)
+    assert deviation(ours.motion, native.motion) < 0.01
+
+
+STORED = [load_that_walks, release, moving_support, hanger, winch, moving_end_of_a_hanger, driven_mass]
+STORED += [joint_released_and_caught, spring_and_force, mass_that_grows]
+
+
+@pytest.mark.parametrize("kind", STORED, ids=name_of)
+def test_a_run_that_is_continued_begins_with_what_had_been_changed(kind, tmp_path):
+    """To round-off: Exudyn adds up the time that the functions are given."""
+
+    def state(end_time, name):
+        model = Model(False)
+        change = kind(model)
+        model.mbs.SetPreStepUserFunction(lambda mbs, t: change(t) or True)
+        model.mbs.Assemble()
+        settings = quiet_settings(end_time, round(end_time / 1e-3))
+        restart = settings.solution.restart
+        restart.write, restart.continueIfAvailable, restart.writePeriod = True, True, 0.1
+        restart.name = str(tmp_path / name)
+        resumed = model.run_again(settings)["resumedAt"]
+        data = model.mbs.systemData
+        return resumed, np.array([data.GetODE2Coordinates(), data.GetODE2Coordinates_t()])
+
+    _, whole = state(0.6, "whole")
+    state(0.4, "parts")
+    resumed, continued = state(0.6, "parts")
+    assert resumed == pytest.approx(0.4)
+    np.testing.assert_allclose(continued, whole, atol=1e-8)
+
+
+def test_a_run_whose_functions_were_replaced_is_not_continued(tmp_path):
+    model = Model(False)
+    change = user_function_replaced(model)
+    model.mbs.SetPreStepUserFunction(lambda mbs, t: change(t) or True)
+    model.mbs.Assemble()
+    settings = quiet_settings(0.4, 400)
+    restart = settings.solution.restart
+    restart.write, restart.continueIfAvailable, restart.writePeriod = True, True, 0.1
+    restart.name = str(tmp_path / "replaced")
+    model.run_again(settings)
+    settings.timeIntegration.endTime = 0.5
+    with pytest.raises(InputError, match="'loadVectorUserFunction' of load 0 was replaced"):
+        model.run_again(settings)

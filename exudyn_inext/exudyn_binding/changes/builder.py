@@ -1,4 +1,4 @@
-"""The runs of a scene that has changed."""
+"""The runs of a scene: at the start, and again when it has changed."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -9,6 +9,7 @@ import exudyn
 
 from ...checks import LARGEST
 from ..general.surroundings import switched_off
+from ..restart import Restarts
 from ..scene import Scene
 from ..scene_runs import needs_coupling, runs_of_scene
 from ..settings import ExplicitSettings
@@ -16,7 +17,7 @@ from ..time_loop import Run
 
 
 class RunBuilder:
-    """Makes runs that take over from others.
+    """Makes runs.
 
     Args:
         mbs: assembled.   solver: of the time loop.   explicit: settings.
@@ -40,8 +41,13 @@ class RunBuilder:
             self._stack.enter_context(switched_off(self._mbs, *scene.evaluated_by_kernels))
             self._is_switched_off = True
 
-    def build(self, scene: Scene, time: float, end: float) -> Sequence[Run]:
-        """Runs from the present state, to be started, at the start of a step from `time` to `end` [s].
+    def build(self, scene: Scene, time: float) -> Sequence[Run]:
+        """Runs from the initial configuration, at `time` [s]."""
+        self._switch_off(scene)
+        return runs_of_scene(self._mbs, scene, self._solver, time, self._scaling, self._explicit)
+
+    def build_from_present(self, scene: Scene, time: float, end: float) -> Sequence[Run]:
+        """Runs that take over in the present state, before a step from `time` to `end` [s].
 
         Constraints that have been switched on may be violated by any velocity.
         """
@@ -49,6 +55,13 @@ class RunBuilder:
         lenient = replace(self._explicit, startTolerance=LARGEST)
         with _present_as_initial(self._mbs):
             return runs_of_scene(self._mbs, scene, self._solver, time, self._scaling, lenient, end)
+
+    def build_after_changes(self, scene: Scene, restarts: Restarts) -> Sequence[Run]:
+        """Runs of a scene that had been changed when the restart file was written."""
+        self._switch_off(scene)
+        lenient = replace(self._explicit, startTolerance=LARGEST)
+        with restarts.initial_state():
+            return runs_of_scene(self._mbs, scene, self._solver, restarts.time, self._scaling, lenient)
 
 
 @contextmanager

@@ -1,6 +1,6 @@
 """Constraints of cables that are switched on, moved or changed during a run."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -41,6 +41,7 @@ class SteppedReader(ConstraintReader):
         self._last: dict[int, Any] = {}  # what each active constraint asked for
         self._with_functions: dict[int, tuple[Any, MovingCoordinate]] = {}
         self._step: tuple[float, float] | None = None
+        self._restored: set[int] = set()  # had been moved before a restart file was written
 
     @property
     def moves(self) -> bool:
@@ -52,6 +53,14 @@ class SteppedReader(ConstraintReader):
         self._step = time, end
         for moved in self._moved.values():
             moved.way.stop()
+
+    def memory(self) -> dict[str, Any]:
+        """Which constraints have been changed, as plain data."""
+        return {"moved": sorted(self._moved), "joints": sorted(self._joints)}
+
+    def restore(self, memory: Mapping[str, Any]) -> None:
+        """Before the first reading of a run that continues: the `memory` of the run before."""
+        self._restored, self._joints = set(memory["moved"]), set(memory["joints"])
 
     def held(self, mbs: Any, number: int, data: dict[str, Any]) -> HeldCoordinate | None:
         if data["objectType"] == "ConnectorCoordinate":
@@ -99,6 +108,10 @@ class SteppedReader(ConstraintReader):
             self._forget(number)
             return
         offset = float(data["offset"])
+        if self._step is None and number in self._restored:
+            moving = super().moving(self._mbs, number, _with_offset(data))
+            assert moving is not None
+            self._moved[number] = self._moved_to(moving.node, moving.axis, offset)
         if self._is_news(number, offset):
             self._move_coordinate(number, data, offset)
 
@@ -119,29 +132,43 @@ class SteppedReader(ConstraintReader):
                 if abs(place - offset) > FULFILLED:
                     self._joints.add(number)
                 return
-            self._moved[number] = self._begin_at(moving.node, moving.axis)
+            present = self._displacement(moving.node)[moving.axis]
+            self._moved[number] = self._moved_to(moving.node, moving.axis, present)
         self._aim(number, offset)
 
-    def _begin_at(self, node: int, axis: int) -> _Moved:
-        """A coordinate that is where its node is."""
+    def _moved_to(self, node: int, axis: int, offset: float) -> _Moved:
+        """A coordinate that is at an offset [m] from its reference value."""
         reference = self._reference(node)
         along = np.eye(reference.size // 2)[axis]
-        place = (reference + self._displacement(node))[axis]
-        return _Moved(Way(place * along), lambda offset: (reference[axis] + offset) * along)
+
+        def target(offset: float) -> Array:
+            return (reference[axis] + offset) * along
+
+        return _Moved(Way(target(offset)), target)
 
     def _follow_rod(self, number: int, rod: Rod) -> None:
         point = None if rod.point is None else tuple(rod.point.tolist())
         last = self._last.get(number)
+        if self._step is None and number in self._restored:
+            self._moved[number] = self._end_at(rod.nodes[0], point)
         if not self._is_news(number, (rod.nodes, rod.length, point)):
             return
         if last is not None and last[:2] == (rod.nodes, rod.length):
             if number not in self._moved:
-                dim = self._reference(rod.nodes[0]).size // 2
-                self._moved[number] = _Moved(Way(np.array(last[2][:dim])), lambda end: np.array(end[:dim]))
+                self._moved[number] = self._end_at(rod.nodes[0], last[2])
             self._aim(number, point)
         elif self._violation(rod) > FULFILLED:
             self._moved.pop(number, None)
             self._joints.add(number)
+
+    def _end_at(self, node: int, point: Any) -> _Moved:
+        """The fixed end (3,) of a rod to a node."""
+        dim = self._reference(node).size // 2
+
+        def target(end: Any) -> Array:
+            return np.array(end[:dim])
+
+        return _Moved(Way(target(point)), target)
 
     def _aim(self, number: int, asked: Any) -> None:
         assert self._step is not None

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ...errors import SceneError
 from ..cable_forces import forget_evaluators
 from ..cable_loads import CableLoads
 from ..cable_run import CableRun
@@ -18,8 +19,9 @@ from .constraints import SteppedReader
 from .continuation import go_on_coupled, go_on_with_cable
 from .demand import Demand, demand
 from .limit import StepLimit
-from .log import ChangeLog, Parameter, not_listening
-from .same_structure import same_structure
+from .log import ChangeLog, Parameter
+from .same_structure import same_cables, same_structure
+from .stored import stored_changes
 
 
 class ChangeFollower:
@@ -28,6 +30,7 @@ class ChangeFollower:
     Args:
         mbs: the system.   scene: what it contains, read by `reader`.   log: of its changes.
         builder: of other runs.   limit: of their steps.   sensors: data of all of them.
+        moves: whether something has moved through the step before the run, which continues another one.
     """
 
     def __init__(
@@ -39,6 +42,7 @@ class ChangeFollower:
         builder: RunBuilder,
         limit: StepLimit,
         sensors: Sequence[Any],
+        moves: bool = False,
     ) -> None:
         self._mbs = mbs
         self._scene = scene
@@ -48,13 +52,17 @@ class ChangeFollower:
         self._limit = limit
         self._sensors = sensors
         self._reader.nodes = frozenset(node for cable in self._scene.cables for node in cable.item.nodes)
-        self._moves = False
+        self._moves = moves
         self._figures: dict[str, float] = {}
 
     @property
     def has_news(self) -> bool:
         """Whether something has changed since the last step, or must stop."""
         return self._moves or self._log.is_pending
+
+    def stored(self) -> dict[str, Any]:
+        """All changes so far, for a restart file."""
+        return stored_changes(self._log, self._reader, self._limit, self._moves)
 
     def figures(self) -> dict[str, float]:
         """Extremes of runs that others have taken over from; see `Run.figures`."""
@@ -69,12 +77,35 @@ class ChangeFollower:
         """
         changed = self._log.take()
         self._reader.begin_step(time, end)
-        with not_listening(self._log), state_kept(self._mbs):
-            self._mbs.systemData.SetTime(time)
-            runs = self._followed(runs, changed, time, end)
+        self._log.is_paused = True
+        try:
+            with state_kept(self._mbs):
+                self._mbs.systemData.SetTime(time)
+                runs = self._followed(runs, changed, time, end)
+        finally:
+            self._log.is_paused = False
         coupled = [run for run in runs if isinstance(run, CoupledRun)]
         self._moves = self._reader.moves or any(run.approaches for run in coupled)
         return runs
+
+    def require_all_seen(self, runs: Sequence[Run]) -> None:
+        """At the end: mbs must contain what the runs have moved.
+
+        Raises:
+            SceneError: it does not.
+        """
+        if self._log.is_pending:  # after the last step
+            return
+        scene = read_scene(self._mbs, self._reader)
+        alone = all(isinstance(run, CableRun) for run in runs)
+        same = same_structure if alone else same_cables
+        if not (same(self._scene, scene) and _have_the_loads_of(runs, scene)):
+            raise SceneError(
+                "supports, loads or properties of a cable were changed during the run without its notice: by a "
+                "method of mbs that was bound before the run, or by SetCableDrag or AddPointMass. The motion is "
+                "that of the unchanged cable: call mbs.SetLoadParameter etc. by name, and change properties "
+                "before a run."
+            )
 
     def _followed(
         self, runs: Sequence[Run], changed: Sequence[Parameter], time: float, end: float
@@ -122,9 +153,18 @@ class ChangeFollower:
     def _built_again(
         self, runs: Sequence[Run], changed: Sequence[Parameter], time: float, end: float
     ) -> Sequence[Run]:
-        new = self._builder.build(self._scene, time, end)
+        new = self._builder.build_from_present(self._scene, time, end)
         self._limit.take_over(runs, new, time, changed)
         for run in new:
             run.start(time)
         self._figures = worst_figures([*runs, self])
         return new
+
+
+def _have_the_loads_of(runs: Sequence[Run], scene: Scene) -> bool:
+    """Whether runs of cables alone have the constant forces that the scene says."""
+    alone = [run for run in runs if isinstance(run, CableRun)]
+    loads = [CableLoads(cable) for cable in scene.cables] if alone else []
+    return all(
+        np.array_equal(run.loads.constant, load.constant) for run, load in zip(alone, loads, strict=False)
+    )

@@ -23,22 +23,23 @@ class StepLimit:
     """Watches the stability limit of runs whose scene changes.
 
     h: step of the integrator [s].   last: limit when it was looked at last [s].
+    seen: size of each stiffness that has changed, when the limit was looked at.
     """
 
     def __init__(self, h: float, last: float, explicit: ExplicitSettings) -> None:
         self._h = h
         self._last = last
         self._explicit = explicit
-        self._seen: dict[Parameter, float] = {}  # size of each stiffness
+        self.seen: dict[Parameter, float] = {}
 
     def stiffer(self, mbs: Any, changed: Sequence[Parameter]) -> list[Parameter]:
         """Those parameters of connectors that are now much larger than when the limit was looked at."""
         grown = []
         for key in filter(_is_of_stiffness, changed):
             size = float(np.abs(key.value(mbs)).max())
-            if size > GROWTH * self._seen.get(key, 0.0):
+            if size > GROWTH * self.seen.get(key, 0.0):
                 grown.append(key)
-                self._seen[key] = size
+                self.seen[key] = size
         return grown
 
     def look_again(self, runs: Sequence[Run], time: float, changed: Sequence[Parameter]) -> None:

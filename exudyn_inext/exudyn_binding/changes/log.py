@@ -1,13 +1,14 @@
 """Calls that change a running mbs, noted as they are made: the scene is read again after them.
 
-The methods of exudyn.MainSystem are wrapped once, at import; unless their mbs runs, that changes nothing.
-Wrapping them for each run would miss methods that a script has bound before, and two threads would undo each
-other's wrapping.
+The methods of exudyn.MainSystem are wrapped while any run listens. Not longer: Exudyn's errors and warnings
+name the line that has called them. What is called by methods that were bound before is not noted; see
+`ChangeFollower.require_all_seen`.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import wraps
+from threading import Lock
 from typing import Any, NamedTuple
 
 import exudyn
@@ -51,9 +52,11 @@ class ChangeLog:
     first: of each changed parameter, its value before the run.
     refusal: what was raised by the last call that a run cannot follow; that call was not made.
     is_followed: whether the run looks at changes between its steps; if not, they are refused.
+    is_paused: whether calls are not noted at present.
     """
 
     is_followed = True
+    is_paused = False
 
     def __init__(self, mbs: Any) -> None:
         self.mbs = mbs
@@ -128,30 +131,32 @@ class ChangeLog:
 
 
 _LISTENING: list[ChangeLog] = []
+_LOCK = Lock()
 
 
 @contextmanager
 def listening(log: ChangeLog) -> Iterator[None]:
-    """Calls are noted meanwhile."""
-    _LISTENING.append(log)
-    try:
-        yield
-    finally:
-        _LISTENING.remove(log)
-
-
-@contextmanager
-def not_listening(log: ChangeLog) -> Iterator[None]:
-    """Calls are not noted meanwhile."""
-    _LISTENING.remove(log)
-    try:
-        yield
-    finally:
+    """Calls are noted meanwhile; the methods are wrapped as long as any log listens."""
+    with _LOCK:
+        if not _LISTENING:
+            _set_methods(_WRAPPED)
         _LISTENING.append(log)
+    try:
+        yield
+    finally:
+        with _LOCK:
+            _LISTENING.remove(log)
+            if not _LISTENING:
+                _set_methods(_ORIGINAL)
+
+
+def _set_methods(methods: Mapping[str, Any]) -> None:
+    for name, method in methods.items():
+        setattr(exudyn.MainSystem, name, method)
 
 
 def _log_of(mbs: Any) -> ChangeLog | None:
-    return next((log for log in _LISTENING if log.mbs is mbs), None)
+    return next((log for log in _LISTENING if log.mbs is mbs and not log.is_paused), None)
 
 
 def _is_same(x: Any, y: Any) -> bool:
@@ -168,7 +173,7 @@ def _setter(kind: str, original: Callable[..., None]) -> Callable[..., None]:
 
     @wraps(original)
     def set_parameter(self: Any, *args: Any, **kwargs: Any) -> None:
-        log = _log_of(self) if _LISTENING else None
+        log = _log_of(self)
         given = [*args, *(kwargs[name] for name in names if name in kwargs)]
         if log is None or len(given) != len(names):
             return original(self, *args, **kwargs)
@@ -183,7 +188,7 @@ def _refused(name: str, original: Callable[..., Any]) -> Callable[..., Any]:
 
     @wraps(original)
     def change_items(self: Any, *args: Any, **kwargs: Any) -> Any:
-        log = _log_of(self) if _LISTENING else None
+        log = _log_of(self)
         if log is not None:
             log.refuse(f"mbs.{name} was called", _REMEDY)
         return original(self, *args, **kwargs)
@@ -191,17 +196,11 @@ def _refused(name: str, original: Callable[..., Any]) -> Callable[..., Any]:
     return change_items
 
 
-def _wrapped() -> dict[str, Callable[..., Any]]:
-    """Wrap the methods; returns the original ones, and those that get parameters, by names."""
-    system = exudyn.MainSystem
-    of_parameters = [f"{what}{kind}Parameter" for what in ("Get", "Set") for kind in _KINDS]
-    originals = {name: getattr(system, name) for name in (*of_parameters, *_OF_MBS)}
-    for kind in _KINDS:
-        name = f"Set{kind}Parameter"
-        setattr(system, name, _setter(kind, originals[name]))
-    for name in _OF_MBS:
-        setattr(system, name, _refused(name, originals[name]))
-    return originals
-
-
-_METHODS = _wrapped()
+_METHODS = {
+    f"{what}{kind}Parameter": getattr(exudyn.MainSystem, f"{what}{kind}Parameter")
+    for what in ("Get", "Set")
+    for kind in _KINDS
+}
+_WRAPPED = {f"Set{kind}Parameter": _setter(kind, _METHODS[f"Set{kind}Parameter"]) for kind in _KINDS}
+_WRAPPED |= {name: _refused(name, getattr(exudyn.MainSystem, name)) for name in _OF_MBS}
+_ORIGINAL = {name: vars(exudyn.MainSystem)[name] for name in _WRAPPED}

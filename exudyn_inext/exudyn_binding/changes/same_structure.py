@@ -14,9 +14,12 @@ _OF_SUPPORTS = {"fixed", "links"}
 
 def same_structure(one: Scene, other: Scene) -> bool:
     """Whether cables, their supports and links, and what is around them are of the same structure."""
-    if one.own_constraints != other.own_constraints or one.foreign != other.foreign:
-        return False
-    return all(map(_same_cable, one.cables, other.cables))
+    return same_cables(one, other) and sorted(one.foreign) == sorted(other.foreign)
+
+
+def same_cables(one: Scene, other: Scene) -> bool:
+    """Whether cables, their supports and links are of the same structure."""
+    return one.own_constraints == other.own_constraints and all(map(_same_cable, one.cables, other.cables))
 
 
 def _same_cable(one: CableInScene, other: CableInScene) -> bool:
