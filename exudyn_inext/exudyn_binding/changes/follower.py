@@ -101,9 +101,9 @@ class ChangeFollower:
         same = same_structure if alone else same_cables
         if not (same(self._scene, scene) and _have_the_loads_of(runs, scene)):
             raise SceneError(
-                "supports, loads or properties of a cable were changed during the run without its notice: by a "
-                "method of mbs that was bound before the run, or by SetCableDrag or AddPointMass. The motion is "
-                "that of the unchanged cable: call mbs.SetLoadParameter etc. by name, and change properties "
+                "supports, loads or properties of a cable were changed during the run without its notice: "
+                "by a method of mbs that was bound before the run, or by SetCableDrag or AddPointMass. The "
+                "motion is not theirs: call mbs.SetLoadParameter etc. by name, and change properties "
                 "before a run."
             )
 

@@ -130,6 +130,11 @@ class ChangeLog:
         raise self.refusal
 
 
+def set_unnoted(mbs: Any, number: int, name: str, value: Any) -> None:
+    """Set a parameter of an object for the package's own use."""
+    Parameter("Object", number, name).set(mbs, value)
+
+
 _LISTENING: list[ChangeLog] = []
 _LOCK = Lock()
 

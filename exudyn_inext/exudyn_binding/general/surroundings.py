@@ -15,6 +15,7 @@ from ...coupling.joints import JointBlock, JointTerms
 from ...errors import DivergenceError
 from ...integrators.path_work import gather, gather_and_follow
 from ..cable_loads import CableLoads
+from ..changes.log import set_unnoted
 from .bodies import BodyMasses
 from .coordinates import CoordinateMap
 from .joint_rows import JointRows
@@ -238,15 +239,15 @@ def switched_off(mbs: Any, cables: Sequence[int], constraints: Sequence[int] = (
     active = [number for number in constraints if mbs.GetObjectParameter(number, "activeConnector")]
     try:
         for number, name, _ in saved:
-            mbs.SetObjectParameter(number, name, nothing[name])
+            set_unnoted(mbs, number, name, nothing[name])
         for number in active:
-            mbs.SetObjectParameter(number, "activeConnector", False)
+            set_unnoted(mbs, number, "activeConnector", False)
         yield
     finally:
         for number, name, value in saved:
-            mbs.SetObjectParameter(number, name, value["function"] if isinstance(value, dict) else value)
+            set_unnoted(mbs, number, name, value["function"] if isinstance(value, dict) else value)
         for number in active:
-            mbs.SetObjectParameter(number, "activeConnector", True)
+            set_unnoted(mbs, number, "activeConnector", True)
 
 
 def _is_set(value: Any) -> bool:
