@@ -4,8 +4,8 @@ A central difference scheme for M q_tt + D q_t + K q = F takes
 
     (M + theta h^2 K + h/2 D) a_n = F - K q_n - D v_(n-1/2),    a_n = (q_(n+1) - 2 q_n + q_(n-1)) / h^2,
 
-the matrix on the left constant: D acts at the velocity (q_(n+1) - q_(n-1)) / (2 h). theta >= 1/4 takes bending
-out of the step limit, h/2 D the bending damping.
+the matrix on the left constant: D acts at the velocity (q_(n+1) - q_(n-1)) / (2 h). theta >= 1/4
+takes bending out of the step limit, h/2 D the bending damping.
 """
 
 from dataclasses import dataclass

@@ -20,11 +20,13 @@ class Motion:
     at: t [s] -> (3, dim): p [m], p_t [m/s], p_tt [m/s^2].
     rests: whether it does not depend on the time.
     is_pure: whether `at` depends on nothing but the time, so that it may be asked ahead of time.
+    is_smooth: whether it can be differentiated twice; if not, velocities jump between steps.
     """
 
     at: Callable[[float], Array]
     rests: bool = False
     is_pure: bool = True
+    is_smooth: bool = True
 
 
 def rest(point: Array) -> Motion:

@@ -208,6 +208,11 @@ class CableRun:
         self._integrator.resume(self.system, self.loads.at(time), self.state)
 
     @property
+    def integrator(self) -> Integrator:
+        """What moves it."""
+        return self._integrator
+
+    @property
     def stages(self) -> tuple[float, ...]:
         """Of the scheme, see `Integrator`."""
         return self._integrator.stages

@@ -116,6 +116,13 @@ def settle(system: Any, inputs: Array, q: Array, v: Array) -> None:
     v[:] = end_velocity
 
 
+def agree(system: Any, inputs: Array, state: Any) -> None:
+    """Project the velocities of an integrator's state onto the constraints; see `settle`."""
+    memory, velocity = np.zeros(state.q.size), np.zeros(state.q.size)
+    accelerate_and_project(system, inputs, state.q, state.v, 0.0, memory, velocity)
+    state.v[:] = velocity
+
+
 def project(
     scene_cable: CableInScene,
     system: Any,

@@ -18,12 +18,17 @@ _BODY_MARKERS = {"BodyPosition", "BodyRigid"}
 
 @dataclass(frozen=True, eq=False)
 class Rod:
-    """A distance constraint.   nodes: one or two node numbers.   point: (3,) fixed end, or None."""
+    """A distance constraint.
+
+    nodes: one or two node numbers.   point: (3,) end on the ground, or None.   length: [m].
+    motion: of that end (dim,), if it has been moved during a run.
+    """
 
     nodes: tuple[int, ...]
     point: Array | None
     length: float
     name: str
+    motion: Motion | None = None
 
     def links(self, places: list[int], dim: int) -> list[Link]:
         """The link on a cable's nodes at `places`.
@@ -38,7 +43,7 @@ class Rod:
                 f"{self.name} ends at {self.point.tolist()}, out of the plane of its cable: create the cable "
                 "with dimension=3, or move that end to z = 0."
             )
-        return [hanger(places[0], rest(self.point[:dim]), self.length)]
+        return [hanger(places[0], self.motion or rest(self.point[:dim]), self.length)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,13 +139,13 @@ def links_of_motions(moving: list[MovingCoordinate], places: dict[int, int], dim
     for coordinate in moving:
         motion = coordinate.motion
         if motion.at(0.0).shape[1] != dim:
-            motion = _along(motion, coordinate.axis, dim)
+            motion = motion_along(motion, coordinate.axis, dim)
         motion = in_space.setdefault(id(coordinate.motion), motion)
         links += prescribed(places[coordinate.node], motion, [coordinate.axis])
     return links
 
 
-def _along(motion: Motion, axis: int, dim: int) -> Motion:
+def motion_along(motion: Motion, axis: int, dim: int) -> Motion:
     """The scalar motion as one along an axis of space."""
     direction = np.eye(dim)[axis]
     return replace(motion, at=lambda t: np.multiply.outer(motion.at(t)[:, 0], direction))
@@ -150,6 +155,7 @@ def require_smooth_motions(moving: list[MovingCoordinate], time: float) -> None:
     """Raise InputError unless all motions are differentiable twice at the start of the run [s]."""
     checked: set[int] = set()
     for coordinate in moving:
-        if not coordinate.motion.rests and id(coordinate.motion) not in checked:
-            checked.add(id(coordinate.motion))
-            require_smooth(coordinate.motion, time, f"the motion prescribed by {coordinate.name}")
+        motion = coordinate.motion
+        if motion.is_smooth and not motion.rests and id(motion) not in checked:
+            checked.add(id(motion))
+            require_smooth(motion, time, f"the motion prescribed by {coordinate.name}")

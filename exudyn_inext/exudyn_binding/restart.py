@@ -3,7 +3,7 @@
 They follow simulationSettings.solution.restart: `write`, `name`, `writePeriod`, `continueIfAvailable`.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import fields, replace
 from functools import cached_property
@@ -40,10 +40,15 @@ class Restarts:
 
     Attributes:
         found: what the run continues from, or None.
+        mass_scaling: theta of the run, to be written; that of the run which is continued.
+        changes_so_far: () -> what user functions have changed, to be written.
 
     Raises:
         InputError: the file that the run shall continue from is damaged, or of another run.
     """
+
+    changes_so_far: Callable[[], dict[str, Any]] = dict
+    mass_scaling: float | None = None
 
     def __init__(self, mbs: Any, settings: Any, explicit: ExplicitSettings) -> None:
         options = settings.solution.restart
@@ -60,6 +65,7 @@ class Restarts:
         self.found: Restart | None = read_restart(self._name) if self._continues else None
         if self.found is not None:
             self._require_same(self.found.arrays)
+            self.mass_scaling = self.found.header["massScaling"]
 
     def _present_identity(self) -> dict[str, dict[str, str]]:
         return scene_identity(self._mbs, self._explicit, self._start)
@@ -91,6 +97,19 @@ class Restarts:
             return None
         step = self.found.header["loopStep"]
         return LoopClock(grid.start, step, grid.first, self._end, grid.loop_steps)
+
+    @property
+    def time(self) -> float:
+        """From which the run continues, or starts [s]."""
+        if self.found is None:
+            return self._start
+        grid = TimeGrid(**self.found.header["grid"])
+        return grid.time(grid.first)
+
+    @property
+    def changes(self) -> Mapping[str, Any]:
+        """What user functions had changed when the file was written; empty if nothing, or without a file."""
+        return {} if self.found is None else dict(self.found.header.get("changes", {}))
 
     @property
     def step(self) -> float | None:
@@ -144,7 +163,13 @@ class Restarts:
         loop_step = (
             self.found.header["loopStep"] if self.found else (self._end - grid.start) / grid.loop_steps
         )
-        write_restart(self._name, Restart({"grid": numbers, "loopStep": loop_step}, arrays))
+        header = {
+            "grid": numbers,
+            "loopStep": loop_step,
+            "massScaling": self.mass_scaling,
+            "changes": self.changes_so_far(),
+        }
+        write_restart(self._name, Restart(header, arrays))
 
     def resume(self, runs: Sequence[Any], grid: TimeGrid) -> None:
         """Give the runs the states and memories of the file."""
@@ -155,8 +180,8 @@ class Restarts:
 
     @property
     def first_state(self) -> list[list[float]]:
-        """Coordinates and velocities that the run continues with."""
-        return [self._arrays[f"mbs/{name}"].tolist() for name in ("ODE2", "ODE2_t")]
+        """Coordinates, velocities and first order states that the run continues with."""
+        return [self._arrays[f"mbs/{name}"].tolist() for name in ("ODE2", "ODE2_t", "ODE1")]
 
     @property
     def _arrays(self) -> Mapping[str, Any]:

@@ -97,6 +97,22 @@ class HeldCoordinate:
     coordinate: int
 
 
+class ConstraintReader:
+    """How native constraints become supports and links of cables; None if they are something else.
+
+    number, data: of the object.
+    """
+
+    def held(self, mbs: Any, number: int, data: dict[str, Any]) -> HeldCoordinate | None:
+        return read_held_coordinate(mbs, data)
+
+    def moving(self, mbs: Any, number: int, data: dict[str, Any]) -> MovingCoordinate | None:
+        return read_moving_coordinate(mbs, number, data)
+
+    def rod(self, mbs: Any, number: int, data: dict[str, Any]) -> Rod | None:
+        return read_rod(mbs, data)
+
+
 def require_assembled(mbs: Any) -> None:
     """Raise SceneError unless mbs.Assemble() has been called after the last change."""
     require_system(mbs)
@@ -107,9 +123,9 @@ def require_assembled(mbs: Any) -> None:
     raise SceneError("mbs is not assembled: call mbs.Assemble() before it is solved or evaluated.")
 
 
-def read_scene(mbs: Any) -> Scene:
-    """Inextensible cables of an assembled mbs, and what else there is."""
-    contents = _contents(mbs)
+def read_scene(mbs: Any, reader: ConstraintReader | None = None) -> Scene:
+    """Inextensible cables of an assembled mbs, and what else there is.   reader: of its constraints."""
+    contents = _contents(mbs, reader or ConstraintReader())
     on_cables = {node for item in contents.items.values() for node in item.nodes}
     loads, other_loads = _read_loads(mbs, on_cables, elements_by_nodes(contents.items))
     foreign = [*contents.others, *_foreign_nodes(mbs, on_cables), *other_loads]
@@ -143,7 +159,7 @@ def read_cables(mbs: Any, who: str) -> list[CableInScene]:
     return scene.cables
 
 
-def _contents(mbs: Any) -> Contents:
+def _contents(mbs: Any, reader: ConstraintReader) -> Contents:
     contents = Contents()
     for number in range(mbs.systemData.NumberOfObjects()):
         data = mbs.GetObject(number)
@@ -151,17 +167,23 @@ def _contents(mbs: Any) -> Contents:
         if item is not None:
             contents.items[number] = item
             contents.names[number] = data["name"]
-        elif (held := read_held_coordinate(mbs, data)) is not None:
+        elif (held := reader.held(mbs, number, data)) is not None:
             contents.held[number] = held
-        elif (moving := read_moving_coordinate(mbs, number, data)) is not None:
+        elif (moving := reader.moving(mbs, number, data)) is not None:
             contents.moving[number] = moving
-        elif (rod := read_rod(mbs, data)) is not None:
+        elif (rod := reader.rod(mbs, number, data)) is not None:
             contents.rods[number] = rod
         elif belongs_to_a_cable(data):
             contents.enforcing.append(number)
-        elif data["objectType"] not in _HARMLESS and not is_inert_cable(data):
+        elif _does_something(data):
             contents.others.append(_described(data, number))
     return contents
+
+
+def _does_something(data: dict[str, Any]) -> bool:
+    """Whether an object moves, loads or connects; a connector that is switched off does not."""
+    is_harmless = data["objectType"] in _HARMLESS or is_inert_cable(data)
+    return not is_harmless and bool(data.get("activeConnector", True))
 
 
 def _described(data: dict[str, Any], number: int) -> str:

@@ -19,7 +19,13 @@ def needs_coupling(mbs: Any, scene: Scene) -> bool:
 
 
 def runs_of_scene(
-    mbs: Any, scene: Scene, solver: Any, time: float, h: float, explicit: ExplicitSettings
+    mbs: Any,
+    scene: Scene,
+    solver: Any,
+    time: float,
+    h: float,
+    explicit: ExplicitSettings,
+    end_of_step: float | None = None,
 ) -> Sequence[Run]:
     """One run for each cable; or one for cables, bodies and joints together; or one for native items.
 
@@ -27,6 +33,7 @@ def runs_of_scene(
         mbs: the system; the user functions of its cables are switched off if it needs coupling.
         scene: what it contains.   solver: of the time loop.   time: of the start [s].
         h: step that scales the mass [s]; 0 without mass scaling.   explicit: settings.
+        end_of_step: see `CoupledRun`.
 
     Raises:
         SceneError: nothing moves.
@@ -55,6 +62,7 @@ def runs_of_scene(
             time=time,
             why=_shortened(scene.foreign),
             energy_tolerance=explicit.energyTolerance,
+            end_of_step=end_of_step,
         )
     ]
 

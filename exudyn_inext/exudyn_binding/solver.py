@@ -1,7 +1,8 @@
 """SolveExplicit: an explicit integrator inside Exudyn's own time loop."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager, nullcontext
+from dataclasses import replace
 from typing import Any
 
 import exudyn
@@ -10,20 +11,26 @@ from ..errors import SceneError
 from .arguments import explicit_settings, simulation_settings
 from .automatic_step import bounds_of_step
 from .cable_forces import forget_evaluators
+from .changes.builder import RunBuilder
+from .changes.constraints import SteppedReader
+from .changes.follower import ChangeFollower
+from .changes.limit import StepLimit
+from .changes.log import ChangeLog, listening
+from .changes.stored import restore_changes, restore_limit
 from .empty_sensors import warn_of_empty_sensors
 from .explicit_runs import follow_frequencies, scheme_of, wanted_step
 from .first_row import first_row
-from .general.surroundings import state_kept, switched_off
+from .general.surroundings import state_kept
 from .loop_clock import LoopClock
 from .observed import observed_derivatives
 from .output_files import require_writable_outputs
 from .restart import Restarts
 from .resumed_outputs import ResumedOutputs
 from .scene import read_scene, require_assembled
-from .scene_runs import needs_coupling, runs_of_scene
+from .scene_runs import needs_coupling
 from .settings import ExplicitSettings
 from .time_grid import TimeGrid, time_grid
-from .time_loop import ExplicitTimeLoop, warn_of_energy, worst_figures
+from .time_loop import ExplicitTimeLoop, is_watched, warn_of_energy, worst_figures
 
 
 def SolveExplicit(
@@ -55,6 +62,10 @@ def SolveExplicit(
     or before the time of the restart file, and appended to; binary solution files are refused, as Exudyn
     does not append to them. With `write`, rows are flushed to their files at once.
 
+    What pre- and post-step user functions change acts from that step on, as with mbs.SolveDynamic: parameters
+    of loads, connectors, constraints, markers and bodies, active connectors, and states. A constraint that
+    gets another place is fulfilled at the end of the step. Items cannot be added, nor connected otherwise.
+
     Many of Exudyn's steps are computed in one compiled call where no user function sees the states in
     between. A user function of a load that depends on the time alone may say so by an attribute,
     function.dependsOnTimeOnly = True, in order not to stand in the way.
@@ -79,7 +90,8 @@ def SolveExplicit(
 
     Raises:
         InputError: arguments or times out of their limits, or files that cannot be written.
-        SceneError: mbs not assembled, inconsistent, or contains what explicit steps cannot take.
+        SceneError: mbs not assembled, inconsistent, or contains what explicit steps cannot take; or a user
+            function makes a change that a run cannot follow.
         StepSizeError: stepSize is above the stability limit.
         RedundantConstraintError: constraints that depend on each other.
         DivergenceError: the run left the finite numbers or its constraints, or gained energy; mbs holds the
@@ -90,38 +102,57 @@ def SolveExplicit(
     """
     settings = simulation_settings(simulationSettings)
     explicit = explicit_settings(explicitSettings)
+    log = ChangeLog(mbs)
     require_assembled(mbs)
     solver = exudyn.MainSolverImplicitSecondOrder()
-    scene = read_scene(mbs)
+    reader = SteppedReader(mbs)
+    scene = read_scene(mbs, reader)
     sensors = [mbs.GetSensor(number) for number in range(mbs.systemData.NumberOfSensors())]
     warn_of_empty_sensors(mbs, sensors, scene.own_constraints)
     require_writable_outputs(settings, sensors)
     start = float(settings.timeIntegration.startTime)
+    restarts = Restarts(mbs, settings, explicit)
+    if restarts.found:
+        explicit = replace(explicit, massScaling=restarts.mass_scaling)
+    if restarts.changes:
+        restore_changes(restarts.changes, log, reader)
+        scene = read_scene(mbs, reader)
     coupled = needs_coupling(mbs, scene)
-    with switched_off(mbs, *scene.evaluated_by_kernels) if coupled else nullcontext():
+    with ExitStack() as stack:
         with state_kept(mbs) if coupled else nullcontext():
-            restarts = Restarts(mbs, settings, explicit)
             outputs = ResumedOutputs(settings, sensors) if restarts.found else None
             given = None if explicit.stepSize is None else time_grid(mbs, settings, explicit.stepSize)
             scaling = (restarts.step or given.h) if given and explicit.massScaling else 0.0
-            runs = runs_of_scene(mbs, scene, solver, start, scaling, explicit)
+            builder = RunBuilder(mbs, solver, explicit, scaling, stack)
+            if restarts.changes:
+                runs = builder.build_after_changes(scene, restarts)
+            else:
+                runs = builder.build(scene, start)
+            log.is_followed = is_watched(mbs, runs)
             duration = float(settings.timeIntegration.endTime) - start
             bounds, explicit = bounds_of_step(runs, start, duration, explicit)
+            restarts.mass_scaling = explicit.massScaling
             wanted, decided_by = wanted_step(bounds, explicit, taken=scaling or None)
             grid = restarts.grid(given or time_grid(mbs, settings, wanted))
+            builder.take_step(explicit, grid.h)
             follow_frequencies(runs, bounds, explicit)
             observed = observed_derivatives(settings, sensors)
-            loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, restarts, observed)
+            limit = StepLimit(grid.h, bounds.stability_limit, explicit)
+            restore_limit(restarts.changes, limit)
+            moves = bool(restarts.changes.get("moves"))
+            changes = ChangeFollower(mbs, scene, reader, log, builder, limit, sensors, moves)
+            restarts.changes_so_far = changes.stored
+            loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, restarts, observed, changes)
         try:
             shown = restarts.initial_state() if restarts.found else first_row(mbs, runs, start)
             if outputs is not None:
                 outputs.cut(grid.time(grid.first) + 0.5 * grid.substeps * grid.h)
-            with shown:
-                _run(mbs, solver, settings, loop, restarts, outputs)
+            with shown, listening(log):
+                _run(mbs, solver, settings, loop, restarts, outputs, log)
         finally:
             forget_evaluators(sensors)
-    controls = [run.control for run in runs]
-    warn_of_energy(runs, explicit.energyTolerance)
+    controls = [run.control for run in loop.runs]
+    warn_of_energy(loop.runs, explicit.energyTolerance)
     return {
         "success": True,
         "integrator": explicit.integrator,
@@ -134,7 +165,7 @@ def SolveExplicit(
         "bounds": bounds,
         "path": loop.path,
         "startCorrections": [correction for run in runs for correction in run.start_corrections],
-        "drift": worst_figures(runs),
+        "drift": worst_figures([*loop.runs, changes]),
         "resumedAt": grid.time(grid.first) if grid.first else None,
     }
 
@@ -183,6 +214,7 @@ def _run(
     loop: ExplicitTimeLoop,
     restarts: Restarts,
     outputs: ResumedOutputs | None,
+    log: ChangeLog,
 ) -> None:
     function, clock = loop.user_function, restarts.clock(loop.grid)
     if clock is not None:
@@ -198,6 +230,9 @@ def _run(
             if loop.error is None and "KeyboardInterrupt" in str(error):  # Exudyn wraps it
                 kept = f"interrupted at t = {mbs.systemData.GetTime():.6g} s; mbs holds the state there."
                 raise KeyboardInterrupt(kept) from None
+            if log.refused(error):
+                mbs.systemData.SetTime(loop.time)
+                raise log.refusal from None
             raise loop.error or error from None
         finally:
             loop.complete_state()

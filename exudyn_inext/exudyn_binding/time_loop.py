@@ -71,6 +71,17 @@ class Run(Protocol):
     def resume(self, time: float) -> None: ...
 
 
+class Changes(Protocol):
+    """What user functions have changed, see `changes.follower.ChangeFollower`."""
+
+    @property
+    def has_news(self) -> bool: ...
+
+    def follow(self, runs: Sequence[Run], time: float, end: float) -> Sequence[Run]: ...
+
+    def require_all_seen(self, runs: Sequence[Run]) -> None: ...
+
+
 class ExplicitTimeLoop:
     """Moves all cables of a scene; Exudyn calls `user_function` once for each step of its time loop.
 
@@ -87,13 +98,15 @@ class ExplicitTimeLoop:
         grid: TimeGrid,
         restarts: Restarts,
         observed: int = ACCELERATIONS,
+        changes: Changes | None = None,
     ) -> None:
         self.runs = runs
+        self._changes = changes
         self.scheme = scheme
         self.grid = grid
         self.error: Exception | None = None
         self._data = mbs.systemData
-        self._is_watched = _has_step_user_functions(mbs) or not all(run.looks_ahead for run in runs)
+        self._is_watched = is_watched(mbs, runs)
         self._written = self._present(exudyn.ConfigurationType.Initial)
         self._observed = ACCELERATIONS if self._is_watched else observed
         self._restarts = restarts
@@ -146,6 +159,8 @@ class ExplicitTimeLoop:
 
     def finish(self) -> None:
         """After the last step, if there was no error."""
+        if self._changes is not None and self._is_watched:
+            self._changes.require_all_seen(self.runs)
         self._write_restart()
 
     def complete_state(self) -> None:
@@ -163,6 +178,7 @@ class ExplicitTimeLoop:
         def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
             with self._remembering_errors():
                 self._take_over_changes()
+                self._follow_changes()
             plain(solver, mbs, settings)
             self._written = self._present()
             return True
@@ -235,17 +251,37 @@ class ExplicitTimeLoop:
 
     def _present(self, configuration: Any = exudyn.ConfigurationType.Current) -> list[list[float]]:
         data = self._data
-        return [data.GetODE2Coordinates(configuration), data.GetODE2Coordinates_t(configuration)]
+        getters = (data.GetODE2Coordinates, data.GetODE2Coordinates_t, data.GetODE1Coordinates)
+        return [get(configuration) for get in getters]
+
+    @property
+    def time(self) -> float:
+        """After the steps of the loop that have been computed [s]."""
+        return self.grid.time(self._computed)
+
+    def _follow_changes(self) -> None:
+        """A user function may have changed items since the last step: go on with what they are now."""
+        if self._changes is None or not self._changes.has_news:
+            return
+        try:
+            self.runs = self._changes.follow(self.runs, self.time, self.grid.time(self._computed + 1))
+        except Exception:
+            self._data.SetTime(self.time)
+            raise
+        self._places = [as_slice(run.indices) for run in self.runs]
 
     def _take_over_changes(self) -> None:
         """A user function may have set coordinates since the last step: restart from them."""
         present = self._present()
         if all(map(np.array_equal, present, self._written)):
             return
-        q, v = map(np.asarray, present)
+        q, v, first_order = map(np.asarray, present)
         for run in self.runs:
-            run.state.q[:] = q[run.indices] + run.reference
-            run.state.v[:] = v[run.indices]
+            number = len(run.indices)
+            run.state.q[:number] = q[run.indices] + run.reference
+            run.state.v[:number] = v[run.indices]
+            if len(run.state.v) > number:  # first order states are moved as velocities
+                run.state.v[number:] = first_order
             run.start(self.grid.time(self._computed))
 
 
@@ -256,19 +292,20 @@ def warn_of_energy(runs: Sequence[Run], tolerance: float) -> None:
         if gain > tolerance * run.lenience:
             warnings.warn(
                 f"{run.name}: the energy has grown by {gain:.2%} of what the motion turns over, beyond the "
-                f"work done on it (energyTolerance {tolerance:.2%}): take integrator='RATTLE' if it is another "
-                "one, or a smaller stepSize.",
+                f"work done on it (energyTolerance {tolerance:.2%}): take integrator='RATTLE' instead of "
+                "another one, or a smaller stepSize.",
                 stacklevel=3,
             )
 
 
-def worst_figures(runs: Sequence[Run]) -> dict[str, float]:
+def worst_figures(runs: Sequence[Any]) -> dict[str, float]:
     """Of each figure, the largest of all runs."""
     all_of_them = [run.figures() for run in runs]
     names = dict.fromkeys(name for figures in all_of_them for name in figures)
     return {name: max(figures[name] for figures in all_of_them if name in figures) for name in names}
 
 
-def _has_step_user_functions(mbs: Any) -> bool:
-    """Whether functions of the user are called between the steps of Exudyn's loop."""
-    return bool(mbs.GetPreStepUserFunction()) or bool(mbs.GetPostStepUserFunction())
+def is_watched(mbs: Any, runs: Sequence[Run]) -> bool:
+    """Whether functions of the user, between steps of Exudyn's loop, may see or change something."""
+    has_functions = bool(mbs.GetPreStepUserFunction()) or bool(mbs.GetPostStepUserFunction())
+    return has_functions or not all(run.looks_ahead for run in runs)

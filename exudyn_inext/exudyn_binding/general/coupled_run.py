@@ -18,7 +18,7 @@ from ...integrators.integrator import Integrator, LoadHistory, advance
 from ...integrators.linear_stability import frequency_limit
 from ..cable_run import CableRun
 from ..cable_watch import figures, finding
-from ..consistent_start import ROUND_OFF, StartCorrection
+from ..consistent_start import ROUND_OFF, StartCorrection, agree
 from ..divergence import explanation
 from ..start_velocities import require_finite
 from ..step_control import StepControl
@@ -29,6 +29,7 @@ from .coupled_watch import LENIENCE, CoupledWatch
 from .kept_state import KeptState
 from .start import consistent_start
 
+FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
 _NOTHING, _TIME = np.zeros(1), np.ones((1, 1))  # the load of a coupled system is the time
 
 
@@ -36,6 +37,8 @@ class CoupledRun:
     """All of a scene, see `time_loop.Run`.
 
     evaluations: in a step, see `Integrator`.
+    end_of_step: of the time loop [s], at which violated joints shall be fulfilled, for a run that takes over
+        from another one; None: they are violated by at most the tolerance.
     cables: models of the inextensible cables.   start_corrections: one for each of them, and for joints.
     """
 
@@ -54,6 +57,7 @@ class CoupledRun:
         time: float,
         why: str,
         energy_tolerance: float,
+        end_of_step: float | None = None,
     ) -> None:
         self._mbs = mbs
         self._runs = cable_runs
@@ -71,14 +75,18 @@ class CoupledRun:
         for run, dofs in zip(cable_runs, self._scene.map.slices, strict=False):
             self.state.q[dofs], self.state.v[dofs] = run.state.q, run.state.v
         require_finite(mbs, self.indices, self.state.v[: len(self.indices)])
-        unscaled = self._scene
-        if any(run.is_scaled for run in cable_runs):  # impulses at the start meet the mass as it is
-            bare = [cable_system(cable, zeta) for cable in self.cables]
-            without = [cable._replace(system=system) for cable, system in zip(cables, bare, strict=True)]
-            unscaled = CoupledScene(mbs, without, own_constraints, zeta)
-        self.start_correction = consistent_start(
-            unscaled.system, self.cables, time, self.state.q, self.state.v, tolerance
-        )
+        self.start_correction = StartCorrection()
+        if end_of_step is None:
+            unscaled = self._scene
+            if any(run.is_scaled for run in cable_runs):  # impulses at the start meet the mass as it is
+                bare = [cable_system(cable, zeta) for cable in self.cables]
+                without = [c._replace(system=system) for c, system in zip(cables, bare, strict=True)]
+                unscaled = CoupledScene(mbs, without, own_constraints, zeta)
+            self.start_correction = consistent_start(
+                unscaled.system, self.cables, time, self.state.q, self.state.v, tolerance
+            )
+        else:
+            self.approach(time, end_of_step)
         self.control = StepControl()
         self._gave_up = False
         self._unsolvable = ""  # what was said of joints that could not be solved for
@@ -95,6 +103,16 @@ class CoupledRun:
         others = [f"{joints} joint(s)"] if joints else []
         others += ["bodies"] if self._scene.has_bodies else []
         return " and ".join([cables, *others]) if cables else "native items"
+
+    @property
+    def integrator(self) -> Integrator:
+        """What moves it."""
+        return self._integrator
+
+    @property
+    def cable_runs(self) -> Sequence[CableRun]:
+        """Those of the inextensible cables, which move as its parts."""
+        return self._runs
 
     @property
     def cables(self) -> list[Cable]:
@@ -118,6 +136,11 @@ class CoupledRun:
             for run in self._runs:
                 stack.enter_context(run.implicit_damping_left_out())
             return fastest_rates(self._scene.system, time, self.state.q, self.state.v)
+
+    def forget_rates(self, time: float) -> None:
+        """Find them again, for the configuration at `time` [s]; the run must then begin again."""
+        self._time = time
+        self.__dict__.pop("_rates", None)
 
     @property
     def rates_in_contact(self) -> FastestRates:
@@ -154,6 +177,25 @@ class CoupledRun:
         self.control.present = h
         for run in self._runs:
             run.set_step(h)
+
+    def approach(self, time: float, end: float) -> None:
+        """Let joints that have been changed be fulfilled at `end` [s], with velocities for that."""
+        self._scene.surroundings.begin_approach(time, end, self.state.q, FULFILLED)
+        self._agree(time)
+
+    def rest_joints(self, time: float) -> None:
+        """After an approach."""
+        self._scene.surroundings.approach = None
+        self._agree(time)
+
+    def _agree(self, time: float) -> None:
+        """Project the velocities onto all constraints."""
+        agree(self._scene.system, np.array([time]), self.state)
+
+    @property
+    def approaches(self) -> bool:
+        """Whether joints have moved through the last step, as they were changed."""
+        return self._scene.surroundings.approach is not None
 
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; see `CableRun.start`."""

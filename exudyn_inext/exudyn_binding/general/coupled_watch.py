@@ -47,7 +47,10 @@ class CoupledWatch:
 
     path_of_evaluations: for `NativeSurroundings.path` during steps.
     after_each_step: what to call then.
+    is_close: whether the end of each interval is judged, as where joints are moved step by step.
     """
+
+    is_close = False
 
     def __init__(
         self,
@@ -136,7 +139,8 @@ class CoupledWatch:
     def is_well_at(self, t: float, h: float, state: Any, at_once: bool = False) -> bool:
         """Judge the steps of h [s] until t [s] from time to time, and `at_once`, or if velocities grow."""
         self._step = h
-        if not at_once and self._steps < self._most_steps and glance(state.q, state.v, state.a) <= self._calm:
+        few = self._steps < self._most_steps and not (self.is_close or at_once)
+        if few and glance(state.q, state.v, state.a) <= self._calm:
             return True
         self._set_gauges(t, state)
         trouble = self._judge(self.watch, h, t - self._last[0], state)

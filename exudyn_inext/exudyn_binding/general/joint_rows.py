@@ -66,6 +66,10 @@ class JointRows:
         result[self._equations] = rows
         return result
 
+    def forget(self) -> None:
+        """Joints or their markers may have been changed."""
+        self._is_set = False
+
     def update_jacobian(self, mbs: Any, q: Array) -> None:
         """`blocks` in the current configuration of mbs, which is q (n,)."""
         for joint, targets in zip(self._joints, self._targets, strict=True):

@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import exudyn
 import numpy as np
@@ -14,11 +15,33 @@ from ...coupling.joints import JointBlock, JointTerms
 from ...errors import DivergenceError
 from ...integrators.path_work import follow, gather, gather_and_follow
 from ..cable_loads import CableLoads
+from ..changes.log import set_unnoted
 from .bodies import BodyMasses
 from .coordinates import CoordinateMap
 from .joint_rows import JointRows
 
 _START_OF_STEP = exudyn.ConfigurationType.StartOfStep
+
+
+class Approach(NamedTuple):
+    """Joints that were changed in a run are fulfilled at the end of the step, at a steady rate till then.
+
+    left: (m,) c at the start of the step.   end: of it [s].   duration: of it [s].
+    """
+
+    left: Array
+    end: float
+    duration: float
+
+    def left_at(self, t: float) -> Array:
+        """(m,) what may be left at t [s]."""
+        return self.left * (max(self.end - t, 0.0) / self.duration)
+
+    def applied(self, terms: JointTerms, t: float) -> JointTerms:
+        """Terms of c(q, t) less what may be left."""
+        return replace(
+            terms, value=terms.value - self.left_at(t), drift=terms.drift + self.left / self.duration
+        )
 
 
 class NativeSurroundings:
@@ -27,12 +50,14 @@ class NativeSurroundings:
     joints: names of the rows.   blocks: their Jacobian by parts.
     native_forces: (n,) what Exudyn's items did to all second order coordinates when last asked [N, Nm].
     varying_forces: (n,) the same, with the weights of cables that change in time.
+    approach: of joints that were changed before the present step of the time loop, if any was.
     path: memory of the work that they do from one evaluation to the next, see `build_path`; None: not now.
     """
 
     joints: Sequence[str]
     blocks: Sequence[JointBlock]
     path: Array | None = None
+    approach: Approach | None = None
 
     def __init__(
         self,
@@ -106,8 +131,21 @@ class NativeSurroundings:
         nothing = np.zeros(0)
         return [loads.at(t) for loads in self._loads] + [nothing] * (len(self._dofs) - len(self._loads))
 
+    def begin_approach(self, t: float, end: float, q: Array, tolerance: float) -> None:
+        """Let joints that are violated by more than the tolerance at (t, q) be fulfilled at `end` [s]."""
+        self.forget()
+        self._rows.forget()
+        left = self._values_of_mbs(t, q)
+        left = np.where(np.abs(left) > tolerance, left, 0.0)
+        self.approach = Approach(left, end, end - t) if left.any() else None
+
     def violations(self, t: float, q: Array) -> Array:
-        """c(q, t) (m,)."""
+        """c(q, t) (m,), of which an approach leaves a part."""
+        values = self._values_of_mbs(t, q)
+        return values if self.approach is None else values - self.approach.left_at(t)
+
+    def _values_of_mbs(self, t: float, q: Array) -> Array:
+        """c(q, t) (m,) as Exudyn has it."""
         self._set_positions(t, q)
         if self._values is None:
             self._solver.ComputeAlgebraicEquations(self._mbs, False)
@@ -118,7 +156,8 @@ class NativeSurroundings:
         """The joints at (t, q, v)."""
         self._set_positions(t, q)
         self._rows.update_jacobian(self._mbs, q)
-        return self._rows.terms(self.violations, t, q, v)
+        terms = self._rows.terms(self._values_of_mbs, t, q, v)
+        return terms if self.approach is None else self.approach.applied(terms, t)
 
     def finish_step(self, t: float, q: Array, v: Array) -> None:
         """Let contact and friction update what they remember, in the state at the end of a step.
@@ -211,15 +250,15 @@ def switched_off(mbs: Any, cables: Sequence[int], constraints: Sequence[int] = (
     active = [number for number in constraints if mbs.GetObjectParameter(number, "activeConnector")]
     try:
         for number, name, _ in saved:
-            mbs.SetObjectParameter(number, name, nothing[name])
+            set_unnoted(mbs, number, name, nothing[name])
         for number in active:
-            mbs.SetObjectParameter(number, "activeConnector", False)
+            set_unnoted(mbs, number, "activeConnector", False)
         yield
     finally:
         for number, name, value in saved:
-            mbs.SetObjectParameter(number, name, value["function"] if isinstance(value, dict) else value)
+            set_unnoted(mbs, number, name, value["function"] if isinstance(value, dict) else value)
         for number in active:
-            mbs.SetObjectParameter(number, "activeConnector", True)
+            set_unnoted(mbs, number, "activeConnector", True)
 
 
 def _is_set(value: Any) -> bool:

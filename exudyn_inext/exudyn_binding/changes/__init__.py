@@ -1,0 +1,1 @@
+"""What user functions change in a running mbs, and how a run goes on with it."""

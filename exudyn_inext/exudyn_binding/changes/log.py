@@ -1,0 +1,211 @@
+"""Calls that change a running mbs, noted as they are made: the scene is read again after them.
+
+The methods of exudyn.MainSystem are wrapped while any run listens. Not longer: Exudyn's errors and warnings
+name the line that has called them. What is called by methods that were bound before is not noted; see
+`ChangeFollower.require_all_seen`.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import wraps
+from threading import Lock
+from typing import Any, NamedTuple
+
+import exudyn
+import numpy as np
+
+from ...errors import SceneError
+from ..cable_data import find_cable_item
+
+_KINDS = ("Load", "Object", "Marker", "Node")
+_CONNECTIONS = {"nodeNumber", "nodeNumbers", "bodyNumber", "objectNumber", "markerNumbers"}
+_REMEDY = "build all items before the run, and switch them by activeConnector"
+_OF_MBS = (
+    *(f"{what}{kind}" for what in ("Add", "Delete", "Modify") for kind in (*_KINDS, "Sensor")),
+    *("AddGeneralContact", "DeleteGeneralContact", "Assemble", "Reset", "SetDictionary"),
+)
+
+
+class Parameter(NamedTuple):
+    """A parameter of an item.   kind: Load, Object, ...   number: of the item."""
+
+    kind: str
+    number: int
+    name: str
+
+    def __str__(self) -> str:
+        return f"'{self.name}' of {self.kind.lower()} {self.number}"
+
+    def value(self, mbs: Any) -> Any:
+        """As Exudyn gives it; functions without their description."""
+        value = _METHODS[f"Get{self.kind}Parameter"](mbs, self.number, self.name)
+        return value.get("function", value) if isinstance(value, dict) else value
+
+    def set(self, mbs: Any, value: Any) -> None:
+        """Set it, unnoted."""
+        _METHODS[f"Set{self.kind}Parameter"](mbs, self.number, self.name, value)
+
+
+class ChangeLog:
+    """What has been changed in an mbs since its run began.
+
+    first: of each changed parameter, its value before the run.
+    refusal: what was raised by the last call that a run cannot follow; that call was not made.
+    is_followed: whether the run looks at changes between its steps; if not, they are refused.
+    is_paused: whether calls are not noted at present.
+    """
+
+    is_followed = True
+    is_paused = False
+
+    def __init__(self, mbs: Any) -> None:
+        self.mbs = mbs
+        self.first: dict[Parameter, Any] = {}
+        self.refusal: SceneError = SceneError("")
+        self._before: dict[Parameter, Any] = {}  # values when the log was taken last
+
+    @property
+    def is_pending(self) -> bool:
+        """Whether there may be something to take."""
+        return bool(self._before) or not self.mbs.systemIsConsistent
+
+    def take(self) -> list[Parameter]:
+        """What has changed since the last time.
+
+        Raises:
+            SceneError: items were added, removed or modified.
+        """
+        if not self.mbs.systemIsConsistent:
+            self.refuse("items were added, removed or modified", _REMEDY)
+        before, self._before = self._before, {}
+        return [key for key, value in before.items() if not _is_same(value, key.value(self.mbs))]
+
+    def restore(self) -> None:
+        """Give all parameters their values before the run."""
+        for key, value in self.first.items():
+            key.set(self.mbs, value)
+        self.first, self._before = {}, {}
+
+    def set(self, key: Parameter, value: Any, call: Callable[[], None]) -> None:
+        """Make the call that sets a parameter, and note it.
+
+        Raises:
+            SceneError: a run cannot follow that change; the call is not made.
+        """
+        if key.name == "name" or key.name.startswith("V"):
+            return call()
+        before = key.value(self.mbs)
+        if not _is_same(before, value):
+            self._require_possible(key)
+        call()
+        self._before.setdefault(key, before)
+        self.first.setdefault(key, before)
+
+    def _require_possible(self, key: Parameter) -> None:
+        if key.name in _CONNECTIONS or (key.kind, key.name) == ("Node", "referenceCoordinates"):
+            self.refuse(
+                f"{key} was to be changed",
+                "build all items before the run, and use activeConnector to switch",
+            )
+        if key.kind == "Object" and find_cable_item(self.mbs.GetObject(key.number)) is not None:
+            self.refuse(f"{key}, an inextensible cable, was to be changed", "use loads and connectors")
+        if not self.is_followed:
+            self.refuse(
+                f"{key} was changed while steps are computed ahead",
+                "register a pre-step user function, mbs.SetPreStepUserFunction(lambda mbs, t: True)",
+            )
+
+    def refused(self, error: Exception) -> bool:
+        """Whether an error of Exudyn is what was made of a refusal."""
+        said = str(self.refusal)
+        return bool(said) and said in str(error)
+
+    def refuse(self, what: str, remedy: str) -> None:
+        """Raise SceneError."""
+        time = self.mbs.systemData.GetTime()
+        self.refusal = SceneError(
+            f"in the step to t = {time:.6g} s, {what}, which a run cannot follow: {remedy}. mbs holds the "
+            "state before that step."
+        )
+        raise self.refusal
+
+
+def set_unnoted(mbs: Any, number: int, name: str, value: Any) -> None:
+    """Set a parameter of an object for the package's own use."""
+    Parameter("Object", number, name).set(mbs, value)
+
+
+_LISTENING: list[ChangeLog] = []
+_LOCK = Lock()
+
+
+@contextmanager
+def listening(log: ChangeLog) -> Iterator[None]:
+    """Calls are noted meanwhile; the methods are wrapped as long as any log listens."""
+    with _LOCK:
+        if not _LISTENING:
+            _set_methods(_WRAPPED)
+        _LISTENING.append(log)
+    try:
+        yield
+    finally:
+        with _LOCK:
+            _LISTENING.remove(log)
+            if not _LISTENING:
+                _set_methods(_ORIGINAL)
+
+
+def _set_methods(methods: Mapping[str, Any]) -> None:
+    for name, method in methods.items():
+        setattr(exudyn.MainSystem, name, method)
+
+
+def _log_of(mbs: Any) -> ChangeLog | None:
+    return next((log for log in _LISTENING if log.mbs is mbs and not log.is_paused), None)
+
+
+def _is_same(x: Any, y: Any) -> bool:
+    """Whether two values of a parameter are equal: numbers, lists, arrays, functions, or anything else."""
+    try:
+        return x is y or bool(np.array_equal(x, y))
+    except (TypeError, ValueError):
+        return False
+
+
+def _setter(kind: str, original: Callable[..., None]) -> Callable[..., None]:
+    """`original` sets a parameter of an item of that kind."""
+    names = (f"{kind.lower()}Number", "parameterName", "value")
+
+    @wraps(original)
+    def set_parameter(self: Any, *args: Any, **kwargs: Any) -> None:
+        log = _log_of(self)
+        given = [*args, *(kwargs[name] for name in names if name in kwargs)]
+        if log is None or len(given) != len(names):
+            return original(self, *args, **kwargs)
+        number, name, value = given
+        log.set(Parameter(kind, int(number), name), value, lambda: original(self, *args, **kwargs))
+
+    return set_parameter
+
+
+def _refused(name: str, original: Callable[..., Any]) -> Callable[..., Any]:
+    """`original` makes it necessary to assemble mbs again, or does so."""
+
+    @wraps(original)
+    def change_items(self: Any, *args: Any, **kwargs: Any) -> Any:
+        log = _log_of(self)
+        if log is not None:
+            log.refuse(f"mbs.{name} was called", _REMEDY)
+        return original(self, *args, **kwargs)
+
+    return change_items
+
+
+_METHODS = {
+    f"{what}{kind}Parameter": getattr(exudyn.MainSystem, f"{what}{kind}Parameter")
+    for what in ("Get", "Set")
+    for kind in _KINDS
+}
+_WRAPPED = {f"Set{kind}Parameter": _setter(kind, _METHODS[f"Set{kind}Parameter"]) for kind in _KINDS}
+_WRAPPED |= {name: _refused(name, getattr(exudyn.MainSystem, name)) for name in _OF_MBS}
+_ORIGINAL = {name: vars(exudyn.MainSystem)[name] for name in _WRAPPED}

@@ -1,0 +1,669 @@
+"""What pre- and post-step functions change acts from that step on, as with Exudyn's implicit solver."""
+
+from types import SimpleNamespace
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.itemInterface import (
+    CoordinateConstraint,
+    DistanceConstraint,
+    LoadCoordinate,
+    LoadForceVector,
+    MarkerBodyPosition,
+    MarkerNodeCoordinate,
+    MarkerNodePosition,
+    NodeGenericData,
+    NodeGenericODE1,
+    NodePointGround,
+    ObjectGenericODE1,
+    SensorNode,
+    SensorUserFunction,
+    SphericalJoint,
+    SpringDamper,
+)
+
+from exudyn_inext import (
+    AddPointMass,
+    CableShape,
+    CreateCableForceSensor,
+    CreateInextensibleCable,
+    ExplicitSettings,
+    InextensibleCable,
+    InputError,
+    SceneError,
+    SolveExplicit,
+    StepSizeError,
+)
+from reference_models.model import quiet_settings, silence
+from tests.exudyn_binding.items import native_cable
+
+TEMPLATE = InextensibleCable(massPerLength=0.0348, bendingStiffness=0.0866)
+PINNED = [True, True, False, False]
+STEP = 5e-4
+TIP = [1.8, 0, 0]
+
+
+class Model:
+    """A cable of 1.8 m, for SolveExplicit or, with its own constraints as native ones, for SolveDynamic.
+
+    ancf: a native cable that hardly stretches, with twice as many elements, in place of the latter.
+    """
+
+    def __init__(self, native, dim=2, ancf=False, **changes):
+        self.container = exudyn.SystemContainer()
+        self.mbs = mbs = self.container.AddSystem()
+        self.native = native
+        self.ground = mbs.AddMarker(
+            MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0)
+        )
+        self.sensors = []
+        if ancf:
+            self.nodes = native_cable(mbs, dim, 16)["nodes"][::2]
+            self.supports = [self.hold(self.nodes[0], axis) for axis in range(dim)]
+        else:
+            self.add_cable(dim, changes)
+        self.watch(self.nodes[-1])
+        self.watch(self.nodes[4])
+
+    def add_cable(self, dim, changes):
+        pin = {"groundConstraintsStart": [True] * dim + [False] * dim}
+        line = {"positionStart": [0, 0, 0], "positionEnd": TIP, "numberOfElements": 8}
+        if "shape" in changes:
+            line = {}
+        self.cable = CreateInextensibleCable(
+            self.mbs,
+            beamTemplate=TEMPLATE,
+            gravity=[0, -9.81, 0],
+            dimension=dim,
+            enforcement="algebraic" if self.native else "projection",
+            **(line | pin | changes),
+        )
+        self.nodes = self.cable["nodes"]
+        self.supports = self.cable["constraintObjects"][: 2 if dim == 2 else 3]
+
+    def watch(self, node):
+        kind = exudyn.OutputVariableType.Position
+        sensor = SensorNode(nodeNumber=node, storeInternal=True, outputVariableType=kind)
+        self.sensors.append(self.mbs.AddSensor(sensor))
+        return self.sensors[-1]
+
+    def at(self, node):
+        return self.mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+
+    def at_point(self, point):
+        ground = self.mbs.CreateGround(referencePosition=point)
+        return self.mbs.AddMarker(MarkerBodyPosition(bodyNumber=ground))
+
+    def force(self, node, vector=(0, 0, 0), **functions):
+        return self.mbs.AddLoad(
+            LoadForceVector(markerNumber=self.at(node), loadVector=list(vector), **functions)
+        )
+
+    def hold(self, node, coordinate, active=True, **parameters):
+        marker = self.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
+        constraint = CoordinateConstraint(
+            markerNumbers=[self.ground, marker], activeConnector=active, **parameters
+        )
+        return self.mbs.AddObject(constraint)
+
+    def hang(self, node, point, length, active=True):
+        markers = [self.at_point(point), self.at(node)]
+        rod = DistanceConstraint(markerNumbers=markers, distance=length, activeConnector=active)
+        return self.mbs.AddObject(rod)
+
+    def mass_point(self, position, mass=0.05, **initial):
+        """(node, object) of a mass point under gravity."""
+        body = self.mbs.CreateMassPoint(
+            mass=mass, referencePosition=position, gravity=[0, -9.81, 0], returnDict=True, **initial
+        )
+        self.watch(body["nodeNumber"])
+        return body["nodeNumber"], body["bodyNumber"]
+
+    def set_object(self, number, **parameters):
+        for name, value in parameters.items():
+            self.mbs.SetObjectParameter(number, name, value)
+
+    def position(self, node):
+        return np.array(self.mbs.GetNodeOutput(node, exudyn.OutputVariableType.Position))
+
+    def run(self, end_time, step=STEP, **explicit):
+        settings = quiet_settings(end_time, round(end_time / step))
+        settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
+        settings.timeIntegration.newton.relativeTolerance = 1e-6
+        settings.timeIntegration.reuseConstantMassMatrix = False
+        self.mbs.Assemble()
+        return self.run_again(settings, **explicit)
+
+    def run_again(self, settings, **explicit):
+        with silence():
+            if self.native:
+                self.mbs.SolveDynamic(settings)
+                return None
+            return SolveExplicit(self.mbs, settings, ExplicitSettings(**explicit))
+
+    @property
+    def motion(self):
+        """(T, S, 3) what the sensors have stored."""
+        stored = [np.asarray(self.mbs.GetSensorStoredData(sensor)) for sensor in self.sensors]
+        return np.stack([rows[:, 1:4] for rows in stored], axis=1)
+
+
+def deviation(ours, native):
+    """Largest distance of any sensor's path to the native one, over the largest motion."""
+    size = np.linalg.norm(native - native[0], axis=2).max()
+    return np.linalg.norm(ours - native, axis=2).max() / size
+
+
+# ------------------------------------------------------------------ kinds of changes: each adds its items to
+# a model, and returns (model, t): what is done before a step that ends at t.
+
+
+def force_on_a_node(model):
+    load = model.force(model.nodes[-1])
+
+    def change(t):
+        model.mbs.SetLoadParameter(load, "loadVector", [0.3 * np.sin(5 * t), 0.5 * (t > 0.2), 0])
+
+    return change
+
+
+def coordinate_load(model):
+    marker = model.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=model.nodes[4], coordinate=1))
+    load = model.mbs.AddLoad(LoadCoordinate(markerNumber=marker, load=0.0))
+    return lambda t: model.mbs.SetLoadParameter(load, "load", 0.6 if 0.1 < t < 0.3 else 0.0)
+
+
+def load_that_walks(model):
+    load = model.force(model.nodes[8], [0, 0.5, 0])
+    markers = [model.at(node) for node in model.nodes]
+    return lambda t: model.mbs.SetLoadParameter(load, "markerNumber", markers[8 - min(8, int(10 * t))])
+
+
+def user_function_replaced(model):
+    load = model.force(model.nodes[-1], loadVectorUserFunction=lambda mbs, t, load: [0.2 * t, 0, 0])
+
+    def change(t):
+        if abs(t - 0.25) < 1e-9:
+            model.mbs.SetLoadParameter(load, "loadVectorUserFunction", lambda mbs, t, load: [0, 3 * t, 0])
+
+    return change
+
+
+def release(model):
+    def change(t):
+        if t > 0.2:
+            for support in model.supports:
+                model.set_object(support, activeConnector=False)
+
+    return change
+
+
+def release_and_catch(model):
+    """The first node is let go, and held where it is a little later; the cable swings about it."""
+
+    def change(t):
+        for axis, support in enumerate(model.supports):
+            if abs(t - 0.2) < 1e-9:
+                model.set_object(support, activeConnector=False)
+            if abs(t - 0.3) < 1e-9:
+                place = float(model.position(model.nodes[0])[axis])
+                model.set_object(support, offset=place, activeConnector=True)
+
+    return change
+
+
+def moving_support(model):
+    return lambda t: model.set_object(model.supports[0], offset=float(0.1 * t * np.sin(6 * t)))
+
+
+def support_that_steps(model):
+    """By 0.2 mm, ten times a second."""
+    return lambda t: model.set_object(model.supports[1], offset=2e-4 * int(10 * t + 1e-9))
+
+
+def hanger(model):
+    rod = model.hang(model.nodes[-1], [1.8, 0.5, 0], 0.5)
+    return lambda t: model.set_object(rod, activeConnector=t <= 0.2)
+
+
+def hanger_that_catches(model):
+    """The swinging tip is caught at 0.3 s, on a rod that is as long as the tip is away from its end."""
+    end = np.array([1.4, 0.3, 0])
+    rod = model.hang(model.nodes[-1], end.tolist(), 0.5, active=False)
+
+    def change(t):
+        if abs(t - 0.3) < 1e-9:
+            distance = float(np.linalg.norm(model.position(model.nodes[-1]) - end))
+            model.set_object(rod, distance=distance, activeConnector=True)
+
+    return change
+
+
+def winch(model):
+    """A hanger that gets shorter while it swings."""
+    rod = model.hang(model.nodes[-1], [1.4, 0.3, 0], 0.5)
+    return lambda t: model.set_object(rod, distance=0.5 - 0.3 * t)
+
+
+def moving_end_of_a_hanger(model):
+    rod = model.hang(model.nodes[-1], [1.4, 0.3, 0], 0.5)
+    marker = model.mbs.GetObjectParameter(rod, "markerNumbers")[0]
+    return lambda t: model.mbs.SetMarkerParameter(marker, "localPosition", [0.3 * t, 0.5 * t**2, 0])
+
+
+def release_beside_a_mass(model):
+    node, _ = model.mass_point([1.8, -0.4, 0])
+    spring = SpringDamper(
+        markerNumbers=[model.at(model.nodes[-1]), model.at(node)], referenceLength=0.4, stiffness=50
+    )
+    model.mbs.AddObject(spring)
+    return release(model)
+
+
+def joint_released_and_caught(model):
+    """A mass at the tip is let go; a joint to the ground stops it."""
+    node, _ = model.mass_point([1.8, 0, 0])
+    joint = SphericalJoint(markerNumbers=[model.at(model.nodes[-1]), model.at(node)])
+    number = model.mbs.AddObject(joint)
+    stop = model.hold(node, 1, active=False)
+
+    def change(t):
+        model.set_object(number, activeConnector=t < 0.3)
+        if abs(t - 0.4) < 1e-9:
+            model.set_object(stop, offset=float(model.position(node)[1]), activeConnector=True)
+
+    return change
+
+
+def spring_and_force(model):
+    """Stiffness of a spring and a force on the mass behind it."""
+    node, _ = model.mass_point([1.8, -0.4, 0])
+    load = model.force(node)
+    markers = [model.at(model.nodes[-1]), model.at(node)]
+    spring = model.mbs.AddObject(SpringDamper(markerNumbers=markers, referenceLength=0.4, stiffness=20))
+
+    def change(t):
+        model.set_object(spring, stiffness=20 + 40 * t, force=0.3 * (t > 0.1))
+        model.mbs.SetLoadParameter(load, "loadVector", [np.sin(8 * t), 0, 0])
+
+    return change
+
+
+def driven_mass(model):
+    """The coordinate of a mass, which a joint ties to the cable, is set step by step."""
+    node, _ = model.mass_point([1.8, 0, 0])
+    model.mbs.AddObject(SphericalJoint(markerNumbers=[model.at(model.nodes[-1]), model.at(node)]))
+    drive = model.hold(node, 1)
+    return lambda t: model.set_object(drive, offset=float(-0.8 * t**2))
+
+
+def mass_that_grows(model):
+    node, body = model.mass_point([1.8, 0, 0])
+    model.mbs.AddObject(SphericalJoint(markerNumbers=[model.at(model.nodes[-1]), model.at(node)]))
+    return lambda t: model.set_object(body, mass=0.05 if t < 0.3 else 0.2)
+
+
+def feedback_of_a_sensor(model):
+    load, sensor = model.force(model.nodes[-1]), model.sensors[0]
+
+    def change(t):
+        x, y, _ = model.mbs.GetSensorValues(sensor)
+        model.mbs.SetLoadParameter(load, "loadVector", [-2.0 * (x - 1.2), -1.0 * (y + 1.0), 0])
+
+    return change
+
+
+ALONE = [
+    force_on_a_node,
+    coordinate_load,
+    load_that_walks,
+    user_function_replaced,
+    release,
+    release_and_catch,
+    moving_support,
+    support_that_steps,
+    hanger,
+    hanger_that_catches,
+    winch,
+    moving_end_of_a_hanger,
+    feedback_of_a_sensor,
+]
+AMONG_OTHERS = [
+    release_beside_a_mass,
+    joint_released_and_caught,
+    spring_and_force,
+    driven_mass,
+    mass_that_grows,
+]
+KINDS = [*ALONE, *AMONG_OTHERS]
+
+
+def moved(kind, native, register="SetPreStepUserFunction", end_time=0.6, step=STEP, dim=2, **explicit):
+    """The model after a run with that kind of changes."""
+    model = Model(native, dim)
+    change = kind(model)
+    getattr(model.mbs, register)(lambda mbs, t: change(t) or True)
+    report = model.run(end_time, step, **explicit)
+    return SimpleNamespace(model=model, motion=model.motion, report=report)
+
+
+def name_of(kind):
+    return kind.__name__
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("kind", KINDS, ids=name_of)
+def test_a_pre_step_function_changes_the_motion_as_under_the_implicit_solver(kind, dim):
+    ours, native = moved(kind, False, dim=dim), moved(kind, True, dim=dim)
+    assert deviation(ours.motion, native.motion) < 0.01
+    assert ours.report["drift"]["energyGain"] < 0.003
+
+
+@pytest.mark.parametrize("kind", [force_on_a_node, release, moving_support, hanger, driven_mass], ids=name_of)
+def test_a_post_step_function_does_so_too(kind):
+    ours, native = (moved(kind, is_native, "SetPostStepUserFunction") for is_native in (False, True))
+    assert deviation(ours.motion, native.motion) < 0.01
+
+
+@pytest.mark.parametrize("integrator", ["Zhai", "RK4"])
+@pytest.mark.parametrize("kind", [force_on_a_node, release, moving_support, driven_mass], ids=name_of)
+def test_every_scheme_follows_changes(kind, integrator):
+    ours = moved(kind, False, integrator=integrator, stepSize=2.5e-4)
+    assert deviation(ours.motion, moved(kind, True).motion) < 0.01
+
+
+@pytest.mark.parametrize("options", [{"adaptiveStep": True}, {"stepSize": 5e-4, "massScaling": 0.3}], ids=str)
+@pytest.mark.parametrize("kind", [force_on_a_node, release, moving_support], ids=name_of)
+def test_changes_act_with_steps_that_adapt_and_with_mass_scaling(kind, options):
+    ours = moved(kind, False, **options)
+    assert deviation(ours.motion, moved(kind, True).motion) < 0.01
+    assert ours.report["steps"] >= 1200
+
+
+@pytest.mark.parametrize("kind", [force_on_a_node, release, moving_support, hanger], ids=name_of)
+def test_the_motion_is_that_of_a_stiff_native_cable(kind):
+    ours = moved(kind, False, step=1e-3)
+    native = Model(True, ancf=True)
+    change = kind(native)
+    native.mbs.SetPreStepUserFunction(lambda mbs, t: change(t) or True)
+    native.run(0.6, 1e-3)
+    assert deviation(ours.motion, native.motion) < 0.01
+
+
+def begun_anew(kind, native):
+    """Motion in the second of two runs of the same mbs: parameters stay, the state is the initial one."""
+    run = moved(kind, native, end_time=0.4)
+    settings = quiet_settings(0.4, 800)
+    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
+    first = run.motion
+    run.model.mbs.SetPreStepUserFunction(lambda mbs, t: True)
+    run.model.run_again(settings)
+    return first, run.model.motion
+
+
+@pytest.mark.parametrize("kind", [force_on_a_node, release], ids=name_of)
+def test_a_second_run_starts_with_what_the_first_one_left(kind):
+    (first, second), (_, native) = (begun_anew(kind, is_native) for is_native in (False, True))
+    assert deviation(second, native) < 0.01
+    assert deviation(first, native) > 0.05
+
+
+def swinging(change=None, **explicit):
+    """A pendulum whose pre-step function calls `change`; (model, report)."""
+    model = Model(False)
+    if change is not None:
+        model.mbs.SetPreStepUserFunction(lambda mbs, t: change(model, t) or True)
+    return model, model.run(0.3, 1e-3, **explicit)
+
+
+def test_a_function_that_changes_nothing_changes_no_bit():
+    def set_the_same(model, t):
+        model.set_object(model.supports[0], offset=0.0, activeConnector=True)
+
+    motions = [swinging(change)[0].motion for change in (None, lambda model, t: None, set_the_same)]
+    np.testing.assert_array_equal(motions[1], motions[0])
+    np.testing.assert_array_equal(motions[2], motions[0])
+
+
+def test_what_is_changed_and_changed_back_within_a_step_changes_no_bit():
+    def blink(model, t):
+        for active in (False, True):
+            model.set_object(model.supports[0], activeConnector=active)
+
+    np.testing.assert_array_equal(swinging(blink)[0].motion, swinging()[0].motion)
+
+
+def by_a_bound_load(model):
+    load, setter = model.force(model.nodes[-1]), model.mbs.SetLoadParameter
+    return lambda t: setter(load, "loadVector", [t, 0, 0])
+
+
+def by_a_bound_support(model):
+    setter = model.mbs.SetObjectParameter
+    return lambda t: setter(model.supports[0], "activeConnector", t < 0.1)
+
+
+def by_a_point_mass(model):
+    return lambda t: AddPointMass(model.mbs, model.cable, 0.9, 0.01) if abs(t - 0.1) < 1e-9 else None
+
+
+@pytest.mark.parametrize("kind", [by_a_bound_load, by_a_bound_support, by_a_point_mass], ids=name_of)
+def test_changes_without_notice_are_not_silent(kind):
+    with pytest.raises(SceneError, match="changed during the run without its notice"):
+        moved(kind, False, end_time=0.2, step=1e-3)
+
+
+def test_the_methods_of_exudyn_are_as_before_after_a_run():
+    before = dict(vars(exudyn.MainSystem))
+    moved(force_on_a_node, False, end_time=0.1)
+    with pytest.raises(SceneError):
+        moved(lambda model: lambda t: model.mbs.CreateGround(), False, end_time=0.1)
+    assert dict(vars(exudyn.MainSystem)) == before
+
+
+def test_a_try_with_half_the_step_begins_with_the_parameters_of_the_first_one():
+    model, found = Model(False), []
+    load = model.force(model.nodes[-1], [0, 0.1, 0])
+
+    def push(mbs, t):
+        found.append(mbs.GetLoadParameter(load, "loadVector")[1])
+        mbs.SetLoadParameter(load, "loadVector", [0, 0.2, 0])
+        return True
+
+    model.mbs.SetPreStepUserFunction(push)
+    with pytest.warns(UserWarning, match="stepSize"):
+        report = model.run(1.0, 1e-2, stepSize=2.5e-3, allowUnstableStep=True, retries=3)
+    assert report["retries"] > 0
+    assert found.count(0.1) == 1 + report["retries"]
+
+
+def add_a_node(model):
+    model.mbs.AddNode(NodePointGround())
+
+
+def add_a_ground(model):
+    model.mbs.CreateGround()
+
+
+def move_a_reference(model):
+    model.mbs.SetNodeParameter(model.nodes[-1], "referenceCoordinates", [2.0, 0, 1, 0])
+
+
+def change_nodes(model):
+    model.set_object(model.cable["elements"][0], nodeNumbers=model.nodes[:-1])
+
+
+def change_markers(model):
+    model.set_object(model.supports[0], markerNumbers=[0, 0])
+
+
+def change_the_cable(model):
+    model.set_object(model.cable["elements"][0], forceUserFunction=lambda mbs, t, n, q, v: [0] * 36)
+
+
+BEYOND = [add_a_node, add_a_ground, move_a_reference, change_nodes, change_markers, change_the_cable]
+
+
+@pytest.mark.parametrize("beside_a_mass", [False, True])
+@pytest.mark.parametrize("change", BEYOND, ids=name_of)
+def test_what_a_run_cannot_follow_is_refused_with_the_state_before(change, beside_a_mass, fault):
+    model = Model(False)
+    if beside_a_mass:
+        model.mass_point([0, 1, 0])
+    seen = []
+
+    def step_user_function(mbs, t):
+        seen.append(mbs.systemData.GetODE2Coordinates())
+        if abs(t - 0.1) < 1e-9:
+            change(model)
+        return True
+
+    model.mbs.SetPreStepUserFunction(step_user_function)
+    with pytest.raises(
+        SceneError, match=r"in the step to t = 0\.1 s, .*cannot follow: .*activeConnector|use loads"
+    ):
+        model.run(0.2, 1e-3)
+    data = model.mbs.systemData
+    assert data.GetTime() == pytest.approx(0.099)
+    np.testing.assert_array_equal(data.GetODE2Coordinates(), seen[-1])
+    model.mbs.SetPreStepUserFunction(lambda mbs, t: True)
+    assert model.run_again(quiet_settings(0.2, 200))["success"]
+    where = "among bodies" if beside_a_mass else "cables alone"
+    fault(
+        f"a pre-step function tries: {name_of(change)} ({where})", "refused by name; mbs as before that step"
+    )
+
+
+def test_a_change_while_steps_are_computed_ahead_is_refused():
+    """By a sensor, say: nobody would look at it."""
+    model = Model(False)
+    load = model.force(model.nodes[-1])
+
+    def push(mbs, t, sensors, factors, configuration):
+        mbs.SetLoadParameter(load, "loadVector", [t, 0, 0])
+        return [t]
+
+    model.mbs.AddSensor(SensorUserFunction(sensorUserFunction=push, storeInternal=True))
+    with pytest.raises(SceneError, match="register a pre-step user function"):
+        model.run(0.2, 1e-3)
+
+
+def test_a_change_that_makes_the_step_too_long_is_refused_with_its_cause():
+    model = Model(False)
+    node, _ = model.mass_point([1.8, -0.4, 0])
+    markers = [model.at(model.nodes[-1]), model.at(node)]
+    spring = model.mbs.AddObject(SpringDamper(markerNumbers=markers, referenceLength=0.4, stiffness=20))
+
+    def stiffen(mbs, t):
+        model.set_object(spring, stiffness=20 if t < 0.1 else 1e6)
+        return True
+
+    model.mbs.SetPreStepUserFunction(stiffen)
+    with pytest.raises(
+        StepSizeError, match=rf"after the change of 'stiffness' of object {int(spring)} at t = 0\.0"
+    ):
+        model.run(0.2, 1e-3)
+    assert model.mbs.systemData.GetTime() == pytest.approx(0.099, abs=2e-3)
+
+
+def test_a_section_force_follows_a_changed_load_at_once():
+    """A hanging cable at rest is pulled: its tension there grows by the force."""
+    model = Model(False, shape=CableShape.Line([0, 0], [0, -1.8], 8))
+    load = model.force(model.nodes[-1])
+    sensor = CreateCableForceSensor(model.mbs, model.cable, 0.9)
+
+    def pull(mbs, t):
+        mbs.SetLoadParameter(load, "loadVector", [0, -5.0 * (t > 0.05), 0])
+        return True
+
+    model.mbs.SetPreStepUserFunction(pull)
+    model.run(0.1, 1e-3)
+    tension = np.asarray(model.mbs.GetSensorStoredData(sensor))[:, 1]
+    weight = 0.9 * 0.0348 * 9.81
+    np.testing.assert_allclose([tension[0], tension[-1]], [weight, weight + 5.0], rtol=1e-6)
+
+
+def first_order_state(model):
+    """A force follows y with y' = -2 y, which is set to 3 at 0.2 s."""
+    node = model.mbs.AddNode(
+        NodeGenericODE1(referenceCoordinates=[0.0], initialCoordinates=[1.0], numberOfODE1Coordinates=1)
+    )
+    model.mbs.AddObject(ObjectGenericODE1(nodeNumbers=[node], systemMatrix=[[-2.0]], rhsVector=[0.0]))
+    state = model.mbs.systemData.GetODE1Coordinates
+    model.force(model.nodes[-1], loadVectorUserFunction=lambda mbs, t, load: [0.5 * state()[0], 0, 0])
+
+    def change(t):
+        if abs(t - 0.2) < 1e-9:
+            model.mbs.systemData.SetODE1Coordinates([3.0])
+
+    return change
+
+
+def data_coordinate(model):
+    """A force is what a data coordinate says."""
+    model.mbs.AddNode(NodeGenericData(initialCoordinates=[0.0], numberOfDataCoordinates=1))
+    value = model.mbs.systemData.GetDataCoordinates
+    model.force(model.nodes[-1], loadVectorUserFunction=lambda mbs, t, load: [0, value()[0], 0])
+    return lambda t: model.mbs.systemData.SetDataCoordinates([0.5 * (t > 0.1)])
+
+
+def velocities(model):
+    """Beside a first order state."""
+    first_order_state(model)
+
+    def change(t):
+        if abs(t - 0.2) < 1e-9:
+            rates = np.array(model.mbs.systemData.GetODE2Coordinates_t())
+            model.mbs.systemData.SetODE2Coordinates_t(0.5 * rates)
+
+    return change
+
+
+@pytest.mark.parametrize("kind", [first_order_state, data_coordinate, velocities], ids=name_of)
+def test_states_that_a_step_function_sets_act_too(kind):
+    ours, native = moved(kind, False), moved(kind, True)
+    assert deviation(ours.motion, native.motion) < 0.01
+
+
+STORED = [load_that_walks, release, moving_support, hanger, winch, moving_end_of_a_hanger, driven_mass]
+STORED += [joint_released_and_caught, spring_and_force, mass_that_grows]
+
+
+@pytest.mark.parametrize("kind", STORED, ids=name_of)
+def test_a_run_that_is_continued_begins_with_what_had_been_changed(kind, tmp_path):
+    """To round-off: Exudyn adds up the time that the functions are given."""
+
+    def state(end_time, name):
+        model = Model(False)
+        change = kind(model)
+        model.mbs.SetPreStepUserFunction(lambda mbs, t: change(t) or True)
+        model.mbs.Assemble()
+        settings = quiet_settings(end_time, round(end_time / 1e-3))
+        restart = settings.solution.restart
+        restart.write, restart.continueIfAvailable, restart.writePeriod = True, True, 0.1
+        restart.name = str(tmp_path / name)
+        resumed = model.run_again(settings)["resumedAt"]
+        data = model.mbs.systemData
+        return resumed, np.array([data.GetODE2Coordinates(), data.GetODE2Coordinates_t()])
+
+    _, whole = state(0.6, "whole")
+    state(0.4, "parts")
+    resumed, continued = state(0.6, "parts")
+    assert resumed == pytest.approx(0.4)
+    np.testing.assert_allclose(continued, whole, atol=1e-8)
+
+
+def test_a_run_whose_functions_were_replaced_is_not_continued(tmp_path):
+    model = Model(False)
+    change = user_function_replaced(model)
+    model.mbs.SetPreStepUserFunction(lambda mbs, t: change(t) or True)
+    model.mbs.Assemble()
+    settings = quiet_settings(0.4, 400)
+    restart = settings.solution.restart
+    restart.write, restart.continueIfAvailable, restart.writePeriod = True, True, 0.1
+    restart.name = str(tmp_path / "replaced")
+    model.run_again(settings)
+    settings.timeIntegration.endTime = 0.5
+    with pytest.raises(InputError, match="'loadVectorUserFunction' of load 0 was replaced"):
+        model.run_again(settings)
