@@ -119,10 +119,6 @@ class CoupledRun:
         return [run.scene_cable.cable for run in self._runs]
 
     @property
-    def cable_runs(self) -> Sequence[CableRun]:
-        return self._runs
-
-    @property
     def start_corrections(self) -> list[StartCorrection]:
         return [run.start_correction for run in self._runs] + [self.start_correction]
 
