@@ -13,6 +13,7 @@ from scipy.linalg import block_diag, eigh, null_space
 
 from exudyn_inext.chain.border import all_links, motions_of
 from exudyn_inext.chain.cable import Cable, CurvatureMeasure, Section
+from exudyn_inext.chain.implicit_bending import ImplicitBending
 from exudyn_inext.chain.link import Motion, rest
 from exudyn_inext.chain.linked_cable import cable_system
 from exudyn_inext.constraints import constraints_of_cable
@@ -204,7 +205,7 @@ def with_resting_anchors(state):
 
 def structured_rates(state, zeta, mass_scaling=0.0):
     """Acceleration and projected rate (n_dof,) of the package, and the chain with its multipliers."""
-    system = cable_system(state.cable, zeta, mass_scaling)
+    system = cable_system(state.cable, zeta, ImplicitBending(mass_scaling))
     acceleration, rate = np.zeros(state.q.size), np.zeros(state.q.size)
     index_reduced_rates(system, state.inputs, state.q.ravel(), state.v.ravel(), acceleration, rate)
     return acceleration, rate, system.chain

@@ -4,15 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 
+from exudyn_inext.chain.implicit_bending import ImplicitBending
 from exudyn_inext.chain.linked_cable import cable_system
 from exudyn_inext.integrators import INTEGRATORS
 from exudyn_inext.integrators.integrator import LoadHistory, record
 from tests.cables import dense_constraints, dense_mass
 
 
-def move(state, h, steps, every=1, name="RATTLE", zeta=0.0, mass_scaling=0.0):
+def move(state, h, steps, every=1, name="RATTLE", zeta=0.0, mass_scaling=0.0, lag=0.0):
     """(steps / every, 3, n, 2, dim) q, v, a of a cable under constant forces, its anchors at rest."""
-    return move_system(cable_system(state.cable, zeta, mass_scaling), state, h, steps, every, name)
+    system = cable_system(state.cable, zeta, ImplicitBending(mass_scaling, lag))
+    return move_system(system, state, h, steps, every, name)
 
 
 def move_system(system, state, h, steps, every=1, name="RATTLE"):

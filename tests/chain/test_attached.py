@@ -87,7 +87,7 @@ def test_drag_enters_the_projected_velocity():
 def test_largest_frequency_is_that_of_the_loaded_cable():
     for state in states(2, drag=False):
         state = replace(state, v=np.zeros_like(state.v))
-        found = largest_frequency(cable_system(state.cable, 100.0, 0.0), state.inputs, state.q)
+        found = largest_frequency(cable_system(state.cable, 100.0), state.inputs, state.q)
         expected = dense_largest_frequency(state)
         assert abs(found - expected) < 1e-6 * expected
 

@@ -1,0 +1,138 @@
+"""The step of a run that is given none: by accuracy, with implicit bending where that would decide."""
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.beams import GenerateBeamElementsAlongLine
+from exudyn.itemInterface import LoadForceVector, MarkerNodePosition, ObjectANCFCable2D
+
+from exudyn_inext import InextensibleCable, SolveEquilibrium
+from reference_models.model import quiet_settings, silence
+
+END, PERIOD = 1.0, 0.01
+
+
+@pytest.fixture
+def swing(new_mbs, add_cable, add_sensor, solve):
+    """(section, elements, supports, settings) -> path of the free end of a cable of 1 m, and report."""
+
+    def run(section, elements, supports, end=END, at_rest=False, dimension=2, **explicit):
+        mbs = new_mbs()
+        cable = add_cable(
+            mbs,
+            positionEnd=[1, 0, 0],
+            numberOfElements=elements,
+            beamTemplate=section,
+            groundConstraintsStart=supports,
+            dimension=dimension,
+        )
+        sensor = add_sensor(mbs, cable["nodes"][-1])
+        mbs.Assemble()
+        if at_rest:
+            SolveEquilibrium(mbs)
+        report = solve(mbs, settings=quiet_settings(end, 1, PERIOD), **explicit)
+        return np.asarray(mbs.GetSensorStoredData(sensor))[:, 1:4], report
+
+    return run
+
+
+PINNED, CLAMPED = [True, True, False, False], [True] * 4
+STIFF = InextensibleCable(massPerLength=10.0, bendingStiffness=10937.5)  # Exudyn's flexible pendulum
+
+
+def test_a_stiff_pendulum_takes_few_steps(swing):
+    """Its bending bounds plain explicit steps to 1.4e-6 s; it swings as a rigid rod."""
+    path, report = swing(STIFF, 25, PINNED)
+    assert report["massScaling"] == 0.3 and report["decidedBy"] == "accuracy" and report["steps"] < 5000
+    fine, _ = swing(STIFF, 25, PINNED, stepSize=5e-5, massScaling=0.3)
+    assert np.abs(path - fine).max() < 2e-4
+
+
+@pytest.mark.parametrize("stiffness", [1.0, 100.0])
+@pytest.mark.parametrize("elements", [4, 16])
+def test_vibrations_that_are_the_motion_are_resolved(swing, stiffness, elements):
+    """A cantilever that is let go: 2 to 18 periods of its first vibration."""
+    section = InextensibleCable(massPerLength=0.1, bendingStiffness=stiffness)
+    path, report = swing(section, elements, CLAMPED)
+    finer = report["stepSize"] / 8
+    fine, _ = swing(section, elements, CLAMPED, stepSize=finer, massScaling=report["massScaling"])
+    assert np.abs(path - fine).max() < 0.01 * np.ptp(fine[:, 1])
+
+
+def test_a_cable_at_rest_is_not_taken_for_a_fast_one(swing):
+    section = InextensibleCable(massPerLength=0.1, bendingStiffness=0.1)
+    path, report = swing(section, 8, CLAMPED, at_rest=True)
+    assert report["stepSize"] > 0.5 * report["bounds"].accuracy
+    assert np.ptp(path, axis=0).max() < 1e-6
+
+
+def test_zhai_keeps_the_rule_of_the_paper(swing):
+    _, report = swing(STIFF, 4, PINNED, end=0.01, integrator="Zhai")
+    assert report["massScaling"] == 0.0 and report["decidedBy"] == "rule (37)"
+
+
+def test_a_mass_scaling_that_is_given_is_taken(swing):
+    _, scaled = swing(STIFF, 25, PINNED, end=0.1, massScaling=0.26)
+    assert scaled["massScaling"] == 0.26
+    _, plain = swing(STIFF, 4, PINNED, end=0.01, massScaling=0.0)
+    assert plain["massScaling"] == 0.0 and plain["stepSize"] < 1e-4
+
+
+def test_a_load_shortens_the_step(new_mbs, add_pendulum, solve):
+    """The tension that it may cause is counted: a hundred times the weight, a tenth of the step."""
+    accuracies = []
+    for force in (0.0, 100 * 9.81 * 0.0348 * 1.8):
+        mbs = new_mbs()
+        cable = add_pendulum(mbs)
+        marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=cable["nodes"][-1]))
+        mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=[0, -force, 0]))
+        mbs.Assemble()
+        accuracies.append(solve(mbs, 0.01)["bounds"].accuracy)
+    assert accuracies[0] / accuracies[1] == pytest.approx(np.sqrt(101.0), rel=0.1)
+
+
+def native(section, elements, damping, step):
+    """Path of the free end of a native clamped cable, 1 m, stiff along its axis."""
+    container = exudyn.SystemContainer()
+    mbs = container.AddSystem()
+    template = ObjectANCFCable2D(
+        massPerLength=section.massPerLength,
+        bendingStiffness=section.bendingStiffness,
+        bendingDamping=damping,
+        axialStiffness=1e4,
+        useReducedOrderIntegration=2,
+    )
+    cable = GenerateBeamElementsAlongLine(
+        mbs,
+        [0, 0, 0],
+        [1, 0, 0],
+        elements,
+        beamTemplate=template,
+        gravity=[0, -9.81, 0],
+        groundConstraintsStart=CLAMPED,
+    )
+    sensor = mbs.AddSensor(
+        exudyn.itemInterface.SensorNode(
+            nodeNumber=cable["nodes"][-1],
+            outputVariableType=exudyn.OutputVariableType.Position,
+            storeInternal=True,
+        )
+    )
+    mbs.Assemble()
+    settings = quiet_settings(END, round(END / step), PERIOD)
+    settings.timeIntegration.newton.relativeTolerance = 1e-5
+    with silence():
+        mbs.SolveDynamic(settings)
+    return np.asarray(mbs.GetSensorStoredData(sensor))[:, 1:4]
+
+
+@pytest.mark.parametrize("ratio", [0.02, 1.0])  # D / EI [s]
+def test_a_damped_cantilever_moves_as_a_native_one(swing, ratio, known_answer):
+    """Explicitly, its damping would bound the step to 1e-6 s and less."""
+    section = InextensibleCable(massPerLength=0.1, bendingStiffness=1.0, bendingDamping=ratio)
+    path, report = swing(section, 8, CLAMPED)
+    assert report["steps"] < 5000
+    expected = native(section, 8, ratio, 1e-3)
+    error = np.abs(path - expected).max() / np.ptp(expected[:, 1])
+    assert error < 0.01
+    known_answer(f"damped cantilever, D = {ratio:g} EI, against a native cable", error)

@@ -1,0 +1,121 @@
+"""Steps that go wrong are taken again, smaller; only a smallest step ends a run."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+from exudyn_inext import DivergenceError, ExplicitSettings, SolveExplicit
+from exudyn_inext.exudyn_binding import step_control
+from exudyn_inext.exudyn_binding.step_control import StepControl
+from reference_models.model import quiet_settings
+from studies.robust.scenes import build, lone_rope, mixed_rope
+from studies.robustness import periods_before_snap
+
+END, PERIOD = 1.5, 0.01
+VIOLENT = [5, 6, 18, 20, 29]  # seeds of ropes that snap tight: with the rejections off all of them diverge
+
+
+def fall(rope, end=END, restart=None, **explicit):
+    """Path of the free end (T, 3) and report."""
+    _container, mbs, sensor = build(rope)
+    settings = quiet_settings(end, 1, PERIOD)
+    if restart is not None:
+        settings.solution.restart.write = settings.solution.restart.continueIfAvailable = True
+        settings.solution.restart.name = str(restart)
+        settings.solution.restart.writePeriod = 0.1
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        report = SolveExplicit(mbs, settings, ExplicitSettings(**explicit))
+    return np.array(mbs.GetSensorStoredData(sensor)[:, 1:4]), report
+
+
+@pytest.mark.parametrize("seed", VIOLENT)
+def test_ropes_that_snap_tight_run_to_their_end(seed, fault):
+    path, report = fall(lone_rope(seed))
+    assert len(path) == round(END / PERIOD) + 1 and np.isfinite(path).all()
+    assert report["rejections"] > 0 and report["drift"]["energyGain"] < 0.05
+    assert np.linalg.norm(path, axis=1).max() < 1.0 + 1e-6  # it is 1 m long
+    fine, _ = fall(lone_rope(seed), stepSize=report["bounds"].accuracy / 4, allowUnstableStep=True)
+    calm = periods_before_snap(fine)
+    assert np.linalg.norm(path - fine, axis=1)[:calm].max() < 0.01
+    fault(f"a rope that snaps tight (seed {seed})", f"{report['rejections']} times smaller steps, to its end")
+
+
+def test_without_smaller_steps_the_same_ropes_are_lost(monkeypatch):
+    monkeypatch.setattr(step_control, "QUARTERS", 0)
+    for seed in VIOLENT:
+        with pytest.raises(DivergenceError, match=r"before t = .* smallest ones, went wrong, too"):
+            fall(lone_rope(seed))
+
+
+def test_steps_grow_again_after_a_snap():
+    """Otherwise the run would take many times as many."""
+    _, report = fall(lone_rope(20))
+    nominal = END / (report["bounds"].accuracy)
+    assert report["stepSize"] < 0.3 * report["bounds"].accuracy
+    assert report["steps"] < 3.0 * nominal
+
+
+def test_the_state_after_rejected_steps_is_the_one_before_them(tmp_path):
+    """A run that is cut in pieces by restart files, some of them between rejected steps, has the same bits."""
+    rope = lone_rope(20)
+    whole, _ = fall(rope)
+    parts = [fall(rope, end, restart=tmp_path / "rope.npz")[0] for end in (0.4, 0.8, END)]
+    joined = np.concatenate([parts[0], parts[1][1:], parts[2][1:]])
+    np.testing.assert_array_equal(joined, whole)
+
+
+def test_a_step_above_the_stability_limit_is_taken_in_smaller_ones(twin, solve):
+    built, fine = twin(), twin()
+    with pytest.warns(UserWarning, match="stability limit"):
+        report = solve(built.mbs, 1.0, stepSize=5e-3, allowUnstableStep=True)
+    assert report["rejections"] > 0 and report["stepSize"] < 2.8e-3
+    solve(fine.mbs, 1.0, stepSize=1e-3)
+    coarse, exact = (np.asarray(b.mbs.GetSensorStoredData(b.tip)) for b in (built, fine))
+    assert np.abs(coarse - exact).max() < 0.02
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_scenes_with_bodies_springs_and_contact_run_to_their_end(seed):
+    path, report = fall(mixed_rope(seed), end=0.8)
+    assert len(path) == 81 and np.isfinite(path).all()
+    assert np.linalg.norm(path, axis=1).max() < 1.0 + 1e-6
+
+
+def test_a_joint_that_jerks_is_met_with_smaller_steps_among_bodies(mbs, add_pendulum, solve, add_sensor):
+    """A mass point that falls along the cable until it pulls it tight."""
+    from exudyn_inext import AttachToBody
+
+    cable = add_pendulum(mbs, positionEnd=[0.6, 1.6, 0.0], numberOfElements=10)
+    point = mbs.CreateMassPoint(mass=1.0, referencePosition=[0.6, 1.6, 0.0], gravity=[0, -9.81, 0])
+    AttachToBody(mbs, cable, "end", point)
+    node = mbs.GetObject(point)["nodeNumber"]
+    sensor = add_sensor(mbs, node)
+    mbs.Assemble()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        report = solve(mbs, settings=quiet_settings(1.2, 1, 0.01))
+    path = np.asarray(mbs.GetSensorStoredData(sensor))[:, 1:4]
+    length = np.hypot(0.6, 1.6)
+    assert len(path) == 121 and np.linalg.norm(path, axis=1).max() < length * (1.0 + 1e-3)
+    assert report["drift"]["constraints"] < 0.05
+
+
+def test_longer_steps_are_tried_less_often_if_they_fail_again():
+    control = StepControl()
+    tried = []
+    control.reject()
+    for _ in range(200):
+        if control.is_nominal:  # goes wrong again
+            tried.append(control.rejections)
+            control.reject()
+        else:
+            control.accept(1e-3, 8)
+    assert 3 <= len(tried) <= 12
+
+
+def test_adaptive_steps_are_rejected_too():
+    path, report = fall(lone_rope(20), adaptiveStep=True)
+    assert len(path) == round(END / PERIOD) + 1 and np.isfinite(path).all()
+    assert report["drift"]["energyGain"] < 0.05
