@@ -42,7 +42,7 @@ def contact_rates(mbs: Any, runs: Sequence[CableRun]) -> FastestRates:
             continue
         share = _per_unit(*elements[key], int(data["numberOfContactSegments"]))
         stiffness, rate = (
-            max(data[normal], data.get(tangential, 0.0))
+            max(data.get(normal, 0.0), data.get(tangential, 0.0))
             for normal, tangential in zip(_NORMAL, _TANGENTIAL, strict=True)
         )
         squared[key] = squared.get(key, 0.0) + share * stiffness
