@@ -10,6 +10,7 @@ import numpy as np
 from ...arrays import Array
 from ...chain.cable import Cable
 from ...compiled import plain
+from ...coupling.closed_contacts import rates_in_contact
 from ...coupling.small_vibrations import FastestRates, fastest_rates
 from ...errors import DivergenceError, RedundantConstraintError
 from ...integrators.integrator import Integrator, LoadHistory, advance
@@ -19,7 +20,7 @@ from ..cable_watch import figures, finding
 from ..consistent_start import StartCorrection
 from ..divergence import explanation
 from ..time_grid import TimeGrid
-from .contact_rates import contact_rates, with_contact
+from .contact_rates import OpenContacts, open_contacts
 from .coupled_scene import CoupledCable, CoupledScene
 from .coupled_watch import CoupledWatch
 from .start import consistent_start
@@ -91,11 +92,19 @@ class CoupledRun:
     def _rates(self) -> FastestRates:
         return fastest_rates(self._scene.system, self._time, self.state.q, self.state.v)
 
+    @cached_property
+    def contacts(self) -> OpenContacts | None:
+        """Contacts that are open at the start, if there are any."""
+        return open_contacts(self._mbs, self._scene.map, self._scene.size)
+
     @property
     def rates_in_contact(self) -> FastestRates:
-        """Bounds of the rates if all contacts close at once; zero where there are none."""
-        contact = contact_rates(self._mbs, self._runs)
-        return with_contact(self._rates, contact) if contact.frequency else FastestRates(0.0, 0.0)
+        """The rates if all of these contacts close at once; zero where there are none."""
+        if self.contacts is None:
+            return FastestRates(0.0, 0.0)
+        return rates_in_contact(
+            self._scene.system, self.contacts.closed, self._time, self.state.q, self.state.v
+        )
 
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the present configuration, joints included."""
