@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
 from ..arrays import Array
 from .coupled_system import CoupledSystem
 from .joints import JointBlock, JointTerms
@@ -33,19 +31,16 @@ class ClosedContacts:
 class _InContact:
     """Surroundings where these contacts act as well; see `coupled_system.Surroundings`."""
 
+    joints: Sequence[str]
+    blocks: Sequence[JointBlock]
+
     def __init__(self, system: CoupledSystem, contacts: ClosedContacts, q: Array) -> None:
+        self.joints = system.surroundings.joints
+        self.blocks = system.surroundings.blocks
         self._open = system.surroundings
         self._contacts = contacts
         self._dofs = [part.dofs for part in system.parts]
         self._start = q.copy()
-
-    @property
-    def joints(self) -> Sequence[str]:
-        return self._open.joints
-
-    @property
-    def blocks(self) -> Sequence[JointBlock]:
-        return self._open.blocks
 
     def forces(self, t: float, q: Array, v: Array) -> Sequence[Array]:
         added = self._contacts.forces(q - self._start, v)

@@ -19,7 +19,7 @@ from .observed import observed_derivatives
 from .output_files import require_writable_outputs
 from .restart import Restarts
 from .scene import read_scene, require_assembled
-from .scene_runs import needs_coupling, runs_of_scene
+from .scene_runs import bounds_if_scaled, needs_coupling, runs_of_scene
 from .settings import ExplicitSettings
 from .time_grid import TimeGrid, time_grid
 from .time_loop import ExplicitTimeLoop, worst_figures
@@ -112,7 +112,8 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings) -> dict[str, Any
             scaling = (restarts.step or given.h) if given and explicit.massScaling else 0.0
             runs = runs_of_scene(mbs, scene, solver, start, scaling, explicit)
             bounds = step_bounds(runs, start, explicit)
-            wanted, decided_by = wanted_step(bounds, explicit, taken=scaling or None)
+            scaled = bounds_if_scaled(mbs, scene, solver, start, given.h if given else 0.0, explicit)
+            wanted, decided_by = wanted_step(bounds, explicit, scaling or None, scaled)
             grid = restarts.grid(given or time_grid(mbs, settings, wanted))
             follow_frequencies(runs, bounds, explicit)
             observed = observed_derivatives(settings, sensors)

@@ -20,8 +20,8 @@ from ...element.shape_functions import first_derivatives, shape_functions
 from .coordinates import CoordinateMap
 from .surroundings import state_kept
 
-_STIFFNESSES = ("contactStiffness", "frictionStiffness")  # across and along the cable
-_DAMPINGS = ("contactDamping", "frictionVelocityPenalty")
+STIFFNESSES = ("contactStiffness", "frictionStiffness")  # across and along the cable
+DAMPINGS = ("contactDamping", "frictionVelocityPenalty")
 _CONTACTS = {"ContactFrictionCircleCable2D", "ContactCircleCable2D"}
 
 
@@ -58,7 +58,7 @@ class _OpenContact:
         return across + angle**2 * along, along + angle**2 * across
 
     def __str__(self) -> str:
-        names = [name for name in (*_STIFFNESSES, *_DAMPINGS) if self.data.get(name)]
+        names = [name for name in (*STIFFNESSES, *DAMPINGS) if self.data.get(name)]
         given = ", ".join(f"{name} = {self.data[name]:g}" for name in names)
         return f"object {self.number} '{self.data['name']}' ({self.data['objectType']}: {given})"
 
@@ -92,7 +92,7 @@ def open_contacts(mbs: Any, coordinates: CoordinateMap, size: int) -> OpenContac
         motions.append(_motion(mbs, contact, circles[contact.marker], share, coordinates, size))
     stiffness, damping = (
         np.concatenate([np.tile(contact.strengths(names), contact.segments) for contact in found])
-        for names in (_STIFFNESSES, _DAMPINGS)
+        for names in (STIFFNESSES, DAMPINGS)
     )
     return OpenContacts(ClosedContacts(vstack(motions, format="csr"), stiffness, damping), _name(found))
 
@@ -174,6 +174,6 @@ def _across_and_along(tangents: Array) -> Array:
 
 def _name(found: Sequence[_OpenContact]) -> str:
     """The strongest one, and how many there are besides."""
-    strongest = max(found, key=lambda contact: contact.strengths(_STIFFNESSES))
+    strongest = max(found, key=lambda contact: contact.strengths(STIFFNESSES))
     others = f" and {len(found) - 1} more like it" if len(found) > 1 else ""
     return f"{strongest}{others}"

@@ -7,6 +7,7 @@ from exudyn.itemInterface import (
     MarkerBodyCable2DShape,
     MarkerBodyRigid,
     NodeGenericData,
+    ObjectContactCircleCable2D,
     ObjectContactFrictionCircleCable2D,
 )
 
@@ -45,6 +46,24 @@ def add_contact(mbs, elements, circle, body=None):
                 frictionVelocityPenalty=circle.friction_damping,
                 circleRadius=circle.radius,
                 useSegmentNormals=False,
+            )
+        )
+
+
+def add_frictionless_contact(mbs, elements, circle, body=None):
+    """The same by the object that knows neither friction nor damping."""
+    body = mbs.CreateGround() if body is None else body
+    centre = mbs.AddMarker(MarkerBodyRigid(bodyNumber=body))
+    for element in elements:
+        shape = mbs.AddMarker(MarkerBodyCable2DShape(bodyNumber=element, numberOfSegments=SEGMENTS))
+        apart = NodeGenericData(initialCoordinates=[0.1] * SEGMENTS, numberOfDataCoordinates=SEGMENTS)
+        mbs.AddObject(
+            ObjectContactCircleCable2D(
+                markerNumbers=[centre, shape],
+                nodeNumber=mbs.AddNode(apart),
+                numberOfContactSegments=SEGMENTS,
+                contactStiffness=circle.stiffness,
+                circleRadius=circle.radius,
             )
         )
 
