@@ -93,7 +93,7 @@ def step_above_limit(
     if limit == bounds.stabilisation:
         cause = "the constraint stabilisation"
         remedies = ["reduce the step or the stabilizationRate"]
-    elif bounds.contact < _CLOSE * bounds.bending:
+    elif limit < _CLOSE * bounds.bending:
         cause = f"what happens when contacts close: {bounds.touching}"
         remedies += [f"lower their {bounds.softer}"]
     else:

@@ -192,6 +192,7 @@ class CoupledRun:
         system, state, watch = self._scene.system, self.state, self.watch
         surroundings = self._scene.surroundings
         surroundings.path = watch.path_of_evaluations
+        surroundings.settles = surroundings.path is not None  # one evaluation in each step
         try:
             for factors, end in zip(times[:, np.newaxis, :, np.newaxis], ends, strict=True):
                 take_step(scheme, system, LoadHistory(_NOTHING, _TIME, factors), state, h, 1, self._output)
@@ -199,7 +200,7 @@ class CoupledRun:
                 for call in watch.after_each_step:
                     call()
         finally:
-            surroundings.path = None
+            surroundings.path, surroundings.settles = None, False
         watch.count(len(ends))
 
     def figures(self) -> dict[str, float]:
