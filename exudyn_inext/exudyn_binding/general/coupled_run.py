@@ -214,7 +214,13 @@ class CoupledRun:
         if self._unsolvable:
             return f"{self.name}: {self._unsolvable} If the motion before that is wrong, reduce stepSize."
         trouble = self._integrator.trouble(scheme, self.watch.watch.kept)
-        rates = fastest_rates(self._scene.system, time, self.state.q, self.state.v)
-        limit = frequency_limit(self._integrator, scheme) / rates.frequency if rates.frequency else np.inf
+        limit = self._limit_now(scheme, time)
         said = explanation(self._integrator, trouble, h, limit, scaled=True)
         return f"{self.name}: {finding(self.watch.watch)}. {said}"
+
+    def _limit_now(self, scheme: Any, time: float) -> float:
+        """Stability limit [s] in the state of the last inspection; infinite if there is none."""
+        rates = fastest_rates(self._scene.system, time, self.state.q, self.state.v)
+        if not rates.frequency > 0.0:
+            return np.inf
+        return frequency_limit(self._integrator, scheme, rates.damping / rates.frequency) / rates.frequency
