@@ -13,7 +13,7 @@ from ..integrators.step_size import StepSizeBounds, choose_step, rule_step, step
 from .cable_run import CableRun, Start
 from .general.contact_rates import DAMPINGS, STIFFNESSES
 from .general.coupled_run import CoupledRun
-from .scene import CableInScene, initial_state
+from .scene import CableInScene, initial_states
 from .settings import ExplicitSettings
 from .step_control import StepRule
 from .time_loop import Run
@@ -44,7 +44,8 @@ def cable_runs(
         energy_tolerance=explicit.energyTolerance,
     )
     integrator = find_integrator(explicit.integrator)
-    return [CableRun(cable, initial_state(mbs, cable), start, integrator) for cable in cables]
+    initial = initial_states(mbs, cables)
+    return [CableRun(cable, state, start, integrator) for cable, state in zip(cables, initial, strict=True)]
 
 
 def step_bounds(runs: Sequence[Run], start: float, explicit: ExplicitSettings) -> StepSizeBounds:

@@ -294,8 +294,17 @@ def _supports(
 
 def initial_state(mbs: Any, scene_cable: CableInScene) -> tuple[np.ndarray, np.ndarray]:
     """Total coordinates and velocities (n, 2, dim) of the initial configuration."""
+    return initial_states(mbs, [scene_cable])[0]
+
+
+def initial_states(mbs: Any, cables: Iterable[CableInScene]) -> list[tuple[np.ndarray, np.ndarray]]:
+    """As `initial_state`, of each of these cables."""
     configuration = exudyn.ConfigurationType.Initial
-    reference = scene_cable.cable.reference
-    q = np.asarray(mbs.systemData.GetODE2Coordinates(configuration))[scene_cable.indices]
-    v = np.asarray(mbs.systemData.GetODE2Coordinates_t(configuration))[scene_cable.indices]
-    return reference + q.reshape(reference.shape), v.reshape(reference.shape)
+    all_q = np.asarray(mbs.systemData.GetODE2Coordinates(configuration))
+    all_v = np.asarray(mbs.systemData.GetODE2Coordinates_t(configuration))
+    states = []
+    for scene_cable in cables:
+        reference = scene_cable.cable.reference
+        q, v = all_q[scene_cable.indices], all_v[scene_cable.indices]
+        states.append((reference + q.reshape(reference.shape), v.reshape(reference.shape)))
+    return states

@@ -60,7 +60,7 @@ class Algebraic:
             "enforcement = 'algebraic': the length constraints of the cable and groundConstraintsStart and "
             "groundConstraintsEnd depend on each other (a straight cable between supports as far apart as "
             "it is long, or an element clamped at both ends), which native solvers cannot take: let the "
-            "cable sag (shape), free a support, or use a smaller numberOfLengthConstraints in beamTemplate."
+            "cable sag (shape), or free a support."
         )
 
     def object_parameters(self, item: CableItem) -> dict[str, Any]:

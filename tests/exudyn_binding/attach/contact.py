@@ -68,7 +68,7 @@ def add_frictionless_contact(mbs, elements, circle, body=None):
         )
 
 
-def add_general_contact(mbs, elements, circle):
+def add_general_contact(mbs, elements, circle, centre=None):
     """The same by Exudyn's contact between many bodies; its friction has a zone of its own."""
     contact = mbs.AddGeneralContact()
     contact.frictionProportionalZone = 0.05
@@ -81,7 +81,8 @@ def add_general_contact(mbs, elements, circle):
         "contactDamping": circle.damping,
         "frictionMaterialIndex": 0,
     }
-    centre = mbs.AddMarker(MarkerBodyRigid(bodyNumber=mbs.CreateGround()))
+    if centre is None:
+        centre = mbs.AddMarker(MarkerBodyRigid(bodyNumber=mbs.CreateGround()))
     contact.AddSphereWithMarker(centre, radius=circle.radius, **springs)
     for element in elements:
         contact.AddANCFCable(objectIndex=element, halfHeight=0.0, **springs)

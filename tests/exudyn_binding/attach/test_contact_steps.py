@@ -10,6 +10,7 @@ from exudyn.itemInterface import (
     LoadMassProportional,
     MarkerBodyMass,
     MarkerBodyPosition,
+    MarkerBodyRigid,
     MarkerNodeCoordinate,
     MarkerNodePosition,
     NodePoint2DSlope1,
@@ -28,8 +29,14 @@ from exudyn_inext import (
     StepSizeError,
 )
 from reference_models.model import quiet_settings, silence
-from tests.exudyn_binding.attach.contact import SEGMENTS, Circle, add_contact, add_frictionless_contact
-from tests.exudyn_binding.items import trajectory
+from tests.exudyn_binding.attach.contact import (
+    SEGMENTS,
+    Circle,
+    add_contact,
+    add_frictionless_contact,
+    add_general_contact,
+)
+from tests.exudyn_binding.items import solve_native, trajectory
 
 RADIUS, SIDE, GRAVITY = 0.2, 0.3, [0, -9.81, 0]
 SECTION = {"massPerLength": 0.1, "bendingStiffness": 2e-3}
@@ -37,9 +44,9 @@ INERTIA, MASSES, GAP = 0.0077, (0.2, 0.35), 7e-4  # of the wheel [kg m^2]; at th
 END = 0.2  # of the runs [s]
 
 
-def above_the_wheel(elements):
+def above_the_wheel(elements, gap=GAP):
     """Positions and slopes (n, 2) of a cable that hangs down on both sides; its length [m]."""
-    radius = RADIUS + GAP
+    radius = RADIUS + gap
     length = np.pi * radius + 2 * SIDE
     s = np.linspace(0, length, elements + 1)
     angle = np.clip((s - SIDE) / radius, 0, np.pi)
@@ -48,9 +55,9 @@ def above_the_wheel(elements):
     return arc + (s - SIDE - radius * angle)[:, None] * slopes, slopes, length
 
 
-def add_wheel(mbs):
-    """A wheel that turns about the origin: its body, and its node."""
-    node = mbs.AddNode(NodeRigidBody2D(referenceCoordinates=[0, 0, 0]))
+def add_wheel(mbs, speed=0.0):
+    """A wheel that turns about the origin, with a speed [rad/s] at first: its body, and its node."""
+    node = mbs.AddNode(NodeRigidBody2D(referenceCoordinates=[0, 0, 0], initialVelocities=[0, 0, speed]))
     wheel = mbs.AddObject(ObjectRigidBody2D(nodeNumber=node, mass=1.0, inertia=INERTIA))
     ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
     for axis in (0, 1):
@@ -185,3 +192,41 @@ def test_contact_without_friction_is_known_as_well(build, native, solve):
     mbs, sensors = build(16, touch=add_frictionless_contact)
     solve(mbs, END, stepSize=0.98 * bounds.stability_limit, massScaling=0.3)
     assert at_the_end(mbs, sensors)[1] == pytest.approx(expected[1], rel=0.02)
+
+
+def general_contact(mbs, elements, wheel):
+    circle = Circle(RADIUS, 2e3, 0.1, 0.3)
+    add_general_contact(mbs, elements, circle, mbs.AddMarker(MarkerBodyRigid(bodyNumber=wheel)))
+
+
+@pytest.fixture
+def braked(new_mbs, add_sensor):
+    """(is native) -> a turning wheel under a cable that lies on it: system, sensor of its turn."""
+
+    def build(native):
+        mbs = new_mbs()
+        positions, slopes, length = above_the_wheel(12, gap=-1e-4)
+        if native:
+            _, bodies = add_native(mbs, positions, slopes, length)
+        else:
+            shape, template = CableShape(positions, slopes), InextensibleCable(**SECTION)
+            cable = CreateInextensibleCable(mbs, shape=shape, beamTemplate=template, gravity=GRAVITY)
+            bodies = CreateCompanionCables(mbs, cable)
+        wheel, node = add_wheel(mbs, speed=10.0)
+        general_contact(mbs, bodies, wheel)
+        sensor = add_sensor(mbs, node, "Coordinates")
+        mbs.Assemble()
+        return mbs, sensor
+
+    return build
+
+
+def test_a_wheel_that_turns_already_does_not_bound_the_step_by_its_friction(braked, solve):
+    mbs, sensor = braked(native=False)
+    bounds = solve(mbs, 0.1, stepSize=1e-4)["bounds"]
+    assert bounds.stability_limit > 1e-4
+    twin, native_sensor = braked(native=True)
+    solve_native(twin, 0.1, step=1e-4)
+    found, expected = (trajectory(*pair)[-1, 3] - 1.0 for pair in ((mbs, sensor), (twin, native_sensor)))
+    assert expected < -0.01  # friction brakes it
+    assert found == pytest.approx(expected, rel=0.02)
