@@ -79,6 +79,7 @@ def CreateInextensibleCable(
 
     Raises:
         InputError: a value outside of its limits; mbs is unchanged then.
+        RedundantConstraintError: with 'algebraic', lengths and supports that depend on each other.
 
     Example:
         cable = CreateInextensibleCable(mbs, [0, 0, 0], [1.8, 0, 0], numberOfElements=5,

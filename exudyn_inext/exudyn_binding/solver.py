@@ -36,8 +36,9 @@ def SolveExplicit(
     and rotation vectors as coordinates, are refused. Without any inextensible cable, native items are
     moved, for comparisons. The report says which path was taken, and why.
 
-    The stability limit is that of the initial state. Tension that grows during the motion lowers it, and
-    general contacts that close: leave a margin (stepSafety), or let the steps adapt (adaptiveStep).
+    The stability limit is that of the initial state, as if contacts of cables with circles that are open
+    were closed. Tension that grows during the motion lowers it, and general contacts that close: leave a
+    margin (stepSafety), or let the steps adapt (adaptiveStep).
 
     Sensors, solution files, pre- and post-step user functions and the SolutionViewer work as
     with mbs.SolveDynamic. Exudyn's steps are as long as the outputs allow: numberOfSteps of the

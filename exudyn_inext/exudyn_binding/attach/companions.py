@@ -30,9 +30,9 @@ def CreateCompanionCables(mbs: Any, cable: Any, show: bool = False) -> list[int]
     cable has one set of them: a second call returns the first set. Sensors and contour plots show motion
     and CurvatureLocal; section forces, which companions lack, come from `CreateCableForceSensor`.
 
-    Contact works in the plane: ObjectContactFrictionCircleCable2D, whose stiffness the automatic step of
-    SolveExplicit takes into account before it closes, and GeneralContact.AddANCFCable, for which a
-    stepSize has to be given, as Exudyn does not tell its stiffness.
+    Contact works in the plane: ObjectContactCircleCable2D and ObjectContactFrictionCircleCable2D, whose
+    stiffness and damping bound the steps of SolveExplicit before they close, and
+    GeneralContact.AddANCFCable, for which a stepSize has to be given, as Exudyn does not tell its stiffness.
 
     Args:
         mbs: the system; call mbs.Assemble() afterwards.

@@ -46,7 +46,11 @@ class Algebraic:
     supports_are_objects: ClassVar[bool] = True
 
     def require_independent(self, item: CableItem, held: np.ndarray) -> None:
-        """Of the rows with the coordinates that are free: J J^T is singular if there are too many."""
+        """J J^T of all rows with the coordinates that are free is regular; see `Enforcement`.
+
+        Raises:
+            RedundantConstraintError: it is not.
+        """
         rows = build_rows(item.cable, held)
         gradients = np.zeros((rows.number, *item.cable.reference.shape))
         constraint_jacobian(rows, item.cable.reference, gradients)
