@@ -10,6 +10,7 @@ from ..element.forms import forms_of_mesh
 from .assembly import add_elastic_force
 from .cable import Cable
 from .chain import Chain
+from .constraint_rows import unconstrained_force
 
 
 def assembled(forms: Array, shape: tuple[int, ...]) -> csr_array:
@@ -28,21 +29,37 @@ def form_of_cable(cable: Cable, form: Callable[[float], Array]) -> csr_array:
 
 
 def elastic_tangent(chain: Chain, q: Array) -> csr_array:
-    """-dQ_el/dq (n_dof, n_dof) at q (n, 2, dim).
+    """-dQ_el/dq (n_dof, n_dof) at q (n, 2, dim); exact: Q_el is cubic in q, two steps of differences do."""
+    return _matrix_of(lambda x: _apply_tangent(chain, q, x), q.shape)
 
-    Exact: Q_el is cubic in q, so that differences with two steps suffice. Nodes three apart do not
-    interact: all columns are found with 6 dim products.
+
+def damping_tangent(chain: Chain, q: Array) -> csr_array:
+    """-dQ_damping/dv (n_dof, n_dof) at q (n, 2, dim); exact: Q_damping is linear in v."""
+    rest, force, elastic = np.zeros_like(q), np.zeros_like(q), np.zeros_like(q)
+    unconstrained_force(chain, rest, q, rest, elastic)
+
+    def apply(x: Array) -> Array:
+        unconstrained_force(chain, rest, q, x, force)
+        return elastic - force
+
+    return _matrix_of(apply, q.shape)
+
+
+def _matrix_of(apply: Callable[[Array], Array], shape: tuple[int, ...]) -> csr_array:
+    """Matrix (n_dof, n_dof) of x (n, 2, dim) -> apply(x), where only neighbouring nodes interact.
+
+    Nodes three apart do not: all columns are found with 6 dim products.
     """
-    nodes, _, dim = q.shape
+    nodes, _, dim = shape
     rows, columns, values = [], [], []
-    numbers = np.arange(q.size).reshape(q.shape)
+    numbers = np.arange(int(np.prod(shape))).reshape(shape)
     for colour in range(3):
         chosen = np.arange(colour, nodes, 3)
         for kind in range(2):
             for axis in range(dim):
-                direction = np.zeros_like(q)
+                direction = np.zeros(shape)
                 direction[chosen, kind, axis] = 1.0
-                image = _apply_tangent(chain, q, direction)
+                image = apply(direction)
                 owner = np.clip(3 * ((np.arange(nodes) - colour + 1) // 3) + colour, 0, None)
                 exists = owner < nodes
                 rows.append(numbers[exists].ravel())
@@ -50,7 +67,7 @@ def elastic_tangent(chain: Chain, q: Array) -> csr_array:
                 columns.append(np.repeat(of_owner, 2 * dim))
                 values.append(image[exists].ravel())
     entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
-    return csr_array(coo_array(entries, shape=(q.size, q.size)))
+    return csr_array(coo_array(entries, shape=(numbers.size, numbers.size)))
 
 
 def _apply_tangent(chain: Chain, q: Array, x: Array) -> Array:

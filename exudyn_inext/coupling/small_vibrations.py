@@ -39,7 +39,8 @@ def fastest_rates(system: CoupledSystem, t: float, q: Array, v: Array) -> Fastes
     """Of small motions about the configuration q (n,), at the time t [s].
 
     The velocities v (n,) count where they pull cables tight, as in bodies that spin about each other;
-    gyroscopic forces, which change with small velocities, do not.
+    gyroscopic forces, which change with small velocities, do not. Friction that jumps where a velocity
+    changes its sign has no rate: it makes no motion grow.
     """
     external, rest = np.array([t]), np.zeros(len(q))
 
@@ -60,8 +61,11 @@ def fastest_rates(system: CoupledSystem, t: float, q: Array, v: Array) -> Fastes
         return (projected(difference) - offset) / (2.0 * STEP)
 
     def damping(x: Array) -> Array:
-        difference = acceleration(q, -STEP * x) - acceleration(q, STEP * x)
-        return (projected(difference) - offset) / (2.0 * STEP)
+        def difference(step: float) -> Array:
+            return acceleration(q, -step * x) - acceleration(q, step * x)
+
+        smooth = difference(2.0 * STEP) - difference(STEP)  # a jump, as of Coulomb friction, drops out
+        return (projected(smooth) - offset) / (2.0 * STEP)
 
     start = projected(np.cos(np.arange(len(q), dtype=float) ** 2 * 1.6180339887)) - offset
     frequency = float(np.sqrt(_largest_eigenvalue(stiffness, start)))

@@ -26,6 +26,12 @@ from .template import InextensibleCable
 
 __all__ = ["CableItem", "CreateInextensibleCable", "find_cable_item", "supports_of_flags"]
 
+_OTHER_DIMENSION = {
+    2: "For a cable in space, whose nodes have three positions and three slopes, use dimension = 3.",
+    3: "For a planar cable, whose nodes have two positions and two slopes, leave z components out of shape, "
+    "velocities and gravity, and use dimension = 2.",
+}
+
 
 def CreateInextensibleCable(
     mbs: Any,
@@ -73,6 +79,7 @@ def CreateInextensibleCable(
 
     Raises:
         InputError: a value outside of its limits; mbs is unchanged then.
+        RedundantConstraintError: with 'algebraic', lengths and supports that depend on each other.
 
     Example:
         cable = CreateInextensibleCable(mbs, [0, 0, 0], [1.8, 0, 0], numberOfElements=5,
@@ -143,7 +150,7 @@ def _constraint_flags(name: str, given: list | None, node: Array) -> np.ndarray:
     if len(flags) != node.size:
         raise InputError(
             f"{name} = {given!r} has {len(flags)} entries: needs {node.size}, positions and slopes of the "
-            f"{node.shape[1]}D node."
+            f"{node.shape[1]}D node. {_OTHER_DIMENSION[node.shape[1]]}"
         )
     of_node: np.ndarray = np.reshape(flags, node.shape)
     supports_of_flags(name, of_node, node)
@@ -171,7 +178,8 @@ def supports_of_flags(name: str, flags: np.ndarray, node: Array) -> tuple[bool, 
     if flags[1].any() != slope:
         raise InputError(
             f"{name} holds the coordinates {flags.astype(int).tolist()} ([positions], [slopes]): hold all or "
-            "no slopes (the component along the cable may be left out)."
+            "no slopes (the component along the cable may be left out). "
+            f"{_OTHER_DIMENSION[flags.shape[1]]}"
         )
     return position, slope
 
@@ -179,6 +187,7 @@ def supports_of_flags(name: str, flags: np.ndarray, node: Array) -> tuple[bool, 
 def _add_items(
     mbs: Any, cable: Cable, velocities: Array, gravity: Array, held: np.ndarray, way: Enforcement
 ) -> dict[str, Any]:
+    way.require_independent(CableItem(cable, gravity, (), way.name, held), held)
     node_type = NodePoint2DSlope1 if cable.dimension == 2 else NodePointSlope1
     count = len(cable.reference) - cable.closed
     nodes = [

@@ -1,5 +1,6 @@
 """What is said of a run that was stopped: cause and remedy."""
 
+import math
 from collections.abc import Sequence
 
 from ..errors import DivergenceError
@@ -37,14 +38,20 @@ def explanation(integrator: Integrator, trouble: str, h: float, limit: float, sc
         )
     if trouble:
         return trouble
-    known = f"at {h / limit:.0%} of the stability limit of the present configuration"
-    share = known if limit > 0.0 else "in a configuration whose stability limit cannot be found"
+    known = 0.0 < limit < math.inf
+    share = f"at {_percent(h / limit)} of the stability limit of the present configuration" if known else ""
     if integrator.stabilised:
+        at = f", {share}," if share else ""
         return (
-            f"Likely cause: {integrator.name}, {share}, gains energy where the motion is violent, and slowly "
+            f"Likely cause: {integrator.name}{at} gains energy where the motion is violent, and slowly "
             "in long runs: take integrator='RATTLE', or reduce stepSize to a quarter."
         )
+    which = f", which is {share}" if share else f" of {h:.4g} s"
     return (
-        f"Likely cause: a motion too violent for the step, which is {share}: reduce stepSize, or start from "
+        f"Likely cause: a motion too violent for the step{which}: reduce stepSize, or start from "
         "smoother initial values."
     )
+
+
+def _percent(share: float) -> str:
+    return f"{share:.0%}" if share >= 0.01 else "less than 1%"

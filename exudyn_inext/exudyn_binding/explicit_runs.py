@@ -2,7 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from ..chain.cable import Cable
@@ -11,8 +11,9 @@ from ..integrators import find_integrator
 from ..integrators.linear_stability import decay_limit, frequency_limit
 from ..integrators.step_size import StepSizeBounds, choose_step, rule_step, step_above_limit
 from .cable_run import CableRun, Start
+from .general.contact_rates import DAMPINGS, STIFFNESSES
 from .general.coupled_run import CoupledRun
-from .scene import CableInScene, initial_state
+from .scene import CableInScene, initial_states
 from .settings import ExplicitSettings
 from .step_control import StepRule
 from .time_loop import Run
@@ -44,7 +45,8 @@ def cable_runs(
         energy_tolerance=explicit.energyTolerance,
     )
     integrator = find_integrator(explicit.integrator)
-    return [CableRun(cable, initial_state(mbs, cable), start, integrator) for cable in cables]
+    initial = initial_states(mbs, cables)
+    return [CableRun(cable, state, start, integrator) for cable, state in zip(cables, initial, strict=True)]
 
 
 def step_bounds(
@@ -53,13 +55,13 @@ def step_bounds(
     """The tightest bounds over all that moves.   accuracy: see `automatic_step` [s]."""
     integrator, scheme = find_integrator(explicit.integrator), scheme_of(explicit)
     frequencies = [_finite_frequency(run, start) for run in runs]
+    ratios = [run.damping_ratio(w) for run, w in zip(runs, frequencies, strict=True)]
 
-    def limit(frequency: float, damping_ratio: float) -> float:
+    def limit(frequency: float, damping_ratio: float = 0.0) -> float:
         return frequency_limit(integrator, scheme, damping_ratio) / frequency if frequency > 0.0 else math.inf
 
-    limits = [limit(w, run.damping_ratio(w)) for run, w in zip(runs, frequencies, strict=True)]
-    coupled = [run for run in runs if isinstance(run, CoupledRun)]
-    contacts = [run.rates_in_contact for run in coupled]
+    limits = [limit(w, ratio) for w, ratio in zip(frequencies, ratios, strict=True)]
+    contact, touching, softer = _contact_bound(runs, limit)
     fastest = limits.index(min(limits))
     cables = [cable for run in runs for cable in run.cables]
     return StepSizeBounds(
@@ -69,9 +71,37 @@ def step_bounds(
         accuracy=accuracy,
         largest_frequency=frequencies[fastest],
         cable=runs[fastest].name,
-        contact=min((limit(w, d / w if w else 0.0) for w, d in contacts), default=math.inf),
-        safety=SAFETY_AMONG_BODIES if coupled else SAFETY_ALONE,
+        contact=contact,
+        safety=SAFETY_AMONG_BODIES if any(isinstance(run, CoupledRun) for run in runs) else SAFETY_ALONE,
+        undamped=limit(frequencies[fastest]),
+        damping=ratios[fastest] * frequencies[fastest],
+        touching=touching,
+        softer=softer,
+        is_cable=isinstance(runs[fastest], CableRun),
     )
+
+
+def _contact_bound(runs: Sequence[Run], limit: Callable[[float, float], float]) -> tuple[float, str, str]:
+    """The step [s] up to which open contacts may close; which ones, and which parameters decide.
+
+    limit: of the step [s] from frequency [rad/s] and damping ratio [-].
+    """
+    found = (math.inf, "", "")
+    for run in runs:
+        if not isinstance(run, CoupledRun) or run.contacts is None:
+            continue
+        frequency, damping = run.rates_in_contact
+        frequency = max(frequency, 1e-3 * damping)  # so that the ratio stays finite
+        allowed = limit(frequency, damping / frequency if frequency else 0.0)
+        if allowed < found[0]:
+            rates = f"then vibrate at {frequency:.4g} rad/s, damped by {damping:.4g} 1/s"
+            is_stiff = limit(frequency, 0.0) < 1.5 * allowed
+            found = (
+                allowed,
+                f"{run.contacts.name} {rates}",
+                " and ".join(STIFFNESSES if is_stiff else DAMPINGS),
+            )
+    return found
 
 
 def _finite_frequency(run: Run, start: float) -> float:
@@ -132,19 +162,23 @@ def require_fixed_steps(explicit: ExplicitSettings, who: str) -> None:
 
 
 def wanted_step(
-    bounds: StepSizeBounds, explicit: ExplicitSettings, taken: float | None = None
+    bounds: StepSizeBounds,
+    explicit: ExplicitSettings,
+    taken: float | None = None,
+    scaled: Callable[[], StepSizeBounds] | None = None,
 ) -> tuple[float, str]:
     """The given step, unless it is above the stability limit, or the largest safe one.
 
     Args:
         bounds: of the step.   explicit: settings.
         taken: step that will be taken, where the bounds depend on it (mass scaling); None: the given one.
+        scaled: see `step_above_limit`.
     """
     if explicit.stepSize is None:
         return choose_step(bounds, explicit.stepSafety)
     if explicit.adaptiveStep:
         return explicit.stepSize, "stepSize"
-    error = step_above_limit(taken or explicit.stepSize, bounds, explicit.integrator)
+    error = step_above_limit(taken or explicit.stepSize, bounds, explicit.integrator, scaled)
     if error is not None and not explicit.allowUnstableStep:
         raise error
     if error is not None:

@@ -1,6 +1,6 @@
 """What an mbs contains, as far as the explicit solver is concerned."""
 
-from collections.abc import Sequence
+from collections.abc import Container, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -113,6 +113,16 @@ class ConstraintReader:
         return read_rod(mbs, data)
 
 
+@dataclass(eq=False)
+class _OnOne:
+    """What acts on one cable: its supports, links and loads."""
+
+    held: list[HeldCoordinate] = field(default_factory=list)
+    moving: list[MovingCoordinate] = field(default_factory=list)
+    rods: list[Rod] = field(default_factory=list)
+    loads: list[CableLoad] = field(default_factory=list)
+
+
 def require_assembled(mbs: Any) -> None:
     """Raise SceneError unless mbs.Assemble() has been called after the last change."""
     require_system(mbs)
@@ -126,14 +136,15 @@ def require_assembled(mbs: Any) -> None:
 def read_scene(mbs: Any, reader: ConstraintReader | None = None) -> Scene:
     """Inextensible cables of an assembled mbs, and what else there is.   reader: of its constraints."""
     contents = _contents(mbs, reader or ConstraintReader())
-    on_cables = {node for item in contents.items.values() for node in item.nodes}
-    loads, other_loads = _read_loads(mbs, on_cables, elements_by_nodes(contents.items))
-    foreign = [*contents.others, *_foreign_nodes(mbs, on_cables), *other_loads]
-    foreign += _take_foreign_constraints(mbs, contents)
+    cable_of = {node: number for number, item in contents.items.items() for node in item.nodes}
+    loads, other_loads = _read_loads(mbs, cable_of, elements_by_nodes(contents.items))
+    foreign = [*contents.others, *_foreign_nodes(mbs, cable_of), *other_loads]
+    foreign += _take_foreign_constraints(mbs, contents, cable_of)
+    on_each = _on_each_cable(contents, loads, cable_of)
     if mbs.NumberOfGeneralContacts():
         foreign.append("a general contact")
     return Scene(
-        cables=[_cable_in_scene(mbs, number, contents, loads) for number in contents.items],
+        cables=[_cable_in_scene(mbs, number, contents, on_each[number]) for number in contents.items],
         foreign=foreign,
         own_constraints=frozenset([*contents.held, *contents.moving, *contents.rods, *contents.enforcing]),
         enforcing=contents.enforcing,
@@ -190,12 +201,15 @@ def _described(data: dict[str, Any], number: int) -> str:
     return f"object {number} '{data['name']}' ({data['objectType']})"
 
 
-def _take_foreign_constraints(mbs: Any, contents: Contents) -> list[str]:
-    """Remove constraints that do not act on one cable alone; returns what they are."""
-    cables = [set(item.nodes) for item in contents.items.values()]
+def _take_foreign_constraints(mbs: Any, contents: Contents, cable_of: dict[int, int]) -> list[str]:
+    """Remove constraints that do not act on one cable alone; returns what they are.
 
-    def is_on_one(nodes: Sequence[int]) -> bool:
-        return any(cable.issuperset(nodes) for cable in cables)
+    cable_of: number of the cable that a node belongs to.
+    """
+
+    def is_on_one(nodes: Iterable[int]) -> bool:
+        cables = {cable_of.get(node) for node in nodes}
+        return len(cables) == 1 and None not in cables
 
     foreign = [number for number, held in contents.held.items() if not is_on_one([held.node])]
     foreign += [number for number, moving in contents.moving.items() if not is_on_one([moving.node])]
@@ -204,6 +218,23 @@ def _take_foreign_constraints(mbs: Any, contents: Contents) -> list[str]:
         for kind in (contents.held, contents.moving, contents.rods):
             kind.pop(number, None)
     return [_described(mbs.GetObject(number), number) for number in foreign]
+
+
+def _on_each_cable(
+    contents: Contents, loads: Iterable[CableLoad], cable_of: dict[int, int]
+) -> dict[int, _OnOne]:
+    """What acts on each cable; foreign constraints and loads have been taken out."""
+    on_each = {number: _OnOne() for number in contents.items}
+    for held in contents.held.values():
+        on_each[cable_of[held.node]].held.append(held)
+    for moving in contents.moving.values():
+        on_each[cable_of[moving.node]].moving.append(moving)
+    for rod in contents.rods.values():
+        on_each[cable_of[rod.nodes[0]]].rods.append(rod)
+    for load in loads:
+        cable = load.cable if isinstance(load, ElementWeight) else cable_of[load.node]
+        on_each[cable].loads.append(load)
+    return on_each
 
 
 def read_held_coordinate(mbs: Any, data: dict[str, Any]) -> HeldCoordinate | None:
@@ -226,7 +257,7 @@ def read_held_coordinate(mbs: Any, data: dict[str, Any]) -> HeldCoordinate | Non
     return HeldCoordinate(int(moving[0]["nodeNumber"]), int(moving[0]["coordinate"]))
 
 
-def _read_loads(mbs: Any, on_cables: set[int], elements: Elements) -> tuple[list[CableLoad], list[str]]:
+def _read_loads(mbs: Any, on_cables: Container[int], elements: Elements) -> tuple[list[CableLoad], list[str]]:
     loads: list[CableLoad] = []
     weights: list[ElementWeight] = []
     others = []
@@ -241,7 +272,7 @@ def _read_loads(mbs: Any, on_cables: set[int], elements: Elements) -> tuple[list
     return loads + put_together(weights), others
 
 
-def _foreign_nodes(mbs: Any, on_cables: set[int]) -> list[str]:
+def _foreign_nodes(mbs: Any, on_cables: Container[int]) -> list[str]:
     foreign = []
     for number in range(mbs.systemData.NumberOfNodes()):
         if number in on_cables:
@@ -252,15 +283,13 @@ def _foreign_nodes(mbs: Any, on_cables: set[int]) -> list[str]:
     return foreign
 
 
-def _cable_in_scene(mbs: Any, number: int, contents: Contents, loads: list[CableLoad]) -> CableInScene:
+def _cable_in_scene(mbs: Any, number: int, contents: Contents, on_it: _OnOne) -> CableInScene:
     name, item = contents.names[number], contents.items[number]
-    moving = [coordinate for coordinate in contents.moving.values() if coordinate.node in item.nodes]
-    fixed, links = _supports(item, [c for c in contents.held.values() if c.node in item.nodes], name)
     places = {node: place for place, node in enumerate(item.nodes)}
-    links += links_of_motions(moving, places, item.cable.dimension)
-    for rod in contents.rods.values():
-        if set(rod.nodes) <= set(item.nodes):
-            links += rod.links([places[node] for node in rod.nodes], item.cable.dimension)
+    fixed, links = _supports(item, on_it.held, places, name)
+    links += links_of_motions(on_it.moving, places, item.cable.dimension)
+    for rod in on_it.rods:
+        links += rod.links([places[node] for node in rod.nodes], item.cable.dimension)
     indices = np.array(mbs.systemData.GetObjectLTGODE2(number))
     if item.cable.closed:
         indices = np.append(indices, indices[: 2 * item.cable.dimension])
@@ -268,23 +297,21 @@ def _cable_in_scene(mbs: Any, number: int, contents: Contents, loads: list[Cable
         cable=replace(item.cable, fixed=fixed, links=tuple(links)),
         item=item,
         indices=indices,
-        loads=[load for load in loads if _is_on(load, number, item)],
-        moving=moving,
+        loads=on_it.loads,
+        moving=on_it.moving,
         number=number,
         name=name,
     )
 
 
-def _is_on(load: CableLoad, number: int, item: CableItem) -> bool:
-    return load.cable == number if isinstance(load, ElementWeight) else load.node in item.nodes
-
-
-def _supports(item: CableItem, held: list[HeldCoordinate], name: str) -> tuple[np.ndarray, list[Link]]:
+def _supports(
+    item: CableItem, held: Iterable[HeldCoordinate], places: dict[int, int], name: str
+) -> tuple[np.ndarray, list[Link]]:
     """(n, 2) held nodes, and links where only some coordinates of a position are held."""
     reference = item.cable.reference
     flags = item.held.copy()
     for constraint in held:
-        flags[item.nodes.index(constraint.node)].flat[constraint.coordinate] = True
+        flags[places[constraint.node]].flat[constraint.coordinate] = True
     if item.cable.closed:
         flags[-1] = flags[0]
     fixed = np.zeros(flags.shape[:2], dtype=bool)
@@ -301,8 +328,17 @@ def _supports(item: CableItem, held: list[HeldCoordinate], name: str) -> tuple[n
 
 def initial_state(mbs: Any, scene_cable: CableInScene) -> tuple[np.ndarray, np.ndarray]:
     """Total coordinates and velocities (n, 2, dim) of the initial configuration."""
+    return initial_states(mbs, [scene_cable])[0]
+
+
+def initial_states(mbs: Any, cables: Iterable[CableInScene]) -> list[tuple[np.ndarray, np.ndarray]]:
+    """As `initial_state`, of each of these cables."""
     configuration = exudyn.ConfigurationType.Initial
-    reference = scene_cable.cable.reference
-    q = np.asarray(mbs.systemData.GetODE2Coordinates(configuration))[scene_cable.indices]
-    v = np.asarray(mbs.systemData.GetODE2Coordinates_t(configuration))[scene_cable.indices]
-    return reference + q.reshape(reference.shape), v.reshape(reference.shape)
+    all_q = np.asarray(mbs.systemData.GetODE2Coordinates(configuration))
+    all_v = np.asarray(mbs.systemData.GetODE2Coordinates_t(configuration))
+    states = []
+    for scene_cable in cables:
+        reference = scene_cable.cable.reference
+        q, v = all_q[scene_cable.indices], all_v[scene_cable.indices]
+        states.append((reference + q.reshape(reference.shape), v.reshape(reference.shape)))
+    return states

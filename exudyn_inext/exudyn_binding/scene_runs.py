@@ -1,11 +1,13 @@
 """Which runs move a scene: the cheapest way that is valid for what it contains."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from ..errors import InputError, SceneError
 from ..integrators import find_integrator
-from .explicit_runs import cable_runs, scheme_of
+from ..integrators.step_size import USUAL_SCALING, StepSizeBounds
+from .explicit_runs import cable_runs, scheme_of, step_bounds
 from .general.coupled_run import CoupledRun
 from .native_run import NativeRun, has_only_forces
 from .scene import Scene
@@ -65,6 +67,23 @@ def runs_of_scene(
             end_of_step=end_of_step,
         )
     ]
+
+
+def bounds_if_scaled(
+    mbs: Any, scene: Scene, solver: Any, time: float, h: float, explicit: ExplicitSettings
+) -> Callable[[], StepSizeBounds] | None:
+    """Bounds of the step h [s] with the usual mass scaling, to advise it; None if it is set, or cannot be.
+
+    Args: see `runs_of_scene`.
+    """
+    if explicit.massScaling or not scene.cables:
+        return None
+
+    def bounds() -> StepSizeBounds:
+        scaled = replace(explicit, massScaling=USUAL_SCALING)
+        return step_bounds(runs_of_scene(mbs, scene, solver, time, h, scaled), time, scaled)
+
+    return bounds
 
 
 def _shortened(items: Sequence[str], most: int = 3) -> str:

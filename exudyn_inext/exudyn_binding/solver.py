@@ -27,7 +27,7 @@ from .output_files import require_writable_outputs
 from .restart import Restarts
 from .resumed_outputs import ResumedOutputs
 from .scene import read_scene, require_assembled
-from .scene_runs import needs_coupling
+from .scene_runs import bounds_if_scaled, needs_coupling
 from .settings import ExplicitSettings
 from .time_grid import TimeGrid, time_grid
 from .time_loop import ExplicitTimeLoop, is_watched, warn_of_energy, worst_figures
@@ -46,6 +46,8 @@ def SolveExplicit(
 
     Steps that go wrong (constraints that cannot be solved for, an energy that jumps, numbers that are not
     finite) are rejected: the run goes on from the state before them with smaller ones, which grow again.
+    The stability limit is that of the initial state, as if contacts of cables with circles that are open
+    were closed.
 
     Sensors, solution files, pre- and post-step user functions and the SolutionViewer work as
     with mbs.SolveDynamic. Exudyn's steps are as long as the outputs allow: numberOfSteps of the
@@ -132,7 +134,8 @@ def SolveExplicit(
             duration = float(settings.timeIntegration.endTime) - start
             bounds, explicit = bounds_of_step(runs, start, duration, explicit)
             restarts.mass_scaling = explicit.massScaling
-            wanted, decided_by = wanted_step(bounds, explicit, taken=scaling or None)
+            scaled = bounds_if_scaled(mbs, scene, solver, start, given.h if given else 0.0, explicit)
+            wanted, decided_by = wanted_step(bounds, explicit, scaling or None, scaled)
             grid = restarts.grid(given or time_grid(mbs, settings, wanted))
             builder.take_step(explicit, grid.h)
             follow_frequencies(runs, bounds, explicit)

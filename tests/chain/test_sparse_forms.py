@@ -5,7 +5,8 @@ import pytest
 
 from exudyn_inext.chain.assembly import elastic_energy
 from exudyn_inext.chain.chain import build_chain
-from exudyn_inext.chain.sparse_forms import elastic_tangent, form_of_cable
+from exudyn_inext.chain.constraint_rows import unconstrained_force
+from exudyn_inext.chain.sparse_forms import damping_tangent, elastic_tangent, form_of_cable
 from tests.cables import (
     DIMENSIONS,
     MEASURES,
@@ -46,6 +47,19 @@ def test_tangent_is_the_second_derivative_of_the_energy(dim, measure, natural, n
     state = state_of(number, dim, measure, natural)
     found = elastic_tangent(build_chain(state.cable), state.q).toarray()
     assert relative_error(found, bending_tangent(state.cable, state.q)) < 1e-11
+
+
+@both_measures
+@pytest.mark.parametrize("dim", DIMENSIONS)
+def test_damping_tangent_gives_the_damping_force(dim, measure):
+    state = with_section(random_state(61, 5, dim, measure), bending_damping=0.3)
+    chain, rest = build_chain(state.cable), np.zeros_like(state.q)
+    moving, still = np.zeros_like(state.q), np.zeros_like(state.q)
+    unconstrained_force(chain, rest, state.q, state.v, moving)
+    unconstrained_force(chain, rest, state.q, rest, still)
+    found = damping_tangent(chain, state.q) @ state.v.ravel()
+    assert np.abs(found).max() > 0.0
+    assert relative_error(found, (still - moving).ravel()) < 1e-11
 
 
 @every_kind

@@ -26,7 +26,7 @@ from exudyn_inext import (
     WarnOfExplicitTraps,
 )
 from exudyn_inext.exudyn_binding.cable_item import find_cable_item
-from exudyn_inext.exudyn_binding.enforcement import ENFORCEMENTS
+from exudyn_inext.exudyn_binding.enforcement import ENFORCEMENTS, algebraic
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import load_node, native_cable, trajectory
 
@@ -322,3 +322,29 @@ def test_implicit_solvers_may_constrain_a_penalised_cable(mbs, add_cable):
     pin_by_constraints(mbs, cable["nodes"][0])
     mbs.Assemble()
     run_native(mbs, SOLVER.GeneralizedAlpha, 2e-3, 1e-3)
+
+
+@pytest.mark.parametrize("section", [{}, {"curvatureMeasure": "product"}, {"bendingDamping": 1e-3}], ids=str)
+def test_full_newton_asks_an_algebraic_cable_no_more_often_for_more_elements(
+    new_mbs, add_pendulum, section, monkeypatch
+):
+    """Its Jacobian is known, and need not be found by differences in all coordinates."""
+    asked = []
+    force = algebraic.unconstrained_force
+    monkeypatch.setattr(algebraic, "unconstrained_force", lambda *a: asked.append(1) or force(*a))
+    counts, tips = [], []
+    for elements, modified in ((8, False), (24, False), (24, True)):
+        mbs = new_mbs()
+        template = InextensibleCable(**SECTION, **section)
+        cable = add_pendulum(mbs, numberOfElements=elements, beamTemplate=template, enforcement="algebraic")
+        mbs.Assemble()
+        settings = quiet_settings(0.1, 50)
+        settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
+        settings.timeIntegration.newton.useModifiedNewton = modified
+        asked.clear()
+        with silence():
+            mbs.SolveDynamic(settings)
+        counts.append(len(asked))
+        tips.append(mbs.GetNodeOutput(cable["nodes"][-1], exudyn.OutputVariableType.Position))
+    assert counts[1] <= 1.3 * counts[0]
+    np.testing.assert_allclose(tips[1], tips[2], rtol=0, atol=1e-7)

@@ -30,8 +30,9 @@ def test_rule_reproduces_the_step_of_the_papers_pendulum():
     assert h == pytest.approx(2.588e-3, abs=5e-7)
 
 
-def bounds(bending=3.0, stabilisation=3.0, rule=3.0):
-    return StepSizeBounds(bending, stabilisation, rule, largest_frequency=123.5, cable="cable 'main'")
+def bounds(bending=3.0, stabilisation=3.0, rule=3.0, **others):
+    others = {"undamped": bending} | others
+    return StepSizeBounds(bending, stabilisation, rule, 123.5, "cable 'main'", **others)
 
 
 @pytest.mark.parametrize(
@@ -70,3 +71,24 @@ def test_refusal_names_value_limit_culprit_and_remedy(given, cause, remedy):
     assert isinstance(error, StepSizeError)
     for part in ("stepSize = 2.75 s", "above 2.5 s", "'Zhai'", cause, "reduce the step", remedy):
         assert part in str(error)
+
+
+def test_damping_that_lowers_the_limit_is_quoted_with_the_limit_without_it():
+    given = bounds(bending=0.1, undamped=2.0 / 123.5 * 100, damping=7.5)
+    message = str(step_above_limit(0.2, given, "RATTLE"))
+    assert "a damping of 7.5 1/s, which lowers it from 1.619 s" in message
+    assert "reduce the damping" in message
+
+
+def test_mass_scaling_is_advised_where_it_helps_and_only_there():
+    given = bounds(bending=2.5)
+    assert "massScaling" not in str(step_above_limit(2.75, given, "Zhai"))
+    assert "massScaling" not in str(step_above_limit(2.75, given, "Zhai", lambda: bounds(bending=2.6)))
+    assert "or set massScaling = 0.3." in str(step_above_limit(2.75, given, "Zhai", bounds))
+
+
+def test_contacts_to_come_are_named_with_what_makes_them_fast():
+    given = bounds(contact=0.5, touching="the wheel", softer="frictionVelocityPenalty")
+    message = str(step_above_limit(0.6, given, "RATTLE"))
+    for part in ("above 0.5 s", "when contacts close: the wheel", "0.4995 s", "lower their frictionVelocity"):
+        assert part in message

@@ -5,6 +5,7 @@ Exudyn rejects MarkerBodyPosition, SensorBody and contact on a cable's own objec
 
 from itertools import pairwise
 from typing import Any
+from weakref import WeakKeyDictionary
 
 from exudyn.itemInterface import (
     MarkerBodyPosition,
@@ -29,9 +30,9 @@ def CreateCompanionCables(mbs: Any, cable: Any, show: bool = False) -> list[int]
     cable has one set of them: a second call returns the first set. Sensors and contour plots show motion
     and CurvatureLocal; section forces, which companions lack, come from `CreateCableForceSensor`.
 
-    Contact works in the plane: ObjectContactFrictionCircleCable2D, whose stiffness the automatic step of
-    SolveExplicit takes into account before it closes, and GeneralContact.AddANCFCable, for which a
-    stepSize has to be given, as Exudyn does not tell its stiffness.
+    Contact works in the plane: ObjectContactCircleCable2D and ObjectContactFrictionCircleCable2D, whose
+    stiffness and damping bound the steps of SolveExplicit before they close, and
+    GeneralContact.AddANCFCable, for which a stepSize has to be given, as Exudyn does not tell its stiffness.
 
     Args:
         mbs: the system; call mbs.Assemble() afterwards.
@@ -53,6 +54,9 @@ def CreateCompanionCables(mbs: Any, cable: Any, show: bool = False) -> list[int]
     shown = require_flag("show", show)
     existing = _companions_by_nodes(mbs)
     spans = list(pairwise(item.node_names))
+    for nodes in spans:  # the system may have been built anew
+        if nodes in existing and _nodes_of_companion(mbs, existing[nodes]) != nodes:
+            del existing[nodes]
     return [
         existing[nodes] if nodes in existing else _add_companion(mbs, item, nodes, float(length), shown)
         for nodes, length in zip(spans, item.cable.element_lengths, strict=True)
@@ -93,14 +97,36 @@ def place_on_cable(item: CableItem, arc_length: Any) -> tuple[int, float]:
     return element, xi * float(lengths[element])
 
 
+class _Known:
+    """Companions of a system, so far.   looked_at: number of objects.   found: first one by its nodes."""
+
+    def __init__(self) -> None:
+        self.looked_at = 0
+        self.found: dict[tuple[int, int], int] = {}
+
+
+_known: WeakKeyDictionary[Any, _Known] = WeakKeyDictionary()  # so that no object is looked at twice
+
+
 def _companions_by_nodes(mbs: Any) -> dict[tuple[int, int], int]:
-    found: dict[tuple[int, int], int] = {}
-    for number in range(mbs.systemData.NumberOfObjects()):
-        data = mbs.GetObject(number)
-        if is_inert_cable(data):
-            left, right = map(int, data["nodeNumbers"])
-            found.setdefault((left, right), number)
-    return found
+    """Numbers of all companions; what became of those that are known, whoever uses them has to see."""
+    known, number = _known.setdefault(mbs, _Known()), mbs.systemData.NumberOfObjects()
+    if number < known.looked_at:  # the system was reset
+        known = _known[mbs] = _Known()
+    for k in range(known.looked_at, number):
+        if (nodes := _nodes_of_companion(mbs, k)) is not None:
+            known.found.setdefault(nodes, k)
+    known.looked_at = number
+    return known.found
+
+
+def _nodes_of_companion(mbs: Any, number: int) -> tuple[int, int] | None:
+    """Nodes of this object if it is a companion."""
+    data = mbs.GetObject(number)
+    if not is_inert_cable(data):
+        return None
+    left, right = map(int, data["nodeNumbers"])
+    return left, right
 
 
 def _add_companion(mbs: Any, item: CableItem, nodes: tuple[int, int], length: float, show: bool) -> int:

@@ -10,7 +10,8 @@ _IN_PLANE = {"NodeRigid"}
 REMEDY = (
     "on a cable use MarkerOnCable(mbs, cable, arcLength), or Marker- and SensorBody items on the objects of "
     "CreateCompanionCables(mbs, cable); on its nodes MarkerNodePosition, MarkerNodeCoordinate, "
-    "MarkerNodeCoordinates, and in the plane MarkerNodeRigid; for ends on bodies AttachToBody"
+    "MarkerNodeCoordinates, and in the plane MarkerNodeRigid; for ends on bodies AttachToBody; for weight "
+    "the argument gravity of CreateInextensibleCable, in place of MarkerBodyMass"
 )
 
 

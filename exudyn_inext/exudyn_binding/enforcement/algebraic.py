@@ -22,12 +22,15 @@ from ...chain.constraint_rows import (
     constraint_values,
     unconstrained_force,
 )
-from ...chain.sparse_forms import elastic_tangent, form_of_cable
+from ...chain.sparse_forms import damping_tangent, elastic_tangent, form_of_cable
 from ...element.inertia import mass_matrix
+from ...errors import RedundantConstraintError
 from ...loads.gravity import gravity_force
 from ..cable_data import CableItem
 from .coordinates import Coordinates
 from .weights import WeightWatch
+
+PIVOT_TOLERANCE = 1e-12  # smallest eigenvalue of rows of length 1 that do not depend on each other
 
 
 @dataclass(frozen=True)
@@ -35,12 +38,35 @@ class Algebraic:
     """Constraints (18), (19) as a CoordinateVectorConstraint, with multipliers of Exudyn.
 
     Forces that are linear in the coordinates are constant matrices of the object; `product` and bending
-    damping take a force user function, for which modified Newton pays. Long runs need numerical damping, as
+    damping take user functions of force and Jacobian (which leaves out how damping changes with the shape),
+    for which modified Newton pays. Long runs need numerical damping, as
     in generalizedAlpha.spectralRadius = 0.8; with 1 the pendulum's steps became ever smaller.
     """
 
     name: ClassVar[str] = "algebraic"
     supports_are_objects: ClassVar[bool] = True
+
+    def require_independent(self, item: CableItem, held: np.ndarray) -> None:
+        """J J^T of all rows with the coordinates that are free is regular; see `Enforcement`.
+
+        Raises:
+            RedundantConstraintError: it is not.
+        """
+        rows = build_rows(item.cable, held)
+        gradients = np.zeros((rows.number, *item.cable.reference.shape))
+        constraint_jacobian(rows, item.cable.reference, gradients)
+        coordinates = Coordinates(item.cable)
+        free = ~coordinates.vector(held.astype(float)).astype(bool)
+        jacobian = coordinates.vector(gradients)[:, free]
+        scaled = jacobian / np.linalg.norm(jacobian, axis=1, keepdims=True)
+        if np.linalg.eigvalsh(scaled @ scaled.T)[0] > PIVOT_TOLERANCE:
+            return
+        raise RedundantConstraintError(
+            "enforcement = 'algebraic': the length constraints of the cable and groundConstraintsStart and "
+            "groundConstraintsEnd depend on each other (a straight cable between supports as far apart as "
+            "it is long, or an element clamped at both ends), which native solvers cannot take: let the "
+            "cable sag (shape), or free a support."
+        )
 
     def object_parameters(self, item: CableItem) -> dict[str, Any]:
         cable = item.cable
@@ -72,7 +98,16 @@ def _linear_forces(cable: Cable, chain: Chain, external: Array) -> dict[str, Any
     coordinates, force = Coordinates(cable), external.copy()
     add_elastic_force(chain, cable.reference, force)
     stiffness = elastic_tangent(chain, cable.reference).toarray()
-    return {"stiffnessMatrix": coordinates.matrix(stiffness), "forceVector": coordinates.vector(force)}
+    nothing = np.zeros((coordinates.size, coordinates.size))
+
+    def no_more_than_stiffness_user_function(mbs, t, itemNumber, q, q_t, fODE2, fODE2_t):
+        return nothing  # without it, Exudyn would find the constant matrix by differences
+
+    return {
+        "stiffnessMatrix": coordinates.matrix(stiffness),
+        "forceVector": coordinates.vector(force),
+        "jacobianUserFunction": no_more_than_stiffness_user_function,
+    }
 
 
 def _forces_of_user_functions(cable: Cable, chain: Chain, external: Array) -> dict[str, Any]:
@@ -83,7 +118,17 @@ def _forces_of_user_functions(cable: Cable, chain: Chain, external: Array) -> di
         unconstrained_force(chain, external, coordinates.total(q), coordinates.nodal(q_t), force)
         return coordinates.vector(force)
 
-    return {"forceUserFunction": cable_force_user_function}
+    def cable_jacobian_user_function(mbs, t, itemNumber, q, q_t, fODE2, fODE2_t):
+        at = coordinates.total(q)
+        tangent = fODE2 * elastic_tangent(chain, at)
+        if cable.section.bending_damping:
+            tangent += fODE2_t * damping_tangent(chain, at)
+        return coordinates.matrix(tangent.toarray())
+
+    return {
+        "forceUserFunction": cable_force_user_function,
+        "jacobianUserFunction": cable_jacobian_user_function,
+    }
 
 
 def _constraint_user_functions(rows: ConstraintRows, item: CableItem) -> tuple[Any, Any]:

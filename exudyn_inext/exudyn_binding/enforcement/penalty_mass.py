@@ -55,6 +55,9 @@ class PenaltyMass:
             )
         require_positive("stabilizationRate", self.stabilizationRate)
 
+    def require_independent(self, item: CableItem, held: np.ndarray) -> None:
+        """Penalties may depend on each other."""
+
     def object_parameters(self, item: CableItem) -> dict[str, Any]:
         cable, coordinates = item.cable, Coordinates(item.cable)
         system = build_penalty_system(cable, item.held, float(self.penalty), float(self.stabilizationRate))

@@ -16,6 +16,9 @@ class Projection:
     name: ClassVar[str] = "projection"
     supports_are_objects: ClassVar[bool] = True
 
+    def require_independent(self, item: CableItem, held: np.ndarray) -> None:
+        """SolveExplicit looks at its start."""
+
     def object_parameters(self, item: CableItem) -> dict[str, Any]:
         return {
             "forceUserFunction": _refusing_user_function,

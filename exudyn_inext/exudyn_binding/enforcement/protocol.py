@@ -17,6 +17,12 @@ class Enforcement(Protocol):
     name: ClassVar[str]
     supports_are_objects: ClassVar[bool]
 
+    def require_independent(self, item: CableItem, held: np.ndarray) -> None:
+        """RedundantConstraintError if native solvers would meet constraints that depend on each other.
+
+        held: (n, 2, dim) coordinates that supports at the ends hold.
+        """
+
     def object_parameters(self, item: CableItem) -> dict[str, Any]:
         """Matrices and user functions of the ObjectGenericODE2."""
 

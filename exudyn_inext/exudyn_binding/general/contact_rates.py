@@ -1,76 +1,192 @@
-"""How fast a cable vibrates on what it may touch: contact that is open at the start of a run is not felt.
+"""What contacts of cables with circles would do if all of them closed: nobody feels them while they are open.
 
-Where an element of a companion touches a circle with all its segments, its contact springs k act on its
-mass alone at the worst: w^2 <= lambda_max(M_e^-1 sum k S S^T), and the dashpots likewise.
+Springs and dashpots between the middle of each open segment and the circle: those of contact across the
+cable, those of friction along it, as on a cable that lies on the circle. The ends of a segment meet the
+circle at an angle, by which each acts a little in the other direction, too. A circle feels at most one turn
+of the cable at once.
 """
 
 from collections.abc import Sequence
-from itertools import pairwise
+from dataclasses import dataclass
 from typing import Any
 
+import exudyn
 import numpy as np
-from scipy.linalg import eigh
+from scipy.sparse import csr_array, vstack
 
-from ...chain.attached import mass_of_points
-from ...chain.cable import Cable
-from ...coupling.small_vibrations import FastestRates
-from ...element.inertia import mass_matrix
-from ...element.shape_functions import shape_functions
+from ...arrays import Array
+from ...coupling.closed_contacts import ClosedContacts
+from ...element.shape_functions import first_derivatives, shape_functions
 from ...errors import SceneError
-from ..cable_run import CableRun
+from .coordinates import CoordinateMap
+from .surroundings import state_kept
 
-_NORMAL = ("contactStiffness", "contactDamping")
-_TANGENTIAL = ("frictionStiffness", "frictionVelocityPenalty")
+STIFFNESSES = ("contactStiffness", "frictionStiffness")  # across and along the cable
+DAMPINGS = ("contactDamping", "frictionVelocityPenalty")
 _CONTACTS = {"ContactFrictionCircleCable2D", "ContactCircleCable2D"}
 
 
-def contact_rates(mbs: Any, runs: Sequence[CableRun]) -> FastestRates:
-    """Bounds of frequency [rad/s] and damping [1/s] over all contacts of cables with circles."""
-    elements = {
-        frozenset(pair): (run.scene_cable.cable, k)
-        for run in runs
-        for k, pair in enumerate(pairwise(run.scene_cable.item.node_names))
-    }
-    squared: dict[Any, float] = {}
-    damping: dict[Any, float] = {}
-    for number in range(mbs.systemData.NumberOfObjects()):
-        data = mbs.GetObject(number)
-        if data["objectType"] not in _CONTACTS or not data["activeConnector"]:
-            continue
-        body = mbs.GetObject(mbs.GetMarker(data["markerNumbers"][1])["bodyNumber"])
-        key = frozenset(map(int, body["nodeNumbers"]))
-        if key not in elements:
-            continue
-        share = _per_unit(*elements[key], int(data["numberOfContactSegments"]))
-        stiffness, rate = (
-            max(data[normal], data.get(tangential, 0.0))
-            for normal, tangential in zip(_NORMAL, _TANGENTIAL, strict=True)
-        )
-        _require_finite(number, data, stiffness, rate)
-        squared[key] = squared.get(key, 0.0) + share * stiffness
-        damping[key] = damping.get(key, 0.0) + share * rate
-    return FastestRates(
-        float(np.sqrt(max(squared.values(), default=0.0))), max(damping.values(), default=0.0)
+@dataclass(frozen=True, eq=False)
+class _OpenContact:
+    """An object with segments that do not touch.
+
+    number: of the object.   data: of it.   element: (8,) system coordinates of its cable.
+    segments: how many are open.   length: of them together [m].
+    middles, slopes: (segments, 4) shape functions and their derivatives [1/m] in the middle of each.
+    """
+
+    number: int
+    data: dict[str, Any]
+    element: np.ndarray
+    segments: int
+    length: float
+    middles: Array
+    slopes: Array
+
+    @property
+    def marker(self) -> int:
+        """On the circle."""
+        return int(self.data["markerNumbers"][0])
+
+    @property
+    def radius(self) -> float:
+        return float(self.data["circleRadius"])
+
+    def strengths(self, names: Sequence[str]) -> tuple[float, float]:
+        """Of a segment across and along the cable, of the parameters of these names."""
+        across, along = (float(self.data.get(name, 0.0)) for name in names)
+        angle = min(0.5 * self.length / self.segments / max(self.radius, 1e-300), 1.0)
+        return across + angle**2 * along, along + angle**2 * across
+
+    def __str__(self) -> str:
+        names = [name for name in (*STIFFNESSES, *DAMPINGS) if self.data.get(name)]
+        given = ", ".join(f"{name} = {self.data[name]:g}" for name in names)
+        return f"object {self.number} '{self.data['name']}' ({self.data['objectType']}: {given})"
+
+
+@dataclass(frozen=True, eq=False)
+class OpenContacts:
+    """All contacts that are open.   closed: what they do if they close.   name: of them, for messages."""
+
+    closed: ClosedContacts
+    name: str
+
+
+def open_contacts(mbs: Any, coordinates: CoordinateMap, size: int) -> OpenContacts | None:
+    """Contacts of cables with circles that do not act in the current state of mbs; None: there is none.
+
+    Args:
+        mbs: assembled.   coordinates: of the coupled parts.   size: number of coordinates of all parts.
+    """
+    contacts = [_read(mbs, number) for number in range(mbs.systemData.NumberOfObjects())]
+    found = [contact for contact in contacts if contact is not None]
+    if not found:
+        return None
+    lengths: dict[int, float] = {}
+    for contact in found:
+        lengths[contact.marker] = lengths.get(contact.marker, 0.0) + contact.length
+    circles = {marker: _Circle(mbs, marker) for marker in lengths}
+    motions = []
+    for contact in found:
+        turn = 2.0 * np.pi * contact.radius
+        share = float(np.sqrt(min(1.0, turn / lengths[contact.marker])))
+        motions.append(_motion(mbs, contact, circles[contact.marker], share, coordinates, size))
+    stiffness, damping = (
+        np.concatenate([np.tile(contact.strengths(names), contact.segments) for contact in found])
+        for names in (STIFFNESSES, DAMPINGS)
     )
+    return OpenContacts(ClosedContacts(vstack(motions, format="csr"), stiffness, damping), _name(found))
 
 
-def _require_finite(number: int, data: dict[str, Any], stiffness: float, damping: float) -> None:
-    if not (np.isfinite(stiffness) and np.isfinite(damping)):
+def _require_finite(contact: _OpenContact) -> None:
+    """Raise SceneError unless springs and dashpots are numbers."""
+    strengths = (*contact.strengths(STIFFNESSES), *contact.strengths(DAMPINGS))
+    if not np.isfinite(strengths).all():
         raise SceneError(
-            f"object {number} '{data['name']}' ({data['objectType']}) has a stiffness of {stiffness:g} N/m "
-            f"and a damping of {damping:g} N s/m, so that no step is known to be stable: give finite numbers."
+            f"{contact} has a stiffness or a damping that is not finite, so that no step is known to be "
+            "stable: give finite numbers."
         )
 
 
-def with_contact(rates: FastestRates, contact: FastestRates) -> FastestRates:
-    """Bounds of both together."""
-    return FastestRates(float(np.hypot(rates.frequency, contact.frequency)), rates.damping + contact.damping)
+def _read(mbs: Any, number: int) -> _OpenContact | None:
+    """The contact that this object is, or None if it is none that is open."""
+    data = mbs.GetObject(number)
+    if data["objectType"] not in _CONTACTS or not data["activeConnector"]:
+        return None
+    cable = mbs.GetMarker(data["markerNumbers"][1])["bodyNumber"]
+    body = mbs.GetObject(cable)
+    if body["objectType"] != "ANCFCable2D":
+        return None
+    segments, length = int(data["numberOfContactSegments"]), float(body["length"])
+    gaps = np.array(mbs.systemData.GetDataCoordinates())[mbs.systemData.GetObjectLTGData(number)[:segments]]
+    xi = (np.flatnonzero(gaps > 0.0) + 0.5) / segments
+    if not len(xi):
+        return None
+    element = np.array(mbs.systemData.GetObjectLTGODE2(cable), dtype=int)
+    middles, slopes = shape_functions(xi, length).T, first_derivatives(xi, length).T
+    contact = _OpenContact(number, data, element, len(xi), length * len(xi) / segments, middles, slopes)
+    _require_finite(contact)
+    return contact
 
 
-def _per_unit(cable: Cable, k: int, segments: int) -> float:
-    """Largest eigenvalue of M_e^-1 sum S S^T, each segment in touch at its middle [1/kg]."""
-    length = float(cable.element_lengths[k])
-    shapes = shape_functions((np.arange(segments) + 0.5) / segments, length)
-    mass = cable.section.mass_per_length * mass_matrix(length)
-    mass = mass + mass_of_points(cable.point_masses, cable.element_lengths)[k]
-    return float(eigh(shapes @ shapes.T, mass, eigvals_only=True)[-1])
+class _Circle:
+    """The body that a marker lies on.
+
+    centre: (2,) [m].   rates: (k, 3) velocity of the marker [m/s] and angular velocity [1/s] in the plane
+    for a unit velocity of each coordinate of the body.
+    """
+
+    def __init__(self, mbs: Any, marker: int) -> None:
+        what = exudyn.OutputVariableType
+        self.centre = np.array(mbs.GetMarkerOutput(marker, what.Position))[:2]
+        data = mbs.GetMarker(marker)
+        body = data.get("bodyNumber")
+        system = mbs.systemData
+        columns = system.GetNodeLTGODE2(data["nodeNumber"]) if body is None else system.GetObjectLTGODE2(body)
+        rates = []
+        with state_kept(mbs):
+            for column in columns:
+                unit = np.zeros(system.ODE2Size())
+                unit[column] = 1.0
+                system.SetODE2Coordinates_t(unit.tolist())
+                velocity = mbs.GetMarkerOutput(marker, what.Velocity)[:2]
+                rates.append([*velocity, mbs.GetMarkerOutput(marker, what.AngularVelocity)[2]])
+        self.columns = np.array(columns, dtype=int)
+        self.rates = np.reshape(rates, (-1, 3))
+
+
+def _motion(
+    mbs: Any, contact: _OpenContact, circle: _Circle, share: float, coordinates: CoordinateMap, size: int
+) -> Any:
+    """(2 segments, size) relative velocities of the segments' middles and the circle, sparse.
+
+    Of each segment across and along the cable.   share: of the circle's velocity that counts [-].
+    """
+    reference = exudyn.ConfigurationType.Reference
+    q = np.add(mbs.systemData.GetODE2Coordinates(), mbs.systemData.GetODE2Coordinates(reference))
+    nodal = q[contact.element].reshape(4, 2)
+    axes = _across_and_along(contact.slopes @ nodal)
+    away = contact.middles @ nodal - circle.centre
+    away /= np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-12)
+    around = contact.radius * np.stack([-away[:, 1], away[:, 0]], axis=1)
+    of_cable = np.einsum("sf,sai->safi", contact.middles, axes)
+    turning = np.einsum("si,k->sik", around, circle.rates[:, 2])
+    of_circle = np.einsum("sik,sai->sak", circle.rates[:, :2].T + turning, axes)
+    count = 2 * contact.segments
+    block = np.hstack([of_cable.reshape(count, -1), -share * of_circle.reshape(count, -1)])
+    places = np.array([coordinates.place(int(c)) for c in (*contact.element, *circle.columns)])
+    rows, columns = np.indices(block.shape)
+    return csr_array((block.ravel(), (rows.ravel(), places[columns.ravel()])), shape=(count, size))
+
+
+def _across_and_along(tangents: Array) -> Array:
+    """(s, 2, 2) unit normals and tangents.   tangents: (s, 2)."""
+    along = tangents / np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), 1e-12)
+    return np.stack([np.stack([-along[:, 1], along[:, 0]], axis=1), along], axis=1)
+
+
+def _name(found: Sequence[_OpenContact]) -> str:
+    """The strongest one, and how many there are besides."""
+    strongest = max(found, key=lambda contact: contact.strengths(STIFFNESSES))
+    others = f" and {len(found) - 1} more like it" if len(found) > 1 else ""
+    return f"{strongest}{others}"

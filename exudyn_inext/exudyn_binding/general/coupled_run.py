@@ -1,7 +1,7 @@
 """Cables, bodies and joints of a scene, moved together: one right-hand side call for each evaluation."""
 
-from collections.abc import Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from functools import cached_property
 from typing import Any
 
@@ -12,6 +12,7 @@ from ...arrays import Array
 from ...chain.cable import Cable
 from ...chain.linked_cable import cable_system
 from ...compiled import plain
+from ...coupling.closed_contacts import rates_in_contact
 from ...coupling.small_vibrations import FastestRates, fastest_rates
 from ...errors import DivergenceError, RedundantConstraintError
 from ...integrators.integrator import Integrator, LoadHistory, advance
@@ -23,7 +24,7 @@ from ..divergence import explanation
 from ..start_velocities import require_finite
 from ..step_control import StepControl
 from ..time_grid import TimeGrid
-from .contact_rates import contact_rates, with_contact
+from .contact_rates import OpenContacts, open_contacts
 from .coupled_scene import CoupledCable, CoupledScene
 from .coupled_watch import LENIENCE, CoupledWatch
 from .kept_state import KeptState
@@ -127,22 +128,37 @@ class CoupledRun:
         return self._rates_at(self._time)
 
     def _rates_at(self, time: float) -> FastestRates:
-        """Of the present state; the cables' implicit damping does not bound the step."""
+        """Of the present state."""
+        with self._without_implicit_damping():
+            return fastest_rates(self._scene.system, time, self.state.q, self.state.v)
+
+    @contextmanager
+    def _without_implicit_damping(self) -> Iterator[None]:
+        """That of the cables does not bound the step."""
         with ExitStack() as stack:
             for run in self._runs:
                 stack.enter_context(run.implicit_damping_left_out())
-            return fastest_rates(self._scene.system, time, self.state.q, self.state.v)
+            yield
 
     def forget_rates(self, time: float) -> None:
         """Find them again, for the configuration at `time` [s]; the run must then begin again."""
         self._time = time
         self.__dict__.pop("_rates", None)
 
+    @cached_property
+    def contacts(self) -> OpenContacts | None:
+        """Contacts that are open at the start, if there are any."""
+        return open_contacts(self._mbs, self._scene.map, self._scene.size)
+
     @property
     def rates_in_contact(self) -> FastestRates:
-        """Bounds of the rates if all contacts close at once; zero where there are none."""
-        contact = contact_rates(self._mbs, self._runs)
-        return with_contact(self._rates, contact) if contact.frequency else FastestRates(0.0, 0.0)
+        """The rates if all of these contacts close at once; zero where there are none."""
+        if self.contacts is None:
+            return FastestRates(0.0, 0.0)
+        with self._without_implicit_damping():
+            return rates_in_contact(
+                self._scene.system, self.contacts.closed, self._time, self.state.q, self.state.v
+            )
 
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the present configuration, joints included."""
@@ -318,6 +334,7 @@ class CoupledRun:
         system, state, watch = self._scene.system, self.state, self.watch
         surroundings = self._scene.surroundings
         surroundings.path = watch.path_of_evaluations
+        surroundings.settles = surroundings.path is not None  # one evaluation in each step
         try:
             for factors, end in zip(times[:, np.newaxis, :, np.newaxis], ends, strict=True):
                 take_step(scheme, system, LoadHistory(_NOTHING, _TIME, factors), state, h, 1, self._output)
@@ -325,7 +342,7 @@ class CoupledRun:
                 for call in watch.after_each_step:
                     call()
         finally:
-            surroundings.path = None
+            surroundings.path, surroundings.settles = None, False
         watch.count(len(ends))
 
     def figures(self) -> dict[str, float]:
@@ -339,7 +356,13 @@ class CoupledRun:
         if self._unsolvable:
             return f"{self.name}: {self._unsolvable} If the motion before that is wrong, reduce stepSize."
         trouble = self._integrator.trouble(scheme, self.watch.watch.kept)
-        rates = self._rates_at(time)
-        limit = frequency_limit(self._integrator, scheme) / rates.frequency if rates.frequency else np.inf
+        limit = self._limit_now(scheme, time)
         said = explanation(self._integrator, trouble, self.control.present, limit, scaled=True)
         return f"{self.name}: {finding(self.watch.watch)}; {self.control.said}. {said}"
+
+    def _limit_now(self, scheme: Any, time: float) -> float:
+        """Stability limit [s] in the state of the last inspection; infinite if there is none."""
+        rates = self._rates_at(time)
+        if not rates.frequency > 0.0:
+            return np.inf
+        return frequency_limit(self._integrator, scheme, rates.damping / rates.frequency) / rates.frequency

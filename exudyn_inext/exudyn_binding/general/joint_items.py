@@ -13,6 +13,7 @@ from ...errors import SceneError
 
 _LINEAR = {"JointSpherical", "ConnectorCoordinate"}
 _WITHOUT_ROTATION = {"Ground", "MassPoint", "MassPoint2D", "Mass1D"}
+_WITH_UNKNOWNS = {"JointSliding2D", "JointSliding", "JointALEMoving2D"}
 _JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
 
 
@@ -47,7 +48,7 @@ def read_joints(mbs: Any, elsewhere: Collection[int]) -> list[JointItem]:
         elsewhere: object numbers of constraints that belong to a cable.
 
     Raises:
-        SceneError: a constraint on velocities.
+        SceneError: a constraint on velocities, or one with unknowns of its own.
     """
     joints = []
     for number in range(mbs.systemData.NumberOfObjects()):
@@ -61,6 +62,13 @@ def read_joints(mbs: Any, elsewhere: Collection[int]) -> list[JointItem]:
             raise SceneError(
                 f"{name} constrains velocities, which explicit steps do not support: use a constraint at "
                 "position level, or a penalty formulation such as CreateRollingDiscPenalty."
+            )
+        if data["objectType"] in _WITH_UNKNOWNS:
+            raise SceneError(
+                f"{name} brings algebraic unknowns of its own, the place on the cable among them, which "
+                "explicit steps do not support: keep the joint and create the cable with "
+                "enforcement='algebraic' for mbs.SolveDynamic, or hold the body at a point of the cable, by "
+                "MarkerOnCable and a joint or a spring."
             )
         joints.append(_joint(mbs, number, data, name))
     return [joint for joint in joints if len(joint.rows)]

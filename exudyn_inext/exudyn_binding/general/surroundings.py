@@ -52,12 +52,14 @@ class NativeSurroundings:
     varying_forces: (n,) the same, with the weights of cables that change in time.
     approach: of joints that were changed before the present step of the time loop, if any was.
     path: memory of the work that they do from one evaluation to the next, see `build_path`; None: not now.
+    settles: whether contact and friction update what they remember at each evaluation, before it.
     """
 
     joints: Sequence[str]
     blocks: Sequence[JointBlock]
     path: Array | None = None
     approach: Approach | None = None
+    settles: bool = False
 
     def __init__(
         self,
@@ -97,6 +99,8 @@ class NativeSurroundings:
     def forces(self, t: float, q: Array, v: Array) -> Sequence[Array]:
         """Gravity and motions of the cables, and all that Exudyn's items do to the parts."""
         self._set_state(t, q, v)
+        if self.settles:
+            self._settle()
         self._solver.ComputeODE2RHS(self._mbs)
         second, first = self._sizes
         if first:
@@ -160,14 +164,22 @@ class NativeSurroundings:
         return terms if self.approach is None else self.approach.applied(terms, t)
 
     def finish_step(self, t: float, q: Array, v: Array) -> None:
-        """Let contact and friction update what they remember, in the state at the end of a step.
+        """The next step starts from what contact and friction remember at the end of this one.
 
-        As Exudyn's explicit solvers do: once a step, and the next step starts from what is remembered.
+        Where a step has one evaluation, at its end, they have settled there: a contact that closes within a
+        step acts in it. Otherwise they do so here, as in Exudyn's explicit solvers, and act a step later.
         """
-        if self._remembers:
+        if not self._remembers:
+            return
+        if not self.settles:
             self._set_state(t, q, v)
+            self._settle()
+        self._data.SetDataCoordinates(self._data.GetDataCoordinates(), _START_OF_STEP)
+
+    def _settle(self) -> None:
+        """Contact and friction look at the state of mbs."""
+        if self._remembers:
             self._solver.PostNewton(self._mbs, self._settings)
-            self._data.SetDataCoordinates(self._data.GetDataCoordinates(), _START_OF_STEP)
 
     def show(self, t: float, q: Array, v: Array, multipliers: Array) -> None:
         """Leave the state at t in mbs, with the Lagrange multipliers (m,) of the joints for its sensors."""

@@ -7,6 +7,7 @@ from exudyn.itemInterface import (
     MarkerBodyCable2DShape,
     MarkerBodyRigid,
     NodeGenericData,
+    ObjectContactCircleCable2D,
     ObjectContactFrictionCircleCable2D,
 )
 
@@ -49,7 +50,25 @@ def add_contact(mbs, elements, circle, body=None):
         )
 
 
-def add_general_contact(mbs, elements, circle):
+def add_frictionless_contact(mbs, elements, circle, body=None):
+    """The same by the object that knows neither friction nor damping."""
+    body = mbs.CreateGround() if body is None else body
+    centre = mbs.AddMarker(MarkerBodyRigid(bodyNumber=body))
+    for element in elements:
+        shape = mbs.AddMarker(MarkerBodyCable2DShape(bodyNumber=element, numberOfSegments=SEGMENTS))
+        apart = NodeGenericData(initialCoordinates=[0.1] * SEGMENTS, numberOfDataCoordinates=SEGMENTS)
+        mbs.AddObject(
+            ObjectContactCircleCable2D(
+                markerNumbers=[centre, shape],
+                nodeNumber=mbs.AddNode(apart),
+                numberOfContactSegments=SEGMENTS,
+                contactStiffness=circle.stiffness,
+                circleRadius=circle.radius,
+            )
+        )
+
+
+def add_general_contact(mbs, elements, circle, centre=None):
     """The same by Exudyn's contact between many bodies; its friction has a zone of its own."""
     contact = mbs.AddGeneralContact()
     contact.frictionProportionalZone = 0.05
@@ -62,7 +81,8 @@ def add_general_contact(mbs, elements, circle):
         "contactDamping": circle.damping,
         "frictionMaterialIndex": 0,
     }
-    centre = mbs.AddMarker(MarkerBodyRigid(bodyNumber=mbs.CreateGround()))
+    if centre is None:
+        centre = mbs.AddMarker(MarkerBodyRigid(bodyNumber=mbs.CreateGround()))
     contact.AddSphereWithMarker(centre, radius=circle.radius, **springs)
     for element in elements:
         contact.AddANCFCable(objectIndex=element, halfHeight=0.0, **springs)

@@ -1,0 +1,213 @@
+"""What a message advises works when it is followed."""
+
+import math
+import re
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.itemInterface import (
+    LoadForceVector,
+    MarkerBodyCable2DCoordinates,
+    MarkerBodyMass,
+    MarkerBodyPosition,
+    MarkerBodyRigid,
+    MarkerNodePosition,
+    NodeGenericData,
+    ObjectANCFCable2D,
+    ObjectConnectorCartesianSpringDamper,
+    ObjectJointSliding2D,
+)
+from exudyn.utilities import InertiaCuboid
+
+from exudyn_inext import (
+    CableShape,
+    CreateCompanionCables,
+    CreateInextensibleCable,
+    ExplicitSettings,
+    InextensibleCable,
+    InputError,
+    MarkerOnCable,
+    RedundantConstraintError,
+    SceneError,
+    SolveExplicit,
+    StepSizeError,
+)
+from exudyn_inext.exudyn_binding.divergence import explanation
+from exudyn_inext.integrators import find_integrator
+from reference_models.model import quiet_settings, silence
+
+from .scenes import SECTION, cable_arguments, empty, run
+
+CLAMPED = {"groundConstraintsStart": [True] * 4}
+PIN = [True, True, False, False]
+
+
+def native_run(mbs):
+    settings = quiet_settings(0.02, 20)
+    settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
+    with silence():
+        return mbs.SolveDynamic(settings)
+
+
+def cable_and_body(**changes):
+    scene = empty()
+    scene.cable = CreateInextensibleCable(scene.mbs, **cable_arguments(**(CLAMPED | changes)))
+    scene.body = scene.mbs.CreateRigidBody(
+        inertia=InertiaCuboid(1000, [0.1] * 3), referencePosition=[0.2, 0, 0], create2D=True
+    )
+    scene.on_body = scene.mbs.AddMarker(MarkerBodyRigid(bodyNumber=scene.body))
+    return scene
+
+
+def sliding_body(**changes):
+    """A body that slides along a cable of three elements."""
+    scene = cable_and_body(**changes)
+    mbs = scene.mbs
+    elements = CreateCompanionCables(mbs, scene.cable)
+    markers = [mbs.AddMarker(MarkerBodyCable2DCoordinates(bodyNumber=element)) for element in elements]
+    place = mbs.AddNode(NodeGenericData(initialCoordinates=[0, 0.2], numberOfDataCoordinates=2))
+    mbs.AddObject(
+        ObjectJointSliding2D(
+            name="slider",
+            markerNumbers=[scene.on_body, markers[0]],
+            slidingMarkerNumbers=markers,
+            slidingMarkerOffsets=[0.6 * k for k in range(3)],
+            nodeNumber=place,
+        )
+    )
+    mbs.Assemble()
+    return mbs
+
+
+def test_a_sliding_joint_is_refused_by_its_kind_and_runs_with_native_solvers():
+    says = (
+        r"'slider' \(JointSliding2D\) brings algebraic unknowns of its own.*enforcement='algebraic'.*MarkerOn"
+    )
+    with pytest.raises(SceneError, match=says):
+        run(sliding_body())
+    assert native_run(sliding_body(enforcement="algebraic"))
+
+
+def test_a_body_on_a_point_of_the_cable_takes_the_place_of_a_sliding_joint():
+    scene = cable_and_body()
+    mbs = scene.mbs
+    markers = [scene.on_body, MarkerOnCable(mbs, scene.cable, 0.2)]
+    mbs.AddObject(ObjectConnectorCartesianSpringDamper(markerNumbers=markers, stiffness=[1e3] * 3))
+    mbs.Assemble()
+    assert run(mbs)["success"]
+
+
+@pytest.mark.parametrize(
+    ("template", "flags"),
+    [
+        (InextensibleCable(**SECTION), [True] * 3 + [False] * 3),
+        (ObjectANCFCable2D(**SECTION), [True] * 3 + [False] * 3),
+        (InextensibleCable(**SECTION), [True, True, True, False]),
+    ],
+)
+def test_flags_of_the_other_dimension_are_told_how_to_get_it(template, flags):
+    mbs = empty().mbs
+    arguments = cable_arguments(beamTemplate=template)
+    with pytest.raises(InputError, match=r"For a cable in space, .*use dimension = 3\."):
+        CreateInextensibleCable(mbs, **arguments, groundConstraintsStart=flags)
+    in_space = [*flags, *[False] * 6][:6]
+    CreateInextensibleCable(mbs, **arguments, groundConstraintsStart=in_space, dimension=3)
+    mbs.Assemble()
+    assert run(mbs)["success"]
+
+
+def test_a_planar_scene_in_space_is_told_how_to_stay_in_the_plane():
+    mbs = empty().mbs
+    with pytest.raises(InputError, match=r"leave z components out of shape.*dimension = 2\."):
+        CreateInextensibleCable(mbs, **cable_arguments(gravity=[0, 0, -9.81]), groundConstraintsStart=PIN)
+    CreateInextensibleCable(mbs, **cable_arguments(dimension=2), groundConstraintsStart=PIN)
+    mbs.Assemble()
+    assert run(mbs)["success"]
+
+
+@pytest.mark.parametrize("kind", [MarkerBodyPosition, MarkerBodyMass])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_marker_on_the_object_of_a_cable_is_told_what_takes_its_place(kind, dimension):
+    scene = empty()
+    mbs = scene.mbs
+    cable = CreateInextensibleCable(mbs, **cable_arguments(dimension=dimension))
+    mbs.AddMarker(kind(bodyNumber=cable["elements"][0]))
+    says = r"MarkerOnCable\(mbs, cable, arcLength\).*MarkerNodePosition.*for weight the argument gravity"
+    with silence(), pytest.raises(exudyn.ModelError):
+        mbs.Assemble()
+    with pytest.raises(SceneError, match=says):
+        run(mbs)
+    scene = empty()
+    cable = CreateInextensibleCable(scene.mbs, **cable_arguments(dimension=dimension))
+    node = scene.mbs.AddMarker(MarkerNodePosition(nodeNumber=cable["nodes"][-1]))
+    for marker in (MarkerOnCable(scene.mbs, cable, 0.7), node):
+        scene.mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=[0, 0.1, 0]))
+    scene.mbs.Assemble()
+    assert run(scene.mbs)["success"]
+
+
+def rope(sag, **changes):
+    """Between held ends; sag: what it is longer than their distance [-]."""
+    mbs = empty().mbs
+    x = np.linspace(-0.5, 0.5, 9)
+    height = math.sqrt(6.0 * sag)  # of a parabola, nearly
+    slopes = np.stack([np.ones(9), 8.0 * height * x / 2.0], axis=1)
+    slopes /= np.linalg.norm(slopes, axis=1, keepdims=True)
+    shape = CableShape(np.stack([x, 2.0 * height * x**2], axis=1), slopes)
+    template = InextensibleCable(0.1, 1e-3)
+    held = {"groundConstraintsStart": PIN, "groundConstraintsEnd": PIN}
+    arguments = {"shape": shape, "beamTemplate": template, "gravity": [0, -9.81, 0]} | held
+    CreateInextensibleCable(mbs, **(arguments | {"enforcement": "algebraic"} | changes))
+    mbs.Assemble()
+    return mbs
+
+
+def test_a_straight_rope_between_held_ends_is_refused_by_its_reason():
+    mbs = empty().mbs
+    before = mbs.systemData.NumberOfNodes()
+    says = r"enforcement = 'algebraic': .*depend on each other.*straight cable.*sag.*free a support"
+    held = {"groundConstraintsStart": PIN, "groundConstraintsEnd": PIN}
+    with pytest.raises(RedundantConstraintError, match=says):
+        CreateInextensibleCable(mbs, **cable_arguments(enforcement="algebraic"), **held)
+    assert mbs.systemData.NumberOfNodes() == before
+    assert native_run(rope(0.01))
+    assert native_run(rope(0.0, groundConstraintsEnd=None))
+
+
+def test_a_step_above_the_limit_is_told_a_step_and_a_scaling_that_are_accepted():
+    mbs = empty().mbs
+    CreateInextensibleCable(mbs, **cable_arguments(numberOfElements=10), groundConstraintsStart=PIN)
+    mbs.Assemble()
+    with pytest.raises(StepSizeError) as caught:
+        run(mbs, explicit=ExplicitSettings(stepSize=1e-3))
+    message = str(caught.value)
+    step = float(re.search(r"reduce the step below (\S+) s", message)[1])
+    scaling = float(re.search(r"set massScaling = (\S+)\.$", message)[1])
+    for explicit in ({"stepSize": step}, {"stepSize": 1e-3, "massScaling": scaling}):
+        with silence():
+            assert SolveExplicit(mbs, quiet_settings(2e-3, 2), ExplicitSettings(**explicit))["success"]
+
+
+def test_scaling_that_is_set_already_or_does_not_help_is_not_advised():
+    """Too little of it; and a spring that is too stiff for the step."""
+    for stiffness, explicit in ((0.0, {"massScaling": 1e-6}), (1e8, {})):
+        mbs = empty().mbs
+        CreateInextensibleCable(mbs, **cable_arguments(), groundConstraintsStart=PIN)
+        if stiffness:
+            stone = mbs.CreateMassPoint(mass=0.1, referencePosition=[0, 1, 0])
+            ground = mbs.CreateGround(referencePosition=[0, 1, 0])
+            mbs.CreateCartesianSpringDamper(itemNumbers=[stone, ground], stiffness=[stiffness] * 3)
+        mbs.Assemble()
+        settings = quiet_settings(0.1, 2)
+        with silence(), pytest.raises(StepSizeError, match="reduce the step") as caught:
+            SolveExplicit(mbs, settings, ExplicitSettings(stepSize=2e-2, **explicit))
+        assert "massScaling" not in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["RATTLE", "Zhai"])
+def test_a_limit_that_is_not_known_is_not_quoted(name):
+    said = explanation(find_integrator(name), "", 1e-3, math.inf, scaled=True)
+    assert "%" not in said
+    assert "reduce stepSize" in said
+    assert "at less than 1% of" in explanation(find_integrator(name), "", 1e-9, 1.0, scaled=True)
