@@ -66,17 +66,20 @@ class FrequencyFollower:
         self._rule = rule
         self._frequency = frequency
 
-    def nominal_step(self, log: Any) -> float:
-        """Largest step that is allowed now [s]; 0 if only a run that has diverged asks for so small a one."""
+    def nominal_step(self, log: Any, remaining: float) -> float:
+        """Largest step that is allowed now [s]; 0 if only a run that has diverged asks for so small a one.
+
+        remaining: of the interval [s].
+        """
         frequency = self._frequency()
         if not math.isfinite(frequency):
             return 0.0
         growth = max(0.0, frequency - log.frequency) if log.frequency else 0.0
         log.frequency = frequency
         allowed = self._rule.safety * self._rule.limit / max(frequency + growth, 1e-300)
-        step = min(allowed, self._rule.largest)
+        step = min(allowed, self._rule.largest, remaining)
         log.first = log.first or step
-        return step if step > SMALLEST * log.first else 0.0
+        return step if step > SMALLEST * min(log.first, remaining) else 0.0
 
 
 class StepControl:
@@ -154,7 +157,7 @@ class StepControl:
         """
         nominal, together = h / 2**self.halvings, PIECE
         if self.follower is not None:
-            nominal, together = self.follower.nominal_step(self._log), STEPS_BETWEEN
+            nominal, together = self.follower.nominal_step(self._log, remaining), STEPS_BETWEEN
         if nominal == 0.0:
             return 0.0, 0
         if self._log.quarters == 0:
