@@ -84,7 +84,7 @@ def bounds_of_step(
 
 def _mass_scaling(cables: Sequence[CableRun], step: float, explicit: ExplicitSettings) -> float:
     """theta of the settings; None there: where bending would bound a step of that size [s]."""
-    if explicit.massScaling is not None:
-        return explicit.massScaling
+    if explicit.massScaling is not None or explicit.adaptiveStep:
+        return explicit.massScaling or 0.0
     decides = any(step > rule_of_cable(cable.scene_cable.cable, 1.0) for cable in cables)
     return THETA if decides and math.isfinite(step) else 0.0

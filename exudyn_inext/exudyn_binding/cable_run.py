@@ -13,7 +13,7 @@ from ..chain.chain import set_mass
 from ..chain.frequency import FrequencyTracker, largest_frequency
 from ..chain.implicit_bending import ImplicitBending
 from ..chain.linked_cable import LinkedCableSystem, cable_system
-from ..integrators.integrator import Integrator
+from ..integrators.integrator import Integrator, LoadHistory
 from ..integrators.linear_stability import frequency_limit
 from ..integrators.watch import FAILED, NOW, record_watched
 from .cable_loads import CableLoads
@@ -86,7 +86,7 @@ class CableRun:
         self.indices = scene_cable.indices
         self.reference = cable.reference.ravel()
         self._theta, self._likely_step = start.theta, start.h
-        self._gave_up = False
+        self.gave_up = False
         self._lag = 0.5 if integrator.has_implicit_damping and cable.section.bending_damping else 0.0
         scaled = ImplicitBending(start.theta * start.h**2)
         self.system = cable_system(cable, start.zeta, scaled)
@@ -226,21 +226,32 @@ class CableRun:
         """Equal steps through all intervals, in one compiled call; returns how many went well."""
         h, steps = grid.h / 2**self.control.halvings, grid.substeps * 2**self.control.halvings
         start = grid.time(first)
-        self._change_step(h, start)
+        self.change_step(h, start)
         number = len(history) * steps
         loads = self.loads.sample(grid.start, h, number, self.stages, first=first * steps)
+        good, taken = self.take_nominal(scheme, loads, h, steps, history)
+        if good < len(history):
+            self.reject_after(taken - good * steps, h, start + taken * h)
+        self._look_at_limit(scheme, h, number)
+        return good
+
+    def take_nominal(
+        self, scheme: Any, loads: LoadHistory, h: float, steps: int, history: Array
+    ) -> tuple[int, int]:
+        """Steps of h [s], so many in each interval; returns the intervals and the steps that went well."""
         before = self.watch.steps
         good = record_watched(scheme, self.system, loads, self.state, h, steps, history, self.watch.watch)
         taken = self.watch.steps - before
         self.control.accept(h, taken)
-        if good < len(history):
-            self.control.offset = (taken - good * steps) * h
-            self.forget()
-            self._reject(start + taken * h)
-        self._look_at_limit(scheme, h, number)
-        return good
+        return int(good), taken
 
-    def _finish_interval(self, scheme: Any, grid: TimeGrid, number: int, history: Array) -> bool:
+    def reject_after(self, taken: int, h: float, time: float) -> None:
+        """Prepare for smaller steps, `taken` ones of h [s] after the start of an interval, at `time` [s]."""
+        self.control.offset = taken * h
+        self.forget()
+        self._reject(time)
+
+    def finish_interval(self, scheme: Any, grid: TimeGrid, number: int, history: Array) -> bool:
         """The rest of interval `number` of the loop, in pieces of steps that may change.
 
         history: (1, 3, n_dof) output.   Returns whether the end was reached.
@@ -250,18 +261,18 @@ class CableRun:
             remaining = interval - control.offset
             duration, steps = control.piece(remaining, grid.h)
             if not steps:
-                self._gave_up = True
+                self.gave_up = True
                 return False
             if self._take_piece(scheme, end - remaining, duration / steps, steps, history):
                 control.offset += duration
-            elif self._gave_up:
+            elif self.gave_up:
                 return False
         control.offset = 0.0
         return True
 
     def _take_piece(self, scheme: Any, start: float, h: float, steps: int, history: Array) -> bool:
         """Equal steps from the time `start` [s]; if they go wrong, the state is that before them."""
-        self._change_step(h, start)
+        self.change_step(h, start)
         kept = _copy(self.memory())
         loads = self.loads.sample(start, h, steps, self.stages)
         if record_watched(scheme, self.system, loads, self.state, h, steps, history, self.watch.watch):
@@ -281,8 +292,8 @@ class CableRun:
             self.control.halve(times)
             if not self.control.may_halve:
                 self.watch.limit_phase(1.0, math.inf)
-        elif not self.control.reject():
-            self._gave_up = True
+        elif self.watch.gains_too_much or not self.control.reject():
+            self.gave_up = True
             return
         self.resume(time)
 
@@ -293,7 +304,7 @@ class CableRun:
         self.control.halve(halvings - self.control.halvings)
         self.resume(time)
 
-    def _change_step(self, h: float, time: float) -> None:
+    def change_step(self, h: float, time: float) -> None:
         """Prepare for steps of h [s] from the present state, at `time` [s]."""
         before = self.control.present
         if abs(h - before) <= ROUND_OFF * h:
@@ -340,11 +351,11 @@ class CableRun:
         """
         good = 0
         beginning = _copy(self.memory()) if first == grid.first else None
-        while good < len(history) and not self._gave_up:
+        while good < len(history) and not self.gave_up:
             if self.control.is_nominal:
                 good += self._record_nominal(scheme, grid, first + good, history[good:])
             else:
-                good += self._finish_interval(scheme, grid, first + good, history[good : good + 1])
+                good += self.finish_interval(scheme, grid, first + good, history[good : good + 1])
             if self.watch.steps_to_halve and beginning:
                 self._begin_again(beginning, grid.time(first))
                 good = 0
@@ -368,13 +379,15 @@ class CableRun:
 
     def verdict(self, scheme: Any, time: float, h: float) -> str:
         """What went wrong in the last steps, and why; empty if all is well."""
-        if not self._gave_up:
+        if not self.gave_up:
             return ""
-        smallest = self.control.present
+        tried, taken = f"; {self.control.said}", self.control.present
+        if self.watch.gains_too_much:
+            tried, taken = "", h
         trouble = self._integrator.trouble(scheme, self.watch.watch.kept)
         limit = self._stability_limit(scheme, self.largest_frequency(time))
-        said = explanation(self._integrator, trouble, smallest, limit, self.is_scaled)
-        return f"{self.name}: {self.watch.finding(self.state)}; {self.control.said}. {said}"
+        said = explanation(self._integrator, trouble, taken, limit, self.is_scaled)
+        return f"{self.name}: {self.watch.finding(self.state)}{tried}. {said}"
 
     def _stability_limit(self, scheme: Any, frequency: float) -> float:
         if math.isnan(frequency):

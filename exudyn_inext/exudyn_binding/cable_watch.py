@@ -79,9 +79,9 @@ class CableWatch:
         return steps_to_halve(self.watch)
 
     @property
-    def energy_error(self) -> float:
-        """Largest gain so far [-]."""
-        return float(self.watch.account[NOW].gain)
+    def gains_too_much(self) -> bool:
+        """Whether the energy has grown so much altogether that smaller steps do not help."""
+        return bool(self.watch.account[NOW].trouble == ENERGY)
 
     @property
     def steps(self) -> int:
@@ -104,7 +104,8 @@ def steps_to_halve(watch: Watch) -> int:
     """How often the step must be halved for the motion; 0 if it is short enough."""
     if watch.account[NOW].trouble != TOO_FAST:
         return 0
-    return max(1, math.ceil(0.5 * math.log2(watch.account[FAILED].phase / watch.phase)))
+    excess = watch.account[FAILED].phase / watch.phase
+    return max(1, math.ceil(0.5 * math.log2(max(excess, 1.0))))
 
 
 def figures(watch: Watch) -> dict[str, float]:
@@ -134,7 +135,7 @@ def finding(watch: Watch) -> str:
     if account.trouble == ENERGY:
         return (
             f"it has {account.error:.2%} more energy than the work done on it explains, of what its "
-            f"motion turns over (limit {watch.tolerance:.2%})"
+            f"motion turns over (limit {watch.most:.2%})"
         )
     if account.trouble == JUMP:
         return (

@@ -239,12 +239,26 @@ class _Ensemble:
         stacks = (chunk.systems, chunk.loads, chunk.states)
         good = np.zeros(len(chunk.runs), dtype=int)
         record_members(self._scheme, *stacks, grid.h, grid.substeps, chunk.watches, output, good)
+        for member in np.flatnonzero(good < grid.loop_steps).tolist():
+            good[member] = self._recorded_alone(chunk.runs[member], output[:, member])
         for member, run in enumerate(chunk.runs):
             number, places = chunk.first + member, as_slice(run.indices)
             output[0, member] -= run.reference
             self._good[chunk.cable, number] = good[member]
             self.states[:, number, 1 : good[member] + 1][..., places] = output[:, member, : good[member]]
         return len(chunk.runs) if chunk.cable == len(self._good) - 1 else 0
+
+    def _recorded_alone(self, run: CableRun, output: Array) -> int:
+        """Steps of a member that went wrong are rejected, as in a run of its own; returns its good intervals.
+
+        output: (derivatives, intervals, n_dof) q, v, a.
+        """
+        grid = self.grid
+        history = np.empty((grid.loop_steps, 3, len(run.indices)))
+        good = run.record(self._scheme, grid, 0, history)
+        history[:good, 0] += run.reference
+        output[:, :good] = history[:good, : len(output)].swapaxes(0, 1)
+        return good
 
     def results(self) -> dict[str, Any]:
         """What `SolveEnsemble` returns; of several cables, the first divergence ends their member."""

@@ -148,7 +148,7 @@ def follow_frequencies(runs: Sequence[Run], bounds: StepSizeBounds, explicit: Ex
         )
     integrator, scheme = find_integrator(explicit.integrator), scheme_of(explicit)
     safety = explicit.stepSafety or bounds.safety
-    largest = min(explicit.stepSize or math.inf, safety * bounds.stabilisation)
+    largest = min(explicit.stepSize or bounds.accuracy, safety * bounds.stabilisation)
     for run in runs:
         if isinstance(run, CableRun):
             limit = frequency_limit(integrator, scheme, run.damping_ratio(bounds.largest_frequency))

@@ -124,7 +124,8 @@ class NativeRun:
     def accelerations(self, solver: Any) -> Array:
         """(n,) of the present state, at the present time of mbs, as the given solver evaluates it."""
         a, rate = np.zeros((2, self.state.q.size))
-        native_rates(self._system._replace(solver=solver), None, self.state.q, self.state.v, a, rate)
+        system, time = self._system._replace(solver=solver), np.array([self._system.mbs.systemData.GetTime()])
+        native_rates(system, time, self.state.q, self.state.v, a, rate)
         return a
 
     def largest_frequency(self, time: float) -> float:

@@ -22,7 +22,7 @@ from .settings import ExplicitSettings
 Identity = Mapping[str, Mapping[str, str]]
 """Item -> its parameters -> their values, as texts."""
 
-_FREE_TO_CHANGE = {"retries", "energyTolerance"}
+_FREE_TO_CHANGE = {"energyTolerance"}
 _KINDS = ("Object", "Node", "Marker", "Load")
 _NAME, _NUMBER = "name", "number"
 _STEP_FUNCTIONS = ("PreStepUserFunction", "PostStepUserFunction", "PostNewtonUserFunction")

@@ -11,8 +11,8 @@ from ..checks import LARGEST
 from ..errors import InputError
 from ..integrators import find_integrator
 from ..integrators.integrator import LoadHistory
-from ..integrators.watch import record_watched
 from .cable_run import CableRun
+from .time_grid import TimeGrid
 
 _SEQUENCES = (Sequence, np.ndarray)
 
@@ -58,14 +58,16 @@ class SteppedCable:
         Returns:
             Whether they went well.
         """
-        run = self.run
+        run, time = self.run, start + first * h
         self._present, self._before = self._before, self._present
-        loads = self._constant_loads or run.loads.sample(start, h, steps, self._stages, first=first)
-        return bool(
-            record_watched(
-                self._scheme, run.system, loads, run.state, h, steps, self._present, run.watch.watch
-            )
-        )
+        if run.control.is_nominal:
+            run.change_step(h, time)
+            loads = self._constant_loads or run.loads.sample(start, h, steps, self._stages, first=first)
+            good, taken = run.take_nominal(self._scheme, loads, h, steps, self._present)
+            if good:
+                return True
+            run.reject_after(taken, h, time + taken * h)
+        return run.finish_interval(self._scheme, TimeGrid(time, 1, steps, h), 0, self._present)
 
     def verdict(self, time: float, h: float) -> str:
         """What went wrong; see `CableRun.verdict`."""

@@ -186,9 +186,7 @@ def _hold_in_plane(mbs: Any, rope: Rope, point: Any) -> None:
 def _add_planar_body(mbs: Any, rope: Rope, cable: Any, mass: float) -> None:
     x, y = rope.end[:2]
     node = mbs.AddNode(NodeRigidBody2D(referenceCoordinates=[x, y - 0.05, 0.0]))
-    body = mbs.AddObject(
-        ObjectRigidBody2D(mass=mass, inertia=mass * 0.1**2 / 6.0, nodeNumber=node)
-    )
+    body = mbs.AddObject(ObjectRigidBody2D(mass=mass, inertia=mass * 0.1**2 / 6.0, nodeNumber=node))
     centre = mbs.AddMarker(MarkerBodyPosition(bodyNumber=body))
     mbs.AddLoad(Force(markerNumber=centre, loadVector=[0.0, mass * GRAVITY[1], 0.0]))
     AttachToBody(mbs, cable, "end", body, [0.0, 0.05, 0.0])

@@ -8,6 +8,7 @@ import pytest
 from exudyn.itemInterface import SensorNode
 
 from exudyn_inext import CreateInextensibleCable, ExplicitSettings, InextensibleCable, SolveExplicit
+from exudyn_inext.exudyn_binding import step_control
 from reference_models.model import quiet_settings, silence
 from tests import scene_contents
 
@@ -65,6 +66,12 @@ def solve():
             return SolveExplicit(mbs, settings, ExplicitSettings(**explicit))
 
     return run
+
+
+@pytest.fixture
+def without_smaller_steps(monkeypatch):
+    """Steps that go wrong are not taken again: what would need the smallest ones ends a run at once."""
+    monkeypatch.setattr(step_control, "QUARTERS", 0)
 
 
 @pytest.fixture

@@ -175,7 +175,7 @@ def test_settings_and_properties_of_cables_count(build):
     scene = build()
     before = identity(scene.mbs)
     assert found(before, identity(scene.mbs, integrator="Zhai")).startswith("integrator was 'RATTLE', and is")
-    assert found(before, identity(scene.mbs, retries=2, energyTolerance=0.1)) == ""
+    assert found(before, identity(scene.mbs, energyTolerance=0.1)) == ""
     SetCableDrag(scene.mbs, scene.cable, CableDrag(1.2, 0.01, diameter=0.01, fluidDensity=1.2))
     assert found(before, identity(scene.mbs)).startswith("drag")
 

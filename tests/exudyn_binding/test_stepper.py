@@ -235,7 +235,7 @@ def test_the_system_is_left_alone_until_it_is_written_to(twin, contents):
     assert contents(mbs) == before
 
 
-def test_a_divergence_keeps_the_last_good_state_and_asks_for_a_new_start(twin):
+def test_a_divergence_keeps_the_last_good_state_and_asks_for_a_new_start(twin, without_smaller_steps):
     with pytest.warns(UserWarning, match="stepSize"):
         stepper = started(twin().mbs, 5e-3, allowUnstableStep=True)
     with pytest.raises(DivergenceError, match=r"cable 'object0'.*stepper holds the state at t = "):

@@ -166,7 +166,7 @@ def test_settings_are_as_before_and_kept_in_the_system_after_a_run(twin, solve):
     assert isinstance(built.mbs.sys["dynamicSolver"], exudyn.MainSolverImplicitSecondOrder)
 
 
-def test_settings_are_as_before_after_a_failing_run(twin, solve):
+def test_settings_are_as_before_after_a_failing_run(twin, solve, without_smaller_steps):
     built, settings = twin(), quiet_settings(5.0, 3)
     before = repr(settings.GetDictionary())
     with pytest.warns(UserWarning, match="stepSize"), pytest.raises(DivergenceError):
@@ -174,7 +174,7 @@ def test_settings_are_as_before_after_a_failing_run(twin, solve):
     assert repr(settings.GetDictionary()) == before
 
 
-def test_a_system_can_be_run_again_after_a_divergence(twin, solve):
+def test_a_system_can_be_run_again_after_a_divergence(twin, solve, without_smaller_steps):
     built, fresh = twin(), twin()
     with pytest.warns(UserWarning, match="stepSize"), pytest.raises(DivergenceError):
         solve(built.mbs, 5.0, stepSize=5e-3, allowUnstableStep=True)

@@ -1,4 +1,4 @@
-"""What a watched run says: reports, messages, retries; among bodies as for cables alone."""
+"""What a watched run says: reports, messages; among bodies as for cables alone."""
 
 import exudyn
 import numpy as np
@@ -40,7 +40,7 @@ def test_slow_growth_is_explained_with_time_cable_element_quantity_cause_and_rem
     built = twin()
     message = (
         r"diverged before t = [\d.]+ s\. cable 'object0': it has [\d.]+% more energy than the work done on "
-        r"it explains.*limit 0\.30%.*between nodes \d and \d\. Likely cause: Zhai, at 9\d% of the stability "
+        r"it explains.*limit 9\.00%.*between nodes \d and \d\. Likely cause: Zhai, at 9\d% of the stability "
         r"limit"
         r".*integrator='RATTLE'.*mbs holds the last good output, that of t = ([\d.]+) s"
     )
@@ -51,12 +51,12 @@ def test_slow_growth_is_explained_with_time_cable_element_quantity_cause_and_rem
     assert np.abs(rows[:, 1:3]).max() < 1.81
 
 
-def test_without_tolerance_the_energy_is_not_looked_at(twin, solve):
+def test_without_tolerance_the_energy_is_not_looked_at(twin, solve, without_smaller_steps):
     with pytest.raises(DivergenceError, match=r"not finite|is violated"):
         solve(twin().mbs, 100.0, integrator="Zhai", stepSize=2.5e-3, energyTolerance=np.inf)
 
 
-def test_a_step_above_the_limit_is_named_as_the_cause(twin, solve):
+def test_a_step_above_the_limit_is_named_as_the_cause(twin, solve, without_smaller_steps):
     with (
         pytest.warns(UserWarning, match="stability limit"),
         pytest.raises(
@@ -66,33 +66,11 @@ def test_a_step_above_the_limit_is_named_as_the_cause(twin, solve):
         solve(twin().mbs, 1.0, stepSize=5e-3, allowUnstableStep=True)
 
 
-def test_of_a_violent_divergence_only_the_last_steps_are_lost(twin, solve):
-    """Outputs at each step: the last one is good, the next one cannot be had by any inspection."""
-    built, longer = twin(), twin()
-    with pytest.warns(UserWarning), pytest.raises(DivergenceError, match="last good output"):
-        solve(built.mbs, settings=quiet_settings(1.0, 1, 4e-3), stepSize=4e-3, allowUnstableStep=True)
-    rows = np.asarray(built.mbs.GetSensorStoredData(built.tip))
-    q = np.reshape(built.mbs.systemData.GetODE2Coordinates(), (6, 2, 2))[:, 1] + [1.0, 0.0]
-    np.testing.assert_allclose((q**2).sum(axis=1), 1.0, atol=0.05)
-    solve(longer.mbs, settings=quiet_settings(1.0, 1, 1e-3), stepSize=1e-3)
-    exact = np.asarray(longer.mbs.GetSensorStoredData(longer.tip))[::4]
-    good = np.linalg.norm(rows[:, 1:3] - exact[: len(rows), 1:3], axis=1) < 0.01
-    assert len(rows) - good.sum() < 10
-
-
-def test_retries_begin_anew_with_half_the_step(twin, solve):
-    built, fine = twin(), twin()
-    with pytest.warns(UserWarning, match="stability limit"):
-        report = solve(built.mbs, 0.5, stepSize=5e-3, allowUnstableStep=True, retries=2)
-    assert report["retries"] == 1 and report["stepSize"] == pytest.approx(2.5e-3)
-    solve(fine.mbs, 0.5, stepSize=2.5e-3)
-    first, second = (np.asarray(b.mbs.GetSensorStoredData(b.tip)) for b in (built, fine))
-    np.testing.assert_array_equal(first, second)
-
-
-def test_the_last_retry_raises(twin, solve):
-    with pytest.warns(UserWarning), pytest.raises(DivergenceError, match=r"0\.006 s is above|step of 0\.00"):
-        solve(twin().mbs, 0.5, stepSize=2e-2, allowUnstableStep=True, retries=1)
+def test_a_scheme_that_gains_energy_slowly_is_warned_of_once(twin, solve):
+    """The paper's Zhai at its own step: it goes on."""
+    with pytest.warns(UserWarning, match=r"energy has grown by 0\.[3-9]\d*%.*RATTLE") as caught:
+        report = solve(twin().mbs, 10.0, integrator="Zhai", stepSize=2.5e-3)
+    assert len(caught) == 1 and 0.003 < report["drift"]["energyGain"] < 0.09
 
 
 def swing_among_bodies(mbs, add_cable, kind):

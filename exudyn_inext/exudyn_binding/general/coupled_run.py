@@ -17,6 +17,7 @@ from ...coupling.small_vibrations import FastestRates, fastest_rates
 from ...errors import DivergenceError, RedundantConstraintError
 from ...integrators.integrator import Integrator, LoadHistory, advance
 from ...integrators.linear_stability import frequency_limit
+from ...integrators.watch import ENERGY
 from ..cable_run import CableRun
 from ..cable_watch import figures, finding
 from ..consistent_start import ROUND_OFF, StartCorrection, agree
@@ -287,7 +288,7 @@ class CoupledRun:
             self.control.halve(times)
             if not self.control.may_halve:
                 self.watch.limit_phase(1.0, np.inf)
-        elif not self.control.reject():
+        elif trouble == ENERGY or not self.control.reject():
             self._gave_up = True
             return False
         self._scene.surroundings.forget()
