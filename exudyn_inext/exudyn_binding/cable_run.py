@@ -6,16 +6,19 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from ..arrays import Array
 from ..chain.attached_forces import drag_rate
 from ..chain.cable import Cable
 from ..chain.chain import set_mass
 from ..chain.frequency import FrequencyTracker, largest_frequency
-from ..chain.implicit_bending import ImplicitBending
+from ..chain.implicit_bending import EXPLICIT, ImplicitBending
 from ..chain.linked_cable import LinkedCableSystem, cable_system
 from ..integrators.integrator import Integrator, LoadHistory
 from ..integrators.linear_stability import frequency_limit
 from ..integrators.watch import FAILED, NOW, record_watched
+from ..system import accelerate_and_project
 from .cable_loads import CableLoads
 from .cable_watch import CableWatch, figures, memory_of
 from .consistent_start import (
@@ -86,7 +89,7 @@ class CableRun:
         self.indices = scene_cable.indices
         self.reference = cable.reference.ravel()
         self._theta, self._likely_step = start.theta, start.h
-        self.gave_up = False
+        self.gave_up, self._trouble = False, ""
         self._lag = 0.5 if integrator.has_implicit_damping and cable.section.bending_damping else 0.0
         scaled = ImplicitBending(start.theta * start.h**2)
         self.system = cable_system(cable, start.zeta, scaled)
@@ -135,6 +138,26 @@ class CableRun:
             return self._tracker.frequency(q, a)
         plain = cable_system(self.scene_cable.cable, self.system.zeta)
         return largest_frequency(plain, self.state.external, q.copy(), self.state.v.reshape(shape).copy())
+
+    @contextmanager
+    def mass_as_it_is(self) -> Iterator[None]:
+        """Nothing of the bending is in the matrix on the left."""
+        if not self.has_implicit_bending:
+            yield
+            return
+        set_mass(self.system.chain, self.scene_cable.cable, EXPLICIT)
+        try:
+            yield
+        finally:
+            self.set_step(self.control.present)
+
+    def accelerations(self, time: float) -> Array:
+        """(n_dof,) of the present state, at `time` [s], by the mass as it is."""
+        a, rate = np.zeros((2, self.state.q.size))
+        with self.mass_as_it_is():
+            accelerate_and_project(self.system, self.loads.at(time), self.state.q, self.state.v, 0.0, a, rate)
+        self.resume(time)
+        return a
 
     @property
     def is_scaled(self) -> bool:
@@ -243,6 +266,8 @@ class CableRun:
         good = record_watched(scheme, self.system, loads, self.state, h, steps, history, self.watch.watch)
         taken = self.watch.steps - before
         self.control.accept(h, taken)
+        if good < len(history):
+            self._trouble = self._integrator.trouble(scheme, self.watch.watch.kept)
         return int(good), taken
 
     def reject_after(self, taken: int, h: float, time: float) -> None:
@@ -278,6 +303,7 @@ class CableRun:
         if record_watched(scheme, self.system, loads, self.state, h, steps, history, self.watch.watch):
             self.control.accept(h, steps)
             return True
+        self._trouble = self._integrator.trouble(scheme, self.watch.watch.kept)
         failed, trouble = self.watch.watch.account[FAILED], self.watch.watch.account[NOW].trouble
         found = failed.copy()
         _set(self.memory(), kept)
@@ -384,9 +410,8 @@ class CableRun:
         tried, taken = f"; {self.control.said}", self.control.present
         if self.watch.gains_too_much:
             tried, taken = "", h
-        trouble = self._integrator.trouble(scheme, self.watch.watch.kept)
         limit = self._stability_limit(scheme, self.largest_frequency(time))
-        said = explanation(self._integrator, trouble, taken, limit, self.is_scaled)
+        said = explanation(self._integrator, self._trouble, taken, limit, self.is_scaled)
         return f"{self.name}: {self.watch.finding(self.state)}{tried}. {said}"
 
     def _stability_limit(self, scheme: Any, frequency: float) -> float:

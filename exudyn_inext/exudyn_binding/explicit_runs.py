@@ -67,7 +67,8 @@ def step_bounds(
     return StepSizeBounds(
         bending=limits[fastest],
         stabilisation=decay_limit(integrator, scheme) / explicit.stabilizationRate if cables else math.inf,
-        rule=_rule(cables, explicit),
+        rule=min((rule_of_cable(cable, explicit.stepConstant) for cable in cables), default=math.inf),
+        is_scaled=bool(explicit.massScaling),
         accuracy=accuracy,
         largest_frequency=frequencies[fastest],
         cable=runs[fastest].name,
@@ -116,13 +117,6 @@ def _finite_frequency(run: Run, start: float) -> float:
             "user functions return. Without it, no step is known to be stable."
         )
     return frequency
-
-
-def _rule(cables: Sequence[Cable], explicit: ExplicitSettings) -> float:
-    """Step after Eq. (37) [s]; implicit bending needs none."""
-    if explicit.massScaling:
-        return math.inf
-    return min((rule_of_cable(cable, explicit.stepConstant) for cable in cables), default=math.inf)
 
 
 def rule_of_cable(cable: Cable, constant: float) -> float:

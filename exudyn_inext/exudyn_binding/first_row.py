@@ -8,6 +8,8 @@ import exudyn
 import numpy as np
 
 from ..arrays import Array
+from .cable_run import CableRun
+from .general.coupled_run import CoupledRun
 from .general.surroundings import evaluator, state_kept
 from .native_run import NativeRun
 from .time_loop import Run
@@ -35,10 +37,17 @@ def first_row(mbs: Any, runs: Sequence[Run], time: float) -> Iterator[None]:
         data.SetODE2Coordinates_tt(before, _INITIAL)
 
 
+def _is_implicit(run: CableRun | CoupledRun) -> bool:
+    """Whether its accelerations are those of a mass with bending in it."""
+    return any(cable.has_implicit_bending for cable in run.cable_runs)
+
+
 def _accelerations(mbs: Any, run: Run, time: float) -> Array:
     """(n,) of all coordinates of a run that has been started."""
+    if isinstance(run, CableRun | CoupledRun):
+        return run.accelerations(time) if _is_implicit(run) else run.state.a[: len(run.indices)]
     if not isinstance(run, NativeRun):
-        return run.state.a[: len(run.indices)]
+        raise AssertionError(type(run))
     with state_kept(mbs):  # the solver of the time loop evaluates nothing before it runs
         mbs.systemData.SetTime(time)
         return run.accelerations(evaluator(mbs))

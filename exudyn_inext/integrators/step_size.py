@@ -26,6 +26,7 @@ class StepSizeBounds:
     undamped: `bending` without damping, which lowers it.   damping: largest d [1/s] of v' = -d v.
     touching: which contacts decide the bound `contact`, and why.   softer: which of their parameters do.
     is_cable: whether bending of a cable decides, so that fewer elements raise the bound.
+    is_scaled: whether bending is implicit, so that the rule does not count.
     """
 
     bending: float
@@ -41,6 +42,7 @@ class StepSizeBounds:
     touching: str = ""
     softer: str = ""
     is_cable: bool = True
+    is_scaled: bool = False
 
     @property
     def stability_limit(self) -> float:
@@ -71,7 +73,7 @@ def choose_step(bounds: StepSizeBounds, safety: float | None = None) -> tuple[fl
     candidates = {
         "accuracy": bounds.accuracy,
         "contact": safety * bounds.contact,
-        "rule (37)": bounds.rule,
+        "rule (37)": math.inf if bounds.is_scaled else bounds.rule,
         "bending": safety * bounds.bending,
         "stabilisation": safety * bounds.stabilisation,
     }

@@ -462,22 +462,6 @@ def test_the_methods_of_exudyn_are_as_before_after_a_run():
     assert dict(vars(exudyn.MainSystem)) == before
 
 
-def test_a_try_with_half_the_step_begins_with_the_parameters_of_the_first_one():
-    model, found = Model(False), []
-    load = model.force(model.nodes[-1], [0, 0.1, 0])
-
-    def push(mbs, t):
-        found.append(mbs.GetLoadParameter(load, "loadVector")[1])
-        mbs.SetLoadParameter(load, "loadVector", [0, 0.2, 0])
-        return True
-
-    model.mbs.SetPreStepUserFunction(push)
-    with pytest.warns(UserWarning, match="stepSize"):
-        report = model.run(1.0, 1e-2, stepSize=2.5e-3, allowUnstableStep=True, retries=3)
-    assert report["retries"] > 0
-    assert found.count(0.1) == 1 + report["retries"]
-
-
 def add_a_node(model):
     model.mbs.AddNode(NodePointGround())
 

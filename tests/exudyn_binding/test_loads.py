@@ -35,7 +35,7 @@ def motion(new_mbs, add_pendulum, add_sensor, solve):
         tip = add_sensor(mbs, cable["nodes"][-1])
         add(mbs, cable["nodes"][3])
         mbs.Assemble()
-        solve(mbs, 0.2)
+        solve(mbs, 0.2, stepSize=1e-3)
         return np.asarray(mbs.GetSensorStoredData(tip))[:, 1:]
 
     return run

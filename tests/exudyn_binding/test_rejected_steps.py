@@ -60,7 +60,7 @@ def test_steps_grow_again_after_a_snap():
 def test_the_state_after_rejected_steps_is_the_one_before_them(tmp_path):
     """A run that is cut by restart files, between rejected steps, too, has the same bits."""
     rope = lone_rope(20)
-    whole, _ = fall(rope)
+    whole, _ = fall(rope, restart=tmp_path / "whole.npz")
     parts = [fall(rope, end, restart=tmp_path / "rope.npz")[0] for end in (0.4, 0.8, END)]
     joined = np.concatenate(parts)
     np.testing.assert_array_equal(joined, whole)

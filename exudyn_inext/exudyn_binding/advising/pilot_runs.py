@@ -66,7 +66,7 @@ class PilotRuns:
             self.dimension = max(cable.cable.dimension for cable in cables)
             self.length_constraints[elements] = max(cable.cable.length_constraints for cable in cables)
             end = min(1e-3, self.end_time)
-            report = SolveExplicit(mbs, _settings(end, end), ExplicitSettings(integrator))
+            report = SolveExplicit(mbs, _settings(end, end), ExplicitSettings(integrator, massScaling=0.0))
             bounds = report["bounds"]
             self._limits[elements, integrator] = bounds.safety * bounds.stability_limit
         return self._limits[elements, integrator]

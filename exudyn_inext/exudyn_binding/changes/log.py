@@ -80,12 +80,6 @@ class ChangeLog:
         before, self._before = self._before, {}
         return [key for key, value in before.items() if not _is_same(value, key.value(self.mbs))]
 
-    def restore(self) -> None:
-        """Give all parameters their values before the run."""
-        for key, value in self.first.items():
-            key.set(self.mbs, value)
-        self.first, self._before = {}, {}
-
     def set(self, key: Parameter, value: Any, call: Callable[[], None]) -> None:
         """Make the call that sets a parameter, and note it.
 

@@ -18,6 +18,7 @@ from ...errors import DivergenceError, RedundantConstraintError
 from ...integrators.integrator import Integrator, LoadHistory, advance
 from ...integrators.linear_stability import frequency_limit
 from ...integrators.watch import ENERGY
+from ...system import accelerate_and_project
 from ..cable_run import CableRun
 from ..cable_watch import figures, finding
 from ..consistent_start import ROUND_OFF, StartCorrection, agree
@@ -90,7 +91,7 @@ class CoupledRun:
         else:
             self.approach(time, end_of_step)
         self.control = StepControl()
-        self._gave_up = False
+        self._gave_up, self._trouble = False, ""
         self._unsolvable = ""  # what was said of joints that could not be solved for
         self._output = np.zeros((1, 3, self._scene.size))
         self.watch = CoupledWatch(
@@ -210,6 +211,16 @@ class CoupledRun:
         """Whether joints have moved through the last step, as they were changed."""
         return self._scene.surroundings.approach is not None
 
+    def accelerations(self, time: float) -> Array:
+        """(n,) of the present state, at `time` [s], by the masses as they are."""
+        state, system, a = self.state, self._scene.system, np.zeros(self._scene.size)
+        with ExitStack() as stack:
+            for run in self._runs:
+                stack.enter_context(run.mass_as_it_is())
+            accelerate_and_project(system, np.array([time]), state.q, state.v, 0.0, a, np.zeros_like(a))
+        self.resume(time)
+        return a[: len(self.indices)]
+
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; see `CableRun.start`."""
         self._scene.forget()
@@ -274,13 +285,14 @@ class CoupledRun:
             if self._is_well_through(scheme, time, h, steps, at_once=not is_nominal):
                 control.accept(h, steps)
                 control.offset += duration
-            elif not self._is_rejected(time):
+            elif not self._is_rejected(scheme, time):
                 return False
         control.offset = 0.0
         return True
 
-    def _is_rejected(self, time: float) -> bool:
+    def _is_rejected(self, scheme: Any, time: float) -> bool:
         """Back to the state before the last steps, at `time` [s]; False if there are no smaller ones."""
+        self._trouble = self._integrator.trouble(scheme, self.watch.watch.kept)
         found, trouble, times = self.watch.failed, self.watch.trouble, self.watch.steps_to_halve
         self._kept.restore()
         self.watch.note(found, trouble)
@@ -356,9 +368,8 @@ class CoupledRun:
             return ""
         if self._unsolvable:
             return f"{self.name}: {self._unsolvable} If the motion before that is wrong, reduce stepSize."
-        trouble = self._integrator.trouble(scheme, self.watch.watch.kept)
         limit = self._limit_now(scheme, time)
-        said = explanation(self._integrator, trouble, self.control.present, limit, scaled=True)
+        said = explanation(self._integrator, self._trouble, self.control.present, limit, scaled=True)
         return f"{self.name}: {finding(self.watch.watch)}; {self.control.said}. {said}"
 
     def _limit_now(self, scheme: Any, time: float) -> float:
