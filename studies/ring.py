@@ -218,7 +218,7 @@ def _tried_around(scene: Scene, limit: float) -> str:
 
 
 def _outcome(scene: Scene, step_size: float) -> str:
-    settings = ExplicitSettings("Zhai", stepSize=step_size, allowUnstableStep=True)
+    settings = ExplicitSettings("Zhai", stepSize=step_size, allowUnstableStep=True, rejectSteps=False)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)

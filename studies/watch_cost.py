@@ -189,7 +189,7 @@ class _Blind:
     def count(self, steps: int) -> None:
         """Nothing to count."""
 
-    def is_well_at(self, t: float, h: float, state: Any) -> bool:
+    def is_well_at(self, t: float, h: float, state: Any, at_once: bool = False) -> bool:
         return True
 
 

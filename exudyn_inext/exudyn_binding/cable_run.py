@@ -47,6 +47,7 @@ class Start:
     zeta: stabilisation rate [1/s].   theta: share of bending that is implicit, see `implicit_bending` [-].
     h: step that is likely, which scales the mass [s].
     energy_tolerance: see `ExplicitSettings.energyTolerance`; infinite where nobody asks.
+    rejects: see `ExplicitSettings.rejectSteps`.
     """
 
     time: float
@@ -55,6 +56,7 @@ class Start:
     theta: float
     h: float
     energy_tolerance: float
+    rejects: bool
 
 
 class CableRun:
@@ -109,7 +111,8 @@ class CableRun:
         self.watch = CableWatch(
             scene_cable, self.loads, self.state, start.energy_tolerance, integrator.stabilised
         )
-        self.control = StepControl()
+        self._rejects = start.rejects
+        self.control = StepControl(rejects=start.rejects)
         self.start_correction = self._project(*violations, start)
 
     def _project(self, of_places: Violation, of_rates: Violation, start: Start) -> StartCorrection:
@@ -128,7 +131,7 @@ class CableRun:
 
     def follow_frequency(self, rule: StepRule) -> None:
         """Let the steps follow the present stability limit."""
-        self.control = StepControl(FrequencyFollower(rule, self._present_frequency))
+        self.control = StepControl(FrequencyFollower(rule, self._present_frequency), self._rejects)
 
     def _present_frequency(self) -> float:
         """w_max [rad/s] about the state that was evaluated last; implicit damping is no mass there."""

@@ -43,6 +43,7 @@ def cable_runs(
         theta=explicit.massScaling or 0.0,
         h=h,
         energy_tolerance=explicit.energyTolerance,
+        rejects=explicit.rejectSteps,
     )
     integrator = find_integrator(explicit.integrator)
     initial = initial_states(mbs, cables)

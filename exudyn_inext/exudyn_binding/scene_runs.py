@@ -64,6 +64,7 @@ def runs_of_scene(
             time=time,
             why=_shortened(scene.foreign),
             energy_tolerance=explicit.energyTolerance,
+            rejects=explicit.rejectSteps,
             end_of_step=end_of_step,
         )
     ]

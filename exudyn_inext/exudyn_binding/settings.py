@@ -23,6 +23,7 @@ _CHECKS: dict[str, Callable[[str, Any], Any]] = {
     "startTolerance": require_positive,
     "allowUnstableStep": require_flag,
     "adaptiveStep": require_flag,
+    "rejectSteps": require_flag,
     "energyTolerance": _require_tolerance,
 }
 _OPTIONAL = ("stepSize", "stepSafety", "massScaling")
@@ -55,9 +56,12 @@ class ExplicitSettings:
         adaptiveStep: between two outputs, take as many equal steps as the present largest frequency of the
             cable asks for, so that one that straightens or is pulled tight stays within its stability limit;
             stepSize is then an upper bound. For scenes of cables alone.
+        rejectSteps: take steps that go wrong again, with a quarter of the step and less, from the state
+            before them. False: they end the run, as in studies of stability limits.
         energyTolerance: energy that a run may have beyond the work done on it, as a share of what its motion
-            turns over (largest kinetic energy and range of the bending energy so far) [-]; more of it for 256
-            steps, or 30 times as much at once, ends the run. math.inf: the energy is not looked at.
+            turns over (largest kinetic energy and range of the bending energy so far) [-]. A run with more of
+            it is warned of; steps that make so much at once are rejected; Zhai and RK4, which gain energy
+            by themselves, end at 30 times as much. math.inf: the energy is not looked at.
     """
 
     integrator: str = "RATTLE"
@@ -70,6 +74,7 @@ class ExplicitSettings:
     startTolerance: float = 1e-6
     allowUnstableStep: bool = False
     adaptiveStep: bool = False
+    rejectSteps: bool = True
     energyTolerance: float = 0.003
 
     def __post_init__(self) -> None:

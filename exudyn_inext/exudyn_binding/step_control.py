@@ -85,14 +85,15 @@ class FrequencyFollower:
 class StepControl:
     """What the next steps of a run will be, and what the last ones were.
 
-    follower: sets the nominal step, or None: that of the grid.
+    follower: sets the nominal step, or None: that of the grid.   rejects: whether there are smaller ones.
 
     smallest, largest: steps so far [s].   steps: how many.   rejections: how often they went wrong.
     present: step that the system is prepared for [s].   offset: of the present state in its interval [s].
     """
 
-    def __init__(self, follower: FrequencyFollower | None = None) -> None:
+    def __init__(self, follower: FrequencyFollower | None = None, rejects: bool = True) -> None:
         self.follower = follower
+        self._rejects = rejects
         self._log = np.zeros(1, _LOG)[0]
         self._log.smallest = math.inf
         self._log.patience = 1
@@ -187,7 +188,7 @@ class StepControl:
         if log.calm < 2:  # the longer step that was tried was too long: wait twice as long
             log.patience = min(2 * log.patience, MOST_PATIENCE)
         log.calm = 0
-        if log.quarters >= QUARTERS:
+        if log.quarters >= QUARTERS or not self._rejects:
             return False
         log.quarters += 1
         return True

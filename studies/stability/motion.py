@@ -10,6 +10,7 @@ from exudyn_inext.arrays import Array
 from exudyn_inext.chain.assembly import elastic_energy
 from exudyn_inext.chain.cable import Cable
 from exudyn_inext.chain.chain import build_chain
+from exudyn_inext.chain.implicit_bending import ImplicitBending
 from exudyn_inext.chain.linked_cable import cable_system
 from exudyn_inext.chain.sparse_forms import form_of_cable
 from exudyn_inext.constraints import constraints_of_cable
@@ -57,7 +58,7 @@ class Method:
 
     def system(self, cable: Cable, h: float) -> Any:
         """The index-reduced equations for steps of size h [s]."""
-        return cable_system(cable, self.zeta, self.theta * h * h)
+        return cable_system(cable, self.zeta, ImplicitBending(self.theta * h * h))
 
 
 class Motion:

@@ -40,8 +40,8 @@ def test_slow_growth_is_explained_with_time_cable_element_quantity_cause_and_rem
     built = twin()
     message = (
         r"diverged before t = [\d.]+ s\. cable 'object0': it has [\d.]+% more energy than the work done on "
-        r"it explains.*limit 9\.00%.*between nodes \d and \d\. Likely cause: Zhai, at 9\d% of the stability "
-        r"limit"
+        r"it explains.*limit 9\.00%.*between nodes \d and \d\. Likely cause: Zhai, at [89]\d% of "
+        r"the stability limit"
         r".*integrator='RATTLE'.*mbs holds the last good output, that of t = ([\d.]+) s"
     )
     with pytest.raises(DivergenceError, match=message):
@@ -69,7 +69,7 @@ def test_a_step_above_the_limit_is_named_as_the_cause(twin, solve, without_small
 def test_a_scheme_that_gains_energy_slowly_is_warned_of_once(twin, solve):
     """The paper's Zhai at its own step: it goes on."""
     with pytest.warns(UserWarning, match=r"energy has grown by 0\.[3-9]\d*%.*RATTLE") as caught:
-        report = solve(twin().mbs, 15.0, integrator="Zhai", stepSize=2.5e-3)
+        report = solve(twin().mbs, 25.0, integrator="Zhai", stepSize=2.5e-3)
     assert len(caught) == 1 and 0.003 < report["drift"]["energyGain"] < 0.09
 
 

@@ -60,6 +60,7 @@ class CoupledRun:
         time: float,
         why: str,
         energy_tolerance: float,
+        rejects: bool,
         end_of_step: float | None = None,
     ) -> None:
         self._mbs = mbs
@@ -90,7 +91,7 @@ class CoupledRun:
             )
         else:
             self.approach(time, end_of_step)
-        self.control = StepControl()
+        self.control = StepControl(rejects=rejects)
         self._gave_up, self._trouble = False, ""
         self._unsolvable = ""  # what was said of joints that could not be solved for
         self._output = np.zeros((1, 3, self._scene.size))
