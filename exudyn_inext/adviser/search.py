@@ -23,6 +23,7 @@ FAMILIES = (
 HOPELESS = 1.5  # times the tolerance: the error of a mesh for which no other step is tried
 FINEST_EXTRAPOLATION = 4.0  # times the elements of the finest pilot
 SAFETY = 1.5  # of an extrapolated error
+NO_CHEAPER = 1.0 + 1e-9  # times the cost of the best: what is as cheap but for round-off is tried
 HIGHEST_ORDER = 4.0  # that an extrapolation relies on
 
 
@@ -76,7 +77,7 @@ def search_inextensible(problem: Problem, survey: Survey, tolerance: float) -> S
         pilots = [tried.pilot for tried in search.tried if tried.works]
         expected = {choice: predicted_seconds(pilots, choice, problem.end_time) for choice in waiting}
         choice = min(waiting, key=expected.__getitem__)
-        if search.best and expected[choice] > search.best.pilot.seconds:
+        if search.best and expected[choice] > NO_CHEAPER * search.best.pilot.seconds:
             break
         waiting.remove(choice)
         search.add(problem.run(choice))

@@ -127,6 +127,7 @@ def _settings(given: Row, step: float | None = None) -> ExplicitSettings:
         scheme,
         stepSize=step,
         stabilizationRate=given["zeta"],
+        massScaling=0.0,
         energyTolerance=math.inf,  # errors are measured, not guarded against
     )
 

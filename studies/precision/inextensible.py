@@ -105,7 +105,7 @@ def _scaled(integrator: str, theta: float, step_size: float, zeta: float) -> Exp
 def _limited_cases(scene: Scene, elements: int, name: str) -> list[Case]:
     """At fractions of the stability limit."""
     integrator, scheme = SCHEMES[name]
-    settings = ExplicitSettings(integrator, scheme, energyTolerance=math.inf)
+    settings = ExplicitSettings(integrator, scheme, massScaling=0.0, energyTolerance=math.inf)
     brief = _case(replace(scene, end_time=0.01), elements, settings)
     limit = brief.details.get("stepLimit")
     if limit is None:
