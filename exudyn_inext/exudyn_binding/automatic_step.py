@@ -7,6 +7,7 @@ resolved in any case. How fast the motion really is, the watch finds out, see `i
 """
 
 import math
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -27,6 +28,7 @@ FIRST_VIBRATION = 0.085  # step over L^2 sqrt(rho_A / EI): 0.3 / 3.52, h w of a 
 THETA = 0.3  # share of bending that is implicit: 1/4 leaves no margin for the tension
 PHASE = 0.0007  # error of the motion at the end of a run [rad]
 MOST_DURATION = 100.0  # of a run, for that [s]
+MUCH = 10.0  # times that damping may shorten the step without a word
 MOST_TRIALS, NEARLY = 6, 0.98  # of a step that the bounds for its own scaled mass allow
 
 
@@ -94,3 +96,14 @@ def _mass_scaling(cables: Sequence[CableRun], step: float, explicit: ExplicitSet
         return explicit.massScaling or 0.0
     decides = any(step > rule_of_cable(cable.scene_cable.cable, 1.0) for cable in cables)
     return THETA if decides and math.isfinite(step) else 0.0
+
+
+def warn_of_damping(bounds: StepSizeBounds, decided_by: str) -> None:
+    """Before a run: what explicit damping does to its step, if that is much."""
+    if decided_by == "bending" and bounds.undamped > MUCH * bounds.bending:
+        warnings.warn(
+            f"damping of {bounds.damping:.3g} 1/s at {bounds.cable} bounds the step to {bounds.bending:.3g} s, "
+            f"where {bounds.undamped:.3g} s hold without it: dashpots of springs and joints, drag, and under RK4 "
+            "bending damping are explicit; use softer dashpots, or for bending damping integrator='RATTLE'.",
+            stacklevel=3,
+        )

@@ -9,7 +9,7 @@ import exudyn
 
 from ..errors import SceneError
 from .arguments import explicit_settings, simulation_settings
-from .automatic_step import bounds_of_step
+from .automatic_step import bounds_of_step, warn_of_damping
 from .cable_forces import forget_evaluators
 from .changes.builder import RunBuilder
 from .changes.constraints import SteppedReader
@@ -136,6 +136,7 @@ def SolveExplicit(
             restarts.mass_scaling = explicit.massScaling
             scaled = bounds_if_scaled(mbs, scene, solver, start, given.h if given else 0.0, explicit)
             wanted, decided_by = wanted_step(bounds, explicit, scaling or None, scaled)
+            warn_of_damping(bounds, decided_by)
             grid = restarts.grid(given or time_grid(mbs, settings, wanted))
             builder.take_step(explicit, grid.h)
             follow_frequencies(runs, bounds, explicit)

@@ -136,3 +136,21 @@ def test_a_damped_cantilever_moves_as_a_native_one(swing, ratio, known_answer):
     error = np.abs(path - expected).max() / np.ptp(expected[:, 1])
     assert error < 0.01
     known_answer(f"damped cantilever, D = {ratio:g} EI, against a native cable", error)
+
+
+def test_damping_that_shortens_the_step_is_said_before_the_run(new_mbs, add_pendulum, solve):
+    """A mass point on a dashpot without mercy: 2 m / d bounds explicit steps."""
+    mbs = new_mbs()
+    add_pendulum(mbs)
+    point = mbs.CreateMassPoint(mass=1.0, referencePosition=[3, 0, 0])
+    mbs.CreateSpringDamper(bodyNumbers=[mbs.CreateGround(), point], stiffness=100.0, damping=2e4)
+    mbs.Assemble()
+    with pytest.warns(UserWarning, match=r"damping of .*e\+04 1/s .* bounds the step .* without it"):
+        report = solve(mbs, 0.001)
+    assert report["stepSize"] < 1.1e-4
+
+
+def test_rk4_says_what_bending_damping_does_to_its_step(swing):
+    section = InextensibleCable(massPerLength=0.1, bendingStiffness=1.0, bendingDamping=0.02)
+    with pytest.warns(UserWarning, match=r"damping .* bounds the step .* under RK4"):
+        swing(section, 8, CLAMPED, end=1e-4, integrator="RK4")
