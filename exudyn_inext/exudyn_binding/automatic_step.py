@@ -102,8 +102,9 @@ def warn_of_damping(bounds: StepSizeBounds, decided_by: str) -> None:
     """Before a run: what explicit damping does to its step, if that is much."""
     if decided_by == "bending" and bounds.undamped > MUCH * bounds.bending:
         warnings.warn(
-            f"damping of {bounds.damping:.3g} 1/s at {bounds.cable} bounds the step to {bounds.bending:.3g} s, "
-            f"where {bounds.undamped:.3g} s hold without it: dashpots of springs and joints, drag, and under RK4 "
-            "bending damping are explicit; use softer dashpots, or for bending damping integrator='RATTLE'.",
+            f"damping of {bounds.damping:.3g} 1/s at {bounds.cable} bounds the step to {bounds.bending:.3g} "
+            f"s, where {bounds.undamped:.3g} s hold without it: dashpots of springs and joints, drag, and "
+            "under RK4 bending damping are explicit; use softer dashpots, or for bending damping "
+            "integrator='RATTLE'.",
             stacklevel=3,
         )
