@@ -26,7 +26,7 @@ from .time_loop import Run
 STEPS_BY_ELEMENT = 20.0  # while a wave passes it
 FIRST_VIBRATION = 0.085  # step over L^2 sqrt(rho_A / EI): 0.3 / 3.52, h w of a cantilever's first one
 THETA = 0.3  # share of bending that is implicit: 1/4 leaves no margin for the tension
-PHASE = 0.0007  # error of the motion at the end of a run [rad]
+PHASE = 0.003  # error of the motion at the end of a run [rad]
 MOST_DURATION = 100.0  # of a run, for that [s]
 MUCH = 10.0  # times that damping may shorten the step without a word
 MOST_TRIALS, NEARLY = 6, 0.98  # of a step that the bounds for its own scaled mass allow

@@ -31,7 +31,7 @@ LARGEST_VIOLATION = 0.05  # of |r_x|^2 = 1 [-], and of lengths, relative
 LARGEST_JUMP = 1.0  # of the energy between two inspections, times the tolerance
 VIOLENT = 30.0  # times the tolerance: what a scheme that gains energy may gain altogether
 MOTION = 1e-3  # times the bound of the energy's round-off: less is none
-BEGINNING = 3.0  # phase [rad] of the motion before which its frequency is not known
+BEGINNING = 10.0  # phase [rad] of the motion before which its frequency is not known
 SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
 SCATTER = 4.0  # times its standard deviation may the work of forces be wrong
 

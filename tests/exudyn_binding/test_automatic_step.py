@@ -143,7 +143,7 @@ def test_damping_that_shortens_the_step_is_said_before_the_run(new_mbs, add_pend
     mbs = new_mbs()
     add_pendulum(mbs)
     point = mbs.CreateMassPoint(mass=1.0, referencePosition=[3, 0, 0])
-    mbs.CreateSpringDamper(bodyNumbers=[mbs.CreateGround(), point], stiffness=100.0, damping=2e4)
+    mbs.CreateSpringDamper(itemNumbers=[mbs.CreateGround(), point], stiffness=100.0, damping=2e4)
     mbs.Assemble()
     with pytest.warns(UserWarning, match=r"damping of .*e\+04 1/s .* bounds the step .* without it"):
         report = solve(mbs, 0.001)
