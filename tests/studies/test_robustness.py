@@ -1,0 +1,49 @@
+"""The study of random scenes at default settings."""
+
+import numpy as np
+import pytest
+
+from studies import robustness
+from studies.harness.benchmark import Figures
+from studies.robust.scenes import MIXED, lone_rope, mixed_rope
+
+
+@pytest.fixture(scope="module")
+def rows():
+    return robustness.rows_of(range(2), range(2), 1)
+
+
+def test_rows_say_what_became_of_each_scene(rows):
+    own = [row for row in rows if row["kind"] == "own"]
+    assert len(own) == 4 and len(rows) == 5
+    for row in own:
+        assert row["failure"] == "" and row["errorBeforeSnap"] <= row["error"]
+        assert row["cpuSeconds"] > 0.0 and row["stepSize"] > 0.0
+    assert {row["partner"] for row in own} == {"lone", "mass point", "rigid body"}
+
+
+def test_conclusions_count_failures_and_accurate_runs(rows):
+    said = robustness.conclude(Figures(False, rows))
+    assert "0 of 4 runs at default settings did not end: kept" in said[0]
+    lost = [dict(rows[0], failure="lost", errorBeforeSnap=0.0), *rows[1:]]
+    assert (
+        "1 of 4 runs at default settings did not end: MISSED" in robustness.conclude(Figures(False, lost))[0]
+    )
+    far = [dict(row, errorBeforeSnap=0.5) if row["kind"] == "own" else row for row in rows]
+    assert "0.0% of them" in robustness.conclude(Figures(False, far))[1]
+
+
+def test_a_seed_is_always_the_same_scene_and_others_differ():
+    assert lone_rope(7) == lone_rope(7) != lone_rope(8)
+    assert {mixed_rope(seed).partner for seed in range(8)} == set(MIXED)
+    directions = [lone_rope(seed).direction for seed in range(20)]
+    np.testing.assert_allclose([np.linalg.norm(d) for d in directions], 1.0)
+
+
+def test_a_snap_is_seen_where_the_velocity_jumps():
+    times = np.linspace(0.0, 1.0, 101)
+    swing = np.stack([np.sin(3.0 * times), np.cos(3.0 * times), 0.0 * times], axis=1)
+    assert robustness.periods_before_snap(swing) == 101
+    caught = swing.copy()
+    caught[60:] = caught[60]
+    assert 59 <= robustness.periods_before_snap(caught) <= 61
