@@ -24,6 +24,7 @@ from .settings import ExplicitSettings
 from .time_loop import Run
 
 STEPS_BY_ELEMENT = 20.0  # while a wave passes it
+BY_DRAG = 0.02  # step times the rate at which drag slows a cable down
 FIRST_VIBRATION = 0.085  # step over L^2 sqrt(rho_A / EI): 0.3 / 3.52, h w of a cantilever's first one
 THETA = 0.3  # share of bending that is implicit: 1/4 leaves no margin for the tension
 PHASE = 0.003  # error of the motion at the end of a run [rad]
@@ -40,7 +41,8 @@ def accurate_step(run: CableRun, time: float) -> float:
     of_waves = float(cable.element_lengths.min()) / (STEPS_BY_ELEMENT * speed) if speed > 0.0 else math.inf
     section = cable.section
     bends = math.sqrt(section.mass_per_length / section.bending_stiffness) * cable.length**2
-    return min(of_waves, FIRST_VIBRATION * bends)
+    of_drag = BY_DRAG / run.drag_rate if run.drag_rate > 0.0 else math.inf
+    return min(of_waves, FIRST_VIBRATION * bends, of_drag)
 
 
 def _wave_speed(run: CableRun, time: float) -> float:

@@ -69,7 +69,7 @@ class CableRun:
     looks_ahead: whether several steps of the time loop can be computed at once.   reason: why not.
     start_correction: how far the initial state was from its constraints.
     control: of the steps.
-    watch: stops a run that goes wrong.
+    watch: stops a run that goes wrong.   drag_rate: see `attached_forces.drag_rate` [1/s].
     """
 
     lenience = 1.0  # of the energy's tolerance
@@ -104,7 +104,7 @@ class CableRun:
         self._steps_since_limit = 0
         self._largest_share = 0.0  # of the stability limit, that the step has been
         self.loads = CableLoads(scene_cable)
-        self._drag_rate = drag_rate(cable, self.loads.gravity_at(start.time), initial[1])
+        self.drag_rate = drag_rate(cable, self.loads.gravity_at(start.time), initial[1])
         self.state: Any = integrator.allocate(cable.reference.size, len(self.loads.constant))
         self.state.q[:], self.state.v[:] = (array.ravel() for array in initial)
         self.looks_ahead = self.loads.known_ahead
@@ -360,7 +360,7 @@ class CableRun:
     def damping_ratio(self, frequency: float) -> float:
         """Of a vibration of that frequency [rad/s]: bending damping grows with it, drag does not."""
         section = self.scene_cable.cable.section
-        of_drag = self._drag_rate / frequency if frequency > 0.0 else 0.0
+        of_drag = self.drag_rate / frequency if frequency > 0.0 else 0.0
         if self._lag:
             return of_drag  # implicit damping does not bound the step
         return of_drag + frequency * section.bending_damping / section.bending_stiffness
