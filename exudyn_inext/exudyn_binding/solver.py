@@ -1,7 +1,7 @@
 """SolveExplicit: an explicit integrator inside Exudyn's own time loop."""
 
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from dataclasses import replace
 from typing import Any
 
@@ -148,7 +148,11 @@ def SolveExplicit(
             restarts.changes_so_far = changes.stored
             loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, restarts, observed, changes)
         try:
-            shown = restarts.initial_state() if restarts.found else first_row(mbs, runs, start)
+            shown: AbstractContextManager[None] = nullcontext()
+            if restarts.found:
+                shown = restarts.initial_state()
+            elif loop.shows_accelerations:
+                shown = first_row(mbs, runs, start)
             if outputs is not None:
                 outputs.cut(grid.time(grid.first) + 0.5 * grid.substeps * grid.h)
             with shown, listening(log):

@@ -121,6 +121,11 @@ class ExplicitTimeLoop:
             self._written = restarts.first_state
 
     @property
+    def shows_accelerations(self) -> bool:
+        """Whether somebody looks at them during the run."""
+        return self._observed == ACCELERATIONS
+
+    @property
     def user_function(self) -> Any:
         """f(solver, mbs, settings) that takes the state from the start to the end of a loop step."""
         return self._watched_user_function() if self._is_watched else self._plain_user_function()
