@@ -1,7 +1,7 @@
 """One cable during a run: its compiled system, its state, and its place in the mbs."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -17,10 +17,10 @@ from ..chain.implicit_bending import EXPLICIT, ImplicitBending
 from ..chain.linked_cable import LinkedCableSystem, cable_system
 from ..integrators.integrator import Integrator, LoadHistory
 from ..integrators.linear_stability import frequency_limit
-from ..integrators.watch import FAILED, NOW, record_watched
+from ..integrators.watch import record_watched
 from ..system import accelerate_and_project
 from .cable_loads import CableLoads
-from .cable_watch import CableWatch, figures, memory_of
+from .cable_watch import CableWatch
 from .consistent_start import (
     ROUND_OFF,
     StartCorrection,
@@ -29,8 +29,10 @@ from .consistent_start import (
     require_consistent,
     worst_violations,
 )
-from .divergence import explanation
+from .divergence import GIVEN_UP, explanation
+from .kept_state import KeptState
 from .link_items import require_smooth_motions
+from .paced_run import PacedRun
 from .redundancy import element_masses, require_independent
 from .scene import CableInScene
 from .step_control import FrequencyFollower, StepControl, StepRule
@@ -59,7 +61,7 @@ class Start:
     rejects: bool
 
 
-class CableRun:
+class CableRun(PacedRun):
     """A cable that an integrator moves.
 
     system: the index-reduced equations.   state: of the integrator.
@@ -91,7 +93,6 @@ class CableRun:
         self.indices = scene_cable.indices
         self.reference = cable.reference.ravel()
         self._theta, self._likely_step = start.theta, start.h
-        self.gave_up, self._trouble = False, ""
         self._lag = 0.5 if integrator.has_implicit_damping and cable.section.bending_damping else 0.0
         scaled = ImplicitBending(start.theta * start.h**2)
         self.system = cable_system(cable, start.zeta, scaled)
@@ -99,7 +100,7 @@ class CableRun:
         require_consistent(scene_cable, violations[0], start.tolerance)
         if not math.isfinite(violations[1].size):  # whatever is a number can be projected
             require_consistent(scene_cable, violations[1], start.tolerance)
-        self._integrator = integrator
+        self.integrator = integrator
         self._tracker = FrequencyTracker(self.system, cable.reference.shape)
         self._steps_since_limit = 0
         self._largest_share = 0.0  # of the stability limit, that the step has been
@@ -210,7 +211,7 @@ class CableRun:
         """
         self.forget()
         external = self.loads.at(time)
-        self._integrator.start(self.system, external, self.state)
+        self.integrator.start(self.system, external, self.state)
         self.require_independence()
         self.watch.open(self.system, external, self.state)
 
@@ -223,7 +224,7 @@ class CableRun:
         return {
             "state": self.state._asdict(),
             "foresight": foresight,
-            "watch": memory_of(self.watch.watch),
+            "watch": self.watch.memory(),
             "control": self.control.memory() | {"vibration": self._tracker.vibration},
         }
 
@@ -231,17 +232,12 @@ class CableRun:
         """Go on at `time` [s], with the memory that has been set."""
         if self.control.present:
             self.set_step(self.control.present)
-        self._integrator.resume(self.system, self.loads.at(time), self.state)
-
-    @property
-    def integrator(self) -> Integrator:
-        """What moves it."""
-        return self._integrator
+        self.integrator.resume(self.system, self.loads.at(time), self.state)
 
     @property
     def stages(self) -> tuple[float, ...]:
         """Of the scheme, see `Integrator`."""
-        return self._integrator.stages
+        return self.integrator.stages
 
     def forget(self) -> None:
         """What earlier steps taught the constraints does not hold any more."""
@@ -270,80 +266,35 @@ class CableRun:
         taken = self.watch.steps - before
         self.control.accept(h, taken)
         if good < len(history):
-            self._trouble = self._integrator.trouble(scheme, self.watch.watch.kept)
+            self.trouble = self.integrator.trouble(scheme, self.watch.watch.kept)
         return int(good), taken
 
     def reject_after(self, taken: int, h: float, time: float) -> None:
         """Prepare for smaller steps, `taken` ones of h [s] after the start of an interval, at `time` [s]."""
         self.control.offset = taken * h
         self.forget()
-        self._reject(time)
+        self.reject(time)
 
-    def finish_interval(self, scheme: Any, grid: TimeGrid, number: int, history: Array) -> bool:
-        """The rest of interval `number` of the loop, in pieces of steps that may change.
-
-        history: (1, 3, n_dof) output.   Returns whether the end was reached.
-        """
-        control, end, interval = self.control, grid.time(number + 1), grid.substeps * grid.h
-        while control.offset < (1.0 - ROUND_OFF) * interval:
-            remaining = interval - control.offset
-            duration, steps = control.piece(remaining, grid.h)
-            if not steps:
-                self.gave_up = True
-                return False
-            if self._take_piece(scheme, end - remaining, duration / steps, steps, history):
-                control.offset += duration
-            elif self.gave_up:
-                return False
-        control.offset = 0.0
-        return True
-
-    def _take_piece(self, scheme: Any, start: float, h: float, steps: int, history: Array) -> bool:
-        """Equal steps from the time `start` [s]; if they go wrong, the state is that before them."""
-        self.change_step(h, start)
-        kept = _copy(self.memory())
+    def take(self, scheme: Any, start: float, h: float, steps: int, history: Array) -> bool:
+        """See `PacedRun.take`."""
         loads = self.loads.sample(start, h, steps, self.stages)
-        if record_watched(scheme, self.system, loads, self.state, h, steps, history, self.watch.watch):
-            self.control.accept(h, steps)
-            return True
-        self._trouble = self._integrator.trouble(scheme, self.watch.watch.kept)
-        failed, trouble = self.watch.watch.account[FAILED], self.watch.watch.account[NOW].trouble
-        found = failed.copy()
-        _set(self.memory(), kept)
-        self.watch.watch.account[FAILED] = found
-        self.watch.watch.account[NOW].trouble = trouble
-        self._reject(start)
-        return False
+        well = record_watched(scheme, self.system, loads, self.state, h, steps, history, self.watch.watch)
+        return bool(well)
 
-    def _reject(self, time: float) -> None:
-        """After steps that went wrong, in the state before them, at `time` [s]: take smaller ones."""
-        if times := self.watch.steps_to_halve:
-            self.control.halve(times)
-            if not self.control.may_halve:
-                self.watch.limit_phase(1.0, math.inf)
-        elif self.watch.gains_too_much or not self.control.reject():
-            self.gave_up = True
-            return
-        self.resume(time)
+    def start_scheme(self, time: float) -> None:
+        """See `PacedRun.start_scheme`."""
+        self.integrator.start(self.system, self.loads.at(time), self.state)
 
-    def _begin_again(self, memory: Mapping[str, Any], time: float) -> None:
+    def watch_on(self, time: float) -> None:
+        """See `PacedRun.watch_on`."""
+        self.watch.go_on(self.system, self.loads.at(time), self.state)
+
+    def _begin_again(self, beginning: KeptState, time: float) -> None:
         """With half the step, from the beginning, which a longer one has spoilt.   time: of it [s]."""
         halvings = self.control.halvings
-        _set(self.memory(), memory)
+        beginning.restore()
         self.control.halve(halvings - self.control.halvings)
         self.resume(time)
-
-    def change_step(self, h: float, time: float) -> None:
-        """Prepare for steps of h [s] from the present state, at `time` [s]."""
-        before = self.control.present
-        if abs(h - before) <= ROUND_OFF * h:
-            return
-        self.set_step(h)
-        if self.has_implicit_bending:
-            self._integrator.start(self.system, self.loads.at(time), self.state)
-        elif before:
-            self._integrator.change_step(self.state, h / before)
-        self.watch.go_on(self.system, self.loads.at(time), self.state)
 
     @property
     def cables(self) -> list[Cable]:
@@ -379,7 +330,8 @@ class CableRun:
             Number of loop steps that went well; later rows of `history` mean nothing.
         """
         good = 0
-        beginning = _copy(self.memory()) if first == grid.first else None
+        begins = first == grid.first and self.watch.looks_at_phase
+        beginning = KeptState(self.memory()) if begins else None
         while good < len(history) and not self.gave_up:
             if self.control.is_nominal:
                 good += self._record_nominal(scheme, grid, first + good, history[good:])
@@ -394,7 +346,7 @@ class CableRun:
     def figures(self) -> dict[str, float]:
         """How well constraints and energy were kept, and the step within its stability limit."""
         share = {"stepOverLimit": self._largest_share} if self._largest_share else {}
-        return figures(self.watch.watch) | share
+        return self.watch.figures() | share
 
     def _look_at_limit(self, scheme: Any, h: float, steps: int) -> None:
         """From time to time: the share that the step is of the present stability limit."""
@@ -410,17 +362,19 @@ class CableRun:
         """What went wrong in the last steps, and why; empty if all is well."""
         if not self.gave_up:
             return ""
+        if not self.watch.has_trouble:
+            return f"{self.name}: {GIVEN_UP}."
         tried, taken = f"; {self.control.said}", self.control.present
         if self.watch.gains_too_much:
             tried, taken = "", h
         limit = self._stability_limit(scheme, self.largest_frequency(time))
-        said = explanation(self._integrator, self._trouble, taken, limit, self.is_scaled)
+        said = explanation(self.integrator, self.trouble, taken, limit, self.is_scaled)
         return f"{self.name}: {self.watch.finding(self.state)}{tried}. {said}"
 
     def _stability_limit(self, scheme: Any, frequency: float) -> float:
         if math.isnan(frequency):
             return math.nan
-        limit = frequency_limit(self._integrator, scheme, self.damping_ratio(frequency))
+        limit = frequency_limit(self.integrator, scheme, self.damping_ratio(frequency))
         return limit / frequency if frequency > 0.0 else math.inf
 
     def _records(self) -> list[Any]:
@@ -435,17 +389,3 @@ class CableRun:
         implicit = ImplicitBending(self._theta * h**2, lag)
         masses = element_masses(self.scene_cable.cable, implicit)
         require_independent(self.scene_cable, self.system, masses)
-
-
-def _copy(memory: Mapping[str, Any]) -> dict[str, Any]:
-    """Of nested dicts of arrays."""
-    return {name: _copy(part) if isinstance(part, Mapping) else part.copy() for name, part in memory.items()}
-
-
-def _set(memory: Mapping[str, Any], values: Mapping[str, Any]) -> None:
-    """Set nested dicts of arrays, in place."""
-    for name, part in memory.items():
-        if isinstance(part, Mapping):
-            _set(part, values[name])
-        else:
-            part[...] = values[name]

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import record_type
-from .time_grid import steps_within
+from .time_grid import TimeGrid, steps_within
 
 QUARTERS = 6  # at most: below 1/4096 of the nominal step a run has diverged
 PIECE = 8  # nominal steps that are taken at once while steps are smaller, half as many for each quarter
@@ -28,7 +28,6 @@ _LOG = record_type(
         ("first", np.float64),
         ("present", np.float64),
         ("smallest", np.float64),
-        ("largest", np.float64),
         ("offset", np.float64),
         ("halvings", np.int64),
         ("quarters", np.int64),
@@ -87,7 +86,7 @@ class StepControl:
 
     follower: sets the nominal step, or None: that of the grid.   rejects: whether there are smaller ones.
 
-    smallest, largest: steps so far [s].   steps: how many.   rejections: how often they went wrong.
+    smallest: of the steps so far [s].   steps: how many.   rejections: how often they went wrong.
     present: step that the system is prepared for [s].   offset: of the present state in its interval [s].
     """
 
@@ -101,10 +100,6 @@ class StepControl:
     @property
     def smallest(self) -> float:
         return float(self._log.smallest)
-
-    @property
-    def largest(self) -> float:
-        return float(self._log.largest)
 
     @property
     def steps(self) -> int:
@@ -150,13 +145,19 @@ class StepControl:
         """What the next steps depend on, to be kept or set."""
         return {"log": self._log.base}
 
-    def piece(self, remaining: float, h: float) -> tuple[float, int]:
-        """Duration [s] and number of the next equal steps, of which an integer number makes up the rest.
+    def piece(self, grid: TimeGrid) -> tuple[float, int]:
+        """Duration [s] and number of the next equal steps, of which an integer number makes up the interval.
+
+        No steps if they would have to be so small that the run must have diverged.
 
         Args:
-            remaining: of the interval [s].   h: nominal step of the grid [s].
+            grid: of the run.
         """
-        nominal, together = h / 2**self.halvings, PIECE
+        interval, steps = grid.substeps * grid.h, grid.substeps * 2**self.halvings
+        if self.is_nominal:
+            return interval, steps
+        remaining = interval - self.offset
+        nominal, together = grid.h / 2**self.halvings, PIECE
         if self.follower is not None:
             nominal, together = self.follower.nominal_step(self._log, remaining), STEPS_BETWEEN
         if nominal == 0.0:
@@ -172,7 +173,7 @@ class StepControl:
     def accept(self, h: float, number: int) -> None:
         """These steps went well; longer ones are tried again after some patience."""
         log = self._log
-        log.smallest, log.largest = min(log.smallest, h), max(log.largest, h)
+        log.smallest = min(log.smallest, h)
         log.steps += number
         log.calm += 1
         if log.quarters and log.calm >= log.patience:

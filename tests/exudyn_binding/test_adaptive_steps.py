@@ -17,7 +17,9 @@ from exudyn_inext import (
 )
 from exudyn_inext.chain.frequency import FrequencyTracker, largest_frequency
 from exudyn_inext.chain.linked_cable import cable_system
+from exudyn_inext.exudyn_binding.cable_run import CableRun
 from exudyn_inext.exudyn_binding.step_control import FrequencyFollower, StepControl, StepRule
+from exudyn_inext.exudyn_binding.time_grid import TimeGrid
 from exudyn_inext.integrators import find_integrator
 from exudyn_inext.integrators.integrator import advance, no_loads
 from exudyn_inext.integrators.linear_stability import LinearSystem
@@ -175,4 +177,13 @@ def test_what_adaptive_steps_do_not_go_with_is_refused(mbs, add_pendulum, solve)
 @pytest.mark.parametrize("frequency", [np.nan, np.inf])
 def test_a_frequency_that_is_no_number_ends_the_run(frequency):
     control = StepControl(FrequencyFollower(StepRule(2.0, 0.95, 1e-3), lambda: frequency))
-    assert control.piece(0.01, 1e-3)[1] == 0
+    assert control.piece(TimeGrid(0.0, 1, 10, 1e-3))[1] == 0
+
+
+def test_a_frequency_that_grows_without_end_is_named_as_the_cause(mbs, add_pendulum, solve, monkeypatch):
+    frequencies = iter([700.0, np.inf])  # at the start, and after 32 steps
+    monkeypatch.setattr(CableRun, "_present_frequency", lambda run: next(frequencies))
+    add_pendulum(mbs)
+    mbs.Assemble()
+    with pytest.raises(DivergenceError, match="its fastest vibration asks for steps of a thousandth"):
+        solve(mbs, 0.1, adaptiveStep=True)

@@ -17,26 +17,25 @@ from ...coupling.small_vibrations import FastestRates, fastest_rates
 from ...errors import DivergenceError, RedundantConstraintError
 from ...integrators.integrator import Integrator, LoadHistory, advance
 from ...integrators.linear_stability import frequency_limit
-from ...integrators.watch import ENERGY
 from ...system import accelerate_and_project
 from ..cable_run import CableRun
-from ..cable_watch import figures, finding
-from ..consistent_start import ROUND_OFF, StartCorrection, agree
+from ..consistent_start import StartCorrection, agree
 from ..divergence import explanation
+from ..kept_state import KeptState
+from ..paced_run import PacedRun
 from ..start_velocities import require_finite
 from ..step_control import StepControl
 from ..time_grid import TimeGrid
 from .contact_rates import OpenContacts, open_contacts
 from .coupled_scene import CoupledCable, CoupledScene
 from .coupled_watch import LENIENCE, CoupledWatch
-from .kept_state import KeptState
 from .start import consistent_start
 
 FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
 _NOTHING, _TIME = np.zeros(1), np.ones((1, 1))  # the load of a coupled system is the time
 
 
-class CoupledRun:
+class CoupledRun(PacedRun):
     """All of a scene, see `time_loop.Run`.
 
     evaluations: in a step, see `Integrator`.
@@ -66,7 +65,7 @@ class CoupledRun:
         self._mbs = mbs
         self._runs = cable_runs
         self._why = why
-        self._integrator = integrator
+        self.integrator = integrator
         self._time = time
         cables = [
             CoupledCable(run.scene_cable.number, run.indices, run.reference, run.system, run.loads)
@@ -92,13 +91,11 @@ class CoupledRun:
         else:
             self.approach(time, end_of_step)
         self.control = StepControl(rejects=rejects)
-        self._gave_up, self._trouble = False, ""
         self._unsolvable = ""  # what was said of joints that could not be solved for
         self._output = np.zeros((1, 3, self._scene.size))
         self.watch = CoupledWatch(
             self._scene, cable_runs, self.state, evaluations, energy_tolerance, integrator.stabilised
         )
-        self._kept = KeptState(mbs, self.memory())
 
     @property
     def name(self) -> str:
@@ -107,11 +104,6 @@ class CoupledRun:
         others = [f"{joints} joint(s)"] if joints else []
         others += ["bodies"] if self._scene.has_bodies else []
         return " and ".join([cables, *others]) if cables else "native items"
-
-    @property
-    def integrator(self) -> Integrator:
-        """What moves it."""
-        return self._integrator
 
     @property
     def cable_runs(self) -> Sequence[CableRun]:
@@ -227,7 +219,7 @@ class CoupledRun:
         self._scene.forget()
         for run in self._runs:
             run.forget()
-        begin = plain(self._integrator.start)
+        begin = plain(self.integrator.start)
         begin(self._scene.system, np.array([time]), self.state)
         for run in self._runs:
             run.require_independence()
@@ -249,7 +241,7 @@ class CoupledRun:
         if self.control.present:
             self.set_step(self.control.present)
         self._scene.surroundings.forces(time, self.state.q, self.state.v)
-        plain(self._integrator.resume)(self._scene.system, np.array([time]), self.state)
+        plain(self.integrator.resume)(self._scene.system, np.array([time]), self.state)
         self.watch.resume()
 
     def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
@@ -258,7 +250,7 @@ class CoupledRun:
         self._scene.surroundings.forget()
         for interval in range(len(history)):
             with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges
-                if not self._finish_interval(scheme, grid.time(first + interval), grid):
+                if not self.finish_interval(scheme, grid, first + interval, self._output):
                     return interval
             for place, values in enumerate((self.state.q, self.state.v, self.state.a)):
                 history[interval, place] = values[:number]
@@ -267,74 +259,45 @@ class CoupledRun:
         self._scene.surroundings.show(end, self.state.q, self.state.v, self._scene.system.multipliers)
         return len(history)
 
-    def _finish_interval(self, scheme: Any, start: float, grid: TimeGrid) -> bool:
-        """The rest of the interval that began at `start` [s]; returns whether its end was reached."""
-        control, interval = self.control, grid.substeps * grid.h
-        while control.offset < (1.0 - ROUND_OFF) * interval:
-            time, remaining, is_nominal = (
-                start + control.offset,
-                interval - control.offset,
-                control.is_nominal,
-            )
-            if is_nominal:
-                duration, steps = interval, grid.substeps * 2**control.halvings
-            else:
-                duration, steps = control.piece(remaining, grid.h)
-            h = duration / steps
-            self._change_step(h, time)
-            self._kept.keep()
-            if self._is_well_through(scheme, time, h, steps, at_once=not is_nominal):
-                control.accept(h, steps)
-                control.offset += duration
-            elif not self._is_rejected(scheme, time):
-                return False
-        control.offset = 0.0
-        return True
+    @cached_property
+    def kept(self) -> KeptState:
+        """See `PacedRun.kept`; contact and friction remember in mbs."""
+        return KeptState(self.memory(), self._mbs.systemData)
 
-    def _is_rejected(self, scheme: Any, time: float) -> bool:
-        """Back to the state before the last steps, at `time` [s]; False if there are no smaller ones."""
-        self._trouble = self._integrator.trouble(scheme, self.watch.watch.kept)
-        found, trouble, times = self.watch.failed, self.watch.trouble, self.watch.steps_to_halve
-        self._kept.restore()
-        self.watch.note(found, trouble)
-        if times:
-            self.control.halve(times)
-            if not self.control.may_halve:
-                self.watch.limit_phase(1.0, np.inf)
-        elif trouble == ENERGY or not self.control.reject():
-            self._gave_up = True
-            return False
+    @property
+    def has_implicit_bending(self) -> bool:
+        """See `PacedRun.has_implicit_bending`."""
+        return any(run.has_implicit_bending for run in self._runs)
+
+    def reject(self, time: float) -> None:
+        """See `PacedRun.reject`; mbs is not in the state of the run any more."""
         self._scene.surroundings.forget()
         try:
-            self.resume(time)
+            super().reject(time)
         except RedundantConstraintError as error:
-            self._unsolvable, self._gave_up = str(error), True
-        return not self._gave_up
+            self._unsolvable, self.gave_up = str(error), True
 
-    def _change_step(self, h: float, time: float) -> None:
-        """Prepare for steps of h [s] from the present state, at `time` [s]."""
-        before = self.control.present
-        if abs(h - before) <= ROUND_OFF * h:
-            return
-        self.set_step(h)
-        if any(run.has_implicit_bending for run in self._runs):
-            plain(self._integrator.start)(self._scene.system, np.array([time]), self.state)
-        elif before:
-            self._integrator.change_step(self.state, h / before)
+    def start_scheme(self, time: float) -> None:
+        """See `PacedRun.start_scheme`."""
+        plain(self.integrator.start)(self._scene.system, np.array([time]), self.state)
+
+    def watch_on(self, time: float) -> None:
+        """See `PacedRun.watch_on`."""
         self.watch.go_on(time, self.state)
 
-    def _is_well_through(self, scheme: Any, start: float, h: float, number: int, at_once: bool) -> bool:
-        """Take so many steps of h [s] from `start` [s].   at_once: whether they are judged at their end."""
-        steps = np.arange(number)[:, np.newaxis]
-        times: Array = start + h * (steps + np.array(self._integrator.stages))
-        ends = (start + h * (steps + 1)).ravel().tolist()
-        self._unsolvable, done = "", 0
+    def take(self, scheme: Any, start: float, h: float, steps: int, history: Array) -> bool:
+        """See `PacedRun.take`; the end stays in the state."""
+        numbers = np.arange(steps)[:, np.newaxis]
+        times: Array = start + h * (numbers + np.array(self.integrator.stages))
+        ends = (start + h * (numbers + 1)).ravel().tolist()
+        is_judged, done = not self.control.is_nominal, 0
+        self._unsolvable = ""
         try:
-            while done < number:
+            while done < steps:
                 ahead = slice(done, done + self.watch.steps_ahead)
                 self._take_steps(scheme, times[ahead], ends[ahead], h)
-                done = min(ahead.stop, number)
-                if not self.watch.is_well_at(ends[done - 1], h, self.state, at_once and done == number):
+                done = min(ahead.stop, steps)
+                if not self.watch.is_well_at(ends[done - 1], h, self.state, is_judged and done == steps):
                     return False
         except (DivergenceError, RedundantConstraintError) as error:
             self._unsolvable = str(error) if isinstance(error, RedundantConstraintError) else ""
@@ -361,21 +324,21 @@ class CoupledRun:
 
     def figures(self) -> dict[str, float]:
         """How well constraints and energy were kept."""
-        return figures(self.watch.watch)
+        return self.watch.figures()
 
     def verdict(self, scheme: Any, time: float, h: float) -> str:
         """What went wrong in the last steps; see `CableRun.verdict`."""
-        if not self._gave_up:
+        if not self.gave_up:
             return ""
         if self._unsolvable:
             return f"{self.name}: {self._unsolvable} If the motion before that is wrong, reduce stepSize."
         limit = self._limit_now(scheme, time)
-        said = explanation(self._integrator, self._trouble, self.control.present, limit, scaled=True)
-        return f"{self.name}: {finding(self.watch.watch)}; {self.control.said}. {said}"
+        said = explanation(self.integrator, self.trouble, self.control.present, limit, scaled=True)
+        return f"{self.name}: {self.watch.found}; {self.control.said}. {said}"
 
     def _limit_now(self, scheme: Any, time: float) -> float:
         """Stability limit [s] in the state of the last inspection; infinite if there is none."""
         rates = self._rates_at(time)
         if not rates.frequency > 0.0:
             return np.inf
-        return frequency_limit(self._integrator, scheme, rates.damping / rates.frequency) / rates.frequency
+        return frequency_limit(self.integrator, scheme, rates.damping / rates.frequency) / rates.frequency

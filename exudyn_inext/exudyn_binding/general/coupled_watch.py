@@ -13,8 +13,6 @@ import numpy as np
 
 from ...integrators.path_work import WAY, begin_path, build_path, follow, take_sums
 from ...integrators.watch import (
-    FAILED,
-    NOW,
     VIOLENT,
     Watch,
     build_watch,
@@ -26,7 +24,7 @@ from ...integrators.watch import (
 )
 from ...system import AGITATION, KINETIC, POWER, VIOLATION, gauge
 from ..cable_run import CableRun
-from ..cable_watch import memory_of, steps_to_halve
+from ..run_watch import RunWatch
 from .coupled_scene import CoupledScene
 
 STEPS_BETWEEN = 1024  # two inspections at most
@@ -38,7 +36,7 @@ LENIENCE = 10.0  # of the energy: forces that jump, as those of contact do, have
 ROUND_OFF = 1e-10  # of the energy, relative to the forces times the extent
 
 
-class CoupledWatch:
+class CoupledWatch(RunWatch):
     """Keeps the account of a coupled scene.
 
     Args:
@@ -93,10 +91,6 @@ class CoupledWatch:
     @property
     def _most_steps(self) -> int:
         return int(self._counts[1])
-
-    def limit_phase(self, duration: float, phase: float) -> None:
-        """Let it find steps that are too long for the motion; arguments: see `Watch`."""
-        self.watch = self.watch._replace(duration=duration, phase=phase)
 
     def open(self, t: float, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""
@@ -156,7 +150,7 @@ class CoupledWatch:
         """Arrays that the next inspections depend on, by names."""
         path = {"path": self._path, "changes": self._changes}
         masses = {"masses": self._bodies.system.masses_before()}
-        return memory_of(self.watch) | path | masses | {"last": self._last, "steps": self._counts}
+        return super().memory() | path | masses | {"last": self._last, "steps": self._counts}
 
     def resume(self) -> None:
         """Go on with the memory that has been set."""
@@ -195,23 +189,3 @@ class CoupledWatch:
         total[KINETIC] += bodies.system.kinetic_energy(state.v[bodies.dofs])
         total[AGITATION] += bodies.system.kinetic_energy(state.a[bodies.dofs])
         total[POWER] += self._scene.system.multipliers @ self._scene.system.drift
-
-    @property
-    def trouble(self) -> int:
-        """What went wrong in the last steps, see `integrators.watch`."""
-        return int(self.watch.account[NOW].trouble)
-
-    @property
-    def failed(self) -> Any:
-        """The account of steps that went wrong."""
-        return self.watch.account[FAILED].copy()
-
-    def note(self, failed: Any, trouble: int) -> None:
-        """After steps that were rejected: what was found of them."""
-        self.watch.account[FAILED] = failed
-        self.watch.account[NOW].trouble = trouble
-
-    @property
-    def steps_to_halve(self) -> int:
-        """See `cable_watch.steps_to_halve`."""
-        return steps_to_halve(self.watch)

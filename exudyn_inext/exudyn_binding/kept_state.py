@@ -1,4 +1,4 @@
-"""The state of a coupled run before its last steps, to which it returns if they go wrong."""
+"""The state of a run before its last steps, to which it returns if they go wrong."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -10,25 +10,24 @@ _CONFIGURATIONS = (exudyn.ConfigurationType.Current, exudyn.ConfigurationType.St
 
 
 class KeptState:
-    """Copies of all that the next steps depend on.
+    """Copies of all that the next steps depend on, as it is now, and as `keep` finds it later.
 
     Args:
-        mbs: whose data coordinates (contact, friction) belong to it.
         memory: nested dicts of arrays, which stay the same arrays.
+        data: mbs.systemData, if its data coordinates (contact, friction) belong to the state.
     """
 
-    def __init__(self, mbs: Any, memory: Mapping[str, Any]) -> None:
-        self._data = mbs.systemData
+    def __init__(self, memory: Mapping[str, Any], data: Any = None) -> None:
+        self._data: Any = data if data is not None and data.DataSize() else None
         self._arrays = list(_arrays(memory))
         self._copies = [array.copy() for array in self._arrays]
-        self._coordinates: list[Any] = []
+        self._coordinates = self._present_coordinates()
 
     def keep(self) -> None:
         """Copy the present state."""
         for array, copy in zip(self._arrays, self._copies, strict=True):
             copy[...] = array
-        if self._data.DataSize():
-            self._coordinates = [self._data.GetDataCoordinates(kind) for kind in _CONFIGURATIONS]
+        self._coordinates = self._present_coordinates()
 
     def restore(self) -> None:
         """Return to the state that was kept last."""
@@ -36,6 +35,9 @@ class KeptState:
             array[...] = copy
         for kind, values in zip(_CONFIGURATIONS, self._coordinates, strict=False):
             self._data.SetDataCoordinates(values, kind)
+
+    def _present_coordinates(self) -> list[Any]:
+        return [self._data.GetDataCoordinates(kind) for kind in _CONFIGURATIONS] if self._data else []
 
 
 def _arrays(memory: Mapping[str, Any]) -> Iterator[np.ndarray]:
