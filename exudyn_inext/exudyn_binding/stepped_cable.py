@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..integrators import find_integrator
 from ..integrators.integrator import LoadHistory
 from .cable_run import CableRun
+from .kept_state import KeptState
 from .time_grid import TimeGrid
 
 _SEQUENCES = (Sequence, np.ndarray)
@@ -39,18 +40,17 @@ class SteppedCable:
             if not len(loads.pattern)
             else None
         )
-        self._initial = run.state.q.copy(), run.state.v.copy()
+        self._beginning = KeptState(run.memory())
         self._present, self._before = (np.zeros((1, 3, run.state.q.size)) for _ in range(2))
 
     def start(self, time: float, h: float) -> None:
         """Back to the initial state, for steps of h [s]; see `CableRun.start`."""
-        state = self.run.state
-        for memory in state:
-            memory[:] = 0.0
-        state.q[:], state.v[:] = self._initial
-        self.run.set_step(h)
-        self.run.start(time)
-        self._present[0] = state.q, state.v, state.a
+        run = self.run
+        self._beginning.restore()
+        run.gave_up = False
+        run.set_step(h)
+        run.start(time)
+        self._present[0] = run.state.q, run.state.v, run.state.a
 
     def step(self, start: float, h: float, first: int, steps: int) -> bool:
         """Take `steps` steps of size h [s] after the first `first` ones since the time `start` [s].
