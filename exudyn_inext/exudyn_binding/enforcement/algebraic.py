@@ -72,10 +72,10 @@ class Algebraic:
         cable = item.cable
         coordinates, chain = Coordinates(cable), build_chain(cable)
         external = gravity_force(cable, item.gravity)
-        mass = cable.section.mass_per_length * form_of_cable(cable, mass_matrix).toarray()
+        mass = cable.section.mass_per_length * form_of_cable(cable, mass_matrix)
         is_linear = cable.measure is CurvatureMeasure.SECOND_DERIVATIVE and not cable.section.bending_damping
         forces = _linear_forces if is_linear else _forces_of_user_functions
-        return {"massMatrix": coordinates.matrix(mass), **forces(cable, chain, external)}
+        return {"massMatrix": coordinates.sparse_matrix(mass), **forces(cable, chain, external)}
 
     def add_constraints(self, mbs: Any, number: int, item: CableItem, held: np.ndarray) -> list[int]:
         """One constraint object with all rows; those of clamped nodes, redundant there, are left out."""
@@ -97,14 +97,14 @@ def _linear_forces(cable: Cable, chain: Chain, external: Array) -> dict[str, Any
     """K and the force in the reference configuration: objects know displacements only."""
     coordinates, force = Coordinates(cable), external.copy()
     add_elastic_force(chain, cable.reference, force)
-    stiffness = elastic_tangent(chain, cable.reference).toarray()
-    nothing = np.zeros((coordinates.size, coordinates.size))
+    stiffness = elastic_tangent(chain, cable.reference)
+    nothing = coordinates.sparse_matrix(0.0 * stiffness)
 
     def no_more_than_stiffness_user_function(mbs, t, itemNumber, q, q_t, fODE2, fODE2_t):
         return nothing  # without it, Exudyn would find the constant matrix by differences
 
     return {
-        "stiffnessMatrix": coordinates.matrix(stiffness),
+        "stiffnessMatrix": coordinates.sparse_matrix(stiffness),
         "forceVector": coordinates.vector(force),
         "jacobianUserFunction": no_more_than_stiffness_user_function,
     }
@@ -123,7 +123,7 @@ def _forces_of_user_functions(cable: Cable, chain: Chain, external: Array) -> di
         tangent = fODE2 * elastic_tangent(chain, at)
         if cable.section.bending_damping:
             tangent += fODE2_t * damping_tangent(chain, at)
-        return coordinates.matrix(tangent.toarray())
+        return coordinates.sparse_matrix(tangent)
 
     return {
         "forceUserFunction": cable_force_user_function,
