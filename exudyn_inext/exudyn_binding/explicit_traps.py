@@ -3,8 +3,6 @@
 import warnings
 from typing import Any
 
-import exudyn
-
 from ..errors import ExplicitTrapWarning
 from .arguments import require_system
 from .cable_data import belongs_to_a_cable, find_cable_item
@@ -87,20 +85,3 @@ def _held_nodes(mbs: Any, data: dict[str, Any], owners: dict[int, str]) -> list[
         for marker in markers
         if marker["markerType"] == "NodeCoordinate" and int(marker["nodeNumber"]) in owners
     ]
-
-
-class TrapWatch:
-    """Looks for traps once as a native explicit solver starts, again if another run begins."""
-
-    def __init__(self) -> None:
-        self._solver: Any = None
-        self._number = 0
-        self._time = float("inf")
-
-    def look(self, mbs: Any, t: float) -> None:
-        """Warn of traps if a native explicit solver evaluates mbs, first at time t [s]."""
-        solver, number = mbs.sys.get("dynamicSolver"), mbs.systemData.NumberOfObjects()
-        is_known = solver is self._solver and number == self._number and t >= self._time
-        self._solver, self._number, self._time = solver, number, t
-        if not is_known and isinstance(solver, exudyn.MainSolverExplicit):
-            WarnOfExplicitTraps(mbs)

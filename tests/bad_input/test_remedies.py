@@ -7,16 +7,20 @@ import exudyn
 import numpy as np
 import pytest
 from exudyn.itemInterface import (
+    CoordinateConstraint,
     LoadForceVector,
     MarkerBodyCable2DCoordinates,
     MarkerBodyMass,
     MarkerBodyPosition,
     MarkerBodyRigid,
+    MarkerNodeCoordinate,
     MarkerNodePosition,
     NodeGenericData,
+    NodePointGround,
     ObjectANCFCable2D,
     ObjectConnectorCartesianSpringDamper,
     ObjectJointSliding2D,
+    SphericalJoint,
 )
 from exudyn.utilities import InertiaCuboid
 
@@ -43,8 +47,10 @@ CLAMPED = {"groundConstraintsStart": [True] * 4}
 PIN = [True, True, False, False]
 
 
-def native_run(mbs):
+def native_run(mbs, sparse=False):
     settings = quiet_settings(0.02, 20)
+    if sparse:
+        settings.linearSolver.solverType = exudyn.LinearSolverType.EigenSparse
     settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
     with silence():
         return mbs.SolveDynamic(settings)
@@ -173,6 +179,44 @@ def test_a_straight_rope_between_held_ends_is_refused_by_its_reason():
     assert mbs.systemData.NumberOfNodes() == before
     assert native_run(rope(0.01))
     assert native_run(rope(0.0, groundConstraintsEnd=None))
+
+
+@pytest.mark.parametrize("joints", [False, True], ids=["coordinates", "joints"])
+@pytest.mark.parametrize("sparse", [False, True], ids=["dense", "sparse"])
+def test_a_straight_rope_on_native_constraints_is_refused_by_their_names(joints, sparse):
+    """Where native solvers end with 'matrix is not factorized' only."""
+
+    def held_rope(sag, ends):
+        mbs = rope(sag, groundConstraintsStart=None, groundConstraintsEnd=None)
+        for node in ends:
+            (hold_by_a_joint if joints else hold_by_coordinates)(mbs, node)
+        mbs.Assemble()
+        return mbs
+
+    says = (
+        r"(?s)length constraints of the cable and object \d 'left.*, object \d 'right.* depend on each other"
+    )
+    both = [(0, "left"), (8, "right")]
+    straight = held_rope(0.0, both)
+    for _ in range(2):
+        with silence(), pytest.raises(Exception, match=says):
+            native_run(straight, sparse)
+    assert native_run(held_rope(0.01, both), sparse)
+    assert native_run(held_rope(0.0, both[:1]), sparse)
+
+
+def hold_by_coordinates(mbs, end):
+    ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+    for coordinate in range(2):
+        marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=end[0], coordinate=coordinate))
+        mbs.AddObject(CoordinateConstraint(name=f"{end[1]}{coordinate}", markerNumbers=[ground, marker]))
+
+
+def hold_by_a_joint(mbs, end):
+    point = [*mbs.GetNode(end[0])["referenceCoordinates"][:2], 0]
+    nodes = mbs.AddNode(NodePointGround(referenceCoordinates=point)), end[0]
+    markers = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in nodes]
+    mbs.AddObject(SphericalJoint(name=end[1], markerNumbers=markers, constrainedAxes=[1, 1, 0]))
 
 
 def test_a_step_above_the_limit_is_told_a_step_and_a_scaling_that_are_accepted():

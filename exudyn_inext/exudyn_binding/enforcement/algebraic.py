@@ -28,9 +28,8 @@ from ...errors import RedundantConstraintError
 from ...loads.gravity import gravity_force
 from ..cable_data import CableItem
 from .coordinates import Coordinates
-from .weights import WeightWatch
-
-PIVOT_TOLERANCE = 1e-12  # smallest eigenvalue of rows of length 1 that do not depend on each other
+from .start_of_run import StartOfRun, refuse_weights
+from .supports import REASON, are_independent, refuse_redundant_supports
 
 
 @dataclass(frozen=True)
@@ -52,21 +51,11 @@ class Algebraic:
         Raises:
             RedundantConstraintError: it is not.
         """
-        rows = build_rows(item.cable, held)
-        gradients = np.zeros((rows.number, *item.cable.reference.shape))
-        constraint_jacobian(rows, item.cable.reference, gradients)
-        coordinates = Coordinates(item.cable)
-        free = ~coordinates.vector(held.astype(float)).astype(bool)
-        jacobian = coordinates.vector(gradients)[:, free]
-        scaled = jacobian / np.linalg.norm(jacobian, axis=1, keepdims=True)
-        if np.linalg.eigvalsh(scaled @ scaled.T)[0] > PIVOT_TOLERANCE:
-            return
-        raise RedundantConstraintError(
-            "enforcement = 'algebraic': the length constraints of the cable and groundConstraintsStart and "
-            "groundConstraintsEnd depend on each other (a straight cable between supports as far apart as "
-            "it is long, or an element clamped at both ends), which native solvers cannot take: let the "
-            "cable sag (shape), or free a support."
-        )
+        if not are_independent(item.cable, build_rows(item.cable, held), held):
+            raise RedundantConstraintError(
+                "enforcement = 'algebraic': the length constraints of the cable and groundConstraintsStart "
+                f"and groundConstraintsEnd {REASON}"
+            )
 
     def object_parameters(self, item: CableItem) -> dict[str, Any]:
         cable = item.cable
@@ -133,16 +122,18 @@ def _forces_of_user_functions(cable: Cable, chain: Chain, external: Array) -> di
 
 def _constraint_user_functions(rows: ConstraintRows, item: CableItem) -> tuple[Any, Any]:
     """User functions of constraint and Jacobian; they get coordinates with reference values."""
-    coordinates, weights = Coordinates(item.cable), WeightWatch(item)
+    coordinates = Coordinates(item.cable)
+    checks = StartOfRun(refuse_weights(item), refuse_redundant_supports(item, rows))
     values = np.zeros((2, rows.number))
     gradients = np.zeros((rows.number, *coordinates.shape))
 
     def inextensibility_user_function(mbs, t, itemNumber, q, q_t, velocityLevel):
-        weights.look(mbs, t)
+        checks.look(mbs, t)
         constraint_values(rows, coordinates.nodal(q), coordinates.nodal(q_t), values)
         return values[int(velocityLevel)]
 
     def inextensibility_jacobian_user_function(mbs, t, itemNumber, q, q_t, velocityLevel):
+        checks.look(mbs, t)  # the first one that a solver calls
         constraint_jacobian(rows, coordinates.nodal(q), gradients)
         return coordinates.vector(gradients)
 

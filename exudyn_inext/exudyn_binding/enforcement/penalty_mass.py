@@ -10,9 +10,8 @@ from ...checks import as_number, require_positive
 from ...errors import InputError
 from ...loads.gravity import gravity_force
 from ..cable_data import CableItem
-from ..explicit_traps import TrapWatch
 from .coordinates import Coordinates
-from .weights import WeightWatch
+from .start_of_run import StartOfRun, refuse_weights, warn_of_traps
 
 LIMITS = 1e2, 1e6  # of the penalty: constraints too soft; mass matrix too badly conditioned
 
@@ -63,11 +62,10 @@ class PenaltyMass:
         system = build_penalty_system(cable, item.held, float(self.penalty), float(self.stabilizationRate))
         external = gravity_force(cable, item.gravity)
         force, mass = np.zeros(coordinates.shape), np.zeros(coordinates.shape * 2)
-        traps, weights = TrapWatch(), WeightWatch(item)
+        checks = StartOfRun(warn_of_traps, refuse_weights(item))
 
         def penalty_force_user_function(mbs, t, itemNumber, q, q_t):
-            traps.look(mbs, t)
-            weights.look(mbs, t)
+            checks.look(mbs, t)
             penalty_force(system, external, coordinates.total(q), coordinates.nodal(q_t), force)
             return coordinates.vector(force)
 
