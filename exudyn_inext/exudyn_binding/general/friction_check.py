@@ -82,8 +82,9 @@ class FrictionCheck:
             f"{self._culprit()}: {wrong / everything:.1%} of the work of friction contradicts Coulomb's law "
             f"(limit {LARGEST_SHARE:.0%}): {driving / everything:.1%} drives slip, whose direction Exudyn "
             f"takes from the displacement since the last sticking; {above / everything:.1%} is above the "
-            "limit of sticking in first steps of contacts. The motion then depends on the step, under Exudyn's own "
-            f"solvers, too: {smaller}set frictionStiffness = 0, or lower frictionVelocityPenalty."
+            "limit of sticking in first steps of contacts. The motion then depends on the step, under "
+            f"Exudyn's own solvers, too: {smaller}set frictionStiffness = 0, or lower "
+            "frictionVelocityPenalty."
         )
 
     def _culprit(self) -> str:
