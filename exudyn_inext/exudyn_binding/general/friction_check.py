@@ -52,6 +52,8 @@ class FrictionCheck:
         self._before = data
         self._steps += 1
         is_due = self._steps % STEPS_BETWEEN == 0
+        if not (is_due or closed.any()):
+            return
         for contact, places in enumerate(self._states):
             if closed[places].any() or (is_due and (data[places] != _OPEN).any()):
                 self._count(contact, data[places], closed[places], STEPS_BETWEEN * is_due)
