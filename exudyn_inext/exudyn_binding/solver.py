@@ -18,7 +18,7 @@ from .changes.limit import StepLimit
 from .changes.log import ChangeLog, listening
 from .changes.stored import restore_changes, restore_limit
 from .empty_sensors import warn_of_empty_sensors
-from .explicit_runs import follow_frequencies, scheme_of, wanted_step
+from .explicit_runs import follow_frequencies, scheme_of, wanted_step, warn_of_friction
 from .first_row import first_row
 from .general.surroundings import state_kept
 from .loop_clock import LoopClock
@@ -161,6 +161,7 @@ def SolveExplicit(
             forget_evaluators(sensors)
     controls = [run.control for run in loop.runs]
     warn_of_energy(loop.runs, explicit.energyTolerance)
+    warn_of_friction(loop.runs)
     return {
         "success": True,
         "integrator": explicit.integrator,

@@ -29,6 +29,7 @@ from ..time_grid import TimeGrid
 from .contact_rates import OpenContacts, open_contacts
 from .coupled_scene import CoupledCable, CoupledScene
 from .coupled_watch import LENIENCE, CoupledWatch
+from .friction_check import FrictionCheck
 from .start import consistent_start
 
 FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
@@ -42,6 +43,7 @@ class CoupledRun(PacedRun):
     end_of_step: of the time loop [s], at which violated joints shall be fulfilled, for a run that takes over
         from another one; None: they are violated by at most the tolerance.
     cables: models of the inextensible cables.   start_corrections: one for each of them, and for joints.
+    friction: whether that of cables on circles obeys Coulomb's law.
     """
 
     looks_ahead = False
@@ -96,6 +98,9 @@ class CoupledRun(PacedRun):
         self.watch = CoupledWatch(
             self._scene, cable_runs, self.state, evaluations, energy_tolerance, integrator.stabilised
         )
+        self.friction = FrictionCheck(mbs)
+        if self.friction.is_needed:
+            self.watch.after_each_step.append(self.friction.look)
 
     @property
     def name(self) -> str:
@@ -234,6 +239,7 @@ class CoupledRun(PacedRun):
             "cables": cables,
             "watch": self.watch.memory(),
             "control": self.control.memory(),
+            "friction": self.friction.sums,
         }
 
     def resume(self, time: float) -> None:
