@@ -16,6 +16,7 @@ from .explicit_runs import cable_runs, require_fixed_steps, scheme_of, step_boun
 from .scene import read_cables, require_assembled
 from .settings import ExplicitSettings
 from .stepped_cable import SteppedCable
+from .time_grid import TimeGrid
 
 MOST_STEPS = 1_000_000_000
 _SHOWN = (exudyn.ConfigurationType.Current, exudyn.ConfigurationType.Visualization)
@@ -78,7 +79,7 @@ class ExplicitStepper:
         self.startCorrections = [run.start_correction for run in runs]
         self._mbs = mbs
         self._start_time = start
-        self._cables = [SteppedCable(run, explicit.integrator, scheme_of(explicit)) for run in runs]
+        self._cables = [SteppedCable(run, scheme_of(explicit)) for run in runs]
         self._cable_of_node = {node: cable for cable in self._cables for node in cable.nodes}
         self._steps = 0
         self._error: Exception = InputError("the stepper has not been started: call Start() before Step().")
@@ -115,8 +116,8 @@ class ExplicitStepper:
         if not self._is_ready:
             raise self._error
         require_integer("n", n, 1, MOST_STEPS, ", the steps of one call")
-        well = [cable.step(self._start_time, self.stepSize, self._steps, int(n)) for cable in self._cables]
-        if not all(well):
+        grid = TimeGrid(self._start_time, 1, int(n), self.stepSize, before=self._steps)
+        if not all([cable.step(grid) for cable in self._cables]):
             self._stop(n)
         self._steps += n
 

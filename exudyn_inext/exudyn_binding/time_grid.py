@@ -19,6 +19,7 @@ class TimeGrid:
 
     start: [s].   loop_steps: number of Exudyn steps.   substeps: integrator steps in each of them.
     h: step of the integrator [s].   first: step of the loop that a continued run begins with.
+    before: steps of the integrator since `start`, before the first step of the loop.
     """
 
     start: float
@@ -26,10 +27,19 @@ class TimeGrid:
     substeps: int
     h: float
     first: int = 0
+    before: int = 0
+
+    def steps_until(self, loop_step: int) -> int:
+        """Steps of the integrator since `start`, at the end of that many steps of the loop."""
+        return self.before + loop_step * self.substeps
+
+    def begins_with(self, loop_step: int) -> bool:
+        """Whether no step has been taken before that step of the loop."""
+        return loop_step == self.first and not self.before
 
     def time(self, loop_step: int) -> float:
         """Time after that many steps of the loop [s]."""
-        return self.start + loop_step * self.substeps * self.h
+        return self.start + self.steps_until(loop_step) * self.h
 
 
 def time_grid(mbs: Any, settings: Any, wanted: float) -> TimeGrid:
