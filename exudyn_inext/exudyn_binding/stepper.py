@@ -150,7 +150,6 @@ class ExplicitStepper:
             list(filter(None, verdicts)),
             end,
             f"The stepper holds the state at t = {self.time:.6g} s; Start() begins anew.",
-            self.stepSize,
         )
         raise self._error
 
