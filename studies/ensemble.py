@@ -103,7 +103,7 @@ def _measure_case(case: Case, members: int, rounds: int) -> Row:
         "elements": case.elements,
         "endTime": case.end_time,
         "integrator": results["one core"]["integrator"],
-        "stepSize": results["one core"]["stepSize"],
+        "stepSize": float(results["one core"]["stepSize"][0]),
         "massScaling": case.settings.massScaling,
         "cores": cores,
         "alone": MILLI * alone,

@@ -126,7 +126,7 @@ def _excess(times: list[float], others: list[float]) -> list[float]:
 def _tasks_alone(chain: Chain, name: str) -> Ways:
     """Steps of the compiled loops."""
     mbs = _build(chain)
-    h = 0.5 * ExplicitStepper(mbs, ExplicitSettings(name)).bounds.stability_limit
+    h = 0.5 * ExplicitStepper(mbs, ExplicitSettings(name, massScaling=0.0)).bounds.stability_limit
     explicit = ExplicitSettings(name, energyTolerance=math.inf)
     (run,) = cable_runs(mbs, read_scene(mbs).cables, 0.0, 0.0, explicit)
     initial = run.state.q.copy(), run.state.v.copy()

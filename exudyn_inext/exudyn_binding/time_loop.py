@@ -213,7 +213,7 @@ class ExplicitTimeLoop:
     def _divergence(self, last_good: float, time: float) -> DivergenceError:
         verdicts = [run.verdict(self.scheme, last_good, self.grid.h) for run in self.runs]
         left = f"mbs holds the last good output, that of t = {last_good:.6g} s."
-        return divergence(list(filter(None, verdicts)), time, left, self.grid.h)
+        return divergence(list(filter(None, verdicts)), time, left)
 
     @contextmanager
     def _remembering_errors(self) -> Iterator[None]:
