@@ -158,7 +158,7 @@ def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
     mbs, by_kernels = _build(chain), ExitStack()  # for good: nobody else asks this mbs
     scene = read_scene(mbs)
     by_kernels.enter_context(switched_off(mbs, *scene.evaluated_by_kernels))
-    (run,) = runs_of_scene(mbs, scene, exudyn.MainSolverImplicitSecondOrder(), 0.0, 0.0, explicit)
+    (run,) = runs_of_scene(mbs, scene, 0.0, 0.0, explicit)
     blind = _Blind(run)
     h, _ = wanted_step(step_bounds([run], 0.0, explicit), explicit)
     grid = TimeGrid(0.0, STEPS_AMONG_BODIES // STEPS_OF_AN_OUTPUT, STEPS_OF_AN_OUTPUT, h)
