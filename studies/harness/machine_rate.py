@@ -1,6 +1,7 @@
 """Multiply-adds a second that the processor does in one thread: one by one, and in vectors."""
 
-from exudyn_inext.compiled import kernel, local_array
+from exudyn_inext.compiled import kernel
+from exudyn_inext.lowered import local_array
 
 SCALARS, LENGTH, DEPTH = 12, 64, 8
 
