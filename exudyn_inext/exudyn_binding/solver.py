@@ -136,7 +136,7 @@ def SolveExplicit(
             restarts.mass_scaling = explicit.massScaling
             scaled = bounds_if_scaled(mbs, scene, start, given.h if given else 0.0, explicit)
             wanted, decided_by = wanted_step(bounds, explicit, scaling or None, scaled)
-            warn_of_damping(bounds, decided_by)
+            warn_of_damping(bounds, decided_by, duration)
             grid = restarts.grid(given or time_grid(mbs, settings, wanted))
             builder.take_step(explicit, grid.h)
             follow_frequencies(runs, bounds, explicit)
