@@ -100,9 +100,10 @@ def _mass_scaling(cables: Sequence[CableRun], step: float, explicit: ExplicitSet
     return THETA if decides and math.isfinite(step) else 0.0
 
 
-def warn_of_damping(bounds: StepSizeBounds, decided_by: str) -> None:
-    """Before a run: what explicit damping does to its step, if that is much."""
-    if decided_by == "bending" and bounds.undamped > MUCH * bounds.bending:
+def warn_of_damping(bounds: StepSizeBounds, decided_by: str, duration: float) -> None:
+    """Before a run of that duration [s]: what explicit damping does to its step, if that is much."""
+    bounds_step = decided_by == "bending" and bounds.bending < duration
+    if bounds_step and bounds.undamped > MUCH * bounds.bending:
         warnings.warn(
             f"damping of {bounds.damping:.3g} 1/s at {bounds.cable} bounds the step to {bounds.bending:.3g} "
             f"s, where {bounds.undamped:.3g} s hold without it: dashpots of springs and joints, drag, and "

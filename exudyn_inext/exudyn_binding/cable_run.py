@@ -155,8 +155,16 @@ class CableRun(PacedRun):
         finally:
             self.set_step(self.control.present)
 
-    def accelerations(self, time: float) -> Array:
-        """(n_dof,) of the present state, at `time` [s], by the mass as it is."""
+    def accelerations(self, time: float, multipliers: Array) -> Array:
+        """(n_dof,) of the present state, by the mass as it is.
+
+        Args:
+            time: at present [s].
+            multipliers: (m,) output, of Exudyn's algebraic equations, which are also left in mbs with the
+                state; those of a cable alone are not known.
+        """
+        if not self.has_implicit_bending:
+            return np.asarray(self.state.a)
         a, rate = np.zeros((2, self.state.q.size))
         with self.mass_as_it_is():
             accelerate_and_project(self.system, self.loads.at(time), self.state.q, self.state.v, 0.0, a, rate)

@@ -91,7 +91,7 @@ def SolveEnsemble(
         members, all_of_them = tee(members)
         choices = [member.choice for member in all_of_them]
         worst = _worst(choices)
-        warn_of_damping(choices[worst].of_member(worst), choices[worst].decided_by)
+        warn_of_damping(choices[worst].of_member(worst), choices[worst].decided_by, duration)
         smallest = min(choice.wanted for choice in choices)
     grids = partial(_grid, settings, smallest)
     ensemble = _Ensemble(len(builders), grids, smallest, explicit, derivatives + 1)

@@ -1,4 +1,4 @@
-"""What sensors and solution files show in their first row: accelerations at the start."""
+"""What sensors and solution files show in their first row: accelerations and multipliers at the start."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -7,7 +7,6 @@ from typing import Any
 import exudyn
 import numpy as np
 
-from ..arrays import Array
 from .time_loop import Run
 
 _INITIAL = exudyn.ConfigurationType.Initial
@@ -22,18 +21,14 @@ def first_row(mbs: Any, runs: Sequence[Run], time: float) -> Iterator[None]:
         runs: have been started.   time: of the start [s].
     """
     data = mbs.systemData
-    before = data.GetODE2Coordinates_tt(_INITIAL)
-    shown = np.array(before)
+    before = data.GetODE2Coordinates_tt(_INITIAL), data.GetAECoordinates(_INITIAL)
+    accelerations, multipliers = np.array(before[0]), np.zeros(len(before[1]))
     for run in runs:
-        shown[run.indices] = _accelerations(run, time)
-    data.SetODE2Coordinates_tt(shown, _INITIAL)
+        accelerations[run.indices] = run.accelerations(time, multipliers)
+    data.SetODE2Coordinates_tt(accelerations, _INITIAL)
+    data.SetAECoordinates(multipliers, _INITIAL)
     try:
         yield
     finally:
-        data.SetODE2Coordinates_tt(before, _INITIAL)
-
-
-def _accelerations(run: Run, time: float) -> Array:
-    """(n,) of all coordinates of a run that has been started, by the masses as they are."""
-    is_implicit = any(cable.has_implicit_bending for cable in run.cable_runs)
-    return run.accelerations(time) if is_implicit else run.state.a[: len(run.indices)]
+        data.SetODE2Coordinates_tt(before[0], _INITIAL)
+        data.SetAECoordinates(before[1], _INITIAL)

@@ -18,6 +18,7 @@ _OF_POSITIONS = {
     _Type.Director2,
     _Type.Director3,
 }
+_OF_POINTS = {"Node", "Body", "Marker", "SuperElement"}
 _OF_VELOCITIES = {_Type.Velocity, _Type.Coordinates_t, _Type.AngularVelocity}
 
 
@@ -39,7 +40,7 @@ def observed_derivatives(settings: Any, sensors: Sequence[Any]) -> int:
 
 
 def _derivatives_of(sensor: dict[str, Any]) -> int:
-    if sensor["sensorType"] != "Node":
+    if sensor["sensorType"] not in _OF_POINTS:
         return ACCELERATIONS  # whatever it may look at
     if sensor["outputVariableType"] in _OF_POSITIONS:
         return POSITIONS

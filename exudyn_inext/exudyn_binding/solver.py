@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from dataclasses import replace
+from time import perf_counter
 from typing import Any
 
 import exudyn
@@ -136,7 +137,7 @@ def SolveExplicit(
             restarts.mass_scaling = explicit.massScaling
             scaled = bounds_if_scaled(mbs, scene, start, given.h if given else 0.0, explicit)
             wanted, decided_by = wanted_step(bounds, explicit, scaling or None, scaled)
-            warn_of_damping(bounds, decided_by)
+            warn_of_damping(bounds, decided_by, duration)
             grid = restarts.grid(given or time_grid(mbs, settings, wanted))
             builder.take_step(explicit, grid.h)
             follow_frequencies(runs, bounds, explicit)
@@ -216,6 +217,18 @@ def _nothing(solver: Any, mbs: Any, settings: Any) -> bool:
     return True
 
 
+def _solve_system(solver: Any, mbs: Any, settings: Any) -> bool:
+    """As solver.SolveSystem, which would forget the initial Lagrange multipliers before the first row."""
+    begin, data = perf_counter(), mbs.systemData
+    if not solver.InitializeSolver(mbs, settings):
+        return False
+    data.SetAECoordinates(data.GetAECoordinates(exudyn.ConfigurationType.Initial))
+    success = bool(solver.SolveSteps(mbs, settings))
+    solver.timer.total = perf_counter() - begin
+    solver.FinalizeSolver(mbs, settings)
+    return success
+
+
 def _run(
     mbs: Any,
     solver: Any,
@@ -234,7 +247,7 @@ def _run(
     mbs.sys["simulationSettings"] = settings
     with _settings_of_the_loop(settings, loop.grid, clock, outputs):
         try:
-            success = solver.SolveSystem(mbs, settings)
+            success = _solve_system(solver, mbs, settings)
         except Exception as error:
             if loop.error is None and "KeyboardInterrupt" in str(error):  # Exudyn wraps it
                 kept = f"interrupted at t = {mbs.systemData.GetTime():.6g} s; mbs holds the state there."

@@ -88,7 +88,7 @@ class ExplicitStepper:
             )
         self.bounds, explicit = bounds_of_step(runs, start, duration, explicit)
         wanted, self.decidedBy = wanted_step(self.bounds, explicit, given if explicit.massScaling else None)
-        warn_of_damping(self.bounds, self.decidedBy)
+        warn_of_damping(self.bounds, self.decidedBy, duration)
         self._substeps, self.stepSize = steps_of_interval(interval, wanted, MOST_STEPS)
         if self._substeps == 1 and self.stepSize < 0.99 * wanted:
             self.decidedBy = "interval"

@@ -62,7 +62,7 @@ class Run(Protocol):
 
     def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int: ...
 
-    def accelerations(self, time: float) -> Array: ...
+    def accelerations(self, time: float, multipliers: Array) -> Array: ...
 
     def verdict(self, scheme: Any, time: float, h: float) -> str: ...
 
@@ -111,6 +111,7 @@ class ExplicitTimeLoop:
         self._is_watched = is_watched(mbs, runs)
         self._written = self._present(exudyn.ConfigurationType.Initial)
         self._observed = ACCELERATIONS if self._is_watched else observed
+        self._shows_forces = observed == ACCELERATIONS or has_functions(mbs)
         self._restarts = restarts
         self._places = [as_slice(run.indices) for run in runs]
         self._computed = grid.first  # steps of the loop
@@ -247,9 +248,17 @@ class ExplicitTimeLoop:
         for run, places in zip(self.runs, self._places, strict=True):
             history = np.empty((intervals, 3, len(run.indices)))
             good = min(good, run.record(self.scheme, self.grid, self._computed, history))
+            if good and not run.looks_ahead and (self._shows_forces or self._takes_last_step):
+                time = self.grid.time(self._computed + 1)
+                history[0, 2] = run.accelerations(time, np.zeros(self._data.AEsize()))
             states[:, :, places] = history
         self._computed += intervals
         return states, good
+
+    @property
+    def _takes_last_step(self) -> bool:
+        """Whether what is computed next is what mbs holds after the run."""
+        return self._computed + 1 == self.grid.loop_steps
 
     def _write_restart(self) -> None:
         """If it is time to: all that has been computed has been handed out."""
@@ -323,5 +332,9 @@ def worst_figures(runs: Sequence[Any]) -> dict[str, float]:
 
 def is_watched(mbs: Any, runs: Sequence[Run]) -> bool:
     """Whether functions of the user, between steps of Exudyn's loop, may see or change something."""
-    has_functions = bool(mbs.GetPreStepUserFunction()) or bool(mbs.GetPostStepUserFunction())
-    return has_functions or not all(run.looks_ahead for run in runs)
+    return has_functions(mbs) or not all(run.looks_ahead for run in runs)
+
+
+def has_functions(mbs: Any) -> bool:
+    """Whether the user has functions that are called before or after each step of Exudyn's loop."""
+    return bool(mbs.GetPreStepUserFunction()) or bool(mbs.GetPostStepUserFunction())

@@ -17,7 +17,7 @@ from ...coupling.small_vibrations import FastestRates, fastest_rates
 from ...errors import DivergenceError, RedundantConstraintError
 from ...integrators.integrator import Integrator, LoadHistory, advance
 from ...integrators.linear_stability import frequency_limit
-from ...system import accelerate_and_project
+from ...system import accelerate_and_project, index_reduced_rates
 from ..cable_run import CableRun
 from ..consistent_start import StartCorrection, agree
 from ..divergence import explanation
@@ -216,14 +216,23 @@ class CoupledRun(PacedRun):
         """Whether joints have moved through the last step, as they were changed."""
         return self._scene.surroundings.approach is not None
 
-    def accelerations(self, time: float) -> Array:
-        """(n,) of the present state, at `time` [s], by the masses as they are."""
-        state, system, a = self.state, self._scene.system, np.zeros(self._scene.size)
+    def accelerations(self, time: float, multipliers: Array) -> Array:
+        """See `CableRun.accelerations`; neither extrapolated nor stabilised, as those of the steps are."""
+        state, (a, rest) = self.state, np.zeros((2, self._scene.size))
+        arguments = self._scene.system, np.array([time]), state.q, state.v
+        surroundings = self._scene.surroundings
+        surroundings.forget()
         with ExitStack() as stack:
             for run in self._runs:
                 stack.enter_context(run.mass_as_it_is())
-            accelerate_and_project(system, np.array([time]), state.q, state.v, 0.0, a, np.zeros_like(a))
-        self.resume(time)
+            if self.integrator.stabilised:
+                accelerate_and_project(*arguments, 0.0, a, rest)
+            else:
+                index_reduced_rates(*arguments, a, rest)
+        multipliers[:] = surroundings.all_multipliers(self._scene.system.multipliers, a)
+        if self.has_implicit_bending:
+            self.resume(time)
+        surroundings.show(time, state, multipliers)
         return a[: len(self.indices)]
 
     def start(self, time: float) -> None:
@@ -268,8 +277,9 @@ class CoupledRun(PacedRun):
             for place, values in enumerate((self.state.q, self.state.v, self.state.a)):
                 history[interval, place] = values[:number]
             history[interval, 0] -= self.reference
-        end = grid.time(first + len(history))
-        self._scene.surroundings.show(end, self.state, self._scene.system.multipliers)
+        surroundings, end = self._scene.surroundings, grid.time(first + len(history))
+        multipliers = surroundings.all_multipliers(self._scene.system.multipliers, self.state.a)
+        surroundings.show(end, self.state, multipliers)
         return len(history)
 
     @cached_property

@@ -188,9 +188,9 @@ class NativeSurroundings:
             self._solver.PostNewton(self._mbs, self._settings)
 
     def show(self, t: float, state: Any, multipliers: Array) -> None:
-        """Leave the state at t in mbs, with the Lagrange multipliers; those of the joints are (m,)."""
+        """Leave the state at t in mbs, with the Lagrange multipliers of all algebraic equations."""
         self._set_state(t, state.q, state.v)
-        self._data.SetAECoordinates(self.all_multipliers(multipliers, state.a))
+        self._data.SetAECoordinates(multipliers)
 
     def all_multipliers(self, multipliers: Array, a: Array) -> Array:
         """Of all algebraic equations, for the state that was evaluated last.
