@@ -6,14 +6,15 @@ such instructions for, the compiler splits. Rows are (n,) arrays without gaps, n
 """
 
 import hashlib
-from collections.abc import Iterator
-from contextlib import suppress
+import time
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, suppress
 from functools import partial
 from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba.core import cgutils, types
+from numba.core import cgutils, event, types
 from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 from numba.core.types.containers import UniTuple
@@ -48,6 +49,29 @@ def _save(cache_file: Any, key: Any, data: Any) -> None:
     with suppress(OSError):
         cache_file._save_data(name, data)
         cache_file._save_index({**cache_file._load_index(), key: name})
+
+
+class Compilation(event.Listener):
+    """Listens while kernels are compiled.   begin: called before the first one.   seconds: that it took."""
+
+    def __init__(self, begin: Callable[[], None]) -> None:
+        self._begin, self._depth, self._start = begin, 0, 0.0
+        self.seconds = 0.0
+
+    def listening(self) -> AbstractContextManager[None]:
+        return event.install_listener("numba:compile", self)
+
+    def on_start(self, event: Any) -> None:
+        if self._depth == 0:
+            if self.seconds == 0.0:
+                self._begin()
+            self._start = time.perf_counter()
+        self._depth += 1
+
+    def on_end(self, event: Any) -> None:
+        self._depth -= 1
+        if self._depth == 0:
+            self.seconds += time.perf_counter() - self._start
 
 
 class CompiledPart(CPUDispatcher):

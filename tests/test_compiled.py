@@ -1,9 +1,13 @@
 """The cache of compiled kernels on disk, shared by processes that run at once."""
 
+import re
+
 import numba
 import pytest
 
 from exudyn_inext import compiled
+from exudyn_inext.exudyn_binding.compile_notice import compile_notice
+from reference_models.model import quiet_settings
 
 pytestmark = pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
 
@@ -42,3 +46,28 @@ def test_processes_that_compile_at_once_do_not_get_each_others_code(process, mon
     later = process()
     assert later(1 + 2j) == 0.5 + 1j
     assert later(3.0) == 1.5
+
+
+@pytest.mark.parametrize("folder", [True, False])
+def test_a_run_says_once_that_kernels_are_compiled_and_how_long_it_took(process, capsys, monkeypatch, folder):
+    monkeypatch.setattr(compiled, "CACHE_FOLDER", compiled.CACHE_FOLDER if folder else None)
+    settings = quiet_settings(1.0, 1)
+    for verbose, lines in ((1, 2), (0, 0)):
+        settings.timeIntegration.verboseMode = verbose
+        first, second = compiled.kernel(half), compiled.kernel(third)
+        with compile_notice(settings):
+            first(3.0)
+            second(3.0)
+        said = capsys.readouterr().out.splitlines()
+        assert len(said) == lines
+        if verbose:
+            place = f"once: they are kept in {compiled.CACHE_FOLDER}" if folder else "in each process"
+            assert "compiling kernels" in said[0] and place in said[0]
+            assert float(re.search(r"compiled in (\S+) s", said[1])[1]) >= 0.0
+            with compile_notice(settings):
+                first(3.0)
+            assert not capsys.readouterr().out
+
+
+def third(x):
+    return x / 3

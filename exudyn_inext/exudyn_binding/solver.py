@@ -18,6 +18,7 @@ from .changes.follower import ChangeFollower
 from .changes.limit import StepLimit
 from .changes.log import ChangeLog, listening
 from .changes.stored import restore_changes, restore_limit
+from .compile_notice import compile_notice
 from .empty_sensors import warn_of_empty_sensors
 from .explicit_runs import follow_frequencies, scheme_of, wanted_step, warn_of_friction
 from .first_row import first_row
@@ -122,6 +123,7 @@ def SolveExplicit(
         scene = read_scene(mbs, reader)
     coupled = needs_coupling(scene)
     with ExitStack() as stack:
+        stack.enter_context(compile_notice(settings))
         with state_kept(mbs) if coupled else nullcontext():
             outputs = ResumedOutputs(settings, sensors) if restarts.found else None
             given = None if explicit.stepSize is None else time_grid(mbs, settings, explicit.stepSize)
