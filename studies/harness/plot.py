@@ -1,10 +1,12 @@
 """One look for all pictures: colour-blind-safe (Okabe-Ito), units at the axes, no display."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from cycler import cycler
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -52,3 +54,67 @@ def label_axes(axes: Axes, x: str, y: str, title: str = "") -> None:
     axes.set_ylabel(y)
     if title:
         axes.set_title(title, loc="left", fontsize=10)
+
+
+def name_ticks(axes: Axes, numbers: Sequence[float]) -> None:
+    """Plain numbers where the markers are, instead of powers of ten."""
+    axes.set_xticks(numbers, [f"{number:g}" for number in numbers])
+    axes.set_xticks([], minor=True)
+
+
+@dataclass(frozen=True)
+class Curve:
+    """y over x.   style: of line and markers, as for `Axes.plot`; look: further keywords."""
+
+    x: Any
+    y: Any
+    label: str | None = None
+    color: str | None = None
+    style: str = "o-"
+    look: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Curves in one pair of axes.
+
+    x, y: labels with units.   scale: a method of `Axes`, such as "loglog".   legend: whether it has its own.
+    horizontal, vertical: dotted lines at these values.   ticks: numbers at the x axis.
+    """
+
+    x: str
+    y: str
+    curves: Sequence[Curve]
+    scale: str = "loglog"
+    title: str = ""
+    legend: bool = True
+    horizontal: Sequence[float] = ()
+    vertical: Sequence[float] = ()
+    ticks: Sequence[float] = ()
+
+    def draw(self, axes: Any) -> None:
+        """All of it."""
+        for curve in self.curves:
+            look = {"label": curve.label, "color": curve.color, **curve.look}
+            getattr(axes, self.scale)(curve.x, curve.y, curve.style, **look)
+        for value in self.horizontal:
+            axes.axhline(value, color="black", linestyle=":", linewidth=1.0)
+        for value in self.vertical:
+            axes.axvline(value, color="black", linestyle=":", linewidth=1.0)
+        if self.ticks:
+            name_ticks(axes, self.ticks)
+        label_axes(axes, self.x, self.y, self.title)
+        if self.legend and any(curve.label for curve in self.curves):
+            axes.legend(fontsize=8)
+
+
+def chart(path: Path, *panels: Panel, width: float = 8.0, height: float = 4.6, columns: int = 0) -> Path:
+    """A picture of panels side by side.   columns: of a common legend above them, that of the last panel."""
+    with new_figure(path, width, height) as figure:
+        all_axes = np.atleast_1d(figure.subplots(1, len(panels)))
+        for axes, panel in zip(all_axes, panels, strict=True):
+            panel.draw(axes)
+        if columns:
+            labels = all_axes[-1].get_legend_handles_labels()
+            figure.legend(*labels, loc="outside upper left", ncols=columns, fontsize=8)
+    return path

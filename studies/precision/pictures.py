@@ -6,24 +6,28 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 
-from studies.harness.benchmark import Figures
-from studies.harness.front import is_usable
 from studies.harness.plot import COLORS, REFERENCE_COLOR, label_axes, new_figure
-from studies.harness.study import Row
+from studies.harness.ratios import is_usable
+from studies.harness.store import Row
+from studies.harness.study import Results
+from studies.harness.table import column
 
-from .families import (
+from .fronts import (
     BY_NATIVE_SOLVERS,
     EXPLICIT,
     FAMILIES,
     IMPLICIT,
     INEXTENSIBLE,
     OPPONENTS,
+    OTHERS,
     PEER,
+    Front,
     family_of,
+    front_of,
     members,
     method_of,
-)
-from .reading import Front, front_of, speed_up
+    speed_up,
+)  # fmt: skip
 
 _LOOK = {
     INEXTENSIBLE: (COLORS[0], "o"),
@@ -37,15 +41,15 @@ _TIME, _ERROR = "CPU time [s]", "largest distance to the reference [m]"
 _NAME = "work_precision"
 
 
-def draw(figures: Figures, directory: Path) -> list[Path]:
+def draw(results: Results, directory: Path) -> list[Path]:
     """One picture a scene, and one of all ratios."""
-    references = [row for row in figures.of_kind("reference") if _runs(figures, row)]
-    paths = [_draw_scene(row, _runs(figures, row), directory) for row in references]
-    return [*paths, _draw_ratios(figures, references, directory)] if paths else []
+    references = [row for row in results.of_kind("reference") if _runs(results, row)]
+    paths = [_draw_scene(row, _runs(results, row), directory) for row in references]
+    return [*paths, _draw_ratios(results, references, directory)] if paths else []
 
 
-def _runs(figures: Figures, reference: Row) -> list[Row]:
-    return [row for row in figures.of_kind("run") if row["scene"] == reference["scene"] and is_usable(row)]
+def _runs(results: Results, reference: Row) -> list[Row]:
+    return [row for row in results.of_kind("run") if row["scene"] == reference["scene"] and is_usable(row)]
 
 
 def _draw_scene(reference: Row, runs: Sequence[Row], directory: Path) -> Path:
@@ -77,8 +81,9 @@ def _draw_fronts(
         if not rows:
             continue
         color, marker = looks[name]
-        times, errors = [row["cpuSeconds"] for row in rows], [row["errorMax"] for row in rows]
-        axes.loglog(times, errors, marker, color=color, markersize=3, alpha=0.5)
+        axes.loglog(
+            column(rows, "cpuSeconds"), column(rows, "errorMax"), marker, color=color, markersize=3, alpha=0.5
+        )
         found = front_of(rows, uncertainty)
         axes.loglog(found.seconds, found.errors, marker, linestyle="-", color=color, markersize=5, label=name)
     bottom = min(axes.get_ylim()[0], 0.5 * uncertainty)
@@ -88,12 +93,12 @@ def _draw_fronts(
     axes.set_ylim(bottom=bottom)
 
 
-def _draw_ratios(figures: Figures, references: Sequence[Row], directory: Path) -> Path:
+def _draw_ratios(results: Results, references: Sequence[Row], directory: Path) -> Path:
     path = directory / f"{_NAME}_ratios.png"
     with new_figure(path, 11.0, 8.0) as figure:
         grid = figure.subplots(2, 2, squeeze=False).flat
         for axes, reference in zip(grid, references, strict=False):
-            _draw_scene_ratios(axes, _runs(figures, reference), reference)
+            _draw_scene_ratios(axes, _runs(results, reference), reference)
         for axes in list(figure.axes)[len(references) :]:
             axes.set_axis_off()
         handles = {
@@ -107,7 +112,7 @@ def _draw_ratios(figures: Figures, references: Sequence[Row], directory: Path) -
 
 def _draw_scene_ratios(axes: Axes, runs: Sequence[Row], reference: Row) -> None:
     own = front_of(members(runs, INEXTENSIBLE), reference["uncertainty"])
-    for opponent in (family for family in FAMILIES if family != INEXTENSIBLE):
+    for opponent in OTHERS:
         theirs = front_of(filter(OPPONENTS[opponent], runs), reference["uncertainty"])
         errors, ratios = ratio_curve(theirs, own)
         if len(errors):

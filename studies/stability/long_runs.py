@@ -4,14 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from exudyn_inext.chain.cable import CurvatureMeasure
-from exudyn_inext.chain.frequency import largest_frequency
-from exudyn_inext.loads.gravity import gravity_force
-from studies.harness.study import Row
+from studies.harness.inner import CurvatureMeasure, gravity_force, largest_frequency
+from studies.harness.store import Row
 
-from .cables import GRAVITY, LENGTH, Equilibrium, straight
-from .motion import Invariants, Method, Motion
-from .prediction import predict
+from .limits import predict
+from .motion import GRAVITY, LENGTH, Equilibrium, Invariants, Method, Motion, straight
 
 ELEMENTS = 5
 SWING_PART = 0.95  # of the limit at rest: the base

@@ -30,4 +30,4 @@ def test_ring_report_says_where_the_step_limit_is_and_what_happens_beyond(quick_
 
 
 def test_the_full_study_repeats_five_times_at_least():
-    assert find_study("ring").repeats >= 5
+    assert find_study("ring").measure.repeats >= 5
