@@ -57,7 +57,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(given or ["run", MAIN_STUDY])
     try:
         if options.command == "list":
-            _print_list()
+            print("\n".join(f"{name}: {study.question}" for name, study in find_studies().items()))
         elif options.command == "report":
             return report(options)
         else:
@@ -68,11 +68,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"error: {error}", file=sys.stderr)
         return 2
     return 0
-
-
-def _print_list() -> None:
-    for name, study in find_studies().items():
-        print(f"{name}: {study.question}")
 
 
 if __name__ == "__main__":

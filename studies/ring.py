@@ -123,16 +123,12 @@ def _errors(results: SceneResults) -> list[Row]:
 def make_conclusions(results: SceneResults) -> list[str]:
     """The step-size rule."""
     (limit,) = (row["stepLimit"] for row in results.rows if row["label"] == SIMPLER)
+    tried = " ".join(f"At {x:g} of it, Zhai {_outcome(results.scene, x * limit)}." for x in AROUND_THE_LIMIT)
     return [
         f"The paper's step {PAPER_STEP:g} s, Eq. (37) with C = 0.9, is {PAPER_STEP / limit:.3f} of the "
         f"stability limit {limit:.4g} s of the ring at rest; the critical C is "
-        f"{0.9 * limit / PAPER_STEP:.3f}. {_tried_around(results.scene, limit)}"
+        f"{0.9 * limit / PAPER_STEP:.3f}. {tried}"
     ]
-
-
-def _tried_around(scene: Scene, limit: float) -> str:
-    """What becomes of runs just below and just beyond the limit [s]."""
-    return " ".join(f"At {x:g} of it, Zhai {_outcome(scene, x * limit)}." for x in AROUND_THE_LIMIT)
 
 
 def _outcome(scene: Scene, step_size: float) -> str:

@@ -32,7 +32,6 @@ from tqdm import tqdm
 
 from exudyn_inext import CreateInextensibleCable, ExplicitSettings, ExplicitStepper, InextensibleCable
 from reference_models.scenes import load_scene
-from reference_models.trajectory import Array
 
 from .harness import inner
 from .harness.memory import KINDS, memory_of_scenes
@@ -41,6 +40,7 @@ from .harness.store import Row
 from .harness.study import Order, Results, Study
 from .harness.table import Table
 from .harness.verdict import judged
+from .stability.motion import Invariants
 
 SCENE = load_scene("planar_pendulum")
 GRAVITY = [0.0, -9.81]
@@ -83,52 +83,29 @@ def _pendulum(damping: float) -> tuple[Any, Any]:
     return mbs, container
 
 
-class _Watch:
-    """Energies [J] and violations of a cable, look by look."""
-
-    def __init__(self, cable: inner.Cable) -> None:
-        self._potential = inner.Potential(cable, inner.gravity_force(cable, np.array(GRAVITY)), 0.0)
-        self.kinetic: list[float] = []
-        self.total: list[float] = []
-        self.violation, self.rate = 0.0, 0.0
-
-    def look(self, q: Array, v: Array) -> None:
-        speed = v.ravel()
-        self.kinetic.append(0.5 * float(speed @ (self._potential.mass @ speed)))
-        self.total.append(self.kinetic[-1] + self._potential.energy(q))
-        self.violation = _larger(self.violation, self._potential.values(q))
-        self.rate = _larger(self.rate, self._potential.jacobian(q) @ speed)
-
-    @property
-    def energy(self) -> Array:
-        """Change since the first look, over the swing: the largest kinetic energy."""
-        total = np.array(self.total)
-        change: Array = (total - total[0]) / max(self.kinetic)
-        return change
-
-
-def _larger(worst: float, values: Array) -> float:
-    """Also what is no number counts."""
-    largest = float(np.abs(values).max(initial=0.0))
-    return largest if not largest <= worst else worst
-
-
 def watched_run(label: str, damping: float, steps: int) -> Row:
-    """So many steps of the pendulum with that bending damping [N m^2 s], and what the watch saw."""
+    """So many steps of the pendulum with that bending damping [N m^2 s], looked at after each call."""
     mbs, _container = _pendulum(damping)
     (in_scene,) = inner.read_cables(mbs, "soak")
-    watch = _Watch(in_scene.cable)
+    cable = in_scene.cable
+    invariants = Invariants(cable, inner.gravity_force(cable, np.array(GRAVITY)))
     stepper = ExplicitStepper(mbs, ExplicitSettings("RATTLE", stepSize=STEP))
+    looks = []
+
+    def look() -> None:
+        q, v, _ = stepper.State()
+        energies = invariants.kinetic(v), invariants.energy(q, v)
+        looks.append((*energies, invariants.violation(q), invariants.rate(q, v)))
+
     stepper.Start()
-    q, v, _ = stepper.State()
-    watch.look(q, v)
+    look()
     call = min(CALL, steps // 20)
     seconds = time.process_time()
     for _ in tqdm(range(steps // call), desc=label, unit="call", mininterval=5.0):
         stepper.Step(call)
-        q, v, _ = stepper.State()
-        watch.look(q, v)
-    energy = watch.energy
+        look()
+    kinetic, total, violations, rates = np.array(looks).T
+    energy = (total - total[0]) / kinetic.max()  # over the swing
     tenth, every = len(energy) // 10, max(1, len(energy) // POINTS)
     return {
         "kind": "run",
@@ -138,8 +115,8 @@ def watched_run(label: str, damping: float, steps: int) -> Row:
         "cpuSeconds": time.process_time() - seconds,
         "range": float(np.ptp(energy)),
         "drift": float(energy[-tenth:].mean() - energy[:tenth].mean()),
-        "violation": watch.violation,
-        "rate": watch.rate,
+        "violation": float(violations.max()),
+        "rate": float(rates.max()),
         "times": (STEP * call * np.arange(len(energy)))[::every].tolist(),
         "energies": energy[::every].tolist(),
     }

@@ -56,7 +56,7 @@ from .harness.on_scene import ROWS, OnScene, SceneResults
 from .harness.paper_table import EACH_STEP, PaperTable
 from .harness.plot import REFERENCE_COLOR, Curve, Panel, chart, label_axes, new_figure
 from .harness.ratios import Comparison, by_default, is_explicit, is_explicit_zhai, is_implicit
-from .harness.reference import ReferenceSolution, distance_to_reference, self_convergence
+from .harness.reference import ReferenceSolution, distance_to_reference, from_data, self_convergence
 from .harness.store import Row
 from .harness.study import Study
 from .harness.table import Table, number
@@ -67,6 +67,7 @@ PAPER_SECONDS = {PAPER_EXPLICIT: 3593.8, PAPER_PROPOSED: 17.28}
 PAPER = {"source": "Table 3", "cpuSeconds": PAPER_SECONDS}
 PAPER_ZHAI = ExplicitSettings("Zhai", stepSize=9.35e-4, stabilizationRate=1000.0)
 REFINED = {"massScaling": 0.26}
+SMALL_STEPS = ExplicitSettings(stepSize=2.5e-4, **REFINED)
 SAMPLING = 2.5e-3  # of the reference [s]: rows whose steps do not divide 0.01 s are compared in between
 REFINED_NATIVE = Implicit(5e-4, EACH_STEP, "sparse", 1e-6)
 EQUILIBRIUM = (
@@ -96,26 +97,17 @@ def make_figures(results: SceneResults, directory: Path) -> list[Path]:
     scene = results.scene
     fine, native = (40, 24) if results.quick else (160, 80)
     models = {
-        f"inextensible, N = {fine}": _refined_model(scene, fine),
+        f"inextensible, N = {fine}": solved(scene, Inextensible(fine, SMALL_STEPS)),
         PAPER_PROPOSED: solved(scene, Inextensible(20, PAPER_ZHAI)),
-        f"native, N = {native}, generalized-alpha": _native_model(scene, native),
+        f"native, N = {native}, generalized-alpha": build_native(scene, native),
     }
+    solve_native(list(models.values())[-1], REFINED_NATIVE)
     return [
         draw_statics(directory / "table3_statics.png", scene),
         draw_motion(directory / "table3_motion.png", models),
         draw_refinement(directory / "table3_convergence.png", results),
         draw_cost_and_accuracy(directory / "table3_cost.png", results.rows),
     ]
-
-
-def _refined_model(scene: Scene, elements: int) -> Model:
-    return solved(scene, Inextensible(elements, ExplicitSettings(stepSize=2.5e-4, **REFINED)))
-
-
-def _native_model(scene: Scene, elements: int) -> Model:
-    model = build_native(scene, elements)
-    solve_native(model, REFINED_NATIVE)
-    return model
 
 
 def draw_statics(path: Path, scene: Scene) -> Path:
@@ -164,7 +156,6 @@ def draw_refinement(path: Path, results: SceneResults) -> Path:
 
     meshes = (8, 12, 20) if results.quick else (8, 12, 16, 20, 28, 40, 60)
     steps = (2.5e-3, 1e-3) if results.quick else (5e-3, 2.5e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)
-    small = ExplicitSettings(stepSize=2.5e-4, **REFINED)
     distance = "largest distance of P1 [m]"
     curves = [
         Curve(
@@ -178,7 +169,7 @@ def draw_refinement(path: Path, results: SceneResults) -> Path:
     by_mesh = Panel(
         "number of elements N [-]",
         distance,
-        [Curve(meshes, [error(n, small) for n in meshes])],
+        [Curve(meshes, [error(n, SMALL_STEPS) for n in meshes])],
         title="h = 2.5e-4 s",
         legend=False,
         ticks=meshes,
@@ -206,6 +197,11 @@ def _statics(results: SceneResults) -> list[Row]:
             }
         )
     return rows
+
+
+def reference_of(scene: Scene) -> ReferenceSolution:
+    """The independent trajectory, where there is one; else a refined solution and what refinement changes."""
+    return from_data(scene) if scene.reference else refined(scene)
 
 
 def at_paper_settings(scene: Scene, quick: bool) -> list[Case]:

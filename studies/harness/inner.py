@@ -3,11 +3,10 @@
 
 from exudyn_inext.adviser.pilot import CONVENTIONAL, INEXTENSIBLE, Choice, Pilot
 from exudyn_inext.chain import factorisation, records
-from exudyn_inext.chain.assembly import assemble, elastic_energy, leave_targets
+from exudyn_inext.chain.assembly import assemble, leave_targets
 from exudyn_inext.chain.attached import PointMass
 from exudyn_inext.chain.border import all_links, motions_of
 from exudyn_inext.chain.cable import Cable, CurvatureMeasure, Section
-from exudyn_inext.chain.chain import build_chain
 from exudyn_inext.chain.factorisation import factorise
 from exudyn_inext.chain.frequency import FrequencyTracker, largest_frequency
 from exudyn_inext.chain.implicit_bending import ImplicitBending

@@ -163,7 +163,8 @@ def run_cases(
         InputError: cases that are equal; workers that cannot run the cases, or run other code.
     """
     _require_distinct(cases)
-    waiting = [case for case in cases if not _is_finished(folder.load(case), retry_failed)]
+    stored = [(case, folder.load(case)) for case in cases]
+    waiting = [case for case, one in stored if one is None or (retry_failed and one.status != OK)]
     untimed, timed = ([case for case in waiting if is_timed(case) is kind] for kind in (False, True))
     done = len(cases) - len(waiting)
     if waiting:
@@ -175,7 +176,7 @@ def run_cases(
                 _require_same_code(outcome, engine)
                 folder.save(case, outcome)
                 progress.update()
-    return [_stored(folder, case) for case in cases]
+    return [outcome for case in cases if (outcome := folder.load(case))]  # as a later run would read it
 
 
 def execute(run: RunCase, case: Row) -> Outcome:
@@ -190,17 +191,6 @@ def execute(run: RunCase, case: Row) -> Outcome:
 def _failed(why: str) -> Outcome:
     """The outcome of a case that gave no result."""
     return Outcome(f"failed: {why}", {}, provenance())
-
-
-def _is_finished(outcome: Outcome | None, retry_failed: bool) -> bool:
-    return outcome is not None and (outcome.status == OK or not retry_failed)
-
-
-def _stored(folder: CaseFolder, case: Row) -> Outcome:
-    """What a later run would read: results do not depend on who computed them."""
-    outcome = folder.load(case)
-    assert outcome is not None
-    return outcome
 
 
 def _require_distinct(cases: Sequence[Row]) -> None:

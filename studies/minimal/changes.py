@@ -11,12 +11,12 @@ from reference_models.inextensible import Inextensible, inextensible_case
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case
 from studies.harness.cases import failing_case
-from studies.harness.reference import ReferenceSolution, from_data
+from studies.harness.reference import ReferenceSolution
 from studies.harness.store import Row
 from studies.harness.study import Results
 from studies.harness.table import number
 from studies.harness.timing import OK, measure
-from studies.table3 import refined
+from studies.table3 import reference_of
 
 SCENES = {"planar_pendulum": 8, "spatial_pendulum": 8, "vibrating_ring": 16, "power_line": 16}  # elements
 PART = 0.6  # of the stability limit: what a model's own limit costs is a part of its price
@@ -109,15 +109,11 @@ def _ratio(value: float | None, base: float | None) -> float | None:
 def _case(scene: Scene, given: Row, label: str) -> Case:
     """At PART of its own stability limit; one that cannot even start fails when it is run."""
     try:
-        limits = inextensible_case(_brief(scene), _model(given, _settings(given)))
+        limits = inextensible_case(replace(scene, end_time=0.01), _model(given, _settings(given)))
         settings = _settings(given, PART * limits.details["stepLimit"])
         return inextensible_case(scene, _model(given, settings), label)
     except ArithmeticError as error:
         return failing_case(label, given["integrator"], given["elements"], error)
-
-
-def _brief(scene: Scene) -> Scene:
-    return replace(scene, end_time=0.01)
 
 
 def _settings(given: Row, step: float | None = None) -> ExplicitSettings:
@@ -147,8 +143,7 @@ def _model(given: Row, settings: ExplicitSettings) -> Inextensible:
 
 @lru_cache
 def _reference(name: str) -> ReferenceSolution:
-    scene = load_scene(name)
-    return from_data(scene) if scene.reference else refined(scene)
+    return reference_of(load_scene(name))
 
 
 # ------------------------------- what may be left out, where, and what that saves: over all scenes

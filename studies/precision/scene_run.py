@@ -5,11 +5,11 @@ from dataclasses import replace
 
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case
-from studies.harness.reference import ReferenceSolution, from_data
+from studies.harness.reference import ReferenceSolution
 from studies.harness.store import Row
 from studies.harness.study import announce
 from studies.harness.timing import measure
-from studies.table3 import refined
+from studies.table3 import reference_of
 
 from .cases import cases_of
 from .fronts import INEXTENSIBLE, OPPONENTS, Front, family_of, front_of, members, read, speed_up
@@ -25,11 +25,6 @@ def repeats_of(seconds: float) -> int:
     if seconds > SLOWEST:
         return SLOWEST_REPEATS
     return SLOW_REPEATS if seconds > SLOW else REPEATS
-
-
-def reference_of(scene: Scene) -> ReferenceSolution:
-    """The independent trajectory, where there is one; else a refined solution and what refinement changes."""
-    return from_data(scene) if scene.reference else refined(scene)
 
 
 def run_scene(case: Row) -> Row:

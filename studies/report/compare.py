@@ -263,13 +263,14 @@ def _origins(old: Sequence[Document], new: Sequence[Document]) -> list[str]:
     if other:
         sentences.append(f"Versions then and now: {other}.")
     if any(before["machine"] != after["machine"] for before, after in pairs):
-        then, now = (_unique(_machine(document) for document in side) for side in (old, new))
+        then, now = (
+            _unique(
+                ", ".join(f"{key} {value}" for key, value in document["machine"].items()) for document in side
+            )
+            for side in (old, new)
+        )
         sentences.append(f"Another MACHINE: then {then}, now {now}.")
     return sentences
-
-
-def _machine(document: Document) -> str:
-    return ", ".join(f"{key} {value}" for key, value in document["machine"].items())
 
 
 def _unique(texts: Iterable[str]) -> str:

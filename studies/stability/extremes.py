@@ -192,7 +192,7 @@ def _largest_in_motion(start: Equilibrium, h: float, duration: float) -> float:
 
 def _lasts(start: Equilibrium, method: Method, h: float, duration: float) -> bool:
     """Whether the run stays on the constraints and keeps its energy."""
-    motion, invariants = Motion(start, method, h), Invariants(start)
+    motion, invariants = Motion(start, method, h), Invariants(start.cable, start.external)
     energy, scale = invariants.energy(start.q, start.v), invariants.kinetic(start.v)
     weight: Array = np.abs(start.external[:, 0]).sum(axis=0)
     scale += float(weight.sum()) * LENGTH

@@ -84,7 +84,7 @@ def run_long(case: Row) -> Row:
     method = Method.of(case)
     limit = predict(replace(start, v=np.zeros_like(start.v)), method)
     h = case["part"] * limit.step
-    motion, invariants = Motion(start, method, h), Invariants(start)
+    motion, invariants = Motion(start, method, h), Invariants(start.cable, start.external)
     energies, kinetic = [invariants.energy(motion.q, motion.v)], [invariants.kinetic(motion.v)]
     momenta = invariants.momenta(motion.q, motion.v)
     last, fastest = (motion.q.copy(), motion.v.copy()), 0.0
@@ -113,10 +113,6 @@ def run_long(case: Row) -> Row:
         "energyDrift": float(drift[-len(drift) // 10 :].mean() - drift[: max(1, len(drift) // 10)].mean()),
         "violation": invariants.violation(last[0]),
         "momentum": float(np.abs(linear - momenta[0]).max()) if case["scene"] != "pendulum" else None,
-        "angularMomentum": _relative(angular, momenta[1]) if case["scene"] != "pendulum" else None,
+        "angularMomentum": abs(angular / momenta[1] - 1.0) if case["scene"] != "pendulum" else None,
         "frequencyOverLimit": float(h * fastest / scheme_limit),
     }
-
-
-def _relative(last: float, first: float) -> float:
-    return abs(last / first - 1.0)

@@ -235,25 +235,26 @@ class Motion:
 
 
 class Invariants:
-    """Energy [J], worst constraint [-, m] and momenta of a cable under constant forces."""
+    """Energy [J], worst constraint [-, m] and momenta of a cable under constant forces (n, 2, 2)."""
 
-    def __init__(self, start: Equilibrium) -> None:
-        self._start = start
-        self._chain = inner.build_chain(start.cable)
-        self._constraints = inner.constraints_of_cable(start.cable)
-        self._mass = start.cable.section.mass_per_length * inner.form_of_cable(start.cable, inner.mass_matrix)
+    def __init__(self, cable: inner.Cable, external: Array) -> None:
+        self._potential = inner.Potential(cable, external, 0.0)
+        self._mass = self._potential.mass
 
     def kinetic(self, v: Array) -> float:
         return float(0.5 * v.ravel() @ (self._mass @ v.ravel()))
 
     def energy(self, q: Array, v: Array) -> float:
         """Kinetic, elastic, and less the work of the forces."""
-        elastic = float(inner.elastic_energy(self._chain, q.copy()))
-        return self.kinetic(v) + elastic - float(np.sum(self._start.external * q))
+        return self.kinetic(v) + self._potential.energy(q.copy())
 
     def violation(self, q: Array) -> float:
         """Worst |c|."""
-        return max(float(np.abs(c.value(q)).max(initial=0.0)) for c in self._constraints)
+        return float(np.abs(self._potential.values(q)).max(initial=0.0))
+
+    def rate(self, q: Array, v: Array) -> float:
+        """Worst |dc/dt|."""
+        return float(np.abs(self._potential.jacobian(q) @ v.ravel()).max(initial=0.0))
 
     def momenta(self, q: Array, v: Array) -> tuple[Array, float]:
         """Linear (2,) [N s] and angular momentum about the origin [N m s]."""

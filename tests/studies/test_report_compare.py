@@ -185,7 +185,7 @@ def test_files_of_an_earlier_report_do_as_well(run):
 
 @pytest.mark.parametrize(
     ("old", "message"),
-    [("no_such", "no such folder"), ("new/report.md", "not a report's data"), ("empty", "holds no results")],
+    [("no_such", "no such folder"), ("new/report.md", "NAME.json files"), ("empty", "holds no results")],
 )
 def test_what_is_no_report_is_refused(run, tmp_path, old, message, capsys):
     (tmp_path / "empty").mkdir()

@@ -7,7 +7,6 @@ import pytest
 from studies.__main__ import main
 from studies.harness.ratios import ratio_tables
 from studies.harness.study import Results
-from studies.registry import find_study
 from studies.table2 import PAPER_EXPLICIT, PAPER_IMPLICIT, PAPER_PROPOSED, TABLE
 from tests.studies.rows import row
 
@@ -86,7 +85,3 @@ def test_the_report_of_a_quick_run_shows_all_pictures_and_the_ratios_of_the_pape
     names = {picture.name for picture in quick_run.glob("*.png")}
     assert names == {"table2_cost.png", "table2_path.png", "table2_mesh.png", "table2_tip.png"}
     assert all(f"({name})" in report for name in names)
-
-
-def test_the_full_study_repeats_five_times_at_least():
-    assert find_study("table2").measure.repeats >= 5

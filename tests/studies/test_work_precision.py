@@ -11,6 +11,7 @@ import pytest
 from exudyn_inext.errors import InputError
 from reference_models.scenes import load_scene
 from reference_models.trajectory import Case, Trajectory
+from studies import table3
 from studies.__main__ import main
 from studies.harness.cases import explicit_case, failing_case
 from studies.harness.reference import from_data
@@ -166,7 +167,7 @@ def test_equal_labels_are_run_once():
 
 
 def test_a_scene_without_a_reference_is_compared_with_itself_and_that_is_said(monkeypatch):
-    monkeypatch.setattr(scene_run, "refined", lambda scene: from_data(PLANAR))
+    monkeypatch.setattr(table3, "refined", lambda scene: from_data(PLANAR))
     line = load_scene("power_line")
     row = scene_run.reference_row(line, scene_run.reference_of(line))
     assert row["selfConvergence"] and "self-convergence" in " ".join(conclude(Results(False, [row])))
