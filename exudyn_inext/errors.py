@@ -1,6 +1,5 @@
 """What can go wrong, as exception types. Every message says value, limit, culprit and remedy."""
 
-import math
 from typing import Any
 
 
@@ -33,11 +32,7 @@ class RedundantConstraintError(InextensibleError, ArithmeticError):
 
 
 class DivergenceError(InextensibleError, ArithmeticError):
-    """The run left the finite numbers, or its constraints, or gained energy.   step: it took [s]; or NaN."""
-
-    def __init__(self, message: str, step: float = math.nan) -> None:
-        super().__init__(message)
-        self.step = step
+    """The run left the finite numbers, or its constraints, or gained energy."""
 
 
 class EquilibriumError(InextensibleError, ArithmeticError):

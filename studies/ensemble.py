@@ -106,7 +106,7 @@ def _row(case: Case, members: int, rounds: int) -> Row:
         "elements": case.elements,
         "endTime": case.end_time,
         "integrator": found["one core"].found["integrator"],
-        "stepSize": found["one core"].found["stepSize"],
+        "stepSize": float(found["one core"].found["stepSize"][0]),
         "massScaling": case.settings.massScaling,
         "cores": cores,
         "alone": MILLI * alone,

@@ -117,7 +117,7 @@ def _excess(times: list[float], others: list[float]) -> list[float]:
 def _tasks_alone(chain: Chain, name: str) -> Ways:
     """Steps of the compiled loops."""
     mbs = _build(chain)
-    h = 0.5 * ExplicitStepper(mbs, ExplicitSettings(name)).bounds.stability_limit
+    h = 0.5 * ExplicitStepper(mbs, ExplicitSettings(name, massScaling=0.0)).bounds.stability_limit
     explicit = ExplicitSettings(name, energyTolerance=math.inf)
     (run,) = inner.cable_runs(mbs, inner.read_scene(mbs).cables, 0.0, 0.0, explicit)
     initial = run.state.q.copy(), run.state.v.copy()
@@ -147,7 +147,7 @@ def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
     mbs, by_kernels = _build(chain), ExitStack()  # for good: nobody else asks this mbs
     scene = inner.read_scene(mbs)
     by_kernels.enter_context(inner.switched_off(mbs, *scene.evaluated_by_kernels))
-    (run,) = inner.runs_of_scene(mbs, scene, exudyn.MainSolverImplicitSecondOrder(), 0.0, 0.0, explicit)
+    (run,) = inner.runs_of_scene(mbs, scene, 0.0, 0.0, explicit)
     blind = _Blind(run)
     h, _ = inner.wanted_step(inner.step_bounds([run], 0.0, explicit), explicit)
     grid = inner.TimeGrid(0.0, STEPS_AMONG_BODIES // STEPS_OF_AN_OUTPUT, STEPS_OF_AN_OUTPUT, h)

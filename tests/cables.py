@@ -339,32 +339,30 @@ def bending_tangent(cable, q):
 
 
 def curvature_rates(cable, q, v):
-    """Rate of |r_x x r_xx| (with its sign in the plane) along v, and weights, at the points of all elements.
-
-    By a complex step. In space the integrands of damping are no polynomials: the package's Gauss points.
-    """
+    """Rate of r_x x r_xx (points, 3) along v by a complex step, and weights; of all elements."""
     rates, weights = [], []
     for (_, length, nodal), (_, _, speed) in zip(elements_of(cable, q), elements_of(cable, v), strict=True):
-        x, weight = np.polynomial.legendre.leggauss(12 if cable.dimension == 2 else 4)
+        x, weight = np.polynomial.legendre.leggauss(12)
         shapes = [np.array([p.deriv(d)(0.5 * length * (x + 1)) for p in hermite(length)]) for d in (1, 2)]
-        r_x, r_xx = (shape.T @ (nodal + 1e-30j * speed) for shape in shapes)
-        if cable.dimension == 2:
-            curvature = r_x[:, 0] * r_xx[:, 1] - r_x[:, 1] * r_xx[:, 0]
-        else:
-            curvature = np.sqrt((np.cross(r_x, r_xx) ** 2).sum(axis=1))
-        rates.append(curvature.imag / 1e-30)
+        r_x, r_xx = (in_space(shape.T @ (nodal + 1e-30j * speed)) for shape in shapes)
+        rates.append(np.cross(r_x, r_xx).imag / 1e-30)
         weights.append(0.5 * length * weight)
     return np.concatenate(rates), np.concatenate(weights)
 
 
+def in_space(vectors):
+    """(m, 2 or 3) -> (m, 3)."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
+
+
 def damping_force(cable, q, v):
-    """(n, 2, dim) -D int kappa_t d(kappa)/dq dx; zero without damping."""
+    """(n, 2, dim) -D int kappa_t . d(kappa)/dq dx; zero without damping."""
     force = np.zeros(q.shape)
     if cable.section.bending_damping:
         rate, weight = curvature_rates(cable, q, v)
         for unit, place in zip(np.eye(q.size), np.ndindex(q.shape), strict=True):
             gradient, _ = curvature_rates(cable, q, unit.reshape(q.shape))
-            force[place] = -cable.section.bending_damping * weight @ (rate * gradient)
+            force[place] = -cable.section.bending_damping * weight @ (rate * gradient).sum(axis=1)
     return force
 
 

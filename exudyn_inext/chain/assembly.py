@@ -176,7 +176,7 @@ def add_damping(axes, nodes, elements, q, v, lead, a, column):
     lead: [s]; a: (n, 2, dim) accelerations that v still lacks. Nothing happens without damping.
     """
     e, e_t, lacking, result = local_array(3, 3), local_array(3, 3), local_array(3, 3), local_array(3, 3)
-    memory = local_array(8, 3)
+    memory = local_array(7, 3)
     for k in range(len(elements)):
         differences(axes, q, k, e)
         differences(axes, v, k, e_t)
@@ -205,7 +205,7 @@ def add_lagging_damping(axes, nodes, elements, q, a, column):
     a: (n, 2, dim) accelerations.   Other arguments: see `add_damping`.
     """
     e, e_tt, all_of_it, damped = local_array(3, 3), local_array(3, 3), local_array(3, 3), local_array(3, 3)
-    memory = local_array(8, 3)
+    memory = local_array(7, 3)
     for k in range(len(elements)):
         differences(axes, q, k, e)
         differences(axes, a, k, e_tt)

@@ -29,7 +29,7 @@ def kinetic_energy(axes, nodes, elements, v):
 def lagging_energy(axes, elements, v):
     """What the implicit damping in the mass adds to `kinetic_energy`, and is none: v . lag D_c v / 2 [J]."""
     twice = 0.0
-    e_t, memory = local_array(3, 3), local_array(8, 3)
+    e_t, memory = local_array(3, 3), local_array(7, 3)
     for k in range(len(elements)):
         differences(axes, v, k, e_t)
         twice += curvature_power(axes, elements[k].damping, e_t, memory)

@@ -44,7 +44,7 @@ def _mean_section_forces(chain, q, v, multiplier, mean):
     """mean (N, dim): n of each element weighted with 6 xi (1 - xi).   multiplier: (N,) of length."""
     axes = chain.axes
     e, e_t, force, gradient = local_array(3, 3), local_array(3, 3), local_array(3, 3), local_array(3, 3)
-    memory = local_array(8, 3)
+    memory = local_array(7, 3)
     for k in range(len(chain.elements)):
         element = chain.elements[k]
         differences(axes, q, k, e)

@@ -82,6 +82,7 @@ class BodiesSystem:
         self._constant = _matrix_of_blocks(size, [_inverse(block) for block in constant])
         self._constant_mass = _matrix_of_blocks(size, constant)
         self.zeta = zeta
+        self.has_quaternions = any((blocks.quaternion >= 0).any() for blocks in variable)
 
     def set_masses(self, stack: int, masses: Array, q: Array) -> None:
         """Masses (B, k, k), overwritten, of the variable blocks of one size in the configuration q (n,)."""
@@ -342,8 +343,10 @@ def bodies_rates(system, external, q, v, acceleration, rate):
     """Arguments: see `index_reduced_rates`."""
     system.aim_at_accelerations(v, system.zeta)
     acceleration[:] = system.solve(external)
-    system.aim_at_velocities(v, system.zeta)
-    rate[:] = v + system.levered(len(v))
+    rate[:] = v
+    if system.has_quaternions:
+        system.aim_at_velocities(v, system.zeta)
+        rate += system.levered(len(v))
 
 
 @accelerate_and_project.register(BodiesSystem)
@@ -352,8 +355,9 @@ def accelerate_bodies(system, external, q, v, duration, acceleration, end_veloci
     system.aim_at_accelerations(v, 0.0)
     acceleration[:] = system.solve(external)
     end_velocity[:] = v + duration * acceleration
-    system.aim_at_velocities(end_velocity, 0.0)
-    end_velocity += system.levered(len(v))
+    if system.has_quaternions:
+        system.aim_at_velocities(end_velocity, 0.0)
+        end_velocity += system.levered(len(v))
 
 
 @correct_position.register(BodiesSystem)

@@ -75,10 +75,7 @@ class CoupledSystem:
         self.foresight = np.zeros(len(surroundings.joints))
         self.multipliers = np.zeros(len(surroundings.joints))
         self.drift = np.zeros(len(surroundings.joints))
-
-    @property
-    def has_joints(self) -> bool:
-        return len(self.surroundings.joints) > 0
+        self.has_joints = len(surroundings.joints) > 0
 
     def join(self, t: float, q: Array, v: Array) -> JointTerms:
         """Joints at (t, q, v), their Schur complement factorised; the parts are factorised at q."""
@@ -125,9 +122,11 @@ def accelerate_and_project_coupled(system, external, q, v, duration, acceleratio
 def correct_coupled_position(system, external, q, tolerance, learning, correction):
     """Arguments: see `correct_position`; external: (1,) time [s]."""
     t = float(external[0])
-    value = system.surroundings.violations(t, q) if system.has_joints else np.zeros(0)
-    system.foresight -= learning * value
-    worst = float(np.abs(value).max()) if system.has_joints else 0.0
+    worst = 0.0
+    if system.has_joints:
+        value = system.surroundings.violations(t, q)
+        system.foresight -= learning * value
+        worst = float(np.abs(value).max())
     for part, inputs in zip(system.resolved, system.surroundings.motions(t), strict=True):
         dofs = part.dofs
         violation = part.correct(part.system, inputs, q[dofs], tolerance, learning, correction[dofs])

@@ -1,7 +1,7 @@
 """Kelvin-Voigt damping of the element: a bending moment D kappa_t that opposes the curvature's rate.
 
-As in the native ANCF cables, kappa is the scalar curvature |r_x x r_xx|, with a sign in the plane: rigid
-motions are not damped, and neither is a spatial motion in which only the direction of bending turns.
+As in the native ANCF cables, kappa is the vector r_x x r_xx. In the plane rigid motions are not damped. In
+space a bent cable that turns about an axis in its plane of bending is, as its kappa turns with it.
 """
 
 import numpy as np
@@ -9,8 +9,6 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import inlined
 from .shape_functions import first_derivatives, quadrature, second_derivatives
-
-NO_CURVATURE = 1e-30  # |r_x x r_xx|^2 [1/m^2] below which a spatial cable counts as straight
 
 
 def damping_table(length: float) -> Array:
@@ -29,7 +27,7 @@ def damping_table(length: float) -> Array:
 
 
 # Rows of the memory of the forces.
-R_X, R_XX, V_X, V_XX, B, B_T, ON_SLOPE, ON_CURVATURE = range(8)
+R_X, R_XX, V_X, V_XX, KAPPA_T, ON_SLOPE, ON_CURVATURE = range(7)
 
 
 @inlined
@@ -54,13 +52,13 @@ def _cross(memory, a, b, row):
 
 @inlined
 def add_damping_force(axes, table, differences, rates, memory, force):
-    """force -= D int kappa_t d(kappa)/de dx; nothing where `table` is empty.
+    """force -= D int kappa_t . d(kappa)/de dx; nothing where `table` is empty.
 
     Args:
         axes: (0, 1) or (0, 1, 2): its length is the space dimension, a compile-time constant.
         table: (4, 7) `damping_table` with its weights times D, or (0, 7).
         differences, rates: (3, dim) e = (d, s_left, s_right) [m, -, -] and its time derivative.
-        memory: (8, 3) local array.
+        memory: (7, 3) local array.
         force: (3, dim) generalised force on e, added to [N, Nm, Nm].
     """
     for g in range(table.shape[0]):
@@ -68,24 +66,16 @@ def add_damping_force(axes, table, differences, rates, memory, force):
         _at_point(axes, table[g], 4, differences, memory, R_XX)
         _at_point(axes, table[g], 1, rates, memory, V_X)
         _at_point(axes, table[g], 4, rates, memory, V_XX)
-        _cross(memory, R_X, R_XX, B)
-        _cross(memory, V_X, R_XX, B_T)
+        _cross(memory, V_X, R_XX, KAPPA_T)
         _cross(memory, R_X, V_XX, ON_SLOPE)
-        square, power = 0.0, 0.0
         for i in range(3):
-            memory[B_T, i] += memory[ON_SLOPE, i]
-            square += memory[B, i] * memory[B, i]
-            power += memory[B, i] * memory[B_T, i]
-        scale = power / max(square, NO_CURVATURE)
-        if len(axes) == 2:  # the sign of kappa is known, also where kappa is zero
-            memory[B, 2] = 1.0
-            scale = memory[B_T, 2]
-        _cross(memory, R_XX, B, ON_SLOPE)
-        _cross(memory, B, R_X, ON_CURVATURE)
+            memory[KAPPA_T, i] += memory[ON_SLOPE, i]
+        _cross(memory, R_XX, KAPPA_T, ON_SLOPE)
+        _cross(memory, KAPPA_T, R_X, ON_CURVATURE)
         for a in range(3):
             for i in range(len(axes)):
                 weighted = table[g, 1 + a] * memory[ON_SLOPE, i] + table[g, 4 + a] * memory[ON_CURVATURE, i]
-                force[a, i] -= table[g, 0] * scale * weighted
+                force[a, i] -= table[g, 0] * weighted
 
 
 @inlined

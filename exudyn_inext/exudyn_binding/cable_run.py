@@ -15,7 +15,7 @@ from ..chain.chain import set_mass
 from ..chain.frequency import FrequencyTracker, largest_frequency
 from ..chain.implicit_bending import EXPLICIT, ImplicitBending
 from ..chain.linked_cable import LinkedCableSystem, cable_system
-from ..integrators.integrator import Integrator, LoadHistory
+from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit
 from ..integrators.watch import record_watched
 from ..system import accelerate_and_project
@@ -102,7 +102,7 @@ class CableRun(PacedRun):
             require_consistent(scene_cable, violations[1], start.tolerance)
         self.integrator = integrator
         self._tracker = FrequencyTracker(self.system, cable.reference.shape)
-        self._steps_since_limit = 0
+        self._looked_after = 0  # steps, at the stability limit
         self._largest_share = 0.0  # of the stability limit, that the step has been
         self.loads = CableLoads(scene_cable)
         self.drag_rate = drag_rate(cable, self.loads.gravity_at(start.time), initial[1])
@@ -246,34 +246,20 @@ class CableRun(PacedRun):
 
     def _record_nominal(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
         """Equal steps through all intervals, in one compiled call; returns how many went well."""
-        h, steps = grid.h / 2**self.control.halvings, grid.substeps * 2**self.control.halvings
-        start = grid.time(first)
+        parts, start, before = 2**self.control.halvings, grid.time(first), self.watch.steps
+        h, steps = grid.h / parts, grid.substeps * parts
         self.change_step(h, start)
-        number = len(history) * steps
-        loads = self.loads.sample(grid.start, h, number, self.stages, first=first * steps)
-        good, taken = self.take_nominal(scheme, loads, h, steps, history)
-        if good < len(history):
-            self.reject_after(taken - good * steps, h, start + taken * h)
-        self._look_at_limit(scheme, h, number)
-        return good
-
-    def take_nominal(
-        self, scheme: Any, loads: LoadHistory, h: float, steps: int, history: Array
-    ) -> tuple[int, int]:
-        """Steps of h [s], so many in each interval; returns the intervals and the steps that went well."""
-        before = self.watch.steps
+        so_far = grid.steps_until(first) * parts
+        loads = self.loads.sample(grid.start, h, len(history) * steps, self.stages, first=so_far)
         good = record_watched(scheme, self.system, loads, self.state, h, steps, history, self.watch.watch)
         taken = self.watch.steps - before
         self.control.accept(h, taken)
         if good < len(history):
             self.trouble = self.integrator.trouble(scheme, self.watch.watch.kept)
-        return int(good), taken
-
-    def reject_after(self, taken: int, h: float, time: float) -> None:
-        """Prepare for smaller steps, `taken` ones of h [s] after the start of an interval, at `time` [s]."""
-        self.control.offset = taken * h
-        self.forget()
-        self.reject(time)
+            self.control.offset = (taken - good * steps) * h
+            self.forget()
+            self.reject(start + taken * h)
+        return int(good)
 
     def take(self, scheme: Any, start: float, h: float, steps: int, history: Array) -> bool:
         """See `PacedRun.take`."""
@@ -329,8 +315,15 @@ class CableRun(PacedRun):
         Returns:
             Number of loop steps that went well; later rows of `history` mean nothing.
         """
+        good = self.advance(scheme, grid, first, history)
+        history[:good, 0] -= self.reference
+        self._look_at_limit(scheme)
+        return good
+
+    def advance(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
+        """As `record`, but total coordinates; nobody looks at the stability limit."""
         good = 0
-        begins = first == grid.first and self.watch.looks_at_phase
+        begins = self.watch.looks_at_phase and grid.begins_with(first)
         beginning = KeptState(self.memory()) if begins else None
         while good < len(history) and not self.gave_up:
             if self.control.is_nominal:
@@ -340,7 +333,6 @@ class CableRun(PacedRun):
             if self.watch.steps_to_halve and beginning:
                 self._begin_again(beginning, grid.time(first))
                 good = 0
-        history[:good, 0] -= self.reference
         return good
 
     def figures(self) -> dict[str, float]:
@@ -348,15 +340,18 @@ class CableRun(PacedRun):
         share = {"stepOverLimit": self._largest_share} if self._largest_share else {}
         return self.watch.figures() | share
 
-    def _look_at_limit(self, scheme: Any, h: float, steps: int) -> None:
+    def _look_at_limit(self, scheme: Any) -> None:
         """From time to time: the share that the step is of the present stability limit."""
-        self._steps_since_limit += steps
-        if self._steps_since_limit < STEPS_BETWEEN_LIMITS or self.watch.has_trouble or self._lag:
+        if self.control.steps - self._looked_after < STEPS_BETWEEN_LIMITS:
             return
-        self._steps_since_limit = 0
+        if not self.control.is_nominal or self.watch.has_trouble or self._lag:
+            return
+        self._looked_after = self.control.steps
         shape = self.scene_cable.cable.reference.shape
         frequency = self._tracker.frequency(self.state.q.reshape(shape), self.state.a.reshape(shape))
-        self._largest_share = max(self._largest_share, h / self._stability_limit(scheme, frequency))
+        self._largest_share = max(
+            self._largest_share, self.control.present / self._stability_limit(scheme, frequency)
+        )
 
     def verdict(self, scheme: Any, time: float, h: float) -> str:
         """What went wrong in the last steps, and why; empty if all is well."""

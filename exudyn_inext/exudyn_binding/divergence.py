@@ -11,15 +11,15 @@ GIVEN_UP = (
 )
 
 
-def divergence(verdicts: Sequence[str], time: float, what_is_left: str, step: float) -> DivergenceError:
+def divergence(verdicts: Sequence[str], time: float, what_is_left: str) -> DivergenceError:
     """The error of a run that went wrong before `time` [s].
 
     Args:
         verdicts: what happened to whom, and why.   time: end of the step, or of the output interval [s].
-        what_is_left: of the run, for its user.   step: that it took [s].
+        what_is_left: of the run, for its user.
     """
     said = " ".join(verdicts)
-    return DivergenceError(f"the run diverged before t = {time:.6g} s. {said} {what_is_left}", step)
+    return DivergenceError(f"the run diverged before t = {time:.6g} s. {said} {what_is_left}")
 
 
 def explanation(integrator: Integrator, trouble: str, h: float, limit: float, scaled: bool) -> str:

@@ -7,7 +7,8 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
-from itertools import islice, tee
+from functools import partial
+from itertools import groupby, islice, tee
 from typing import Any
 
 import numpy as np
@@ -17,10 +18,10 @@ from ..arrays import Array, as_slice
 from ..checks import require_finite, require_integer
 from ..integrators import find_integrator
 from ..integrators.ensemble import record_members, stacked
-from ..integrators.step_size import StepSizeBounds
 from .arguments import explicit_settings, simulation_settings
+from .automatic_step import warn_of_damping
 from .cable_run import CableRun
-from .ensemble_members import Member, all_systems, read_members, tightest_bounds
+from .ensemble_members import Choice, Member, all_systems, read_members
 from .explicit_runs import scheme_of, wanted_step
 from .settings import ExplicitSettings
 from .time_grid import TimeGrid, grid_of_period
@@ -44,18 +45,17 @@ def SolveEnsemble(
     """Explicit dynamics of many systems of the same structure, in compiled code on all cores.
 
     For parameter sweeps and model-predictive control. Each member moves, bit for bit, as it would with
-    SolveExplicit alone and the same step; numbers may differ between members (sections, lengths,
-    supports, gravity, loads, initial states), the structure must not (dimension, number of elements,
-    curvature measure, number of cables, links and load histories). Exudyn's time loop is not entered: sensors
-    and files are not written, and the systems stay as they are.
+    SolveExplicit alone; where no step is given, each takes its own. Numbers may differ between members
+    (sections, lengths, supports, gravity, loads, initial states), the structure must not (dimension, number
+    of elements, curvature measure, number of cables, links and load histories). Exudyn's time loop is not
+    entered: sensors and files are not written, and the systems stay as they are.
 
     Args:
         systems: sequence of assembled mbs, or a function that builds one: f(parameters[i]) -> mbs.
         simulationSettings: exudyn.SimulationSettings; used are startTime, endTime, numberOfSteps (a
             lower bound of the number of outputs), solution.sensors.writePeriod, the output period, and
             verboseMode: from 1 on, progress and remaining time are shown.
-        explicitSettings: as for SolveExplicit; without stepSize, the largest step that is safe for all
-            members.
+        explicitSettings: as for SolveExplicit.
         parameters: one entry a member, handed to the function.
         derivatives: 0: coordinates only, 1: velocities, too, 2: accelerations, too.
         threads: number of threads; None: one a core.
@@ -66,7 +66,8 @@ def SolveEnsemble(
         'referenceCoordinates' (members, n) add up to positions and slopes; 'status' of each member, 'ok'
         or how it diverged, 'divergenceTimes' (members,), NaN for those that did not; a diverged member
         has NaN after the last output before the inspection that found it. And, as from SolveExplicit,
-        'success' (of all), 'integrator', 'stepSize' [s], 'steps', 'decidedBy', 'bounds', besides 'threads'.
+        'success' (of all) and 'integrator', besides 'threads'; of each member 'stepSize' [s], 'steps',
+        'massScaling', 'decidedBy' and 'bounds'.
 
     Raises:
         InputError: no member, members of different structure (it says which differs in what).
@@ -80,15 +81,20 @@ def SolveEnsemble(
     explicit = explicit_settings(explicitSettings)
     workers = _number_of_threads(threads)
     derivatives = require_integer("derivatives", derivatives, 0, 2)
-    h = _grid(settings, explicit.stepSize).h if explicit.massScaling and explicit.stepSize else 0.0
+    smallest = explicit.stepSize
+    h = _grid(settings, smallest, smallest).h if explicit.massScaling and smallest else 0.0
     builders = all_systems(systems, parameters)
     time = require_finite("timeIntegration.startTime", settings.timeIntegration.startTime, "s")
-    members = read_members(builders, time, h, explicit)
-    wanted = explicit.stepSize
-    if wanted is None:  # all members decide on it before the first one moves
+    duration = float(settings.timeIntegration.endTime) - time
+    members = read_members(builders, time, duration, h, explicit)
+    if smallest is None:  # outputs at every step are those of the shortest one
         members, all_of_them = tee(members)
-        wanted, _ = wanted_step(tightest_bounds([member.bounds for member in all_of_them]), explicit)
-    ensemble = _Ensemble(len(builders), _grid(settings, wanted), explicit, derivatives + 1)
+        choices = [member.choice for member in all_of_them]
+        worst = _worst(choices)
+        warn_of_damping(choices[worst].of_member(worst), choices[worst].decided_by)
+        smallest = min(choice.wanted for choice in choices)
+    grids = partial(_grid, settings, smallest)
+    ensemble = _Ensemble(len(builders), grids, smallest, explicit, derivatives + 1)
     silent = settings.timeIntegration.verboseMode < 1
     with tqdm(total=len(builders), desc="SolveEnsemble", unit="member", disable=silent) as progress:
         ensemble.solve(members, workers, progress.update)
@@ -101,8 +107,14 @@ def _number_of_threads(threads: int | None) -> int:
     return require_integer("threads", threads, 1, MOST_THREADS, "; None for one a core")
 
 
-def _grid(settings: Any, wanted: float) -> TimeGrid:
-    return grid_of_period(settings, wanted, settings.solution.sensors.writePeriod)
+def _grid(settings: Any, smallest: float, wanted: float) -> TimeGrid:
+    """Of a member whose step is at most `wanted` [s]; outputs as for the `smallest` step of all [s]."""
+    return grid_of_period(settings, wanted, settings.solution.sensors.writePeriod or smallest)
+
+
+def _worst(choices: list[Choice]) -> int:
+    """The member with the smallest stability limit."""
+    return min(range(len(choices)), key=lambda number: choices[number].bounds.stability_limit)
 
 
 class _ShortTurns:
@@ -135,8 +147,9 @@ _SHORT_TURNS = _ShortTurns()
 
 @dataclass(frozen=True, eq=False)
 class _Chunk:
-    """Members from number `first`: their runs of cable number `cable`, and these stacked."""
+    """Members from number `first`: their runs of cable number `cable`, and these stacked; of one grid."""
 
+    grid: TimeGrid
     cable: int
     first: int
     runs: list[CableRun]
@@ -149,13 +162,20 @@ class _Chunk:
 class _Ensemble:
     """States of all members, while they are computed.
 
-    grid: output intervals and steps.   states: (derivatives, members, T, n).
-    bounds: of the members that have been started.
+    grid: output intervals, and steps of `smallest` [s].   states: (derivatives, members, T, n).
+    choices: of the members that have been started.
     """
 
-    def __init__(self, number: int, grid: TimeGrid, explicit: ExplicitSettings, derivatives: int) -> None:
-        self.grid = grid
-        self.bounds: list[StepSizeBounds] = []
+    def __init__(
+        self,
+        number: int,
+        grids: Callable[[float], TimeGrid],
+        smallest: float,
+        explicit: ExplicitSettings,
+        derivatives: int,
+    ) -> None:
+        self._grids, self.grid = grids, grids(smallest)
+        self.choices: list[Choice] = []
         self._explicit = explicit
         self._scheme = scheme_of(explicit)
         self._stages = find_integrator(explicit.integrator).stages
@@ -180,15 +200,16 @@ class _Ensemble:
                 done(future.result())
 
     def _chunks(self, members: Iterator[Member], threads: int) -> Iterator[_Chunk]:
-        while len(self.bounds) < self._number:
-            first = len(self.bounds)
-            size = self._size_of_chunk(threads) if first else 1
+        while len(self.choices) < self._number:
+            size = self._size_of_chunk(threads) if self.choices else 1
             together = list(islice(members, size))
-            if first == 0:
+            if not self.choices:
                 self._allocate(together[0])
-            self.bounds += [member.bounds for member in together]
-            for cable in range(len(together[0].runs)):
-                yield self._chunk(cable, first, [member.runs[cable] for member in together])
+            for grid, alike in groupby(together, key=lambda member: self._grids(member.choice.wanted)):
+                first, group = len(self.choices), list(alike)
+                self.choices += [member.choice for member in group]
+                for cable in range(len(group[0].runs)):
+                    yield self._chunk(grid, cable, first, [member.runs[cable] for member in group])
 
     def _allocate(self, member: Member) -> None:
         """Memory of all members, which are of the same size as the given one."""
@@ -196,6 +217,8 @@ class _Ensemble:
         self.states = np.full(shape, np.nan)
         self.reference = np.zeros((self._number, member.size))
         self._good = np.zeros((len(member.runs), self._number), dtype=int)  # intervals before a divergence
+        self._steps = np.zeros((len(member.runs), self._number), dtype=int)
+        self._smallest = np.zeros((len(member.runs), self._number))  # steps [s]
         outputs = self._derivatives * self.grid.loop_steps * member.size
         patterns = sum(len(run.loads.pattern) for run in member.runs)
         factors = self.grid.loop_steps * self.grid.substeps * len(self._stages) * patterns
@@ -205,11 +228,14 @@ class _Ensemble:
         fair = -(-self._number // (CHUNKS_OF_A_THREAD * threads))
         return max(1, min(fair, NUMBERS_IN_A_CHUNK // self._numbers_of_a_member))
 
-    def _chunk(self, cable: int, first: int, runs: list[CableRun]) -> _Chunk:
-        grid, steps = self.grid, self.grid.loop_steps * self.grid.substeps
+    def _chunk(self, grid: TimeGrid, cable: int, first: int, runs: list[CableRun]) -> _Chunk:
+        steps = grid.loop_steps * grid.substeps
         for number, run in enumerate(runs, first):
-            self._start(number, run)
+            self._start(grid, number, run)
+        self._steps[cable, first : first + len(runs)] = steps
+        self._smallest[cable, first : first + len(runs)] = grid.h
         return _Chunk(
+            grid,
             cable,
             first,
             runs,
@@ -219,9 +245,9 @@ class _Ensemble:
             watches=stacked([run.watch.watch for run in runs]),
         )
 
-    def _start(self, number: int, run: CableRun) -> None:
-        run.set_step(self.grid.h)
-        run.start(self.grid.start)
+    def _start(self, grid: TimeGrid, number: int, run: CableRun) -> None:
+        run.set_step(grid.h)
+        run.start(grid.start)
         self.reference[number, run.indices] = run.reference
         first = (run.state.q - run.reference, run.state.v, run.state.a)
         for states, values in zip(self.states[:, number, 0], first, strict=False):
@@ -233,14 +259,14 @@ class _Ensemble:
         Returns:
             Number of members that have got to their end: with the last one of their cables.
         """
-        grid, run = self.grid, chunk.runs[0]
+        grid, run = chunk.grid, chunk.runs[0]
         shape = (len(self.states), len(chunk.runs), grid.loop_steps, len(run.indices))
         output = np.full(shape, np.nan)
         stacks = (chunk.systems, chunk.loads, chunk.states)
         good = np.zeros(len(chunk.runs), dtype=int)
         record_members(self._scheme, *stacks, grid.h, grid.substeps, chunk.watches, output, good)
         for member in np.flatnonzero(good < grid.loop_steps).tolist():
-            good[member] = self._recorded_alone(chunk.runs[member], output[:, member])
+            good[member] = self._recorded_alone(chunk, member, output[:, member])
         for member, run in enumerate(chunk.runs):
             number, places = chunk.first + member, as_slice(run.indices)
             output[0, member] -= run.reference
@@ -248,23 +274,24 @@ class _Ensemble:
             self.states[:, number, 1 : good[member] + 1][..., places] = output[:, member, : good[member]]
         return len(chunk.runs) if chunk.cable == len(self._good) - 1 else 0
 
-    def _recorded_alone(self, run: CableRun, output: Array) -> int:
+    def _recorded_alone(self, chunk: _Chunk, member: int, output: Array) -> int:
         """Steps of a member that went wrong are rejected, as in a run of its own; returns its good intervals.
 
         output: (derivatives, intervals, n_dof) q, v, a.
         """
-        grid = self.grid
+        grid, run, place = chunk.grid, chunk.runs[member], (chunk.cable, chunk.first + member)
         history = np.empty((grid.loop_steps, 3, len(run.indices)))
-        good = run.record(self._scheme, grid, 0, history)
-        history[:good, 0] += run.reference
+        good = run.advance(self._scheme, grid, 0, history)
+        self._steps[place], self._smallest[place] = run.control.steps, run.control.smallest
         output[:, :good] = history[:good, : len(output)].swapaxes(0, 1)
         return good
 
     def results(self) -> dict[str, Any]:
         """What `SolveEnsemble` returns; of several cables, the first divergence ends their member."""
         grid, explicit = self.grid, self._explicit
-        bounds = tightest_bounds(self.bounds)
-        wanted, decided_by = wanted_step(bounds, explicit)
+        worst = _worst(self.choices)
+        taken = grid.h if explicit.massScaling else None
+        wanted_step(self.choices[worst].of_member(worst), explicit, taken)  # warns of it
         ends = self._divergence_times()
         return {
             "success": bool(np.isnan(ends).all()),
@@ -274,11 +301,16 @@ class _Ensemble:
             "status": [OK if np.isnan(end) else f"diverged before t = {end:.6g} s" for end in ends],
             "divergenceTimes": ends,
             "integrator": explicit.integrator,
-            "stepSize": grid.h,
-            "steps": grid.loop_steps * grid.substeps,
-            "decidedBy": decided_by if grid.substeps > 1 or grid.h > 0.99 * wanted else "output period",
-            "bounds": bounds,
+            "stepSize": self._smallest.min(axis=0),
+            "steps": self._steps.max(axis=0),
+            "massScaling": np.array([choice.theta for choice in self.choices]),
+            "decidedBy": [self._decided_by(choice) for choice in self.choices],
+            "bounds": [choice.bounds for choice in self.choices],
         }
+
+    def _decided_by(self, choice: Choice) -> str:
+        grid = self._grids(choice.wanted)
+        return choice.decided_by if grid.substeps > 1 or grid.h > 0.99 * choice.wanted else "output period"
 
     def _divergence_times(self) -> Array:
         """(members,) NaN where there was none; later states are made NaN."""

@@ -1,4 +1,4 @@
-"""The members of an ensemble: systems of the same structure, read one by one, and their common step."""
+"""The members of an ensemble: systems of the same structure, read one by one, each with its step."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -10,24 +10,39 @@ from typing import Any
 from ..chain.border import all_links
 from ..errors import InextensibleError, InputError, SceneError
 from ..integrators.step_size import StepSizeBounds
+from .automatic_step import bounds_of_step
 from .cable_run import CableRun
-from .explicit_runs import cable_runs, require_fixed_steps, step_bounds, wanted_step
+from .explicit_runs import cable_runs, require_fixed_steps, wanted_step
 from .scene import read_cables, require_assembled
 from .settings import ExplicitSettings
 
 REMEDY = "members must not differ in it; put the others into an ensemble of their own."
 
 
+@dataclass(frozen=True)
+class Choice:
+    """Of the step of a member: its bounds, the mass scaling theta, the largest step [s], what decided."""
+
+    bounds: StepSizeBounds
+    theta: float
+    wanted: float
+    decided_by: str
+
+    def of_member(self, number: int) -> StepSizeBounds:
+        """The bounds, with the member named."""
+        return replace(self.bounds, cable=f"{self.bounds.cable} of member {number}")
+
+
 @dataclass(frozen=True, eq=False)
 class Member:
     """One system of an ensemble.
 
-    runs: one for each cable.   size: number of coordinates of the mbs.   bounds: of its step.
+    runs: one for each cable.   size: number of coordinates of the mbs.   choice: of its step.
     """
 
     runs: list[CableRun]
     size: int
-    bounds: StepSizeBounds
+    choice: Choice
 
 
 def all_systems(systems: Any, parameters: Iterable[Any] | None) -> list[Callable[[], Any]]:
@@ -57,13 +72,13 @@ def _as_it_is(mbs: Any) -> Any:
 
 
 def read_members(
-    builders: Iterable[Callable[[], Any]], time: float, h: float, explicit: ExplicitSettings
+    builders: Iterable[Callable[[], Any]], time: float, duration: float, h: float, explicit: ExplicitSettings
 ) -> Iterator[Member]:
     """All members, one after the other, ready to start.
 
     Args:
-        builders: see `all_systems`.   time: of the start [s].   explicit: settings.
-        h: step that scales the mass [s]; 0 without mass scaling.
+        builders: see `all_systems`.   time: of the start [s].   duration: of the run [s].
+        h: given step that scales the mass [s]; 0 without it.   explicit: settings.
 
     Raises:
         InputError: members of different structure.
@@ -73,18 +88,21 @@ def read_members(
     first: Member | None = None
     for number, mbs_of in enumerate(builders):
         with _naming(number):
-            member = _member(mbs_of(), time, h, explicit)
+            member = _member(mbs_of(), time, duration, h, explicit)
             first = first or member
             _require_same_structure(first.runs, member.runs)
         yield member
 
 
-def _member(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> Member:
+def _member(mbs: Any, time: float, duration: float, h: float, explicit: ExplicitSettings) -> Member:
     runs = _runs(mbs, time, h, explicit)
-    bounds = step_bounds(runs, time, explicit)
-    if explicit.stepSize is not None and not explicit.allowUnstableStep:
-        wanted_step(bounds, explicit)
-    return Member(runs, mbs.systemData.ODE2Size(), bounds)
+    bounds, explicit = bounds_of_step(runs, time, duration, explicit)
+    if explicit.stepSize and explicit.allowUnstableStep:  # of the worst member it is warned later
+        wanted, decided_by = explicit.stepSize, "stepSize"
+    else:
+        wanted, decided_by = wanted_step(bounds, explicit, h or None)
+    choice = Choice(bounds, explicit.massScaling or 0.0, wanted, decided_by)
+    return Member(runs, mbs.systemData.ODE2Size(), choice)
 
 
 @contextmanager
@@ -156,14 +174,3 @@ def structure(run: CableRun) -> dict[str, Any]:
         "components of load histories and motions": len(run.loads.pattern),
         "coordinates and anchors of links": len(run.loads.constant),
     }
-
-
-def tightest_bounds(all_bounds: Sequence[StepSizeBounds]) -> StepSizeBounds:
-    """Bounds within which every member is stable, and the cable that decides."""
-    fastest = min(range(len(all_bounds)), key=lambda m: all_bounds[m].bending)
-    return replace(
-        all_bounds[fastest],
-        stabilisation=min(bounds.stabilisation for bounds in all_bounds),
-        rule=min(bounds.rule for bounds in all_bounds),
-        cable=f"{all_bounds[fastest].cable} of member {fastest}",
-    )

@@ -179,3 +179,10 @@ def wanted_step(
     if error is not None:
         warnings.warn(str(error), stacklevel=3)
     return explicit.stepSize, "stepSize"
+
+
+def warn_of_friction(runs: Sequence[Run]) -> None:
+    """Once a run, where much of the work of friction contradicts Coulomb's law."""
+    for run in runs:
+        if isinstance(run, CoupledRun) and run.friction.finding:
+            warnings.warn(run.friction.finding, stacklevel=3)

@@ -8,10 +8,6 @@ import exudyn
 import numpy as np
 
 from ..arrays import Array
-from .cable_run import CableRun
-from .general.coupled_run import CoupledRun
-from .general.surroundings import evaluator, state_kept
-from .native_run import NativeRun
 from .time_loop import Run
 
 _INITIAL = exudyn.ConfigurationType.Initial
@@ -29,7 +25,7 @@ def first_row(mbs: Any, runs: Sequence[Run], time: float) -> Iterator[None]:
     before = data.GetODE2Coordinates_tt(_INITIAL)
     shown = np.array(before)
     for run in runs:
-        shown[run.indices] = _accelerations(mbs, run, time)
+        shown[run.indices] = _accelerations(run, time)
     data.SetODE2Coordinates_tt(shown, _INITIAL)
     try:
         yield
@@ -37,17 +33,7 @@ def first_row(mbs: Any, runs: Sequence[Run], time: float) -> Iterator[None]:
         data.SetODE2Coordinates_tt(before, _INITIAL)
 
 
-def _is_implicit(run: CableRun | CoupledRun) -> bool:
-    """Whether its accelerations are those of a mass with bending in it."""
-    return any(cable.has_implicit_bending for cable in run.cable_runs)
-
-
-def _accelerations(mbs: Any, run: Run, time: float) -> Array:
-    """(n,) of all coordinates of a run that has been started."""
-    if isinstance(run, CableRun | CoupledRun):
-        return run.accelerations(time) if _is_implicit(run) else run.state.a[: len(run.indices)]
-    if not isinstance(run, NativeRun):
-        raise AssertionError(type(run))
-    with state_kept(mbs):  # the solver of the time loop evaluates nothing before it runs
-        mbs.systemData.SetTime(time)
-        return run.accelerations(evaluator(mbs))
+def _accelerations(run: Run, time: float) -> Array:
+    """(n,) of all coordinates of a run that has been started, by the masses as they are."""
+    is_implicit = any(cable.has_implicit_bending for cable in run.cable_runs)
+    return run.accelerations(time) if is_implicit else run.state.a[: len(run.indices)]

@@ -17,7 +17,7 @@ import numpy as np
 from ..arrays import Array
 from ..errors import InputError
 
-FORMAT, VERSION = "exudyn_inext restart", 5
+FORMAT, VERSION = "exudyn_inext restart", 6
 _HEADER = "header"
 
 

@@ -1,6 +1,6 @@
 """What an mbs contains, as far as the explicit solver is concerned."""
 
-from collections.abc import Container, Iterable
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -58,12 +58,14 @@ class Scene:
     foreign: what does not belong to the cables alone: bodies, connectors, joints, other loads.
     own_constraints: numbers of the objects that are supports and links of the cables.
     enforcing: of those by which the cables keep their length under other solvers.
+    held: coordinates that other constraints hold, by the numbers of these.
     """
 
     cables: list[CableInScene]
     foreign: list[str]
     own_constraints: frozenset[int]
     enforcing: list[int]
+    held: Mapping[int, "HeldCoordinate"]
 
     @property
     def evaluated_by_kernels(self) -> tuple[list[int], list[int]]:
@@ -139,6 +141,7 @@ def read_scene(mbs: Any, reader: ConstraintReader | None = None) -> Scene:
     cable_of = {node: number for number, item in contents.items.items() for node in item.nodes}
     loads, other_loads = _read_loads(mbs, cable_of, elements_by_nodes(contents.items))
     foreign = [*contents.others, *_foreign_nodes(mbs, cable_of), *other_loads]
+    held_elsewhere = {number: held for number, held in contents.held.items() if held.node not in cable_of}
     foreign += _take_foreign_constraints(mbs, contents, cable_of)
     on_each = _on_each_cable(contents, loads, cable_of)
     if mbs.NumberOfGeneralContacts():
@@ -148,6 +151,7 @@ def read_scene(mbs: Any, reader: ConstraintReader | None = None) -> Scene:
         foreign=foreign,
         own_constraints=frozenset([*contents.held, *contents.moving, *contents.rods, *contents.enforcing]),
         enforcing=contents.enforcing,
+        held=held_elsewhere,
     )
 
 

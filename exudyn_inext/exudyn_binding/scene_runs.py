@@ -9,31 +9,29 @@ from ..integrators import find_integrator
 from ..integrators.step_size import USUAL_SCALING, StepSizeBounds
 from .explicit_runs import cable_runs, scheme_of, step_bounds
 from .general.coupled_run import CoupledRun
-from .native_run import NativeRun, has_only_forces
 from .scene import Scene
 from .settings import ExplicitSettings
 from .time_loop import Run
 
 
-def needs_coupling(mbs: Any, scene: Scene) -> bool:
-    """Whether cables and other items have to be moved together, by one right-hand side of Exudyn."""
-    return bool(scene.foreign) if scene.cables else not has_only_forces(mbs)
+def needs_coupling(scene: Scene) -> bool:
+    """Whether there are other items than cables, all moved together by one right-hand side of Exudyn."""
+    return bool(scene.foreign) or not scene.cables
 
 
 def runs_of_scene(
     mbs: Any,
     scene: Scene,
-    solver: Any,
     time: float,
     h: float,
     explicit: ExplicitSettings,
     end_of_step: float | None = None,
 ) -> Sequence[Run]:
-    """One run for each cable; or one for cables, bodies and joints together; or one for native items.
+    """One run for each cable, or one for cables, bodies and joints together.
 
     Args:
         mbs: the system; the user functions of its cables are switched off if it needs coupling.
-        scene: what it contains.   solver: of the time loop.   time: of the start [s].
+        scene: what it contains.   time: of the start [s].
         h: step that scales the mass [s]; 0 without mass scaling.   explicit: settings.
         end_of_step: see `CoupledRun`.
 
@@ -48,15 +46,15 @@ def runs_of_scene(
             f"massScaling = {explicit.massScaling!r}: only inextensible cables have it; set it to zero."
         )
     integrator = find_integrator(explicit.integrator)
-    if not needs_coupling(mbs, scene):
-        cables = cable_runs(mbs, scene.cables, time, h, explicit)
-        return cables or [NativeRun(mbs, solver, integrator, explicit.startTolerance)]
+    if not needs_coupling(scene):
+        return cable_runs(mbs, scene.cables, time, h, explicit)
     unloaded = [cable.among_others for cable in scene.cables]  # Exudyn evaluates the loads
     return [
         CoupledRun(
             mbs,
             cable_runs(mbs, unloaded, time, h, explicit),
             scene.own_constraints,
+            scene.held,
             integrator,
             integrator.evaluations(scheme_of(explicit)),
             zeta=explicit.stabilizationRate,
@@ -71,7 +69,7 @@ def runs_of_scene(
 
 
 def bounds_if_scaled(
-    mbs: Any, scene: Scene, solver: Any, time: float, h: float, explicit: ExplicitSettings
+    mbs: Any, scene: Scene, time: float, h: float, explicit: ExplicitSettings
 ) -> Callable[[], StepSizeBounds] | None:
     """Bounds of the step h [s] with the usual mass scaling, to advise it; None if it is set, or cannot be.
 
@@ -82,7 +80,7 @@ def bounds_if_scaled(
 
     def bounds() -> StepSizeBounds:
         scaled = replace(explicit, massScaling=USUAL_SCALING)
-        return step_bounds(runs_of_scene(mbs, scene, solver, time, h, scaled), time, scaled)
+        return step_bounds(runs_of_scene(mbs, scene, time, h, scaled), time, scaled)
 
     return bounds
 

@@ -38,7 +38,7 @@ class ExplicitSettings:
             exudyn_inext.integrators.INTEGRATORS.
         scheme: parameters of the scheme, e.g. Zhai(psi=0, phi=0, corrector=True); None: defaults.
         stepSize: upper bound of the integrator's step [s]; the step used divides the time between two
-            outputs. None: the largest safe one.
+            outputs. None: chosen by accuracy, see `massScaling`; Zhai and RK4: the largest safe one.
         stabilizationRate: zeta of Eqs. (24)-(28) [1/s]; RATTLE does not need it.
         stepConstant: C of Eq. (37), for stepSize = None [-].
         stepSafety: share of the stability limit at the start that stepSize = None uses at most [-]. None:

@@ -18,7 +18,7 @@ from .changes.limit import StepLimit
 from .changes.log import ChangeLog, listening
 from .changes.stored import restore_changes, restore_limit
 from .empty_sensors import warn_of_empty_sensors
-from .explicit_runs import follow_frequencies, scheme_of, wanted_step
+from .explicit_runs import follow_frequencies, scheme_of, wanted_step, warn_of_friction
 from .first_row import first_row
 from .general.surroundings import state_kept
 from .loop_clock import LoopClock
@@ -41,8 +41,8 @@ def SolveExplicit(
     Cables alone are moved by compiled code. Bodies, connectors, native joints, contact, first order
     states and loads on any of them are evaluated by Exudyn, at each right-hand side; joints are enforced
     in position, velocity and acceleration, as the cables' own constraints are. Constraints on velocities,
-    and rotation vectors as coordinates, are refused. Without any inextensible cable, native items are
-    moved, for comparisons. The report says which path was taken, and why.
+    and rotation vectors as coordinates, are refused. A scene may also do without inextensible cables. The
+    report says which path was taken, and why.
 
     Steps that go wrong (constraints that cannot be solved for, an energy that jumps, numbers that are not
     finite) are rejected: the run goes on from the state before them with smaller ones, which grow again.
@@ -119,13 +119,13 @@ def SolveExplicit(
     if restarts.changes:
         restore_changes(restarts.changes, log, reader)
         scene = read_scene(mbs, reader)
-    coupled = needs_coupling(mbs, scene)
+    coupled = needs_coupling(scene)
     with ExitStack() as stack:
         with state_kept(mbs) if coupled else nullcontext():
             outputs = ResumedOutputs(settings, sensors) if restarts.found else None
             given = None if explicit.stepSize is None else time_grid(mbs, settings, explicit.stepSize)
             scaling = (restarts.step or given.h) if given and explicit.massScaling else 0.0
-            builder = RunBuilder(mbs, solver, explicit, scaling, stack)
+            builder = RunBuilder(mbs, log, explicit, scaling, stack)
             if restarts.changes:
                 runs = builder.build_after_changes(scene, restarts)
             else:
@@ -134,7 +134,7 @@ def SolveExplicit(
             duration = float(settings.timeIntegration.endTime) - start
             bounds, explicit = bounds_of_step(runs, start, duration, explicit)
             restarts.mass_scaling = explicit.massScaling
-            scaled = bounds_if_scaled(mbs, scene, solver, start, given.h if given else 0.0, explicit)
+            scaled = bounds_if_scaled(mbs, scene, start, given.h if given else 0.0, explicit)
             wanted, decided_by = wanted_step(bounds, explicit, scaling or None, scaled)
             warn_of_damping(bounds, decided_by)
             grid = restarts.grid(given or time_grid(mbs, settings, wanted))
@@ -161,6 +161,7 @@ def SolveExplicit(
             forget_evaluators(sensors)
     controls = [run.control for run in loop.runs]
     warn_of_energy(loop.runs, explicit.energyTolerance)
+    warn_of_friction(loop.runs)
     return {
         "success": True,
         "integrator": explicit.integrator,

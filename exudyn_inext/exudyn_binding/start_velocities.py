@@ -47,14 +47,19 @@ def nearest_velocities(cable: Cable, q: Array, v: Array, time: float) -> Array:
     return nearest
 
 
+def coordinate_name(mbs: Any, index: int) -> str:
+    """The node that has a coordinate, by its place in the system vector."""
+    data = mbs.systemData
+    nodes = [k for k in range(data.NumberOfNodes()) if index in data.GetNodeLTGODE2(k)]
+    return f"node {nodes[0]} '{mbs.GetNode(nodes[0])['name']}'" if nodes else f"coordinate {index}"
+
+
 def require_finite(mbs: Any, indices: np.ndarray, v: Array) -> None:
     """Raise SceneError, which names the node, unless all velocities v (n,) at system `indices` are finite."""
     bad = np.flatnonzero(~np.isfinite(v))
     if not len(bad):
         return
-    index, data = indices[bad[0]], mbs.systemData
-    nodes = [k for k in range(data.NumberOfNodes()) if index in data.GetNodeLTGODE2(k)]
-    where = f"node {nodes[0]} '{mbs.GetNode(nodes[0])['name']}'" if nodes else f"coordinate {index}"
+    where = coordinate_name(mbs, indices[bad[0]])
     raise SceneError(
         f"an initial velocity of {where} is {v[bad[0]]:g}, no finite number: correct its initial values."
     )

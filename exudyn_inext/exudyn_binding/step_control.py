@@ -172,15 +172,17 @@ class StepControl:
 
     def accept(self, h: float, number: int) -> None:
         """These steps went well; longer ones are tried again after some patience."""
-        log = self._log
-        log.smallest = min(log.smallest, h)
+        log = self._log  # each look at it takes a microsecond
+        if h < log.smallest:
+            log.smallest = h
         log.steps += number
-        log.calm += 1
-        if log.quarters and log.calm >= log.patience:
+        log.calm = calm = log.calm + 1
+        if not log.quarters:
+            if calm > MOST_PATIENCE:
+                log.patience = 1
+        elif calm >= log.patience:
             log.quarters -= 1
             log.calm = 0
-        elif not log.quarters and log.calm > MOST_PATIENCE:
-            log.patience = 1
 
     def reject(self) -> bool:
         """The last steps went wrong; returns whether smaller ones may be tried."""

@@ -9,8 +9,6 @@ import numpy as np
 from ..arrays import Array
 from ..checks import LARGEST
 from ..errors import InputError
-from ..integrators import find_integrator
-from ..integrators.integrator import LoadHistory
 from .cable_run import CableRun
 from .kept_state import KeptState
 from .time_grid import TimeGrid
@@ -25,49 +23,30 @@ class SteppedCable:
     q, v: (n, 2, dim) views of the present state.
     """
 
-    def __init__(self, run: CableRun, integrator: str, scheme: Any) -> None:
+    def __init__(self, run: CableRun, scheme: Any) -> None:
         shape = run.scene_cable.cable.reference.shape
         self.run = run
         self.nodes = {node: place for place, node in enumerate(run.scene_cable.item.nodes)}
         self.q: Array = run.state.q.reshape(shape)
         self.v: Array = run.state.v.reshape(shape)
         self._scheme = scheme
-        self._stages = find_integrator(integrator).stages
-        loads = run.loads
-        self._without_forces = loads.constant.copy()
-        self._constant_loads = (
-            LoadHistory(loads.constant, loads.pattern, np.zeros((1, len(self._stages), 0)))
-            if not len(loads.pattern)
-            else None
-        )
-        self._beginning = KeptState(run.memory())
+        self._without_forces = run.loads.constant.copy()
+        self._initial = KeptState(run.memory())
         self._present, self._before = (np.zeros((1, 3, run.state.q.size)) for _ in range(2))
 
     def start(self, time: float, h: float) -> None:
         """Back to the initial state, for steps of h [s]; see `CableRun.start`."""
-        run = self.run
-        self._beginning.restore()
+        run, state = self.run, self.run.state
+        self._initial.restore()
         run.gave_up = False
         run.set_step(h)
         run.start(time)
-        self._present[0] = run.state.q, run.state.v, run.state.a
+        self._present[0] = state.q, state.v, state.a
 
-    def step(self, start: float, h: float, first: int, steps: int) -> bool:
-        """Take `steps` steps of size h [s] after the first `first` ones since the time `start` [s].
-
-        Returns:
-            Whether they went well.
-        """
-        run, time = self.run, start + first * h
+    def step(self, grid: TimeGrid) -> bool:
+        """Take the one loop step of the grid; returns whether it went well."""
         self._present, self._before = self._before, self._present
-        if run.control.is_nominal:
-            run.change_step(h, time)
-            loads = self._constant_loads or run.loads.sample(start, h, steps, self._stages, first=first)
-            good, taken = run.take_nominal(self._scheme, loads, h, steps, self._present)
-            if good:
-                return True
-            run.reject_after(taken, h, time + taken * h)
-        return run.finish_interval(self._scheme, TimeGrid(time, 1, steps, h), 0, self._present)
+        return self.run.advance(self._scheme, grid, 0, self._present) == 1
 
     def verdict(self, time: float, h: float) -> str:
         """What went wrong; see `CableRun.verdict`."""

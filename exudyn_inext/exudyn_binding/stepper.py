@@ -8,16 +8,18 @@ import exudyn
 import numpy as np
 
 from ..arrays import Array
-from ..checks import require_finite, require_integer
+from ..checks import require_finite, require_integer, require_positive
 from ..errors import InputError, SceneError
 from .arguments import explicit_settings, node_number
+from .automatic_step import MOST_DURATION, bounds_of_step, warn_of_damping
 from .divergence import divergence
-from .explicit_runs import cable_runs, require_fixed_steps, scheme_of, step_bounds, wanted_step
+from .explicit_runs import cable_runs, require_fixed_steps, scheme_of, wanted_step
 from .scene import read_cables, require_assembled
 from .settings import ExplicitSettings
 from .stepped_cable import SteppedCable
+from .time_grid import TimeGrid, steps_of_interval
 
-MOST_STEPS = 1_000_000_000
+MOST_STEPS = 1_000_000_000  # in one call
 _SHOWN = (exudyn.ConfigurationType.Current, exudyn.ConfigurationType.Visualization)
 
 
@@ -25,18 +27,25 @@ class ExplicitStepper:
     """Moves the inextensible cables of an mbs by a given number of steps at a time.
 
     Everything is allocated here; `Step` is one compiled call for each cable, keeps no memory and
-    gives the states of `SolveExplicit` at the same step size, bit by bit. The mbs is left alone until
-    `WriteToSystem`.
+    gives the states of `SolveExplicit`, bit by bit. The mbs is left alone until `WriteToSystem`.
+
+    Without a stepSize, the step is that of a run of SolveExplicit over `duration` with outputs at each
+    `interval`. Where the motion turns out to be too fast for it, each step becomes two of half the size: from
+    the beginning, if the first call of `Step` is long enough to find it, or else from then on.
 
     Args:
         mbs: assembled system; its cables start from the initial configuration.
         explicitSettings: as for SolveExplicit.
-        stepSize: of each step [s], taken as it is; replaces that of explicitSettings. None in both: the
-            largest safe one.
+        stepSize: upper bound of the step [s]; replaces that of explicitSettings. None in both: chosen by
+            accuracy, as by SolveExplicit.
         startTime: [s].
+        interval: that `Step` moves on by [s], in equal steps. None: one step.
+        duration: how long the motion will be, as far as it is known [s]: the longer, the smaller must be the
+            error of each step that is chosen by accuracy.
 
     Attributes:
-        stepSize: [s].   decidedBy: what bounded it.   bounds: StepSizeBounds.
+        stepSize: at the beginning [s].   massScaling: theta.   decidedBy: what bounded the step.
+        bounds: StepSizeBounds.   interval: that `Step` moves on by [s].
         startCorrections: of each cable: how far its initial state was from its constraints.
 
     Raises:
@@ -59,35 +68,45 @@ class ExplicitStepper:
         explicitSettings: ExplicitSettings | None = None,
         stepSize: float | None = None,
         startTime: float = 0.0,
+        interval: float | None = None,
+        duration: float = MOST_DURATION,
     ) -> None:
         explicit = explicit_settings(explicitSettings)
         require_fixed_steps(explicit, "ExplicitStepper")
         if stepSize is not None:
             explicit = replace(explicit, stepSize=stepSize)
         start = require_finite("startTime", startTime, "s")
+        interval = None if interval is None else require_positive("interval", interval)
+        duration = require_positive("duration", duration)
         require_assembled(mbs)
-        runs = cable_runs(mbs, read_cables(mbs, "ExplicitStepper"), start, explicit.stepSize or 0.0, explicit)
+        given = steps_of_interval(interval, explicit.stepSize, MOST_STEPS)[1] if explicit.stepSize else 0.0
+        runs = cable_runs(mbs, read_cables(mbs, "ExplicitStepper"), start, given, explicit)
         if not runs:
             raise SceneError(
                 "mbs has no inextensible cable to step: add one with CreateInextensibleCable, or use "
                 "SolveExplicit for native items."
             )
-        self.bounds = step_bounds(runs, start, explicit)
-        step, self.decidedBy = wanted_step(self.bounds, explicit)
-        self.stepSize = float(step)
+        self.bounds, explicit = bounds_of_step(runs, start, duration, explicit)
+        wanted, self.decidedBy = wanted_step(self.bounds, explicit, given if explicit.massScaling else None)
+        warn_of_damping(self.bounds, self.decidedBy)
+        self._substeps, self.stepSize = steps_of_interval(interval, wanted, MOST_STEPS)
+        if self._substeps == 1 and self.stepSize < 0.99 * wanted:
+            self.decidedBy = "interval"
+        self.interval = self._substeps * self.stepSize
+        self.massScaling = explicit.massScaling or 0.0
         self.startCorrections = [run.start_correction for run in runs]
         self._mbs = mbs
         self._start_time = start
-        self._cables = [SteppedCable(run, explicit.integrator, scheme_of(explicit)) for run in runs]
+        self._cables = [SteppedCable(run, scheme_of(explicit)) for run in runs]
         self._cable_of_node = {node: cable for cable in self._cables for node in cable.nodes}
-        self._steps = 0
+        self._taken = 0  # steps
         self._error: Exception = InputError("the stepper has not been started: call Start() before Step().")
         self._is_ready = False
 
     @property
     def time(self) -> float:
         """Of the present state [s]."""
-        return self._start_time + self._steps * self.stepSize
+        return self._start_time + self._taken * self.stepSize
 
     def Start(self) -> None:
         """Begin, or begin anew, from the initial configuration, with the forces that are set.
@@ -95,16 +114,16 @@ class ExplicitStepper:
         Raises:
             RedundantConstraintError: constraints that depend on each other.
         """
-        self._steps = 0
+        self._taken = 0
         self._is_ready = False
         for cable in self._cables:
             cable.start(self._start_time, self.stepSize)
         self._is_ready = True
 
     def Step(self, n: int = 1) -> None:
-        """Take n steps.
+        """Move on by n intervals, or by n steps where no interval was given.
 
-        User functions of loads and moving supports are called for the n steps ahead, with the mbs as
+        User functions of loads and moving supports are called for all steps ahead, with the mbs as
         it is; they may allocate memory, the rest does not.
 
         Raises:
@@ -114,23 +133,23 @@ class ExplicitStepper:
         """
         if not self._is_ready:
             raise self._error
-        require_integer("n", n, 1, MOST_STEPS, ", the steps of one call")
-        well = [cable.step(self._start_time, self.stepSize, self._steps, int(n)) for cable in self._cables]
-        if not all(well):
-            self._stop(n)
-        self._steps += n
+        most = MOST_STEPS // self._substeps
+        steps = require_integer("n", n, 1, most, ", the steps of one call") * self._substeps
+        grid = TimeGrid(self._start_time, 1, steps, self.stepSize, before=self._taken)
+        if not all([cable.step(grid) for cable in self._cables]):
+            self._stop(grid.time(1))
+        self._taken += steps
 
-    def _stop(self, n: int) -> None:
-        """Back to the last good state of all cables; raises."""
+    def _stop(self, end: float) -> None:
+        """Back to the last good state of all cables, in a call that should have got to `end` [s]; raises."""
         verdicts = [cable.verdict(self.time, self.stepSize) for cable in self._cables]
         for cable in self._cables:
             cable.restore()
         self._is_ready = False
         self._error = divergence(
             list(filter(None, verdicts)),
-            self.time + n * self.stepSize,
+            end,
             f"The stepper holds the state at t = {self.time:.6g} s; Start() begins anew.",
-            self.stepSize,
         )
         raise self._error
 

@@ -19,6 +19,7 @@ class TimeGrid:
 
     start: [s].   loop_steps: number of Exudyn steps.   substeps: integrator steps in each of them.
     h: step of the integrator [s].   first: step of the loop that a continued run begins with.
+    before: steps of the integrator since `start`, before the first step of the loop.
     """
 
     start: float
@@ -26,10 +27,19 @@ class TimeGrid:
     substeps: int
     h: float
     first: int = 0
+    before: int = 0
+
+    def steps_until(self, loop_step: int) -> int:
+        """Steps of the integrator since `start`, at the end of that many steps of the loop."""
+        return self.before + loop_step * self.substeps
+
+    def begins_with(self, loop_step: int) -> bool:
+        """Whether no step has been taken before that step of the loop."""
+        return loop_step == self.first and not self.before
 
     def time(self, loop_step: int) -> float:
         """Time after that many steps of the loop [s]."""
-        return self.start + loop_step * self.substeps * self.h
+        return self.start + self.steps_until(loop_step) * self.h
 
 
 def time_grid(mbs: Any, settings: Any, wanted: float) -> TimeGrid:
@@ -65,17 +75,17 @@ def grid_of_period(settings: Any, wanted: float, period: float) -> TimeGrid:
             f"timeIntegration.numberOfSteps = {time.numberOfSteps!r}: must be from 1 to {MOST_LOOP_STEPS}."
         )
     interval = min(duration / time.numberOfSteps, period or wanted)
-    _require_countable("outputs or loop steps", duration, interval, MOST_LOOP_STEPS)
-    _require_countable("steps", duration, wanted, MOST_STEPS)
+    _require_countable("endTime - startTime", duration, "outputs or loop steps", interval, MOST_LOOP_STEPS)
+    _require_countable("endTime - startTime", duration, "steps", wanted, MOST_STEPS)
     loop_steps = _commensurate_steps(duration, interval)
     substeps = steps_within(duration / loop_steps, wanted)
     return TimeGrid(time.startTime, loop_steps, substeps, duration / (loop_steps * substeps))
 
 
-def _require_countable(what: str, duration: float, interval: float, most: float) -> None:
+def _require_countable(name: str, duration: float, what: str, interval: float, most: float) -> None:
     if not duration / max(interval, SMALLEST) <= most:
         raise InputError(
-            f"endTime - startTime = {duration:g} s in {what} of {interval:g} s: these are more than "
+            f"{name} = {duration:g} s in {what} of {interval:g} s: these are more than "
             f"{most:g}; check the units of times, steps and write periods."
         )
 
@@ -83,6 +93,15 @@ def _require_countable(what: str, duration: float, interval: float, most: float)
 def steps_within(duration: float, largest: float) -> int:
     """Number of equal steps, of at most `largest` [s] (may be infinite), that make up a duration [s]."""
     return max(1, math.ceil(duration / largest * _ROUND_OFF))
+
+
+def steps_of_interval(interval: float | None, largest: float, most: int) -> tuple[int, float]:
+    """Number, `most` at most, and size [s] of equal steps in an interval [s]; None: one of the largest."""
+    if interval is None:
+        return 1, largest
+    _require_countable("interval", interval, "steps", largest, most)
+    number = steps_within(interval, largest)
+    return number, interval / number
 
 
 def _commensurate_steps(duration: float, interval: float) -> int:

@@ -25,7 +25,7 @@ HANDED_OUT = 64  # states that are turned into Python numbers at once
 
 
 class Run(Protocol):
-    """What the loop moves: a cable, or native items; see CableRun for the attributes."""
+    """What the loop moves: a cable, or a coupled scene; see CableRun for the attributes."""
 
     state: Any
     lenience: float
@@ -61,6 +61,8 @@ class Run(Protocol):
     def damping_ratio(self, frequency: float) -> float: ...
 
     def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int: ...
+
+    def accelerations(self, time: float) -> Array: ...
 
     def verdict(self, scheme: Any, time: float, h: float) -> str: ...
 
@@ -208,12 +210,21 @@ class ExplicitTimeLoop:
                     yield observed[block : block + HANDED_OUT].tolist()
             if good < len(states):
                 self.error = self._divergence(self.grid.time(first + good), self.grid.time(first + good + 1))
+                self._put_back()
                 raise self.error
+
+    def _put_back(self) -> None:
+        """What mbs held before steps that it has taken part in; otherwise it still does."""
+        if self._is_watched:
+            data = self._data
+            putters = data.SetODE2Coordinates, data.SetODE2Coordinates_t, data.SetODE1Coordinates
+            for put, values in zip(putters, self._written, strict=True):
+                put(values)
 
     def _divergence(self, last_good: float, time: float) -> DivergenceError:
         verdicts = [run.verdict(self.scheme, last_good, self.grid.h) for run in self.runs]
         left = f"mbs holds the last good output, that of t = {last_good:.6g} s."
-        return divergence(list(filter(None, verdicts)), time, left, self.grid.h)
+        return divergence(list(filter(None, verdicts)), time, left)
 
     @contextmanager
     def _remembering_errors(self) -> Iterator[None]:

@@ -12,7 +12,6 @@ from numba.core import types
 from numba.extending import overload
 
 from ..compiled import counting_kernel, inlined
-from .integrator import LoadHistory
 from .watch import record_watched
 
 
@@ -73,8 +72,7 @@ def record_members(scheme, systems, loads, states, h, steps, watches, output, go
             them as it has room for; on entry what shall stand where a member has not got to.
         good: (members,) output: number of intervals that ended well.
     """
-    rows = max(1, watches.every // steps)
-    history = np.empty((rows, 3, output.shape[3]))
+    history = np.empty((output.shape[2], 3, output.shape[3]))
     for m in range(output.shape[1]):
         system, state, watch, forces = (
             member(systems, m),
@@ -82,14 +80,6 @@ def record_members(scheme, systems, loads, states, h, steps, watches, output, go
             member(watches, m),
             member(loads, m),
         )
-        good[m] = 0
-        while good[m] < output.shape[2]:
-            number = min(rows, output.shape[2] - good[m])
-            factor = forces.factor[good[m] * steps : (good[m] + number) * steps]
-            ahead = LoadHistory(forces.constant, forces.pattern, factor, forces.work)
-            well = record_watched(scheme, system, ahead, state, h, steps, history[:number], watch)
-            for interval in range(well):
-                _copy(history[interval], good[m] + interval, output[:, m])
-            good[m] += well
-            if well < number:
-                break
+        good[m] = record_watched(scheme, system, forces, state, h, steps, history, watch)
+        for interval in range(good[m]):
+            _copy(history[interval], interval, output[:, m])

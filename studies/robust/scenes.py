@@ -135,7 +135,7 @@ def _sensor(mbs: Any, node: Any) -> int:
 
 def _join(mbs: Any, rope: Rope, first: int, second: int) -> None:
     axes = [1, 1, int(rope.dimension == 3)]
-    mbs.CreateSphericalJoint(bodyNumbers=None, markerNumbers=[first, second], constrainedAxes=axes)
+    mbs.AddObject(items.SphericalJoint(markerNumbers=[first, second], constrainedAxes=axes))
 
 
 def _add_partner(mbs: Any, rope: Rope, cable: Any) -> None:

@@ -421,6 +421,8 @@ TARGETS = {
             "explicitSettings": [None],
             "stepSize": [None, 1e-3],
             "startTime": [0.0],
+            "interval": [None, 2e-3],
+            "duration": [1.0],
             "n": [1, 2],
             "which": [0],
             "node": [Of(lambda scene: scene.node)],

@@ -10,6 +10,7 @@ from exudyn_inext.chain.cable import Section
 from exudyn_inext.chain.implicit_bending import ImplicitBending
 from exudyn_inext.chain.linked_cable import cable_system
 from exudyn_inext.element.bending import stiffness_matrix
+from exudyn_inext.loads.gravity import gravity_force
 from exudyn_inext.system import accelerate_and_project, gauge, index_reduced_rates
 from tests.cables import (
     MEASURES,
@@ -24,7 +25,7 @@ from tests.cables import (
     straight_cable,
     with_section,
 )
-from tests.moving import move
+from tests.moving import move, on_constraints
 
 LAG, THETA = 0.02, 0.3  # h/2 [s]
 DAMPING = 0.3
@@ -99,19 +100,19 @@ LENGTH, SECTION = 1.0, Section(0.1, 1.0)
 AUTOMATIC = 0.01 / 11  # step of a cantilever of 16 elements under its weight, outputs at 100 Hz [s]
 
 
-def transverse_modes(cable):
+def transverse_modes(cable, axis=1):
     """Frequencies [rad/s] and shapes (n, 2, modes) of a straight beam whose first node is clamped."""
     mass, stiffness = dense_mass(cable), cable.section.bending_stiffness * dense_form(cable, stiffness_matrix)
-    across = np.arange(mass.shape[0])[1::2][2:]  # y of positions and slopes behind the clamp
+    across = np.arange(mass.shape[0])[axis :: cable.dimension][2:]  # of positions and slopes behind the clamp
     squared, shapes = eigh(stiffness[np.ix_(across, across)], mass[np.ix_(across, across)])
     full = np.zeros((mass.shape[0], len(squared)))
     full[across] = shapes
     return np.sqrt(squared), full, mass
 
 
-def amplitudes(cable, mode, h, steps):
+def amplitudes(cable, mode, h, steps, axis=1):
     """(steps, 2) amplitude of a mode and its rate, released from 1e-6 m."""
-    frequencies, shapes, mass = transverse_modes(cable)
+    frequencies, shapes, mass = transverse_modes(cable, axis)
     shape = shapes[:, mode]
     bend = shape / np.abs(shape).max() * 1e-6
     zero = np.zeros(cable.reference.size)
@@ -124,13 +125,14 @@ def amplitudes(cable, mode, h, steps):
 
 
 @pytest.mark.parametrize("ratio", [0.02, 0.2, 1.0])  # D / EI [s]
-@pytest.mark.parametrize("mode", [0, 1, 2])
-def test_decay_rates_are_right_at_the_automatic_step(ratio, mode, known_answer):
+@pytest.mark.parametrize("mode", range(5))
+@pytest.mark.parametrize(("dim", "axis"), [(2, 1), (3, 1), (3, 2)])
+def test_decay_rates_are_right_at_the_automatic_step(ratio, mode, dim, axis, known_answer):
     """q_tt + r w^2 q_t + w^2 q = 0: the envelope, or the slower exponential where it is overdamped."""
     section = replace(SECTION, bending_damping=ratio * SECTION.bending_stiffness)
-    cable = straight_cable(16, 2, "clamped", LENGTH, section=section)
+    cable = straight_cable(16, dim, "clamped", LENGTH, section=section)
     steps = 1000
-    found, w = amplitudes(cable, mode, AUTOMATIC, steps)
+    found, w = amplitudes(cable, mode, AUTOMATIC, steps, axis)
     half = 0.5 * ratio * w**2
     times = AUTOMATIC * np.arange(1, steps + 1)
     if half > w:
@@ -143,7 +145,9 @@ def test_decay_rates_are_right_at_the_automatic_step(ratio, mode, known_answer):
     last = np.searchsorted(times, min(times[first] + 5.0 / exact, times[-1])) - 1
     rate = np.log(size[first] / size[last]) / (times[last] - times[first])
     assert rate == pytest.approx(exact, rel=1e-3)
-    known_answer(f"decay of mode {mode + 1}, D = {ratio:g} EI", abs(rate / exact - 1.0))
+    known_answer(
+        f"decay of mode {mode + 1}, axis {axis} of {dim}D, D = {ratio:g} EI", abs(rate / exact - 1.0)
+    )
 
 
 @pytest.mark.parametrize("name", ["RATTLE", "Zhai"])
@@ -159,5 +163,26 @@ def test_order_is_kept_in_the_plane(name):
         settings = {"name": name, "zeta": 50.0, "mass_scaling": THETA * h**2, "lag": 0.5 * h}
         paths.append(move(state, h, round(0.4 / h), round(0.02 / h), **settings)[:, 0])
     gaps = [np.abs(path - paths[-1]).max() for path in paths[:-1]]
+    assert np.log2(gaps[0] / gaps[1]) == pytest.approx(2.0, abs=0.2)
+    assert np.log2(gaps[1] / gaps[2]) == pytest.approx(2.0, abs=0.2)
+
+
+@pytest.mark.parametrize("name", ["RATTLE", "Zhai"])
+@pytest.mark.parametrize("ratio", [0.02, 0.2, 1.0])  # D / EI [s]
+def test_order_is_kept_in_space(name, ratio):
+    """A cantilever that is pushed sideways and falls: its bending turns. Steps near the automatic one."""
+    section = replace(SECTION, bending_damping=ratio * SECTION.bending_stiffness)
+    cable = straight_cable(8, 3, "clamped", LENGTH, section=section)
+    share, v = np.linspace(0.0, 1.0, 9), np.zeros(cable.reference.shape)
+    v[:, :, 1] = 0.3 * np.stack([share**3, 3.0 * share**2], axis=1)
+    v[:, :, 2] = 0.5 * np.stack([share**2, 2.0 * share], axis=1)
+    weight = gravity_force(cable, np.array([0.0, -9.81, 0.0]))
+    state = on_constraints(State(cable, cable.reference.copy(), v, weight))
+    paths = []
+    for h in (2e-3, 1e-3, 5e-4, 6.25e-5):
+        settings = {"name": name, "zeta": 50.0, "mass_scaling": THETA * h**2, "lag": 0.5 * h}
+        paths.append(move(state, h, round(0.4 / h), round(0.02 / h), **settings)[:, 0])
+    gaps = [np.abs(path - paths[-1]).max() for path in paths[:-1]]
+    assert gaps[0] < 1e-4
     assert np.log2(gaps[0] / gaps[1]) == pytest.approx(2.0, abs=0.2)
     assert np.log2(gaps[1] / gaps[2]) == pytest.approx(2.0, abs=0.2)

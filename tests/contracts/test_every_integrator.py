@@ -15,7 +15,6 @@ from exudyn_inext.chain.chain import build_chain
 from exudyn_inext.chain.index_reduction import CableSystem
 from exudyn_inext.compiled import plain
 from exudyn_inext.errors import InputError
-from exudyn_inext.exudyn_binding.native_run import NativeSystem
 from exudyn_inext.integrators import INTEGRATORS, find_integrator
 from exudyn_inext.integrators.integrator import LoadHistory, advance, record
 from exudyn_inext.integrators.linear_stability import decay_limit, frequency_limit
@@ -151,25 +150,28 @@ def test_recorded_intervals_are_the_states_of_one_run(integrator):
 
 
 class Springs:
-    """What a `NativeSystem` asks of Exudyn: F = -q, and for which q it was asked."""
+    """q'' = -q, in plain Python.   asked: for which q."""
 
     def __init__(self):
-        self.systemData, self.asked = self, []
+        self.asked = []
 
-    def SetTime(self, t):
-        pass
 
-    def SetODE2Coordinates(self, q):
-        self.asked.append(q.copy())
+@index_reduced_rates.register(Springs)
+def rates_of_springs(system, external, q, v, acceleration, rate):
+    system.asked.append(q.copy())
+    acceleration[:] = -q
+    rate[:] = v
 
-    def SetODE2Coordinates_t(self, v):
-        pass
 
-    def ComputeODE2RHS(self, mbs):
-        pass
+@accelerate_and_project.register(Springs)
+def accelerate_springs(system, external, q, v, duration, acceleration, end_velocity):
+    rates_of_springs(system, external, q, v, acceleration, end_velocity)
+    end_velocity += duration * acceleration
 
-    def GetSystemResidual(self):
-        return -self.asked[-1]
+
+@correct_position.register(Springs)
+def correct_springs(system, external, q, tolerance, learning, correction):
+    return 0.0
 
 
 ALL_SCHEMES = [*(integrator.scheme() for integrator in INTEGRATORS.values()), Zhai(corrector=True)]
@@ -178,13 +180,12 @@ ALL_SCHEMES = [*(integrator.scheme() for integrator in INTEGRATORS.values()), Zh
 @pytest.mark.parametrize("scheme", ALL_SCHEMES, ids=str)
 def test_a_step_evaluates_as_often_as_declared_and_last_at_its_end(scheme):
     (integrator,) = [i for i in INTEGRATORS.values() if i.scheme is type(scheme)]
-    springs, state = Springs(), integrator.allocate(2, 1)
-    system = NativeSystem(springs, springs, np.eye(2))
+    system, state = Springs(), integrator.allocate(2, 1)
     state.q[:], state.v[:] = [1.0, 2.0], [0.3, 0.0]
     loads = LoadHistory(np.zeros(1), np.zeros((0, 1)), np.zeros((3, len(integrator.stages), 0)))
     plain(advance.dispatch(type(scheme)))(scheme, system, loads, state, 0.1, 3, np.zeros((1, 3, 2)))
-    assert len(springs.asked) == 3 * integrator.evaluations(scheme)
-    np.testing.assert_array_equal(springs.asked[-1], state.q)
+    assert len(system.asked) == 3 * integrator.evaluations(scheme)
+    np.testing.assert_array_equal(system.asked[-1], state.q)
 
 
 @every_integrator

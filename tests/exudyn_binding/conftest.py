@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import SensorNode
 
-from exudyn_inext import CreateInextensibleCable, ExplicitSettings, InextensibleCable, SolveExplicit
+from exudyn_inext import ExplicitSettings, SolveExplicit
 from exudyn_inext.exudyn_binding import step_control
 from reference_models.model import quiet_settings, silence
 from tests import scene_contents
-
-TEMPLATE = InextensibleCable(massPerLength=0.0348, bendingStiffness=0.0866)
+from tests.exudyn_binding import items
 
 
 @pytest.fixture
@@ -34,26 +33,12 @@ def mbs(new_mbs):
 
 @pytest.fixture
 def add_cable():
-    """Adds a straight cable of 1.8 m, 5 elements, under gravity; keywords replace arguments."""
-
-    def add(mbs, **changes):
-        line = {"positionStart": [0, 0, 0], "positionEnd": [1.8, 0, 0], "numberOfElements": 5}
-        arguments = line | {"beamTemplate": TEMPLATE, "gravity": [0, -9.81, 0]} | changes
-        if arguments.get("shape") is not None:
-            arguments = {name: arguments[name] for name in arguments if name not in line}
-        return CreateInextensibleCable(mbs, **arguments)
-
-    return add
+    return items.add_cable
 
 
 @pytest.fixture
-def add_pendulum(add_cable):
-    """The cable of `add_cable`, pinned at its first node."""
-
-    def add(mbs, **changes):
-        return add_cable(mbs, **({"groundConstraintsStart": [True, True, False, False]} | changes))
-
-    return add
+def add_pendulum():
+    return items.add_pendulum
 
 
 @pytest.fixture

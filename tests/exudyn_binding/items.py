@@ -1,4 +1,4 @@
-"""Native items beside our cables, and runs with Exudyn's own solvers."""
+"""The cable of most tests, native items beside it, and runs with Exudyn's own solvers."""
 
 import numpy as np
 from exudyn.beams import GenerateBeamElementsAlongLine
@@ -11,9 +11,25 @@ from exudyn.itemInterface import (
     ObjectANCFCable2D,
 )
 
+from exudyn_inext import CreateInextensibleCable, InextensibleCable
 from reference_models.model import quiet_settings, silence
 
 SECTION = {"massPerLength": 0.0348, "bendingStiffness": 0.0866}
+PINNED = [True, True, False, False]
+
+
+def add_cable(mbs, **changes):
+    """A straight cable of 1.8 m, 5 elements, under gravity; keywords replace arguments."""
+    line = {"positionStart": [0, 0, 0], "positionEnd": [1.8, 0, 0], "numberOfElements": 5}
+    arguments = line | {"beamTemplate": InextensibleCable(**SECTION), "gravity": [0, -9.81, 0]} | changes
+    if arguments.get("shape") is not None:
+        arguments = {name: arguments[name] for name in arguments if name not in line}
+    return CreateInextensibleCable(mbs, **arguments)
+
+
+def add_pendulum(mbs, **changes):
+    """The cable of `add_cable`, pinned at its first node."""
+    return add_cable(mbs, **({"groundConstraintsStart": PINNED} | changes))
 
 
 def trajectory(mbs, sensor):

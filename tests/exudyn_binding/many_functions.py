@@ -5,8 +5,8 @@ import functools
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from exudyn_inext import CreateInextensibleCable, CreatePrescribedMotion, InextensibleCable
-from tests.exudyn_binding.items import load_node
+from exudyn_inext import CreatePrescribedMotion
+from tests.exudyn_binding.items import add_cable, load_node
 
 NAMES = {"x", "y", "z", "up", "down"}
 TABLE = {"times": [0.0, 1.0, 2.0], "forces": np.array([0.0, 0.1, 0.3])}
@@ -31,13 +31,7 @@ def tabulated(mbs, t, load, axis=0):
 def build(container):
     mbs = container.AddSystem()
     mbs.variables["container"] = id(container)
-    nodes = CreateInextensibleCable(
-        mbs,
-        positionStart=[0, 0, 0],
-        positionEnd=[1.8, 0, 0],
-        numberOfElements=5,
-        beamTemplate=InextensibleCable(massPerLength=0.0348, bendingStiffness=0.0866),
-    )["nodes"]
+    nodes = add_cable(mbs)["nodes"]
     CreatePrescribedMotion(mbs, nodes[0], lambda t: [0.0, 0.1 * (1.0 - np.cos(5.0 * t))])
     spline = CubicSpline(TABLE["times"], TABLE["forces"])
     functions = [

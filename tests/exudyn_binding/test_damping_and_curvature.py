@@ -1,7 +1,9 @@
 """Bending damping and natural curvature: against native cables, closed forms, and at the stability limit."""
 
+import exudyn
 import numpy as np
 import pytest
+from exudyn.itemInterface import SensorNode
 
 from exudyn_inext import CableShape, DivergenceError, InextensibleCable, SolveEquilibrium
 from reference_models.model import quiet_settings
@@ -47,6 +49,39 @@ def test_damped_vibration_is_that_of_a_native_cable(tip_of, dim, section):
     expected = tip_of["native"](dim, section, 48)
     swing = np.ptp(expected[:, 1])
     np.testing.assert_allclose(found, expected, atol=5e-3 * swing)
+
+
+@pytest.mark.parametrize("ratio", [0.02, 0.2])  # D / EI [s]
+@pytest.mark.parametrize("sideways", [0.0, 0.3])
+def test_strongly_damped_bending_in_space_is_that_of_a_native_cable(
+    new_mbs, add_cable, solve, ratio, sideways
+):
+    """A weightless cantilever that is pushed in a plane, or to turn; it passes through straight shapes."""
+    section = {"massPerLength": 0.1, "bendingStiffness": 1.0, "bendingDamping": ratio}
+    arguments = {"gravity": [0, 0, 0], "groundConstraintsStart": [True] * 6, **LINE}
+
+    def moved(mbs, nodes, run):
+        for k, node in enumerate(nodes):
+            x = k / 16
+            push = [0, x**2, sideways * (x**3 - 0.8 * x**2), 0, 2 * x, sideways * (3 * x**2 - 1.6 * x)]
+            mbs.SetNodeParameter(node, "initialVelocities", push)
+        output = exudyn.OutputVariableType.Position
+        tip = mbs.AddSensor(SensorNode(nodeNumber=nodes[-1], outputVariableType=output, storeInternal=True))
+        mbs.Assemble()
+        run(mbs)
+        return trajectory(mbs, tip)[:, 1:]
+
+    mbs, twin = new_mbs(), new_mbs()
+    template = InextensibleCable(**section)
+    cable = add_cable(mbs, beamTemplate=template, numberOfElements=16, dimension=3, **arguments)
+    native = native_cable(
+        twin, 3, 16, section=section, **{k: v for k, v in arguments.items() if k != "numberOfElements"}
+    )
+    found = moved(mbs, cable["nodes"], lambda m: solve(m, settings=quiet_settings(0.5, 1, 0.01)))
+    expected = moved(twin, native["nodes"], lambda m: solve_native(m, 0.5, 2e-4))
+    np.testing.assert_allclose(found, expected, atol=0.01 * np.ptp(expected[:, 1]))
+    if sideways:
+        np.testing.assert_allclose(found[:, 2], expected[:, 2], atol=0.01 * np.ptp(expected[:, 2]))
 
 
 def test_damping_of_that_size_is_seen_in_the_vibration(tip_of):

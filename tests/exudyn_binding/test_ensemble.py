@@ -130,8 +130,9 @@ def last(result):
 def test_every_member_moves_bit_for_bit_as_it_does_alone(build, parameters, explicit):
     result = ensemble(build, parameters, **explicit)
     assert result["status"] == ["ok"] * len(parameters)
-    for member, values in zip(last(result), parameters, strict=True):
-        alone = moved(build(values), **(explicit | {"stepSize": result["stepSize"]}))
+    steps = zip(result["stepSize"], result["massScaling"], strict=True)
+    for member, values, (step, theta) in zip(last(result), parameters, steps, strict=True):
+        alone = moved(build(values), **(explicit | {"stepSize": step, "massScaling": theta}))
         np.testing.assert_array_equal(member, alone)
     assert np.abs(np.diff(last(result), axis=0)).max() > 1e-3  # the parameters matter
 
@@ -194,7 +195,7 @@ def test_results_are_what_a_sensor_stores(add_sensor):
     result = SolveEnsemble([mbs, pendulum()], settings, derivatives=1)
     assert mbs.GetSensorStoredData(tip).size == 0
     with silence():
-        SolveExplicit(mbs, settings, ExplicitSettings(stepSize=result["stepSize"]))
+        SolveExplicit(mbs, settings)
     stored = np.asarray(mbs.GetSensorStoredData(tip))
     assert result["coordinates"].shape == result["velocities"].shape == (2, 16, 24)
     assert "accelerations" not in result
@@ -227,14 +228,6 @@ def test_a_builder_may_change_and_return_the_same_system():
     result = ensemble(with_speed, [0.0, 0.5])
     expected = ensemble(lambda speed: pendulum(tip_speed=speed), [0.0, 0.5])
     np.testing.assert_allclose(result["coordinates"], expected["coordinates"], atol=1e-12)
-
-
-def test_the_common_step_is_the_smallest_safe_one():
-    stiff = ensemble(pendulum, [0.2])
-    both = ensemble(pendulum, [0.05, 0.2])
-    assert both["bounds"].stability_limit == stiff["bounds"].stability_limit
-    assert both["stepSize"] == stiff["stepSize"]
-    assert "member 1" in both["bounds"].cable
 
 
 @pytest.mark.parametrize("threads", [1, 2])

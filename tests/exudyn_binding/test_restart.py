@@ -19,6 +19,7 @@ from exudyn_inext.exudyn_binding.restart_file import Restart, read_restart, writ
 from exudyn_inext.integrators import INTEGRATORS
 from reference_models.model import quiet_settings
 from tests.exudyn_binding.items import load_node
+from tests.exudyn_binding.written_run import run
 
 ROOT = Path(__file__).parents[2]
 
@@ -136,7 +137,7 @@ import os, signal, sys
 from pathlib import Path
 sys.path.insert(0, {root!r})
 from exudyn_inext.exudyn_binding import restart
-from tests.exudyn_binding.killed_run import run
+from tests.exudyn_binding.written_run import run
 count = 0
 written = restart.write_restart
 def write_and_die(*arguments):
@@ -146,21 +147,23 @@ def write_and_die(*arguments):
     if count == 3:
         os.kill(os.getpid(), signal.SIGKILL)
 restart.write_restart = write_and_die
-run({folder!r})
+run({folder!r}, "plain", integrator="Zhai")
 """
 
 
 def test_a_run_that_is_killed_continues_where_its_last_file_was_written(tmp_path, fault):
-    from tests.exudyn_binding.killed_run import run
+    def ended(folder):
+        report = run(folder, "plain", integrator="Zhai")
+        return np.loadtxt(folder / "first.txt", delimiter=","), report
 
     script = KILLED.format(root=str(ROOT), folder=str(tmp_path))
     killed = subprocess.run([sys.executable, "-c", script], capture_output=True, timeout=300, cwd=tmp_path)
     assert killed.returncode == -signal.SIGKILL
-    rows, report = run(str(tmp_path))
+    rows, report = ended(tmp_path)
     assert report["resumedAt"] == pytest.approx(0.15)
     (tmp_path / "whole").mkdir()
-    whole, _ = run(str(tmp_path / "whole"))
-    np.testing.assert_array_equal(rows[-1], whole[-1])
+    whole, _ = ended(tmp_path / "whole")
+    np.testing.assert_array_equal(rows, whole)
     fault("SIGKILL in a run", "continued from its restart file, the end is that of the whole run bit for bit")
 
 
@@ -225,7 +228,7 @@ def test_pickled_objects_are_not_loaded(tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"version": 1}, "is of version 1, this package reads version 5"),
+        ({"version": 1}, "is of version 1, this package reads version 6"),
         ({"format": "x"}, "not of the format"),
     ],
 )

@@ -214,12 +214,6 @@ def test_steps_keep_no_memory_and_ask_for_next_to_none(twin, n):
     assert peak - before < 4096
 
 
-def test_the_largest_safe_step_is_taken_where_none_is_given(twin, solve):
-    stepper = ExplicitStepper(twin().mbs)
-    assert stepper.decidedBy == "rule (37)"
-    assert stepper.stepSize == stepper.bounds.rule
-
-
 def test_a_step_above_the_limit_is_refused(twin, contents):
     mbs = twin().mbs
     before = contents(mbs)

@@ -8,14 +8,9 @@ import exudyn
 from exudyn.itemInterface import SensorNode, SensorUserFunction
 from exudyn.utilities import InertiaCuboid
 
-from exudyn_inext import (
-    AttachToBody,
-    CreateInextensibleCable,
-    ExplicitSettings,
-    InextensibleCable,
-    SolveExplicit,
-)
+from exudyn_inext import AttachToBody, ExplicitSettings, SolveExplicit
 from reference_models.model import quiet_settings, silence
+from tests.exudyn_binding.items import add_pendulum
 
 FILES = ("first.txt", "second.txt", "solution.txt")
 
@@ -26,15 +21,7 @@ def build(folder, kind, die_at):
     While the row at `die_at` [s] is written, the process is killed: one sensor has written, one has not.
     """
     mbs = exudyn.SystemContainer().AddSystem()
-    cable = CreateInextensibleCable(
-        mbs,
-        positionStart=[0, 0, 0],
-        positionEnd=[1.8, 0, 0],
-        numberOfElements=5,
-        beamTemplate=InextensibleCable(massPerLength=0.0348, bendingStiffness=0.0866),
-        gravity=[0, -9.81, 0],
-        groundConstraintsStart=[True, True, False, False],
-    )
+    cable = add_pendulum(mbs)
     if kind == "coupled":
         body = mbs.CreateRigidBody(
             inertia=InertiaCuboid(1000, [0.05, 0.02, 0.03]),
@@ -62,7 +49,7 @@ def build(folder, kind, die_at):
     return mbs
 
 
-def run(folder, kind, end_time=0.3, die_at=1.0, times=None, **changes):
+def run(folder, kind, end_time=0.3, die_at=1.0, times=None, integrator="RATTLE", **changes):
     """Runs, or continues, with files in `folder`; returns the report.
 
     kind: see `build`; with 'user', a step function notes its times [s] in `times`.
@@ -92,4 +79,4 @@ def run(folder, kind, end_time=0.3, die_at=1.0, times=None, **changes):
         part, field = name.split(".")
         setattr(getattr(settings.solution, part), field, value)
     with silence():
-        return SolveExplicit(mbs, settings, ExplicitSettings(stepSize=1e-3))
+        return SolveExplicit(mbs, settings, ExplicitSettings(integrator, stepSize=1e-3))

@@ -1,11 +1,14 @@
 """The study of random scenes at default settings."""
 
+import exudyn
 import numpy as np
 import pytest
 
+from exudyn_inext import SolveExplicit
+from reference_models.model import quiet_settings, silence
 from studies import robustness
 from studies.harness.study import Results
-from studies.robust.scenes import MIXED, lone_rope, mixed_rope
+from studies.robust.scenes import MIXED, build, build_native, lone_rope, mixed_rope, moved
 
 
 @pytest.fixture(scope="module")
@@ -38,6 +41,20 @@ def test_a_seed_is_always_the_same_scene_and_others_differ():
     assert {mixed_rope(seed).partner for seed in range(8)} == set(MIXED)
     directions = [lone_rope(seed).direction for seed in range(20)]
     np.testing.assert_allclose([np.linalg.norm(d) for d in directions], 1.0)
+
+
+@pytest.mark.parametrize("seed", [21, 23, 28, 39])
+def test_a_native_twin_moves_alike(seed):
+    """With a mass at the end, in the plane and in space, clamped and pinned."""
+    rope = lone_rope(seed)
+    paths = []
+    for builder in (build, build_native):
+        _container, mbs, sensor = builder(rope)
+        with silence():
+            run = SolveExplicit if builder is build else exudyn.MainSystem.SolveDynamic
+            run(mbs, quiet_settings(0.2, 400, 0.01))
+        paths.append(mbs.GetSensorStoredData(sensor)[:, 1:4])
+    assert np.abs(paths[0] - paths[1]).max() < 0.01 * moved(paths[0])
 
 
 def test_a_snap_is_seen_where_the_velocity_jumps():

@@ -6,23 +6,9 @@ from typing import Any
 
 from ...integrators.integrator import Integrator
 from ...integrators.watch import KEPT, NOW, Watch
-from ...system import ELASTIC, KINETIC
 from ..cable_run import CableRun
 from ..consistent_start import agree
 from ..general.coupled_run import CoupledRun
-
-_KEPT = (
-    "agitation",
-    "unsure",
-    "scatter",
-    "scattered",
-    "largest_power",
-    "ahead",
-    "surplus",
-    "time",
-    "forces",
-    "speeds",
-)
 
 
 def go_on_with_cable(run: CableRun, time: float) -> None:
@@ -48,19 +34,11 @@ def go_on_coupled(run: CoupledRun, time: float, end: float, has_changed: bool) -
 
 @contextmanager
 def _account_kept(watch: Watch) -> Iterator[None]:
-    """The error of the energy goes on: what the change did to the energy is no error."""
-    account = watch.account[NOW]
-    before = {name: account[name] for name in _KEPT}
-    kinetic, least, largest = account.largest_kinetic, account.least_elastic, account.largest_elastic
-    error = watch.gauges[KINETIC] + watch.gauges[ELASTIC] - account.start - account.work
+    """As `go_on` of a watch: what the change did to the energy is no error."""
+    account = watch.account[NOW].copy()
     yield
-    account.start -= error
-    account.largest_kinetic = max(account.largest_kinetic, kinetic)
-    account.least_elastic = min(account.least_elastic, least)
-    account.largest_elastic = max(account.largest_elastic, largest)
-    for name, value in before.items():
-        account[name] = value
-    watch.account[KEPT] = watch.account[NOW]
+    account.start = watch.account[NOW].start - account.work - account.surplus
+    watch.account[NOW] = watch.account[KEPT] = account
 
 
 @contextmanager

@@ -8,7 +8,6 @@ import exudyn
 from exudyn.exudynCPP import ObjectIndex
 
 from ..general.coupled_run import CoupledRun
-from ..native_run import NativeRun
 from ..time_loop import Run
 from .log import Parameter
 
@@ -36,7 +35,8 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
     """
     if key.kind == "Node":
         return Demand.NOTHING  # initial values
-    if not any(isinstance(run, CoupledRun | NativeRun) for run in runs):
+    coupled = [run for run in runs if isinstance(run, CoupledRun)]
+    if not coupled:
         return Demand.READ
     if key.kind == "Load":
         return Demand.EVALUATE
@@ -46,7 +46,7 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
     if kind == "Ground":
         return Demand.READ
     if _JACOBIAN in mbs.ComputeItem(ObjectIndex(key.number)):
-        is_joint = any(isinstance(run, CoupledRun) for run in runs) and key.name in _PLACES
+        is_joint = key.name in _PLACES and not any(run.holds(key.number) for run in coupled)
         return Demand.BUILD if not is_joint else Demand.READ if key.number in own else Demand.MOVE
     is_connector = kind.startswith(("Connector", "Contact"))
     return Demand.EVALUATE if is_connector else Demand.BUILD

@@ -99,5 +99,4 @@ def _pass_on_steps(before: Sequence[Run], runs: Sequence[Run]) -> None:
     """What has been learned of them so far."""
     for old, new in zip(before, runs, strict=False):
         new.control.memory()["log"][...] = old.control.memory()["log"]
-        if old.watch is not None and new.watch is not None:
-            new.watch.limit_phase(old.watch.watch.duration, old.watch.watch.phase)
+        new.watch.limit_phase(old.watch.watch.duration, old.watch.watch.phase)

@@ -1,6 +1,6 @@
 """Everything with mass but the inextensible cables: which coordinates, which mass matrix."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -135,22 +135,52 @@ class _Stack:
     bodies: list[list[tuple[Body, Any]]]
 
 
+def _coordinates_of(bodies: Sequence[Body]) -> np.ndarray:
+    """Places of all their coordinates, sorted."""
+    return np.unique(np.concatenate([np.zeros(0, int), *(body.coordinates for body in bodies)]))
+
+
+def _groups(bodies: Sequence[Body]) -> list[list[Body]]:
+    """Bodies that share coordinates."""
+    entries = [(k, c) for k, body in enumerate(bodies) for c in body.coordinates]
+    if not entries:
+        return []
+    rows, columns = np.transpose(entries)
+    incidence = coo_array((np.ones(len(rows)), (rows, columns)))
+    count, labels = connected_components(incidence @ incidence.T, directed=False)
+    return [[bodies[k] for k in np.flatnonzero(labels == label).tolist()] for label in range(count)]
+
+
 class BodyMasses:
     """Mass of the bodies: constant blocks are inverted once, the others at each configuration.
 
-    coordinates: (n,) places of the bodies' coordinates in the system vector.   system: M a = F.
+    Args:
+        holdable: places of held coordinates; where the mass is constant, they are left out.
+
+    coordinates: (n,) places of the bodies' other coordinates in the system vector.   system: M a = F.
+    held: (k,) places of those that are left out.   held_mass, coupling: (k, k), (k, n) their rows of M.
     """
 
     def __init__(
-        self, mbs: Any, solver: Any, bodies: Sequence[Body], quaternions: Sequence[Quaternion], zeta: float
+        self,
+        mbs: Any,
+        solver: Any,
+        bodies: Sequence[Body],
+        quaternions: Sequence[Quaternion],
+        zeta: float,
+        holdable: Collection[int] = (),
     ) -> None:
         total = system_mass(mbs, solver)
         self._mbs = mbs
         self._solver = solver
-        self.coordinates = np.unique(np.concatenate([np.zeros(0, int), *(b.coordinates for b in bodies)]))
-        groups = self._groups(bodies)
+        groups = _groups(bodies)
         constant = [group for group in groups if all(body.has_constant_mass for body in group)]
         variable = [group for group in groups if not all(body.has_constant_mass for body in group)]
+        of_constant = _coordinates_of([body for group in constant for body in group])
+        self.held = np.intersect1d(of_constant, np.array(sorted(holdable), dtype=int))
+        self.coordinates = np.setdiff1d(_coordinates_of(bodies), self.held)
+        self.held_mass = total[np.ix_(self.held, self.held)]
+        self.coupling = total[np.ix_(self.held, self.coordinates)]
         self._needs_total = not all(body.tells_mass for group in variable for body in group)
         sizes = sorted({len(self._dofs_of(group)) for group in variable})
         self._stacks = [self._stack(size, variable, quaternions) for size in sizes]
@@ -172,18 +202,8 @@ class BodyMasses:
     def _local(self, coordinates: np.ndarray) -> np.ndarray:
         return np.searchsorted(self.coordinates, coordinates)
 
-    def _groups(self, bodies: Sequence[Body]) -> list[list[Body]]:
-        """Bodies that share coordinates."""
-        entries = [(k, c) for k, body in enumerate(bodies) for c in self._local(body.coordinates)]
-        if not entries:
-            return []
-        rows, columns = np.transpose(entries)
-        incidence = coo_array((np.ones(len(rows)), (rows, columns)))
-        count, labels = connected_components(incidence @ incidence.T, directed=False)
-        return [[bodies[k] for k in np.flatnonzero(labels == label).tolist()] for label in range(count)]
-
     def _dofs_of(self, group: Sequence[Body]) -> np.ndarray:
-        return self._local(np.unique(np.concatenate([body.coordinates for body in group])))
+        return self._local(np.setdiff1d(_coordinates_of(group), self.held))
 
     def _stack(
         self, size: int, variable: Sequence[Sequence[Body]], quaternions: Sequence[Quaternion]

@@ -175,6 +175,7 @@ def _motion(
     count = 2 * contact.segments
     block = np.hstack([of_cable.reshape(count, -1), -share * of_circle.reshape(count, -1)])
     places = np.array([coordinates.place(int(c)) for c in (*contact.element, *circle.columns)])
+    block, places = block[:, places >= 0], places[places >= 0]  # others are held
     rows, columns = np.indices(block.shape)
     return csr_array((block.ravel(), (rows.ravel(), places[columns.ravel()])), shape=(count, size))
 

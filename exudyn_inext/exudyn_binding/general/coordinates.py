@@ -66,7 +66,7 @@ class CoordinateMap:
         return found
 
     def place(self, coordinate: int) -> int:
-        """Of a system coordinate in the vectors of all parts."""
+        """Of a system coordinate in the vectors of all parts; -1 if it lies in none."""
         return int(self._first[coordinate])
 
     def missing(self) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Cables, bodies and joints of a scene, moved together: one right-hand side call for each evaluation."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from functools import cached_property
 from typing import Any
@@ -23,12 +23,14 @@ from ..consistent_start import StartCorrection, agree
 from ..divergence import explanation
 from ..kept_state import KeptState
 from ..paced_run import PacedRun
-from ..start_velocities import require_finite
+from ..scene import HeldCoordinate
+from ..start_velocities import coordinate_name, require_finite
 from ..step_control import StepControl
 from ..time_grid import TimeGrid
 from .contact_rates import OpenContacts, open_contacts
 from .coupled_scene import CoupledCable, CoupledScene
 from .coupled_watch import LENIENCE, CoupledWatch
+from .friction_check import FrictionCheck
 from .start import consistent_start
 
 FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
@@ -42,6 +44,7 @@ class CoupledRun(PacedRun):
     end_of_step: of the time loop [s], at which violated joints shall be fulfilled, for a run that takes over
         from another one; None: they are violated by at most the tolerance.
     cables: models of the inextensible cables.   start_corrections: one for each of them, and for joints.
+    friction: whether that of cables on circles obeys Coulomb's law.
     """
 
     looks_ahead = False
@@ -52,6 +55,7 @@ class CoupledRun(PacedRun):
         mbs: Any,
         cable_runs: Sequence[CableRun],
         own_constraints: frozenset[int],
+        held: Mapping[int, HeldCoordinate],
         integrator: Integrator,
         evaluations: int,
         zeta: float,
@@ -71,7 +75,7 @@ class CoupledRun(PacedRun):
             CoupledCable(run.scene_cable.number, run.indices, run.reference, run.system, run.loads)
             for run in cable_runs
         ]
-        self._scene = CoupledScene(mbs, cables, own_constraints, zeta)
+        self._scene = CoupledScene(mbs, cables, own_constraints, zeta, held)
         self.indices, self.reference = self._scene.map.indices, self._scene.map.reference
         self.state: Any = integrator.allocate(self._scene.size, 1)
         self.state.q[:], self.state.v[:] = self._scene.state(exudyn.ConfigurationType.Initial)
@@ -80,11 +84,12 @@ class CoupledRun(PacedRun):
         require_finite(mbs, self.indices, self.state.v[: len(self.indices)])
         self.start_correction = StartCorrection()
         if end_of_step is None:
+            self._scene.take_hold(self.state.v, tolerance)
             unscaled = self._scene
             if any(run.is_scaled for run in cable_runs):  # impulses at the start meet the mass as it is
                 bare = [cable_system(cable, zeta) for cable in self.cables]
                 without = [c._replace(system=system) for c, system in zip(cables, bare, strict=True)]
-                unscaled = CoupledScene(mbs, without, own_constraints, zeta)
+                unscaled = CoupledScene(mbs, without, own_constraints, zeta, held)
             self.start_correction = consistent_start(
                 unscaled.system, self.cables, time, self.state.q, self.state.v, tolerance
             )
@@ -96,6 +101,9 @@ class CoupledRun(PacedRun):
         self.watch = CoupledWatch(
             self._scene, cable_runs, self.state, evaluations, energy_tolerance, integrator.stabilised
         )
+        self.friction = FrictionCheck(mbs)
+        if self.friction.is_needed:
+            self.watch.after_each_step.append(self.friction.look)
 
     @property
     def name(self) -> str:
@@ -104,6 +112,10 @@ class CoupledRun(PacedRun):
         others = [f"{joints} joint(s)"] if joints else []
         others += ["bodies"] if self._scene.has_bodies else []
         return " and ".join([cables, *others]) if cables else "native items"
+
+    def holds(self, number: int) -> bool:
+        """Whether the equations leave out the coordinate that this constraint holds."""
+        return number in self._scene.held.numbers
 
     @property
     def cable_runs(self) -> Sequence[CableRun]:
@@ -234,6 +246,7 @@ class CoupledRun(PacedRun):
             "cables": cables,
             "watch": self.watch.memory(),
             "control": self.control.memory(),
+            "friction": self.friction.sums,
         }
 
     def resume(self, time: float) -> None:
@@ -256,7 +269,7 @@ class CoupledRun(PacedRun):
                 history[interval, place] = values[:number]
             history[interval, 0] -= self.reference
         end = grid.time(first + len(history))
-        self._scene.surroundings.show(end, self.state.q, self.state.v, self._scene.system.multipliers)
+        self._scene.surroundings.show(end, self.state, self._scene.system.multipliers)
         return len(history)
 
     @cached_property
@@ -303,6 +316,11 @@ class CoupledRun(PacedRun):
             self._unsolvable = str(error) if isinstance(error, RedundantConstraintError) else ""
             self.watch.give_up(self.state)
             return False
+        except Exception as error:  # Exudyn's, in place of that of a user function
+            if "OverflowError" not in str(error):
+                raise
+            self.watch.give_up(self.state)
+            return False
         return True
 
     def _take_steps(self, scheme: Any, times: Array, ends: Sequence[float], h: float) -> None:
@@ -322,6 +340,12 @@ class CoupledRun(PacedRun):
             surroundings.path, surroundings.settles = None, False
         watch.count(len(ends))
 
+    @property
+    def _place(self) -> str:
+        """Where the last good state has its largest acceleration."""
+        largest = int(np.argmax(np.abs(self.state.a[: len(self.indices)])))
+        return f"its accelerations are largest at {coordinate_name(self._mbs, self.indices[largest])}"
+
     def figures(self) -> dict[str, float]:
         """How well constraints and energy were kept."""
         return self.watch.figures()
@@ -334,7 +358,7 @@ class CoupledRun(PacedRun):
             return f"{self.name}: {self._unsolvable} If the motion before that is wrong, reduce stepSize."
         limit = self._limit_now(scheme, time)
         said = explanation(self.integrator, self.trouble, self.control.present, limit, scaled=True)
-        return f"{self.name}: {self.watch.found}; {self.control.said}. {said}"
+        return f"{self.name}: {self.watch.found}; {self._place}; {self.control.said}. {said}"
 
     def _limit_now(self, scheme: Any, time: float) -> float:
         """Stability limit [s] in the state of the last inspection; infinite if there is none."""

@@ -1,6 +1,6 @@
 """Cables, bodies and joints of an mbs as one coupled system."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import exudyn
@@ -12,11 +12,15 @@ from ...coupling.coupled_system import CoupledSystem, Part
 from ...errors import SceneError
 from ...system import index_reduced_rates
 from ..cable_loads import CableLoads
+from ..scene import HeldCoordinate
 from .bodies import BodyMasses, read_bodies, read_quaternions, system_mass
 from .coordinates import CoordinateMap, PartCoordinates
+from .held import HeldCoordinates, holders
 from .joint_items import read_joints
 from .joint_rows import JointRows
 from .surroundings import NativeSurroundings, evaluator
+
+_NONE: Mapping[int, HeldCoordinate] = {}
 
 
 class CoupledCable(NamedTuple):
@@ -37,11 +41,16 @@ class CoupledScene:
     """The parts of a scene in one order: cables, bodies, first order states.
 
     system: all of it.   map: its coordinates in the mbs.   surroundings: forces and joints.
-    joints: native constraints that couple the parts.
+    joints: native constraints that couple the parts.   held: coordinates that belong to no part.
     """
 
     def __init__(
-        self, mbs: Any, cables: Sequence[CoupledCable], own_constraints: frozenset[int], zeta: float
+        self,
+        mbs: Any,
+        cables: Sequence[CoupledCable],
+        own_constraints: frozenset[int],
+        zeta: float,
+        held: Mapping[int, HeldCoordinate] = _NONE,
     ) -> None:
         """Read all but the cables from mbs.
 
@@ -49,6 +58,7 @@ class CoupledScene:
             mbs: assembled; Exudyn's own evaluation of the cables is switched off.
             cables: its inextensible cables.   own_constraints: object numbers of what belongs to them.
             zeta: stabilisation rate of the joints [1/s].
+            held: coordinates to be left out where a body of constant mass has them, by their constraints.
 
         Raises:
             SceneError: coordinates without mass, or a joint that is not supported.
@@ -59,19 +69,26 @@ class CoupledScene:
         on_cables = np.concatenate([np.zeros(0, int), *(cable.indices for cable in cables)])
         bodies = read_bodies(mbs, [cable.number for cable in cables], on_cables, system_mass(mbs, solver))
         quaternions = read_quaternions(mbs)
-        self._masses = masses = BodyMasses(mbs, solver, bodies, quaternions, zeta)
+        by_place = holders(mbs, held)
+        self._masses = masses = BodyMasses(mbs, solver, bodies, quaternions, zeta, by_place)
+        self.held = HeldCoordinates(mbs, masses, [by_place[place] for place in masses.held.tolist()])
         places = [PartCoordinates(cable.indices, cable.reference) for cable in cables]
         places.append(PartCoordinates(masses.coordinates, np.zeros(len(masses.coordinates))))
         self.map = CoordinateMap(mbs.systemData.ODE2Size(), places)
-        _require_mass(mbs, self.map)
+        _require_mass(mbs, np.setdiff1d(self.map.missing(), masses.held))
         systems = [*(cable.system for cable in cables), masses.system]
         parts = [Part(system, dofs) for system, dofs in zip(systems, self.map.slices, strict=True)]
         parts += self._first_order_states()
-        self.joints = read_joints(mbs, own_constraints)
+        self.joints = read_joints(mbs, own_constraints.union(self.held.numbers))
         rows = JointRows(self.joints, quaternions, parts, self.map)
         loads = [cable.loads for cable in cables]
-        self.surroundings = NativeSurroundings(mbs, solver, parts, self.map, loads, masses, rows)
+        self.surroundings = NativeSurroundings(mbs, solver, parts, self.map, loads, masses, rows, self.held)
         self.system = CoupledSystem(parts, self.surroundings, zeta)
+
+    def take_hold(self, v: Array, tolerance: float) -> None:
+        """Stop the held coordinates at the start; see `HeldCoordinates`.   v: (n,) of all parts, in place."""
+        bodies = self.system.parts[len(self._cables)].dofs
+        self.held.take_hold(v[bodies], tolerance)
 
     @property
     def size(self) -> int:
@@ -136,8 +153,8 @@ class CoupledScene:
         return a
 
 
-def _require_mass(mbs: Any, coordinates: CoordinateMap) -> None:
-    missing = coordinates.missing()
+def _require_mass(mbs: Any, missing: np.ndarray) -> None:
+    """Raise SceneError, which names the node, if coordinates are missing in all parts."""
     if not len(missing):
         return
     data = mbs.systemData

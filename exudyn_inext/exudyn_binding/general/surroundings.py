@@ -18,6 +18,7 @@ from ..cable_loads import CableLoads
 from ..changes.log import set_unnoted
 from .bodies import BodyMasses
 from .coordinates import CoordinateMap
+from .held import HeldCoordinates
 from .joint_rows import JointRows
 
 _START_OF_STEP = exudyn.ConfigurationType.StartOfStep
@@ -70,6 +71,7 @@ class NativeSurroundings:
         loads: Sequence[CableLoads],
         masses: BodyMasses,
         rows: JointRows,
+        held: HeldCoordinates,
     ) -> None:
         self.joints = rows.names
         self.blocks = rows.blocks
@@ -82,6 +84,8 @@ class NativeSurroundings:
         self._loads = loads
         self._masses = masses
         self._rows = rows
+        self._held = held
+        self._forces_on_held = np.zeros(len(held.rows))
         self._sizes = self._data.ODE2Size(), self._data.ODE1Size()
         self._bodies = self._dofs[len(loads)]
         self._remembers = bool(self._data.DataSize() or mbs.NumberOfGeneralContacts())
@@ -106,6 +110,8 @@ class NativeSurroundings:
         if first:
             self._solver.ComputeODE1RHS(self._mbs)
         residual = self._solver.GetSystemResidual()
+        if len(self._forces_on_held):
+            self._forces_on_held[:] = residual[self._masses.held]
         forces = self.native_forces
         if self.path is None or self._has_histories:
             gather(residual, self._coordinates.of_forces, forces)
@@ -181,10 +187,20 @@ class NativeSurroundings:
         if self._remembers:
             self._solver.PostNewton(self._mbs, self._settings)
 
-    def show(self, t: float, q: Array, v: Array, multipliers: Array) -> None:
-        """Leave the state at t in mbs, with the Lagrange multipliers (m,) of the joints for its sensors."""
-        self._set_state(t, q, v)
-        self._data.SetAECoordinates(self._rows.equations(multipliers, self._data.AEsize()))
+    def show(self, t: float, state: Any, multipliers: Array) -> None:
+        """Leave the state at t in mbs, with the Lagrange multipliers; those of the joints are (m,)."""
+        self._set_state(t, state.q, state.v)
+        self._data.SetAECoordinates(self.all_multipliers(multipliers, state.a))
+
+    def all_multipliers(self, multipliers: Array, a: Array) -> Array:
+        """Of all algebraic equations, for the state that was evaluated last.
+
+        Args:
+            multipliers: (m,) of the joints.   a: (n,) accelerations of all parts.
+        """
+        result = self._rows.equations(multipliers, self._data.AEsize())
+        result[self._held.rows] = self._held.reactions(self._forces_on_held, a[self._bodies])
+        return result
 
     def _set_positions(self, t: float, q: Array) -> None:
         same, finite = _compare(q, self._positions)

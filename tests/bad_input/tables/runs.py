@@ -404,6 +404,12 @@ STEPPER = [
                 ({"startTime": value}, rf"startTime = {value!r}: must be a finite number \[s\]")
                 for value in (NAN, INF, "now", None)
             ],
+            *[
+                ({name: value}, rf"{name} = {re.escape(repr(value))}: must be a finite number > 0")
+                for name in ("interval", "duration")
+                for value in NOT_POSITIVE
+            ],
+            ({"interval": 1e9}, r"interval = 1e\+09 s in steps of .*: these are more than 1e\+09; check"),
             (
                 {"explicitSettings": ExplicitSettings(adaptiveStep=True)},
                 r"adaptiveStep: ExplicitStepper takes",

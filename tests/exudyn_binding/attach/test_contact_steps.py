@@ -1,5 +1,7 @@
 """Steps of cables that touch a wheel only after the start: right at any step that is accepted."""
 
+import re
+import warnings
 from dataclasses import replace
 from itertools import pairwise
 
@@ -41,6 +43,7 @@ from tests.exudyn_binding.items import solve_native, trajectory
 RADIUS, SIDE, GRAVITY = 0.2, 0.3, [0, -9.81, 0]
 SECTION = {"massPerLength": 0.1, "bendingStiffness": 2e-3}
 INERTIA, MASSES, GAP = 0.0077, (0.2, 0.35), 7e-4  # of the wheel [kg m^2]; at the ends [kg]; at the start [m]
+CLOSED = -1e-4  # a gap at the start [m]
 END = 0.2  # of the runs [s]
 
 
@@ -99,20 +102,35 @@ def surface(segment):
     return Circle(RADIUS, 5e5 * segment, 800.0 * segment, 0.577, friction_damping=4250.0 * segment)
 
 
+def with_bristles(relaxation, damping=1.0):
+    """Contact that sticks by springs, too, which relax within that time [s]; 0: none.
+
+    damping: as a share of that of the surface [-].
+    """
+
+    def touch(mbs, elements, circle, body):
+        penalty = damping * circle.friction_damping
+        stiffness = penalty / relaxation if relaxation else 0.0
+        changed = {"friction_damping": penalty, "friction_stiffness": stiffness}
+        add_contact(mbs, elements, replace(circle, damping=damping * circle.damping, **changed), body)
+
+    return touch
+
+
 @pytest.fixture
 def build(new_mbs, add_sensor):
     """(elements, is native) -> system, sensors of the wheel's turn and of the right end."""
 
-    def new(elements, native=False, touch=add_contact):
+    def new(elements, native=False, touch=add_contact, gap=GAP, speed=0.0):
         mbs = new_mbs()
-        positions, slopes, length = above_the_wheel(elements)
+        positions, slopes, length = above_the_wheel(elements, gap)
         if native:
             nodes, bodies = add_native(mbs, positions, slopes, length)
         else:
             shape, template = CableShape(positions, slopes), InextensibleCable(**SECTION)
             cable = CreateInextensibleCable(mbs, shape=shape, beamTemplate=template, gravity=GRAVITY)
             nodes, bodies = cable["nodes"], CreateCompanionCables(mbs, cable)
-        wheel, node = add_wheel(mbs)
+        wheel, node = add_wheel(mbs, speed)
         hang_masses(mbs, nodes)
         touch(mbs, bodies, surface(length / elements / SEGMENTS), wheel)
         sensors = add_sensor(mbs, node, "Coordinates"), add_sensor(mbs, nodes[-1])
@@ -130,10 +148,10 @@ def at_the_end(mbs, sensors):
 
 @pytest.fixture
 def native(build):
-    """(elements, touch) -> the same by generalized-alpha."""
+    """(elements, touch, gap, speed) -> the same by generalized-alpha."""
 
-    def run(elements, touch=add_contact):
-        mbs, sensors = build(elements, native=True, touch=touch)
+    def run(elements, touch=add_contact, **start):
+        mbs, sensors = build(elements, native=True, touch=touch, **start)
         settings = quiet_settings(END, round(END / 1e-4))
         settings.timeIntegration.newton.relativeTolerance = 1e-6
         settings.timeIntegration.discontinuous.ignoreMaxIterations = True
@@ -173,12 +191,54 @@ def test_a_step_that_friction_would_not_survive_is_refused_with_its_reason(build
 
 def test_the_remedy_that_is_named_for_friction_works(build, solve):
     """A twentieth of the dashpots; the step that was refused is accepted."""
+    assert solve(build(16, touch=with_bristles(0.0, 0.05))[0], 1e-3, stepSize=1e-4)["success"]
 
-    def softer(mbs, elements, circle, body):
-        damped = {"damping": 0.05 * circle.damping, "friction_damping": 0.05 * circle.friction_damping}
-        add_contact(mbs, elements, replace(circle, **damped), body)
 
-    assert solve(build(16, touch=softer)[0], 1e-3, stepSize=1e-4)["success"]
+@pytest.mark.parametrize("gap", [GAP, CLOSED])
+@pytest.mark.parametrize("relaxation", [0.0, 2e-5])
+def test_a_wheel_turns_as_a_native_one_with_and_without_bristles(build, native, solve, gap, relaxation):
+    """Warnings are errors: nothing is said of it either."""
+    scene = {"touch": with_bristles(relaxation, 0.1), "gap": gap}
+    expected = native(16, **scene)
+    limit = solve(build(16, **scene)[0], 1e-3)["bounds"].stability_limit
+    for share, massScaling in ((0.98, 0.0), (0.61, 0.3), (0.23, 0.0)):
+        mbs, sensors = build(16, **scene)
+        solve(mbs, END, stepSize=share * limit, massScaling=massScaling)
+        np.testing.assert_allclose(at_the_end(mbs, sensors), expected, rtol=0.02)
+
+
+def test_a_wheel_that_friction_drives_is_named(build, native, solve):
+    """Bristles that relax more slowly than slip turns round: the motion is right by chance, at some steps."""
+    expected = native(16, gap=CLOSED)
+    says = (
+        r"object \d+ '.*ContactFrictionCircleCable2D: frictionStiffness = .*, frictionVelocityPenalty = .* "
+        r"and 15 more like it: .*% of the work of friction contradicts Coulomb's law \(limit 5%\): .*own "
+        r"solvers, too: set frictionStiffness = 0, or lower frictionVelocityPenalty\.$"
+    )
+    named = []
+    for step in (2.2e-5, 1.8e-5, 1.23e-5):
+        mbs, sensors = build(16, touch=with_bristles(8.5e-3), gap=CLOSED)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            solve(mbs, END, stepSize=step)
+        named.append(any(re.search(says, str(warning.message)) for warning in caught))
+        assert named[-1] or at_the_end(mbs, sensors) == pytest.approx(expected, rel=0.02)
+    assert any(named)
+
+
+def test_contacts_that_close_in_slip_are_right_at_small_steps_or_named(build, solve):
+    """In its first step a contact with bristles sticks, whatever its force is; without them it slips."""
+
+    def turn(step, relaxation):
+        mbs, sensors = build(16, touch=with_bristles(relaxation, 0.1), speed=10.0)
+        solve(mbs, 0.05, stepSize=step)
+        return at_the_end(mbs, sensors)[0]
+
+    with pytest.warns(UserWarning, match=r"contradicts Coulomb's law.*: reduce stepSize, or set friction"):
+        far = turn(7e-5, 2e-5)
+    right = turn(7e-5, 0.0)
+    assert turn(3e-6, 2e-5) == pytest.approx(right, rel=0.02)
+    assert far != pytest.approx(right, rel=0.02)
 
 
 def test_contact_without_friction_is_known_as_well(build, native, solve):
