@@ -159,11 +159,10 @@ def conclude(results: Results) -> list[str]:
 def _spread(rows: Sequence[Row], noise: float) -> str:
     most, least = largest(rows, "microseconds"), min(rows, key=lambda row: row["microseconds"])
     ratio = most["microseconds"] / least["microseconds"]
-    cost = "{microseconds:.3f} us{per} (N = {elements})"
     return (
-        f"{most['label']}: {cost.format_map(least | {'per': ' per element and step'})} to "
-        f"{cost.format_map(most | {'per': ''})}, a factor of {ratio:.2f} "
-        f"({judged(ratio, SPREAD, noise, *WORDS)}); "
+        "{label}: {microseconds:.3f} us per element and step (N = {elements}) to ".format_map(least)
+        + "{microseconds:.3f} us (N = {elements}), a factor of ".format_map(most)
+        + f"{ratio:.2f} ({judged(ratio, SPREAD, noise, *WORDS)}); "
         f"{1e6 * rows[-1]['megabytes'] / rows[-1]['elements']:.0f} bytes an element."
     )
 

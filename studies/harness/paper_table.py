@@ -57,4 +57,4 @@ class PaperTable:
     def ratios(self, results: Results) -> list[Ratio]:
         """At the paper's settings beside the paper's, then best against best."""
         found = paper_ratios(results.rows, self.seconds, self.proposed)
-        return found + [comparison.ratio(results.rows) for comparison in self.comparisons]
+        return found + [ratio for one in self.comparisons for ratio in one.ratios(results.rows)]

@@ -75,34 +75,32 @@ class Ratio:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The cheapest native row of a kind against the cheapest inextensible one.
+    """The cheapest native row of a kind against the cheapest inextensible one, at some accuracies.
 
     kind: names the native rows.   belongs: whether a native row is one of them.
-    bound: largest errorMax of both [m].   inextensible_bound: a smaller one for the inextensible row.
+    bounds: largest errorMax of both [m]; a pair has a smaller one for the inextensible row.
     over: formulation of the inextensible rows.
     """
 
     kind: str
     belongs: Callable[[Row], bool]
-    bound: float
-    inextensible_bound: float | None = None
+    bounds: Sequence[float | tuple[float, float]]
     over: str = INEXTENSIBLE
 
-    @property
-    def text(self) -> str:
-        closer = self.inextensible_bound
-        ours = "" if closer is None else f", inextensible <= {closer:g} m"
-        over = "" if self.over == INEXTENSIBLE else f", over {self.over} alone"
-        return f"cheapest native {self.kind} with error <= {self.bound:g} m{ours}{over}"
-
-    def ratio(self, rows: Sequence[Row]) -> Ratio:
-        """Best against best."""
+    def ratios(self, rows: Sequence[Row]) -> list[Ratio]:
+        """Best against best, at each bound."""
         inextensible = [row for row in rows if row["formulation"] == self.over]
         native = [row for row in rows if row["formulation"] == CONVENTIONAL and self.belongs(row)]
-        best = cheapest(native, self.bound)
-        name = f": {best['label']}" if best else ""
-        ratio = time_ratio(best, cheapest(inextensible, self.inextensible_bound or self.bound))
-        return Ratio(self.text + name, None, ratio)
+        over = "" if self.over == INEXTENSIBLE else f", over {self.over} alone"
+        found = []
+        for bound in self.bounds:
+            theirs, ours = bound if isinstance(bound, tuple) else (bound, bound)
+            best = cheapest(native, theirs)
+            closer = f", inextensible <= {ours:g} m" if ours < theirs else ""
+            name = f": {best['label']}" if best else ""
+            text = f"cheapest native {self.kind} with error <= {theirs:g} m{closer}{over}{name}"
+            found.append(Ratio(text, None, time_ratio(best, cheapest(inextensible, ours))))
+        return found
 
 
 def paper_ratios(rows: Sequence[Row], paper_seconds: Mapping[str, float], proposed: str) -> list[Ratio]:
