@@ -58,8 +58,9 @@ def measure(order: Order) -> list[Row]:
     """One row for each way and mesh."""
     scene, meshes, repeats = (replace(SCENE, end_time=0.1), 1, 1) if order.quick else (SCENE, 2, 2)
     cases = [_case(scene, label, mesh) for mesh in range(meshes) for label in WAYS]
-    found = measure_cases(cases, repeats, from_data(SCENE).trajectory, "enforcement")
-    return [_row(row) for row, _ in found]
+    reference = from_data(SCENE).trajectory
+    found = [measure_cases([case], repeats, reference, case.label) for case in cases]  # each by itself
+    return [_row(row) for ((row, _),) in found]
 
 
 def _case(scene: Scene, label: str, mesh: int) -> Case:
