@@ -1,50 +1,35 @@
 """How numerical kernels are compiled, and the cache of their machine code.
 
 `kernel` makes an entry point, `inlined` a part of kernels, `optional` one that many cables do not have,
-`local_array` small memory on the stack. Where all loops over it are unrolled it has no aliases and is
+`dispatched` a protocol. Where all loops over a `lowered.local_array` are unrolled it has no aliases and is
 kept in registers: a long body of such a loop belongs into a function of its own, or the loop stays.
 """
 
-import hashlib
 from collections.abc import Callable
-from contextlib import suppress
-from functools import partial
 from typing import Any, TypeVar, cast
 
 import numba
-import numpy as np
-from llvmlite import ir
-from numba.core import cgutils, types
-from numba.core.serialize import dumps
-from numba.extending import lower_builtin, overload, type_callable
-from numba.np.arrayobj import make_array, populate_array
+from numba.extending import overload
 
 from .kernel_cache import cache_folder
+from .lowered import (
+    FAST_MATH,
+    WITH_COUNTS,
+    WITHOUT_C_ENTRY,
+    WITHOUT_COUNTS,
+    WITHOUT_ENTRY,
+    CompiledPart,
+    name_cached_files,
+)
 
-FAST_MATH = {"contract", "reassoc", "nsz", "arcp"}  # neither nnan nor ninf: divergence must be seen
-
-NUMBER_BYTES = 8
-
-# Without `_nrt` references to arrays are not counted: that took a third of a step of a short chain.
-OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": FAST_MATH, "nogil": True, "_nrt": False}
+_ARITHMETIC = {"error_model": "numpy", "fastmath": FAST_MATH, "nogil": True}
+OPTIONS: dict[str, Any] = {**_ARITHMETIC, **WITHOUT_COUNTS, **WITHOUT_C_ENTRY}
+_OF_PARTS: dict[str, Any] = {"forceinline": True, **_ARITHMETIC, **WITHOUT_COUNTS, **WITHOUT_ENTRY}
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
 CACHE_FOLDER = None if numba.config.DISABLE_JIT else cache_folder()
-
-
-def _save(cache_file: Any, key: Any, data: Any) -> None:
-    """Store machine code under the name of what it is for.
-
-    Numba counts the files instead: processes that compile at once would take the same number, and later
-    ones load code that was compiled for other types. A cache that cannot be written to, as the disk is full
-    or its folder has been removed meanwhile, is no reason to stop.
-    """
-    name = cache_file._data_name(int(hashlib.sha256(dumps(key)).hexdigest()[:16], 16))
-    with suppress(OSError):
-        cache_file._save_data(name, data)
-        cache_file._save_index({**cache_file._load_index(), key: name})
 
 
 def kernel(function: _Function) -> _Function:
@@ -61,7 +46,7 @@ def counting_kernel(function: _Function) -> _Function:
 
     It must not take arrays out of what an `inlined` part returns: those are not counted.
     """
-    return _compiled(function, {**OPTIONS, "_nrt": True})
+    return _compiled(function, {**OPTIONS, **WITH_COUNTS})
 
 
 def _compiled(function: _Function, options: dict[str, Any]) -> _Function:
@@ -74,8 +59,7 @@ def _compiled(function: _Function, options: dict[str, Any]) -> _Function:
     finally:
         numba.config.CACHE_DIR = shared_setting
     if CACHE_FOLDER is not None:
-        cache_file = compiled._cache._cache_file
-        cache_file.save = partial(_save, cache_file)
+        name_cached_files(compiled)
     return compiled
 
 
@@ -85,7 +69,15 @@ def plain(function: _Function) -> _Function:
 
 
 def inlined(function: _Function) -> _Function:
-    """Compile `function` as a part of the kernels that call it."""
+    """Compile `function` as a part of the kernels that call it; called from Python, it is plain Python."""
+    compiled = numba.njit(**_OF_PARTS)(function)
+    if not numba.config.DISABLE_JIT:
+        compiled.__class__ = CompiledPart
+    return compiled
+
+
+def inlined_step(function: _Function) -> _Function:
+    """As `inlined`, for parts of schemes: they take steps from Python, too, and are compiled there."""
     return numba.njit(forceinline=True, **OPTIONS)(function)
 
 
@@ -110,7 +102,7 @@ def optional(field: str) -> Callable[[_Function], _Function]:
             if elements.dtype[field].shape[0] > 0:
                 function(axes, nodes, elements, *others)
 
-        @overload(part, strict=False, jit_options={"forceinline": True, **OPTIONS})
+        @overload(part, strict=False, jit_options=_OF_PARTS)
         def choose(axes, nodes, elements, *others):
             def call(axes, nodes, elements, *others):
                 compiled(axes, nodes, elements, *others)
@@ -126,37 +118,16 @@ def optional(field: str) -> Callable[[_Function], _Function]:
     return decorate
 
 
-def local_array(rows: int, columns: int) -> Any:
-    """(rows, columns) uninitialised numbers on the stack of the calling kernel; literal sizes only."""
-    return np.empty((rows, columns))
+def dispatched(protocol: Any) -> Any:
+    """Let compiled code call a `singledispatch` function, resolved by the type of its first argument."""
 
+    def choose(*arguments):
+        implementation = protocol.dispatch(getattr(arguments[0], "instance_class", object))
 
-@type_callable(local_array)
-def _type_local_array(_context):
-    def type_of_result(rows, columns):
-        if isinstance(rows, types.IntegerLiteral) and isinstance(columns, types.IntegerLiteral):
-            return types.Array(types.float64, 2, "C")
-        return None
+        def call(*arguments):
+            return implementation(*arguments)
 
-    return type_of_result
+        return call
 
-
-@lower_builtin(local_array, types.IntegerLiteral, types.IntegerLiteral)
-def _array_on_stack(context, builder, signature, _arguments):
-    def number(value):
-        return context.get_constant(types.intp, value)
-
-    rows, columns = (size.literal_value for size in signature.args)
-    memory = ir.ArrayType(ir.DoubleType(), rows * columns)
-    array = make_array(signature.return_type)(context, builder)
-    populate_array(
-        array,
-        data=builder.gep(
-            cgutils.alloca_once(builder, memory, name="local_array"), [cgutils.intp_t(0), cgutils.intp_t(0)]
-        ),
-        shape=[number(rows), number(columns)],
-        strides=[number(NUMBER_BYTES * columns), number(NUMBER_BYTES)],
-        itemsize=number(NUMBER_BYTES),
-        meminfo=None,
-    )
-    return array._getvalue()
+    overload(protocol, strict=False, jit_options=_OF_PARTS)(choose)
+    return protocol

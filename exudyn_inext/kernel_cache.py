@@ -27,7 +27,7 @@ _PREFIX = "exudyn_inext_kernels_"
 _DAY = 24 * 3600.0  # [s]
 
 # What a source imports, or is, that defines kernels.
-_MARKS_OF_KERNELS = (b"compiled import", b"implements", b"numba.njit")
+_MARKS_OF_KERNELS = (b"compiled import", b"implements", b"numba.njit", b"numba.extending")
 
 
 def cache_folder() -> Path | None:

@@ -8,11 +8,10 @@ from collections.abc import Callable
 from functools import singledispatch
 from typing import Any
 
-from numba.extending import overload
-
-from .compiled import kernel
+from .compiled import dispatched, kernel
 
 
+@dispatched
 @singledispatch
 def index_reduced_rates(system, external, q, v, acceleration, rate):
     """Right-hand side of the index-reduced equations, Eq. (30).
@@ -31,6 +30,7 @@ def index_reduced_rates(system, external, q, v, acceleration, rate):
     raise NotImplementedError(f"no index-reduced rates for {type(system).__name__}")
 
 
+@dispatched
 @singledispatch
 def accelerate_and_project(system, external, q, v, duration, acceleration, end_velocity):
     """Constrained acceleration at q, and the velocity after it has acted, on the constraint manifold.
@@ -52,6 +52,7 @@ def accelerate_and_project(system, external, q, v, duration, acceleration, end_v
     raise NotImplementedError(f"no projection for {type(system).__name__}")
 
 
+@dispatched
 @singledispatch
 def correct_position(system, external, q, tolerance, learning, correction):
     """One step back to the constraint manifold along the last Jacobian: C_q d = -c(q).
@@ -78,6 +79,7 @@ def correct_position(system, external, q, tolerance, learning, correction):
 KINETIC, ELASTIC, POWER, VIOLATION, AGITATION = 0, 1, 2, 3, 4  # what `gauge` gives
 
 
+@dispatched
 @singledispatch
 def gauge(system, external, q, v, a, force, gauges):
     """Energies and violated constraints of a state, for whoever watches a run.
@@ -106,43 +108,3 @@ def implements(protocol: Any, system_type: type) -> Callable[[Any], Any]:
         return compiled
 
     return register
-
-
-@overload(index_reduced_rates, strict=False)
-def _compile_index_reduced_rates(system, external, q, v, acceleration, rate):
-    implementation = index_reduced_rates.dispatch(getattr(system, "instance_class", object))
-
-    def call(system, external, q, v, acceleration, rate):
-        implementation(system, external, q, v, acceleration, rate)
-
-    return call
-
-
-@overload(accelerate_and_project, strict=False)
-def _compile_accelerate_and_project(system, external, q, v, duration, acceleration, end_velocity):
-    implementation = accelerate_and_project.dispatch(getattr(system, "instance_class", object))
-
-    def call(system, external, q, v, duration, acceleration, end_velocity):
-        implementation(system, external, q, v, duration, acceleration, end_velocity)
-
-    return call
-
-
-@overload(correct_position, strict=False)
-def _compile_correct_position(system, external, q, tolerance, learning, correction):
-    implementation = correct_position.dispatch(getattr(system, "instance_class", object))
-
-    def call(system, external, q, tolerance, learning, correction):
-        return implementation(system, external, q, tolerance, learning, correction)
-
-    return call
-
-
-@overload(gauge, strict=False)
-def _compile_gauge(system, external, q, v, a, force, gauges):
-    implementation = gauge.dispatch(getattr(system, "instance_class", object))
-
-    def call(system, external, q, v, a, force, gauges):
-        implementation(system, external, q, v, a, force, gauges)
-
-    return call

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy  # its `optimize` is imported where it is used first
 
 ORDERS = (0.5, 8.0)
 
@@ -33,7 +33,7 @@ def observed_order(elements: Sequence[int], differences: Sequence[float]) -> flo
         return None
     if excess(ORDERS[1]) < 0.0:
         return ORDERS[1]
-    return float(brentq(excess, *ORDERS))
+    return float(scipy.optimize.brentq(excess, *ORDERS))
 
 
 def remaining_error(coarse: int, fine: int, difference: float, order: float) -> float:

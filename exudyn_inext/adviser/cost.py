@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import nnls
+import scipy  # its `optimize` is imported where it is used first
 
 from ..arrays import Array
 from .pilot import Choice, Pilot
@@ -36,7 +36,7 @@ def _of_most_runs(pilots: Sequence[Pilot]) -> list[Pilot]:
 def _factors(pilots: Sequence[Pilot]) -> Array:
     """a, b, c [s], none of them negative; relative errors count."""
     rows = np.array([_row_of(pilot) / pilot.seconds for pilot in pilots])
-    factors: Array = nnls(rows, np.ones(len(pilots)))[0]
+    factors: Array = scipy.optimize.nnls(rows, np.ones(len(pilots)))[0]
     return factors
 
 

@@ -1,6 +1,6 @@
 """Forces and constraint terms of the whole chain, element by element."""
 
-from ..compiled import clear, inlined, kernel, local_array, optional
+from ..compiled import clear, inlined, kernel, optional
 from ..element.bending import add_bending_force
 from ..element.bending_damping import add_curvature_force, add_damping_force
 from ..element.drag import add_drag_force
@@ -12,6 +12,7 @@ from ..element.inextensibility import (
     nodal_rate,
 )
 from ..element.natural_curvature import add_natural_curvature_force
+from ..lowered import local_array
 from .factorisation import set_frame
 
 VALUE, RATE, GAMMA = 0, 1, 2  # entries of the `constraint` of a record

@@ -4,8 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..compiled import inlined, kernel, local_array
+from ..compiled import inlined, kernel
 from ..element.inextensibility import contract, length_gradient, nodal_constraint, nodal_rate
+from ..lowered import local_array
 from .assembly import differences, leave_targets, set_gradient
 from .cable import Cable
 from .chain import Chain, build_chain

@@ -1,7 +1,8 @@
 """Kinetic energy of a cable, and the power of what is no energy of it: damping, drag, moving links."""
 
-from ..compiled import inlined, local_array
+from ..compiled import inlined
 from ..element.bending_damping import curvature_power
+from ..lowered import local_array
 from .assembly import add_damping, add_drag, differences, lag_of
 
 LOSS = 1  # column of the nodes' forces that is zero between two evaluations, and has to be

@@ -7,8 +7,8 @@ elements is carried from node to node and eliminated at its last one.
 
 import numpy as np
 
-from ..compiled import clear, inlined, local_array
-from ..rows import set_multiple, subtract_multiple
+from ..compiled import clear, inlined
+from ..lowered import local_array, set_multiple, subtract_multiple
 
 
 @inlined

@@ -5,9 +5,10 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import kernel, local_array
+from ..compiled import inlined, kernel
 from ..element.inextensibility import length_gradient
-from ..system import index_reduced_rates
+from ..lowered import local_array
+from ..system import accelerate_and_project
 from .assembly import add_elastic_force, add_element_force, differences
 from .index_reduction import CableSystem
 from .linear_response import add_link_stiffness, constrained_inverse, take_link_forces
@@ -18,7 +19,7 @@ LANCZOS_STEPS = 40
 BREAKDOWN = 1e-7  # what is left of a Lanczos vector, relative, that is nothing but round-off
 
 
-@kernel
+@inlined
 def _combine(a, x, b, y, result):
     """result = a x + b y for arrays of the shape (n, 2, dim)."""
     for k in range(len(x)):
@@ -27,7 +28,7 @@ def _combine(a, x, b, y, result):
             result[k, 1, i] = a * x[k, 1, i] + b * y[k, 1, i]
 
 
-@kernel
+@inlined
 def _inner(x, y):
     """Inner product of arrays of the shape (n, 2, dim)."""
     total = 0.0
@@ -37,7 +38,7 @@ def _inner(x, y):
     return total
 
 
-@kernel
+@inlined
 def _apply_elastic_tangent(chain, q, x, memory, y):
     """y = -(dQ_el/dq) x, exact: Q_el is cubic in q, so that two central differences suffice."""
     trial, force = memory[0], memory[1]
@@ -52,7 +53,7 @@ def _apply_elastic_tangent(chain, q, x, memory, y):
         _combine(1.0, y, sign * weight, force, y)
 
 
-@kernel
+@inlined
 def _add_geometric_stiffness(chain, nodal, length, x, y):
     """y += sum lam d2c/dq2 x: the stiffness that the tension gives.   nodal: (n,); length: (N,)."""
     for k in range(len(nodal)):
@@ -68,7 +69,7 @@ def _add_geometric_stiffness(chain, nodal, length, x, y):
         add_element_force(chain.axes, gradient, y[k], y[k + 1])
 
 
-@kernel
+@inlined
 def _apply_stiffness(system, q, tension, x, memory, y):
     """y = H x: the elastic stiffness at q, and the geometric one of `tension`.
 
@@ -80,7 +81,7 @@ def _apply_stiffness(system, q, tension, x, memory, y):
     add_link_stiffness(system, tension[2], x, y)
 
 
-@kernel
+@inlined
 def _lanczos(system, q, tension, rows, memory, diagonal, off_diagonal):
     """Lanczos recursion of x -> constrained M^-1 H x in the mass inner product.
 
@@ -112,7 +113,7 @@ def _lanczos(system, q, tension, rows, memory, diagonal, off_diagonal):
     return rows
 
 
-@kernel
+@inlined
 def largest_of_tridiagonal(number, diagonal, off_diagonal):
     """Largest eigenvalue of a symmetric tridiagonal matrix, by bisection of its Sturm sequence.
 
@@ -183,14 +184,14 @@ def nodal_multipliers_of(system: Any, acceleration: Array) -> Array:
     """(n,) multipliers of the nodal constraints (18) [N m].
 
     Args:
-        system: just evaluated by `index_reduced_rates`.   acceleration: (n, 2, dim) that it gave.
+        system: just evaluated by `accelerate_and_project`.   acceleration: (n, 2, dim) that it gave.
     """
     tension = _no_tension(system)
     _set_tension(system, acceleration, np.zeros_like(acceleration), tension)
     return tension[0]
 
 
-@kernel
+@inlined
 def _degrees_of_freedom(system, number_of_links):
     """Coordinates that move, less nodal, length and link constraints."""
     nodes, dim = system.chain.nodes, len(system.chain.axes)
@@ -235,8 +236,8 @@ def _largest_squared(system, inputs, q, v, tension, memory, diagonal, off_diagon
     """As `_largest_at_state`, at (q, v).   memory: (6, n, 2, dim), zero."""
     acceleration, rate = memory[0], memory[1]
     size = q.size
-    index_reduced_rates(
-        system, inputs, q.reshape(size), v.reshape(size), acceleration.reshape(size), rate.reshape(size)
+    accelerate_and_project(
+        system, inputs, q.reshape(size), v.reshape(size), 0.0, acceleration.reshape(size), rate.reshape(size)
     )
     _set_tension(system, acceleration, memory[4], tension)
     return _largest_at_state(system, q, tension, memory, diagonal, off_diagonal)

@@ -2,15 +2,14 @@
 
 from functools import singledispatch
 
-from numba.extending import overload
-
-from ..compiled import inlined
+from ..compiled import dispatched, inlined
 from ..system import implements
 from .index_reduction import ACCELERATION, CableSystem
 from .linked_cable import LinkedCableSystem, solve_linked_column
 from .saddle_point import solve_column
 
 
+@dispatched
 @singledispatch
 def constrained_inverse(system, force, x):
     """x = constrained M^-1 force: M x + C_q^T lam = force, C_q x = 0.
@@ -25,6 +24,7 @@ def constrained_inverse(system, force, x):
     raise NotImplementedError(f"no constrained inverse for {type(system).__name__}")
 
 
+@dispatched
 @singledispatch
 def add_link_stiffness(system, multiplier, x, y):
     """y += sum nu d2c/dq2 x over the links of a system.   multiplier: (m,) nu; x, y: (n, 2, dim).
@@ -35,6 +35,7 @@ def add_link_stiffness(system, multiplier, x, y):
     raise NotImplementedError(f"no link stiffness for {type(system).__name__}")
 
 
+@dispatched
 @singledispatch
 def take_link_forces(system, multiplier):
     """Take the forces of the links from the right-hand sides on the slopes.   multiplier: (m,) output nu.
@@ -46,36 +47,6 @@ def take_link_forces(system, multiplier):
         NotImplementedError: the type of `system` has no links.
     """
     raise NotImplementedError(f"no link forces for {type(system).__name__}")
-
-
-@overload(constrained_inverse, strict=False)
-def _compile_constrained_inverse(system, force, x):
-    implementation = constrained_inverse.dispatch(getattr(system, "instance_class", object))
-
-    def call(system, force, x):
-        implementation(system, force, x)
-
-    return call
-
-
-@overload(add_link_stiffness, strict=False)
-def _compile_add_link_stiffness(system, multiplier, x, y):
-    implementation = add_link_stiffness.dispatch(getattr(system, "instance_class", object))
-
-    def call(system, multiplier, x, y):
-        implementation(system, multiplier, x, y)
-
-    return call
-
-
-@overload(take_link_forces, strict=False)
-def _compile_take_link_forces(system, multiplier):
-    implementation = take_link_forces.dispatch(getattr(system, "instance_class", object))
-
-    def call(system, multiplier):
-        implementation(system, multiplier)
-
-    return call
 
 
 @inlined

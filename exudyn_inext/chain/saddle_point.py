@@ -8,8 +8,8 @@ Everything that a solve needs and gives lies in the records of the chain, see `r
 as rarely as possible: loops over few nodes cost as much as what they do.
 """
 
-from ..compiled import clear, inlined, kernel, local_array
-from ..rows import subtract_multiple
+from ..compiled import clear, inlined, kernel
+from ..lowered import local_array, subtract_multiple
 from .factorisation import place_in_lower
 
 

@@ -11,12 +11,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import clear, kernel, local_array
+from ..compiled import clear, kernel
 from ..element.bending import add_bending_force
 from ..element.bending_damping import add_damping_force
 from ..element.inextensibility import length_gradient
 from ..element.natural_curvature import add_natural_curvature_force
 from ..element.shape_functions import first_derivatives, quadrature, second_derivatives, shape_functions
+from ..lowered import local_array
 from .assembly import differences
 from .attached_forces import attached_variation
 from .cable import Cable, CurvatureMeasure

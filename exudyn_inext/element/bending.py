@@ -7,7 +7,8 @@
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import inlined, local_array
+from ..compiled import inlined
+from ..lowered import local_array
 from .shape_functions import first_derivatives, quadrature, second_derivatives
 
 # Pairs (a, b) of the three difference coordinates, the off-diagonal ones once.

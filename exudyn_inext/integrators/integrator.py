@@ -6,10 +6,9 @@ from functools import singledispatch
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba.extending import overload
 
 from ..arrays import Array
-from ..compiled import inlined
+from ..compiled import dispatched, inlined_step
 
 
 @dataclass(frozen=True)
@@ -71,6 +70,7 @@ class LoadHistory(NamedTuple):
     work: Array = NO_WORK
 
 
+@dispatched
 @singledispatch
 def advance(scheme, system, loads, state, h, steps, history):
     """Take `steps` steps of size h [s] for each row of `history`, in place; `store` keeps the results.
@@ -81,16 +81,6 @@ def advance(scheme, system, loads, state, h, steps, history):
         NotImplementedError: no integrator implements the type of `scheme`.
     """
     raise NotImplementedError(f"no integrator for {type(scheme).__name__}")
-
-
-@overload(advance, strict=False)
-def _compile_advance(scheme, system, loads, state, h, steps, history):
-    implementation = advance.dispatch(getattr(scheme, "instance_class", object))
-
-    def call(scheme, system, loads, state, h, steps, history):
-        implementation(scheme, system, loads, state, h, steps, history)
-
-    return call
 
 
 def record(scheme: Any, system: Any, loads: Any, state: Any, h: float, steps: int, history: Array) -> None:
@@ -104,7 +94,7 @@ def record(scheme: Any, system: Any, loads: Any, state: Any, h: float, steps: in
     advance.dispatch(type(scheme))(scheme, system, loads, state, h, steps, history)
 
 
-@inlined
+@inlined_step
 def count_work(loads, step, q):
     """Add the work of each pattern in a step to q, by the trapezoidal rule."""
     pattern, factor, work = loads.pattern, loads.factor, loads.work
@@ -117,7 +107,7 @@ def count_work(loads, step, q):
         work[p, PROJECTION], work[p, FACTOR] = projection, now
 
 
-@inlined
+@inlined_step
 def store(history, loads, step, steps, q, v, a):
     """Keep q, v, a after step number `step` if it ends an interval of `steps` steps; count work."""
     count_work(loads, step, q)
@@ -129,7 +119,7 @@ def store(history, loads, step, steps, q, v, a):
             history[interval, 2, i] = a[i]
 
 
-@inlined
+@inlined_step
 def external_force(loads, step, stage, external):
     """external = F at the given stage of the given step.   external: (n_external,) output."""
     constant, pattern, factor = loads.constant, loads.pattern, loads.factor

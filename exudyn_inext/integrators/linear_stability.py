@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..compiled import plain
 from ..system import (
     accelerate_and_project,
     correct_position,
@@ -68,14 +69,15 @@ def amplification_matrix(integrator: Integrator, scheme: Any, system: LinearSyst
     loads = no_loads(1, len(integrator.stages))
     fields = ["q", "v", *integrator.carries]
     columns = []
+    take_step = plain(advance.dispatch(type(scheme)))
     for unit in fields:
         state = integrator.allocate(1, 1)
         getattr(state, unit)[0] = 1.0
         given = [getattr(state, name).copy() for name in fields]
-        integrator.start(system, np.zeros(1), state)
+        plain(integrator.start)(system, np.zeros(1), state)
         for name, value in zip(fields, given, strict=True):
             getattr(state, name)[:] = value
-        advance(scheme, system, loads, state, 1.0, 1, np.zeros((1, 3, 1)))
+        take_step(scheme, system, loads, state, 1.0, 1, np.zeros((1, 3, 1)))
         columns.append([getattr(state, name)[0] for name in fields])
     return np.array(columns).T
 

@@ -14,7 +14,7 @@ from exudyn_inext.chain.linked_cable import cable_system
 from exudyn_inext.chain.records import element_type, node_type
 from exudyn_inext.chain.saddle_point import solve_both_columns
 from exudyn_inext.chain.sparse_forms import form_of_cable
-from exudyn_inext.compiled import kernel, local_array, plain
+from exudyn_inext.compiled import kernel, plain
 from exudyn_inext.constraints import constraints_of_cable
 from exudyn_inext.element.bending import stiffness_matrix
 from exudyn_inext.element.inertia import mass_matrix
@@ -33,5 +33,6 @@ from exudyn_inext.integrators.linear_stability import GROWTH_TOLERANCE, decay_li
 from exudyn_inext.integrators.step_size import choose_step, rule_step
 from exudyn_inext.integrators.watch import record_watched
 from exudyn_inext.loads.gravity import gravity_force
+from exudyn_inext.lowered import local_array
 from exudyn_inext.statics import Potential, StaticOptions, find_equilibrium
 from exudyn_inext.system import index_reduced_rates

@@ -1,0 +1,167 @@
+"""All that is taken from inside Numba, which may change: tested with the versions that pyproject.toml allows.
+
+Operations that are lowered by hand: `local_array`, small memory on the stack; `set_multiple` and
+`subtract_multiple`, which take four numbers of a row at once, then two, then one: what a processor has no
+such instructions for, the compiler splits. Rows are (n,) arrays without gaps, n known when compiling.
+"""
+
+import hashlib
+from collections.abc import Iterator
+from contextlib import suppress
+from functools import partial
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba.core import cgutils, types
+from numba.core.registry import CPUDispatcher
+from numba.core.serialize import dumps
+from numba.core.types.containers import UniTuple
+from numba.extending import lower_builtin, type_callable
+from numba.np.arrayobj import make_array, populate_array
+
+FAST_MATH = {"contract", "reassoc", "nsz", "arcp"}  # neither nnan nor ninf: divergence must be seen
+WITHOUT_COUNTS = {"_nrt": False}  # of references to arrays: that took a third of a step of a short chain
+WITH_COUNTS = {"_nrt": True}
+# Without the entries for Python and C, functions take a third less time to compile.
+WITHOUT_C_ENTRY = {"no_cfunc_wrapper": True}
+WITHOUT_ENTRY = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
+NUMBER_BYTES = 8
+_FLAGS = tuple(sorted(FAST_MATH))
+_LANES = (4, 2, 1)
+
+
+def name_cached_files(compiled: Any) -> None:
+    """Store machine code under the name of what it is for.
+
+    Numba counts the files instead: processes that compile at once would take the same number, and later
+    ones load code that was compiled for other types. A cache that cannot be written to, as the disk is full
+    or its folder has been removed meanwhile, is no reason to stop.
+    """
+    cache_file = compiled._cache._cache_file
+    cache_file.save = partial(_save, cache_file)
+
+
+def _save(cache_file: Any, key: Any, data: Any) -> None:
+    name = cache_file._data_name(int(hashlib.sha256(dumps(key)).hexdigest()[:16], 16))
+    with suppress(OSError):
+        cache_file._save_data(name, data)
+        cache_file._save_index({**cache_file._load_index(), key: name})
+
+
+class CompiledPart(CPUDispatcher):
+    """A compiled function without an entry for Python, where it runs as plain Python."""
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.py_func(*arguments)
+
+
+def set_multiple(places: tuple[int, ...], y: Any, factor: float, x: Any) -> None:
+    """y = factor x for rows as long as `places`."""
+    for i in range(len(places)):
+        y[i] = factor * x[i]
+
+
+def subtract_multiple(places: tuple[int, ...], y: Any, factor: float, x: Any) -> None:
+    """y -= factor x for rows as long as `places`."""
+    for i in range(len(places)):
+        y[i] -= factor * x[i]
+
+
+def _type_row_operation(_context: Any) -> Any:
+    def type_of_result(places: Any, y: Any, factor: Any, x: Any) -> Any:
+        rows = all(isinstance(row, types.Array) and row.ndim == 1 and row.layout == "C" for row in (y, x))
+        return types.none if rows and isinstance(places, UniTuple) else None
+
+    return type_of_result
+
+
+type_callable(set_multiple)(_type_row_operation)
+type_callable(subtract_multiple)(_type_row_operation)
+
+
+def _pieces(length: int) -> Iterator[tuple[int, int]]:
+    """First place and number of lanes of the vectors that make up a row."""
+    first = 0
+    for lanes in _LANES:
+        while length - first >= lanes:
+            yield first, lanes
+            first += lanes
+
+
+def _pointer(context: Any, builder: Any, kind: Any, row: Any, first: int, vector: Any) -> Any:
+    """To a vector within a row."""
+    data = make_array(kind)(context, builder, row).data
+    return builder.bitcast(builder.gep(data, [context.get_constant(types.intp, first)]), vector.as_pointer())
+
+
+def _in_all_lanes(builder: Any, value: Any, vector: Any) -> Any:
+    index = ir.IntType(32)
+    undefined = ir.Constant(vector, ir.Undefined)
+    one = builder.insert_element(undefined, value, ir.Constant(index, 0))
+    everywhere = ir.Constant(ir.VectorType(index, vector.count), [0] * vector.count)
+    return builder.shuffle_vector(one, undefined, everywhere)
+
+
+def _lower(context: Any, builder: Any, signature: Any, arguments: Any, subtracts: bool) -> Any:
+    places, y_kind, _, x_kind = signature.args
+    _, y, factor, x = arguments
+    for first, lanes in _pieces(places.count):
+        vector = ir.VectorType(ir.DoubleType(), lanes)
+        target = _pointer(context, builder, y_kind, y, first, vector)
+        source = builder.load(_pointer(context, builder, x_kind, x, first, vector), align=8)
+        result = builder.fmul(_in_all_lanes(builder, factor, vector), source, flags=_FLAGS)
+        if subtracts:
+            result = builder.fsub(builder.load(target, align=8), result, flags=_FLAGS)
+        builder.store(result, target, align=8)
+    return context.get_dummy_value()
+
+
+_ARGUMENTS = UniTuple, types.Array, types.Float, types.Array
+
+
+@lower_builtin(set_multiple, *_ARGUMENTS)
+def _lower_set_multiple(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    return _lower(context, builder, signature, arguments, subtracts=False)
+
+
+@lower_builtin(subtract_multiple, *_ARGUMENTS)
+def _lower_subtract_multiple(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    return _lower(context, builder, signature, arguments, subtracts=True)
+
+
+def local_array(rows: int, columns: int) -> Any:
+    """(rows, columns) uninitialised numbers on the stack of the calling kernel; literal sizes only."""
+    return np.empty((rows, columns))
+
+
+@type_callable(local_array)
+def _type_local_array(_context):
+    def type_of_result(rows, columns):
+        if isinstance(rows, types.IntegerLiteral) and isinstance(columns, types.IntegerLiteral):
+            return types.Array(types.float64, 2, "C")
+        return None
+
+    return type_of_result
+
+
+@lower_builtin(local_array, types.IntegerLiteral, types.IntegerLiteral)
+def _array_on_stack(context, builder, signature, _arguments):
+    def number(value):
+        return context.get_constant(types.intp, value)
+
+    rows, columns = (size.literal_value for size in signature.args)
+    memory = ir.ArrayType(ir.DoubleType(), rows * columns)
+    array = make_array(signature.return_type)(context, builder)
+    populate_array(
+        array,
+        data=builder.gep(
+            cgutils.alloca_once(builder, memory, name="local_array"), [cgutils.intp_t(0), cgutils.intp_t(0)]
+        ),
+        shape=[number(rows), number(columns)],
+        strides=[number(NUMBER_BYTES * columns), number(NUMBER_BYTES)],
+        itemsize=number(NUMBER_BYTES),
+        meminfo=None,
+    )
+    return array._getvalue()
