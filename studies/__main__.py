@@ -5,10 +5,11 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from exudyn_inext.errors import InputError
+from exudyn_inext import InputError
 
-from .harness.run import run
-from .harness.sweep.study import SweepOptions
+from .harness.engines import Options
+from .harness.study import Study, run
+from .harness.sweep import Sweep
 from .registry import find_studies, find_study
 from .report.command import add_options, report
 
@@ -40,8 +41,14 @@ def _add_sweep_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--retry-failed", action="store_true", help="run failed cases again")
 
 
-def _sweep_options(options: argparse.Namespace) -> SweepOptions:
-    return SweepOptions(options.workers, options.dask, options.mpi, options.fresh, options.retry_failed)
+def _sweep_options(given: argparse.Namespace, study: Study) -> Options:
+    options = Options(given.workers, given.dask, given.mpi, given.fresh, given.retry_failed)
+    if options != Options() and not isinstance(study.measure, Sweep):
+        raise InputError(
+            f"study '{study.name}' times its cases in one process and sweeps over nothing: leave out "
+            "--workers, --dask, --mpi, --fresh and --retry-failed."
+        )
+    return options
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -50,22 +57,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(given or ["run", MAIN_STUDY])
     try:
         if options.command == "list":
-            _print_list()
+            print("\n".join(f"{name}: {study.question}" for name, study in find_studies().items()))
         elif options.command == "report":
             return report(options)
         else:
-            study, sweep = find_study(options.name), _sweep_options(options)
-            print(run(study, options.output, options.quick, sweep))
+            study = find_study(options.name)
+            print(run(study, options.output, options.quick, _sweep_options(options, study)))
             print(f"Written to {options.output}")
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2
     return 0
-
-
-def _print_list() -> None:
-    for name, study in find_studies().items():
-        print(f"{name}: {study.question}")
 
 
 if __name__ == "__main__":

@@ -21,15 +21,12 @@ What is left out
     Bodies and contact; budgets.
 """
 
-from collections.abc import Sequence
-from functools import partial
+from collections.abc import Callable, Sequence
+from functools import lru_cache, partial
 
 from tqdm import tqdm
 
-from exudyn_inext import AdviceSettings
-from exudyn_inext.adviser.pilot import CONVENTIONAL, INEXTENSIBLE, Choice, Pilot
-from exudyn_inext.errors import DivergenceError, InextensibleError
-from exudyn_inext.exudyn_binding.advising.pilot_runs import PilotRuns
+from exudyn_inext import AdviceSettings, DivergenceError, InextensibleError
 from reference_models.advice import advise_scene, builder
 from reference_models.conventional.model import build as build_native
 from reference_models.inextensible import build
@@ -37,8 +34,11 @@ from reference_models.model import SENSOR_PERIOD
 from reference_models.scenes import Scene
 
 from .advising.scenes import validation_scenes
-from .harness.benchmark import Benchmark, Figures, Table
-from .harness.study import Row
+from .harness import inner
+from .harness.store import Row
+from .harness.study import Order, Results, Study
+from .harness.table import Table
+from .harness.verdict import verdict
 
 TOLERANCES = (1e-2, 3e-3, 1e-3, 3e-4)  # of the length
 FEW = AdviceSettings(numbersOfElements=(4, 6, 8))
@@ -46,30 +46,32 @@ FACTOR, SHARE = 3.0, 0.9
 LEAST_OVER_UNCERTAINTY = 4.0
 FINE, COARSER = 48, 32
 INTEGRATORS = ("Zhai", "RK4")
+CHOICE = ("formulation", "integrator", "numberOfElements", "stepSize", "massScaling")
+ADVISED = (
+    "formulation", "extrapolated", "predictedError", "predictedSeconds", "pilotSeconds", "meetsTolerance",
+    "reasons",
+)  # fmt: skip
 FINE_NATIVE, COARSER_NATIVE = (24, 1.0 / 32.0), (16, 1.0 / 16.0)  # elements, step over sample period
 
 
-def measure(quick: bool) -> list[Row]:
+def measure(order: Order) -> list[Row]:
     """One row a piece of advice."""
-    scenes = validation_scenes()
-    scenes = scenes[1:3] if quick else scenes
-    tolerances = TOLERANCES[:2] if quick else TOLERANCES
-    rows: list[Row] = []
-    for scene in tqdm(scenes, desc="adviser", unit="scene"):
-        rows += _rows_of(scene, tolerances)
-    return rows
+    scenes = validation_scenes()[1:3] if order.quick else validation_scenes()
+    tolerances = TOLERANCES[: 2 if order.quick else None]
+    return [
+        row for scene in tqdm(scenes, desc="adviser", unit="scene") for row in _rows_of(scene, tolerances)
+    ]
 
 
 def _rows_of(scene: Scene, tolerances: Sequence[float]) -> list[Row]:
     native = builder(scene, partial(build_native, quadrature="lobatto"))
-    runs = PilotRuns(builder(scene, build), native, scene.end_time, SENSOR_PERIOD)
-    references: dict[str, tuple[Pilot, float]] = {}
-    rows = []
-    for share in tolerances:
-        tolerance = share * scene.cable.length
-        for what, settings in (("", AdviceSettings()), ("few meshes", FEW)):
-            rows.append(_row(scene, tolerance, what, settings, runs, references))
-    return rows
+    runs = inner.PilotRuns(builder(scene, build), native, scene.end_time, SENSOR_PERIOD)
+    reference = lru_cache(partial(_reference, runs))
+    return [
+        _row(scene, share * scene.cable.length, what, settings, runs, reference)
+        for share in tolerances
+        for what, settings in (("measured", AdviceSettings()), ("few meshes", FEW))
+    ]
 
 
 def _row(
@@ -77,43 +79,22 @@ def _row(
     tolerance: float,
     what: str,
     settings: AdviceSettings,
-    runs: PilotRuns,
-    references: dict[str, tuple[Pilot, float]],
+    runs: inner.PilotRuns,
+    reference_of: Callable[[str], tuple[inner.Pilot, float]],
 ) -> Row:
-    row: Row = {
-        "kind": "advice",
-        "label": scene.name,
-        "what": what or "measured",
-        "value": tolerance,
-        "status": "ok",
-    }
+    row: Row = {"kind": "advice", "label": scene.name, "what": what, "value": tolerance, "status": "ok"}
     try:
         advice = advise_scene(scene, tolerance, settings=settings)
     except InextensibleError as error:
         return row | {"status": f"refused: {error}"}
-    formulation = advice["formulation"]
-    if formulation not in references:
-        references[formulation] = _reference(runs, formulation)
-    reference, uncertainty = references[formulation]
-    choice = Choice(
-        formulation,
-        advice["integrator"],
-        advice["numberOfElements"],
-        advice["stepSize"],
-        advice["massScaling"],
-    )
+    reference, uncertainty = reference_of(advice["formulation"])
+    choice = inner.Choice(*(advice[key] for key in CHOICE))
     again = runs.run(choice)
     row |= {
         "choice": choice.label,
-        "formulation": formulation,
-        "extrapolated": advice["extrapolated"],
-        "predictedError": advice["predictedError"],
-        "predictedSeconds": advice["predictedSeconds"],
+        **{key: advice[key] for key in ADVISED},
         "achievedSeconds": again.seconds,
-        "pilotSeconds": advice["pilotSeconds"],
         "referenceUncertainty": uncertainty,
-        "meetsTolerance": advice["meetsTolerance"],
-        "reasons": advice["reasons"],
     }
     if again.failure:
         return row | {"status": f"FAILED: {again.failure}"}
@@ -123,11 +104,11 @@ def _row(
     return row | {"achievedError": error, "ratio": error / advice["predictedError"]}
 
 
-def _reference(runs: PilotRuns, formulation: str) -> tuple[Pilot, float]:
+def _reference(runs: inner.PilotRuns, formulation: str) -> tuple[inner.Pilot, float]:
     """A fine solution that the adviser has not seen, and its uncertainty."""
-    if formulation == CONVENTIONAL:
+    if formulation == inner.CONVENTIONAL:
         choices = [
-            Choice(CONVENTIONAL, "generalizedAlpha", elements, share * SENSOR_PERIOD)
+            inner.Choice(inner.CONVENTIONAL, "generalizedAlpha", elements, share * SENSOR_PERIOD)
             for elements, share in (FINE_NATIVE, COARSER_NATIVE)
         ]
         fine, coarser = (runs.run(choice) for choice in choices)
@@ -136,79 +117,68 @@ def _reference(runs: PilotRuns, formulation: str) -> tuple[Pilot, float]:
     return fine, fine.distance(coarser)
 
 
-def _fine_run(runs: PilotRuns, elements: int) -> Pilot:
+def _fine_run(runs: inner.PilotRuns, elements: int) -> inner.Pilot:
     """By the first integrator that gets to the end."""
     for integrator in INTEGRATORS:
         limit = runs.step_limit(elements, integrator)
-        pilot = runs.run(Choice(INEXTENSIBLE, integrator, elements, 0.5 * limit))
+        pilot = runs.run(inner.Choice(inner.INEXTENSIBLE, integrator, elements, 0.5 * limit))
         if not pilot.failure:
             return pilot
     raise DivergenceError(pilot.failure)
 
 
-def conclude(figures: Figures) -> list[str]:
+def conclude(results: Results) -> list[str]:
     """How often it was right; the misses."""
-    rows = figures.of_kind("advice")
+    rows = results.of_kind("advice")
     judged = [row for row in rows if row.get("achievedError") is not None]
-    refused = sum(row["status"].startswith("refused") for row in rows)
-    failed = sum(row["status"].startswith("FAILED") for row in rows)
+    refused, failed = (sum(row["status"].startswith(how) for row in rows) for how in ("refused", "FAILED"))
     if not judged:
         return [f"None of {len(rows)} cases could be judged."]
-    near = [row for row in judged if 1.0 / FACTOR <= row["ratio"] <= FACTOR]
+    near = [row for row in judged if _is_near(row)]
     promised = [row for row in judged if row["meetsTolerance"]]
-    kept = [row for row in promised if row["achievedError"] <= row["value"]]
+    kept = [row for row in promised if not _is_broken(row)]
     return [
         f"{len(rows)} cases: {len(judged)} judged, {refused} refused, {failed} failed, the others below the "
         "reference's uncertainty.",
         f"The achieved error is within a factor {FACTOR:g} of the prediction in {len(near)} of {len(judged)} "
-        f"cases ({_verdict(len(near), len(judged), 1.0)}).",
+        f"cases ({_bar(len(near), len(judged), 1.0)}).",
         f"It is within the tolerance in {len(kept)} of {len(promised)} cases that were said to be "
-        f"({_verdict(len(kept), len(promised), SHARE)}).",
-        *_misses(judged),
+        f"({_bar(len(kept), len(promised), SHARE)}).",
+        *(
+            "Miss: {label} ({what}), tolerance {value:.2g}: {choice}, predicted {predictedError:.2g}, "
+            "achieved {achievedError:.2g}.".format_map(row)
+            for row in judged
+            if not _is_near(row) or _is_broken(row)
+        ),
     ]
 
 
-def _verdict(number: int, total: int, share: float) -> str:
-    return f"bar of {share:.0%} {'kept' if number >= share * total else 'MISSED'}"
+def _is_near(row: Row) -> bool:
+    return bool(1.0 / FACTOR <= row["ratio"] <= FACTOR)
 
 
-def _misses(judged: Sequence[Row]) -> list[str]:
-    misses = [
-        row
-        for row in judged
-        if not 1.0 / FACTOR <= row["ratio"] <= FACTOR
-        or (row["meetsTolerance"] and row["achievedError"] > row["value"])
-    ]
-    return [
-        f"Miss: {row['label']} ({row['what']}), tolerance {row['value']:.2g}: {row['choice']}, predicted "
-        f"{row['predictedError']:.2g}, achieved {row['achievedError']:.2g}."
-        for row in misses
-    ]
+def _is_broken(row: Row) -> bool:
+    """Whether it was said to be within the tolerance, and is not."""
+    return bool(row["meetsTolerance"] and row["achievedError"] > row["value"])
 
 
-STUDY = Benchmark(
+def _bar(number: int, total: int, share: float) -> str:
+    return f"bar of {share:.0%} {verdict(number >= share * total)}"
+
+
+TABLE = Table(
+    "advice",
+    "Advice, and what came of it; errors in m:",
+    "scene: label | mesh and error: what | tolerance: value | advice: choice | "
+    "predicted error: predictedError | achieved: achievedError | achieved/predicted: ratio | "
+    "reference good to: referenceUncertainty | predicted CPU [s]: predictedSeconds | "
+    "achieved CPU [s]: achievedSeconds | pilots [s]: pilotSeconds | status",
+)
+
+STUDY = Study(
     name="adviser",
     question="Does the adviser keep what it promises, on scenes that it was not tuned on?",
     measure=measure,
-    tables=(
-        Table(
-            "advice",
-            "Advice, and what came of it; errors in m:",
-            {
-                "scene": "label",
-                "mesh and error": "what",
-                "tolerance": "value",
-                "advice": "choice",
-                "predicted error": "predictedError",
-                "achieved": "achievedError",
-                "achieved/predicted": "ratio",
-                "reference good to": "referenceUncertainty",
-                "predicted CPU [s]": "predictedSeconds",
-                "achieved CPU [s]": "achievedSeconds",
-                "pilots [s]": "pilotSeconds",
-                "status": "status",
-            },
-        ),
-    ),
+    tables=[TABLE],
     conclusions=conclude,
 )

@@ -17,170 +17,134 @@ What is left out
     damping, whose steps become ever smaller over 5 s.
 """
 
-import time
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-import exudyn
-from exudyn.itemInterface import SensorNode
-from tqdm import tqdm
-
-from exudyn_inext import CreateInextensibleCable, ExplicitSettings, InextensibleCable, SolveExplicit
-from reference_models.model import SENSOR_PERIOD, quiet_settings, silence
+from exudyn_inext import ExplicitSettings, SolveExplicit
+from reference_models.conventional.settings import Explicit, Implicit
+from reference_models.enforced import enforced_case
+from reference_models.inextensible import build
+from reference_models.model import Model, quiet_settings, sensor_trajectory, silence
 from reference_models.scenes import Scene, load_scene
-from reference_models.trajectory import Trajectory
+from reference_models.trajectory import Case, Trajectory
 
-from .harness.benchmark import Benchmark, Figures, Table
-from .harness.error import distance_to_reference
-from .harness.plot import COLORS, label_axes, new_figure
+from .harness.plot import COLORS, Curve, Panel, chart
 from .harness.reference import from_data
-from .harness.study import Row
+from .harness.store import Row
+from .harness.study import Order, Results, Study
+from .harness.table import Table, column, groups
+from .harness.timing import measure as measure_cases
 
 SCENE = load_scene("planar_pendulum")
 MICRO = 1e6
-_Solver = exudyn.DynamicSolverType
+PROJECTION, PENALTY, ALGEBRAIC = "projection", "penaltyMass", "algebraic"
+
+# label -> enforcement; native solver, with the step [s] for five and for ten elements
+WAYS: dict[str, tuple[str, Any, tuple[float, float]]] = {
+    "SolveExplicit, RATTLE": (PROJECTION, None, (2.5e-3, 6.25e-4)),
+    "native RK44": (PENALTY, partial(Explicit, integrator="rungeKutta44"), (2e-3, 6.25e-4)),
+    "native VelocityVerlet": (PENALTY, Explicit, (2e-4, 1e-4)),
+    "generalized-alpha": (
+        ALGEBRAIC,
+        partial(Implicit, relative_tolerance=1e-6, spectral_radius=0.8),
+        (2e-3, 1e-3),
+    ),
+}
 
 
-@dataclass(frozen=True)
-class Way:
-    """One row.   solver: native one, or None for SolveExplicit.   h: step [s]."""
-
-    label: str
-    enforcement: str
-    solver: Any
-    elements: int
-    h: float
+def measure(order: Order) -> list[Row]:
+    """One row for each way and mesh."""
+    scene, meshes, repeats = (replace(SCENE, end_time=0.1), 1, 1) if order.quick else (SCENE, 2, 2)
+    cases = [_case(scene, label, mesh) for mesh in range(meshes) for label in WAYS]
+    reference = from_data(SCENE).trajectory
+    found = [measure_cases([case], repeats, reference, case.label) for case in cases]  # each by itself
+    return [_row(row) for ((row, _),) in found]
 
 
-def _ways(elements: int, h: dict[str, float]) -> list[Way]:
-    return [
-        Way("SolveExplicit, RATTLE", "projection", None, elements, h["projection"]),
-        Way("native RK44", "penaltyMass", _Solver.RK44, elements, h["RK44"]),
-        Way("native VelocityVerlet", "penaltyMass", _Solver.VelocityVerlet, elements, h["Verlet"]),
-        Way("generalized-alpha", "algebraic", _Solver.GeneralizedAlpha, elements, h["algebraic"]),
-    ]
+def _case(scene: Scene, label: str, mesh: int) -> Case:
+    enforcement, solver, steps = WAYS[label]
+    elements, h = (5, 10)[mesh], steps[mesh]
+    if solver is None:
+        case = _own_case(scene, elements, h)
+    else:
+        case = enforced_case(scene, elements, enforcement, solver(h))
+    details = {"way": label, "enforcement": enforcement, "h": h}
+    return replace(case, label=f"{label}, N = {elements}", details=details)
 
 
-WAYS = [
-    *_ways(5, {"projection": 2.5e-3, "RK44": 2e-3, "Verlet": 2e-4, "algebraic": 2e-3}),
-    *_ways(10, {"projection": 6.25e-4, "RK44": 6.25e-4, "Verlet": 1e-4, "algebraic": 1e-3}),
-]
+def _own_case(scene: Scene, elements: int, h: float) -> Case:
+    """The whole call of SolveExplicit, in one step of Exudyn's loop."""
+    steps = round(scene.end_time / h)
+    return Case(
+        "", "inextensible", "RATTLE", elements, h, steps, lambda: partial(_solve, build(scene, elements), h)
+    )
 
 
-def measure(quick: bool) -> list[Row]:
-    """One row for each way."""
-    scene, ways, repeats = (replace(SCENE, end_time=0.1), WAYS[:4], 1) if quick else (SCENE, WAYS, 2)
-    _run(replace(SCENE, end_time=0.02), ways[0])
-    return [_row(scene, way, repeats) for way in tqdm(ways, desc="enforcement", unit="way")]
+def _solve(model: Model, h: float) -> Trajectory:
+    with silence():
+        SolveExplicit(model.mbs, quiet_settings(model.scene.end_time, 1), ExplicitSettings(stepSize=h))
+    return sensor_trajectory(model, model.scene.main_point)
 
 
-def _row(scene: Scene, way: Way, repeats: int) -> Row:
-    _run(replace(scene, end_time=0.02), way)
-    runs = [_run(scene, way) for _ in range(repeats)]
-    seconds, trajectory, steps = min(runs, key=lambda run: run[0])
-    error = distance_to_reference(trajectory, from_data(SCENE).trajectory)
+def _row(row: Row) -> Row:
+    """The best of the repeats.
+
+    Raises:
+        ArithmeticError: the run failed.
+    """
+    if row["cpuSecondsMin"] is None:
+        raise ArithmeticError(f"{row['label']}: {row['status']}")
     return {
         "kind": "way",
-        "label": way.label,
-        "enforcement": way.enforcement,
-        "elements": way.elements,
-        "stepSize": way.h,
-        "steps": steps,
-        "microseconds": MICRO * seconds / steps,
-        "cpuSeconds": seconds,
-        "errorMax": error.maximum,
+        "label": row["way"],
+        "enforcement": row["enforcement"],
+        "elements": row["elements"],
+        "stepSize": row["h"],
+        "steps": row["steps"],
+        "microseconds": MICRO * row["cpuSecondsMin"] / row["steps"],
+        "cpuSeconds": row["cpuSecondsMin"],
+        "errorMax": row["errorMax"],
     }
 
 
-def _run(scene: Scene, way: Way) -> tuple[float, Trajectory, int]:
-    """CPU seconds, path of the tip, number of steps."""
-    container = exudyn.SystemContainer()
-    mbs = container.AddSystem()
-    section = scene.cable.section
-    cable = CreateInextensibleCable(
-        mbs,
-        [0, 0, 0],
-        [scene.cable.length, 0, 0],
-        way.elements,
-        InextensibleCable(section.mass_per_length, section.bending_stiffness),
-        gravity=[0, -9.81, 0],
-        groundConstraintsStart=[True, True, False, False],
-        enforcement=way.enforcement,
-    )
-    kind = exudyn.OutputVariableType.Position
-    tip = mbs.AddSensor(
-        SensorNode(nodeNumber=cable["nodes"][-1], storeInternal=True, outputVariableType=kind)
-    )
-    mbs.Assemble()
-    start = time.process_time()
-    steps = _solve(mbs, scene.end_time, way)
-    seconds = time.process_time() - start
-    stored = mbs.GetSensorStoredData(tip)
-    return seconds, Trajectory(stored[:, 0].copy(), stored[:, 1:4].copy()), steps
-
-
-def _solve(mbs: Any, end_time: float, way: Way) -> int:
-    steps = 1 if way.solver is None else round(end_time / way.h)
-    settings = quiet_settings(end_time, steps, SENSOR_PERIOD)
-    with silence():
-        if way.solver is None:
-            return int(SolveExplicit(mbs, settings, ExplicitSettings(stepSize=way.h))["steps"])
-        settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
-        settings.timeIntegration.newton.useModifiedNewton = True
-        settings.timeIntegration.newton.relativeTolerance = 1e-6
-        mbs.SolveDynamic(settings, solverType=way.solver)
-    return steps
-
-
-def conclude(figures: Figures) -> list[str]:
+def conclude(results: Results) -> list[str]:
     """Each native way against the plugin's solver with the same elements."""
-    rows = figures.of_kind("way")
-    own = {row["elements"]: row for row in rows if row["enforcement"] == "projection"}
+    rows = results.of_kind("way")
+    own = {row["elements"]: row for row in rows if row["enforcement"] == PROJECTION}
     return [
         f"{row['label']} ({row['enforcement']}), N = {row['elements']}: "
         f"{row['cpuSeconds'] / own[row['elements']]['cpuSeconds']:.0f} times the CPU time of SolveExplicit, "
         f"{row['errorMax']:.1e} m against {own[row['elements']]['errorMax']:.1e} m."
         for row in rows
-        if row["enforcement"] != "projection"
+        if row["enforcement"] != PROJECTION
     ]
 
 
-def draw(figures: Figures, directory: Path) -> list[Path]:
+def draw(results: Results, directory: Path) -> list[Path]:
     """Error over CPU time."""
-    path = directory / "enforcement_cost.png"
-    with new_figure(path, 6.4, 4.2) as figure:
-        axes = figure.subplots()
-        labels: Sequence[str] = list(dict.fromkeys(row["label"] for row in figures.of_kind("way")))
-        for label, color in zip(labels, COLORS, strict=False):
-            rows = [row for row in figures.of_kind("way") if row["label"] == label]
-            times, errors = [row["cpuSeconds"] for row in rows], [row["errorMax"] for row in rows]
-            axes.loglog(times, errors, "o-", color=color, label=f"{rows[0]['enforcement']}: {label}")
-        label_axes(axes, "CPU time of 5 s of motion [s]", "largest error of the tip [m]")
-        axes.legend()
-    return [path]
+    named = [row | {"way": "{enforcement}: {label}".format_map(row)} for row in results.of_kind("way")]
+    curves = [
+        Curve(column(rows, "cpuSeconds"), column(rows, "errorMax"), label, color)
+        for (label, rows), color in zip(groups(named, "way").items(), COLORS, strict=False)
+    ]
+    panel = Panel("CPU time of 5 s of motion [s]", "largest error of the tip [m]", curves)
+    return [chart(directory / "enforcement_cost.png", panel, width=6.4, height=4.2)]
 
 
-STUDY = Benchmark(
+TABLE = Table(
+    "way",
+    "Planar pendulum, tip against the inextensible limit:",
+    "solver: label | enforcement | N: elements | h [s]: stepSize | us a step: microseconds | "
+    "CPU [s]: cpuSeconds | error max [m]: errorMax",
+)
+
+STUDY = Study(
     name="enforcement",
     question="What do the three ways to keep a cable's length cost, and how accurate are they?",
     measure=measure,
-    tables=(
-        Table(
-            "way",
-            "Planar pendulum, tip against the inextensible limit:",
-            {
-                "solver": "label",
-                "enforcement": "enforcement",
-                "N": "elements",
-                "h [s]": "stepSize",
-                "us a step": "microseconds",
-                "CPU [s]": "cpuSeconds",
-                "error max [m]": "errorMax",
-            },
-        ),
-    ),
+    tables=[TABLE],
     conclusions=conclude,
     pictures=draw,
 )

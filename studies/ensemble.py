@@ -26,24 +26,24 @@ import hashlib
 import os
 import statistics
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
 from exudyn_inext import ExplicitSettings, SolveEnsemble, SolveExplicit
 from reference_models.inextensible import build
 from reference_models.model import Model, quiet_settings, silence
 from reference_models.scenes import Line, Scene, load_scene
 
-from .harness.benchmark import Benchmark, Figures, Table
-from .harness.study import Row
-from .harness.timing import garbage_collection_off
-from .harness.verdict import at_most, verdict
+from .harness.store import Row
+from .harness.study import Order, Results, Study
+from .harness.table import Table, groups, largest
+from .harness.timing import in_turn
+from .harness.verdict import judged
 
 SCENE = load_scene("planar_pendulum")
 MILLI = 1e3
@@ -74,36 +74,39 @@ CASES = (
 QUICK_CASES = (replace(CASES[1], end_time=0.5), replace(CASES[3], end_time=0.5))
 
 
-def measure(quick: bool) -> list[Row]:
+def measure(order: Order) -> list[Row]:
     """One row a case."""
-    cases, members, rounds = (QUICK_CASES, 50, 2) if quick else (CASES, 1000, 5)
-    return [_measure_case(case, members, rounds) for case in cases]
+    cases, members, rounds = (QUICK_CASES, 50, 2) if order.quick else (CASES, 1000, 5)
+    return [_row(case, members, rounds) for case in cases]
 
 
-def _measure_case(case: Case, members: int, rounds: int) -> Row:
+def _row(case: Case, members: int, rounds: int) -> Row:
     models = [build(_scene(case, m / members), case.elements) for m in range(members)]
-    settings = quiet_settings(case.end_time, 1)
-    systems, cores = [model.mbs for model in models], _cores()
-    ensemble = partial(SolveEnsemble, systems, settings, case.settings)
-    tasks: dict[str, Callable[[], Any]] = {
-        "alone": partial(_run_alone, models[:: max(1, members // MOST_ALONE)], settings, case.settings),
+    settings, cores, free = quiet_settings(case.end_time, 1), _cores(), []
+    ensemble = partial(SolveEnsemble, [model.mbs for model in models], settings, case.settings)
+    some = models[:: max(1, members // MOST_ALONE)]
+    tasks = {
+        "before": lambda: free.append(_free_cores(cores)),
+        "alone": partial(_run_alone, some, settings, case.settings),
         "one core": partial(ensemble, threads=1),
         "all cores": partial(ensemble, threads=cores),
+        "after": lambda: free.append(_free_cores(cores)),
     }
-    results, wall, cpu, free_cores = _interleaved(tasks, rounds, f"N = {case.elements}, {case.end_time:g} s")
-    ran_alone = len(results["alone"])
+    runs = {label: partial(partial, task) for label, task in tasks.items()}
+    found = in_turn(runs, rounds, f"N = {case.elements}, {case.end_time:g} s", turns=False)
+    free_cores = [min(pair) for pair in zip(free[2::2], free[3::2], strict=True)]
+    wall = {label: one.wall_seconds for label, one in found.items()}
     gains = [one / many for one, many in zip(wall["one core"], wall["all cores"], strict=True)]
-    quiet = [gain for gain, free in zip(gains, free_cores, strict=True) if free > QUIET * cores]
-    alone = statistics.median(cpu["alone"]) / ran_alone
-    together = statistics.median(cpu["one core"]) / members
+    quiet = [gain for gain, cores_free in zip(gains, free_cores, strict=True) if cores_free > QUIET * cores]
+    alone, together = (found["alone"].median or 0.0) / len(some), (found["one core"].median or 0.0) / members
     return {
         "kind": "ensemble",
         "label": "each different" if case.different else "all alike",
         "members": members,
         "elements": case.elements,
         "endTime": case.end_time,
-        "integrator": results["one core"]["integrator"],
-        "stepSize": float(results["one core"]["stepSize"][0]),
+        "integrator": found["one core"].found["integrator"],
+        "stepSize": float(found["one core"].found["stepSize"][0]),
         "massScaling": case.settings.massScaling,
         "cores": cores,
         "alone": MILLI * alone,
@@ -115,7 +118,7 @@ def _measure_case(case: Case, members: int, rounds: int) -> Row:
         "rounds": rounds,
         "gains": gains,
         "freeCores": free_cores,
-        "isEqual": _is_equal(results, members // ran_alone),
+        "isEqual": _is_equal({label: one.found for label, one in found.items()}, members // len(some)),
     }
 
 
@@ -154,77 +157,53 @@ def _free_cores(cores: int) -> float:
     return min(float(cores), cores * (middle - start) / (end - middle))
 
 
-def _interleaved(tasks: dict[str, Callable[[], Any]], rounds: int, name: str) -> tuple[Any, Any, Any, Any]:
-    """Last result, wall and CPU seconds of each task, and free cores in each round, after an untimed one."""
-    free: list[float] = []
-    results: dict[str, Any] = {}
-    wall: dict[str, list[float]] = {label: [] for label in tasks}
-    cpu: dict[str, list[float]] = {label: [] for label in tasks}
-    for number in tqdm(range(rounds + 1), desc=name, unit="round"):
-        before = _free_cores(_cores())
-        for label, task in tasks.items():
-            results.pop(label, None)  # its memory is used again
-            with garbage_collection_off():
-                start = time.perf_counter(), time.process_time()
-                results[label] = task()
-                end = time.perf_counter(), time.process_time()
-            if number > 0:
-                wall[label].append(end[0] - start[0])
-                cpu[label].append(end[1] - start[1])
-        if number > 0:
-            free.append(min(before, _free_cores(_cores())))
-    return results, wall, cpu, free
-
-
 def _is_equal(results: dict[str, Any], stride: int) -> bool:
     one, many = (results[name]["coordinates"] for name in ("one core", "all cores"))
     alone = np.array(results["alone"])
     return bool(np.array_equal(one, many) and np.array_equal(one[::stride, -1], alone))
 
 
-def conclude(figures: Figures) -> list[str]:
+def conclude(results: Results) -> list[str]:
     """Whether the bars are kept."""
-    rows = figures.of_kind("ensemble")
-    dearest = max(rows, key=lambda row: float(row["costRatio"]))
+    rows = results.of_kind("ensemble")
+    dearest = largest(rows, "costRatio")
     return [
-        f"A cable in the ensemble costs at most {dearest['costRatio']:.2f} of a cable alone (N = "
-        f"{dearest['elements']}, {dearest['endTime']:g} s, {dearest['label']}); the bar of 1 is "
-        f"{verdict(at_most(dearest['costRatio'], 1.0, figures.noise))}.",
-        *(_gain_sentence(rows, end_time, figures.noise) for end_time in sorted({r["endTime"] for r in rows})),
+        "A cable in the ensemble costs at most {costRatio:.2f} of a cable alone (N = {elements}, {endTime:g} "
+        "s, {label}); the bar of 1 is ".format_map(dearest)
+        + f"{judged(dearest['costRatio'], 1.0, results.noise)}.",
+        *(_gain_sentence(own, results.noise) for _, own in sorted(groups(rows, "endTime").items())),
         "Alone, in the ensemble, and on any number of cores, the motions are "
         + ("equal bit for bit." if all(row["isEqual"] for row in rows) else "NOT EQUAL."),
     ]
 
 
-def _gain_sentence(rows: Sequence[Row], end_time: float, noise: float) -> str:
-    """What all cores do in motions of that length."""
-    cores = rows[0]["cores"]
-    measured = [row for row in rows if row["endTime"] == end_time and row["gain"] is not None]
+def _gain_sentence(rows: Sequence[Row], noise: float) -> str:
+    """What all cores do in motions of one length."""
+    cores, motions = rows[0]["cores"], f"Motions of {rows[0]['endTime']:g} s:"
+    measured = [row for row in rows if row["gain"] is not None]
     if not measured:
-        return f"Motions of {end_time:g} s: no round in which all {cores} cores were free, no gain measured."
+        return f"{motions} no round in which all {cores} cores were free, no gain measured."
     slowest = min(measured, key=lambda row: float(row["gain"]))
     bar = GAIN_PER_CORE * cores
     return (
-        f"Motions of {end_time:g} s: {cores} cores do at least {slowest['gain']:.2f} times as much as one ("
+        f"{motions} {cores} cores do at least {slowest['gain']:.2f} times as much as one ("
         f"N = {slowest['elements']}, {slowest['label']}); the bar of {bar:g} is "
-        f"{verdict(at_most(bar, slowest['gain'], noise))}."
+        f"{judged(bar, slowest['gain'], noise)}."
     )
 
 
-STUDY = Benchmark(
+TABLE = Table(
+    "ensemble",
+    "Milliseconds a cable (CPU time; for all cores, wall time):",
+    "parameters: label | members | N: elements | motion [s]: endTime | h [s]: stepSize | "
+    "alone [ms]: alone | one core [ms]: together | ratio: costRatio | "
+    "all cores [ms]: wallOfAllCores | gain | quiet rounds: quietRounds",
+)
+
+STUDY = Study(
     name="ensemble",
     question="What does a pendulum cost among a thousand others, and how much do more cores do?",
     measure=measure,
-    tables=(
-        Table(
-            "ensemble",
-            "Milliseconds a cable (CPU time; for all cores, wall time):",
-            {
-                "parameters": "label", "members": "members", "N": "elements", "motion [s]": "endTime",
-                "h [s]": "stepSize", "alone [ms]": "alone", "one core [ms]": "together", "ratio": "costRatio",
-                "all cores [ms]": "wallOfAllCores", "gain": "gain", "quiet rounds": "quietRounds",
-            },
-        ),
-    ),
+    tables=[TABLE],
     conclusions=conclude,
-)  # fmt: skip
+)

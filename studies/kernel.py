@@ -33,15 +33,24 @@ import numpy as np
 
 from reference_models.conventional.model import Quadrature
 
-from .harness.benchmark import Benchmark, Figures, Table
-from .harness.interleaved import Task, medians, seconds_per_time
-from .harness.kernel_parts import part_tasks, rates_task
-from .harness.machine_rate import MULTIPLY_ADDS, TASKS
+from .harness.kernel_tasks import (
+    MULTIPLY_ADDS,
+    PROCESSOR_TASKS,
+    SCENES,
+    empty_task,
+    moving_state,
+    native_task,
+    part_tasks,
+    rates_task,
+    steps_task,
+)
 from .harness.operations import count_operations
 from .harness.plot import COLORS, label_axes, new_figure
-from .harness.step_tasks import SCENES, empty_task, moving_state, native_task, steps_task
-from .harness.study import Row
-from .harness.verdict import UNDECIDED, at_most, verdict
+from .harness.store import Row
+from .harness.study import Order, Results, Study
+from .harness.table import Table, column, largest
+from .harness.timing import Task, medians, seconds_per_time
+from .harness.verdict import UNDECIDED, at_most, judged
 
 BARS = {2: 0.5, 3: 0.6}
 INTEGRATORS = ("Zhai", "RATTLE")
@@ -49,22 +58,20 @@ MEASURES = ("secondDerivative", "product")
 QUADRATURES: tuple[Quadrature, ...] = ("full", "lobatto")
 MICRO = 1e6
 RATES = "rates alone"
+PARTS = ("assembly", "factorisation", "substitution", "update")
 
 
-def measure(quick: bool) -> list[Row]:
+def measure(order: Order) -> list[Row]:
     """Ratios, shares, operations and rates."""
-    numbers = (5, 20) if quick else (5, 20, 50)
-    repeats, seconds = (3, 4e-3) if quick else (15, 2e-2)
-    rows: list[Row] = []
-    for dim in SCENES:
-        for elements in numbers:
-            rows += _measure_chain(dim, elements, repeats, seconds, MEASURES[:1] if quick else MEASURES)
-    return rows + _floors(rows, repeats, seconds)
+    numbers = (5, 20) if order.quick else (5, 20, 50)
+    timing = (3, 4e-3) if order.quick else (15, 2e-2)  # rounds, seconds of a sample
+    measures = MEASURES[:1] if order.quick else MEASURES
+    chains = [(dim, elements) for dim in SCENES for elements in numbers]
+    rows = [row for chain in chains for row in _measure_chain(*chain, timing, measures)]
+    return rows + _floors([row for row in rows if row["kind"] == "share"], timing)
 
 
-def _measure_chain(
-    dim: int, elements: int, repeats: int, seconds: float, measures: Sequence[str]
-) -> list[Row]:
+def _measure_chain(dim: int, elements: int, timing: tuple[int, float], measures: Sequence[str]) -> list[Row]:
     """All rows of one dimension and number of elements, from one round robin."""
     parts, steps = part_tasks(*moving_state(dim, elements, MEASURES[0])), {}
     tasks: dict[str, Task] = {f"native {kind}": native_task(dim, elements, kind) for kind in QUADRATURES}
@@ -73,44 +80,32 @@ def _measure_chain(
         tasks[f"{RATES} {name}"] = rates_task(*moving_state(dim, elements, name))
         for integrator in INTEGRATORS:
             tasks[f"{integrator} {name}"], steps[integrator] = steps_task(dim, elements, integrator, name)
-    samples = seconds_per_time(tasks, repeats, seconds, f"{dim}D, N = {elements}")
-    time = medians(samples)
-    native = {quadrature: time[f"native {quadrature}"] - time["empty loop"] for quadrature in QUADRATURES}
-    rows = [
-        _ratio_row(dim, elements, what, name, time[f"{what} {name}"], native)
+    time = medians(seconds_per_time(tasks, *timing, f"{dim}D, N = {elements}"))
+    full, lobatto = (time[f"native {quadrature}"] - time["empty loop"] for quadrature in QUADRATURES)
+    ratios = [
+        {
+            "kind": "ratio",
+            "label": f"{dim}D, {what}" + ("" if what == RATES else ", one step"),
+            "dimension": dim,
+            "elements": elements,
+            "integrator": what,
+            "curvatureMeasure": name,
+            "microseconds": MICRO * time[f"{what} {name}"],
+            "nativeMicroseconds": MICRO * full,
+            "ratio": time[f"{what} {name}"] / full,
+            "ratioLobatto": time[f"{what} {name}"] / lobatto,
+            "bar": None if what == RATES else BARS[dim],
+        }
         for name in measures
         for what in (*INTEGRATORS, RATES)
     ]
-    shares = [
-        _share_row(
-            dim, elements, integrator, time[f"{integrator} {MEASURES[0]}"], {p: time[p] for p in parts}
-        )
-        | {"stepSize": steps[integrator]}
-        for integrator in INTEGRATORS
-    ]
-    return rows + shares
+    return ratios + [_share_row(dim, elements, name, time, steps[name]) for name in INTEGRATORS]
 
 
-def _ratio_row(
-    dim: int, elements: int, what: str, name: str, seconds: float, native: dict[Quadrature, float]
-) -> Row:
-    return {
-        "kind": "ratio",
-        "label": f"{dim}D, {what}" + ("" if what == RATES else ", one step"),
-        "dimension": dim,
-        "elements": elements,
-        "integrator": what,
-        "curvatureMeasure": name,
-        "microseconds": MICRO * seconds,
-        "nativeMicroseconds": MICRO * native["full"],
-        "ratio": seconds / native["full"],
-        "ratioLobatto": seconds / native["lobatto"],
-        "bar": None if what == RATES else BARS[dim],
-    }
-
-
-def _share_row(dim: int, elements: int, integrator: str, step: float, parts: dict[str, float]) -> Row:
-    shares = {name: seconds / step for name, seconds in parts.items()}
+def _share_row(dim: int, elements: int, integrator: str, time: dict[str, float], h: float) -> Row:
+    """Parts of a step; what is left is its update."""
+    step = time[f"{integrator} {MEASURES[0]}"]
+    shares = {name: time[name] / step for name in PARTS[:-1]}
     return {
         "kind": "share",
         "label": f"{dim}D, {integrator}",
@@ -120,43 +115,31 @@ def _share_row(dim: int, elements: int, integrator: str, step: float, parts: dic
         "microseconds": MICRO * step,
         **shares,
         "update": 1.0 - sum(shares.values()),
+        "stepSize": h,
     }
 
 
-def _floors(rows: Sequence[Row], repeats: int, seconds: float) -> list[Row]:
+def _floors(shares: Sequence[Row], timing: tuple[int, float]) -> list[Row]:
     """Operations of a step over what the processor can do."""
-    shares = [row for row in rows if row["kind"] == "share"]
-    asked = [_question(row) for row in shares]
-    time = medians(seconds_per_time(TASKS, repeats, seconds, "multiply-adds"))
-    scalar, vector = (MULTIPLY_ADDS[name] / time[name] for name in TASKS)
-    rates = [
-        {"kind": "machine", "label": name, "perNanosecond": MULTIPLY_ADDS[name] / time[name] * 1e-9}
-        for name in TASKS
-    ]
-    floors = [
-        _floor_row(row, operations, scalar, vector)
-        for row, operations in zip(shares, count_operations(asked), strict=True)
-    ]
-    return rates + floors
+    time = medians(seconds_per_time(PROCESSOR_TASKS, *timing, "multiply-adds"))
+    rates = {name: MULTIPLY_ADDS[name] / seconds for name, seconds in time.items()}
+    counted = count_operations([_question(row) for row in shares])
+    floors = [_floor_row(row, found, rates) for row, found in zip(shares, counted, strict=True)]
+    return [
+        {"kind": "machine", "label": name, "perNanosecond": 1e-9 * rate} for name, rate in rates.items()
+    ] + floors
 
 
 def _question(row: Row) -> dict[str, Any]:
     """For `count_operations`: the operations of a step in the middle of the motion."""
     _, _, q, v = moving_state(row["dimension"], row["elements"], MEASURES[0], 1.0)
-    return {
-        "scene": SCENES[row["dimension"]],
-        "integrator": row["integrator"],
-        "elements": row["elements"],
-        "h": row["stepSize"],
-        "q": q.tolist(),
-        "v": v.tolist(),
-    }
+    known = {"scene": SCENES[row["dimension"]], "h": row["stepSize"], "q": q.tolist(), "v": v.tolist()}
+    return known | {key: row[key] for key in ("integrator", "elements")}
 
 
-def _floor_row(row: Row, operations: dict[str, float], scalar: float, vector: float) -> Row:
-    adds, multiplications = operations["add"], operations["multiply"]
-    others = operations["divide"] + operations["root"]
-    least = max(adds, multiplications) + others
+def _floor_row(row: Row, operations: dict[str, float], rates: dict[str, float]) -> Row:
+    least = max(operations["add"], operations["multiply"]) + operations["divide"] + operations["root"]
+    scalar, vector = (MICRO * least / rates[name] for name in PROCESSOR_TASKS)
     return {
         "kind": "floor",
         "label": row["label"],
@@ -164,63 +147,54 @@ def _floor_row(row: Row, operations: dict[str, float], scalar: float, vector: fl
         **operations,
         "perElement": sum(operations.values()) / row["elements"],
         "microseconds": row["microseconds"],
-        "scalarFloor": MICRO * least / scalar,
-        "vectorFloor": MICRO * least / vector,
-        "aboveScalarFloor": row["microseconds"] / (MICRO * least / scalar),
+        "scalarFloor": scalar,
+        "vectorFloor": vector,
+        "aboveScalarFloor": row["microseconds"] / scalar,
     }
 
 
-def conclude(figures: Figures) -> list[str]:
+def conclude(results: Results) -> list[str]:
     """Whether the bars are kept, and where the time goes."""
-    sentences = []
-    for dim, bar in BARS.items():
-        rows = [r for r in figures.of_kind("ratio") if r["dimension"] == dim and r["bar"] is not None]
-        worst = max(rows, key=lambda row: float(row["ratio"]))
-        is_kept, kept = at_most(worst["ratio"], bar, figures.noise), _kept(rows, figures.noise)
-        sentences.append(
-            f"{dim}D: one full step costs at most {worst['ratio']:.2f} of a native ComputeODE2RHS of as many "
-            f"elements ({worst['integrator']}, {worst['curvatureMeasure']}, N = {worst['elements']}); the "
-            f"bar of {bar} is {verdict(is_kept)}; kept by {kept}. With the Lobatto "
-            f"quadrature: at most {max(row['ratioLobatto'] for row in rows):.2f}."
-        )
-    floors = figures.of_kind("floor")
-    above = [row["aboveScalarFloor"] for row in floors]
+    above = column(results.of_kind("floor"), "aboveScalarFloor")
     return [
-        *sentences,
+        *(_bar(dim, results) for dim in BARS),
         f"A step takes {min(above):.1f} to {max(above):.1f} times as long as its multiply-adds one by one.",
     ]
 
 
+def _bar(dim: int, results: Results) -> str:
+    rows = [r for r in results.of_kind("ratio") if r["dimension"] == dim and r["bar"] is not None]
+    worst = largest(rows, "ratio")
+    return (
+        "{dimension}D: one full step costs at most {ratio:.2f} of a native ComputeODE2RHS of as many "
+        "elements ({integrator}, {curvatureMeasure}, N = {elements}); the bar of {bar} is ".format_map(worst)
+        + f"{judged(worst['ratio'], worst['bar'], results.noise)}; kept by {_kept(rows, results.noise)}. "
+        f"With the Lobatto quadrature: at most {max(column(rows, 'ratioLobatto')):.2f}."
+    )
+
+
 def _kept(rows: Sequence[Row], noise: float) -> str:
     """Which rows are within the bar, which are not, which may be."""
-    verdicts = [at_most(row["ratio"], row["bar"], noise) for row in rows]
-    named = {
-        is_kept: [
-            f"{row['integrator']}, {row['curvatureMeasure']}, N = {row['elements']}: {row['ratio']:.2f}"
-            for row, found in zip(rows, verdicts, strict=True)
-            if found is is_kept
-        ]
-        for is_kept in (False, None)
-    }
-    others = [
-        f"{what}: {'; '.join(named[is_kept])}"
-        for is_kept, what in ((False, "missed"), (None, UNDECIDED))
-        if named[is_kept]
-    ]
-    return f"{verdicts.count(True)} of {len(rows)} rows" + (f" ({', '.join(others)})" if others else "")
+    found: dict[bool | None, list[str]] = {True: [], False: [], None: []}
+    for row in rows:
+        name = "{integrator}, {curvatureMeasure}, N = {elements}: {ratio:.2f}".format_map(row)
+        found[at_most(row["ratio"], row["bar"], noise)].append(name)
+    words = ((False, "missed"), (None, UNDECIDED))
+    others = ", ".join(f"{what}: {'; '.join(found[kind])}" for kind, what in words if found[kind])
+    return f"{len(found[True])} of {len(rows)} rows" + (f" ({others})" if others else "")
 
 
-def draw(figures: Figures, directory: Path) -> list[Path]:
+def draw(results: Results, directory: Path) -> list[Path]:
     """Ratios as bars against the limits, and the shares of a step."""
     path = directory / "kernel_ratios.png"
-    rows = [r for r in figures.of_kind("ratio") if r["curvatureMeasure"] == MEASURES[0]]
+    rows = [r for r in results.of_kind("ratio") if r["curvatureMeasure"] == MEASURES[0]]
     unit = "time over native ComputeODE2RHS [-]"
     with new_figure(path, 11.0, 4.6) as figure:
         for axes, dim in zip(figure.subplots(1, 2, sharey=True), SCENES, strict=True):
             of_dim = [row for row in rows if row["dimension"] == dim]
-            numbers = sorted({row["elements"] for row in of_dim})
+            numbers = sorted(set(column(of_dim, "elements")))
             for place, what in enumerate((*INTEGRATORS, RATES)):
-                ratios = [row["ratio"] for row in of_dim if row["integrator"] == what]
+                ratios = column([row for row in of_dim if row["integrator"] == what], "ratio")
                 axes.bar(np.arange(len(numbers)) + 0.27 * (place - 1), ratios, 0.25, label=what)
             axes.set_axisbelow(True)
             axes.axhline(BARS[dim], color=COLORS[-1], linestyle="--", label=f"bar: {BARS[dim]}")
@@ -228,17 +202,17 @@ def draw(figures: Figures, directory: Path) -> list[Path]:
             label_axes(axes, "elements N [-]", unit if dim == 2 else "", f"{dim}D")
             axes.margins(y=0.35)  # room for the legend
             axes.legend(loc="upper right")
-    return [path, _draw_shares(figures, directory / "kernel_shares.png")]
+    return [path, _draw_shares(results, directory / "kernel_shares.png")]
 
 
-def _draw_shares(figures: Figures, path: Path) -> Path:
-    rows = figures.of_kind("share")
+def _draw_shares(results: Results, path: Path) -> Path:
+    rows = results.of_kind("share")
     labels = [f"{row['label']}, N = {row['elements']}" for row in rows]
     with new_figure(path, 9.0, 0.8 + 0.35 * len(rows)) as figure:
         axes = figure.subplots()
         start = np.zeros(len(rows))
-        for part in ("assembly", "factorisation", "substitution", "update"):
-            shares = np.array([row[part] for row in rows])
+        for part in PARTS:
+            shares = np.array(column(rows, part))
             axes.barh(labels, shares, left=start, label=part)
             start += shares
         axes.set_axisbelow(True)
@@ -248,49 +222,34 @@ def _draw_shares(figures: Figures, path: Path) -> Path:
     return path
 
 
-RATIO_COLUMNS = {
-    "what": "label",
-    "N": "elements",
-    "curvature": "curvatureMeasure",
-    "time [us]": "microseconds",
-    "native [us]": "nativeMicroseconds",
-    "ratio": "ratio",
-    "ratio, Lobatto": "ratioLobatto",
-    "bar": "bar",
-}
-SHARE_COLUMNS = {
-    "step": "label",
-    "N": "elements",
-    "h [s]": "stepSize",
-    "time [us]": "microseconds",
-    "assembly": "assembly",
-    "factorisation": "factorisation",
-    "substitution": "substitution",
-    "update": "update",
-}
-FLOOR_COLUMNS = {
-    "step": "label",
-    "N": "elements",
-    "additions": "add",
-    "multiplications": "multiply",
-    "divisions": "divide",
-    "roots": "root",
-    "all, an element": "perElement",
-    "time [us]": "microseconds",
-    "floor, one by one [us]": "scalarFloor",
-    "floor, vectors [us]": "vectorFloor",
-}
+TABLES = (
+    Table(
+        "ratio",
+        "Microseconds, and ratios to one native ComputeODE2RHS:",
+        "what: label | N: elements | curvature: curvatureMeasure | time [us]: microseconds | "
+        "native [us]: nativeMicroseconds | ratio | ratio, Lobatto: ratioLobatto | bar",
+    ),
+    Table(
+        "share",
+        "Shares of one step (parts timed alone; the update is what is left):",
+        "step: label | N: elements | h [s]: stepSize | time [us]: microseconds | assembly | "
+        "factorisation | substitution | update",
+    ),
+    Table("machine", "Multiply-adds of one core:", "kind: label | [1/ns]: perNanosecond"),
+    Table(
+        "floor",
+        "Operations of one step, and the time that they take at least:",
+        "step: label | N: elements | additions: add | multiplications: multiply | "
+        "divisions: divide | roots: root | all, an element: perElement | time [us]: microseconds | "
+        "floor, one by one [us]: scalarFloor | floor, vectors [us]: vectorFloor",
+    ),
+)
 
-STUDY = Benchmark(
+STUDY = Study(
     name="kernel",
     question="What does one inextensible step cost against one native evaluation of as many elements?",
     measure=measure,
-    tables=(
-        Table("ratio", "Microseconds, and ratios to one native ComputeODE2RHS:", RATIO_COLUMNS),
-        Table("share", "Shares of one step (parts timed alone; the update is what is left):", SHARE_COLUMNS),
-        Table("machine", "Multiply-adds of one core:", {"kind": "label", "[1/ns]": "perNanosecond"}),
-        Table("floor", "Operations of one step, and the time that they take at least:", FLOOR_COLUMNS),
-    ),
+    tables=TABLES,
     conclusions=conclude,
     pictures=draw,
 )

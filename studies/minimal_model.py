@@ -25,13 +25,13 @@ What is left out
 from collections.abc import Sequence
 from pathlib import Path
 
-from .harness.benchmark import Figures, Table
 from .harness.plot import COLORS, label_axes, new_figure
-from .harness.study import Row
-from .harness.sweep.study import SweepStudy
-from .minimal.changes import change_cases, run_change
+from .harness.store import Row
+from .harness.study import Results, Study
+from .harness.sweep import Sweep
+from .harness.table import Table, column, groups
+from .minimal.changes import change_cases, run_change, sentences_of, summary_of
 from .minimal.dense_system import dense_cases, run_dense
-from .minimal.summary import sentences_of, summary_of
 
 COST_TICKS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 
@@ -46,27 +46,25 @@ def run_case(case: Row) -> Row:
     return run_dense(case) if case["kind"] == "dense" else run_change(case)
 
 
-def conclude(figures: Figures) -> list[str]:
+def conclude(results: Results) -> list[str]:
     """What may be changed where, and what that saves."""
-    return sentences_of(summary_of(figures))
+    return sentences_of(summary_of(results))
 
 
-def draw(figures: Figures, directory: Path) -> list[Path]:
+def draw(results: Results, directory: Path) -> list[Path]:
     """Error and cost over those of the base."""
-    rows = [row for row in figures.of_kind("change") if row.get("errorRatio") and row.get("costRatio")]
+    rows = [row for row in results.of_kind("change") if row.get("errorRatio") and row.get("costRatio")]
     if not rows:
         return []
     path = directory / "minimal_model.png"
-    labels = list(dict.fromkeys(row["label"] for row in rows))
-    scenes = list(dict.fromkeys(row["scene"] for row in rows))
+    labels = list(groups(rows, "label"))
     with new_figure(path, 10.0, 1.5 + 0.3 * len(labels)) as figure:
         error, cost = figure.subplots(1, 2, sharey=True)
-        for scene, color, marker in zip(scenes, COLORS, "os^D", strict=False):
-            own = [row for row in rows if row["scene"] == scene]
+        for (scene, own), color, marker in zip(groups(rows, "scene").items(), COLORS, "os^D", strict=False):
             places = [labels.index(row["label"]) for row in own]
             style = {"color": color, "marker": marker, "linestyle": ""}
-            error.semilogx([row["errorRatio"] for row in own], places, label=scene, **style)
-            cost.semilogx([row["costRatio"] for row in own], places, **style)
+            error.semilogx(column(own, "errorRatio"), places, label=scene, **style)
+            cost.semilogx(column(own, "costRatio"), places, **style)
         for axes in (error, cost):
             axes.axvline(1.0, color="black", linewidth=0.8)
         cost.minorticks_off()  # their labels would overlap
@@ -83,52 +81,27 @@ TABLES = (
     Table(
         "summary",
         "What may be left out when (error within a tenth of the base's, or not to be told from it):",
-        {
-            "change": "change",
-            "verdict": "verdict",
-            "harmless on": "harmless",
-            "not on": "elsewhere",
-            "CPU ratio": "costRatio",
-        },
+        "change | verdict | harmless on: harmless | not on: elsewhere | CPU ratio: costRatio",
         summary_of,
     ),
     Table(
         "change",
         "One change at a time:",
-        {
-            "change": "label",
-            "scene": "scene",
-            "base error [m]": "baseError",
-            "error [m]": "error",
-            "error ratio": "errorRatio",
-            "base h [s]": "baseStep",
-            "h [s]": "stepSize",
-            "base CPU [s]": "baseSeconds",
-            "CPU [s]": "seconds",
-            "CPU ratio": "costRatio",
-            "outcome": "outcome",
-            "status": "status",
-        },
+        "change: label | scene | base error [m]: baseError | error [m]: error | "
+        "error ratio: errorRatio | base h [s]: baseStep | h [s]: stepSize | "
+        "base CPU [s]: baseSeconds | CPU [s]: seconds | CPU ratio: costRatio | outcome | status",
     ),
     Table(
         "dense",
         "Dense variants of the planar pendulum (RK4, no times):",
-        {
-            "variant": "label",
-            "N": "elements",
-            "error [m]": "error",
-            "stretch of slopes [-]": "stretch",
-            "outcome": "outcome",
-            "status": "status",
-        },
+        "variant: label | N: elements | error [m]: error | stretch of slopes [-]: stretch | outcome | status",
     ),
 )
 
-STUDY = SweepStudy(
+STUDY = Study(
     name="minimal_model",
     question="What may be left out of the model when, and what does that save?",
-    cases=make_cases,
-    run=run_case,
+    measure=Sweep(make_cases, run_case),
     tables=TABLES,
     conclusions=conclude,
     pictures=draw,

@@ -34,19 +34,20 @@ from exudyn_inext import ExplicitSettings, ExplicitStepper
 from reference_models.inextensible import build
 from reference_models.scenes import load_scene
 
-from .harness.benchmark import Benchmark, Figures, Table
-from .harness.plot import COLORS, label_axes, new_figure
-from .harness.study import Row
-from .harness.verdict import at_most, verdict
+from .harness.plot import COLORS, Curve, Panel, chart
+from .harness.store import Row
+from .harness.study import Order, Results, Study
+from .harness.table import Table, column, groups, largest
+from .harness.verdict import judged
 
 STEP = 1e-3
 SETTINGS = ExplicitSettings("RATTLE", stepSize=STEP, massScaling=0.3)
 NUMBERS = (5, 20, 50)
 PORTION = 1000
 RESTART = 20.0  # [s] of motion
-NANO = 1e-9
-MICRO = 1e6
+NANO, MICRO = 1e-9, 1e6
 QUICK_TAIL_NOISE = 5.0  # factor: the 99.9 percentile of a quick run is that of its five slowest steps
+PERCENTILES = {50.0: "median", 99.9: "percentile999", 100.0: "worst"}
 
 
 @dataclass
@@ -67,12 +68,11 @@ class Series:
         return self.what + (f", N = {self.elements}" if self.elements else "") + collection
 
 
-def measure(quick: bool) -> list[Row]:
+def measure(order: Order) -> list[Row]:
     """One row for each distribution."""
-    portions = 5 if quick else 100
+    portions = 5 if order.quick else 100
     series = [Series("nothing", 0, False, lambda: None, lambda: None)]
-    for elements in NUMBERS:
-        series += _series_of(elements)
+    series += [one for elements in NUMBERS for one in _series_of(elements)]
     for one in series:
         _take(one, PORTION)
         del one.wall[:], one.cpu[:]
@@ -125,9 +125,7 @@ def _take(series: Series, number: int) -> None:
 
 def _row(series: Series) -> Row:
     seconds, cpu = (NANO * np.asarray(samples, dtype=float) for samples in (series.wall, series.cpu))
-    median, most, worst = np.percentile(seconds, [50.0, 99.9, 100.0])
-    cpu_median, cpu_most, cpu_worst = np.percentile(cpu, [50.0, 99.9, 100.0])
-    return {
+    row = {
         "kind": "step",
         "label": series.label,
         "what": series.what,
@@ -135,16 +133,14 @@ def _row(series: Series) -> Row:
         "garbageCollection": series.collects,
         "samples": len(seconds),
         "stepSize": STEP,
-        "median": MICRO * median,
-        "percentile999": MICRO * most,
-        "worst": MICRO * worst,
-        "cpuMedian": MICRO * cpu_median,
-        "cpuPercentile999": MICRO * cpu_most,
-        "cpuWorst": MICRO * cpu_worst,
-        "stepOverPercentile999": STEP / most,
+        "stepOverPercentile999": STEP / np.percentile(seconds, 99.9),
         "lateShare": float(np.mean(seconds > STEP)),
         "quantiles": _tail(seconds),
     }
+    for part, name in PERCENTILES.items():
+        row[name] = MICRO * np.percentile(seconds, part)
+        row["cpu" + name[0].upper() + name[1:]] = MICRO * np.percentile(cpu, part)
+    return row
 
 
 def _tail(seconds: np.ndarray) -> list[list[float]]:
@@ -154,64 +150,53 @@ def _tail(seconds: np.ndarray) -> list[list[float]]:
     return [[float(rank / len(ordered)), float(MICRO * ordered[rank - 1])] for rank in ranks]
 
 
-def conclude(figures: Figures) -> list[str]:
+def conclude(results: Results) -> list[str]:
     """Step size against the times."""
-    rows = [row for row in figures.of_kind("step") if row["what"] != "nothing"]
-    slowest = max(rows, key=lambda row: float(row["percentile999"]))
-    worst = max(rows, key=lambda row: float(row["worst"]))
+    rows = [row for row in results.of_kind("step") if row["what"] != "nothing"]
+    (nothing,) = groups(results.of_kind("step"), "what")["nothing"]
+    slowest, worst = largest(rows, "percentile999"), largest(rows, "worst")
     late = sum(row["lateShare"] * row["samples"] for row in rows)
-    (nothing,) = (row for row in figures.of_kind("step") if row["what"] == "nothing")
-    noise = QUICK_TAIL_NOISE if figures.quick else 1.0
-    is_kept = at_most(slowest["percentile999"], MICRO * STEP, noise)
+    noise = QUICK_TAIL_NOISE if results.quick else 1.0
+    found = judged(slowest["percentile999"], MICRO * STEP, noise, "bar kept", "bar MISSED")
     return [
-        f"99.9 % of the steps are done within {slowest['percentile999']:.0f} us of wall time "
-        f"({slowest['label']}), {slowest['cpuPercentile999']:.0f} us of CPU time; the step size is "
-        f"{MICRO * STEP:g} us ({verdict(is_kept, 'bar kept', 'bar MISSED')}).",
-        f"The longest of {sum(row['samples'] for row in rows)} steps took {worst['worst']:.0f} us "
-        f"({worst['label']}), {max(row['cpuWorst'] for row in rows):.0f} us of CPU time at most; "
+        "99.9 % of the steps are done within {percentile999:.0f} us of wall time ({label}), "
+        "{cpuPercentile999:.0f} us of CPU time; the step size is ".format_map(slowest)
+        + f"{MICRO * STEP:g} us ({found}).",
+        f"The longest of {sum(column(rows, 'samples'))} steps took {worst['worst']:.0f} us "
+        f"({worst['label']}), {max(column(rows, 'cpuWorst')):.0f} us of CPU time at most; "
         f"{late:.0f} took longer than the step size. Nothing at all took up to "
         f"{nothing['worst']:.0f} us on this machine.",
     ]
 
 
-def draw(figures: Figures, directory: Path) -> list[Path]:
+def draw(results: Results, directory: Path) -> list[Path]:
     """Share of steps that take longer than a time."""
-    path = directory / "realtime_steps.png"
     colors = dict(zip((0, *NUMBERS), (COLORS[-1], *COLORS), strict=False))
     styles = {("step", True): "-", ("step", False): "--", ("cycle", True): ":", ("nothing", False): "-"}
-    with new_figure(path, 9.0, 5.4) as figure:
-        axes = figure.subplots()
-        for row in figures.of_kind("step"):
-            shares, times = np.transpose(row["quantiles"])
-            style = styles[row["what"], row["garbageCollection"]]
-            axes.loglog(times, shares, style, color=colors[row["elements"]], label=row["label"])
-        axes.axvline(MICRO * STEP, color="#666666", linewidth=3, label=f"step size {1e3 * STEP:g} ms")
-        label_axes(axes, "wall time t of one call [us]", "share of calls that take longer than t [-]")
-        figure.legend(loc="outside right upper")
-    return [path]
+    curves = []
+    for row in results.of_kind("step"):
+        shares, times = np.transpose(row["quantiles"])
+        style = styles[row["what"], row["garbageCollection"]]
+        curves.append(Curve(times, shares, row["label"], colors[row["elements"]], style))
+    labels = "wall time t of one call [us]", "share of calls that take longer than t [-]"
+    title = f"dotted: step size {1e3 * STEP:g} ms"
+    panel = Panel(*labels, curves, title=title, legend=False, vertical=(MICRO * STEP,))
+    return [chart(directory / "realtime_steps.png", panel, width=9.0, height=6.4, columns=2)]
 
 
-STUDY = Benchmark(
+TABLE = Table(
+    "step",
+    "Time of single calls, wall time unless stated:",
+    "what: label | calls: samples | median [us]: median | 99.9 % [us]: percentile999 | "
+    "worst [us]: worst | CPU 99.9 % [us]: cpuPercentile999 | CPU worst [us]: cpuWorst | "
+    "h / 99.9 %: stepOverPercentile999 | share above h: lateShare",
+)
+
+STUDY = Study(
     name="realtime",
     question="How long does a single step take at worst, against the step size?",
     measure=measure,
-    tables=(
-        Table(
-            "step",
-            "Time of single calls, wall time unless stated:",
-            {
-                "what": "label",
-                "calls": "samples",
-                "median [us]": "median",
-                "99.9 % [us]": "percentile999",
-                "worst [us]": "worst",
-                "CPU 99.9 % [us]": "cpuPercentile999",
-                "CPU worst [us]": "cpuWorst",
-                "h / 99.9 %": "stepOverPercentile999",
-                "share above h": "lateShare",
-            },
-        ),
-    ),
+    tables=[TABLE],
     conclusions=conclude,
     pictures=draw,
 )

@@ -3,19 +3,15 @@
 import importlib
 import pkgutil
 
-from exudyn_inext.errors import InputError
+from exudyn_inext import InputError
 
-from .harness.benchmark import Benchmark
 from .harness.study import Study
-from .harness.sweep.study import SweepStudy
-
-AnyStudy = Study | Benchmark | SweepStudy
 
 _PACKAGE = "studies"
 _NO_STUDIES = {"__main__", "harness", "registry"}
 
 
-def find_studies() -> dict[str, AnyStudy]:
+def find_studies() -> dict[str, Study]:
     """Name -> study, in alphabetical order."""
     path = importlib.import_module(_PACKAGE).__path__
     names = sorted(info.name for info in pkgutil.iter_modules(path))
@@ -23,7 +19,7 @@ def find_studies() -> dict[str, AnyStudy]:
     return {module.STUDY.name: module.STUDY for module in modules if hasattr(module, "STUDY")}
 
 
-def find_study(name: str) -> AnyStudy:
+def find_study(name: str) -> Study:
     """The study of that name."""
     studies = find_studies()
     if name not in studies:

@@ -31,55 +31,41 @@ What is left out
 """
 
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from exudyn_inext import DivergenceError, ExplicitSettings
-from reference_models.conventional.cases import largest_step_case, native_case
-from reference_models.conventional.settings import Implicit, Newton
+from reference_models.conventional.settings import Implicit
 from reference_models.inextensible import Inextensible, inextensible_case, solved
 from reference_models.model import sensor_trajectory
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case, Trajectory
 
-from .harness.cases import explicit_case
-from .harness.error import distance_to_reference
-from .harness.figures import TIME, draw_cost_and_accuracy
-from .harness.front import is_explicit, is_implicit, is_implicit_by_default
-from .harness.plot import COLORS, REFERENCE_COLOR, label_axes, new_figure
-from .harness.ratios import Comparison, ratios
-from .harness.study import Ratio, Results, Study
-from .harness.table import TextTable, number
+from .harness.figures import draw_cost_and_accuracy, draw_trajectories
+from .harness.on_scene import ROWS, OnScene, SceneResults
+from .harness.paper_table import EACH_STEP, PaperTable
+from .harness.plot import COLORS, REFERENCE_COLOR, new_figure
+from .harness.ratios import Comparison, by_default, is_explicit, is_implicit
+from .harness.reference import distance_to_reference
+from .harness.store import Row
+from .harness.study import Study
+from .harness.table import Table
 
 PAPER_STEP = 2.4842e-4  # s, from Eq. (37) with C = 0.9
 PROPOSED = "paper's proposed: inextensible, Zhai, N = 20, h = 2.48e-4 s, product"
 SIMPLER = "the same with secondDerivative"
 AROUND_THE_LIMIT = (0.98, 1.03)  # steps over the stability limit that are tried
+PAPER = {"source": "section 4.1", "stepSize": PAPER_STEP, "elements": 20, "C": 0.9}
+ERRORS = "largest distance to the reference [m]: label | first second: first | whole run: errorMax"
 SNAPSHOT_TIMES = tuple(0.25 * k for k in range(9))  # s
 
-COMPARISONS = (
-    Comparison("implicit row", is_implicit, 2e-3),
-    Comparison("implicit row", is_implicit, 5e-4),
-    Comparison("implicit row, default quadrature,", is_implicit_by_default, 2e-3),
-    Comparison("implicit row, default quadrature,", is_implicit_by_default, 5e-4),
-    Comparison("explicit row", is_explicit, 4e-3),
-)
 
-
-def make_cases(scene: Scene, quick: bool) -> list[Case]:
-    """All rows; a quick run leaves out the costly ones."""
-    inextensible, implicit = inextensible_cases(scene), implicit_cases(scene)
-    if quick:
-        return [*_paper_cases(scene), *islice(inextensible, 2), *implicit[:2]]
-    return [*_paper_cases(scene), *inextensible, *implicit, *explicit_cases(scene)]
-
-
-def _paper_cases(scene: Scene) -> list[Case]:
+def at_paper_settings(scene: Scene, quick: bool) -> list[Case]:
+    """The paper's ring, and with the other curvature measure."""
     zhai = ExplicitSettings("Zhai", stepSize=PAPER_STEP)
     return [
         inextensible_case(scene, Inextensible(20, zhai, measure="product"), label=PROPOSED),
@@ -87,78 +73,20 @@ def _paper_cases(scene: Scene) -> list[Case]:
     ]
 
 
-def inextensible_cases(scene: Scene) -> Iterator[Case]:
-    """Near the largest stable steps, then the front of cost and accuracy with scaled mass."""
-    yield explicit_case(scene, "Zhai", 20, 5e-4, 0.26, zeta=300.0)
-    yield explicit_case(scene, "RATTLE", 20, 5e-4, 0.26)
-    yield explicit_case(scene, "RATTLE", 10, 1e-3)
-    yield explicit_case(scene, "RATTLE", 20, 2.5e-4)
-    yield explicit_case(scene, "Zhai", 10, 2e-3, 0.26, zeta=300.0)
-    yield explicit_case(scene, "Zhai", 12, 1e-3, 0.26, zeta=300.0)
-    yield explicit_case(scene, "Zhai", 14, 1e-3, 0.26, zeta=300.0)
-    yield explicit_case(scene, "Zhai", 14, 5e-4, 0.35, zeta=300.0)
-    yield explicit_case(scene, "Zhai", 16, 5e-4, 0.35, zeta=300.0)
-    yield explicit_case(scene, "RATTLE", 14, 1e-3, 0.26)
-    yield explicit_case(scene, "RATTLE", 40, 2.5e-4, 0.26)
-
-
-def implicit_cases(scene: Scene) -> list[Case]:
-    """Generalized-alpha, cheapest at its accuracy, see the head of this file; coarse ones first."""
-    each_step: Newton = "modifiedEachStep"
-    return [
-        native_case(scene, 10, Implicit(6e-3, each_step, "sparse", 1e-4), "lobatto"),
-        native_case(scene, 12, Implicit(4e-3, each_step, "sparse", 1e-4), "lobatto"),
-        native_case(scene, 14, Implicit(3e-3, "modified", "sparse", 1e-4), "lobatto"),
-        native_case(scene, 20, Implicit(1.5e-3, "modified", "sparse", 1e-4), "lobatto"),
-        native_case(scene, 24, Implicit(1e-3, "modified", "sparse", 1e-4), "lobatto"),
-        native_case(scene, 28, Implicit(3e-3, "modified", "sparse", 1e-4, 0.8)),
-        native_case(scene, 32, Implicit(3e-3, "modified", "sparse", 1e-4)),
-        native_case(scene, 32, Implicit(3e-3, "modified", "sparse", 1e-4), "reduced"),
-        native_case(scene, 36, Implicit(2e-3, "modified", "sparse", 1e-4)),
-        native_case(scene, 40, Implicit(1.5e-3, "modified", "sparse", 1e-4)),
-    ]
-
-
-def explicit_cases(scene: Scene) -> list[Case]:
-    """Native velocity Verlet at its largest stable steps."""
-    return [
-        largest_step_case(scene, 16, "velocityVerlet", "lobatto"),
-        largest_step_case(scene, 20, "velocityVerlet", "lobatto"),
-    ]
-
-
-def make_figures(results: Results, directory: Path) -> list[Path]:
+def make_figures(results: SceneResults, directory: Path) -> list[Path]:
     """Fig. 2 (radial displacement), Fig. 3 (snapshots), and cost against accuracy."""
-    curves = {label: results.trajectories[label] for label in (PROPOSED, SIMPLER)}
+    curves = {label: _moved(results.trajectories[label]) for label in (PROPOSED, SIMPLER)}
+    reference, label = _moved(results.reference.trajectory), "radial displacement at N1 [m]"
     return [
-        draw_radial_displacement(directory / "ring_radial.png", curves, results.reference.trajectory),
+        draw_trajectories(directory / "ring_radial.png", curves, reference, [label]),
         draw_snapshots(directory / "ring_snapshots.png", results.scene),
         draw_cost_and_accuracy(directory / "ring_cost.png", results.rows),
     ]
 
 
-def draw_radial_displacement(path: Path, curves: dict[str, Trajectory], reference: Trajectory) -> Path:
-    """N1 moves along its radius, which is the x axis; and its distance to the reference."""
-    end = max(curve.times[-1] for curve in curves.values())
-    shown = reference.times <= end + 1e-9
-    with new_figure(path, 8.0, 6.0) as figure:
-        top, bottom = figure.subplots(2, 1, sharex=True)
-        top.plot(
-            reference.times[shown],
-            reference.positions[shown, 0] - reference.positions[0, 0],
-            color=REFERENCE_COLOR,
-            linewidth=4,
-            label="reference",
-        )
-        for style, (label, curve) in zip(("--", ":"), curves.items(), strict=True):
-            top.plot(curve.times, curve.positions[:, 0] - curve.positions[0, 0], style, label=label)
-            rows = np.searchsorted(reference.times, curve.times - 1e-9)
-            error = np.linalg.norm(curve.positions - reference.positions[rows], axis=1)
-            bottom.semilogy(curve.times[1:], error[1:], linewidth=1.0)
-        label_axes(top, "", "radial displacement at N1 [m]")
-        label_axes(bottom, TIME, "distance to the reference [m]")
-        figure.legend(*top.get_legend_handles_labels(), loc="outside upper left")
-    return path
+def _moved(run: Trajectory) -> Trajectory:
+    """From where it began; N1 moves along its radius, which is the x axis."""
+    return Trajectory(run.times, run.positions - run.positions[0])
 
 
 def draw_snapshots(path: Path, scene: Scene) -> Path:
@@ -186,35 +114,21 @@ def _draw_ring(axes: Axes, runs: Sequence[Trajectory], time: float) -> None:
     axes.set_title(f"t = {time:g} s", loc="left", fontsize=10)
 
 
-def make_tables(results: Results) -> list[TextTable]:
-    """Errors of both measures."""
-    rows = {row["label"]: row for row in results.rows}
-    lines = [
-        (label, number(_error_until(results, label, 1.0)), number(rows[label]["errorMax"]))
-        for label in (PROPOSED, SIMPLER)
-    ]
-    header = ("largest distance to the reference [m]", "first second", "whole run")
-    return [TextTable("", header, lines)]
+def _errors(results: SceneResults) -> list[Row]:
+    """Of both measures."""
+    rows = [row for row in results.rows if row["label"] in (PROPOSED, SIMPLER)]
+    return [row | {"first": _error_until(results, row["label"], 1.0)} for row in rows]
 
 
-def make_ratios(results: Results) -> list[Ratio]:
-    """At equal accuracy: the paper gives no times."""
-    return ratios(results.rows, {}, PROPOSED, COMPARISONS)
-
-
-def make_conclusions(results: Results) -> list[str]:
+def make_conclusions(results: SceneResults) -> list[str]:
     """The step-size rule."""
     (limit,) = (row["stepLimit"] for row in results.rows if row["label"] == SIMPLER)
+    tried = " ".join(f"At {x:g} of it, Zhai {_outcome(results.scene, x * limit)}." for x in AROUND_THE_LIMIT)
     return [
         f"The paper's step {PAPER_STEP:g} s, Eq. (37) with C = 0.9, is {PAPER_STEP / limit:.3f} of the "
         f"stability limit {limit:.4g} s of the ring at rest; the critical C is "
-        f"{0.9 * limit / PAPER_STEP:.3f}. {_tried_around(results.scene, limit)}"
+        f"{0.9 * limit / PAPER_STEP:.3f}. {tried}"
     ]
-
-
-def _tried_around(scene: Scene, limit: float) -> str:
-    """What becomes of runs just below and just beyond the limit [s]."""
-    return " ".join(f"At {x:g} of it, Zhai {_outcome(scene, x * limit)}." for x in AROUND_THE_LIMIT)
 
 
 def _outcome(scene: Scene, step_size: float) -> str:
@@ -229,22 +143,60 @@ def _outcome(scene: Scene, step_size: float) -> str:
     return f"stays stable over {scene.end_time:g} s"
 
 
-def _error_until(results: Results, label: str, end: float) -> float:
+def _error_until(results: SceneResults, label: str, end: float) -> float:
     run = results.trajectories[label]
     kept = run.times <= end + 1e-9
     part = Trajectory(run.times[kept], run.positions[kept])
     return distance_to_reference(part, results.reference.trajectory).maximum
 
 
+TABLE = PaperTable(
+    at_paper_settings,
+    {},
+    PROPOSED,
+    comparisons=(
+        Comparison("implicit row", is_implicit, (2e-3, 5e-4)),
+        Comparison("implicit row, default quadrature,", by_default(is_implicit), (2e-3, 5e-4)),
+        Comparison("explicit row", is_explicit, (4e-3,)),
+    ),
+    inextensible=(
+        ("Zhai", 20, 5e-4, 0.26, 300.0),
+        ("RATTLE", 20, 5e-4, 0.26),
+        ("RATTLE", 10, 1e-3),
+        ("RATTLE", 20, 2.5e-4),
+        ("Zhai", 10, 2e-3, 0.26, 300.0),
+        ("Zhai", 12, 1e-3, 0.26, 300.0),
+        ("Zhai", 14, 1e-3, 0.26, 300.0),
+        ("Zhai", 14, 5e-4, 0.35, 300.0),
+        ("Zhai", 16, 5e-4, 0.35, 300.0),
+        ("RATTLE", 14, 1e-3, 0.26),
+        ("RATTLE", 40, 2.5e-4, 0.26),
+    ),
+    implicit=(
+        (10, Implicit(6e-3, EACH_STEP, "sparse", 1e-4), "lobatto"),
+        (12, Implicit(4e-3, EACH_STEP, "sparse", 1e-4), "lobatto"),
+        (14, Implicit(3e-3, "modified", "sparse", 1e-4), "lobatto"),
+        (20, Implicit(1.5e-3, "modified", "sparse", 1e-4), "lobatto"),
+        (24, Implicit(1e-3, "modified", "sparse", 1e-4), "lobatto"),
+        (28, Implicit(3e-3, "modified", "sparse", 1e-4, 0.8)),
+        (32, Implicit(3e-3, "modified", "sparse", 1e-4)),
+        (32, Implicit(3e-3, "modified", "sparse", 1e-4), "reduced"),
+        (36, Implicit(2e-3, "modified", "sparse", 1e-4)),
+        (40, Implicit(1.5e-3, "modified", "sparse", 1e-4)),
+    ),
+    explicit=(
+        (16, "velocityVerlet", "lobatto"),
+        (20, "velocityVerlet", "lobatto"),
+    ),
+)
+
 STUDY = Study(
     name="ring",
     question="How accurate is the closed inextensible ring, and is the step-size rule safe (Figs. 2, 3)?",
-    scene=load_scene("vibrating_ring"),
-    paper={"source": "section 4.1", "stepSize": PAPER_STEP, "elements": 20, "C": 0.9},
-    cases=make_cases,
-    figures=make_figures,
+    measure=OnScene(load_scene("vibrating_ring"), TABLE.cases, PAPER),
+    tables=[ROWS, Table("", "", ERRORS, _errors)],
     conclusions=make_conclusions,
-    ratios=make_ratios,
-    tables=make_tables,
+    pictures=make_figures,
+    ratios=TABLE.ratios,
     not_in_quick_report="the kernels of closed cables, in both curvature measures, take long to compile",
 )

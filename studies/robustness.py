@@ -30,14 +30,14 @@ from typing import Any
 import numpy as np
 from tqdm import tqdm
 
-from exudyn_inext import ExplicitSettings, SolveExplicit
-from exudyn_inext.errors import InextensibleError
-from exudyn_inext.integrators.step_size import choose_step
+from exudyn_inext import ExplicitSettings, InextensibleError, SolveExplicit
 from reference_models.model import quiet_settings, silence
 from reference_models.trajectory import Array
 
-from .harness.benchmark import Benchmark, Figures, Table
-from .harness.study import Row
+from .harness.inner import choose_step
+from .harness.store import Row
+from .harness.study import Order, Results, Study
+from .harness.table import Table, column, groups
 from .harness.verdict import verdict
 from .robust.scenes import Rope, build, build_native, lone_rope, mixed_rope, moved
 
@@ -49,9 +49,9 @@ JUMP = 0.5  # of the velocity that counts as a snap
 SLOW_START = 5  # output periods after which a jump can be told
 
 
-def measure(quick: bool) -> list[Row]:
+def measure(order: Order) -> list[Row]:
     """One row for each scene."""
-    return rows_of(range(8), range(4), 2) if quick else rows_of(range(LONE), range(MIXED), NATIVE)
+    return rows_of(range(8), range(4), 2) if order.quick else rows_of(range(LONE), range(MIXED), NATIVE)
 
 
 def rows_of(lone: Iterable[int], mixed: Iterable[int], native: int) -> list[Row]:
@@ -143,25 +143,25 @@ def periods_before_snap(path: Array) -> int:
     return int(jumps[0]) + SLOW_START + 1 if len(jumps) else len(path)
 
 
-def _summary(figures: Figures) -> list[Row]:
+def _summary(results: Results) -> list[Row]:
     """One row for each kind of scene."""
     rows = []
-    groups = dict.fromkeys((row["kind"], row["partner"]) for row in figures.rows)
-    for kind, partner in groups:
-        group = [row for row in figures.rows if (row["kind"], row["partner"]) == (kind, partner)]
-        errors = [row["errorBeforeSnap"] for row in group if "errorBeforeSnap" in row]
-        rows.append(
-            {
-                "kind": kind,
-                "partner": partner,
-                "number": len(group),
-                "failures": sum(bool(row["failure"]) for row in group),
-                "accurate": _share(errors),
-                "median": float(np.median(errors)) if errors else None,
-                "cpuMedian": float(np.median([row["cpuSeconds"] for row in group])),
-                "cpuLargest": max(row["cpuSeconds"] for row in group),
-            }
-        )
+    for kind, of_kind in groups(results.rows, "kind").items():
+        for partner, group in groups(of_kind, "partner").items():
+            errors = column([row for row in group if "errorBeforeSnap" in row], "errorBeforeSnap")
+            seconds = column(group, "cpuSeconds")
+            rows.append(
+                {
+                    "kind": kind,
+                    "partner": partner,
+                    "number": len(group),
+                    "failures": len(_failed(group)),
+                    "accurate": _share(errors),
+                    "median": float(np.median(errors)) if errors else None,
+                    "cpuMedian": float(np.median(seconds)),
+                    "cpuLargest": max(seconds),
+                }
+            )
     return rows
 
 
@@ -169,61 +169,54 @@ def _share(errors: list[float]) -> float | None:
     return float(np.mean([error < ACCURATE for error in errors])) if errors else None
 
 
-def _failures(figures: Figures) -> list[Row]:
-    return [row for row in figures.rows if row["failure"]]
+def _failed(rows: Iterable[Row]) -> list[Row]:
+    return [row for row in rows if row["failure"]]
 
 
-def conclude(figures: Figures) -> list[str]:
+def conclude(results: Results) -> list[str]:
     """Failures, accuracy, cost."""
-    own, native = figures.of_kind("own"), figures.of_kind("native")
-    failures = sum(bool(row["failure"]) for row in own)
-    share = _share([row["errorBeforeSnap"] for row in own if not row["failure"]]) or 0.0
-    far = 1.0 - share
+    own, native = results.of_kind("own"), results.of_kind("native")
+    failures, seconds = len(_failed(own)), sum(column(own, "cpuSeconds"))
+    share = _share(column([row for row in own if not row["failure"]], "errorBeforeSnap")) or 0.0
     said = [
         f"{failures} of {len(own)} runs at default settings did not end: {verdict(failures == 0)}.",
         f"{share:.1%} of them lie within {ACCURATE:.0%} of the motion of a run with a quarter of the step, "
-        f"before the first snap (bar {SHARE:.0%}): {verdict(far <= 1.0 - SHARE)}.",
-        f"All of them took {sum(row['cpuSeconds'] for row in own):.3g} s of CPU time.",
+        f"before the first snap (bar {SHARE:.0%}): {verdict(1.0 - share <= 1.0 - SHARE)}.",
+        f"All of them took {seconds:.3g} s of CPU time.",
     ]
     if native:
-        seeds = {row["seed"] for row in native}
+        seeds = set(column(native, "seed"))
         beside = sum(row["cpuSeconds"] for row in own if row["partner"] == "lone" and row["seed"] in seeds)
-        lost = sum(bool(row["failure"]) for row in native)
-        taken = sum(row["cpuSeconds"] for row in native)
+        taken = sum(column(native, "cpuSeconds"))
         said.append(
-            f"Native cables with generalized-alpha at h = {NATIVE_STEP:g} s did not end in {lost} of the "
-            f"first {len(native)} lone ropes, and took {taken / beside:.0f} times the CPU time there."
+            f"Native cables with generalized-alpha at h = {NATIVE_STEP:g} s did not end in "
+            f"{len(_failed(native))} of the first {len(native)} lone ropes, and took {taken / beside:.0f} "
+            "times the CPU time there."
         )
     return said
 
 
-STUDY = Benchmark(
+TABLES = (
+    Table(
+        "own",
+        "Random scenes over 1.5 s:",
+        "solver: kind | scenes: partner | number | failures | share within 1 %: accurate | "
+        "median error: median | CPU, median [s]: cpuMedian | CPU, largest [s]: cpuLargest",
+        _summary,
+    ),
+    Table(
+        "own",
+        "Runs that did not end:",
+        "solver: kind | scene: partner | seed | N: elements | why: failure",
+        lambda results: _failed(results.rows),
+    ),
+)
+
+STUDY = Study(
     name="robustness",
     question="Does every run end at default settings, how accurate is it, and what does it cost?",
     measure=measure,
-    tables=(
-        Table(
-            "own",
-            "Random scenes over 1.5 s:",
-            {
-                "solver": "kind",
-                "scenes": "partner",
-                "number": "number",
-                "failures": "failures",
-                "share within 1 %": "accurate",
-                "median error": "median",
-                "CPU, median [s]": "cpuMedian",
-                "CPU, largest [s]": "cpuLargest",
-            },
-            _summary,
-        ),
-        Table(
-            "own",
-            "Runs that did not end:",
-            {"solver": "kind", "scene": "partner", "seed": "seed", "N": "elements", "why": "failure"},
-            _failures,
-        ),
-    ),
+    tables=TABLES,
     conclusions=conclude,
 )
 
@@ -235,10 +228,10 @@ def main() -> None:
         parser.add_argument(f"--{name}", type=int, default=number)
     given = parser.parse_args()
     lone, mixed = (range(given.first, given.first + number) for number in (given.lone, given.mixed))
-    figures = Figures(False, rows_of(lone, mixed, given.native))
-    for row in [*_summary(figures), *_failures(figures)]:
+    results = Results(False, rows_of(lone, mixed, given.native))
+    for row in [*_summary(results), *_failed(results.rows)]:
         print(row)
-    print("\n".join(conclude(figures)))
+    print("\n".join(conclude(results)))
 
 
 if __name__ == "__main__":

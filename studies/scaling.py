@@ -27,20 +27,20 @@ from dataclasses import replace
 from pathlib import Path
 
 from exudyn_inext import ExplicitSettings, ExplicitStepper
-from exudyn_inext.chain.records import element_type, node_type
 from reference_models.inextensible import build
 from reference_models.scenes import Scene, load_scene
 
-from .harness.benchmark import Benchmark, Figures, Table
-from .harness.interleaved import Task, medians, seconds_per_time
+from .harness.cases import stepper_case
+from .harness.inner import element_type, node_type
 from .harness.memory import memory_of
-from .harness.plot import COLORS, label_axes, new_figure
+from .harness.plot import COLORS, Curve, Panel, chart
 from .harness.reference import from_data
-from .harness.rows import make_row
-from .harness.stepper_case import stepper_case
-from .harness.study import Row
+from .harness.store import Row
+from .harness.study import Order, Results, Study
+from .harness.table import Table, column, groups, largest
+from .harness.timing import Task, medians, seconds_per_time
 from .harness.timing import measure as measure_cases
-from .harness.verdict import at_most, verdict
+from .harness.verdict import judged
 
 PLANAR = load_scene("planar_pendulum")
 RING = replace(load_scene("vibrating_ring"), loads=())
@@ -53,33 +53,32 @@ RESTART = 3.0  # [s]
 THETA = 0.3
 LONG = 100_000
 SPREAD, MEMORY, ERROR = 1.25, 1e9, 1e-3  # the bars
+WORDS = ("bar kept", "bar MISSED")
 MICRO = 1e6
 
 
-def measure(quick: bool) -> list[Row]:
+def measure(order: Order) -> list[Row]:
     """Cost, memory and accuracy."""
+    rows = [row for chain in CHAINS for name in INTEGRATORS for row in _costs(chain, name, order.quick)]
+    size = (10_000, 5) if order.quick else (LONG, 20)
+    return rows + [_memory_row(chain, *size) for chain in ("2D", "3D")] + _accuracy_rows(order.quick)
+
+
+def _costs(chain: str, integrator: str, quick: bool) -> list[Row]:
     numbers = (20, 200, 2000) if quick else NUMBERS
     repeats, seconds = (3, 5e-3) if quick else (9, 5e-2)
-    rows = [row for chain in CHAINS for row in _measure_cost(chain, numbers, repeats, seconds)]
-    return rows + _measure_memory(quick) + _measure_accuracy(quick)
-
-
-def _measure_cost(chain: str, numbers: Sequence[int], repeats: int, seconds: float) -> list[Row]:
-    rows = []
-    for integrator in INTEGRATORS:
-        tasks = {str(elements): _steps(CHAINS[chain], elements, integrator) for elements in numbers}
-        time = medians(seconds_per_time(tasks, repeats, seconds, f"{chain}, {integrator}"))
-        rows += [
-            {
-                "kind": "cost",
-                "label": f"{chain}, {integrator}",
-                "elements": elements,
-                "microseconds": MICRO * time[str(elements)] / elements,
-                "megabytes": elements * _bytes(CHAINS[chain], integrator) / 1e6,
-            }
-            for elements in numbers
-        ]
-    return rows
+    tasks = {str(elements): _steps(CHAINS[chain], elements, integrator) for elements in numbers}
+    time = medians(seconds_per_time(tasks, repeats, seconds, f"{chain}, {integrator}"))
+    return [
+        {
+            "kind": "cost",
+            "label": f"{chain}, {integrator}",
+            "elements": elements,
+            "microseconds": MICRO * time[str(elements)] / elements,
+            "megabytes": elements * _bytes(CHAINS[chain], integrator) / 1e6,
+        }
+        for elements in numbers
+    ]
 
 
 def _steps(scene: Scene, elements: int, integrator: str) -> Task:
@@ -108,27 +107,20 @@ def _bytes(scene: Scene, integrator: str) -> int:
     return int(node_type(dim).itemsize + element_type(dim, product=False).itemsize + arrays * 2 * dim * 8)
 
 
-def _measure_memory(quick: bool) -> list[Row]:
-    elements, steps = (10_000, 5) if quick else (LONG, 20)
-    rows = []
-    for chain in ("2D", "3D"):
-        row = memory_of(CHAINS[chain].name, elements, steps)
-        rows.append(
-            {
-                "kind": "memory",
-                "label": f"{chain}, RATTLE",
-                "elements": elements,
-                "librariesMegabytes": row["libraries"] / 1e6,
-                "modelMegabytes": row["model"] / 1e6,
-                "peakMegabytes": row["peak"] / 1e6,
-                "startSeconds": row["startSeconds"],
-                "microseconds": MICRO * row["stepSeconds"] / elements,
-            }
-        )
-    return rows
+def _memory_row(chain: str, elements: int, steps: int) -> Row:
+    found = memory_of(CHAINS[chain].name, elements, steps)
+    megabytes = {f"{what}Megabytes": found[what] / 1e6 for what in ("libraries", "model", "peak")}
+    return {
+        "kind": "memory",
+        "label": f"{chain}, RATTLE",
+        "elements": elements,
+        **megabytes,
+        "startSeconds": found["startSeconds"],
+        "microseconds": MICRO * found["stepSeconds"] / elements,
+    }
 
 
-def _measure_accuracy(quick: bool) -> list[Row]:
+def _accuracy_rows(quick: bool) -> list[Row]:
     scene = replace(PLANAR, end_time=0.5) if quick else PLANAR
     numbers = (10, 100) if quick else (10, 100, 1000, 5000)
     cases = [
@@ -136,9 +128,8 @@ def _measure_accuracy(quick: bool) -> list[Row]:
         for integrator in INTEGRATORS
         for elements in numbers
     ]
-    reference = from_data(PLANAR).trajectory
-    rows = [make_row(measurement, reference) for measurement in measure_cases(cases, 2 if quick else 5)]
-    return [{"kind": "accuracy", "motion": scene.end_time} | row | _speed(row, scene) for row in rows]
+    found = measure_cases(cases, 2 if quick else 5, from_data(PLANAR).trajectory, "accuracy")
+    return [{"kind": "accuracy", "motion": scene.end_time} | row | _speed(row, scene) for row, _ in found]
 
 
 def _speed(row: Row, scene: Scene) -> Row:
@@ -151,24 +142,33 @@ def _speed(row: Row, scene: Scene) -> Row:
     }
 
 
-def conclude(figures: Figures) -> list[str]:
+def conclude(results: Results) -> list[str]:
     """Whether the bars are kept."""
-    return [
-        *(_spread(label, rows, figures.noise) for label, rows in _series(figures).items()),
-        *(
-            f"{row['elements']} elements, {row['label']}: {row['peakMegabytes']:.0f} MB at most, "
-            f"{row['librariesMegabytes']:.0f} MB of them libraries "
-            f"({_verdict(row['peakMegabytes'] <= 1e-6 * MEMORY)})."
-            for row in figures.of_kind("memory")
-        ),
-        *(_beyond_caches(row, figures) for row in figures.of_kind("memory")),
-        *(_accuracy(row) for row in figures.of_kind("accuracy")),
-    ]
+    series, memory = groups(results.of_kind("cost"), "label"), results.of_kind("memory")
+    sentences = [_spread(rows, results.noise) for rows in series.values()]
+    for row in memory:
+        found = judged(row["peakMegabytes"], 1e-6 * MEMORY, 1.0, *WORDS)
+        sentences.append(
+            "{elements} elements, {label}: {peakMegabytes:.0f} MB at most, {librariesMegabytes:.0f} MB of "
+            "them libraries ({found}).".format_map(row | {"found": found})
+        )
+    sentences += [_beyond_caches(row, series[row["label"]][-1]) for row in memory]
+    return sentences + [_accuracy(row) for row in results.of_kind("accuracy")]
 
 
-def _beyond_caches(row: Row, figures: Figures) -> str:
+def _spread(rows: Sequence[Row], noise: float) -> str:
+    most, least = largest(rows, "microseconds"), min(rows, key=lambda row: row["microseconds"])
+    ratio = most["microseconds"] / least["microseconds"]
+    return (
+        "{label}: {microseconds:.3f} us per element and step (N = {elements}) to ".format_map(least)
+        + "{microseconds:.3f} us (N = {elements}), a factor of ".format_map(most)
+        + f"{ratio:.2f} ({judged(ratio, SPREAD, noise, *WORDS)}); "
+        f"{1e6 * rows[-1]['megabytes'] / rows[-1]['elements']:.0f} bytes an element."
+    )
+
+
+def _beyond_caches(row: Row, longest: Row) -> str:
     """How much dearer an element is where a step goes through more memory than the caches hold."""
-    longest = _series(figures)[row["label"]][-1]
     ratio = row["microseconds"] / longest["microseconds"]
     megabytes = longest["megabytes"] * row["elements"] / longest["elements"]
     return (
@@ -177,90 +177,55 @@ def _beyond_caches(row: Row, figures: Figures) -> str:
     )
 
 
-def _verdict(is_kept: bool | None) -> str:
-    return verdict(is_kept, "bar kept", "bar MISSED")
-
-
-def _series(figures: Figures) -> dict[str, list[Row]]:
-    """Label -> its rows of cost."""
-    rows = figures.of_kind("cost")
-    return {
-        label: [r for r in rows if r["label"] == label] for label in dict.fromkeys(r["label"] for r in rows)
-    }
-
-
-def _spread(label: str, rows: Sequence[Row], noise: float) -> str:
-    least, most = (pick(rows, key=lambda row: row["microseconds"]) for pick in (min, max))
-    ratio = most["microseconds"] / least["microseconds"]
-    return (
-        f"{label}: {least['microseconds']:.3f} us per element and step (N = {least['elements']}) to "
-        f"{most['microseconds']:.3f} us (N = {most['elements']}), a factor of {ratio:.2f} "
-        f"({_verdict(at_most(ratio, SPREAD, noise))}); "
-        f"{1e6 * rows[-1]['megabytes'] / rows[-1]['elements']:.0f} bytes an element."
-    )
-
-
 def _accuracy(row: Row) -> str:
     if row["errorMax"] is None:
         return f"{row['label']}: {row['status']}."
     return (
-        f"{row['label']}, h = {row['stepSize']:g} s: {row['errorMax']:.1e} m off over {row['motion']:g} s "
-        f"({_verdict(row['errorMax'] <= ERROR)}), {row['realTime']:.3g} times real time."
+        "{label}, h = {stepSize:g} s: {errorMax:.1e} m off over {motion:g} s ({found}), {realTime:.3g} "
+        "times real time.".format_map(row | {"found": judged(row["errorMax"], ERROR, 1.0, *WORDS)})
     )
 
 
-def draw(figures: Figures, directory: Path) -> list[Path]:
+def draw(results: Results, directory: Path) -> list[Path]:
     """Cost per element over N."""
-    path = directory / "scaling_cost.png"
-    with new_figure(path, 8.0, 4.6) as figure:
-        axes = figure.subplots()
-        for (label, rows), color in zip(_series(figures).items(), COLORS, strict=False):
-            numbers = [row["elements"] for row in rows]
-            style = "o-" if "RATTLE" in label else "s--"
-            axes.semilogx(numbers, [row["microseconds"] for row in rows], style, color=color, label=label)
-        axes.set_ylim(bottom=0.0)
-        label_axes(axes, "elements N [-]", "CPU time per element and step [us]")
-        figure.legend(loc="outside upper left", ncols=3)
-    return [path]
+    series = groups(results.of_kind("cost"), "label").items()
+    curves = [
+        Curve(column(rows, "elements"), column(rows, "microseconds"), label, color, style)
+        for (label, rows), color in zip(series, COLORS, strict=False)
+        for style in ["o-" if "RATTLE" in label else "s--"]
+    ]
+    cost = "CPU time per element and step [us]"
+    panel = Panel("elements N [-]", cost, curves, "semilogx", legend=False, horizontal=(0.0,))
+    return [chart(directory / "scaling_cost.png", panel, columns=3)]
 
 
-COST_COLUMNS = {
-    "chain": "label",
-    "N": "elements",
-    "us/(N step)": "microseconds",
-    "memory of a step [MB]": "megabytes",
-}
-MEMORY_COLUMNS = {
-    "chain": "label",
-    "N": "elements",
-    "libraries [MB]": "librariesMegabytes",
-    "with model [MB]": "modelMegabytes",
-    "peak [MB]": "peakMegabytes",
-    "start [s]": "startSeconds",
-    "us/(N step)": "microseconds",
-}
-ACCURACY_COLUMNS = {
-    "run": "label",
-    "N": "elements",
-    "motion [s]": "motion",
-    "CPU [s]": "cpuSeconds",
-    "us/(N step)": "microseconds",
-    "times real time": "realTime",
-    "error max [m]": "errorMax",
-    "error rms [m]": "errorRms",
-}
+TABLES = (
+    Table(
+        "cost",
+        "CPU time per element and step, and the memory that a step goes through:",
+        "chain: label | N: elements | us/(N step): microseconds | memory of a step [MB]: megabytes",
+    ),
+    Table(
+        "memory",
+        "Resident memory of a long cable:",
+        "chain: label | N: elements | libraries [MB]: librariesMegabytes | "
+        "with model [MB]: modelMegabytes | peak [MB]: peakMegabytes | start [s]: startSeconds | "
+        "us/(N step): microseconds",
+    ),
+    Table(
+        "accuracy",
+        "Planar pendulum with mass scaling 0.3 at h = 2e-3 s:",
+        "run: label | N: elements | motion [s]: motion | CPU [s]: cpuSeconds | "
+        "us/(N step): microseconds | times real time: realTime | error max [m]: errorMax | "
+        "error rms [m]: errorRms",
+    ),
+)
 
-STUDY = Benchmark(
+STUDY = Study(
     name="scaling",
     question="Does an element cost the same in short and in very long cables?",
     measure=measure,
-    tables=(
-        Table(
-            "cost", "CPU time per element and step, and the memory that a step goes through:", COST_COLUMNS
-        ),
-        Table("memory", "Resident memory of a long cable:", MEMORY_COLUMNS),
-        Table("accuracy", "Planar pendulum with mass scaling 0.3 at h = 2e-3 s:", ACCURACY_COLUMNS),
-    ),
+    tables=TABLES,
     conclusions=conclude,
     pictures=draw,
 )

@@ -22,22 +22,21 @@ What is left out
 """
 
 import statistics
-import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
-
-from tqdm import tqdm
 
 from exudyn_inext import ExplicitSettings, SolveExplicit
 from reference_models.model import quiet_settings, silence
 
-from .harness.benchmark import Benchmark, Figures, Table
 from .harness.joined_scenes import Contents, joined_scene
-from .harness.plot import COLORS, label_axes, new_figure
-from .harness.study import Row
-from .harness.timing import garbage_collection_off
-from .harness.verdict import at_most, verdict
+from .harness.plot import COLORS, Curve, Panel, chart
+from .harness.store import Row
+from .harness.study import Order, Results, Study
+from .harness.table import Table, column, groups
+from .harness.timing import in_turn
+from .harness.verdict import judged
 
 STEP = 5e-4
 SETTINGS = ExplicitSettings("RATTLE", stepSize=STEP, massScaling=0.3)
@@ -47,7 +46,7 @@ NUMBERS = (1, 2, 4, 8)
 ELEMENTS = (10, 20, 50, 100, 200)
 MICRO, MILLI = 1e6, 1e3
 
-# series -> its scenes; the first and the largest are enough for a quick run
+# series -> its scenes; the first two are enough for a quick run
 SERIES = {
     "elements, cable alone": [Contents(elements=n) for n in ELEMENTS],
     "elements, watched": [Contents(elements=n, watched=True) for n in ELEMENTS],
@@ -61,23 +60,22 @@ SERIES = {
 }
 
 
-def measure(quick: bool) -> list[Row]:
+def measure(order: Order) -> list[Row]:
     """One row for each scene."""
     cases = [
         (name, contents)
         for name, scenes in SERIES.items()
-        for contents in ((scenes[0], scenes[1]) if quick else scenes)
+        for contents in scenes[: 2 if order.quick else None]
     ]
-    rounds = 1 if quick else 7
-    samples: list[list[tuple[float, ...]]] = [[] for _ in cases]
-    paths = [_run(contents, SHORT)[1] for _, contents in cases]
-    for _ in tqdm(range(rounds), desc="scene_cost", unit="round"):
-        with garbage_collection_off():
-            for (_, contents), taken in zip(cases, samples, strict=True):
-                taken.append(tuple(_run(contents, steps)[0] for steps in _lengths(contents)))
+    runs = {
+        f"{name}, {contents}, {steps}": partial(_prepare, contents, steps)
+        for name, contents in cases
+        for steps in _lengths(contents)
+    }
+    found = list(in_turn(runs, 1 if order.quick else 7, "scene_cost").values())
     return [
-        _row(name, contents, path, taken)
-        for (name, contents), path, taken in zip(cases, paths, samples, strict=True)
+        _row(*case, few.found, list(zip(few.cpu_seconds, many.cpu_seconds, strict=True)))
+        for case, few, many in zip(cases, found[::2], found[1::2], strict=True)
     ]
 
 
@@ -87,38 +85,32 @@ def _lengths(contents: Contents) -> tuple[int, int]:
     return (SHORT, LONG) if joined else (CHEAP * SHORT, CHEAP * LONG)
 
 
-def _run(contents: Contents, steps: int) -> tuple[float, str]:
-    """CPU seconds of a run of so many steps, and the path that it took."""
+def _prepare(contents: Contents, steps: int) -> Callable[[], str]:
+    """A run of so many steps; it returns the path that it took."""
     mbs = joined_scene(contents)
     settings = quiet_settings(steps * STEP, steps if contents.watched else 1)
-    start = time.process_time()
-    with silence():
-        report = SolveExplicit(mbs, settings, SETTINGS)
-    return time.process_time() - start, report["path"]
+
+    def run() -> str:
+        with silence():
+            return str(SolveExplicit(mbs, settings, SETTINGS)["path"])
+
+    return run
 
 
 def _row(name: str, contents: Contents, path: str, taken: Sequence[tuple[float, ...]]) -> Row:
+    """taken: CPU seconds of the short and of the long run, round by round."""
     few, many = _lengths(contents)
     step = statistics.median((long - short) / (many - few) for short, long in taken)
     start = statistics.median(short for short, _ in taken) - few * step
+    parts = ("cables", "elements", "springs", "points", "bodies", "joints")
     return {
         "kind": "cost",
         "label": name,
-        "cables": contents.cables,
-        "elements": contents.elements,
-        "springs": contents.springs,
-        "points": contents.points,
-        "bodies": contents.bodies,
-        "joints": contents.joints,
+        **{part: getattr(contents, part) for part in parts},
         "microseconds": MICRO * step,
         "startMilliseconds": MILLI * start,
         "path": path.split(": ", 1)[1].split(", as mbs contains")[0],
     }
-
-
-def _series(figures: Figures) -> dict[str, list[Row]]:
-    rows = figures.of_kind("cost")
-    return {name: [r for r in rows if r["label"] == name] for name in dict.fromkeys(r["label"] for r in rows)}
 
 
 def _size(row: Row) -> int:
@@ -128,9 +120,9 @@ def _size(row: Row) -> int:
     return int(max(row["cables"], row["springs"], row["points"], row["bodies"]))
 
 
-def conclude(figures: Figures) -> list[str]:
+def conclude(results: Results) -> list[str]:
     """Overhead of the coupled path, and how costs grow."""
-    series = _series(figures)
+    series = groups(results.of_kind("cost"), "label")
     alone = {row["elements"]: row["microseconds"] for row in series["elements, cable alone"]}
     sentences = [
         f"{name.removeprefix('elements, ').capitalize()}, N = {row['elements']}: "
@@ -139,66 +131,51 @@ def conclude(figures: Figures) -> list[str]:
         for name in ("elements, watched", "elements, with a spring", "elements, with a body")
         for row in (series[name][0], series[name][-1])
     ]
-    return sentences + [_growth(name, rows, figures.noise) for name, rows in series.items()]
+    return sentences + [_growth(name, rows, results.noise) for name, rows in series.items()]
 
 
 def _growth(name: str, rows: Sequence[Row], noise: float) -> str:
     """Cost of one more: over the smaller and over the larger half of the range."""
-    sizes, costs = [_size(row) for row in rows], [row["microseconds"] for row in rows]
+    sizes, costs = [_size(row) for row in rows], column(rows, "microseconds")
     middle = len(rows) // 2
-    total = (costs[-1] - costs[0]) / (sizes[-1] - sizes[0])
+
+    def one_more(start: int, end: int) -> float:
+        return float((costs[end] - costs[start]) / (sizes[end] - sizes[start]))
+
     if middle in (0, len(rows) - 1):
-        return f"{name}: {total:.3g} us for one more."
-    first = (costs[middle] - costs[0]) / (sizes[middle] - sizes[0])
-    second = (costs[-1] - costs[middle]) / (sizes[-1] - sizes[middle])
-    is_linear = at_most(second, 1.5 * first, noise)
+        return f"{name}: {one_more(0, -1):.3g} us for one more."
+    first, second = one_more(0, middle), one_more(middle, -1)
     return (
         f"{name}: {first:.3g} us for one more from {sizes[0]} to {sizes[middle]}, {second:.3g} us from "
-        f"{sizes[middle]} to {sizes[-1]} ({verdict(is_linear, 'linear', 'NOT linear')})."
+        f"{sizes[middle]} to {sizes[-1]} ({judged(second, 1.5 * first, noise, 'linear', 'NOT linear')})."
     )
 
 
-def draw(figures: Figures, directory: Path) -> list[Path]:
+def draw(results: Results, directory: Path) -> list[Path]:
     """Cost of a step over the size of the scene."""
-    path = directory / "scene_cost_step.png"
-    with new_figure(path, 10.0, 4.6) as figure:
-        by_elements, by_number = figure.subplots(1, 2)
-        drawn: dict[Any, int] = {by_elements: 0, by_number: 0}
-        for name, rows in _series(figures).items():
-            axes = by_elements if name.startswith("elements") else by_number
-            values = [row["microseconds"] for row in rows]
-            label = name.removeprefix("elements, ")
-            axes.loglog([_size(r) for r in rows], values, "o-", color=COLORS[drawn[axes]], label=label)
-            drawn[axes] += 1
-        label_axes(by_elements, "elements of a cable [-]", "CPU time of a step [us]")
-        label_axes(by_number, "cables, springs, points or bodies [-]", "CPU time of a step [us]")
-        by_elements.legend()
-        by_number.legend()
-    return [path]
+    curves: dict[bool, list[Any]] = {True: [], False: []}
+    for name, rows in groups(results.of_kind("cost"), "label").items():
+        own = curves[name.startswith("elements")]
+        sizes, costs = [_size(row) for row in rows], column(rows, "microseconds")
+        own.append(Curve(sizes, costs, name.removeprefix("elements, "), COLORS[len(own)]))
+    cost = "CPU time of a step [us]"
+    by_elements = Panel("elements of a cable [-]", cost, curves[True])
+    by_number = Panel("cables, springs, points or bodies [-]", cost, curves[False])
+    return [chart(directory / "scene_cost_step.png", by_elements, by_number, width=10.0)]
 
 
-STUDY = Benchmark(
+TABLE = Table(
+    "cost",
+    "CPU time of a step and of the start:",
+    "series: label | cables | elements | springs | points | bodies | joints | "
+    "us a step: microseconds | start [ms]: startMilliseconds | path",
+)
+
+STUDY = Study(
     name="scene_cost",
     question="What does a step cost, by what the scene contains, and which path does it take?",
     measure=measure,
-    tables=(
-        Table(
-            "cost",
-            "CPU time of a step and of the start:",
-            {
-                "series": "label",
-                "cables": "cables",
-                "elements": "elements",
-                "springs": "springs",
-                "points": "points",
-                "bodies": "bodies",
-                "joints": "joints",
-                "us a step": "microseconds",
-                "start [ms]": "startMilliseconds",
-                "path": "path",
-            },
-        ),
-    ),
+    tables=[TABLE],
     conclusions=conclude,
     pictures=draw,
 )

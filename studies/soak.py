@@ -31,18 +31,16 @@ import numpy as np
 from tqdm import tqdm
 
 from exudyn_inext import CreateInextensibleCable, ExplicitSettings, ExplicitStepper, InextensibleCable
-from exudyn_inext.chain.cable import Cable
-from exudyn_inext.exudyn_binding.scene import read_cables
-from exudyn_inext.loads.gravity import gravity_force
-from exudyn_inext.statics.potential import Potential
 from reference_models.scenes import load_scene
-from reference_models.trajectory import Array
 
-from .harness.benchmark import Benchmark, Figures, Table
-from .harness.dropped_scenes import KINDS, memory_of_scenes
-from .harness.plot import COLORS, REFERENCE_COLOR, label_axes, new_figure
-from .harness.study import Row
-from .harness.verdict import at_most, verdict
+from .harness import inner
+from .harness.memory import KINDS, memory_of_scenes
+from .harness.plot import COLORS, REFERENCE_COLOR, Curve, Panel, chart
+from .harness.store import Row
+from .harness.study import Order, Results, Study
+from .harness.table import Table
+from .harness.verdict import judged
+from .stability.motion import Invariants
 
 SCENE = load_scene("planar_pendulum")
 GRAVITY = [0.0, -9.81]
@@ -55,14 +53,14 @@ QUICK = ("joined to bodies", "penaltyMass, native RK44", "control: penaltyMass, 
 POINTS = 500  # of a curve that is stored
 
 
-def measure(quick: bool) -> list[Row]:
+def measure(order: Order) -> list[Row]:
     """One row for each long run and each kind of scene."""
-    steps, scenes, warm_up = (20_000, 6, 3) if quick else (STEPS, SCENES, WARM_UP)
+    steps, scenes, warm_up = (20_000, 6, 3) if order.quick else (STEPS, SCENES, WARM_UP)
     rows = [
         watched_run("undamped", 0.0, steps),
         watched_run("control, slightly damped", CONTROL, steps // 10),
     ]
-    for kind in tqdm(QUICK if quick else KINDS, desc="soak", unit="kind"):
+    for kind in tqdm(QUICK if order.quick else KINDS, desc="soak", unit="kind"):
         rows.append(memory_row(kind, memory_of_scenes(kind, warm_up + scenes), warm_up))
     return rows
 
@@ -85,54 +83,30 @@ def _pendulum(damping: float) -> tuple[Any, Any]:
     return mbs, container
 
 
-class _Watch:
-    """Energies [J] and violations of a cable, look by look."""
-
-    def __init__(self, cable: Cable) -> None:
-        self._potential = Potential(cable, gravity_force(cable, np.array(GRAVITY)), 0.0)
-        self.kinetic: list[float] = []
-        self.total: list[float] = []
-        self.violation, self.rate = 0.0, 0.0
-
-    def look(self, q: Array, v: Array) -> None:
-        speed = v.ravel()
-        self.kinetic.append(0.5 * float(speed @ (self._potential.mass @ speed)))
-        self.total.append(self.kinetic[-1] + self._potential.energy(q))
-        self.violation = _larger(self.violation, self._potential.values(q))
-        self.rate = _larger(self.rate, self._potential.jacobian(q) @ speed)
-
-    @property
-    def energy(self) -> Array:
-        """Change since the first look, over the swing: the largest kinetic energy."""
-        total = np.array(self.total)
-        change: Array = (total - total[0]) / max(self.kinetic)
-        return change
-
-
-def _larger(worst: float, values: Array) -> float:
-    """Also what is no number counts."""
-    largest = float(np.abs(values).max(initial=0.0))
-    return largest if not largest <= worst else worst
-
-
 def watched_run(label: str, damping: float, steps: int) -> Row:
-    """So many steps of the pendulum with that bending damping [N m^2 s], and what the watch saw."""
+    """So many steps of the pendulum with that bending damping [N m^2 s], looked at after each call."""
     mbs, _container = _pendulum(damping)
-    (in_scene,) = read_cables(mbs, "soak")
-    watch = _Watch(in_scene.cable)
+    (in_scene,) = inner.read_cables(mbs, "soak")
+    cable = in_scene.cable
+    invariants = Invariants(cable, inner.gravity_force(cable, np.array(GRAVITY)))
     stepper = ExplicitStepper(mbs, ExplicitSettings("RATTLE", stepSize=STEP))
+    looks = []
+
+    def look() -> None:
+        q, v, _ = stepper.State()
+        energies = invariants.kinetic(v), invariants.energy(q, v)
+        looks.append((*energies, invariants.violation(q), invariants.rate(q, v)))
+
     stepper.Start()
-    q, v, _ = stepper.State()
-    watch.look(q, v)
+    look()
     call = min(CALL, steps // 20)
     seconds = time.process_time()
     for _ in tqdm(range(steps // call), desc=label, unit="call", mininterval=5.0):
         stepper.Step(call)
-        q, v, _ = stepper.State()
-        watch.look(q, v)
-    energy = watch.energy
-    tenth = len(energy) // 10
-    every = max(1, len(energy) // POINTS)
+        look()
+    kinetic, total, violations, rates = np.array(looks).T
+    energy = (total - total[0]) / kinetic.max()  # over the swing
+    tenth, every = len(energy) // 10, max(1, len(energy) // POINTS)
     return {
         "kind": "run",
         "label": label,
@@ -141,8 +115,8 @@ def watched_run(label: str, damping: float, steps: int) -> Row:
         "cpuSeconds": time.process_time() - seconds,
         "range": float(np.ptp(energy)),
         "drift": float(energy[-tenth:].mean() - energy[:tenth].mean()),
-        "violation": watch.violation,
-        "rate": watch.rate,
+        "violation": float(violations.max()),
+        "rate": float(rates.max()),
         "times": (STEP * call * np.arange(len(energy)))[::every].tolist(),
         "energies": energy[::every].tolist(),
     }
@@ -170,24 +144,28 @@ def drifts(row: Row) -> bool:
     return not abs(row["drift"]) <= DRIFT * row["range"]
 
 
-def conclude(figures: Figures) -> list[str]:
+def conclude(results: Results) -> list[str]:
     """Drift, violations, memory, each against its limit."""
     sentences = []
-    for row in figures.of_kind("run"):
+    for row in results.of_kind("run"):
+        found = {
+            "drifts": _drift(row, results.quick),
+            "side": "within" if row["violation"] <= VIOLATION else "ABOVE",
+        }
         sentences += [
-            f"{row['label']}: over {row['steps']:,} steps ({row['hours']:.2g} h of motion) the energy "
-            f"varies by {row['range']:.1e} of the swing, and its mean "
-            f"{_drift(row, figures.quick)} ({row['drift']:.1e}).",
-            f"{row['label']}: the largest violation of a constraint is {row['violation']:.1e}, of its rate "
-            f"{row['rate']:.1e} ({'within' if row['violation'] <= VIOLATION else 'ABOVE'} {VIOLATION:g}).",
+            "{label}: over {steps:,} steps ({hours:.2g} h of motion) the energy varies by {range:.1e} of the "
+            "swing, and its mean {drifts} ({drift:.1e}).".format_map(row | found),
+            "{label}: the largest violation of a constraint is {violation:.1e}, of its rate {rate:.1e} "
+            "({side} ".format_map(row | found)
+            + f"{VIOLATION:g}).",
         ]
-    for row in figures.of_kind("memory"):
-        sentences.append(
-            f"{row['label']}: memory {_growth(row, figures)} over {row['scenes']} scenes, "
-            f"{row['firstMegabytes']:.1f} MB to {row['lastMegabytes']:.1f} MB "
-            f"({row['growthPercent']:+.2f} %, {row['kilobytesAScene']:.1f} kB a scene)."
+    return sentences + [
+        "{label}: memory {grows} over {scenes} scenes, {firstMegabytes:.1f} MB to {lastMegabytes:.1f} MB "
+        "({growthPercent:+.2f} %, {kilobytesAScene:.1f} kB a scene).".format_map(
+            row | {"grows": _growth(row, results)}
         )
-    return sentences
+        for row in results.of_kind("memory")
+    ]
 
 
 def _is_control(row: Row) -> bool:
@@ -204,69 +182,61 @@ def _drift(row: Row, quick: bool) -> str:
     return "DRIFTS" if drifts(row) else "does not drift"
 
 
-def _growth(row: Row, figures: Figures) -> str:
+def _growth(row: Row, results: Results) -> str:
     """A quick run has too few scenes for a control to show."""
-    is_flat = at_most(row["growthPercent"], 100.0 * GROWTH, figures.noise)
-    if not _is_control(row):
-        return verdict(is_flat, "flat", "NOT flat")
-    if figures.quick:
-        return "undecided"
-    return verdict(is_flat, "NOT growing, as it should,", "growing, as it should,")
+    words = ("flat", "NOT flat")
+    if _is_control(row):
+        if results.quick:
+            return "undecided"
+        words = ("NOT growing, as it should,", "growing, as it should,")
+    return judged(row["growthPercent"], 100.0 * GROWTH, results.noise, *words)
 
 
-def draw(figures: Figures, directory: Path) -> list[Path]:
+def draw(results: Results, directory: Path) -> list[Path]:
     """Energy over time, and memory over scenes."""
-    path = directory / "soak.png"
-    with new_figure(path, 10.0, 4.2) as figure:
-        energy, memory = figure.subplots(1, 2)
-        for row, color in zip(figures.of_kind("run"), COLORS, strict=False):
-            hours = np.array(row["times"]) / 3600.0
-            energy.plot(hours, row["energies"], color=color, linewidth=0.8, label=row["label"])
-        for number, row in enumerate(figures.of_kind("memory")):
-            relative = np.array(row["megabytes"]) / row["firstMegabytes"]
-            is_control = KINDS[row["label"]].keeps
-            color, style = (REFERENCE_COLOR, "--") if is_control else (COLORS[number % len(COLORS)], "-")
-            memory.plot(relative, style, color=color, label=row["label"])
-        memory.axhline(1.0 + GROWTH, color="black", linestyle=":", linewidth=1.0)
-        label_axes(energy, "time of motion [h]", "change of energy over the swing [-]")
-        label_axes(memory, "scenes built, run, dropped [-]", "resident memory over its start [-]")
-        energy.legend()
-        memory.legend()
-    return [path]
+    runs, memory = results.of_kind("run"), results.of_kind("memory")
+    energies = [
+        Curve(np.array(row["times"]) / 3600.0, row["energies"], row["label"], color, "-")
+        for row, color in zip(runs, COLORS, strict=False)
+    ]
+    sizes = []
+    for number, row in enumerate(memory):
+        relative = np.array(row["megabytes"]) / row["firstMegabytes"]
+        look = (REFERENCE_COLOR, "--") if KINDS[row["label"]].keeps else (COLORS[number % len(COLORS)], "-")
+        sizes.append(Curve(np.arange(len(relative)), relative, row["label"], *look))
+    panels = (
+        Panel("time of motion [h]", "change of energy over the swing [-]", energies, "plot"),
+        Panel(
+            "scenes built, run, dropped [-]",
+            "resident memory over its start [-]",
+            sizes,
+            "plot",
+            horizontal=(1.0 + GROWTH,),
+        ),
+    )
+    return [chart(directory / "soak.png", *panels, width=10.0)]
 
 
-STUDY = Benchmark(
+TABLES = (
+    Table(
+        "run",
+        "Planar pendulum, RATTLE; energies over the swing, the largest kinetic energy:",
+        "run: label | steps | motion [h]: hours | CPU [s]: cpuSeconds | energy varies by: range | "
+        "its mean drifts by: drift | violation | of rates [1/s]: rate",
+    ),
+    Table(
+        "memory",
+        "Resident memory of a process that builds, runs and drops scenes:",
+        "way of the run: label | scenes | first [MB]: firstMegabytes | last [MB]: lastMegabytes | "
+        "kB a scene: kilobytesAScene | growth [%]: growthPercent",
+    ),
+)
+
+STUDY = Study(
     name="soak",
     question="Do energy, constraints and memory stay where they are over long runs and many scenes?",
     measure=measure,
-    tables=(
-        Table(
-            "run",
-            "Planar pendulum, RATTLE; energies over the swing, the largest kinetic energy:",
-            {
-                "run": "label",
-                "steps": "steps",
-                "motion [h]": "hours",
-                "CPU [s]": "cpuSeconds",
-                "energy varies by": "range",
-                "its mean drifts by": "drift",
-                "violation": "violation",
-                "of rates [1/s]": "rate",
-            },
-        ),
-        Table(
-            "memory",
-            "Resident memory of a process that builds, runs and drops scenes:",
-            {
-                "way of the run": "label",
-                "scenes": "scenes",
-                "first [MB]": "firstMegabytes",
-                "last [MB]": "lastMegabytes",
-                "kB a scene": "kilobytesAScene",
-                "growth [%]": "growthPercent",
-            },
-        ),
-    ),
+    tables=TABLES,
     conclusions=conclude,
     pictures=draw,
     not_in_quick_report="short runs and few scenes decide nothing on drift and memory",

@@ -33,16 +33,22 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from .harness.benchmark import Figures, Table
-from .harness.study import Row
-from .harness.sweep.study import SweepStudy
+from .harness.store import Row
+from .harness.study import Results, Study
+from .harness.sweep import Sweep
+from .harness.table import Table
+from .stability.extremes import (
+    precision_cases,
+    run_precision,
+    run_slenderness,
+    run_violent,
+    slenderness_cases,
+    violent_cases,
+)
 from .stability.findings import conclude
 from .stability.linear import linear_cases, run_linear
 from .stability.long_runs import long_cases, run_long
 from .stability.pictures import draw
-from .stability.precision import precision_cases, run_precision
-from .stability.slenderness import run_slenderness, slenderness_cases
-from .stability.violent import run_violent, violent_cases
 
 _RUNS = {
     "slenderness": run_slenderness,
@@ -64,107 +70,79 @@ def run_case(case: Row) -> Row:
     return _RUNS.get(case["kind"], run_linear)(case)
 
 
-_LIMITS = {"predicted h [s]": "predicted", "found h [s]": "found", "found/predicted": "ratio"}
-_RULES = {"ruled by": "ruledBy", "rule (37)/found": "ruleOverLimit", "status": "status"}
-
-
-def _linear_table(kind: str, title: str, what: str) -> Table:
-    return Table(kind, title, {"scheme, cable": "label", what: "value"} | _LIMITS | _RULES)
-
+_LIMITS = "predicted h [s]: predicted | found h [s]: found | found/predicted: ratio"
+_RULES = "ruled by: ruledBy | rule (37)/found: ruleOverLimit | status"
+_LINEAR = {
+    "scheme": ("Every scheme on every cable, by mass scaling:", "theta"),
+    "zeta": ("Over the stabilisation rate:", "zeta [1/s]"),
+    "stiffness": (
+        "Over the bending stiffness, hanging cable with a mass of its own at its end:", "EI/EI_0",
+    ),
+    "elements": ("Over the number of elements:", "N"),
+    "curvature": (
+        "Over the curvature; ring and coil: turning of an element [rad], sagging: span/length:", "value",
+    ),
+    "gravity": ("Over gravity, hanging cable with a mass of its own at its end:", "g/g_0"),
+}  # fmt: skip
 
 TABLES = (
-    _linear_table("scheme", "Every scheme on every cable, by mass scaling:", "theta"),
-    _linear_table("zeta", "Over the stabilisation rate:", "zeta [1/s]"),
-    _linear_table(
-        "stiffness", "Over the bending stiffness, hanging cable with a mass of its own at its end:", "EI/EI_0"
+    *(
+        Table(kind, title, f"scheme, cable: label | {what}: value | {_LIMITS} | {_RULES}")
+        for kind, (title, what) in _LINEAR.items()
     ),
-    _linear_table("elements", "Over the number of elements:", "N"),
-    _linear_table(
-        "curvature",
-        "Over the curvature; ring and coil: turning of an element [rad], sagging: span/length:",
-        "value",
-    ),
-    _linear_table("gravity", "Over gravity, hanging cable with a mass of its own at its end:", "g/g_0"),
     Table(
         "spin",
         "Over the rate at which a cable with a mass at its end spins about its start:",
-        {"scheme, cable": "label", "rate [rad/s]": "value"}
-        | _LIMITS
-        | {
-            "linearised step [s]": "predictedInMotion",
-            "found/linearised": "ratioInMotion",
-            "over fewer steps": "ratioSooner",
-        }
-        | {"growth of a step at 0.3 of w_max's limit": "growth", "its order in h": "growthOrder"}
-        | _RULES,
+        f"scheme, cable: label | rate [rad/s]: value | {_LIMITS} | linearised step [s]: predictedInMotion | "
+        "found/linearised: ratioInMotion | over fewer steps: ratioSooner | "
+        f"growth of a step at 0.3 of w_max's limit: growth | its order in h: growthOrder | {_RULES}",
     ),
     Table(
         "slenderness",
         "Conventional cables over EA/EI, N = 6:",
-        {"integrator": "label", "EA/EI [1/m^2]": "value"}
-        | _LIMITS
-        | {"ruled by": "ruledBy", "inextensible h [s]": "inextensible", "gain": "gain", "status": "status"},
+        f"integrator: label | EA/EI [1/m^2]: value | {_LIMITS} | ruled by: ruledBy | "
+        "inextensible h [s]: inextensible | gain | status",
     ),
     Table(
         "violent",
         "Thrown cables, N = 10:",
-        {
-            "scheme": "label",
-            "speed [m/s]": "value",
-            "limit at rest [s]": "predicted",
-            "limit at the motion's w_max [s]": "predictedInMotion",
-            "lasting h [s]": "found",
-            "lasting/at rest": "part",
-            "lasting/in motion": "partOfMotion",
-            "status": "status",
-        },
+        "scheme: label | speed [m/s]: value | limit at rest [s]: predicted | "
+        "limit at the motion's w_max [s]: predictedInMotion | lasting h [s]: found | "
+        "lasting/at rest: part | lasting/in motion: partOfMotion | status",
     ),
     Table(
         "long",
         "Long runs, N = 5, energies over the largest kinetic energy:",
-        {
-            "run": "label",
-            "scene": "scene",
-            "steps wanted": "value",
-            "steps": "steps",
-            "h [s]": "stepSize",
-            "t [s]": "seconds",
-            "energy, largest change": "energyMax",
-            "energy, drift": "energyDrift",
-            "constraints": "violation",
-            "momentum [N s]": "momentum",
-            "angular momentum, relative": "angularMomentum",
-            "h w_max/limit": "frequencyOverLimit",
-            "status": "status",
-        },
+        "run: label | scene | steps wanted: value | steps | h [s]: stepSize | t [s]: seconds | "
+        "energy, largest change: energyMax | energy, drift: energyDrift | constraints: violation | "
+        "momentum [N s]: momentum | angular momentum, relative: angularMomentum | "
+        "h w_max/limit: frequencyOverLimit | status",
     ),
     Table(
         "precision",
         "State rounded to 32 bits against 64 bits, sagging cable:",
-        {"scheme": "label", "N": "value"}
-        | _LIMITS
-        | {"noise at half the limit": "noise", "status": "status"},
+        f"scheme: label | N: value | {_LIMITS} | noise at half the limit: noise | status",
     ),
 )
 
 
-def make_conclusions(figures: Figures) -> list[str]:
+def make_conclusions(results: Results) -> list[str]:
     """One sentence a finding; cases that failed are named first."""
     failed = [
         f"FAILED: {row['kind']}, {row['label']}, {row['value']:g}: {row['status']}"
-        for row in figures.rows
+        for row in results.rows
         if row["status"] != "ok"
     ]
-    return failed + conclude(_finished(figures))
+    return failed + conclude(_finished(results))
 
 
-def make_pictures(figures: Figures, directory: Path) -> list[Path]:
+def make_pictures(results: Results, directory: Path) -> list[Path]:
     """One a map, of the cases that did not fail."""
-    return draw(_finished(figures), directory)
+    return draw(_finished(results), directory)
 
 
-def _finished(figures: Figures) -> Figures:
-    return Figures(figures.quick, [_with_infinities(row) for row in figures.rows if row["status"] == "ok"])
+def _finished(results: Results) -> Results:
+    return Results(results.quick, [_with_infinities(row) for row in results.rows if row["status"] == "ok"])
 
 
 def _with_infinities(row: Row) -> Row:
@@ -174,11 +152,10 @@ def _with_infinities(row: Row) -> Row:
     return row | unlimited
 
 
-STUDY = SweepStudy(
+STUDY = Study(
     name="stability_limits",
     question="Which step is the largest stable one at the extremes, and which bound rules where?",
-    cases=make_cases,
-    run=run_case,
+    measure=Sweep(make_cases, run_case),
     tables=TABLES,
     conclusions=make_conclusions,
     pictures=make_pictures,

@@ -36,25 +36,23 @@ What is left out
     one ran is stored). MBDyn's own time. Energy and long runs: other studies.
 """
 
-from collections.abc import Iterator, Sequence
-from itertools import islice
+from collections.abc import Sequence
 from pathlib import Path
 
 from exudyn_inext import ExplicitSettings
-from reference_models.conventional.cases import largest_step_case, native_case
-from reference_models.conventional.settings import Implicit, Newton
+from reference_models.conventional.cases import native_case
+from reference_models.conventional.settings import Implicit
 from reference_models.conventional.zhai import zhai_case
 from reference_models.inextensible import Inextensible, inextensible_case
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case
 
-from .harness.cases import explicit_case, mesh_series
-from .harness.compiled_case import FORMULATION as COMPILED
-from .harness.compiled_case import compiled_case
+from .harness.cases import COMPILED, mesh_series
 from .harness.figures import draw_convergence, draw_cost_and_accuracy, draw_trajectories
-from .harness.front import is_explicit, is_explicit_by_default, is_implicit, is_implicit_by_default
-from .harness.ratios import Comparison, ratios
-from .harness.study import Ratio, Results, Study
+from .harness.on_scene import ROWS, OnScene, SceneResults
+from .harness.paper_table import EACH_STEP, PaperTable
+from .harness.ratios import Comparison, by_default, is_explicit, is_implicit
+from .harness.study import Study
 
 PAPER_IMPLICIT = "paper's conventional implicit: generalized-alpha, N = 10, h = 5e-3 s"
 PAPER_EXPLICIT = "paper's conventional explicit: Zhai, N = 10, h = 2e-5 s"
@@ -62,26 +60,7 @@ PAPER_PROPOSED = "paper's proposed: inextensible, Zhai, N = 5, C = 0.7"
 
 PAPER_SECONDS = {PAPER_IMPLICIT: 1.649, PAPER_EXPLICIT: 120.9, PAPER_PROPOSED: 0.680}
 
-PAPER = {
-    "source": "Table 1",
-    "conventionalImplicitSeconds": PAPER_SECONDS[PAPER_IMPLICIT],
-    "conventionalExplicitSeconds": PAPER_SECONDS[PAPER_EXPLICIT],
-    "proposedExplicitSeconds": PAPER_SECONDS[PAPER_PROPOSED],
-}
-
-COMPARISONS = (
-    Comparison("implicit row", is_implicit, 6e-3),
-    Comparison("implicit row", is_implicit, 7e-4),
-    Comparison("explicit row", is_explicit, 1.2e-2),
-    Comparison("explicit row", is_explicit, 6e-3),
-    Comparison("implicit row, default quadrature,", is_implicit_by_default, 6e-3),
-    Comparison("implicit row, default quadrature,", is_implicit_by_default, 7e-4),
-    Comparison("explicit row, default quadrature,", is_explicit_by_default, 1.2e-2),
-    Comparison("implicit row", is_implicit, 6e-3, over=COMPILED),
-    Comparison("implicit row", is_implicit, 7e-4, over=COMPILED),
-    Comparison("implicit row, default quadrature,", is_implicit_by_default, 6e-3, over=COMPILED),
-    Comparison("implicit row, default quadrature,", is_implicit_by_default, 7e-4, over=COMPILED),
-)
+PAPER = {"source": "Table 1", "cpuSeconds": PAPER_SECONDS}
 
 MESHES: dict[str, Sequence[int]] = {
     "full": (4, 6, 8, 10, 12, 16),
@@ -91,16 +70,7 @@ MESHES: dict[str, Sequence[int]] = {
 QUICK_MESHES: dict[str, Sequence[int]] = dict.fromkeys(MESHES, (4, 10))
 
 
-def make_cases(scene: Scene, quick: bool) -> list[Case]:
-    """All rows; a quick run leaves out the costly ones."""
-    inextensible, implicit = inextensible_cases(scene), implicit_cases(scene)
-    compiled = compiled_cases(scene)
-    if quick:
-        return [*_paper_cases(scene), *islice(inextensible, 3), *islice(compiled, 1), *implicit[:4]]
-    return [*_paper_cases(scene), *inextensible, *compiled, *implicit, *explicit_cases(scene)]
-
-
-def _paper_cases(scene: Scene) -> list[Case]:
+def at_paper_settings(scene: Scene, quick: bool) -> list[Case]:
     """The columns of Table 1, at the paper's settings; the implicit one with Exudyn's defaults."""
     defaults = Implicit(5e-3, newton="modified", linear_solver="dense", relative_tolerance=1e-8)
     return [
@@ -110,91 +80,87 @@ def _paper_cases(scene: Scene) -> list[Case]:
     ]
 
 
-def inextensible_cases(scene: Scene) -> Iterator[Case]:
-    """Near their largest stable steps, and with scaled mass at larger ones; zeta = 100 for Zhai."""
-    yield explicit_case(scene, "Zhai", 10, 6e-4)
-    yield explicit_case(scene, "RATTLE", 5, 2.5e-3)
-    yield explicit_case(scene, "Zhai", 3, 5e-3)
-    yield explicit_case(scene, "Zhai", 4, 2e-3)
-    yield explicit_case(scene, "Zhai", 6, 1.67e-3)
-    yield explicit_case(scene, "Zhai", 8, 1e-3)
-    yield explicit_case(scene, "Zhai", 10, 6.7e-4)
-    yield explicit_case(scene, "Zhai", 20, 1.25e-4)
-    yield explicit_case(scene, "Zhai", 4, 5e-3, 0.4)
-    yield explicit_case(scene, "Zhai", 5, 5e-3, 0.3)
-    yield explicit_case(scene, "Zhai", 8, 2e-3, 0.35)
-    yield explicit_case(scene, "Zhai", 8, 2.5e-3, 0.3)
-    yield explicit_case(scene, "Zhai", 10, 2e-3, 0.3)
-    yield explicit_case(scene, "RATTLE", 5, 5e-3, 0.25)
-    yield explicit_case(scene, "RATTLE", 7, 2.5e-3, 0.35)
-    yield explicit_case(scene, "RATTLE", 8, 2.5e-3, 0.25)
-    yield explicit_case(scene, "RATTLE", 20, 1e-3, 0.25)
-
-
-def compiled_cases(scene: Scene) -> Iterator[Case]:
-    """The cheapest of them, without Exudyn's loop."""
-    yield compiled_case(scene, "Zhai", 4, 5e-3, 0.4)
-    yield compiled_case(scene, "Zhai", 5, 5e-3, 0.3)
-    yield compiled_case(scene, "Zhai", 8, 2e-3, 0.35)
-    yield compiled_case(scene, "RATTLE", 7, 2.5e-3, 0.35)
-
-
-def implicit_cases(scene: Scene) -> list[Case]:
-    """Generalized-alpha, cheapest at its accuracy, see the head of this file; coarse ones first."""
-    each_step: Newton = "modifiedEachStep"
-    return [
-        native_case(scene, 4, Implicit(6e-3, each_step, "dense", 1e-4, 0.8), "lobatto"),
-        native_case(scene, 4, Implicit(6e-3, each_step, "dense", 1e-4), "lobatto"),
-        native_case(scene, 5, Implicit(6e-3, each_step, "dense", 1e-5, 0.8), "lobatto"),
-        native_case(scene, 10, Implicit(7e-3, "full", "dense", 1e-8)),
-        native_case(scene, 10, Implicit(7e-3, each_step, "sparse", 1e-5)),
-        native_case(scene, 10, Implicit(7e-3, each_step, "sparse", 1e-5), "reduced"),
-        native_case(scene, 6, Implicit(3.5e-3, each_step, "dense", 1e-4), "lobatto"),
-        native_case(scene, 12, Implicit(5e-3, each_step, "sparse", 1e-5), "reduced"),
-        native_case(scene, 15, Implicit(2.5e-3, each_step, "sparse", 1e-5), "reduced"),
-        native_case(scene, 9, Implicit(2.2e-3, each_step, "sparse", 1e-5), "lobatto"),
-        native_case(scene, 10, Implicit(1.6e-3, "modified", "sparse", 1e-4), "lobatto"),
-        native_case(scene, 10, Implicit(1.8e-3, each_step, "sparse", 1e-5), "lobatto"),
-        native_case(scene, 11, Implicit(1.4e-3, "modified", "sparse", 1e-4, 0.8), "lobatto"),
-        native_case(scene, 18, Implicit(1.5e-3, "modified", "sparse", 1e-5)),
-        native_case(scene, 18, Implicit(1.5e-3, "modified", "sparse", 1e-5), "reduced"),
-        native_case(scene, 20, Implicit(1e-3, "modified", "sparse", 1e-5)),
-    ]
-
-
-def explicit_cases(scene: Scene) -> list[Case]:
-    """Native explicit integrators at their largest stable steps."""
-    return [
-        largest_step_case(scene, 4, "velocityVerlet", "lobatto"),
-        largest_step_case(scene, 5, "velocityVerlet", "lobatto"),
-        largest_step_case(scene, 10, "velocityVerlet"),
-        largest_step_case(scene, 5, "rungeKutta44", "lobatto"),
-    ]
-
-
-def make_figures(results: Results, directory: Path) -> list[Path]:
+def make_figures(results: SceneResults, directory: Path) -> list[Path]:
     """Fig. 6 (tip curves), Fig. 5 (mesh convergence), and cost against accuracy."""
     reference = results.reference.trajectory
     curves = {label: results.trajectories[label] for label in PAPER_SECONDS if label in results.trajectories}
     meshes = mesh_series(results.scene, **(QUICK_MESHES if results.quick else MESHES))
     return [
         draw_cost_and_accuracy(directory / "table1_cost.png", results.rows),
-        draw_trajectories(directory / "table1_tip.png", curves, reference, "tip"),
+        draw_trajectories(directory / "table1_tip.png", curves, reference, ("tip x [m]", "tip y [m]")),
         draw_convergence(directory / "table1_mesh.png", meshes, reference, "tip"),
     ]
 
 
-def make_ratios(results: Results) -> list[Ratio]:
-    """Beside the paper's."""
-    return ratios(results.rows, PAPER_SECONDS, PAPER_PROPOSED, COMPARISONS)
-
+TABLE = PaperTable(
+    at_paper_settings,
+    PAPER_SECONDS,
+    PAPER_PROPOSED,
+    comparisons=(
+        Comparison("implicit row", is_implicit, (6e-3, 7e-4)),
+        Comparison("explicit row", is_explicit, (1.2e-2, 6e-3)),
+        Comparison("implicit row, default quadrature,", by_default(is_implicit), (6e-3, 7e-4)),
+        Comparison("explicit row, default quadrature,", by_default(is_explicit), (1.2e-2,)),
+        Comparison("implicit row", is_implicit, (6e-3, 7e-4), over=COMPILED),
+        Comparison("implicit row, default quadrature,", by_default(is_implicit), (6e-3, 7e-4), over=COMPILED),
+    ),
+    inextensible=(
+        ("Zhai", 10, 6e-4),
+        ("RATTLE", 5, 2.5e-3),
+        ("Zhai", 3, 5e-3),
+        ("Zhai", 4, 2e-3),
+        ("Zhai", 6, 1.67e-3),
+        ("Zhai", 8, 1e-3),
+        ("Zhai", 10, 6.7e-4),
+        ("Zhai", 20, 1.25e-4),
+        ("Zhai", 4, 5e-3, 0.4),
+        ("Zhai", 5, 5e-3, 0.3),
+        ("Zhai", 8, 2e-3, 0.35),
+        ("Zhai", 8, 2.5e-3, 0.3),
+        ("Zhai", 10, 2e-3, 0.3),
+        ("RATTLE", 5, 5e-3, 0.25),
+        ("RATTLE", 7, 2.5e-3, 0.35),
+        ("RATTLE", 8, 2.5e-3, 0.25),
+        ("RATTLE", 20, 1e-3, 0.25),
+    ),
+    compiled=(
+        ("Zhai", 4, 5e-3, 0.4),
+        ("Zhai", 5, 5e-3, 0.3),
+        ("Zhai", 8, 2e-3, 0.35),
+        ("RATTLE", 7, 2.5e-3, 0.35),
+    ),
+    implicit=(
+        (4, Implicit(6e-3, EACH_STEP, "dense", 1e-4, 0.8), "lobatto"),
+        (4, Implicit(6e-3, EACH_STEP, "dense", 1e-4), "lobatto"),
+        (5, Implicit(6e-3, EACH_STEP, "dense", 1e-5, 0.8), "lobatto"),
+        (10, Implicit(7e-3, "full", "dense", 1e-8)),
+        (10, Implicit(7e-3, EACH_STEP, "sparse", 1e-5)),
+        (10, Implicit(7e-3, EACH_STEP, "sparse", 1e-5), "reduced"),
+        (6, Implicit(3.5e-3, EACH_STEP, "dense", 1e-4), "lobatto"),
+        (12, Implicit(5e-3, EACH_STEP, "sparse", 1e-5), "reduced"),
+        (15, Implicit(2.5e-3, EACH_STEP, "sparse", 1e-5), "reduced"),
+        (9, Implicit(2.2e-3, EACH_STEP, "sparse", 1e-5), "lobatto"),
+        (10, Implicit(1.6e-3, "modified", "sparse", 1e-4), "lobatto"),
+        (10, Implicit(1.8e-3, EACH_STEP, "sparse", 1e-5), "lobatto"),
+        (11, Implicit(1.4e-3, "modified", "sparse", 1e-4, 0.8), "lobatto"),
+        (18, Implicit(1.5e-3, "modified", "sparse", 1e-5)),
+        (18, Implicit(1.5e-3, "modified", "sparse", 1e-5), "reduced"),
+        (20, Implicit(1e-3, "modified", "sparse", 1e-5)),
+    ),
+    explicit=(
+        (4, "velocityVerlet", "lobatto"),
+        (5, "velocityVerlet", "lobatto"),
+        (10, "velocityVerlet"),
+        (5, "rungeKutta44", "lobatto"),
+    ),
+    quick=(3, 1, 4),
+)
 
 STUDY = Study(
     name="table1",
     question="How much CPU time does the inextensible cable save on the planar pendulum (Table 1)?",
-    scene=load_scene("planar_pendulum"),
-    paper=PAPER,
-    cases=make_cases,
-    figures=make_figures,
-    ratios=make_ratios,
+    measure=OnScene(load_scene("planar_pendulum"), TABLE.cases, PAPER),
+    tables=[ROWS],
+    pictures=make_figures,
+    ratios=TABLE.ratios,
 )

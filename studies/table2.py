@@ -41,31 +41,23 @@ What is left out
     RK44 with full quadrature, which is never the cheapest.
 """
 
-from collections.abc import Iterator, Sequence
-from itertools import islice
+from collections.abc import Sequence
 from pathlib import Path
 
 from exudyn_inext import ExplicitSettings
-from reference_models.conventional.cases import largest_step_case, native_case
-from reference_models.conventional.settings import Implicit, Newton
+from reference_models.conventional.cases import native_case
+from reference_models.conventional.settings import Implicit
 from reference_models.conventional.zhai import zhai_case
 from reference_models.inextensible import Inextensible, inextensible_case
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case
 
-from .harness.cases import explicit_case, mesh_series
-from .harness.compiled_case import FORMULATION as COMPILED
-from .harness.compiled_case import compiled_case
+from .harness.cases import COMPILED, mesh_series
 from .harness.figures import draw_convergence, draw_cost_and_accuracy, draw_path, draw_trajectories
-from .harness.front import (
-    is_explicit,
-    is_explicit_by_default,
-    is_explicit_zhai,
-    is_implicit,
-    is_implicit_by_default,
-)
-from .harness.ratios import Comparison, ratios
-from .harness.study import Ratio, Results, Study
+from .harness.on_scene import ROWS, OnScene, SceneResults
+from .harness.paper_table import EACH_STEP, PaperTable
+from .harness.ratios import Comparison, by_default, is_explicit, is_explicit_zhai, is_implicit
+from .harness.study import Study
 
 PAPER_IMPLICIT = "paper's conventional implicit: generalized-alpha, N = 10, h = 2e-3 s"
 PAPER_EXPLICIT = "paper's conventional explicit: Zhai, N = 10, h = 2e-5 s"
@@ -73,29 +65,7 @@ PAPER_PROPOSED = "paper's proposed: inextensible, Zhai, N = 5, h = 1e-3 s, zeta 
 
 PAPER_SECONDS = {PAPER_IMPLICIT: 3.609, PAPER_EXPLICIT: 301.71, PAPER_PROPOSED: 1.8502}
 
-PAPER = {
-    "source": "Table 2",
-    "conventionalImplicitSeconds": PAPER_SECONDS[PAPER_IMPLICIT],
-    "conventionalExplicitSeconds": PAPER_SECONDS[PAPER_EXPLICIT],
-    "proposedExplicitSeconds": PAPER_SECONDS[PAPER_PROPOSED],
-}
-
-COMPARISONS = (
-    Comparison("implicit row", is_implicit, 7e-3, 4.5e-3),
-    Comparison("implicit row", is_implicit, 4.5e-3),
-    Comparison("implicit row", is_implicit, 1e-3),
-    Comparison("implicit row", is_implicit, 7e-4),
-    Comparison("explicit row", is_explicit, 7.5e-3),
-    Comparison("explicit row", is_explicit, 4.5e-3),
-    Comparison("explicit Zhai row", is_explicit_zhai, 4.5e-3),
-    Comparison("implicit row, default quadrature,", is_implicit_by_default, 7e-3, 4.5e-3),
-    Comparison("implicit row, default quadrature,", is_implicit_by_default, 7e-4),
-    Comparison("explicit row, default quadrature,", is_explicit_by_default, 4.5e-3),
-    Comparison("implicit row", is_implicit, 4.5e-3, over=COMPILED),
-    Comparison("implicit row", is_implicit, 7e-4, over=COMPILED),
-    Comparison("implicit row, default quadrature,", is_implicit_by_default, 4.5e-3, over=COMPILED),
-    Comparison("implicit row, default quadrature,", is_implicit_by_default, 7e-4, over=COMPILED),
-)
+PAPER = {"source": "Table 2", "cpuSeconds": PAPER_SECONDS}
 
 MESHES: dict[str, Sequence[int]] = {
     "full": (2, 4, 6, 8, 10, 12, 16),
@@ -105,16 +75,7 @@ MESHES: dict[str, Sequence[int]] = {
 QUICK_MESHES: dict[str, Sequence[int]] = dict.fromkeys(MESHES, (4, 6))
 
 
-def make_cases(scene: Scene, quick: bool) -> list[Case]:
-    """All rows; a quick run leaves out the costly ones."""
-    inextensible, implicit = inextensible_cases(scene), implicit_cases(scene)
-    compiled = compiled_cases(scene)
-    if quick:
-        return [*_paper_cases(scene), *islice(inextensible, 3), *islice(compiled, 1), *implicit[:3]]
-    return [*_paper_cases(scene), *inextensible, *compiled, *implicit, *explicit_cases(scene)]
-
-
-def _paper_cases(scene: Scene) -> list[Case]:
+def at_paper_settings(scene: Scene, quick: bool) -> list[Case]:
     """The columns of Table 2, at the paper's settings; the implicit one with Exudyn's defaults."""
     defaults = Implicit(2e-3, newton="modified", linear_solver="dense", relative_tolerance=1e-8)
     zhai = ExplicitSettings("Zhai", stepSize=1e-3, stabilizationRate=1000.0)
@@ -125,73 +86,7 @@ def _paper_cases(scene: Scene) -> list[Case]:
     ]
 
 
-def inextensible_cases(scene: Scene) -> Iterator[Case]:
-    """The paper's rate on a finer mesh, steps near the largest stable ones, then with scaled mass."""
-    yield explicit_case(scene, "Zhai", 10, 6e-4, zeta=1000.0)
-    yield explicit_case(scene, "RATTLE", 5, 5e-3, 0.3)
-    yield explicit_case(scene, "Zhai", 5, 2.5e-3)
-    yield explicit_case(scene, "Zhai", 5, 2.5e-3, measure="product")
-    yield explicit_case(scene, "RATTLE", 5, 2.5e-3)
-    yield explicit_case(scene, "Zhai", 4, 3.34e-3)
-    yield explicit_case(scene, "Zhai", 8, 1e-3)
-    yield explicit_case(scene, "Zhai", 20, 1.25e-4)
-    yield explicit_case(scene, "Zhai", 4, 5e-3, 0.35, zeta=150.0)
-    yield explicit_case(scene, "Zhai", 4, 5e-3, 0.4, zeta=200.0)
-    yield explicit_case(scene, "Zhai", 5, 5e-3, 0.3, zeta=150.0)
-    yield explicit_case(scene, "Zhai", 8, 2e-3, 0.35, zeta=200.0)
-    yield explicit_case(scene, "Zhai", 5, 3.34e-3, 0.3)
-    yield explicit_case(scene, "Zhai", 8, 2e-3, 0.3)
-    yield explicit_case(scene, "Zhai", 10, 1.67e-3, 0.3)
-    yield explicit_case(scene, "RATTLE", 4, 5e-3, 0.3)
-    yield explicit_case(scene, "RATTLE", 7, 3.34e-3, 0.25)
-    yield explicit_case(scene, "RATTLE", 7, 2.5e-3, 0.35)
-    yield explicit_case(scene, "RATTLE", 8, 2.5e-3, 0.25)
-    yield explicit_case(scene, "RATTLE", 10, 1.67e-3, 0.25)
-    yield explicit_case(scene, "RATTLE", 20, 1e-3, 0.25)
-
-
-def compiled_cases(scene: Scene) -> Iterator[Case]:
-    """The cheapest of them, without Exudyn's loop."""
-    yield compiled_case(scene, "Zhai", 4, 5e-3, 0.4, zeta=200.0)
-    yield compiled_case(scene, "RATTLE", 4, 5e-3, 0.3)
-    yield compiled_case(scene, "Zhai", 8, 2e-3, 0.35, zeta=200.0)
-    yield compiled_case(scene, "RATTLE", 7, 2.5e-3, 0.35)
-
-
-def implicit_cases(scene: Scene) -> list[Case]:
-    """Generalized-alpha, cheapest at its accuracy, see the head of this file; coarse ones first."""
-    each_step: Newton = "modifiedEachStep"
-    return [
-        native_case(scene, 4, Implicit(7e-3, each_step, "dense", 1e-5, 0.6), "lobatto"),
-        native_case(scene, 5, Implicit(6e-3, each_step, "dense", 1e-5), "lobatto"),
-        native_case(scene, 7, Implicit(7e-3, each_step, "sparse", 1e-4, 0.8)),
-        native_case(scene, 4, Implicit(7e-3, each_step, "dense", 1e-5, 0.7), "lobatto"),
-        native_case(scene, 4, Implicit(6e-3, each_step, "dense", 1e-4, 0.8), "lobatto"),
-        native_case(scene, 6, Implicit(4e-3, each_step, "sparse", 1e-5), "lobatto"),
-        native_case(scene, 7, Implicit(7e-3, each_step, "sparse", 1e-4, 0.8), "reduced"),
-        native_case(scene, 8, Implicit(5e-3, each_step, "sparse", 1e-4, 0.7)),
-        native_case(scene, 8, Implicit(5e-3, each_step, "sparse", 1e-4, 0.7), "reduced"),
-        native_case(scene, 8, Implicit(2.2e-3, "modified", "sparse", 1e-3, 0.7), "lobatto"),
-        native_case(scene, 9, Implicit(2e-3, "modified", "sparse", 1e-4, 0.97), "lobatto"),
-        native_case(scene, 10, Implicit(1.6e-3, "modified", "sparse", 1e-3), "lobatto"),
-        native_case(scene, 12, Implicit(1.2e-3, "modified", "sparse", 1e-4, 0.97), "lobatto"),
-        native_case(scene, 14, Implicit(1.4e-3, "modified", "sparse", 1e-3, 0.97)),
-        native_case(scene, 14, Implicit(1.4e-3, "modified", "sparse", 1e-3, 0.97), "reduced"),
-    ]
-
-
-def explicit_cases(scene: Scene) -> list[Case]:
-    """Native explicit integrators at their largest stable steps."""
-    return [
-        largest_step_case(scene, 4, "velocityVerlet", "lobatto"),
-        largest_step_case(scene, 5, "velocityVerlet", "lobatto"),
-        largest_step_case(scene, 6, "velocityVerlet", "lobatto"),
-        largest_step_case(scene, 10, "velocityVerlet"),
-        largest_step_case(scene, 5, "rungeKutta44", "lobatto"),
-    ]
-
-
-def make_figures(results: Results, directory: Path) -> list[Path]:
+def make_figures(results: SceneResults, directory: Path) -> list[Path]:
     """Fig. 8 (path of the tip), Fig. 9 (mesh convergence), Fig. 10 (components), and cost.
 
     Fig. 9 is drawn with velocity Verlet instead of Zhai: of either, only the mesh error is seen.
@@ -205,21 +100,86 @@ def make_figures(results: Results, directory: Path) -> list[Path]:
         draw_cost_and_accuracy(directory / "table2_cost.png", results.rows),
         draw_path(directory / "table2_path.png", proposed, reference, "tip"),
         draw_convergence(directory / "table2_mesh.png", meshes, reference, "tip", window),
-        draw_trajectories(directory / "table2_tip.png", curves, reference, "tip", "xyz"),
+        draw_trajectories(directory / "table2_tip.png", curves, reference, [f"tip {x} [m]" for x in "xyz"]),
     ]
 
 
-def make_ratios(results: Results) -> list[Ratio]:
-    """Beside the paper's."""
-    return ratios(results.rows, PAPER_SECONDS, PAPER_PROPOSED, COMPARISONS)
-
+TABLE = PaperTable(
+    at_paper_settings,
+    PAPER_SECONDS,
+    PAPER_PROPOSED,
+    comparisons=(
+        Comparison("implicit row", is_implicit, ((7e-3, 4.5e-3), 4.5e-3, 1e-3, 7e-4)),
+        Comparison("explicit row", is_explicit, (7.5e-3, 4.5e-3)),
+        Comparison("explicit Zhai row", is_explicit_zhai, (4.5e-3,)),
+        Comparison("implicit row, default quadrature,", by_default(is_implicit), ((7e-3, 4.5e-3), 7e-4)),
+        Comparison("explicit row, default quadrature,", by_default(is_explicit), (4.5e-3,)),
+        Comparison("implicit row", is_implicit, (4.5e-3, 7e-4), over=COMPILED),
+        Comparison(
+            "implicit row, default quadrature,", by_default(is_implicit), (4.5e-3, 7e-4), over=COMPILED
+        ),
+    ),
+    inextensible=(
+        ("Zhai", 10, 6e-4, 0.0, 1000.0),
+        ("RATTLE", 5, 5e-3, 0.3),
+        ("Zhai", 5, 2.5e-3),
+        ("Zhai", 5, 2.5e-3, 0.0, 100.0, "product"),
+        ("RATTLE", 5, 2.5e-3),
+        ("Zhai", 4, 3.34e-3),
+        ("Zhai", 8, 1e-3),
+        ("Zhai", 20, 1.25e-4),
+        ("Zhai", 4, 5e-3, 0.35, 150.0),
+        ("Zhai", 4, 5e-3, 0.4, 200.0),
+        ("Zhai", 5, 5e-3, 0.3, 150.0),
+        ("Zhai", 8, 2e-3, 0.35, 200.0),
+        ("Zhai", 5, 3.34e-3, 0.3),
+        ("Zhai", 8, 2e-3, 0.3),
+        ("Zhai", 10, 1.67e-3, 0.3),
+        ("RATTLE", 4, 5e-3, 0.3),
+        ("RATTLE", 7, 3.34e-3, 0.25),
+        ("RATTLE", 7, 2.5e-3, 0.35),
+        ("RATTLE", 8, 2.5e-3, 0.25),
+        ("RATTLE", 10, 1.67e-3, 0.25),
+        ("RATTLE", 20, 1e-3, 0.25),
+    ),
+    compiled=(
+        ("Zhai", 4, 5e-3, 0.4, 200.0),
+        ("RATTLE", 4, 5e-3, 0.3),
+        ("Zhai", 8, 2e-3, 0.35, 200.0),
+        ("RATTLE", 7, 2.5e-3, 0.35),
+    ),
+    implicit=(
+        (4, Implicit(7e-3, EACH_STEP, "dense", 1e-5, 0.6), "lobatto"),
+        (5, Implicit(6e-3, EACH_STEP, "dense", 1e-5), "lobatto"),
+        (7, Implicit(7e-3, EACH_STEP, "sparse", 1e-4, 0.8)),
+        (4, Implicit(7e-3, EACH_STEP, "dense", 1e-5, 0.7), "lobatto"),
+        (4, Implicit(6e-3, EACH_STEP, "dense", 1e-4, 0.8), "lobatto"),
+        (6, Implicit(4e-3, EACH_STEP, "sparse", 1e-5), "lobatto"),
+        (7, Implicit(7e-3, EACH_STEP, "sparse", 1e-4, 0.8), "reduced"),
+        (8, Implicit(5e-3, EACH_STEP, "sparse", 1e-4, 0.7)),
+        (8, Implicit(5e-3, EACH_STEP, "sparse", 1e-4, 0.7), "reduced"),
+        (8, Implicit(2.2e-3, "modified", "sparse", 1e-3, 0.7), "lobatto"),
+        (9, Implicit(2e-3, "modified", "sparse", 1e-4, 0.97), "lobatto"),
+        (10, Implicit(1.6e-3, "modified", "sparse", 1e-3), "lobatto"),
+        (12, Implicit(1.2e-3, "modified", "sparse", 1e-4, 0.97), "lobatto"),
+        (14, Implicit(1.4e-3, "modified", "sparse", 1e-3, 0.97)),
+        (14, Implicit(1.4e-3, "modified", "sparse", 1e-3, 0.97), "reduced"),
+    ),
+    explicit=(
+        (4, "velocityVerlet", "lobatto"),
+        (5, "velocityVerlet", "lobatto"),
+        (6, "velocityVerlet", "lobatto"),
+        (10, "velocityVerlet"),
+        (5, "rungeKutta44", "lobatto"),
+    ),
+    quick=(3, 1, 3),
+)
 
 STUDY = Study(
     name="table2",
     question="How much CPU time does the inextensible cable save on the spatial pendulum (Table 2)?",
-    scene=load_scene("spatial_pendulum"),
-    paper=PAPER,
-    cases=make_cases,
-    figures=make_figures,
-    ratios=make_ratios,
+    measure=OnScene(load_scene("spatial_pendulum"), TABLE.cases, PAPER),
+    tables=[ROWS],
+    pictures=make_figures,
+    ratios=TABLE.ratios,
 )

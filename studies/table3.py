@@ -35,16 +35,13 @@ What is left out
     Velocity Verlet with 40 elements and full quadrature: 20 s for 1.4e-3 m.
 """
 
-from collections.abc import Iterator
 from dataclasses import replace
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from exudyn_inext import ExplicitSettings
-from reference_models.conventional.cases import largest_step_case, native_case
 from reference_models.conventional.model import build as build_native
 from reference_models.conventional.settings import Implicit
 from reference_models.conventional.solve import solve as solve_native
@@ -54,36 +51,28 @@ from reference_models.model import Model, sensor_slopes, sensor_trajectory
 from reference_models.scenes import Hanger, Scene, load_scene
 from reference_models.trajectory import Case, Trajectory
 
-from .harness.cases import explicit_case
-from .harness.error import distance_to_reference
-from .harness.figures import TIME, draw_cost_and_accuracy, name_ticks
-from .harness.front import is_explicit, is_explicit_zhai, is_implicit, is_implicit_by_default
-from .harness.plot import REFERENCE_COLOR, label_axes, new_figure
-from .harness.ratios import Comparison, ratios
-from .harness.reference import ReferenceSolution, self_convergence
-from .harness.study import Ratio, Results, Study
-from .harness.table import TextTable, number
+from .harness.figures import TIME, draw_cost_and_accuracy
+from .harness.on_scene import ROWS, OnScene, SceneResults
+from .harness.paper_table import EACH_STEP, PaperTable
+from .harness.plot import REFERENCE_COLOR, Curve, Panel, chart, label_axes, new_figure
+from .harness.ratios import Comparison, by_default, is_explicit, is_explicit_zhai, is_implicit
+from .harness.reference import ReferenceSolution, distance_to_reference, from_data, self_convergence
+from .harness.store import Row
+from .harness.study import Study
+from .harness.table import Table, number
 
 PAPER_EXPLICIT = "paper's conventional explicit: Zhai, N = 40, h = 1e-5 s"
 PAPER_PROPOSED = "paper's proposed: inextensible, Zhai, N = 20, h = 9.35e-4 s, zeta = 1000 1/s"
 PAPER_SECONDS = {PAPER_EXPLICIT: 3593.8, PAPER_PROPOSED: 17.28}
-PAPER = {
-    "source": "Table 3",
-    "conventionalExplicitSeconds": PAPER_SECONDS[PAPER_EXPLICIT],
-    "proposedExplicitSeconds": PAPER_SECONDS[PAPER_PROPOSED],
-}
+PAPER = {"source": "Table 3", "cpuSeconds": PAPER_SECONDS}
 PAPER_ZHAI = ExplicitSettings("Zhai", stepSize=9.35e-4, stabilizationRate=1000.0)
 REFINED = {"massScaling": 0.26}
+SMALL_STEPS = ExplicitSettings(stepSize=2.5e-4, **REFINED)
 SAMPLING = 2.5e-3  # of the reference [s]: rows whose steps do not divide 0.01 s are compared in between
-REFINED_NATIVE = Implicit(5e-4, "modifiedEachStep", "sparse", 1e-6)
-
-COMPARISONS = (
-    Comparison("explicit Zhai row", is_explicit_zhai, 1.0, 2e-3),
-    Comparison("explicit row", is_explicit, 2e-3),
-    Comparison("implicit row", is_implicit, 2e-3),
-    Comparison("implicit row", is_implicit, 1e-3),
-    Comparison("implicit row, default quadrature,", is_implicit_by_default, 2.5e-3),
-    Comparison("implicit row, default quadrature,", is_implicit_by_default, 1e-3),
+REFINED_NATIVE = Implicit(5e-4, EACH_STEP, "sparse", 1e-6)
+EQUILIBRIUM = (
+    "equilibrium, N = 20: label | sag of P1 [m]: sag | B less its anchor, x [m]: shift | "
+    "largest tension [N]: tension"
 )
 
 
@@ -103,79 +92,22 @@ def refined(scene: Scene) -> ReferenceSolution:
     )
 
 
-def make_cases(scene: Scene, quick: bool) -> list[Case]:
-    """All rows; a quick run leaves out the costly ones."""
-    inextensible, implicit = inextensible_cases(scene), implicit_cases(scene)
-    proposed = inextensible_case(scene, Inextensible(20, PAPER_ZHAI), label=PAPER_PROPOSED)
-    if quick:
-        return [proposed, *islice(inextensible, 2), *implicit[:2]]
-    explicit = zhai_case(scene, 40, 1e-5, label=PAPER_EXPLICIT)
-    return [explicit, proposed, *inextensible, *implicit, *explicit_cases(scene)]
-
-
-def inextensible_cases(scene: Scene) -> Iterator[Case]:
-    """The front of cost and accuracy with scaled mass, and the largest stable step without.
-
-    With 12 elements and h = 5e-3 s, errors of mesh and step partly cancel: that is luck, too.
-    """
-    yield explicit_case(scene, "RATTLE", 20, 2e-3, 0.26)
-    yield explicit_case(scene, "RATTLE", 12, 5e-3, 0.26)
-    yield explicit_case(scene, "Zhai", 12, 5e-3, 0.26)
-    yield explicit_case(scene, "RATTLE", 20, 5e-3, 0.26)
-    yield explicit_case(scene, "RATTLE", 12, 2.5e-3, 0.26)
-    yield explicit_case(scene, "Zhai", 16, 2.5e-3, 0.35, zeta=300.0)
-    yield explicit_case(scene, "Zhai", 20, 2e-3, 0.26, zeta=300.0)
-    yield explicit_case(scene, "RATTLE", 20, 7.2e-4)
-    yield explicit_case(scene, "RATTLE", 28, 1e-3, 0.26)
-    yield explicit_case(scene, "RATTLE", 40, 1e-3, 0.26)
-
-
-def implicit_cases(scene: Scene) -> list[Case]:
-    """Generalized-alpha, cheapest at its accuracy, see the head of this file; coarse ones first."""
-    return [
-        native_case(scene, 8, Implicit(1e-2, "modifiedEachStep", "sparse", 1e-4, 0.7), "lobatto"),
-        native_case(scene, 12, Implicit(5e-3, "modified", "sparse", 1e-4, 0.7), "lobatto"),
-        native_case(scene, 16, Implicit(3.3333e-3, "modified", "sparse", 1e-4), "lobatto"),
-        native_case(scene, 20, Implicit(2e-3, "modified", "sparse", 1e-4, 0.7), "lobatto"),
-        native_case(scene, 28, Implicit(1e-3, "modified", "sparse", 1e-4, 0.7), "lobatto"),
-        native_case(scene, 32, Implicit(5e-3, "modified", "sparse", 1e-4)),
-        native_case(scene, 40, Implicit(3.3333e-3, "modified", "sparse", 1e-4, 0.7)),
-        native_case(scene, 40, Implicit(2e-3, "modified", "sparse", 1e-4), "reduced"),
-        native_case(scene, 40, Implicit(2e-3, "modified", "sparse", 1e-4)),
-        native_case(scene, 48, Implicit(1e-3, "modified", "sparse", 1e-4, 0.7)),
-    ]
-
-
-def explicit_cases(scene: Scene) -> list[Case]:
-    """Native velocity Verlet at its largest stable step."""
-    return [largest_step_case(scene, 16, "velocityVerlet", "lobatto")]
-
-
-def make_figures(results: Results, directory: Path) -> list[Path]:
+def make_figures(results: SceneResults, directory: Path) -> list[Path]:
     """Fig. 12 (statics, with the tension), Figs. 13, 14 (P1, P2, C), convergence, and cost."""
     scene = results.scene
     fine, native = (40, 24) if results.quick else (160, 80)
     models = {
-        f"inextensible, N = {fine}": _refined_model(scene, fine),
+        f"inextensible, N = {fine}": solved(scene, Inextensible(fine, SMALL_STEPS)),
         PAPER_PROPOSED: solved(scene, Inextensible(20, PAPER_ZHAI)),
-        f"native, N = {native}, generalized-alpha": _native_model(scene, native),
+        f"native, N = {native}, generalized-alpha": build_native(scene, native),
     }
+    solve_native(list(models.values())[-1], REFINED_NATIVE)
     return [
         draw_statics(directory / "table3_statics.png", scene),
         draw_motion(directory / "table3_motion.png", models),
         draw_refinement(directory / "table3_convergence.png", results),
         draw_cost_and_accuracy(directory / "table3_cost.png", results.rows),
     ]
-
-
-def _refined_model(scene: Scene, elements: int) -> Model:
-    return solved(scene, Inextensible(elements, ExplicitSettings(stepSize=2.5e-4, **REFINED)))
-
-
-def _native_model(scene: Scene, elements: int) -> Model:
-    model = build_native(scene, elements)
-    solve_native(model, REFINED_NATIVE)
-    return model
 
 
 def draw_statics(path: Path, scene: Scene) -> Path:
@@ -214,7 +146,7 @@ def draw_motion(path: Path, models: dict[str, Model]) -> Path:
     return path
 
 
-def draw_refinement(path: Path, results: Results) -> Path:
+def draw_refinement(path: Path, results: SceneResults) -> Path:
     """Error of P1 against elements at a small step, and against the step with 20 elements."""
     scene, reference = results.scene, results.reference.trajectory
 
@@ -224,59 +156,102 @@ def draw_refinement(path: Path, results: Results) -> Path:
 
     meshes = (8, 12, 20) if results.quick else (8, 12, 16, 20, 28, 40, 60)
     steps = (2.5e-3, 1e-3) if results.quick else (5e-3, 2.5e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)
-    small = ExplicitSettings(stepSize=2.5e-4, **REFINED)
-    with new_figure(path, 9.0, 4.2) as figure:
-        left, right = figure.subplots(1, 2)
-        left.loglog(meshes, [error(n, small) for n in meshes], "o-")
-        name_ticks(left, meshes)
-        label_axes(left, "number of elements N [-]", "largest distance of P1 [m]", "h = 2.5e-4 s")
-        for elements, marker in ((20, "o-"), (40, "s--")):
-            errors = [error(elements, ExplicitSettings(stepSize=h, **REFINED)) for h in steps]
-            right.loglog([1e3 * h for h in steps], errors, marker, label=f"N = {elements}")
-        name_ticks(right, [1e3 * h for h in steps])
-        label_axes(right, "step h [ms]", "largest distance of P1 [m]", "RATTLE, mass scaling 0.26")
-        right.legend()
-    return path
+    distance = "largest distance of P1 [m]"
+    curves = [
+        Curve(
+            [1e3 * h for h in steps],
+            [error(n, ExplicitSettings(stepSize=h, **REFINED)) for h in steps],
+            f"N = {n}",
+            style=style,
+        )
+        for n, style in ((20, "o-"), (40, "s--"))
+    ]
+    by_mesh = Panel(
+        "number of elements N [-]",
+        distance,
+        [Curve(meshes, [error(n, SMALL_STEPS) for n in meshes])],
+        title="h = 2.5e-4 s",
+        legend=False,
+        ticks=meshes,
+    )
+    by_step = Panel(
+        "step h [ms]", distance, curves, title="RATTLE, mass scaling 0.26", ticks=[1e3 * h for h in steps]
+    )
+    return chart(path, by_mesh, by_step, width=9.0, height=4.2)
 
 
-def make_tables(results: Results) -> list[TextTable]:
-    """Statics."""
+def _statics(results: SceneResults) -> list[Row]:
+    """Equilibria without and with ice."""
     scene = results.scene
     (anchor,) = (support.anchor for support in scene.supports if isinstance(support, Hanger))
-    lines = []
+    rows = []
     for label, loads in (("without ice", ()), ("with ice", scene.start_loads)):
         forces = equilibrium_forces(replace(scene, start_loads=loads), 20, 401)
         quarter, middle = (np.searchsorted(forces["arcLength"], x * scene.cable.length) for x in (0.25, 0.5))
-        lines.append(
-            (
-                label,
-                number(-forces["position"][quarter, 1], 4),
-                number(forces["position"][middle, 0] - anchor[0], 3),
-                number(float(forces["tension"].max()), 4),
-            )
+        rows.append(
+            {
+                "label": label,
+                "sag": number(-forces["position"][quarter, 1], 4),
+                "shift": number(forces["position"][middle, 0] - anchor[0], 3),
+                "tension": number(float(forces["tension"].max()), 4),
+            }
         )
-    header = (
-        "equilibrium, N = 20",
-        "sag of P1 [m]",
-        "B less its anchor, x [m]",
-        "largest tension [N]",
-    )
-    return [TextTable("", header, lines)]
+    return rows
 
 
-def make_ratios(results: Results) -> list[Ratio]:
-    """Beside the paper's."""
-    return ratios(results.rows, PAPER_SECONDS, PAPER_PROPOSED, COMPARISONS)
+def reference_of(scene: Scene) -> ReferenceSolution:
+    """The independent trajectory, where there is one; else a refined solution and what refinement changes."""
+    return from_data(scene) if scene.reference else refined(scene)
 
+
+def at_paper_settings(scene: Scene, quick: bool) -> list[Case]:
+    """The paper's columns; the native one takes minutes."""
+    proposed = inextensible_case(scene, Inextensible(20, PAPER_ZHAI), label=PAPER_PROPOSED)
+    return [proposed] if quick else [zhai_case(scene, 40, 1e-5, label=PAPER_EXPLICIT), proposed]
+
+
+TABLE = PaperTable(
+    at_paper_settings,
+    PAPER_SECONDS,
+    PAPER_PROPOSED,
+    comparisons=(
+        Comparison("explicit Zhai row", is_explicit_zhai, ((1.0, 2e-3),)),
+        Comparison("explicit row", is_explicit, (2e-3,)),
+        Comparison("implicit row", is_implicit, (2e-3, 1e-3)),
+        Comparison("implicit row, default quadrature,", by_default(is_implicit), (2.5e-3, 1e-3)),
+    ),
+    inextensible=(  # with 12 elements and h = 5e-3 s, errors of mesh and step partly cancel: luck, too
+        ("RATTLE", 20, 2e-3, 0.26),
+        ("RATTLE", 12, 5e-3, 0.26),
+        ("Zhai", 12, 5e-3, 0.26),
+        ("RATTLE", 20, 5e-3, 0.26),
+        ("RATTLE", 12, 2.5e-3, 0.26),
+        ("Zhai", 16, 2.5e-3, 0.35, 300.0),
+        ("Zhai", 20, 2e-3, 0.26, 300.0),
+        ("RATTLE", 20, 7.2e-4),
+        ("RATTLE", 28, 1e-3, 0.26),
+        ("RATTLE", 40, 1e-3, 0.26),
+    ),
+    implicit=(
+        (8, Implicit(1e-2, EACH_STEP, "sparse", 1e-4, 0.7), "lobatto"),
+        (12, Implicit(5e-3, "modified", "sparse", 1e-4, 0.7), "lobatto"),
+        (16, Implicit(3.3333e-3, "modified", "sparse", 1e-4), "lobatto"),
+        (20, Implicit(2e-3, "modified", "sparse", 1e-4, 0.7), "lobatto"),
+        (28, Implicit(1e-3, "modified", "sparse", 1e-4, 0.7), "lobatto"),
+        (32, Implicit(5e-3, "modified", "sparse", 1e-4)),
+        (40, Implicit(3.3333e-3, "modified", "sparse", 1e-4, 0.7)),
+        (40, Implicit(2e-3, "modified", "sparse", 1e-4), "reduced"),
+        (40, Implicit(2e-3, "modified", "sparse", 1e-4)),
+        (48, Implicit(1e-3, "modified", "sparse", 1e-4, 0.7)),
+    ),
+    explicit=((16, "velocityVerlet", "lobatto"),),
+)
 
 STUDY = Study(
     name="table3",
     question="How much CPU time does the inextensible cable save on the power line (Table 3)?",
-    scene=load_scene("power_line"),
-    paper=PAPER,
-    cases=make_cases,
-    figures=make_figures,
-    ratios=make_ratios,
-    tables=make_tables,
-    reference=refined,
+    measure=OnScene(load_scene("power_line"), TABLE.cases, PAPER, refined),
+    tables=[ROWS, Table("", "", EQUILIBRIUM, _statics)],
+    pictures=make_figures,
+    ratios=TABLE.ratios,
 )

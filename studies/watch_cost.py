@@ -40,23 +40,17 @@ from exudyn_inext import (
     ExplicitStepper,
     InextensibleCable,
 )
-from exudyn_inext.exudyn_binding.explicit_runs import cable_runs, scheme_of, step_bounds, wanted_step
-from exudyn_inext.exudyn_binding.general.coupled_watch import STEPS_BETWEEN
-from exudyn_inext.exudyn_binding.general.surroundings import switched_off
-from exudyn_inext.exudyn_binding.scene import read_scene
-from exudyn_inext.exudyn_binding.scene_runs import runs_of_scene
-from exudyn_inext.exudyn_binding.time_grid import TimeGrid
-from exudyn_inext.integrators.integrator import record
-from exudyn_inext.integrators.watch import record_watched
 
-from .harness.benchmark import Benchmark, Figures, Table
-from .harness.interleaved import Task, seconds_per_time
-from .harness.study import Row
+from .harness import inner
+from .harness.store import Row
+from .harness.study import Order, Results, Study
+from .harness.table import Table, column, largest
+from .harness.timing import Task, seconds_per_time
 from .harness.verdict import UNDECIDED
 
 BAR = 0.03
 STEPS = 4096
-STEPS_AMONG_BODIES = 2 * STEPS_BETWEEN
+STEPS_AMONG_BODIES = 2 * inner.STEPS_BETWEEN
 STEPS_OF_AN_OUTPUT = 8
 LEAST_SECONDS = 0.01  # of a sample
 CONFIDENCE = 0.95
@@ -67,23 +61,20 @@ GRAVITY = [0.0, -9.81, 0.0]
 BENDING_STIFFNESS, DAMPING = 0.0866, 1e-5
 MICRO = 1e6
 
-
-def measure(quick: bool) -> list[Row]:
-    """One row for each cable and integrator."""
-    kinds, numbers, dims = (ALONE[:1], (5,), (2,)) if quick else (ALONE, (5, 20), (2, 3))
-    repeats = 5 if quick else 21
-    chains = [(dim, kind, number) for dim in dims for kind in kinds for number in numbers]
-    rows = [row for chain in chains for row in _rows(chain, _tasks_alone, STEPS, repeats)]
-    coupled = [(2, kind, number) for kind in AMONG_BODIES for number in numbers]
-    more = 3 if quick else 41
-    return rows + [
-        row for chain in coupled for row in _rows(chain, _tasks_among_bodies, STEPS_AMONG_BODIES, more)
-    ]
-
-
 Chain = tuple[int, str, int]
 WATCHED, UNINSPECTED, PLAIN = "watched", "uninspected", "plain"
 Ways = dict[str, Task]
+
+
+def measure(order: Order) -> list[Row]:
+    """One row for each cable and integrator."""
+    kinds, numbers, dims = (ALONE[:1], (5,), (2,)) if order.quick else (ALONE, (5, 20), (2, 3))
+    repeats, more = (5, 3) if order.quick else (21, 41)
+    chains = [(dim, kind, number) for dim in dims for kind in kinds for number in numbers]
+    coupled = [(2, kind, number) for kind in AMONG_BODIES for number in numbers]
+    asked = [(chain, _tasks_alone, STEPS, repeats) for chain in chains]
+    asked += [(chain, _tasks_among_bodies, STEPS_AMONG_BODIES, more) for chain in coupled]
+    return [row for one in asked for row in _rows(*one)]
 
 
 def _rows(chain: Chain, tasks_of: Callable[[Chain, str], Ways], steps: int, repeats: int) -> list[Row]:
@@ -128,26 +119,24 @@ def _tasks_alone(chain: Chain, name: str) -> Ways:
     mbs = _build(chain)
     h = 0.5 * ExplicitStepper(mbs, ExplicitSettings(name, massScaling=0.0)).bounds.stability_limit
     explicit = ExplicitSettings(name, energyTolerance=math.inf)
-    (run,) = cable_runs(mbs, read_scene(mbs).cables, 0.0, 0.0, explicit)
+    (run,) = inner.cable_runs(mbs, inner.read_scene(mbs).cables, 0.0, 0.0, explicit)
     initial = run.state.q.copy(), run.state.v.copy()
     loads = run.loads.sample(0.0, h, STEPS, run.stages)
     history = np.zeros((STEPS // STEPS_OF_AN_OUTPUT, 3, run.state.q.size))
-    scheme = scheme_of(explicit)
+    motion = (inner.scheme_of(explicit), run.system, loads, run.state, h, STEPS_OF_AN_OUTPUT, history)
 
-    def begin() -> None:
-        run.state.q[:], run.state.v[:] = initial
-        run.start(0.0)
+    def repeat(times: int, take: Callable[[], Any]) -> None:
+        for _ in range(times):
+            run.state.q[:], run.state.v[:] = initial
+            run.start(0.0)
+            take()
 
     def watched(times: int, every: int = run.watch.watch.every) -> None:
         watch = run.watch.watch._replace(every=every, least=min(every, run.watch.watch.least))
-        for _ in range(times):
-            begin()
-            record_watched(scheme, run.system, loads, run.state, h, STEPS_OF_AN_OUTPUT, history, watch)
+        repeat(times, lambda: inner.record_watched(*motion, watch))
 
     def plain(times: int) -> None:
-        for _ in range(times):
-            begin()
-            record(scheme, run.system, loads, run.state, h, STEPS_OF_AN_OUTPUT, history)
+        repeat(times, lambda: inner.record(*motion))
 
     return {WATCHED: watched, UNINSPECTED: partial(watched, every=STEPS), PLAIN: plain}
 
@@ -156,15 +145,15 @@ def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
     """Steps of a run from mid-motion on; it is the same one for both, since each lies elsewhere in memory."""
     explicit = ExplicitSettings(name, energyTolerance=math.inf)
     mbs, by_kernels = _build(chain), ExitStack()  # for good: nobody else asks this mbs
-    scene = read_scene(mbs)
-    by_kernels.enter_context(switched_off(mbs, *scene.evaluated_by_kernels))
-    (run,) = runs_of_scene(mbs, scene, 0.0, 0.0, explicit)
+    scene = inner.read_scene(mbs)
+    by_kernels.enter_context(inner.switched_off(mbs, *scene.evaluated_by_kernels))
+    (run,) = inner.runs_of_scene(mbs, scene, 0.0, 0.0, explicit)
     blind = _Blind(run)
-    h, _ = wanted_step(step_bounds([run], 0.0, explicit), explicit)
-    grid = TimeGrid(0.0, STEPS_AMONG_BODIES // STEPS_OF_AN_OUTPUT, STEPS_OF_AN_OUTPUT, h)
+    h, _ = inner.wanted_step(inner.step_bounds([run], 0.0, explicit), explicit)
+    grid = inner.TimeGrid(0.0, STEPS_AMONG_BODIES // STEPS_OF_AN_OUTPUT, STEPS_OF_AN_OUTPUT, h)
     history = np.zeros((grid.loop_steps, 3, len(run.indices)))
     run.start(0.0)
-    run.record(scheme_of(explicit), grid, 0, history)
+    run.record(inner.scheme_of(explicit), grid, 0, history)
     in_motion = run.state.q.copy(), run.state.v.copy()
 
     def take(times: int, watch: Any = run.watch, kept: Any = by_kernels) -> None:
@@ -172,7 +161,7 @@ def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
         for _ in range(times):
             run.state.q[:], run.state.v[:] = in_motion
             run.start(0.0)
-            run.record(scheme_of(explicit), grid, 0, history)
+            run.record(inner.scheme_of(explicit), grid, 0, history)
 
     return {WATCHED: take, UNINSPECTED: partial(take, watch=blind)}
 
@@ -212,7 +201,7 @@ def _push(mbs: Any, cable: dict[str, Any], dim: int) -> None:
     def force(mbs: Any, t: float, load: list[float]) -> list[float]:
         return [0.0, 0.1 * math.sin(6.0 * t), 0.0]
 
-    force.dependsOnTimeOnly = True  # type: ignore[attr-defined]
+    force.dependsOnTimeOnly = True
     marker = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=cable["nodes"][-1]))
     mbs.AddLoad(items.Force(markerNumber=marker, loadVectorUserFunction=force))
 
@@ -221,18 +210,16 @@ def _move(mbs: Any, cable: dict[str, Any], dim: int) -> None:
     def offset(mbs: Any, t: float, item: int, value: float) -> float:
         return 0.05 * (1.0 - math.cos(3.0 * t))
 
-    offset.dependsOnTimeOnly = True  # type: ignore[attr-defined]
+    offset.dependsOnTimeOnly = True
     for coordinate in range(dim):
-        marker = mbs.AddMarker(
-            items.MarkerNodeCoordinate(nodeNumber=cable["nodes"][0], coordinate=coordinate)
-        )
         ground = mbs.AddNode(items.NodePointGround())
-        fixed = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
-        mbs.AddObject(
-            items.CoordinateConstraint(
-                markerNumbers=[fixed, marker], offsetUserFunction=offset if coordinate == 1 else 0
-            )
-        )
+        ends = ((ground, 0), (cable["nodes"][0], coordinate))
+        markers = [
+            mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=number))
+            for node, number in ends
+        ]
+        moved = offset if coordinate == 1 else 0
+        mbs.AddObject(items.CoordinateConstraint(markerNumbers=markers, offsetUserFunction=moved))
 
 
 def _join(mbs: Any, cable: dict[str, Any], dim: int) -> None:
@@ -252,36 +239,28 @@ def _stand_beside(mbs: Any, cable: dict[str, Any], dim: int) -> None:
 _ADDITIONS = {"loaded": _push, "moved": _move, "joined": _join, "beside": _stand_beside}
 
 
-def conclude(figures: Figures) -> list[str]:
+def conclude(results: Results) -> list[str]:
     """Whether the bar is kept."""
-    return [_sentence(figures.of_kind(kind), kind, figures.quick) for kind in ("alone", "among bodies")]
+    return [_sentence(results.of_kind(kind), kind, results.quick) for kind in ("alone", "among bodies")]
 
 
 def _sentence(rows: Sequence[Row], kind: str, quick: bool) -> str:
-    worst = max(rows, key=lambda row: float(row["share"]))
-    share = statistics.median(row["share"] for row in rows)
     above = sum(row["share"] > BAR for row in rows)
-    verdict = f"MISSED by {above} of {len(rows)}" if above else "kept"
-    if quick:  # few samples tell no per cent
-        verdict = UNDECIDED
+    found = f"MISSED by {above} of {len(rows)}" if above else "kept"
+    worst = "at most {share:.1%} ({label}, N = {elements}, {microseconds:.2g} us a step)"
     return (
-        f"Cables {kind}: the watch costs {share:.1%} of a step (median), at most {worst['share']:.1%} "
-        f"({worst['label']}, N = {worst['elements']}, {worst['microseconds']:.2g} us a step); the bar of "
-        f"{BAR:.0%} is {verdict}."
+        f"Cables {kind}: the watch costs {statistics.median(column(rows, 'share')):.1%} of a step (median), "
+        f"{worst.format_map(largest(rows, 'share'))}; the bar of "
+        f"{BAR:.0%} is {UNDECIDED if quick else found}."  # few samples tell no per cent
     )
 
 
-COLUMNS = {
-    "cable": "label",
-    "N": "elements",
-    "step [us]": "microseconds",
-    "watch/step": "share",
-    "not below": "low",
-    "not above": "high",
-    "over the plain loop": "overPlain",
-}
+COLUMNS = (
+    "cable: label | N: elements | step [us]: microseconds | watch/step: share | not below: low | "
+    "not above: high | over the plain loop: overPlain"
+)
 
-STUDY = Benchmark(
+STUDY = Study(
     name="watch_cost",
     question="What does it cost that each run is watched?",
     measure=measure,

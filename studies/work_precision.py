@@ -39,10 +39,11 @@ What is left out
 
 from reference_models.scenes import load_scene
 
-from .harness.benchmark import Table
-from .harness.study import Row
-from .harness.sweep.case import OK, Outcome
-from .harness.sweep.study import SweepStudy
+from .harness.store import Row
+from .harness.study import Study
+from .harness.sweep import Outcome, Sweep
+from .harness.table import Table
+from .harness.timing import OK
 from .precision.findings import conclude
 from .precision.pictures import draw
 from .precision.scene_run import REPEATS, run_scene
@@ -78,52 +79,28 @@ TABLES = (
     Table(
         "reference",
         "What errors are measured against:",
-        {
-            "scene": "scene",
-            "source": "source",
-            "uncertainty [m]": "uncertainty",
-            "self-convergence": "selfConvergence",
-        },
+        "scene | source | uncertainty [m]: uncertainty | self-convergence: selfConvergence",
     ),
     Table(
         "speedUp",
         "CPU time over that of the inextensible cable, at equal error:",
-        {
-            "scene": "scene",
-            "opponent": "opponent",
-            "error [m]": "bound",
-            "ratio": "ratio",
-            "opponent [s]": "opponentSeconds",
-            "inextensible [s]": "ownSeconds",
-            "opponent's front": "opponentOutcome",
-            "inextensible front": "ownOutcome",
-        },
+        "scene | opponent | error [m]: bound | ratio | opponent [s]: opponentSeconds | "
+        "inextensible [s]: ownSeconds | opponent's front: opponentOutcome | "
+        "inextensible front: ownOutcome",
     ),
     Table(
         "run",
         "All runs:",
-        {
-            "case": "label",
-            "scene": "scene",
-            "h [s]": "stepSize",
-            "CPU [s]": "cpuSeconds",
-            "CPU min [s]": "cpuSecondsMin",
-            "repeats": "repeats",
-            "error max [m]": "errorMax",
-            "error rms [m]": "errorRms",
-            "status": "status",
-        },
+        "case: label | scene | h [s]: stepSize | CPU [s]: cpuSeconds | CPU min [s]: cpuSecondsMin | "
+        "repeats | error max [m]: errorMax | error rms [m]: errorRms | status",
     ),
 )
 
-STUDY = SweepStudy(
+STUDY = Study(
     name="work_precision",
     question="What does an accuracy cost in each formulation, and where does the inextensible cable lose?",
-    cases=make_cases,
-    run=run_scene,
+    measure=Sweep(make_cases, run_scene, rows_of, {"motion": BRIEF_MOTION, "repeats": 1}),
     tables=TABLES,
     conclusions=conclude,
     pictures=draw,
-    rows=rows_of,
-    brief={"motion": BRIEF_MOTION, "repeats": 1},
 )

@@ -3,12 +3,18 @@
 import math
 from collections.abc import Sequence
 
-from exudyn_inext import ExplicitSettings
-from exudyn_inext.errors import InextensibleError
+import numpy as np
+
+from exudyn_inext import ExplicitSettings, ExplicitStepper, InextensibleError
 from reference_models.conventional.convergence import explicit_solution
-from reference_models.inextensible import Inextensible, fine_solution, inextensible_case, label_of
+from reference_models.inextensible import Inextensible, build, fine_solution, inextensible_case, label_of
+from reference_models.model import SENSOR_PERIOD, node_index
 from reference_models.scenes import Scene
-from reference_models.trajectory import Case, Run, Trajectory
+from reference_models.trajectory import Array, Case, Run, Trajectory, Untimed
+
+from . import inner
+
+COMPILED = "compiled steps"
 
 
 def explicit_case(
@@ -17,21 +23,25 @@ def explicit_case(
     elements: int,
     step_size: float,
     mass_scaling: float = 0.0,
-    measure: str = "secondDerivative",
     zeta: float = ExplicitSettings.stabilizationRate,
+    measure: str = "secondDerivative",
 ) -> Case:
     """An inextensible row at a given step [s].   zeta: stabilisation rate of Zhai [1/s].
 
     It is not ended for its energy, which coarse runs of Zhai gain: studies measure errors.
     """
-    settings = ExplicitSettings(
+    settings = _unguarded(integrator, step_size, mass_scaling, zeta)
+    return kept_case(scene, Inextensible(elements, settings, measure=measure))
+
+
+def _unguarded(integrator: str, step_size: float, mass_scaling: float, zeta: float) -> ExplicitSettings:
+    return ExplicitSettings(
         integrator,
         stepSize=step_size,
         massScaling=mass_scaling,
         stabilizationRate=zeta,
         energyTolerance=math.inf,
     )
-    return kept_case(scene, Inextensible(elements, settings, measure=measure))
 
 
 def kept_case(scene: Scene, model: Inextensible) -> Case:
@@ -72,3 +82,82 @@ def mesh_series(
         "native, Lobatto quadrature": {n: explicit_solution(scene, n, "lobatto") for n in lobatto},
         "inextensible": {n: fine_solution(scene, n) for n in inextensible},
     }
+
+
+# ------------------------------------------------------------------- without Exudyn's time loop
+
+
+def compiled_case(
+    scene: Scene,
+    integrator: str,
+    elements: int,
+    step_size: float,
+    mass_scaling: float,
+    zeta: float = ExplicitSettings.stabilizationRate,
+) -> Case:
+    """The steps alone, without Exudyn's loop, set-up and sensors; states are kept at 100 Hz.
+
+    One compiled call, started from an evaluation of the initial state.
+    step_size: divides the sensors' period [s].   zeta: stabilisation rate of Zhai [1/s].
+    """
+    substeps = round(SENSOR_PERIOD / step_size)
+    h, samples = SENSOR_PERIOD / substeps, round(scene.end_time / SENSOR_PERIOD)
+    settings = _unguarded(integrator, h, mass_scaling, zeta)
+    grid = inner.TimeGrid(0.0, samples, substeps, h)
+
+    def prepare() -> Run:
+        mbs = build(scene, elements).mbs
+        (cable,) = inner.cable_runs(mbs, inner.read_scene(mbs).cables, 0.0, h, settings)
+        node = node_index(scene.observe[scene.main_point], elements)
+
+        def run() -> Untimed:
+            start = cable.state.q.copy()
+            cable.start(0.0)
+            history = np.empty((samples, 3, len(cable.indices)))
+            good = cable.record(inner.scheme_of(settings), grid, 0, history)
+
+            def trajectory() -> Trajectory:
+                states = np.concatenate([start[None], history[:good, 0] + cable.reference])
+                shape = cable.scene_cable.cable.reference.shape
+                return _sampled(states.reshape(len(states), *shape)[:, node, 0])
+
+            return trajectory
+
+        return run
+
+    label = f"compiled steps: {integrator}, N = {elements}, h = {h:.3g} s, mass scaling {mass_scaling:g}"
+    details = {"zeta": zeta, "massScaling": mass_scaling}
+    return Case(label, COMPILED, integrator, elements, h, substeps * samples, prepare, details)
+
+
+def stepper_case(scene: Scene, elements: int, settings: ExplicitSettings) -> Case:
+    """Moved by an ExplicitStepper: start and steps.   settings: its step divides the sensors' period."""
+    h = float(settings.stepSize or SENSOR_PERIOD)
+    steps = round(SENSOR_PERIOD / h)
+    samples = round(scene.end_time / SENSOR_PERIOD)
+    node = node_index(scene.observe[scene.main_point], elements)
+
+    def prepare() -> Run:
+        stepper = ExplicitStepper(build(scene, elements).mbs, settings)
+        q, _, _ = stepper.State()
+
+        def run() -> Trajectory:
+            stepper.Start()
+            found = [q[node, 0].copy()]
+            for _ in range(samples):
+                stepper.Step(steps)
+                found.append(q[node, 0].copy())
+            return _sampled(np.array(found))
+
+        return run
+
+    label = f"{settings.integrator}, N = {elements}"
+    details = {"massScaling": settings.massScaling}
+    return Case(label, "inextensible", settings.integrator, elements, h, steps * samples, prepare, details)
+
+
+def _sampled(positions: Array) -> Trajectory:
+    """At the sensors' times.   positions: (n, dim) [m]."""
+    in_space = np.zeros((len(positions), 3))
+    in_space[:, : positions.shape[1]] = positions
+    return Trajectory(SENSOR_PERIOD * np.arange(len(positions)), in_space)

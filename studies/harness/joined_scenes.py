@@ -4,13 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import exudyn
-from exudyn.itemInterface import (
-    CartesianSpringDamper,
-    MarkerBodyPosition,
-    MarkerNodePosition,
-    SphericalJoint,
-)
-from exudyn.utilities import InertiaCuboid
+import exudyn.utilities as items
 
 from exudyn_inext import CreateInextensibleCable, InextensibleCable
 
@@ -79,9 +73,9 @@ def _cable(mbs: Any, contents: Contents, height: float) -> dict[str, Any]:
 
 
 def _spring(mbs: Any, node: int) -> None:
-    ground = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.CreateGround()))
-    tip = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
-    mbs.AddObject(CartesianSpringDamper(markerNumbers=[ground, tip], stiffness=[1.0, 1.0, 0.0]))
+    ground = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=mbs.CreateGround()))
+    tip = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))
+    mbs.AddObject(items.CartesianSpringDamper(markerNumbers=[ground, tip], stiffness=[1.0, 1.0, 0.0]))
 
 
 def _position(mbs: Any, node: int) -> list[float]:
@@ -89,18 +83,18 @@ def _position(mbs: Any, node: int) -> list[float]:
 
 
 def _tie(mbs: Any, node: int, marker: Any) -> None:
-    tip = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
-    mbs.AddObject(SphericalJoint(markerNumbers=[tip, marker], constrainedAxes=[1, 1, 0]))
+    tip = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))
+    mbs.AddObject(items.SphericalJoint(markerNumbers=[tip, marker], constrainedAxes=[1, 1, 0]))
 
 
 def _point(mbs: Any, node: int) -> None:
     point = mbs.CreateMassPoint(mass=0.01, referencePosition=_position(mbs, node), gravity=GRAVITY)
-    _tie(mbs, node, mbs.AddMarker(MarkerBodyPosition(bodyNumber=point)))
+    _tie(mbs, node, mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=point)))
 
 
 def _body(mbs: Any, node: int) -> None:
     x, y, z = _position(mbs, node)
     body = mbs.CreateRigidBody(
-        inertia=InertiaCuboid(80.0, [SIZE] * 3), referencePosition=[x, y - SIZE, z], gravity=GRAVITY
+        inertia=items.InertiaCuboid(80.0, [SIZE] * 3), referencePosition=[x, y - SIZE, z], gravity=GRAVITY
     )
-    _tie(mbs, node, mbs.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=[0.0, SIZE, 0.0])))
+    _tie(mbs, node, mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body, localPosition=[0.0, SIZE, 0.0])))

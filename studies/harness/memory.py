@@ -1,15 +1,26 @@
-"""Memory of a long cable, measured in a process of its own."""
+"""Resident memory, measured in a process of its own: of a long cable, and of scenes that are dropped."""
 
+import gc
 import json
 import resource
-import subprocess
 import sys
 import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
-from .study import Row
+import exudyn
 
-_ROOT_FOLDER = Path(__file__).parents[2]
+from exudyn_inext import ExplicitSettings, ExplicitStepper, SolveExplicit
+from reference_models.inextensible import build
+from reference_models.model import quiet_settings, silence
+from reference_models.scenes import load_scene
+
+from .engines import ask
+from .joined_scenes import Contents, joined_scene
+from .store import Row
+
 _KILO = 1024
 
 
@@ -20,14 +31,22 @@ def memory_of(scene: str, elements: int, steps: int) -> Row:
         "libraries": before anything is built; "model": with the Exudyn model; "peak": of all;
         "startSeconds": of making and starting the stepper; "stepSeconds": of one step.
     """
-    process = subprocess.run(
-        [sys.executable, "-m", __name__, scene, str(elements), str(steps)],
-        cwd=_ROOT_FOLDER,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return dict(json.loads(process.stdout))
+    return dict(ask(__name__, "long", scene, elements, steps))
+
+
+def _long_cable(scene: str, elements: str, steps: str) -> Row:
+    row: Row = {"libraries": _peak()}
+    model = build(load_scene(scene), int(elements))
+    row["model"] = _peak()
+    start = time.perf_counter()
+    stepper = ExplicitStepper(model.mbs, ExplicitSettings(stepSize=2e-3, massScaling=0.3))
+    stepper.Start()
+    row["startSeconds"] = time.perf_counter() - start
+    stepper.Step()
+    start = time.perf_counter()
+    stepper.Step(int(steps))
+    row["stepSeconds"] = (time.perf_counter() - start) / int(steps)
+    return row | {"peak": _peak()}
 
 
 def _peak() -> int:
@@ -36,32 +55,104 @@ def _peak() -> int:
     Linux hands what getrusage tells down from parent to child; its status file counts from the start.
     """
     try:
-        lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
-        return next(int(line.split()[1]) * _KILO for line in lines if line.startswith("VmHWM"))
+        return _told("status", "VmHWM")
     except (OSError, StopIteration):
-        pass
-    unit = 1 if sys.platform == "darwin" else _KILO
-    return unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        unit = 1 if sys.platform == "darwin" else _KILO
+        return unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
-def _run(scene: str, elements: int, steps: int) -> Row:
-    from exudyn_inext import ExplicitSettings, ExplicitStepper
-    from reference_models.inextensible import build
-    from reference_models.scenes import load_scene
+def _told(file: str, name: str) -> int:
+    """What the system tells of this process [bytes]."""
+    lines = Path(f"/proc/self/{file}").read_text(encoding="ascii").splitlines()
+    return next(int(line.split()[1]) * _KILO for line in lines if line.startswith(f"{name}:"))
 
-    row: Row = {"libraries": _peak()}
-    model = build(load_scene(scene), elements)
-    row["model"] = _peak()
-    start = time.perf_counter()
-    stepper = ExplicitStepper(model.mbs, ExplicitSettings(stepSize=2e-3, massScaling=0.3))
+
+# ------------------------------------------------------------------------------------ dropped scenes
+
+
+MANY, FEW = 60, 15  # elements of a cable, moved by kernels and by native solvers: a scene is not negligible
+LONG, SHORT, STEPS = 5e-4, 2e-4, 40  # time steps [s], and how many
+EXPLICIT = ExplicitSettings(stepSize=LONG, massScaling=0.3)
+
+
+def _explicit(mbs: Any, loop_steps: int = 1) -> None:
+    SolveExplicit(mbs, quiet_settings(STEPS * LONG, loop_steps), EXPLICIT)
+
+
+def _stepper(mbs: Any) -> None:
+    stepper = ExplicitStepper(mbs, EXPLICIT)
     stepper.Start()
-    row["startSeconds"] = time.perf_counter() - start
-    stepper.Step()
-    start = time.perf_counter()
-    stepper.Step(steps)
-    row["stepSeconds"] = (time.perf_counter() - start) / steps
-    return row | {"peak": _peak()}
+    stepper.Step(STEPS)
+
+
+def _native_explicit(mbs: Any) -> None:
+    mbs.SolveDynamic(quiet_settings(STEPS * SHORT, STEPS), solverType=exudyn.DynamicSolverType.RK44)
+
+
+def _native_implicit(mbs: Any) -> None:
+    settings = quiet_settings(STEPS * SHORT, STEPS // 10)
+    settings.timeIntegration.newton.relativeTolerance = 1e-6
+    mbs.SolveDynamic(settings)
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Scenes of one kind.
+
+    run: mbs -> None; who moves it.   elements: of its cable.   contents: further keywords of `Contents`.
+    keeps: whether the scenes are not dropped, as a control.
+    """
+
+    run: Callable[[Any], None]
+    elements: int = MANY
+    contents: dict[str, Any] = field(default_factory=dict)
+    keeps: bool = False
+
+
+_PENALTY, _ALGEBRAIC = {"enforcement": "penaltyMass"}, {"enforcement": "algebraic"}
+
+KINDS = {
+    "compiled steps": Kind(_explicit),
+    "user functions": Kind(lambda mbs: _explicit(mbs, STEPS), contents={"watched": True}),
+    "joined to bodies": Kind(_explicit, contents={"bodies": 1}),
+    "stepper": Kind(_stepper),
+    "penaltyMass, native RK44": Kind(_native_explicit, FEW, _PENALTY),
+    "algebraic, native generalized-alpha": Kind(_native_implicit, FEW, _ALGEBRAIC),
+    "control: compiled steps, kept": Kind(_explicit, keeps=True),
+    "control: penaltyMass, kept": Kind(_native_explicit, FEW, _PENALTY, keeps=True),
+}
+
+
+def memory_of_scenes(kind: str, number: int) -> list[int]:
+    """Resident memory [bytes] after each of so many scenes of one of the `KINDS`, built, run and dropped.
+
+    Raises:
+        CalledProcessError: where the system does not tell (it is read from /proc, as on Linux).
+    """
+    return list(ask(__name__, "dropped", kind, number))
+
+
+def _dropped_scenes(name: str, number: str) -> list[int]:
+    kind, memory, kept = KINDS[name], [], []
+    for _ in range(int(number)):
+        scene = _built_and_run(kind)
+        if kind.keeps:
+            kept.append(scene)
+        del scene
+        gc.collect()
+        memory.append(_told("smaps_rollup", "Rss"))
+    return memory
+
+
+def _built_and_run(kind: Kind) -> tuple[Any, Any]:
+    """mbs and its container, which nobody else holds."""
+    mbs = joined_scene(Contents(elements=kind.elements, **kind.contents))
+    container = mbs.variables.pop("container")  # it owns the mbs, which would own it
+    with silence():
+        kind.run(mbs)
+    return mbs, container
 
 
 if __name__ == "__main__":
-    print(json.dumps(_run(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]))))
+    what, *given = sys.argv[1:]
+    print(json.dumps({"long": _long_cable, "dropped": _dropped_scenes}[what](*given)))

@@ -4,18 +4,20 @@ Run as a program in a process without the compiler (NUMBA_DISABLE_JIT=1), by `co
 """
 
 import json
-import os
-import subprocess
 import sys
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
+from reference_models.inextensible import build
+from reference_models.scenes import load_scene
+
+from . import inner
+from .engines import ask
+
 ADD, MULTIPLY, DIVIDE, ROOT = "add", "multiply", "divide", "root"
 STEPS = 10
-_ROOT_FOLDER = Path(__file__).parents[2]
 
 tally = dict.fromkeys((ADD, MULTIPLY, DIVIDE, ROOT), 0)
 
@@ -75,43 +77,32 @@ def _counted(array: Any) -> Any:
 
 def _prepare_kernels() -> None:
     """Local memory, records and functions of NumPy take numbers that count."""
-    from exudyn_inext.chain import factorisation, records
-
     for name, module in list(sys.modules.items()):
         if name.startswith("exudyn_inext.") and hasattr(module, "local_array"):
             module.local_array = lambda rows, columns: np.empty((rows, columns), dtype=object)
-    records.NUMBER = object
-    factorisation.np = SimpleNamespace(
+    inner.records.NUMBER = object
+    inner.factorisation.np = SimpleNamespace(
         sqrt=_root, copysign=lambda x, y: Counted(np.copysign(float(x), float(y)))
     )
 
 
-def _count_numbers(records: Any) -> Any:
+def _count_numbers(numbers: Any) -> None:
     """Let the numbers of a record array count."""
-    for field in records.dtype.names:
-        if records.dtype[field].base.hasobject and records[field].size:
-            records[field] = _counted(records[field])
-    return records
+    for field in numbers.dtype.names:
+        if numbers.dtype[field].base.hasobject and numbers[field].size:
+            numbers[field] = _counted(numbers[field])
 
 
 def _counted_run(asked: dict[str, Any]) -> tuple[Any, ...]:
     """Integrator, system, loads and state of a run in numbers that count."""
-    from exudyn_inext.chain.linked_cable import cable_system
-    from exudyn_inext.exudyn_binding.cable_loads import CableLoads
-    from exudyn_inext.exudyn_binding.scene import read_scene
-    from exudyn_inext.integrators import find_integrator
-    from exudyn_inext.integrators.integrator import LoadHistory
-    from reference_models.inextensible import build
-    from reference_models.scenes import load_scene
-
     model = build(load_scene(asked["scene"]), asked["elements"])
-    cable = read_scene(model.mbs).cables[0]
-    integrator = find_integrator(asked["integrator"])
-    system = cable_system(cable.cable, 100.0)
-    for records in (system.chain.nodes, system.chain.elements):
-        _count_numbers(records)
-    constant = CableLoads(cable).constant
-    loads = LoadHistory(_counted(constant), np.zeros((0, len(constant))), np.zeros((1, 1, 0)))
+    cable = inner.read_scene(model.mbs).cables[0]
+    integrator = inner.find_integrator(asked["integrator"])
+    system = inner.cable_system(cable.cable, 100.0)
+    for numbers in (system.chain.nodes, system.chain.elements):
+        _count_numbers(numbers)
+    constant = inner.CableLoads(cable).constant
+    loads = inner.LoadHistory(_counted(constant), np.zeros((0, len(constant))), np.zeros((1, 1, 0)))
     empty = integrator.allocate(len(constant), len(constant))
     state = type(empty)(*map(_counted, empty))
     state.q[:], state.v[:] = _counted(asked["q"]), _counted(asked["v"])
@@ -121,13 +112,11 @@ def _counted_run(asked: dict[str, Any]) -> tuple[Any, ...]:
 
 def _counts_of_step(asked: dict[str, Any]) -> dict[str, float]:
     """Operations of one step, the mean over some steps after the first ones."""
-    from exudyn_inext.integrators.integrator import record
-
     integrator, system, loads, state = _counted_run(asked)
     history = np.empty((1, 3, len(state.q)), dtype=object)
     for _ in range(2):
         tally.update(dict.fromkeys(tally, 0))
-        record(integrator.scheme(), system, loads, state, asked["h"], STEPS, history)
+        inner.record(integrator.scheme(), system, loads, state, asked["h"], STEPS, history)
     return {kind: count / STEPS for kind, count in tally.items()}
 
 
@@ -137,20 +126,9 @@ def count_operations(asked: list[dict[str, Any]]) -> list[dict[str, float]]:
     Args:
         asked: "scene", "integrator", "elements", step "h" [s], and lists "q", "v" to start from.
     """
-    process = subprocess.run(
-        [sys.executable, "-m", __name__],
-        input=json.dumps(asked),
-        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
-        cwd=_ROOT_FOLDER,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return list(json.loads(process.stdout))
+    return list(ask(__name__, given=asked, NUMBA_DISABLE_JIT="1"))
 
 
 if __name__ == "__main__":
-    import exudyn_inext  # noqa: F401  its modules must be there before they are prepared
-
     _prepare_kernels()
     print(json.dumps([_counts_of_step(one) for one in json.loads(sys.stdin.read())]))

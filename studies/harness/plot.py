@@ -1,7 +1,10 @@
 """One look for all pictures: colour-blind-safe (Okabe-Ito), units at the axes, no display."""
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, field
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -52,3 +55,86 @@ def label_axes(axes: Axes, x: str, y: str, title: str = "") -> None:
     axes.set_ylabel(y)
     if title:
         axes.set_title(title, loc="left", fontsize=10)
+
+
+def name_ticks(axes: Axes, numbers: Sequence[float]) -> None:
+    """Plain numbers where the markers are, instead of powers of ten."""
+    axes.set_xticks(numbers, [f"{number:g}" for number in numbers])
+    axes.set_xticks([], minor=True)
+
+
+@dataclass(frozen=True)
+class Curve:
+    """y over x.   style: of line and markers, as for `Axes.plot`; look: further keywords."""
+
+    x: Any
+    y: Any
+    label: str | None = None
+    color: str | None = None
+    style: str = "o-"
+    look: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Curves in one pair of axes.
+
+    x, y: labels with units.   scale: a method of `Axes`, such as "loglog".
+    legend: whether it has one of its own; "below" the axes.
+    horizontal, vertical: dotted lines at these values.   ticks: numbers at the x axis.
+    unknown: what is below it on the y axis is shaded, as the reference cannot tell it.
+    """
+
+    x: str
+    y: str
+    curves: Sequence[Curve]
+    scale: str = "loglog"
+    title: str = ""
+    legend: bool | str = True
+    horizontal: Sequence[float] = ()
+    vertical: Sequence[float] = ()
+    ticks: Sequence[float] = ()
+    unknown: float | None = None
+
+    def draw(self, axes: Any) -> None:
+        """All of it."""
+        for curve in self.curves:
+            look = {"label": curve.label, "color": curve.color, **curve.look}
+            getattr(axes, self.scale)(curve.x, curve.y, curve.style, **look)
+        for value in self.horizontal:
+            axes.axhline(value, color="black", linestyle=":", linewidth=1.0)
+        for value in self.vertical:
+            axes.axvline(value, color="black", linestyle=":", linewidth=1.0)
+        if self.unknown:
+            bottom = min(axes.get_ylim()[0], 0.5 * self.unknown)
+            label = "below the reference's uncertainty"
+            axes.axhspan(bottom, self.unknown, color=REFERENCE_COLOR, alpha=0.3, label=label)
+            axes.set_ylim(bottom=bottom)
+        if self.ticks:
+            name_ticks(axes, self.ticks)
+        label_axes(axes, self.x, self.y, self.title)
+        if self.legend == "below":
+            axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=2)
+        elif self.legend and any(curve.label for curve in self.curves):
+            axes.legend(fontsize=8)
+
+
+def chart(
+    path: Path, *panels: Panel, width: float = 8.0, height: float = 4.6, rows: int = 1, columns: int = 0
+) -> Path:
+    """A picture of panels side by side, in so many rows.   columns: of a common legend above them."""
+    with new_figure(path, width, height) as figure:
+        all_axes = figure.subplots(rows, math.ceil(len(panels) / rows), squeeze=False).flat
+        for axes, panel in zip_longest(all_axes, panels):
+            if panel:
+                panel.draw(axes)
+            else:
+                axes.set_axis_off()
+        labelled = [
+            pair for axes in figure.axes for pair in zip(*axes.get_legend_handles_labels(), strict=True)
+        ]
+        unique = {(label, handle.get_color()): handle for handle, label in labelled} if columns else {}
+        if unique:
+            labels = [label for label, _ in unique]
+            figure.legend(unique.values(), labels, loc="outside upper left", ncols=columns, fontsize=8)
+    return path

@@ -1,15 +1,19 @@
-"""Which code a result belongs to: commit, sources, versions."""
+"""Which code and which machine a result belongs to: commit, sources, versions; no names of hosts or paths."""
 
 import hashlib
+import os
+import platform
 import subprocess
 from functools import lru_cache
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from .machine import versions
+import exudyn
 
-_ROOT = Path(__file__).parents[2]
-_PACKAGES = ("exudyn_inext", "reference_models", "studies")
+ROOT = Path(__file__).parents[2]
+_OWN = ("exudyn_inext", "reference_models", "studies")
+_PACKAGES = ("exudyn", "exudyn_inext", "numpy", "scipy", "numba", "mujoco")
 _UNKNOWN = "unknown"
 
 
@@ -22,7 +26,7 @@ def provenance() -> dict[str, Any]:
         "sources": hash of all sources; "versions": of Python and packages.
     """
     commit = _commit()
-    changed = commit != _UNKNOWN and bool(_git("status", "--porcelain", "--", *_PACKAGES))
+    changed = commit != _UNKNOWN and bool(_git("status", "--porcelain", "--", *_OWN))
     return {"commit": commit, "changed": changed, "sources": _source_hash(), "versions": versions()}
 
 
@@ -31,21 +35,60 @@ def code_name(found: dict[str, Any]) -> str:
     return f"commit {str(found['commit'])[:10]}" + (", with changes" if found["changed"] else "")
 
 
-def code_versions() -> dict[str, str]:
-    """Versions of Python and packages, and the commit, for what is stored."""
+def present_code() -> dict[str, Any]:
+    """What decides whether results belong together: versions, the commit among them, and sources."""
     found = provenance()
-    return {**found["versions"], "commit": found["commit"] + (" with changes" if found["changed"] else "")}
+    commit = found["commit"] + (" with changes" if found["changed"] else "")
+    return {"versions": {**found["versions"], "commit": commit}, "sources": found["sources"]}
+
+
+def machine() -> dict[str, str | int | None]:
+    """Processor model, number of cores, operating system."""
+    return {
+        "cpu": _cpu_model(),
+        "cores": os.cpu_count(),
+        "system": platform.system(),
+        "architecture": platform.machine(),
+    }
+
+
+def versions() -> dict[str, str]:
+    """Versions of Python and of all packages that take part.
+
+    exudynRangeChecks: whether Exudyn's default module or its fast one (EXUDYN_MODULE=fast) ran.
+    """
+    found = {"python": platform.python_version()}
+    found |= {package: _version(package) for package in _PACKAGES}
+    fast = "fast" in getattr(exudyn, "_compiledModuleName", "")
+    return found | {"exudynRangeChecks": "off" if fast else "on"}
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def _cpu_model() -> str:
+    """The name of the processor as the system states it; platform's guess elsewhere."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        return platform.processor() or _UNKNOWN
+    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(names, platform.processor() or _UNKNOWN)
 
 
 def _commit() -> str:
-    is_own_repository = Path(_git("rev-parse", "--show-toplevel") or "/").resolve() == _ROOT.resolve()
+    is_own_repository = Path(_git("rev-parse", "--show-toplevel") or "/").resolve() == ROOT.resolve()
     return (is_own_repository and _git("rev-parse", "HEAD")) or _UNKNOWN
 
 
 def _git(*arguments: str) -> str:
     """What git prints; empty where it fails."""
     try:
-        run = subprocess.run(["git", *arguments], cwd=_ROOT, capture_output=True, text=True, timeout=20)
+        run = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, timeout=20)
     except (OSError, subprocess.TimeoutExpired):
         return ""
     return run.stdout.strip() if run.returncode == 0 else ""
@@ -53,7 +96,7 @@ def _git(*arguments: str) -> str:
 
 def _source_hash() -> str:
     digest = hashlib.sha256()
-    for package in _PACKAGES:
-        for source in sorted((_ROOT / package).rglob("*.py")):
-            digest.update(source.relative_to(_ROOT).as_posix().encode() + source.read_bytes())
+    for package in _OWN:
+        for source in sorted((ROOT / package).rglob("*.py")):
+            digest.update(source.relative_to(ROOT).as_posix().encode() + source.read_bytes())
     return digest.hexdigest()[:20]

@@ -1,54 +1,122 @@
-"""Ratios of CPU time over the inextensible cable's: at the paper's settings, and best against best."""
+"""Which rows win: cheapest at an accuracy, the front of cost and accuracy, ratios of CPU time.
+
+Ratios are native CPU time over the inextensible cable's: at the paper's settings, and best against best.
+"""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from .front import cheapest, time_ratio
-from .study import Ratio, Row
+from .store import Row
 from .table import TextTable, number
 from .verdict import at_most, timing_noise, verdict
 
-INEXTENSIBLE = "inextensible"
+CONVENTIONAL, INEXTENSIBLE = "conventional", "inextensible"
 HEADER = ("CPU time over that of the inextensible cable", "paper", "here")
+
+
+def is_implicit(row: Row) -> bool:
+    return row["integrator"] in ("generalizedAlpha", "trapezoidal")
+
+
+def is_explicit(row: Row) -> bool:
+    return not is_implicit(row)
+
+
+def is_explicit_zhai(row: Row) -> bool:
+    """The paper's scheme."""
+    return bool(row["integrator"].lower() == "zhai")
+
+
+def by_default(belongs: Callable[[Row], bool]) -> Callable[[Row], bool]:
+    """The same with Exudyn's default quadrature of the elastic forces."""
+    return lambda row: belongs(row) and row.get("quadrature", "full") == "full"
+
+
+def is_usable(row: Row) -> bool:
+    """Whether the row has both a time and an error."""
+    return row["cpuSeconds"] is not None and row["errorMax"] is not None
+
+
+def cheapest(rows: Iterable[Row], error_bound: float) -> Row | None:
+    """The usable row of least CPU time with errorMax <= error_bound [m]; None if there is none."""
+    candidates = [row for row in rows if is_usable(row) and row["errorMax"] <= error_bound]
+    return min(candidates, key=lambda row: row["cpuSeconds"], default=None)
+
+
+def front(rows: Iterable[Row]) -> list[Row]:
+    """The rows that no other one beats in both time and error, cheapest first."""
+    kept: list[Row] = []
+    for row in sorted(filter(is_usable, rows), key=lambda row: row["cpuSeconds"]):
+        if not kept or row["errorMax"] < kept[-1]["errorMax"]:
+            kept.append(row)
+    return kept
+
+
+def time_ratio(slow: Row | None, quick: Row | None) -> float | None:
+    """CPU time of `slow` over that of `quick`; None where a time is missing."""
+    if slow is None or quick is None or not slow["cpuSeconds"] or not quick["cpuSeconds"]:
+        return None
+    return float(slow["cpuSeconds"] / quick["cpuSeconds"])
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """CPU time of native cables over that of the inextensible one.
+
+    what: the native rows.   here: measured; None where one of the times is missing.
+    paper: at the paper's settings, what the paper states; None for rows of equal accuracy.
+    """
+
+    what: str
+    paper: float | None
+    here: float | None
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """The cheapest native row of a kind against the cheapest inextensible one.
+    """The cheapest native row of a kind against the cheapest inextensible one, at some accuracies.
 
     kind: names the native rows.   belongs: whether a native row is one of them.
-    bound: largest errorMax of both [m].   inextensible_bound: a smaller one for the inextensible row.
+    bounds: largest errorMax of both [m]; a pair has a smaller one for the inextensible row.
     over: formulation of the inextensible rows.
     """
 
     kind: str
     belongs: Callable[[Row], bool]
-    bound: float
-    inextensible_bound: float | None = None
+    bounds: Sequence[float | tuple[float, float]]
     over: str = INEXTENSIBLE
 
-    @property
-    def text(self) -> str:
-        closer = self.inextensible_bound
-        ours = "" if closer is None else f", inextensible <= {closer:g} m"
+    def ratios(self, rows: Sequence[Row]) -> list[Ratio]:
+        """Best against best, at each bound."""
+        inextensible = [row for row in rows if row["formulation"] == self.over]
+        native = [row for row in rows if row["formulation"] == CONVENTIONAL and self.belongs(row)]
         over = "" if self.over == INEXTENSIBLE else f", over {self.over} alone"
-        return f"cheapest native {self.kind} with error <= {self.bound:g} m{ours}{over}"
+        found = []
+        for bound in self.bounds:
+            theirs, ours = bound if isinstance(bound, tuple) else (bound, bound)
+            best = cheapest(native, theirs)
+            closer = f", inextensible <= {ours:g} m" if ours < theirs else ""
+            name = f": {best['label']}" if best else ""
+            text = f"cheapest native {self.kind} with error <= {theirs:g} m{closer}{over}{name}"
+            found.append(Ratio(text, None, time_ratio(best, cheapest(inextensible, ours))))
+        return found
 
 
-def ratios(
-    rows: Sequence[Row], paper_seconds: Mapping[str, float], proposed: str, comparisons: Sequence[Comparison]
-) -> list[Ratio]:
-    """All ratios.
+def paper_ratios(rows: Sequence[Row], paper_seconds: Mapping[str, float], proposed: str) -> list[Ratio]:
+    """At the paper's settings.
 
     Args:
         rows: what was measured.
         paper_seconds: label -> the paper's CPU time [s] of the row that repeats it.
         proposed: the label among them that the others are divided by.
-        comparisons: of the tuned rows.
     """
-    at_paper_settings = _paper_ratios(rows, paper_seconds, proposed)
-    return at_paper_settings + [_tuned_ratio(rows, comparison) for comparison in comparisons]
+    found = {row["label"]: row for row in rows}
+    return [
+        Ratio(label, seconds / paper_seconds[proposed], time_ratio(found.get(label), found.get(proposed)))
+        for label, seconds in paper_seconds.items()
+        if label != proposed
+    ]
 
 
 def ratio_tables(found: Sequence[Ratio]) -> list[TextTable]:
@@ -87,25 +155,3 @@ def _equal_accuracy(tuned: Sequence[Ratio]) -> str:
         f"At equal accuracy, the inextensible cable {found}: the closest of {len(tuned)} comparisons is "
         f"{number(closest.here)} ({closest.what})."
     )
-
-
-def _paper_ratios(rows: Sequence[Row], paper_seconds: Mapping[str, float], proposed: str) -> list[Ratio]:
-    by_label = {row["label"]: row for row in rows}
-    return [
-        Ratio(
-            label,
-            seconds / paper_seconds[proposed],
-            time_ratio(by_label.get(label), by_label.get(proposed)),
-        )
-        for label, seconds in paper_seconds.items()
-        if label != proposed
-    ]
-
-
-def _tuned_ratio(rows: Sequence[Row], comparison: Comparison) -> Ratio:
-    inextensible = [row for row in rows if row["formulation"] == comparison.over]
-    native = [row for row in rows if row["formulation"] == "conventional" and comparison.belongs(row)]
-    best = cheapest(native, comparison.bound)
-    name = f": {best['label']}" if best else ""
-    ratio = time_ratio(best, cheapest(inextensible, comparison.inextensible_bound or comparison.bound))
-    return Ratio(comparison.text + name, None, ratio)

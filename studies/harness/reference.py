@@ -1,16 +1,23 @@
-"""What the errors of a study are measured against."""
+"""What the errors of a study are measured against, and how far a trajectory is from it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
-from exudyn_inext.errors import InputError
+from exudyn_inext import InputError
 from reference_models.data import reference_trajectory
 from reference_models.scenes import Scene
-from reference_models.trajectory import Trajectory
+from reference_models.trajectory import Array, Trajectory
 
-from .error import distance
+
+@dataclass(frozen=True)
+class Distance:
+    """maximum and root mean square over the samples [m]."""
+
+    maximum: float
+    rms: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +32,42 @@ class ReferenceSolution:
     source: str
     uncertainty: float
     file: str | None = None
+
+
+ReferenceOf = Callable[[Scene], ReferenceSolution]
+
+
+def distance(first: Array, second: Array) -> Distance:
+    """Distance between (n, 3) positions [m], sample by sample."""
+    lengths = np.linalg.norm(first - second, axis=1)
+    return Distance(float(lengths.max()), float(np.sqrt(np.mean(lengths**2))))
+
+
+def positions_at(reference: Trajectory, times: Array) -> Array:
+    """(n, 3) positions of the reference at other times; between samples a cubic spline."""
+    positions: Array = CubicSpline(reference.times, reference.positions)(times)
+    return positions
+
+
+def distance_to_reference(trajectory: Trajectory, reference: Trajectory) -> Distance:
+    """Distance to the reference at the trajectory's own times."""
+    tolerance = 1e-6
+    end = reference.times[-1]
+    if trajectory.times[-1] > end + tolerance:
+        raise InputError(
+            f"the trajectory ends at {trajectory.times[-1]:g} s, the reference at {end:g} s: shorten the run."
+        )
+    return distance(trajectory.positions, positions_at(reference, trajectory.times))
+
+
+def interpolation_error(reference: Trajectory) -> Distance:
+    """Error of the spline with every second sample left out, measured at those samples.
+
+    This is the error at twice the sampling period, hence an upper bound in practice: a smooth
+    motion would have a sixteenth of it at the full sampling.
+    """
+    halved = Trajectory(reference.times[::2], reference.positions[::2])
+    return distance(reference.positions[1:-1:2], positions_at(halved, reference.times[1:-1:2]))
 
 
 def from_data(scene: Scene) -> ReferenceSolution:
@@ -46,6 +89,3 @@ def self_convergence(finest: Trajectory, *coarser: Trajectory, source: str) -> R
     """
     errors = [distance(finest.positions, other.positions).maximum for other in coarser]
     return ReferenceSolution(finest, source, float(np.sum(errors)))
-
-
-ReferenceOf = Callable[[Scene], ReferenceSolution]

@@ -10,7 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from exudyn_inext.errors import InputError
+from exudyn_inext import InputError
+
+Row = dict[str, Any]
+"""One case as it is stored; the keys are those of the JSON file."""
 
 
 def prepare_directory(directory: Path) -> Path:
@@ -25,6 +28,14 @@ def prepare_directory(directory: Path) -> Path:
             "choose another one with --output."
         ) from error
     return directory
+
+
+def read_json(path: Path) -> dict[str, Any] | None:
+    """A JSON document, None if there is none."""
+    try:
+        return dict(json.loads(path.read_text(encoding="utf-8")))
+    except FileNotFoundError:
+        return None
 
 
 def write_json(path: Path, document: Mapping[str, Any]) -> None:

@@ -1,64 +1,66 @@
-"""What a study is, and what a run of it gives."""
+"""What a study is, and a run of it: measure, conclude, draw, store. Every study stores the same document."""
 
+import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
 
-from reference_models.scenes import Scene
-from reference_models.trajectory import Case, Trajectory
+from tqdm import tqdm
 
-from .reference import ReferenceOf, ReferenceSolution, from_data
-from .table import TextTable
+from .engines import Options
+from .provenance import machine, present_code
+from .ratios import Ratio, ratio_sentences, ratio_tables
+from .store import Row, prepare_directory, write_json, write_text
+from .table import Table, TextTable
+from .verdict import timing_noise
 
-Row = dict[str, Any]
-"""One case as it is stored; the keys are those of the JSON file."""
+Document = dict[str, Any]
+
+KEYS = (
+    "study", "question", "quick", "mode", "date", "machine", "versions", "sources", "rows",
+    "tables", "notes", "conclusions", "ratios", "pictures",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Order:
+    """Which study is to be run, and how.
+
+    output: directory.   quick: few, cheap cases.   options: where its cases run.
+    """
+
+    study: str
+    output: Path
+    quick: bool = False
+    options: Options = field(default_factory=Options)
 
 
 @dataclass(frozen=True)
 class Results:
-    """rows: one a case, in the order of the cases.   trajectories: label -> what the case gave.
+    """What was measured.   rows: one a case; most studies give each a "kind".
 
-    reference: what the errors are measured against.
+    entries: what else the document keeps.   notes: what tables are to be read with.
     """
 
-    scene: Scene
     quick: bool
-    rows: list[Row]
-    trajectories: Mapping[str, Trajectory]
-    reference: ReferenceSolution
+    rows: Sequence[Row]
+    mode: str = "quick: few, short measurements"
+    entries: Mapping[str, Any] = field(default_factory=dict)
+    notes: Sequence[str] = ()
+
+    def of_kind(self, kind: str) -> list[Row]:
+        return [row for row in self.rows if row.get("kind", "") == kind]
+
+    @property
+    def noise(self) -> float:
+        """Factor within which a timed figure counts as equal to its bar, see `verdict`."""
+        return timing_noise(self.quick)
 
 
-def no_figures(results: Results, directory: Path) -> list[Path]:
-    """For studies without pictures."""
-    return []
-
-
-def no_conclusions(results: Results) -> list[str]:
-    """For studies that speak through their ratios."""
-    return []
-
-
-def no_tables(results: Results) -> list[TextTable]:
-    """For studies whose rows say it all."""
-    return []
-
-
-@dataclass(frozen=True)
-class Ratio:
-    """CPU time of native cables over that of the inextensible one.
-
-    what: the native rows.   here: measured; None where one of the times is missing.
-    paper: at the paper's settings, what the paper states; None for rows of equal accuracy.
-    """
-
-    what: str
-    paper: float | None
-    here: float | None
-
-
-def no_ratios(results: Results) -> list[Ratio]:
-    """For studies that do not compare with native cables."""
+def nothing(*given: Any) -> list[Any]:
+    """For studies without pictures, conclusions or ratios."""
     return []
 
 
@@ -66,26 +68,75 @@ def no_ratios(results: Results) -> list[Ratio]:
 class Study:
     """A question that one command answers.
 
-    paper: the paper's figures, stored beside the measured ones.
-    cases: (scene, quick) -> what is run and timed; `quick` asks for few, cheap ones.
-    figures: draws into a directory and returns the files.
-    conclusions: sentences that are computed from the results.
-    ratios, tables: shown beside the rows; of the ratios, sentences are made.
-    reference: scene -> what errors are measured against; default: the scene's trajectory from the data.
-    quick_end_time: [s] end time of the scene in a quick run.
+    measure: gives rows; a function, or `OnScene` (cases on a scene), or `Sweep` (many cases in a pool).
+    tables: how the rows are shown.   conclusions: sentences that are computed from them.
+    pictures: draws into a directory and returns the files.   ratios: of them, a table and sentences are made.
     not_in_quick_report: why a quick report on all studies leaves it out; empty if it does not.
     """
 
     name: str
     question: str
-    scene: Scene
-    paper: Mapping[str, Any]
-    cases: Callable[[Scene, bool], Sequence[Case]]
-    conclusions: Callable[[Results], list[str]] = no_conclusions
-    figures: Callable[[Results, Path], list[Path]] = no_figures
-    reference: ReferenceOf = from_data
-    ratios: Callable[[Results], list[Ratio]] = no_ratios
-    tables: Callable[[Results], list[TextTable]] = no_tables
-    quick_end_time: float = 0.5
-    repeats: int = 5
+    measure: Callable[[Order], Any]
+    conclusions: Callable[[Any], list[str]] = nothing
+    tables: Sequence[Table] = ()
+    pictures: Callable[[Any, Path], list[Path]] = nothing
+    ratios: Callable[[Any], list[Ratio]] = nothing
     not_in_quick_report: str = ""
+
+
+def announce(study: str, activity: str) -> None:
+    """One line on the error stream, so that the report stays clean; above a progress bar."""
+    tqdm.write(f"{study}: {activity}", file=sys.stderr)
+
+
+def run(study: Study, output: Path, quick: bool = False, options: Options | None = None) -> str:
+    """Measure, write NAME.json, NAME.md and pictures into `output`; return the report."""
+    prepare_directory(output)
+    announce(study.name, "measuring")
+    results = study.measure(Order(study.name, output, quick, options or Options()))
+    results = results if isinstance(results, Results) else Results(quick, results)
+    document = measured(study.name, study.question, results)
+    write_json(output / f"{study.name}.json", document)
+    document |= concluded(study, results)
+    document["pictures"] = [picture.name for picture in study.pictures(results, output)]
+    write_json(output / f"{study.name}.json", document)
+    report = _report(document)
+    gallery = "".join(f"\n![{Path(name).stem}]({name})\n" for name in document["pictures"])
+    write_text(output / f"{study.name}.md", report + gallery)
+    return report
+
+
+def measured(name: str, question: str, results: Results) -> Document:
+    """What is known when the measurement ends; a document is complete when it has all KEYS."""
+    return {
+        "study": name,
+        "question": question,
+        "quick": results.quick,
+        "mode": results.mode if results.quick else "",
+        "date": datetime.now(timezone.utc).isoformat(timespec="seconds"),
+        "machine": machine(),
+        **present_code(),
+        "rows": results.rows,
+        **results.entries,
+    }
+
+
+def concluded(study: Study, results: Results) -> Document:
+    """What follows from the rows; tables without rows are left out."""
+    ratios = study.ratios(results)
+    tables = [table.text(results) for table in study.tables]
+    return {
+        "tables": [vars(table) for table in tables + ratio_tables(ratios) if table.lines],
+        "notes": list(results.notes),
+        "conclusions": study.conclusions(results) + ratio_sentences(ratios, results.quick),
+        "ratios": [vars(ratio) for ratio in ratios],
+    }
+
+
+def _report(document: Document) -> str:
+    """Question, tables, notes, conclusions as Markdown."""
+    mode = f" ({document['mode']})" if document["mode"] else ""
+    tables = [TextTable(**table).markdown for table in document["tables"]]
+    paragraphs = [f"# {document['study']}{mode}", document["question"], *tables, *document["notes"]]
+    sentences = "\n".join(f"- {sentence}" for sentence in document["conclusions"])
+    return "\n\n".join([*paragraphs, sentences]) + "\n"

@@ -1,10 +1,10 @@
-"""Tables as text: what a report shows of rows."""
+"""Tables: which rows and which of their keys a report shows, and as text."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-COLUMNS = ("case", "N", "h [s]", "CPU [s]", "CPU min [s]", "error max [m]", "error rms [m]")
+from .store import Row
 
 
 @dataclass(frozen=True)
@@ -22,16 +22,33 @@ class TextTable:
         return f"{self.title}\n\n{table}" if self.title else table
 
 
+@dataclass(frozen=True)
+class Table:
+    """The rows of one kind in a report.
+
+    columns: "header: key | header: key"; a key alone is its own header.
+    rows: computes other rows from the results; None: those that were measured are shown themselves.
+    """
+
+    kind: str
+    title: str
+    columns: str
+    rows: Callable[[Any], Sequence[Row]] | None = None
+
+    def text(self, results: Any) -> TextTable:
+        """The table of these `Results`."""
+        rows = results.of_kind(self.kind) if self.rows is None else self.rows(results)
+        columns = [column.rpartition(": ") for column in self.columns.split(" | ")]
+        keys = [key for _, _, key in columns]
+        lines = [[cell(row.get(key)) for key in keys] for row in rows]
+        return TextTable(self.title, [header or key for header, _, key in columns], lines)
+
+
 def markdown_table(header: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
     """A Markdown table: the first column is text, the others numbers."""
     ruler = ["---"] + ["---:"] * (len(header) - 1)
     escaped = ([cell.replace("|", "\\|") for cell in cells] for cells in (header, ruler, *lines))
     return "\n".join("| " + " | ".join(cells) + " |" for cells in escaped)
-
-
-def rows_table(rows: Iterable[Mapping[str, Any]]) -> TextTable:
-    """All rows; a failed one shows its status instead of figures."""
-    return TextTable("", COLUMNS, [_cells(row) for row in rows])
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -46,12 +63,19 @@ def cell(value: Any) -> str:
     return "-" if value is None else str(value)
 
 
-def _cells(row: Mapping[str, Any]) -> list[str]:
-    status = "" if row["status"] == "ok" else f" ({row['status']})"
-    figures = (row[key] for key in ("cpuSeconds", "cpuSecondsMin", "errorMax", "errorRms"))
-    return [
-        row["label"] + status,
-        str(row["elements"]),
-        f"{row['stepSize']:.3g}",
-        *(number(value) for value in figures),
-    ]
+def groups(rows: Iterable[Row], key: str) -> dict[Any, list[Row]]:
+    """Value of the key -> its rows, in their order."""
+    found: dict[Any, list[Row]] = {}
+    for row in rows:
+        found.setdefault(row[key], []).append(row)
+    return found
+
+
+def column(rows: Iterable[Row], key: str) -> list[Any]:
+    """The key's value in each row."""
+    return [row[key] for row in rows]
+
+
+def largest(rows: Iterable[Row], key: str) -> Row:
+    """The row with the largest value of the key."""
+    return max(rows, key=lambda row: float(row[key]))

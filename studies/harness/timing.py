@@ -1,27 +1,50 @@
-"""CPU time of cases: warm-up, then repeated round robin, so that a busy spell hits all alike."""
+"""CPU time in turn: warm-up, then rounds over all tasks, so that a busy spell hits all alike.
+
+Each round begins with another task: what the caches hold after the task before differs by place.
+"""
 
 import gc
+import math
 import statistics
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
 
-from exudyn_inext.errors import DivergenceError
+from tqdm import tqdm
+
+from exudyn_inext import DivergenceError
 from reference_models.trajectory import Case, Trajectory
+
+from .reference import Distance, distance_to_reference
+from .store import Row
 
 OK = "ok"
 DIVERGED = "diverged"
 
+Prepare = Callable[[], Callable[[], Any]]
+"""Builds what is needed, untimed, and returns what is timed."""
+Task = Callable[[int], None]
+"""Does its work that many times."""
+RoundsOf = Callable[[float], float]
+
 
 @dataclass(eq=False)
 class Measurement:
-    """Timed runs of one case.   cpu_seconds: one entry a timed run [s].   warm_up: of the first run [s]."""
+    """Timed runs of a task: one entry each [s].
 
-    case: Case
+    warm_up: CPU time of the first run [s], which is not one of them.   found: what the last one returned.
+    """
+
+    prepare: Prepare
     cpu_seconds: list[float] = field(default_factory=list)
-    warm_up: float = 0.0
-    trajectory: Trajectory | None = None
+    wall_seconds: list[float] = field(default_factory=list)
+    warm_up: float | None = None
+    found: Any = None
     status: str = OK
 
     @property
@@ -32,54 +55,176 @@ class Measurement:
     def minimum(self) -> float | None:
         return min(self.cpu_seconds, default=None)
 
+    def run(self) -> None:
+        """Prepare, and run once; the first time is the warm-up."""
+        self.found = None  # its memory is used again
+        task = self.prepare()
+        with garbage_collection_off():
+            start, cpu_start = time.perf_counter(), time.process_time()
+            self.found = task()
+            cpu, wall = time.process_time() - cpu_start, time.perf_counter() - start
+        if self.warm_up is None:
+            self.warm_up = cpu
+        else:
+            self.cpu_seconds.append(cpu)
+            self.wall_seconds.append(wall)
+
+
+def in_turn(
+    tasks: Mapping[str, Prepare],
+    rounds: int,
+    name: str,
+    run: Callable[[Measurement], None] = Measurement.run,
+    rounds_of: RoundsOf = lambda seconds: math.inf,
+    turns: bool = True,
+) -> dict[str, Measurement]:
+    """Run every task once untimed (compilation, caches), then in so many rounds.
+
+    Args:
+        tasks: by label.   rounds: over all of them.   name: of the progress bar.
+        run: runs one once; after a status that is not OK there are no further runs.
+        rounds_of: from the CPU time of the warm-up [s], in how many of the rounds a task takes part.
+        turns: whether each round begins with another task.
+    """
+    measurements = {label: Measurement(prepare) for label, prepare in tasks.items()}
+    order = deque(measurements.items())
+    with only_new_garbage(), tqdm(total=len(tasks) * (rounds + 1), desc=name, unit="run") as progress:
+        for completed in range(rounds + 1):
+            for label, measurement in order:
+                progress.set_postfix_str(label[:48])
+                wanted = math.inf if measurement.warm_up is None else rounds_of(measurement.warm_up)
+                if measurement.status == OK and completed <= wanted:
+                    run(measurement)
+                progress.update()
+            order.rotate(-1 if turns and completed else 0)
+    return measurements
+
+
+# ------------------------------------------------------------------------------- cases on a scene
+
 
 def measure(
     cases: Sequence[Case],
     repeats: int,
-    advance: Callable[[str], None] = lambda label: None,
-    repeats_of: Callable[[float], int] | None = None,
-) -> list[Measurement]:
-    """Run every case once untimed, then `repeats` rounds over all that have not failed.
+    reference: Trajectory,
+    name: str = "",
+    rounds_of: RoundsOf = lambda seconds: math.inf,
+) -> list[tuple[Row, Trajectory | None]]:
+    """Row and trajectory of each case; one that fails or diverges keeps its place, with its status.
 
-    The warm-up takes compilation and caches out of the timing. A case that fails or diverges keeps
-    its place, with its status and without further runs. `advance` hears of every run, skipped ones
-    included: len(cases) * (repeats + 1) calls. `repeats_of` says, from the CPU time of the warm-up [s], in
-    how many of the rounds a case takes part; default: in all.
+    Raises:
+        ValueError: equal labels.
     """
-    measurements = [Measurement(case) for case in cases]
-    with only_new_garbage():
-        for completed in range(repeats + 1):
-            for measurement in measurements:
-                advance(measurement.case.label)
-                wanted = repeats if repeats_of is None else repeats_of(measurement.warm_up)
-                if measurement.status == OK and completed <= wanted:
-                    _run_once(measurement)
-    return measurements
+    labels = [case.label for case in cases]
+    if repeated := {label for label in labels if labels.count(label) > 1}:
+        raise ValueError(f"labels {sorted(repeated)} occur more than once; make them distinct.")
+    tasks = {case.label: case.prepare for case in cases}
+    found = in_turn(tasks, repeats, name, _run_case, rounds_of)
+    pairs = [(case, found[case.label]) for case in cases]
+    return [(_row(case, measurement, reference), measurement.found) for case, measurement in pairs]
 
 
-def _run_once(measurement: Measurement) -> None:
-    """Build, run, and record; the first run of a case is its warm-up."""
-    is_warm_up = measurement.trajectory is None
+def _run_case(measurement: Measurement) -> None:
+    """Once, with what becomes of it."""
+    timed = len(measurement.cpu_seconds)
     try:
-        run = measurement.case.prepare()
-        with garbage_collection_off():
-            start = time.process_time()
-            found = run()
-            elapsed = time.process_time() - start
-        trajectory = found if isinstance(found, Trajectory) else found()
+        measurement.run()
+        found = measurement.found
+        measurement.found = found = found if isinstance(found, Trajectory) else found()
+        is_finite = found.is_finite
     except DivergenceError as error:
         measurement.status = f"{DIVERGED}: {error}"
-        return
     except Exception as error:  # a failing case must not take the other rows with it
         measurement.status = f"failed: {type(error).__name__}: {error}"
-        return
-    measurement.trajectory = trajectory
-    if not trajectory.is_finite:
-        measurement.status = DIVERGED
-    elif is_warm_up:
-        measurement.warm_up = elapsed
     else:
-        measurement.cpu_seconds.append(elapsed)
+        measurement.status = OK if is_finite else DIVERGED
+    if measurement.status != OK:
+        del measurement.cpu_seconds[timed:]
+
+
+def _row(case: Case, measurement: Measurement, reference: Trajectory) -> Row:
+    """As it is stored; times and errors of a failed case are None."""
+    error = _error(measurement, reference)
+    return {
+        "label": case.label,
+        "formulation": case.formulation,
+        "integrator": case.integrator,
+        "elements": case.elements,
+        "stepSize": case.step_size,
+        "steps": case.steps,
+        "cpuSeconds": measurement.median,
+        "cpuSecondsMin": measurement.minimum,
+        "repeats": len(measurement.cpu_seconds),
+        "errorMax": error.maximum if error else None,
+        "errorRms": error.rms if error else None,
+        "status": measurement.status,
+        **case.details,
+    }
+
+
+def _error(measurement: Measurement, reference: Trajectory) -> Distance | None:
+    if measurement.status != OK or measurement.found is None:
+        return None
+    error = distance_to_reference(measurement.found, reference)
+    return error if math.isfinite(error.maximum) else None
+
+
+# ------------------------------------------------------------------------------------ short tasks
+
+
+_is_rehearsal = ContextVar("rehearsal", default=False)
+
+
+@contextmanager
+def each_task_once() -> Iterator[None]:
+    """Inside, `seconds_per_time` runs each task once, for what it compiles; its seconds mean nothing."""
+    token = _is_rehearsal.set(True)
+    try:
+        yield
+    finally:
+        _is_rehearsal.reset(token)
+
+
+def seconds_per_time(
+    tasks: Mapping[str, Task], repeats: int, least_seconds: float, name: str = "timing"
+) -> dict[str, list[float]]:
+    """CPU seconds of each task, done once, in each of `repeats` rounds over all tasks.
+
+    A task is repeated in a sample as often as takes `least_seconds`.
+    """
+    if _is_rehearsal.get():
+        for task in tasks.values():
+            task(1)
+        return {label: [1.0] * repeats for label in tasks}
+    times = {label: _times_of(task, least_seconds) for label, task in tasks.items()}
+    runs = {label: partial(partial, task, times[label]) for label, task in tasks.items()}
+    samples = in_turn(runs, repeats, name)
+    return {
+        label: [max(seconds, 1e-9) / times[label] for seconds in samples[label].cpu_seconds]
+        for label in tasks
+    }
+
+
+def medians(samples: Mapping[str, list[float]]) -> dict[str, float]:
+    """Label -> median."""
+    return {label: statistics.median(values) for label, values in samples.items()}
+
+
+def _times_of(task: Task, least_seconds: float) -> int:
+    task(1)
+    times = 1
+    while (seconds := _seconds(task, times)) < 0.2 * least_seconds:
+        times *= 4
+    return max(1, round(times * least_seconds / seconds))
+
+
+def _seconds(task: Task, times: int) -> float:
+    start = time.process_time()
+    task(times)
+    return max(time.process_time() - start, 1e-9)
+
+
+# ---------------------------------------------------------------------------------------- garbage
 
 
 @contextmanager

@@ -22,3 +22,8 @@ def verdict(is_kept: bool | None, kept: str = "kept", missed: str = "MISSED") ->
     if is_kept is None:
         return UNDECIDED
     return kept if is_kept else missed
+
+
+def judged(value: float, bar: float, noise: float = 1.0, kept: str = "kept", missed: str = "MISSED") -> str:
+    """The words for whether value <= bar."""
+    return verdict(at_most(value, bar, noise), kept, missed)

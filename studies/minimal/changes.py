@@ -1,6 +1,8 @@
-"""One change at a time, on the paper's scenes, timed against the base in turn."""
+"""One change at a time, on the paper's scenes, timed against the base in turn; and what that says."""
 
 import math
+import statistics
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -9,11 +11,12 @@ from reference_models.inextensible import Inextensible, inextensible_case
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case
 from studies.harness.cases import failing_case
-from studies.harness.reference import ReferenceSolution, from_data
-from studies.harness.rows import make_row
-from studies.harness.study import Row
-from studies.harness.timing import measure
-from studies.table3 import refined
+from studies.harness.reference import ReferenceSolution
+from studies.harness.store import Row
+from studies.harness.study import Results
+from studies.harness.table import number
+from studies.harness.timing import OK, measure
+from studies.table3 import reference_of
 
 SCENES = {"planar_pendulum": 8, "spatial_pendulum": 8, "vibrating_ring": 16, "power_line": 16}  # elements
 PART = 0.6  # of the stability limit: what a model's own limit costs is a part of its price
@@ -83,7 +86,7 @@ def run_change(case: Row) -> Row:
     base = {**BASE, "elements": case["elements"]}
     cases = [_case(scene, base, "base"), _case(scene, base | case["change"], "variant")]
     reference = _reference(case["scene"])
-    first, second = (make_row(m, reference.trajectory) for m in measure(cases, case["repeats"]))
+    (first, _), (second, _) = measure(cases, case["repeats"], reference.trajectory)
     return {
         "uncertainty": reference.uncertainty,
         "baseError": first["errorMax"],
@@ -106,15 +109,11 @@ def _ratio(value: float | None, base: float | None) -> float | None:
 def _case(scene: Scene, given: Row, label: str) -> Case:
     """At PART of its own stability limit; one that cannot even start fails when it is run."""
     try:
-        limits = inextensible_case(_brief(scene), _model(given, _settings(given)))
+        limits = inextensible_case(replace(scene, end_time=0.01), _model(given, _settings(given)))
         settings = _settings(given, PART * limits.details["stepLimit"])
         return inextensible_case(scene, _model(given, settings), label)
     except ArithmeticError as error:
         return failing_case(label, given["integrator"], given["elements"], error)
-
-
-def _brief(scene: Scene) -> Scene:
-    return replace(scene, end_time=0.01)
 
 
 def _settings(given: Row, step: float | None = None) -> ExplicitSettings:
@@ -144,5 +143,80 @@ def _model(given: Row, settings: ExplicitSettings) -> Inextensible:
 
 @lru_cache
 def _reference(name: str) -> ReferenceSolution:
-    scene = load_scene(name)
-    return from_data(scene) if scene.reference else refined(scene)
+    return reference_of(load_scene(name))
+
+
+# ------------------------------- what may be left out, where, and what that saves: over all scenes
+
+
+HARMLESS = 1.1  # error over that of the base
+CHEAPER, DEARER = 0.95, 1.05  # CPU time over that of the base
+BASE_OF_DENSE = "as in the package"
+
+
+def summary_of(results: Results) -> list[Row]:
+    """One row a change: 'change', 'verdict', 'harmless', 'elsewhere', 'costRatio' (median)."""
+    rows = [*results.of_kind("change"), *_compared(results.of_kind("dense"))]
+    return [_row(label, rows) for label in dict.fromkeys(row["label"] for row in rows)]
+
+
+def is_harmless(row: Row) -> bool:
+    """Whether the error stays that of the base, or what the reference cannot tell from it."""
+    if row.get("error") is None or row.get("baseError") is None:
+        return False
+    bound = max(HARMLESS * row["baseError"], row["baseError"] + row["uncertainty"])
+    return bool(row["error"] <= bound)
+
+
+def sentences_of(summary: Sequence[Row]) -> list[str]:
+    """The changes, verdict by verdict."""
+    groups: dict[str, list[str]] = {}
+    for row in summary:
+        groups.setdefault(row["verdict"], []).append(row["change"])
+    return [f"{verdict[0].upper()}{verdict[1:]}: {'; '.join(own)}." for verdict, own in groups.items()]
+
+
+def _compared(rows: Sequence[Row]) -> list[Row]:
+    """Dense variants, each beside the one with everything."""
+    bases = {row["elements"]: row for row in rows if row["label"] == BASE_OF_DENSE}
+    found = []
+    for row in rows:
+        base = bases.get(row["elements"], {}).get("error")
+        if row["label"] != BASE_OF_DENSE:
+            ratio = row["error"] / base if base and row.get("error") is not None else None
+            place = f"{row['scene']}, N = {row['elements']}"
+            found.append(row | {"scene": place, "baseError": base, "errorRatio": ratio})
+    return found
+
+
+def _row(label: str, rows: Sequence[Row]) -> Row:
+    own = [row for row in rows if row["label"] == label]
+    harmless = [row["scene"] for row in own if is_harmless(row)]
+    elsewhere = [f"{row['scene']} ({_error(row)})" for row in own if not is_harmless(row)]
+    costs = [row["costRatio"] for row in own if row.get("costRatio") is not None]
+    cost = statistics.median(costs) if costs else None
+    return {
+        "change": label,
+        "verdict": _verdict(len(harmless), len(own), cost),
+        "harmless": ", ".join(harmless) or "no scene",
+        "elsewhere": ", ".join(elsewhere) or "-",
+        "costRatio": cost,
+    }
+
+
+def _verdict(harmless: int, scenes: int, cost: float | None) -> str:
+    if not harmless:
+        return "harmful everywhere"
+    where = "harmless everywhere" if harmless == scenes else "harmless on some scenes"
+    if cost is None:
+        return f"{where}, cost not measured"
+    saves = "cheaper" if cost < CHEAPER else "dearer" if cost > DEARER else "saves nothing"
+    return f"{where}, {saves}"
+
+
+def _error(row: Row) -> str:
+    if row.get("errorRatio") is not None:
+        return f"{number(row['errorRatio'])} times the error"
+    base = row.get("baseOutcome", OK)
+    said = str(row.get("outcome", row["status"])) if base == OK else f"the base {base}"
+    return said.split(". ")[0]

@@ -9,23 +9,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from exudyn_inext import RungeKutta4
-from exudyn_inext.arrays import Array
-from exudyn_inext.chain.sparse_forms import form_of_cable
-from exudyn_inext.compiled import plain
-from exudyn_inext.constraints import constraints_of_cable
-from exudyn_inext.element.bending import stiffness_matrix
-from exudyn_inext.element.inertia import mass_matrix
-from exudyn_inext.integrators import find_integrator
-from exudyn_inext.integrators.integrator import advance, no_loads
-from exudyn_inext.system import index_reduced_rates
 from reference_models.model import SENSOR_PERIOD
 from reference_models.scenes import load_scene
-from reference_models.trajectory import Trajectory
-from studies.harness.error import distance_to_reference
-from studies.harness.reference import from_data
-from studies.harness.study import Row
-from studies.stability.cables import Equilibrium
+from reference_models.trajectory import Array, Trajectory
+from studies.harness import inner
+from studies.harness.reference import distance_to_reference, from_data
+from studies.harness.store import Row
 from studies.stability.long_runs import pendulum_of
+from studies.stability.motion import Equilibrium
 
 NODAL = "nodal inextensibility"
 ZETA = 100.0  # [1/s]
@@ -47,7 +38,7 @@ class DenseSystem(NamedTuple):
     shape: tuple[int, ...]
 
 
-@index_reduced_rates.register(DenseSystem)
+@inner.index_reduced_rates.register(DenseSystem)
 def dense_rates(system, external, q, v, acceleration, rate):  # type: ignore[no-untyped-def]
     """Eq. (30), by the dense saddle-point matrix (29)."""
     free = system.free
@@ -88,14 +79,14 @@ def run_dense(case: Row) -> Row:
     """Largest distance of the tip to the reference, and the worst stretch of a slope at a node."""
     start = pendulum_of(case["elements"])
     system = _system(start, **VARIANTS[case["label"]])
-    integrator, substeps = find_integrator("RK4"), SUBSTEPS[case["elements"]]
-    take_step = plain(advance.dispatch(RungeKutta4))
-    begin = plain(integrator.start)
+    integrator, substeps = inner.find_integrator("RK4"), SUBSTEPS[case["elements"]]
+    take_step = inner.plain(inner.advance.dispatch(RungeKutta4))
+    begin = inner.plain(integrator.start)
     external = start.external.ravel()
     state = integrator.allocate(external.size, external.size)
     state.q[:] = start.q.ravel()
     begin(system, external, state)
-    loads = no_loads(external.size, len(integrator.stages))._replace(constant=external)
+    loads = inner.no_loads(external.size, len(integrator.stages))._replace(constant=external)
     times, tips = [0.0], [start.q[-1, 0]]
     stretch, q = 0.0, state.q.reshape(start.q.shape)
     while times[-1] < case["motion"] - 0.5 * SENSOR_PERIOD:
@@ -116,12 +107,12 @@ def run_dense(case: Row) -> Row:
 
 def _system(start: Equilibrium, nodal: bool, lumped: bool) -> DenseSystem:
     cable = start.cable
-    mass = cable.section.mass_per_length * form_of_cable(cable, mass_matrix).toarray()
+    mass = cable.section.mass_per_length * inner.form_of_cable(cable, inner.mass_matrix).toarray()
     if lumped:
         mass = _lumped(mass, start.q.shape)
-    stiffness = cable.section.bending_stiffness * form_of_cable(cable, stiffness_matrix).toarray()
+    stiffness = cable.section.bending_stiffness * inner.form_of_cable(cable, inner.stiffness_matrix).toarray()
     constraints = tuple(
-        c for c in constraints_of_cable(cable) if c.name == "length" or (nodal and c.name == NODAL)
+        c for c in inner.constraints_of_cable(cable) if c.name == "length" or (nodal and c.name == NODAL)
     )
     held = np.repeat(cable.fixed[:, :, None], 2, axis=2).ravel()
     return DenseSystem(mass, stiffness, constraints, np.flatnonzero(~held), start.q.shape)

@@ -1,10 +1,1 @@
-"""Parts of `work_precision`.
-
-families         which rows form a front together
-reading          fronts, what an accuracy costs by interpolation, ratios
-inextensible     cases of the package        native   cases of conventional cables
-enforced         inextensible cables under native solvers
-links            cases of rigid links
-scene_run        measuring one scene
-findings         sentences                   pictures
-"""
+"""Parts of `work_precision`: cases, fronts and what is read off them, one scene, sentences, pictures."""

@@ -2,30 +2,45 @@
 
 from collections.abc import Sequence
 
-from studies.harness.benchmark import Figures
-from studies.harness.study import Row
-from studies.harness.table import number
+from studies.harness.store import Row
+from studies.harness.study import Results
+from studies.harness.table import groups, number
+from studies.harness.verdict import verdict
 
-from .families import EXPLICIT, FAMILIES, IMPLICIT, INEXTENSIBLE, OPPONENTS, PEER, members, method_of
-from .links import NOT_INSTALLED, SCENES
-from .reading import ALONE, CHEAPER, Loss, front_of, losses
+from .cases import LINKED_SCENES, NOT_INSTALLED
+from .fronts import (
+    EXPLICIT,
+    FAMILIES,
+    IMPLICIT,
+    INEXTENSIBLE,
+    OPPONENTS,
+    OTHERS,
+    PEER,
+    Loss,
+    front_of,
+    losses,
+    members,
+    method_of,
+)  # fmt: skip
 from .scene_run import BELOW
 
 BAR = 50.0
 BAR_SCENE, BAR_BOUNDS = "planar_pendulum", (5e-3, 7e-4)
 
 
-def conclude(figures: Figures) -> list[str]:
+def conclude(results: Results) -> list[str]:
     """References, bars, ratios, losses, failures: scene by scene."""
-    failed = [f"FAILED: {row['scene']}: {row['status']}" for row in figures.of_kind("scene")]
-    sentences = failed + _bars(figures)
-    for reference in figures.of_kind("reference"):
-        runs = [row for row in figures.of_kind("run") if row["scene"] == reference["scene"]]
-        ratios = [row for row in figures.of_kind("speedUp") if row["scene"] == reference["scene"]]
+    failed = [f"FAILED: {row['scene']}: {row['status']}" for row in results.of_kind("scene")]
+    sentences = failed + _bars(results)
+    for reference in results.of_kind("reference"):
+        scene = reference["scene"]
+        runs, ratios = (
+            [row for row in results.of_kind(kind) if row["scene"] == scene] for kind in ("run", "speedUp")
+        )
         sentences += [_reference(reference), _best(reference, runs)]
         sentences += _ratios(ratios) + _losses(reference, runs) + _failures(runs)
-        if reference["scene"] in SCENES and not members(runs, PEER):
-            sentences.append(f"{reference['scene']}: {NOT_INSTALLED}")
+        if scene in LINKED_SCENES and not members(runs, PEER):
+            sentences.append(f"{scene}: {NOT_INSTALLED}")
     return sentences
 
 
@@ -51,14 +66,12 @@ def _best(reference: Row, runs: Sequence[Row]) -> str:
 
 
 def _ratios(rows: Sequence[Row]) -> list[str]:
-    sentences = []
-    for opponent in dict.fromkeys(row["opponent"] for row in rows):
-        own = [row for row in rows if row["opponent"] == opponent]
-        parts = [f"{_ratio(row)} at {row['bound']:g} m" for row in own]
-        sentences.append(
-            f"{own[0]['scene']}, CPU time of {opponent} over that of the cable: {', '.join(parts)}."
-        )
-    return sentences
+    return [
+        f"{own[0]['scene']}, CPU time of {opponent} over that of the cable: "
+        + ", ".join(f"{_ratio(row)} at {row['bound']:g} m" for row in own)
+        + "."
+        for opponent, own in groups(rows, "opponent").items()
+    ]
 
 
 def _ratio(row: Row) -> str:
@@ -75,7 +88,7 @@ def _losses(reference: Row, runs: Sequence[Row]) -> list[str]:
     """Where the inextensible front loses, against every opponent."""
     own = front_of(members(runs, INEXTENSIBLE), reference["uncertainty"])
     sentences = []
-    for opponent in (family for family in FAMILIES if family != INEXTENSIBLE):
+    for opponent in OTHERS:
         theirs = [row for row in runs if OPPONENTS[opponent](row)]
         if not theirs:
             continue
@@ -86,7 +99,6 @@ def _losses(reference: Row, runs: Sequence[Row]) -> list[str]:
 
 
 def _range(loss: Loss) -> str:
-    assert loss.why in (ALONE, CHEAPER)
     if loss.least == loss.largest:
         return f"at {number(loss.least, 2)} m"
     return f"from {number(loss.least, 2)} to {number(loss.largest, 2)} m"
@@ -101,11 +113,11 @@ def _failures(runs: Sequence[Row]) -> list[str]:
     return [f"{lost[0]['scene']}: runs that failed or diverged, kept with their status: {', '.join(parts)}."]
 
 
-def _bars(figures: Figures) -> list[str]:
+def _bars(results: Results) -> list[str]:
     """What the study has to show, on the whole motion of the planar pendulum."""
-    if figures.quick:
+    if results.quick:
         return []
-    rows = [row for row in figures.of_kind("speedUp") if row["scene"] == BAR_SCENE]
+    rows = [row for row in results.of_kind("speedUp") if row["scene"] == BAR_SCENE]
     sentences = []
     for bound in BAR_BOUNDS:
         own = {row["opponent"]: row for row in rows if row["bound"] == bound}
@@ -118,5 +130,5 @@ def _bars(figures: Figures) -> list[str]:
 def _verdict(row: Row, bar: float) -> str:
     left = f"bar: {row['scene']} at {row['bound']:g} m, {row['opponent']}, at least {bar:g} times"
     if row["ratio"] is not None:
-        return f"{left}: {'kept' if row['ratio'] >= bar else 'MISSED'}, {number(row['ratio'])}."
+        return f"{left}: {verdict(row['ratio'] >= bar)}, {number(row['ratio'])}."
     return f"{left}: {_ratio(row)}."

@@ -1,29 +1,31 @@
 """Every run of a scene by its family, inextensible ones also by their method; and ratios over the error."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
 
-from studies.harness.benchmark import Figures
-from studies.harness.front import is_usable
-from studies.harness.plot import COLORS, REFERENCE_COLOR, label_axes, new_figure
-from studies.harness.study import Row
+from studies.harness.plot import COLORS, Curve, Panel, chart
+from studies.harness.ratios import is_usable
+from studies.harness.store import Row
+from studies.harness.study import Results
+from studies.harness.table import column, groups
 
-from .families import (
+from .fronts import (
     BY_NATIVE_SOLVERS,
     EXPLICIT,
-    FAMILIES,
     IMPLICIT,
     INEXTENSIBLE,
     OPPONENTS,
+    OTHERS,
     PEER,
+    Front,
     family_of,
+    front_of,
     members,
     method_of,
-)
-from .reading import Front, front_of, speed_up
+    speed_up,
+)  # fmt: skip
 
 _LOOK = {
     INEXTENSIBLE: (COLORS[0], "o"),
@@ -33,89 +35,64 @@ _LOOK = {
     PEER: (COLORS[3], "D"),
 }
 _MARKERS = "osD^v<>PX*h"
-_TIME, _ERROR = "CPU time [s]", "largest distance to the reference [m]"
-_NAME = "work_precision"
+_AXES = "CPU time [s]", "largest distance to the reference [m]"
+_RATIO_AXES = "error [m]", "CPU time over the inextensible cable's [-]"
 
 
-def draw(figures: Figures, directory: Path) -> list[Path]:
+def draw(results: Results, directory: Path) -> list[Path]:
     """One picture a scene, and one of all ratios."""
-    references = [row for row in figures.of_kind("reference") if _runs(figures, row)]
-    paths = [_draw_scene(row, _runs(figures, row), directory) for row in references]
-    return [*paths, _draw_ratios(figures, references, directory)] if paths else []
-
-
-def _runs(figures: Figures, reference: Row) -> list[Row]:
-    return [row for row in figures.of_kind("run") if row["scene"] == reference["scene"] and is_usable(row)]
+    usable = groups(filter(is_usable, results.of_kind("run")), "scene")
+    known = [(row, usable[row["scene"]]) for row in results.of_kind("reference") if row["scene"] in usable]
+    if not known:
+        return []
+    paths = [_draw_scene(reference, runs, directory) for reference, runs in known]
+    panels = [_ratios(reference, runs) for reference, runs in known]
+    path = directory / "work_precision_ratios.png"
+    return [*paths, chart(path, *panels, width=11.0, height=8.0, rows=2, columns=4)]
 
 
 def _draw_scene(reference: Row, runs: Sequence[Row], directory: Path) -> Path:
-    path = directory / f"{_NAME}_{reference['scene']}.png"
-    with new_figure(path, 12.0, 6.4) as figure:
-        left, right = figure.subplots(1, 2)
-        _draw_fronts(
-            left, {family: members(runs, family) for family in FAMILIES}, reference["uncertainty"], _LOOK
+    scene, unknown = reference["scene"], reference["uncertainty"]
+    own = [
+        row | {"method": method_of(row)}
+        for row in runs
+        if family_of(row) in (INEXTENSIBLE, BY_NATIVE_SOLVERS)
+    ]
+    methods = dict(sorted(groups(own, "method").items()))
+    looks = {name: (COLORS[k % len(COLORS)], _MARKERS[k % len(_MARKERS)]) for k, name in enumerate(methods)}
+    families = {family: members(runs, family) for family in _LOOK}
+    panels = [
+        Panel(*_AXES, list(_fronts(rows, unknown, look)), title=title, legend="below", unknown=unknown)
+        for rows, look, title in (
+            (families, _LOOK, f"{scene}: all formulations"),
+            (methods, looks, "inextensible cables by method"),
         )
-        own = [row for row in runs if family_of(row) in (INEXTENSIBLE, BY_NATIVE_SOLVERS)]
-        methods = sorted({method_of(row) for row in own})
-        looks = {
-            name: (COLORS[k % len(COLORS)], _MARKERS[k % len(_MARKERS)]) for k, name in enumerate(methods)
-        }
-        groups = {name: [row for row in own if method_of(row) == name] for name in methods}
-        _draw_fronts(right, groups, reference["uncertainty"], looks)
-        label_axes(left, _TIME, _ERROR, f"{reference['scene']}: all formulations")
-        label_axes(right, _TIME, _ERROR, "inextensible cables by method")
-        for axes in (left, right):
-            axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=2)
-    return path
+    ]
+    return chart(directory / f"work_precision_{scene}.png", *panels, width=12.0, height=6.4)
 
 
-def _draw_fronts(
-    axes: Axes, groups: Mapping[str, Sequence[Row]], uncertainty: float, looks: Mapping[str, tuple[str, str]]
-) -> None:
-    """Rows as markers, fronts as lines; what the reference cannot tell is shaded."""
-    for name, rows in groups.items():
-        if not rows:
-            continue
-        color, marker = looks[name]
-        times, errors = [row["cpuSeconds"] for row in rows], [row["errorMax"] for row in rows]
-        axes.loglog(times, errors, marker, color=color, markersize=3, alpha=0.5)
-        found = front_of(rows, uncertainty)
-        axes.loglog(found.seconds, found.errors, marker, linestyle="-", color=color, markersize=5, label=name)
-    bottom = min(axes.get_ylim()[0], 0.5 * uncertainty)
-    axes.axhspan(
-        bottom, uncertainty, color=REFERENCE_COLOR, alpha=0.3, label="below the reference's uncertainty"
-    )
-    axes.set_ylim(bottom=bottom)
+def _fronts(
+    parts: Mapping[str, Sequence[Row]], uncertainty: float, looks: Mapping[str, tuple[str, str]]
+) -> Iterator[Curve]:
+    """Rows as markers, fronts as lines."""
+    for name, rows in parts.items():
+        if rows:
+            (color, marker), found = looks[name], front_of(rows, uncertainty)
+            faint = {"markersize": 3, "alpha": 0.5}
+            yield Curve(column(rows, "cpuSeconds"), column(rows, "errorMax"), None, color, marker, faint)
+            yield Curve(found.seconds, found.errors, name, color, marker + "-", {"markersize": 5})
 
 
-def _draw_ratios(figures: Figures, references: Sequence[Row], directory: Path) -> Path:
-    path = directory / f"{_NAME}_ratios.png"
-    with new_figure(path, 11.0, 8.0) as figure:
-        grid = figure.subplots(2, 2, squeeze=False).flat
-        for axes, reference in zip(grid, references, strict=False):
-            _draw_scene_ratios(axes, _runs(figures, reference), reference)
-        for axes in list(figure.axes)[len(references) :]:
-            axes.set_axis_off()
-        handles = {
-            label: handle
-            for axes in figure.axes
-            for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)
-        }
-        figure.legend(handles.values(), handles.keys(), loc="outside upper left", ncols=4)
-    return path
-
-
-def _draw_scene_ratios(axes: Axes, runs: Sequence[Row], reference: Row) -> None:
+def _ratios(reference: Row, runs: Sequence[Row]) -> Panel:
     own = front_of(members(runs, INEXTENSIBLE), reference["uncertainty"])
-    for opponent in (family for family in FAMILIES if family != INEXTENSIBLE):
+    curves = []
+    for opponent in OTHERS:
         theirs = front_of(filter(OPPONENTS[opponent], runs), reference["uncertainty"])
         errors, ratios = ratio_curve(theirs, own)
         if len(errors):
-            axes.loglog(errors, ratios, color=_LOOK[opponent][0], label=opponent)
-    if not axes.lines:
-        axes.text(0.5, 0.5, "no fronts overlap", transform=axes.transAxes, ha="center")
-    axes.axhline(1.0, color="black", linewidth=0.8)
-    label_axes(axes, "error [m]", "CPU time over the inextensible cable's [-]", reference["scene"])
+            curves.append(Curve(errors, ratios, opponent, _LOOK[opponent][0], "-"))
+    title = reference["scene"] + ("" if curves else ": no fronts overlap")
+    return Panel(*_RATIO_AXES, curves, title=title, legend=False, horizontal=(1.0,))
 
 
 def ratio_curve(theirs: Front, own: Front, points: int = 200) -> tuple[np.ndarray, np.ndarray]:

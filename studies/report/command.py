@@ -4,13 +4,15 @@ import argparse
 from importlib.util import find_spec
 from pathlib import Path
 
-from exudyn_inext.errors import InputError
-from studies.registry import AnyStudy, find_studies, find_study
+from exudyn_inext import InputError
+from studies.harness.store import write_text
+from studies.harness.study import Study
+from studies.registry import find_studies, find_study
 
-from .gather import QUICK_FOLDER, Wish, failed, gather
+from .documents import QUICK_FOLDER, Wish, gather, read_earlier
 
 WORSE = 1
-_LIBRARIES = ("jinja2", "markdown_it")
+NAME = "report"
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -36,13 +38,15 @@ def report(options: argparse.Namespace) -> int:
         0; 1 if a study failed, or, with --strict, if anything is worse than in the earlier report.
 
     Raises:
-        InputError: see `gather`, `read_earlier`; missing libraries; --strict without --compare.
+        InputError: see `gather`, `read_earlier`; a missing library; --strict without --compare.
     """
-    _require_libraries()
-    from .compare.comparison import compare
-    from .compare.earlier import read_earlier
-    from .content import make_report
-    from .render import write
+    if find_spec("markdown_it") is None:
+        raise InputError(
+            "the report needs markdown_it, not installed here: pip install 'exudyn_inext[report]'."
+        )
+    from .compare import compare
+    from .page import as_html
+    from .text import as_markdown
 
     if options.strict and not options.compare:
         raise InputError("--strict judges a comparison: give --compare OLD, or leave it out.")
@@ -53,17 +57,20 @@ def report(options: argparse.Namespace) -> int:
     gathered = gather(studies, wish)
     gathered.absent |= left_out
     comparison = None if old is None else compare(old, gathered.documents)
-    for path in write(make_report(gathered, folder, options.quick, comparison), folder):
+    text = as_markdown(gathered, folder, options.quick, comparison)
+    for form, written in (("md", text), ("html", as_html(text, folder))):
+        path = folder / f"{NAME}.{form}"
+        write_text(path, written)
         print(f"Written: {path}")
     if comparison:
         print("\n".join(comparison.summary))
     for name, reason in gathered.absent.items():
         print(f"Left out: {name}: {reason}")
     is_worse = options.strict and comparison is not None and comparison.is_worse
-    return WORSE if failed(gathered.absent) or is_worse else 0
+    return WORSE if gathered.has_failed or is_worse else 0
 
 
-def _studies(options: argparse.Namespace) -> tuple[dict[str, AnyStudy], dict[str, str]]:
+def _studies(options: argparse.Namespace) -> tuple[dict[str, Study], dict[str, str]]:
     """Those that are asked for; and why others are not part of a quick report."""
     if options.only:
         return {name: find_study(name) for name in options.only}, {}
@@ -71,12 +78,3 @@ def _studies(options: argparse.Namespace) -> tuple[dict[str, AnyStudy], dict[str
     left_out = {name: found[name].not_in_quick_report for name in found if options.quick}
     left_out = {name: reason for name, reason in left_out.items() if reason}
     return {name: study for name, study in found.items() if name not in left_out}, left_out
-
-
-def _require_libraries() -> None:
-    missing = [name for name in _LIBRARIES if find_spec(name) is None]
-    if missing:
-        raise InputError(
-            f"the report needs {' and '.join(missing)}, not installed here: pip install "
-            "'exudyn_inext[report]'."
-        )

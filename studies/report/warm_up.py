@@ -9,14 +9,14 @@ from concurrent.futures import wait
 from contextlib import redirect_stderr, suppress
 from dataclasses import replace
 from io import StringIO
+from pathlib import Path
 
-from studies.harness.interleaved import each_task_once
-from studies.harness.progress import announce
-from studies.harness.study import Study
-from studies.harness.sweep.case import is_timed
-from studies.harness.sweep.engines import processes
-from studies.harness.sweep.study import SweepStudy
-from studies.registry import AnyStudy, find_study
+from studies.harness.engines import processes
+from studies.harness.on_scene import OnScene
+from studies.harness.study import Order, Study, announce
+from studies.harness.sweep import Sweep, is_timed
+from studies.harness.timing import each_task_once
+from studies.registry import find_study
 
 BRIEF = 0.02  # [s] of motion
 
@@ -24,7 +24,7 @@ Task = tuple[str, int]
 """Name of a study, and which of its timed cases if it sweeps over many."""
 
 
-def warm_up(studies: Mapping[str, AnyStudy]) -> None:
+def warm_up(studies: Mapping[str, Study]) -> None:
     """Run quick cases: of studies on a scene for a moment, of sweeps the timed ones; and benchmarks, once."""
     tasks = _tasks(studies)
     if tasks:
@@ -33,31 +33,28 @@ def warm_up(studies: Mapping[str, AnyStudy]) -> None:
             wait([executor.submit(rehearse, *task) for task in tasks])
 
 
-def _tasks(studies: Mapping[str, AnyStudy]) -> list[Task]:
+def _tasks(studies: Mapping[str, Study]) -> list[Task]:
     """Studies on scenes first: they compile most."""
-    ordered = sorted(studies.items(), key=lambda item: not isinstance(item[1], Study))
+    ordered = sorted(studies.items(), key=lambda item: not isinstance(item[1].measure, OnScene))
     return [(name, n) for name, study in ordered for n in range(_count(study))]
 
 
-def _count(study: AnyStudy) -> int:
+def _count(study: Study) -> int:
     """Without building cases, which compiles."""
-    return sum(map(is_timed, study.cases(True))) if isinstance(study, SweepStudy) else 1
+    return sum(map(is_timed, study.measure.cases(True))) if isinstance(study.measure, Sweep) else 1
 
 
 def rehearse(name: str, number: int) -> None:
     """Run one task; if it fails, its study will say so."""
-    study = find_study(name)
+    measure = find_study(name).measure
     with suppress(Exception), redirect_stderr(StringIO()):  # without progress bars
-        if isinstance(study, Study):
-            _run_for_a_moment(study)
-        elif isinstance(study, SweepStudy):
-            study.run([case for case in study.cases(True) if is_timed(case)][number] | study.brief)
+        if isinstance(measure, OnScene):
+            for case in measure.cases(replace(measure.scene, end_time=BRIEF), True):
+                with suppress(Exception):
+                    case.prepare()()
+        elif isinstance(measure, Sweep):
+            timed = [case for case in measure.cases(True) if is_timed(case)]
+            measure.run(timed[number] | measure.brief)
         else:
             with each_task_once():
-                study.measure(True)
-
-
-def _run_for_a_moment(study: Study) -> None:
-    for case in study.cases(replace(study.scene, end_time=BRIEF), True):
-        with suppress(Exception):
-            case.prepare()()
+                measure(Order(name, Path(), quick=True))

@@ -7,28 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import exudyn
+import exudyn.utilities as items
 import numpy as np
 from exudyn.beams import GenerateBeamElementsAlongLine
-from exudyn.itemInterface import (
-    CartesianSpringDamper,
-    CoordinateConstraint,
-    Force,
-    MarkerBodyCable2DShape,
-    MarkerBodyPosition,
-    MarkerBodyRigid,
-    MarkerNodeCoordinate,
-    MarkerNodePosition,
-    NodeGenericData,
-    NodePointGround,
-    NodeRigidBody2D,
-    ObjectANCFCable,
-    ObjectANCFCable2D,
-    ObjectContactFrictionCircleCable2D,
-    ObjectRigidBody2D,
-    SensorNode,
-    SphericalJoint,
-)
-from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import (
     AddPointMass,
@@ -121,7 +102,7 @@ def build_native(rope: Rope) -> tuple[Any, Any, int]:
     """A lone rope as native cable; the same as `build` gives."""
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
-    kind = ObjectANCFCable2D if rope.dimension == 2 else ObjectANCFCable
+    kind = items.ObjectANCFCable2D if rope.dimension == 2 else items.ObjectANCFCable
     section = {"massPerLength": DENSITY, "bendingStiffness": rope.stiffness, "axialStiffness": STRETCH}
     cable = GenerateBeamElementsAlongLine(
         mbs,
@@ -134,8 +115,8 @@ def build_native(rope: Rope) -> tuple[Any, Any, int]:
     )
     if rope.tip_mass:
         point = mbs.CreateMassPoint(mass=rope.tip_mass, referencePosition=rope.end, gravity=GRAVITY)
-        end = mbs.AddMarker(MarkerNodePosition(nodeNumber=cable["nodes"][-1]))
-        _join(mbs, rope, end, mbs.AddMarker(MarkerBodyPosition(bodyNumber=point)))
+        end = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=cable["nodes"][-1]))
+        _join(mbs, rope, end, mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=point)))
     sensor = _sensor(mbs, cable["nodes"][-1])
     mbs.Assemble()
     return container, mbs, sensor
@@ -147,12 +128,14 @@ def _held(rope: Rope) -> list[bool]:
 
 def _sensor(mbs: Any, node: Any) -> int:
     position = exudyn.OutputVariableType.Position
-    return int(mbs.AddSensor(SensorNode(nodeNumber=node, outputVariableType=position, storeInternal=True)))
+    return int(
+        mbs.AddSensor(items.SensorNode(nodeNumber=node, outputVariableType=position, storeInternal=True))
+    )
 
 
 def _join(mbs: Any, rope: Rope, first: int, second: int) -> None:
     axes = [1, 1, int(rope.dimension == 3)]
-    mbs.AddObject(SphericalJoint(markerNumbers=[first, second], constrainedAxes=axes))
+    mbs.AddObject(items.SphericalJoint(markerNumbers=[first, second], constrainedAxes=axes))
 
 
 def _add_partner(mbs: Any, rope: Rope, cable: Any) -> None:
@@ -163,7 +146,7 @@ def _add_partner(mbs: Any, rope: Rope, cable: Any) -> None:
         AttachToBody(mbs, cable, "end", point)
         _hold_in_plane(mbs, rope, point)
     elif rope.partner == BODY and rope.dimension == 3:
-        cuboid = InertiaCuboid(density=mass / 1e-3, sideLengths=[0.1, 0.1, 0.1])
+        cuboid = items.InertiaCuboid(density=mass / 1e-3, sideLengths=[0.1, 0.1, 0.1])
         x, y, z = rope.end
         centre = [x, y, z + 0.05]
         body = mbs.CreateRigidBody(referencePosition=centre, inertia=cuboid, gravity=GRAVITY)
@@ -179,17 +162,19 @@ def _add_partner(mbs: Any, rope: Rope, cable: Any) -> None:
 def _hold_in_plane(mbs: Any, rope: Rope, point: Any) -> None:
     if rope.dimension == 2:
         node = mbs.GetObject(point)["nodeNumber"]
-        ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
-        out_of_plane = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=2))
-        mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, out_of_plane]))
+        ground = mbs.AddMarker(
+            items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
+        )
+        out_of_plane = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=2))
+        mbs.AddObject(items.CoordinateConstraint(markerNumbers=[ground, out_of_plane]))
 
 
 def _add_planar_body(mbs: Any, rope: Rope, cable: Any, mass: float) -> None:
     x, y = rope.end[:2]
-    node = mbs.AddNode(NodeRigidBody2D(referenceCoordinates=[x, y - 0.05, 0.0]))
-    body = mbs.AddObject(ObjectRigidBody2D(mass=mass, inertia=mass * 0.1**2 / 6.0, nodeNumber=node))
-    centre = mbs.AddMarker(MarkerBodyPosition(bodyNumber=body))
-    mbs.AddLoad(Force(markerNumber=centre, loadVector=[0.0, mass * GRAVITY[1], 0.0]))
+    node = mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[x, y - 0.05, 0.0]))
+    body = mbs.AddObject(items.ObjectRigidBody2D(mass=mass, inertia=mass * 0.1**2 / 6.0, nodeNumber=node))
+    centre = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body))
+    mbs.AddLoad(items.Force(markerNumber=centre, loadVector=[0.0, mass * GRAVITY[1], 0.0]))
     AttachToBody(mbs, cable, "end", body, [0.0, 0.05, 0.0])
 
 
@@ -202,10 +187,10 @@ def _add_springs(mbs: Any, cable: Any, random: Any) -> None:
         coordinates = mbs.GetNode(node)["referenceCoordinates"]
         anchor = [*coordinates[: len(coordinates) // 2], 0.0][:3]
         mbs.AddObject(
-            CartesianSpringDamper(
+            items.CartesianSpringDamper(
                 markerNumbers=[
-                    mbs.AddMarker(MarkerBodyPosition(bodyNumber=ground, localPosition=anchor)),
-                    mbs.AddMarker(MarkerNodePosition(nodeNumber=node)),
+                    mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=ground, localPosition=anchor)),
+                    mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node)),
                 ],
                 stiffness=[stiffness] * 3,
                 damping=[damping] * 3,
@@ -220,14 +205,16 @@ def _add_circle(mbs: Any, rope: Rope, cable: Any, random: Any) -> None:
     """A circle that the rope falls onto."""
     radius, side = 0.15, 1.0 if rope.direction[0] >= 0.0 else -1.0
     circle = mbs.CreateGround(referencePosition=[0.5 * side, -0.25, 0.0])
-    centre = mbs.AddMarker(MarkerBodyRigid(bodyNumber=circle))
+    centre = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=circle))
     stiffness = float(10.0 ** random.uniform(2.0, 4.0))
     for element in CreateCompanionCables(mbs, cable):
-        shape = mbs.AddMarker(MarkerBodyCable2DShape(bodyNumber=element, numberOfSegments=SEGMENTS))
+        shape = mbs.AddMarker(items.MarkerBodyCable2DShape(bodyNumber=element, numberOfSegments=SEGMENTS))
         memory = [0.1] * SEGMENTS + [-2.0] * SEGMENTS + [0.0] * SEGMENTS
-        data = mbs.AddNode(NodeGenericData(initialCoordinates=memory, numberOfDataCoordinates=len(memory)))
+        data = mbs.AddNode(
+            items.NodeGenericData(initialCoordinates=memory, numberOfDataCoordinates=len(memory))
+        )
         mbs.AddObject(
-            ObjectContactFrictionCircleCable2D(
+            items.ObjectContactFrictionCircleCable2D(
                 markerNumbers=[centre, shape],
                 nodeNumber=data,
                 numberOfContactSegments=SEGMENTS,

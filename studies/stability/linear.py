@@ -4,12 +4,22 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from studies.harness.study import Row
+from studies.harness.store import Row
 
-from .bisection import AGREEMENT, STEPS, compare_limits
-from .cables import GRAVITY, STIFFNESS, Equilibrium, coil, hanging, ring, sagging, spinning, straight
-from .linearised_step import limit_in_motion, spectral_radius
-from .motion import SCHEMES, Method
+from .limits import AGREEMENT, STEPS, compare_limits, limit_in_motion, spectral_radius
+from .motion import (
+    GRAVITY,
+    SCHEMES,
+    STIFFNESS,
+    Equilibrium,
+    Method,
+    coil,
+    hanging,
+    ring,
+    sagging,
+    spinning,
+    straight,
+)
 
 CABLES = {
     "straight": straight,

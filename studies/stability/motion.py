@@ -1,26 +1,164 @@
-"""Compiled motion of one cable, in portions, without Exudyn; and its energy, constraints and momenta."""
+"""Cables in equilibrium, at rest or spinning, and compiled motion of one, in portions, without Exudyn."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from exudyn_inext import Rattle, RungeKutta4, Zhai
-from exudyn_inext.arrays import Array
-from exudyn_inext.chain.assembly import elastic_energy
-from exudyn_inext.chain.cable import Cable
-from exudyn_inext.chain.chain import build_chain
-from exudyn_inext.chain.implicit_bending import ImplicitBending
-from exudyn_inext.chain.linked_cable import cable_system
-from exudyn_inext.chain.sparse_forms import form_of_cable
-from exudyn_inext.constraints import constraints_of_cable
-from exudyn_inext.element.inertia import mass_matrix
-from exudyn_inext.exudyn_binding.consistent_start import settle
-from exudyn_inext.integrators import find_integrator
-from exudyn_inext.integrators.integrator import Integrator, LoadHistory, record
-from studies.harness.study import Row
+from reference_models.scenes import load_scene
+from reference_models.trajectory import Array
+from studies.harness import inner
+from studies.harness.store import Row
 
-from .cables import Equilibrium
+_OWN = load_scene("planar_pendulum").cable
+LENGTH = _OWN.length  # [m]
+DENSITY = _OWN.section.mass_per_length  # rho_A [kg/m]
+STIFFNESS = _OWN.section.bending_stiffness  # EI [N m^2]
+GRAVITY = 9.81  # [m/s^2]
+
+
+@dataclass(frozen=True, eq=False)
+class Equilibrium:
+    """A cable, its coordinates and velocities (n, 2, 2), and the external force (n, 2, 2)."""
+
+    cable: inner.Cable
+    q: Array
+    v: Array
+    external: Array
+
+    @property
+    def element_length(self) -> float:
+        return float(self.cable.element_lengths[0])
+
+    @property
+    def inputs(self) -> Array:
+        """(n_external,) what a system takes: the force, and the anchors of links at rest."""
+        motions = [motion.at(0.0).ravel() for motion in inner.motions_of(inner.all_links(self.cable))]
+        return np.concatenate([self.external.ravel(), *motions])
+
+
+def _cable(
+    nodes: Array,
+    fixed: Array,
+    stiffness: float,
+    natural: float = 0.0,
+    closed: bool = False,
+    mass: float = 0.0,
+) -> inner.Cable:
+    number = len(nodes) - 1
+    return inner.Cable(
+        reference=nodes,
+        element_lengths=np.full(number, LENGTH / number),
+        section=inner.Section(DENSITY, stiffness, natural),
+        measure=inner.CurvatureMeasure.SECOND_DERIVATIVE,
+        length_constraints=number,
+        fixed=fixed,
+        closed=closed,
+        point_masses=(inner.PointMass(LENGTH, mass),) if mass else (),
+    )
+
+
+def _line(elements: int, direction: tuple[float, float]) -> Array:
+    nodes = np.zeros((elements + 1, 2, 2))
+    nodes[:, 0] = np.outer(np.linspace(0.0, LENGTH, elements + 1), direction)
+    nodes[:, 1] = direction
+    return nodes
+
+
+def _held(elements: int, *held: tuple[int, int]) -> Array:
+    """(n, 2) flags; held: pairs of node and 0 (position) or 1 (slope)."""
+    fixed = np.zeros((elements + 1, 2), dtype=bool)
+    for node, what in held:
+        fixed[node, what] = True
+    return fixed
+
+
+def straight(elements: int, stiffness: float = STIFFNESS) -> Equilibrium:
+    """Pinned at its start, without loads."""
+    cable = _cable(_line(elements, (1.0, 0.0)), _held(elements, (0, 0)), stiffness)
+    zero = np.zeros_like(cable.reference)
+    return Equilibrium(cable, cable.reference, zero, zero)
+
+
+def hanging(
+    elements: int, gravity: float, stiffness: float = STIFFNESS, tip_mass: float = 1.0
+) -> Equilibrium:
+    """Pinned at its upper end, with a mass at the lower one, in masses of the cable.
+
+    Without the mass, a limp free end does not hang straight (README, "When to use it").
+    """
+    mass = tip_mass * DENSITY * LENGTH
+    cable = _cable(_line(elements, (0.0, -1.0)), _held(elements, (0, 0)), stiffness, mass=mass)
+    force = inner.gravity_force(cable, np.array([0.0, -gravity]))
+    return Equilibrium(cable, cable.reference, np.zeros_like(cable.reference), force)
+
+
+def sagging(elements: int, share: float, gravity: float = GRAVITY) -> Equilibrium:
+    """Between two pins at the same height, that share of the cable's length apart [-]; its equilibrium."""
+    nodes = _line(elements, (share, 0.0))
+    straight_cable = _cable(nodes, _held(elements, (0, 0), (elements, 0)), STIFFNESS)
+    cable = replace(straight_cable, straight_lengths=True)
+    force = inner.gravity_force(cable, np.array([0.0, -gravity]))
+    place = np.pi * np.linspace(0.0, 1.0, elements + 1)
+    angle = -2.0 * np.sqrt(1.0 - share) * np.cos(place)  # of an arch as long as the cable, nearly
+    start = nodes.copy()
+    start[:, 0, 1] = -2.0 / np.pi * LENGTH * np.sqrt(1.0 - share) * np.sin(place)
+    start[:, 1] = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    found = _settled(cable, force, start)
+    return Equilibrium(cable, found, np.zeros_like(found), force)
+
+
+def _settled(cable: inner.Cable, force: Array, start: Array) -> Array:
+    """(n, 2, 2) stable equilibrium.
+
+    Raises:
+        ArithmeticError: none was found.
+    """
+    found = inner.find_equilibrium(inner.Potential(cable, force, 0.0), start, inner.StaticOptions())
+    if not found.converged:
+        raise ArithmeticError(f"no equilibrium with {cable.number_of_elements} elements: {found.message}")
+    return found.q
+
+
+def coil(elements: int, turns: float) -> Equilibrium:
+    """Clamped at its start, free of stress in that many turns."""
+    radius = LENGTH / (2.0 * np.pi * turns)
+    angle = np.linspace(0.0, 2.0 * np.pi * turns, elements + 1)
+    nodes = np.stack(
+        [
+            radius * np.stack([np.sin(angle), 1.0 - np.cos(angle)], axis=1),
+            np.stack([np.cos(angle), np.sin(angle)], axis=1),
+        ],
+        axis=1,
+    )
+    cable = _cable(nodes, _held(elements, (0, 0), (0, 1)), STIFFNESS, natural=1.0 / radius)
+    zero = np.zeros_like(nodes)
+    return Equilibrium(cable, _settled(cable, zero, nodes), zero, zero)
+
+
+def ring(elements: int) -> Equilibrium:
+    """A free closed ring."""
+    radius = LENGTH / (2.0 * np.pi)
+    angle = 2.0 * np.pi * np.arange(elements + 1) / elements
+    cosine, sine = np.cos(angle), np.sin(angle)
+    nodes = np.stack([radius * np.stack([cosine, sine], axis=1), np.stack([-sine, cosine], axis=1)], axis=1)
+    nodes[-1] = nodes[0]
+    cable = _cable(nodes, _held(elements), STIFFNESS, closed=True)
+    zero = np.zeros_like(nodes)
+    return Equilibrium(cable, nodes, zero, zero)
+
+
+def spinning(elements: int, rate: float) -> Equilibrium:
+    """Straight, spinning about the pin at its start with that rate [rad/s]; as much mass at its end."""
+    mass = DENSITY * LENGTH
+    cable = _cable(_line(elements, (1.0, 0.0)), _held(elements, (0, 0)), STIFFNESS, mass=mass)
+    v = rate * np.stack([-cable.reference[..., 1], cable.reference[..., 0]], axis=-1)
+    return Equilibrium(cable, cable.reference, v, np.zeros_like(v))
+
+
+# ------------------------------------------------------------------------------------------ motion
+
 
 STRETCH_LIMIT = 0.05  # |r_x|^2 - 1 [-] beyond which a run has diverged
 PORTION = 100  # steps
@@ -49,16 +187,16 @@ class Method:
         return cls(case["scheme"], case.get("zeta", cls.zeta), case.get("theta", cls.theta))
 
     @property
-    def integrator(self) -> Integrator:
-        return find_integrator(SCHEMES[self.scheme][0])
+    def integrator(self) -> inner.Integrator:
+        return inner.find_integrator(SCHEMES[self.scheme][0])
 
     @property
     def parameters(self) -> Any:
         return SCHEMES[self.scheme][1]
 
-    def system(self, cable: Cable, h: float) -> Any:
+    def system(self, cable: inner.Cable, h: float) -> Any:
         """The index-reduced equations for steps of size h [s]."""
-        return cable_system(cable, self.zeta, ImplicitBending(self.theta * h * h))
+        return inner.cable_system(cable, self.zeta, inner.ImplicitBending(self.theta * h * h))
 
 
 class Motion:
@@ -75,7 +213,7 @@ class Motion:
         self.state = integrator.allocate(start.q.size, self.external.size)
         self.state.q[:], self.state.v[:] = start.q.ravel(), start.v.ravel()
         if not integrator.stabilised:
-            settle(self.system, self.external, self.state.q, self.state.v)
+            inner.settle(self.system, self.external, self.state.q, self.state.v)
         integrator.start(self.system, self.external, self.state)
         self.q, self.v = (array.reshape(start.q.shape) for array in (self.state.q, self.state.v))
         self.a = self.state.a.reshape(start.q.shape)
@@ -84,9 +222,9 @@ class Motion:
         """Take so many steps; returns whether the state is that of an inextensible cable."""
         pattern = np.zeros((0, self.external.size))
         factor = np.zeros((steps, len(self._method.integrator.stages), 0))
-        loads = LoadHistory(self.external, pattern, factor)
+        loads = inner.LoadHistory(self.external, pattern, factor)
         history = np.zeros((1, 3, self.state.q.size))
-        record(self._method.parameters, self.system, loads, self.state, self.h, steps, history)
+        inner.record(self._method.parameters, self.system, loads, self.state, self.h, steps, history)
         self.steps += steps
         return self.is_credible
 
@@ -97,25 +235,26 @@ class Motion:
 
 
 class Invariants:
-    """Energy [J], worst constraint [-, m] and momenta of a cable under constant forces."""
+    """Energy [J], worst constraint [-, m] and momenta of a cable under constant forces (n, 2, 2)."""
 
-    def __init__(self, start: Equilibrium) -> None:
-        self._start = start
-        self._chain = build_chain(start.cable)
-        self._constraints = constraints_of_cable(start.cable)
-        self._mass = start.cable.section.mass_per_length * form_of_cable(start.cable, mass_matrix)
+    def __init__(self, cable: inner.Cable, external: Array) -> None:
+        self._potential = inner.Potential(cable, external, 0.0)
+        self._mass = self._potential.mass
 
     def kinetic(self, v: Array) -> float:
         return float(0.5 * v.ravel() @ (self._mass @ v.ravel()))
 
     def energy(self, q: Array, v: Array) -> float:
         """Kinetic, elastic, and less the work of the forces."""
-        elastic = float(elastic_energy(self._chain, q.copy()))
-        return self.kinetic(v) + elastic - float(np.sum(self._start.external * q))
+        return self.kinetic(v) + self._potential.energy(q.copy())
 
     def violation(self, q: Array) -> float:
         """Worst |c|."""
-        return max(float(np.abs(c.value(q)).max(initial=0.0)) for c in self._constraints)
+        return float(np.abs(self._potential.values(q)).max(initial=0.0))
+
+    def rate(self, q: Array, v: Array) -> float:
+        """Worst |dc/dt|."""
+        return float(np.abs(self._potential.jacobian(q) @ v.ravel()).max(initial=0.0))
 
     def momenta(self, q: Array, v: Array) -> tuple[Array, float]:
         """Linear (2,) [N s] and angular momentum about the origin [N m s]."""

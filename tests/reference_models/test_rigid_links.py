@@ -22,8 +22,7 @@ from reference_models.peers.rigid_links import (
 )
 from reference_models.scenes import Clamp, Section, load_scene
 from reference_models.trajectory import Case, Trajectory
-from studies.harness.error import distance_to_reference
-from studies.harness.reference import from_data
+from studies.harness.reference import distance_to_reference, from_data
 
 mujoco = pytest.importorskip("mujoco", reason="pip install 'exudyn_inext[peers]'")
 

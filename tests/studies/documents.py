@@ -1,8 +1,8 @@
 """Documents as studies store them: made up, small."""
 
-from studies.harness.document import concluded, measured
 from studies.harness.plot import label_axes, new_figure
 from studies.harness.store import write_json
+from studies.harness.study import Results, measured
 from studies.harness.table import TextTable
 
 LONG = 30
@@ -31,10 +31,14 @@ def document(name="first", rows=ROWS, conclusions=SENTENCES, quick=False, **entr
         TextTable("Many:", ("case", "x"), [(f"|r_{n}|", str(n)) for n in range(LONG)]),
     ]
     mode = "quick: 0.5 s of motion" if quick else ""
-    found = concluded(
-        measured(name, f"What of {name}?", quick, rows, mode), tables, conclusions, ["A note."], RATIOS
-    )
-    return found | {"pictures": [f"{name}.png"]} | entries
+    concluded = {
+        "tables": [vars(table) for table in tables],
+        "notes": ["A note."],
+        "conclusions": list(conclusions),
+        "ratios": RATIOS,
+        "pictures": [f"{name}.png"],
+    }
+    return measured(name, f"What of {name}?", Results(quick, rows, mode)) | concluded | entries
 
 
 def store(folder, *documents):

@@ -6,7 +6,7 @@ from exudyn_inext import AdviceSettings, InputError
 from reference_models.scenes import Scene
 from studies import adviser
 from studies.advising.scenes import validation_scenes
-from studies.harness.benchmark import Figures
+from studies.harness.study import Results
 
 
 def row(achieved, predicted=1e-3, tolerance=2e-3, promises=True, **entries):
@@ -22,7 +22,7 @@ def unjudged(status):
 
 
 def conclude(*rows):
-    return adviser.conclude(Figures(False, rows))
+    return adviser.conclude(Results(False, rows))
 
 
 def test_all_kept():

@@ -8,11 +8,11 @@ import pytest
 from studies import scene_cost, soak
 from studies.__main__ import main
 from studies.harness import joined_scenes
-from studies.harness.benchmark import Benchmark, Figures, Table
-from studies.harness.document import KEYS
-from studies.harness.dropped_scenes import KINDS
-from studies.harness.interleaved import medians, seconds_per_time
+from studies.harness.memory import KINDS
 from studies.harness.operations import Counted, tally
+from studies.harness.study import KEYS, Results, Study
+from studies.harness.table import Table
+from studies.harness.timing import medians, seconds_per_time
 from studies.registry import find_study
 
 DOCUMENT_KEYS = set(KEYS)
@@ -99,11 +99,11 @@ def test_tasks_are_sampled_in_turn_after_a_warm_up():
 
 
 def test_a_benchmark_runs_from_the_command_line(monkeypatch, tmp_path, capsys):
-    tiny = Benchmark(
+    tiny = Study(
         name="tiny",
         question="How fast is nothing?",
-        measure=lambda quick: [{"kind": "speed", "label": "nothing", "time": 0.5}],
-        tables=(Table("speed", "Speeds:", {"what": "label", "t [s]": "time"}),),
+        measure=lambda order: [{"kind": "speed", "label": "nothing", "time": 0.5}],
+        tables=(Table("speed", "Speeds:", "what: label | t [s]: time"),),
         conclusions=lambda figures: [f"{len(figures.of_kind('speed'))} speed"],
     )
     monkeypatch.setattr("studies.__main__.find_study", lambda name: tiny)
@@ -155,11 +155,11 @@ def test_soak_finds_a_drift_and_memory_that_grows():
     memory = soak.memory_row("scenes", [300_000_000 + 1_000_000 * k for k in range(40)], 20)
     assert memory["firstMegabytes"] == pytest.approx(320.5)
     assert memory["growthPercent"] == pytest.approx(100.0 * (338.5 / 320.5 - 1.0))
-    sentences = soak.conclude(Figures(False, [drifting, memory]))
+    sentences = soak.conclude(Results(False, [drifting, memory]))
     assert "DRIFTS" in sentences[0] and "within" in sentences[1] and "NOT flat" in sentences[2]
     control = [row | {"label": "control"} for row in (drifting, memory)]
-    found = soak.conclude(Figures(False, control))
+    found = soak.conclude(Results(False, control))
     assert "drifts, as it should" in found[0] and "growing, as it should" in found[2]
-    blind = soak.conclude(Figures(False, [control[0] | {"drift": 0.0}, control[1] | {"growthPercent": 0.0}]))
+    blind = soak.conclude(Results(False, [control[0] | {"drift": 0.0}, control[1] | {"growthPercent": 0.0}]))
     assert "does NOT drift" in blind[0] and "NOT growing" in blind[2]
-    assert all("undecided" in soak.conclude(Figures(True, control))[n] for n in (0, 2))
+    assert all("undecided" in soak.conclude(Results(True, control))[n] for n in (0, 2))

@@ -9,7 +9,8 @@ import pytest
 from exudyn_inext import ExplicitSettings
 from reference_models.inextensible import Inextensible, inextensible_case
 from reference_models.scenes import load_scene
-from studies.harness.compiled_case import compiled_case
+from studies.harness.cases import compiled_case
+from studies.harness.reference import from_data
 from studies.harness.timing import measure
 
 
@@ -23,7 +24,7 @@ def test_the_motion_is_that_of_a_run_inside_exudyn(name, integrator):
         compiled_case(scene, integrator, 4, 5e-3, 0.3),
         inextensible_case(scene, Inextensible(4, settings)),
     ]
-    alone, inside = measure(cases, 1)
-    assert alone.status == inside.status == "ok" and alone.case.steps == inside.case.steps == 60
-    np.testing.assert_allclose(alone.trajectory.times, inside.trajectory.times, atol=1e-12)
-    np.testing.assert_array_equal(alone.trajectory.positions, inside.trajectory.positions)
+    (alone, own), (inside, other) = measure(cases, 1, from_data(scene).trajectory)
+    assert alone["status"] == inside["status"] == "ok" and alone["steps"] == inside["steps"] == 60
+    np.testing.assert_allclose(own.times, other.times, atol=1e-12)
+    np.testing.assert_array_equal(own.positions, other.positions)

@@ -6,7 +6,7 @@ import pytest
 
 from studies import ensemble
 from studies.__main__ import main
-from studies.harness.benchmark import Figures
+from studies.harness.study import Results
 
 ROW = {
     "kind": "ensemble", "label": "all alike", "elements": 5, "endTime": 5.0, "cores": 2, "costRatio": 0.9,
@@ -15,7 +15,7 @@ ROW = {
 
 
 def sentences(**changes):
-    return " ".join(ensemble.conclude(Figures(False, [ROW, ROW | changes])))
+    return " ".join(ensemble.conclude(Results(False, [ROW, ROW | changes])))
 
 
 def test_bars_that_are_kept_and_missed_are_called_so():
@@ -28,7 +28,7 @@ def test_bars_that_are_kept_and_missed_are_called_so():
 
 def test_a_gain_that_was_not_measured_is_not_claimed():
     rows = [ROW | {"gain": None}]
-    assert "no gain measured" in " ".join(ensemble.conclude(Figures(False, rows)))
+    assert "no gain measured" in " ".join(ensemble.conclude(Results(False, rows)))
 
 
 @pytest.fixture

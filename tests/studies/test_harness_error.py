@@ -5,7 +5,7 @@ import pytest
 
 from exudyn_inext.errors import InputError
 from reference_models.trajectory import Trajectory
-from studies.harness.error import distance_to_reference, interpolation_error
+from studies.harness.reference import distance_to_reference, interpolation_error
 
 
 def circle(times, radius=1.0):

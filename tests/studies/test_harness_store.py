@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from exudyn_inext.errors import InputError
-from studies.harness.front import cheapest, front, time_ratio
-from studies.harness.machine import machine, versions
+from studies.harness.on_scene import ROWS as ROWS_TABLE
+from studies.harness.provenance import machine, versions
+from studies.harness.ratios import cheapest, front, time_ratio
 from studies.harness.store import prepare_directory, write_json, write_text
-from studies.harness.table import rows_table
+from studies.harness.study import Results
 
 
 def row(label, cpu, error, status="ok", integrator="zhai"):
@@ -67,7 +68,8 @@ def test_ratio_needs_both_times():
 
 
 def test_a_failed_row_shows_its_status_in_the_table():
-    lines = rows_table([*ROWS, row("e", None, None, "diverged: |r| > 1")]).markdown.splitlines()
+    rows = [*ROWS, row("e", None, None, "diverged: |r| > 1")]
+    lines = ROWS_TABLE.text(Results(False, rows)).markdown.splitlines()
     assert "d (x)" in lines[-2]
     assert r"diverged: \|r\| > 1" in lines[-1]
     assert len({line.replace(r"\|", "").count("|") for line in lines}) == 1

@@ -11,12 +11,10 @@ from reference_models.model import sensor_trajectory
 from reference_models.scenes import load_scene
 from studies import minimal_model
 from studies.__main__ import main
-from studies.harness.benchmark import Figures
-from studies.harness.error import distance_to_reference
-from studies.harness.reference import from_data
-from studies.minimal.changes import SCENES
+from studies.harness.reference import distance_to_reference, from_data
+from studies.harness.study import Results
+from studies.minimal.changes import SCENES, is_harmless, summary_of
 from studies.minimal.dense_system import VARIANTS, run_dense
-from studies.minimal.summary import is_harmless, summary_of
 
 ROW = {
     "kind": "change", "label": "n_bar = 1", "scene": "planar_pendulum", "uncertainty": 5e-5,
@@ -32,7 +30,7 @@ DENSE = {
 
 
 def summarised(*rows):
-    return summary_of(Figures(False, rows))
+    return summary_of(Results(False, rows))
 
 
 def test_harmless_and_harmful_changes_are_told_apart():
@@ -72,7 +70,7 @@ def test_dense_variants_are_compared_with_the_one_of_as_many_elements():
 
 def test_changes_are_listed_by_verdict():
     rows = [ROW, ROW | {"label": "RK4"}, ROW | {"label": "n_bar = 0", "error": 1.0}]
-    assert minimal_model.conclude(Figures(False, rows)) == [
+    assert minimal_model.conclude(Results(False, rows)) == [
         "Harmless everywhere, cheaper: n_bar = 1; RK4.",
         "Harmful everywhere: n_bar = 0.",
     ]
@@ -115,7 +113,8 @@ def test_it_runs_in_quick_mode(tmp_path, monkeypatch):
     assert {case["scene"] for case in cases} == {"planar_pendulum"}
     assert {case["scene"] for case in minimal_model.make_cases(False)} == set(SCENES)
     few = [case for case in cases if case["label"] in KEPT]
-    study = minimal_model.SweepStudy(**{**vars(minimal_model.STUDY), "cases": lambda quick: few})
+    measure = replace(minimal_model.STUDY.measure, cases=lambda quick: few)
+    study = replace(minimal_model.STUDY, measure=measure)
     monkeypatch.setattr("studies.__main__.find_study", lambda name: study)
     command = ["run", "minimal_model", "--quick", "--workers", "1", "--output", str(tmp_path)]
     assert main(command) == 0

@@ -10,24 +10,25 @@ import pytest
 
 from exudyn_inext.errors import InputError
 from studies.__main__ import main
-from studies.harness.benchmark import Benchmark, Table
+from studies.harness.provenance import present_code
+from studies.harness.study import Study
+from studies.harness.table import Table
 from studies.report import command
-from studies.report.gather import Wish, gather
-from studies.report.stored import present_code
+from studies.report.documents import Wish, gather
 from tests.studies.documents import LONG, SENTENCES, document, store
 
 
 def bench(name, rows=(1.0,)):
     """A study of microseconds; without rows it fails."""
 
-    def measure(quick):
+    def measure(order):
         if not rows:
             raise RuntimeError("no rows")
         return [{"kind": "speed", "label": f"row {n}", "microseconds": x} for n, x in enumerate(rows)]
 
-    tables = (Table("speed", "Speeds:", {"what": "label", "t [us]": "microseconds"}),)
+    tables = (Table("speed", "Speeds:", "what: label | t [us]: microseconds"),)
     conclusions = lambda figures: [f"{len(figures.rows)} rows, quick: {figures.quick}"]  # noqa: E731
-    return Benchmark(name, f"What of {name}?", measure, tables, conclusions)
+    return Study(name, f"What of {name}?", measure, conclusions, tables)
 
 
 @pytest.fixture
@@ -35,7 +36,7 @@ def studies(monkeypatch):
     """Registered instead of the real ones."""
     registered = {name: bench(name) for name in ("first", "second")}
     monkeypatch.setattr(command, "find_studies", lambda: registered)
-    monkeypatch.setattr("studies.report.gather.warm_up", lambda studies: None)
+    monkeypatch.setattr("studies.report.documents.warm_up", lambda studies: None)
     return registered
 
 
@@ -100,7 +101,7 @@ def test_every_link_of_the_page_leads_to_an_anchor_and_every_study_has_one(folde
     _, page = page_of(folder)
     links = {value[1:] for tag, value in page.references if tag == "a"}
     assert links <= set(page.anchors) and len(page.anchors) == len(set(page.anchors))
-    assert {"first", "second", "part-headline", "part-findings", "part-origins"} <= links
+    assert {"first", "second", "headline", "findings", "machine-and-versions"} <= links
 
 
 def test_both_forms_hold_conclusions_tables_ratios_machine_and_commit(folder):
@@ -221,7 +222,7 @@ def test_only_takes_the_named_studies(tmp_path, capsys):
     assert report(tmp_path, "--quick", "--only", "enforcement") == 0
     text, page = page_of(tmp_path / "quick")
     assert "times the CPU time of SolveExplicit" in page.text and outside(page, text) == []
-    assert page.anchors == ["part-findings", "enforcement", "part-origins"]
+    assert page.anchors == ["contents", "findings", "enforcement", "machine-and-versions"]
 
 
 def test_an_unknown_name_is_refused_before_anything_runs(folder, capsys):
@@ -246,7 +247,7 @@ def test_libraries_that_are_not_installed_are_named_with_the_extra(folder, monke
     monkeypatch.setattr(command, "find_spec", lambda name: None)
     assert report(folder) == 2
     message = capsys.readouterr().err
-    assert "jinja2 and markdown_it" in message and "exudyn_inext[report]" in message
+    assert "markdown_it" in message and "exudyn_inext[report]" in message
 
 
 def test_what_excludes_each_other_is_refused():

@@ -3,11 +3,11 @@
 import pytest
 
 from studies.__main__ import main
+from studies.harness.study import Study
 from studies.report import command
-from studies.report.compare.comparison import compare
-from studies.report.compare.figures import machine_factor, match_rows
-from studies.report.compare.quantities import LIMIT, QUOTIENT, TIME, noise, quantity
-from studies.report.compare.sentences import compare_sentences, masked
+from studies.report.compare import compare, machine_factor, match_rows
+from studies.report.quantities import LIMIT, QUOTIENT, TIME, noise, quantity
+from studies.report.sentences import compare_sentences, masked
 from tests.studies.documents import ROWS, SENTENCES, document, row, store
 
 
@@ -27,7 +27,7 @@ def scaled(factor, rows=ROWS, **others):
 
 def test_equal_reports_have_no_changes():
     found = beside(ROWS, ROWS)
-    assert not found.is_worse and found.compared == 2 * len(ROWS) and found.times == len(ROWS)
+    assert not found.is_worse and len(found.changes) == 2 * len(ROWS) and found.times == len(ROWS)
     assert (found.slower, found.less_accurate, found.better, found.flipped) == ([], [], [], [])
 
 
@@ -93,7 +93,7 @@ def test_what_advice_takes_is_compared_and_what_it_predicts_is_not():
     new = [old[0] | {"referenceUncertainty": 2e-5, "predictedError": 1e-2, "achievedError": 1e-2}]
     found = beside(old, new)
     assert [c.key for c in found.less_accurate] == ["referenceUncertainty"]
-    assert found.compared == 2 and found.times == 1
+    assert len(found.changes) == 2 and found.times == 1
 
 
 def test_a_smaller_stable_step_is_worse_and_rounding_is_nothing():
@@ -106,7 +106,8 @@ def test_rows_are_matched_by_what_they_are_about():
     old = [{"kind": "k", "label": "a", "value": v, "microseconds": 1.0} for v in (1.0, 2.0)]
     new = [old[1] | {"microseconds": 1.0}, {"kind": "k", "label": "a", "value": 3.0, "microseconds": 9.0}]
     found = beside(old, new)
-    assert (found.rows, found.added, found.vanished) == (1, 1, 1) and found.slower == []
+    matched = found.matched
+    assert (len(matched.rows), matched.added, matched.vanished) == (1, 1, 1) and found.slower == []
 
 
 def test_a_row_that_fails_now_is_named():
@@ -156,7 +157,7 @@ def test_another_machine_and_other_versions_are_named():
 def run(tmp_path, monkeypatch):
     """(old rows, options) -> exit code of the report on ROWS."""
     new = store(tmp_path / "new", document("a"))
-    monkeypatch.setattr(command, "find_studies", lambda: {"a": None})
+    monkeypatch.setattr(command, "find_studies", lambda: {"a": Study("a", "", None)})
 
     def run(rows, *options, old="old", quick=False):
         store(tmp_path / "old", document("a", rows, quick=quick))
@@ -184,7 +185,7 @@ def test_files_of_an_earlier_report_do_as_well(run):
 
 @pytest.mark.parametrize(
     ("old", "message"),
-    [("no_such", "no such folder"), ("new/report.md", "not a report's data"), ("empty", "holds no results")],
+    [("no_such", "no such folder"), ("new/report.md", "NAME.json files"), ("empty", "holds no results")],
 )
 def test_what_is_no_report_is_refused(run, tmp_path, old, message, capsys):
     (tmp_path / "empty").mkdir()

@@ -6,11 +6,11 @@ import pytest
 
 from reference_models.scenes import load_scene
 from reference_models.trajectory import Case
-from studies.harness.benchmark import Benchmark
-from studies.harness.interleaved import each_task_once, seconds_per_time
+from studies.harness.engines import Engine
+from studies.harness.on_scene import OnScene
 from studies.harness.study import Study
-from studies.harness.sweep.engines import Engine
-from studies.harness.sweep.study import SweepStudy
+from studies.harness.sweep import Sweep
+from studies.harness.timing import each_task_once, seconds_per_time
 from studies.report import warm_up
 from studies.report.warm_up import BRIEF
 
@@ -31,19 +31,17 @@ def studies(monkeypatch):
         assert quick and scene.end_time == BRIEF
         return [Case(f"c{n}", "a", "b", 1, 1.0, 1, lambda n=n: lambda: run(f"case {n}")) for n in range(3)]
 
-    nothing = {"question": "", "tables": (), "conclusions": lambda figures: []}
     sweep = [{"timed": n != 2, "kind": "k", "n": n} for n in range(4)]
-    found = {
-        "study": Study("study", "", SCENE, {}, cases),
-        "sweep": SweepStudy(
-            "sweep",
+    measures = {
+        "study": OnScene(SCENE, cases),
+        "sweep": Sweep(
             cases=lambda quick: sweep,
             run=lambda case: run(f"{case['kind']} timed {case['n']}"),
             brief={"kind": "brief"},
-            **nothing,
         ),
-        "benchmark": Benchmark("benchmark", measure=lambda quick: run(f"quick: {quick}"), **nothing),
+        "benchmark": lambda order: run(f"quick: {order.quick}"),
     }
+    found = {name: Study(name, "", measure) for name, measure in measures.items()}
     monkeypatch.setattr(warm_up, "find_study", found.get)
     monkeypatch.setattr(warm_up, "processes", lambda: Engine("threads", lambda: ThreadPoolExecutor(1)))
     return found, ran

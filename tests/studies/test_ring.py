@@ -3,7 +3,6 @@
 import pytest
 
 from studies.__main__ import main
-from studies.registry import find_study
 from studies.ring import PROPOSED, SIMPLER
 from tests.studies.rows import rows_of
 
@@ -27,7 +26,3 @@ def test_ring_report_says_where_the_step_limit_is_and_what_happens_beyond(quick_
     assert "At 1.03 of it, Zhai diverges before t = " in report
     names = {picture.name for picture in quick_ring.glob("*.png")}
     assert names == {"ring_radial.png", "ring_snapshots.png", "ring_cost.png"}
-
-
-def test_the_full_study_repeats_five_times_at_least():
-    assert find_study("ring").repeats >= 5

@@ -7,7 +7,7 @@ import pytest
 from exudyn_inext import SolveExplicit
 from reference_models.model import quiet_settings, silence
 from studies import robustness
-from studies.harness.benchmark import Figures
+from studies.harness.study import Results
 from studies.robust.scenes import MIXED, build, build_native, lone_rope, mixed_rope, moved
 
 
@@ -26,14 +26,14 @@ def test_rows_say_what_became_of_each_scene(rows):
 
 
 def test_conclusions_count_failures_and_accurate_runs(rows):
-    said = robustness.conclude(Figures(False, rows))
+    said = robustness.conclude(Results(False, rows))
     assert "0 of 4 runs at default settings did not end: kept" in said[0]
     lost = [dict(rows[0], failure="lost", errorBeforeSnap=0.0), *rows[1:]]
     assert (
-        "1 of 4 runs at default settings did not end: MISSED" in robustness.conclude(Figures(False, lost))[0]
+        "1 of 4 runs at default settings did not end: MISSED" in robustness.conclude(Results(False, lost))[0]
     )
     far = [dict(row, errorBeforeSnap=0.5) if row["kind"] == "own" else row for row in rows]
-    assert "0.0% of them" in robustness.conclude(Figures(False, far))[1]
+    assert "0.0% of them" in robustness.conclude(Results(False, far))[1]
 
 
 def test_a_seed_is_always_the_same_scene_and_others_differ():

@@ -2,17 +2,18 @@
 
 import json
 import math
+from dataclasses import replace
 
 import pytest
 
 from studies import stability_limits
 from studies.__main__ import main
-from studies.harness.benchmark import Figures
+from studies.harness.study import Results
 from studies.stability import linear
-from studies.stability.bisection import largest_stable_step
+from studies.stability.extremes import run_violent
 from studies.stability.findings import conclude
+from studies.stability.limits import largest_stable_step
 from studies.stability.linear import run_linear
-from studies.stability.violent import run_violent
 
 SCENES = {
     "straight": {"elements": 4},
@@ -89,10 +90,10 @@ def test_limits_that_disagree_are_called_so():
         "theta": 0.0, "predicted": 1.0, "found": 1.0, "ratio": 1.0, "rule": 0.9, "ruleOverLimit": 0.9,
         "ruledBy": "bending",
     }  # fmt: skip
-    assert "bar of 5 % kept" in " ".join(conclude(Figures(False, [row])))
-    assert "MISSED in 1" in " ".join(conclude(Figures(False, [row, row | {"found": 1.1, "ratio": 1.1}])))
+    assert "bar of 5 % kept" in " ".join(conclude(Results(False, [row])))
+    assert "MISSED in 1" in " ".join(conclude(Results(False, [row, row | {"found": 1.1, "ratio": 1.1}])))
     assert "MISSED in 1" in " ".join(
-        conclude(Figures(False, [row, row | {"predicted": math.inf, "found": 1.1, "ratio": None}]))
+        conclude(Results(False, [row, row | {"predicted": math.inf, "found": 1.1, "ratio": None}]))
     )
 
 
@@ -108,9 +109,8 @@ def test_it_runs_in_quick_mode(tmp_path, monkeypatch):
     assert {case["kind"] for case in all_cases} == KINDS
     first = {case["kind"]: case for case in reversed(all_cases)}
     first["long"] = first["long"] | {"value": 1000}
-    study = stability_limits.SweepStudy(
-        **{**vars(stability_limits.STUDY), "cases": lambda quick: list(first.values())}
-    )
+    measure = replace(stability_limits.STUDY.measure, cases=lambda quick: list(first.values()))
+    study = replace(stability_limits.STUDY, measure=measure)
     monkeypatch.setattr("studies.__main__.find_study", lambda name: study)
     command = ["run", "stability_limits", "--quick", "--workers", "1", "--output", str(tmp_path)]
     assert main(command) == 0

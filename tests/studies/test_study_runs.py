@@ -9,8 +9,8 @@ from reference_models.data import reference_trajectory
 from reference_models.scenes import load_scene
 from reference_models.trajectory import Case, Trajectory
 from studies.__main__ import main
-from studies.harness.document import KEYS
-from studies.harness.study import Study
+from studies.harness.on_scene import OnScene
+from studies.harness.study import KEYS, Study
 from studies.registry import find_studies, find_study
 from studies.table1 import PAPER_IMPLICIT
 
@@ -34,12 +34,13 @@ def offset_case(label, offset):
 
 @pytest.fixture
 def tiny(monkeypatch):
+    def cases(scene, quick):
+        return [offset_case("shifted", 2e-3), offset_case("lost", np.nan)]
+
     study = Study(
         name="tiny",
         question="Is a shift seen?",
-        scene=SCENE,
-        paper={"source": "none"},
-        cases=lambda scene, quick: [offset_case("shifted", 2e-3), offset_case("lost", np.nan)],
+        measure=OnScene(SCENE, cases, {"source": "none"}),
         conclusions=lambda results: [f"{len(results.rows)} rows, quick: {results.quick}"],
     )
     monkeypatch.setattr("studies.__main__.find_study", lambda name: study)
@@ -100,13 +101,17 @@ def test_an_unwritable_output_is_refused_before_anything_runs(tiny, tmp_path, ca
 
 
 def test_repeated_labels_are_refused(tiny, tmp_path, monkeypatch):
-    object.__setattr__(tiny, "cases", lambda scene, quick: [offset_case("a", 0.0)] * 2)
+    object.__setattr__(tiny.measure, "cases", lambda scene, quick: [offset_case("a", 0.0)] * 2)
     with pytest.raises(ValueError, match=r"\['a'\] occur more than once"):
         main(["run", "tiny", "--output", str(tmp_path)])
 
 
+@pytest.mark.parametrize("name", ["table1", "table2", "table3", "ring"])
+def test_the_full_comparisons_repeat_five_times_at_least(name):
+    assert find_study(name).measure.repeats >= 5
+
+
 def test_table1_runs_in_quick_mode(tmp_path):
-    assert find_study("table1").repeats >= 5
     assert main(["run", "table1", "--quick", "--output", str(tmp_path)]) == 0
     document = json.loads((tmp_path / "table1.json").read_text())
     row = next(row for row in document["rows"] if row["label"] == PAPER_IMPLICIT)

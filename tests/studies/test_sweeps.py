@@ -12,13 +12,12 @@ import pytest
 
 from exudyn_inext.errors import InputError
 from studies.__main__ import main
-from studies.harness.benchmark import Table
-from studies.harness.sweep import engines, folder
-from studies.harness.sweep.case import Sweep, key_of
-from studies.harness.sweep.engines import Engine, processes
-from studies.harness.sweep.folder import CaseFolder
-from studies.harness.sweep.run import run_sweep
-from studies.harness.sweep.study import SweepOptions, SweepStudy
+from studies.harness import engines, sweep
+from studies.harness.engines import Engine, Options, processes
+from studies.harness.provenance import provenance
+from studies.harness.study import Study
+from studies.harness.sweep import CaseFolder, Outcome, Sweep, key_of, run_cases
+from studies.harness.table import Table
 from tests.studies import sweep_cases
 from tests.studies.sweep_cases import runs_of
 
@@ -38,11 +37,12 @@ def traces(tmp_path):
 
 
 def sweep_of(run, traces, number=5, **entries):
-    return Sweep("tiny", run, [{"x": x, "folder": str(traces), **entries} for x in range(number)])
+    """Cases, and what runs one."""
+    return [{"x": x, "folder": str(traces), **entries} for x in range(number)], run
 
 
-def run(sweep, output, engine=None, **options):
-    return run_sweep(sweep, CaseFolder(output, sweep), engine or processes(2), **options)
+def run(asked, output, engine=None, **options):
+    return run_cases(*asked, CaseFolder(output, "tiny"), engine or processes(2), **options)
 
 
 def results(outcomes):
@@ -67,8 +67,7 @@ def test_a_finished_case_is_not_run_twice(tmp_path, traces):
 
 
 def _sweep_slowly(output, traces):
-    sweep = sweep_of(sweep_cases.slow_square, traces, timed=True)
-    run_sweep(sweep, CaseFolder(output, sweep), NOBODY)
+    run(sweep_of(sweep_cases.slow_square, traces, timed=True), output, NOBODY)
 
 
 def test_a_killed_sweep_continues(tmp_path, traces):
@@ -92,9 +91,9 @@ def wait_until(condition, seconds=30.0):
 
 
 def test_a_failed_case_keeps_its_place_and_is_retried_on_request_only(tmp_path, traces):
-    sweep = sweep_of(sweep_cases.fails_on_three, traces, timed=True)
+    asked = sweep_of(sweep_cases.fails_on_three, traces, timed=True)
     for retry, runs in ((False, 1), (False, 1), (True, 2)):
-        outcomes = run(sweep, tmp_path, NOBODY, retry_failed=retry)
+        outcomes = run(asked, tmp_path, NOBODY, retry_failed=retry)
         assert outcomes[3].status == "failed: ArithmeticError: three"
         assert [outcome.status for outcome in outcomes].count("ok") == 4
         assert len(runs_of(traces, 3)) == runs and len(runs_of(traces, 0)) == 1
@@ -115,46 +114,44 @@ def test_a_case_that_always_kills_its_process_is_given_up_alone(tmp_path, traces
 
 def test_timed_cases_run_in_this_process_and_others_do_not(tmp_path):
     cases = [{"x": x, "timed": x == 1} for x in range(3)]
-    outcomes = run(Sweep("tiny", sweep_cases.process_of, cases), tmp_path)
+    outcomes = run((cases, sweep_cases.process_of), tmp_path)
     assert [result["process"] == os.getpid() for result in results(outcomes)] == [False, True, False]
 
 
 def other_code(key, value):
-    return lambda: folder_provenance() | {key: value}
-
-
-folder_provenance = folder.provenance
+    return lambda: provenance() | {key: value}
 
 
 @pytest.mark.parametrize(
     ("key", "value"), [("commit", "f" * 40), ("sources", "other"), ("versions", {"numpy": "0.1"})]
 )
 def test_results_of_other_code_are_refused_with_a_remedy(tmp_path, traces, monkeypatch, key, value):
-    sweep = sweep_of(sweep_cases.square, traces, timed=True)
-    run(sweep, tmp_path, NOBODY)
+    asked = sweep_of(sweep_cases.square, traces, timed=True)
+    run(asked, tmp_path, NOBODY)
     with monkeypatch.context() as patch:
-        patch.setattr(folder, "provenance", other_code(key, value))
+        patch.setattr(sweep, "provenance", other_code(key, value))
         with pytest.raises(InputError, match=r"another state of the code .*--output.*--fresh"):
-            run(sweep, tmp_path, NOBODY)
-        CaseFolder(tmp_path, Sweep("another", sweep.run, []), fresh=True)
+            run(asked, tmp_path, NOBODY)
+        CaseFolder(tmp_path, "another", fresh=True)
         assert not list((tmp_path / "sweeps" / "tiny").glob("*.json"))
     with pytest.raises(InputError, match="another state"):
-        run(sweep, tmp_path, NOBODY)
+        run(asked, tmp_path, NOBODY)
 
 
 def test_fresh_discards_one_sweep_of_the_same_code_only(tmp_path, traces):
-    sweep = sweep_of(sweep_cases.square, traces, timed=True)
-    run(sweep, tmp_path, NOBODY)
-    CaseFolder(tmp_path, Sweep("another", sweep.run, []), fresh=True)
-    run(sweep, tmp_path, NOBODY)
+    asked = sweep_of(sweep_cases.square, traces, timed=True)
+    run(asked, tmp_path, NOBODY)
+    CaseFolder(tmp_path, "another", fresh=True)
+    run(asked, tmp_path, NOBODY)
     assert len(runs_of(traces, 0)) == 1
-    CaseFolder(tmp_path, sweep, fresh=True)
-    run(sweep, tmp_path, NOBODY)
+    CaseFolder(tmp_path, "tiny", fresh=True)
+    run(asked, tmp_path, NOBODY)
     assert len(runs_of(traces, 0)) == 2
 
 
 def test_a_worker_with_other_code_is_refused(tmp_path, traces, monkeypatch):
-    monkeypatch.setattr(sys.modules[run_sweep.__module__], "provenance", other_code("sources", "other"))
+    outcome = Outcome("ok", {}, other_code("sources", "other")())
+    monkeypatch.setattr(sweep, "execute", lambda run, case: outcome)
     with pytest.raises(InputError, match=r"a worker of nobody runs other code.*restart the workers"):
         run(sweep_of(sweep_cases.square, traces, timed=True), tmp_path, NOBODY)
 
@@ -162,7 +159,7 @@ def test_a_worker_with_other_code_is_refused(tmp_path, traces, monkeypatch):
 def test_equal_cases_are_refused_and_keys_do_not_depend_on_the_order_of_entries(tmp_path):
     assert key_of({"a": 1, "b": 2.5}) == key_of({"b": 2.5, "a": 1}) != key_of({"a": 1, "b": 2})
     with pytest.raises(InputError, match="occurs more than once"):
-        run(Sweep("tiny", sweep_cases.process_of, [{"x": 1}, {"x": 1}]), tmp_path, NOBODY)
+        run(([{"x": 1}, {"x": 1}], sweep_cases.process_of), tmp_path, NOBODY)
 
 
 # ----------------------------------------------------------------------------------- other engines
@@ -180,16 +177,16 @@ def cluster():
 
 def test_dask_goes_on_when_a_worker_is_killed_and_gives_the_same(cluster, tmp_path, traces):
     engine = engines.dask(cluster.scheduler_address)
-    sweep = sweep_of(sweep_cases.slow_square, traces, 16)
+    asked = sweep_of(sweep_cases.slow_square, traces, 16)
     expected = [{"square": x * x, "root": x**0.5} for x in range(16)]
     victim = cluster.workers[0].pid
     survivors = multiprocessing.get_context("spawn").Process(target=_kill_in_mid_run, args=(traces, victim))
     survivors.start()
-    outcomes = run(sweep, tmp_path, engine)
+    outcomes = run(asked, tmp_path, engine)
     survivors.join()
     assert results(outcomes) == expected
     assert survivors.exitcode == 0 and cluster.workers[0].pid != victim
-    assert results(run(sweep, tmp_path, NOBODY)) == expected
+    assert results(run(asked, tmp_path, NOBODY)) == expected
 
 
 def _kill_in_mid_run(traces, process):
@@ -238,12 +235,11 @@ def study(monkeypatch, traces):
     def cases(quick):
         return [{"kind": "number", "x": x, "folder": str(traces)} for x in range(2 if quick else 4)]
 
-    tiny = SweepStudy(
+    tiny = Study(
         name="tiny",
         question="Which squares are there?",
-        cases=cases,
-        run=sweep_cases.fails_on_three,
-        tables=(Table("number", "Squares:", {"x": "x", "square": "square", "status": "status"}),),
+        measure=Sweep(cases, sweep_cases.fails_on_three),
+        tables=(Table("number", "Squares:", "x | square | status"),),
         conclusions=lambda figures: [f"{len(figures.rows)} numbers"],
     )
     monkeypatch.setattr("studies.__main__.find_study", lambda name: tiny)
@@ -278,4 +274,4 @@ def test_a_study_without_a_sweep_takes_no_engine(tmp_path, capsys):
 
 
 def test_default_options_run_on_the_cores_of_this_machine():
-    assert SweepOptions().engine().name == f"{os.cpu_count()} processes"
+    assert Options().engine().name == f"{os.cpu_count()} processes"

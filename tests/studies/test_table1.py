@@ -2,15 +2,10 @@
 
 import pytest
 
-from reference_models.scenes import load_scene
 from studies.harness.ratios import ratio_sentences, ratio_tables
-from studies.harness.reference import from_data
 from studies.harness.study import Results
-from studies.table1 import PAPER_EXPLICIT, PAPER_IMPLICIT, PAPER_PROPOSED, make_ratios
+from studies.table1 import PAPER_EXPLICIT, PAPER_IMPLICIT, PAPER_PROPOSED, TABLE
 from tests.studies.rows import row
-
-SCENE = load_scene("planar_pendulum")
-
 
 ROWS = [
     row(PAPER_IMPLICIT, "conventional", "generalizedAlpha", 0.16, 5.8e-3),
@@ -25,7 +20,7 @@ ROWS = [
 
 
 def conclusion_lines(rows):
-    (table,) = ratio_tables(make_ratios(Results(SCENE, False, rows, {}, from_data(SCENE))))
+    (table,) = ratio_tables(TABLE.ratios(Results(False, rows)))
     return table.markdown.splitlines()[2:]
 
 
@@ -51,7 +46,7 @@ def test_ratios_without_an_inextensible_row_are_left_open():
 def sentences(quick, **seconds):
     """Of ROWS, some of which took other times [s]."""
     rows = [row | {"cpuSeconds": seconds.get(row["label"], row["cpuSeconds"])} for row in ROWS]
-    return ratio_sentences(make_ratios(Results(SCENE, quick, rows, {}, from_data(SCENE))), quick)
+    return ratio_sentences(TABLE.ratios(Results(quick, rows)), quick)
 
 
 def test_sentences_say_the_closest_comparison_of_equal_accuracy_and_stand_beside_the_paper():

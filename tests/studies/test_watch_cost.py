@@ -5,7 +5,7 @@ import pytest
 
 from exudyn_inext.exudyn_binding.general.coupled_watch import CoupledWatch
 from studies import watch_cost
-from studies.harness.benchmark import Figures
+from studies.harness.study import Results
 
 
 def row(kind, share, number=5):
@@ -16,7 +16,7 @@ def row(kind, share, number=5):
 
 def conclude(*shares):
     rows = [row(kind, share, n) for kind in ("alone", "among bodies") for n, share in enumerate(shares)]
-    return watch_cost.conclude(Figures(False, rows))
+    return watch_cost.conclude(Results(False, rows))
 
 
 def test_shares_below_the_bar_keep_it():
@@ -78,5 +78,5 @@ def test_among_bodies_one_run_is_compared_with_and_without_a_watch(rows_of, monk
 
 def test_few_samples_give_no_verdict():
     rows = [row(kind, 0.05, 5) for kind in ("alone", "among bodies")]
-    for sentence in watch_cost.conclude(Figures(True, rows)):
+    for sentence in watch_cost.conclude(Results(True, rows)):
         assert sentence.endswith("the bar of 3% is undecided within noise.")

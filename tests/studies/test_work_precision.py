@@ -11,29 +11,32 @@ import pytest
 from exudyn_inext.errors import InputError
 from reference_models.scenes import load_scene
 from reference_models.trajectory import Case, Trajectory
+from studies import table3
 from studies.__main__ import main
-from studies.harness.benchmark import Figures
 from studies.harness.cases import explicit_case, failing_case
 from studies.harness.reference import from_data
-from studies.harness.sweep.case import Outcome
+from studies.harness.study import Results
+from studies.harness.sweep import Outcome
 from studies.harness.timing import measure
-from studies.precision import inextensible, links, native, scene_run
-from studies.precision.enforced import enforced_cases
-from studies.precision.families import BY_NATIVE_SOLVERS, IMPLICIT, INEXTENSIBLE, PEER, family_of
+from studies.precision import cases, scene_run
 from studies.precision.findings import conclude
-from studies.precision.reading import (
+from studies.precision.fronts import (
     ALONE,
+    BY_NATIVE_SOLVERS,
     CHEAPER,
     EMPTY,
+    IMPLICIT,
+    INEXTENSIBLE,
     NOT_REACHED,
+    PEER,
     READ,
     TOO_LOOSE,
+    family_of,
     front_of,
     losses,
     read,
     speed_up,
 )
-from studies.precision.selection import Selection
 from studies.work_precision import STUDY, make_cases, rows_of
 
 PLANAR = load_scene("planar_pendulum")
@@ -130,9 +133,9 @@ def shifted(label, offset):
 
 
 def test_a_failing_case_keeps_its_row_and_status():
-    cases = [shifted("good", 1e-3), failing_case("bad", "RK4", 7, ArithmeticError("too fast"), 0.5)]
-    cases.append(shifted("lost", math.nan))
-    good, bad, lost = scene_run.measured(PLANAR, cases, from_data(PLANAR), repeats=1)
+    three = [shifted("good", 1e-3), failing_case("bad", "RK4", 7, ArithmeticError("too fast"), 0.5)]
+    three.append(shifted("lost", math.nan))
+    good, bad, lost = scene_run.measured(PLANAR, three, from_data(PLANAR), repeats=1)
     assert (good["status"], good["kind"], good["repeats"]) == ("ok", "run", 1)
     assert good["errorMax"] == pytest.approx(1e-3) and good["family"] == INEXTENSIBLE
     assert (bad["status"], bad["errorMax"], bad["stepSize"]) == (
@@ -144,31 +147,30 @@ def test_a_failing_case_keeps_its_row_and_status():
 
 
 def test_steps_that_are_refused_or_diverge_become_rows(monkeypatch):
-    monkeypatch.setattr(inextensible, "FRACTIONS", (1.2,))
+    monkeypatch.setattr(cases, "FRACTIONS", (1.2,))
     brief = replace(PLANAR, end_time=0.05)
-    (case,) = inextensible._limited_cases(brief, 5, "RATTLE")
+    (case,) = cases.limited_cases(brief, 5, "RATTLE")
     (row,) = scene_run.measured(brief, [case], from_data(PLANAR), repeats=1)
     assert row["status"].startswith("failed: StepSizeError") and row["cpuSeconds"] is None
 
 
 def test_slow_cases_are_repeated_less_often():
     assert [scene_run.repeats_of(seconds) for seconds in (0.1, 1.0, 5.0)] == [5, 3, 1]
-    heard = []
-    found = measure([shifted("a", 0.0), shifted("b", 0.0)], 3, heard.append, lambda seconds: 1)
-    assert [len(measurement.cpu_seconds) for measurement in found] == [1, 1] and len(heard) == 8
+    pair = [shifted("a", 0.0), shifted("b", 0.0)]
+    found = measure(pair, 3, from_data(PLANAR).trajectory, rounds_of=lambda seconds: 1)
+    assert [row["repeats"] for row, _ in found] == [1, 1]
 
 
 def test_equal_labels_are_run_once():
-    selection = Selection()
-    selection.add(shifted("a", 0.0), shifted("b", 0.0), shifted("a", 1.0))
-    assert [case.label for case in selection.cases] == ["a", "b"]
+    found = cases.unique([shifted("a", 0.0), shifted("b", 0.0), shifted("a", 1.0)])
+    assert [case.label for case in found] == ["a", "b"]
 
 
 def test_a_scene_without_a_reference_is_compared_with_itself_and_that_is_said(monkeypatch):
-    monkeypatch.setattr(scene_run, "refined", lambda scene: from_data(PLANAR))
+    monkeypatch.setattr(table3, "refined", lambda scene: from_data(PLANAR))
     line = load_scene("power_line")
     row = scene_run.reference_row(line, scene_run.reference_of(line))
-    assert row["selfConvergence"] and "self-convergence" in " ".join(conclude(Figures(False, [row])))
+    assert row["selfConvergence"] and "self-convergence" in " ".join(conclude(Results(False, [row])))
     other = scene_run.reference_row(PLANAR, scene_run.reference_of(PLANAR))
     assert not other["selfConvergence"]
 
@@ -182,7 +184,7 @@ def sentences(*rows, uncertainty=5e-5):
         "selfConvergence": False, "motion": 5.0,
     }  # fmt: skip
     ratios = scene_run.ratio_rows("planar_pendulum", rows, uncertainty)
-    return "\n".join(conclude(Figures(False, [reference, *rows, *ratios])))
+    return "\n".join(conclude(Results(False, [reference, *rows, *ratios])))
 
 
 NATIVE = {"formulation": "conventional", "integrator": "generalizedAlpha"}
@@ -227,17 +229,17 @@ def test_families_tell_formulations_and_solvers_apart():
 def test_a_scene_that_failed_as_a_whole_is_told():
     (case, *_) = make_cases(True)
     rows = rows_of(case, Outcome("failed: OSError: disk", {}, {}))
-    assert "FAILED: planar_pendulum: failed: OSError: disk" in conclude(Figures(True, rows))
+    assert "FAILED: planar_pendulum: failed: OSError: disk" in conclude(Results(True, rows))
 
 
 # -------------------------------------------------------------------------------- the whole study
 
 
 def test_every_scene_has_cases_of_every_formulation():
-    assert {case["scene"] for case in make_cases(False)} == set(native.SERIES) == set(inextensible.MESHES)
+    assert {case["scene"] for case in make_cases(False)} == set(cases.SERIES) == set(cases.MESHES)
     assert all(case["timed"] for case in make_cases(False))
     for name in ("planar_pendulum", "spatial_pendulum"):
-        labels = [case.label for case in enforced_cases(load_scene(name), False)]
+        labels = [case.label for case in cases.enforced_cases(load_scene(name), False)]
         assert len(labels) == len(set(labels)) and {label.split()[1] for label in labels} == {
             "penaltyMass,",
             "algebraic,",
@@ -246,26 +248,32 @@ def test_every_scene_has_cases_of_every_formulation():
 
 def test_rigid_links_are_left_out_where_mujoco_is_not_installed(monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    assert links.links_selection(PLANAR, True).cases == []
+    assert list(cases.links_cases(PLANAR, True)) == []
 
 
 def test_rigid_links_belong_to_the_pendulums_only():
     pytest.importorskip("mujoco", reason="pip install 'exudyn_inext[peers]'")
-    assert links.links_selection(load_scene("vibrating_ring"), True).cases == []
-    cases = links.links_selection(load_scene("spatial_pendulum"), True).cases
-    assert {case.integrator for case in cases} >= {"RK4", "Euler", "implicitfast"}
+    assert list(cases.links_cases(load_scene("vibrating_ring"), True)) == []
+    linked = cases.links_cases(load_scene("spatial_pendulum"), True)
+    assert {case.integrator for case in linked} >= {"RK4", "Euler", "implicitfast"}
 
 
 def few_cases(scene, quick):
     scaled = [explicit_case(scene, "RATTLE", n, h, 0.3) for n, h in ((3, 1e-2), (5, 5e-3), (8, 2.5e-3))]
-    natives = [case for case in native.native_selection(scene, True).cases if case.elements == 10]
-    return [*scaled, *natives, *enforced_cases(scene, True), *links.links_selection(scene, True).cases[:2]]
+    natives = [case for case in cases.native_cases(scene, True) if case.elements == 10]
+    return [
+        *scaled,
+        *natives,
+        *cases.enforced_cases(scene, True),
+        *cases.unique(cases.links_cases(scene, True))[:2],
+    ]
 
 
 def test_it_runs_in_quick_mode_with_rows_tables_and_pictures(tmp_path, monkeypatch):
     monkeypatch.setattr(scene_run, "cases_of", few_cases)
-    monkeypatch.setattr(native, "QUICK", {"planar_pendulum": native.Series((10,), (), (5e-3,))})
-    study = replace(STUDY, cases=lambda quick: make_cases(quick)[:1])
+    monkeypatch.setattr(cases, "QUICK_SERIES", {"planar_pendulum": cases.Series((10,), (), (5e-3,))})
+    measure = replace(STUDY.measure, cases=lambda quick: make_cases(quick)[:1])
+    study = replace(STUDY, measure=measure)
     monkeypatch.setattr("studies.__main__.find_study", lambda name: study)
     assert main(["run", "work_precision", "--quick", "--output", str(tmp_path)]) == 0
     document = json.loads((tmp_path / "work_precision.json").read_text())

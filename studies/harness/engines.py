@@ -1,16 +1,21 @@
-"""Where cases run: processes of this machine, a Dask cluster, MPI."""
+"""Where cases run: one pool, of processes of this machine, of a Dask cluster, or of MPI."""
 
+import json
 import multiprocessing
 import os
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
-from exudyn_inext.errors import InputError
+from exudyn_inext import InputError
 
+ROOT = Path(__file__).parents[2]
 DASK_TIMEOUT = 5.0  # [s] for the scheduler, and for its first worker
 
 
@@ -44,7 +49,7 @@ def _fresh_processes() -> Any:
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([__package__ + ".case"])
+    context.set_forkserver_preload([__package__ + ".sweep"])
     return context
 
 
@@ -121,3 +126,49 @@ def mpi() -> Engine:
             "python -m mpi4py.futures -m studies run NAME --mpi."
         ) from error
     return Engine("MPI", lambda: _closing(MPIPoolExecutor))
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a sweep is run: from the command line.
+
+    workers: processes of this machine; None: one a core.   dask: address of a scheduler.
+    mpi: whether MPI runs the cases.
+    fresh: discard stored cases.   retry_failed: run failed cases again.
+    """
+
+    workers: int | None = None
+    dask: str | None = None
+    mpi: bool = False
+    fresh: bool = False
+    retry_failed: bool = False
+
+    def __post_init__(self) -> None:
+        if self.workers is not None and self.workers < 1:
+            raise InputError(f"--workers {self.workers}: must be at least 1.")
+        if (self.workers is not None) + (self.dask is not None) + self.mpi > 1:
+            raise InputError("--workers, --dask and --mpi exclude each other: give one of them.")
+
+    def engine(self) -> Engine:
+        """Where the cases run."""
+        if self.dask is not None:
+            return dask(self.dask)
+        return mpi() if self.mpi else processes(self.workers)
+
+
+def ask(module: str, *arguments: object, given: Any = None, **environment: str) -> Any:
+    """What a program of this project prints as JSON, in a process of its own.   given: what it reads.
+
+    Raises:
+        CalledProcessError: it failed.
+    """
+    process = subprocess.run(
+        [sys.executable, "-m", module, *map(str, arguments)],
+        input=json.dumps(given),
+        env=os.environ | environment,
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return json.loads(process.stdout)

@@ -1,14 +1,64 @@
-"""What an accuracy costs: fronts, interpolated between neighbours, and never beyond their ends."""
+"""What an accuracy costs: which rows form a front together, and what is read off between its neighbours."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from exudyn_inext.errors import InputError
-from studies.harness.front import front, is_usable
-from studies.harness.study import Row
+from exudyn_inext import InputError
+from reference_models.peers.rigid_links import FORMULATION as RIGID_LINKS
+from studies.harness.ratios import CONVENTIONAL, by_default, front, is_explicit, is_implicit, is_usable
+from studies.harness.store import Row
+from studies.harness.table import column
+
+INEXTENSIBLE = "inextensible"
+BY_NATIVE_SOLVERS = "inextensible, native solvers"
+IMPLICIT, EXPLICIT = "conventional, implicit", "conventional, explicit"
+PEER = "rigid links (MuJoCo)"
+FAMILIES = (INEXTENSIBLE, BY_NATIVE_SOLVERS, IMPLICIT, EXPLICIT, PEER)
+OTHERS = FAMILIES[1:]
+
+
+def family_of(row: Row) -> str:
+    """The family that a row belongs to."""
+    if row["formulation"] == RIGID_LINKS:
+        return PEER
+    if row["formulation"] == INEXTENSIBLE:
+        return INEXTENSIBLE if row.get("enforcement", "projection") == "projection" else BY_NATIVE_SOLVERS
+    return IMPLICIT if is_implicit(row) else EXPLICIT
+
+
+def _conventional(belongs: Callable[[Row], bool]) -> Callable[[Row], bool]:
+    return lambda row: row["formulation"] == CONVENTIONAL and belongs(row)
+
+
+OPPONENTS: Mapping[str, Callable[[Row], bool]] = {
+    IMPLICIT: _conventional(is_implicit),
+    f"{IMPLICIT}, default quadrature": _conventional(by_default(is_implicit)),
+    EXPLICIT: _conventional(is_explicit),
+    f"{EXPLICIT}, default quadrature": _conventional(by_default(is_explicit)),
+    PEER: lambda row: family_of(row) == PEER,
+    BY_NATIVE_SOLVERS: lambda row: family_of(row) == BY_NATIVE_SOLVERS,
+}
+"""What the inextensible cable, moved by explicit steps, is compared with."""
+
+
+def members(rows: Sequence[Row], family: str) -> list[Row]:
+    """The rows of a family, in their order."""
+    return [row for row in rows if family_of(row) == family]
+
+
+def method_of(row: Row) -> str:
+    """Integrator of an inextensible row, with what makes a scheme of its own."""
+    if family_of(row) == BY_NATIVE_SOLVERS:
+        return f"{row['enforcement']}, {row['integrator']}"
+    name = row["integrator"] + (" with corrector" if row.get("corrector") else "")
+    return name + (", mass scaling" if row.get("massScaling") else "")
+
+
+# ---------------------------------------------------------------------------------------- reading
+
 
 READ = "read"
 TOO_LOOSE = "looser than its front"
@@ -29,11 +79,11 @@ class Front:
 
     @property
     def errors(self) -> np.ndarray:
-        return np.array([row["errorMax"] for row in self.rows])
+        return np.array(column(self.rows, "errorMax"))
 
     @property
     def seconds(self) -> np.ndarray:
-        return np.array([row["cpuSeconds"] for row in self.rows])
+        return np.array(column(self.rows, "cpuSeconds"))
 
 
 @dataclass(frozen=True)
@@ -58,24 +108,20 @@ def front_of(rows: Iterable[Row], uncertainty: float) -> Front:
     return Front(kept, uncertainty)
 
 
-def require_above(bound: float, uncertainty: float) -> None:
-    """Raises InputError for an error bound [m] that the reference cannot tell, or that is none."""
-    if not (math.isfinite(bound) and bound > 0.0):
-        raise InputError(f"error bound {bound!r} m: must be a finite number > 0.")
-    if bound < uncertainty:
-        raise InputError(
-            f"error bound {bound:g} m is below the uncertainty of the reference, {uncertainty:g} m: nothing "
-            f"can be said there; ask for {uncertainty:g} m or more, or give the scene a better reference."
-        )
-
-
 def read(found: Front, bound: float) -> Reading:
     """CPU time at an error of `bound` [m], on the line through the neighbours on logarithmic scales.
 
     Raises:
-        InputError: bound below the uncertainty of the reference.
+        InputError: bound below the uncertainty of the reference, or none.
     """
-    require_above(bound, found.uncertainty)
+    if not (math.isfinite(bound) and bound > 0.0):
+        raise InputError(f"error bound {bound!r} m: must be a finite number > 0.")
+    if bound < found.uncertainty:
+        raise InputError(
+            f"error bound {bound:g} m is below the uncertainty of the reference, {found.uncertainty:g} m: "
+            f"nothing can be said there; ask for {found.uncertainty:g} m or more, or give the scene a better "
+            "reference."
+        )
     if not found.rows:
         return Reading(None, EMPTY)
     errors = found.errors
@@ -113,15 +159,14 @@ ALONE = "only the opponent is as accurate"
 def losses(opponent: Front, own: Front) -> list[Loss]:
     """Ranges of the opponent's rows where it wins; neighbouring ones for the same reason are joined."""
     found: list[Loss] = []
-    joined = False
+    before = ""
     for row in opponent.rows:
-        why = _why_lost(row, own)
-        error = row["errorMax"]
-        if why and joined and found[-1].why == why:
+        why, error = _why_lost(row, own), row["errorMax"]
+        if why and why == before:
             found[-1] = Loss(error, found[-1].largest, why)
         elif why:
             found.append(Loss(error, error, why))
-        joined = bool(why)
+        before = why
     return found
 
 

@@ -17,7 +17,7 @@ MEMORY    resident memory.
 from dataclasses import dataclass
 from typing import Any
 
-from studies.harness.study import Row
+from studies.harness.store import Row
 
 TIME, QUOTIENT, SPEED, TAIL, ERROR, LIMIT, MEMORY = (
     "time", "quotient of times", "speed", "tail of times", "error", "limit", "memory",
@@ -50,48 +50,34 @@ class Quantity:
     floor: float = 0.0
 
 
+FLOORS = {
+    "alone.share": 0.03, "among bodies.share": 0.03, "stretch": 1e-10, "violation": 1e-11, "rate": 1e-10,
+    "energyMax": 1e-9, "range": 1e-9, "noise": 1e-14, "kilobytesAScene": 50.0,
+}  # fmt: skip
+SPREADS_OF = {"cpuSeconds": "cpuSecondsMin"}
+KEYS = {
+    (TIME, LESS): (
+        "cpuSeconds", "microseconds", "nativeMicroseconds", "startMilliseconds", "startSeconds", "alone",
+        "together", "wallOfAllCores", "median", "cpuMedian", "change.seconds", "change.baseSeconds",
+        "achievedSeconds",
+    ),
+    (TAIL, LESS): ("percentile999", "cpuPercentile999"),
+    (QUOTIENT, LESS): (
+        "ratio.ratio", "ratioLobatto", "costRatio", "alone.share", "among bodies.share", "aboveScalarFloor",
+    ),
+    (QUOTIENT, MORE): ("gain",),
+    (SPEED, MORE): ("realTime", "perNanosecond"),
+    (ERROR, LESS): (
+        "errorMax", "errorRms", "error", "baseError", "referenceUncertainty", "stretch", "violation", "rate",
+        "energyMax", "range", "noise",
+    ),
+    (LIMIT, MORE): ("found", "slenderness.gain", "long.seconds"),
+    (MEMORY, LESS): ("peakMegabytes", "lastMegabytes", "kilobytesAScene"),
+}  # fmt: skip
 QUANTITIES = {
-    "cpuSeconds": Quantity(TIME, spread="cpuSecondsMin"),
-    "microseconds": Quantity(TIME),
-    "nativeMicroseconds": Quantity(TIME),
-    "startMilliseconds": Quantity(TIME),
-    "startSeconds": Quantity(TIME),
-    "alone": Quantity(TIME),
-    "together": Quantity(TIME),
-    "wallOfAllCores": Quantity(TIME),
-    "median": Quantity(TIME),
-    "cpuMedian": Quantity(TIME),
-    "change.seconds": Quantity(TIME),
-    "change.baseSeconds": Quantity(TIME),
-    "achievedSeconds": Quantity(TIME),
-    "percentile999": Quantity(TAIL),
-    "cpuPercentile999": Quantity(TAIL),
-    "ratio.ratio": Quantity(QUOTIENT),
-    "ratioLobatto": Quantity(QUOTIENT),
-    "costRatio": Quantity(QUOTIENT),
-    "alone.share": Quantity(QUOTIENT, floor=0.03),
-    "among bodies.share": Quantity(QUOTIENT, floor=0.03),
-    "aboveScalarFloor": Quantity(QUOTIENT),
-    "gain": Quantity(QUOTIENT, MORE),
-    "realTime": Quantity(SPEED, MORE),
-    "perNanosecond": Quantity(SPEED, MORE),
-    "errorMax": Quantity(ERROR),
-    "errorRms": Quantity(ERROR),
-    "error": Quantity(ERROR),
-    "baseError": Quantity(ERROR),
-    "referenceUncertainty": Quantity(ERROR),
-    "stretch": Quantity(ERROR, floor=1e-10),
-    "violation": Quantity(ERROR, floor=1e-11),
-    "rate": Quantity(ERROR, floor=1e-10),
-    "energyMax": Quantity(ERROR, floor=1e-9),
-    "range": Quantity(ERROR, floor=1e-9),
-    "noise": Quantity(ERROR, floor=1e-14),
-    "found": Quantity(LIMIT, MORE),
-    "slenderness.gain": Quantity(LIMIT, MORE),
-    "long.seconds": Quantity(LIMIT, MORE),
-    "peakMegabytes": Quantity(MEMORY),
-    "lastMegabytes": Quantity(MEMORY),
-    "kilobytesAScene": Quantity(MEMORY, floor=50.0),
+    key: Quantity(kind, better, SPREADS_OF.get(key), FLOORS.get(key, 0.0))
+    for (kind, better), keys in KEYS.items()
+    for key in keys
 }
 
 IDENTITY = (

@@ -1,1 +1,0 @@
-"""Sweeps: one function over many cases, on any `concurrent.futures.Executor`, resumable."""

@@ -1,0 +1,316 @@
+"""What is run on each scene: every formulation, integrator, mesh and step, below its stability limit.
+
+Tuned rows are those of the tables. Inextensible runs are not ended for their energy: it is their errors that
+are measured. Penalty masses and algebraic constraints have the steps of `enforcement`: of RK44 near the
+stability limit, which falls with the square of the element's length; of velocity Verlet smaller, since the
+forces depend on velocities.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import chain
+
+from exudyn_inext import ExplicitSettings, Zhai
+from reference_models.conventional.cases import native_case
+from reference_models.conventional.model import Quadrature
+from reference_models.conventional.settings import Explicit, ExplicitIntegrator, Implicit
+from reference_models.conventional.stability import largest_stable_step
+from reference_models.conventional.zhai import largest_zhai_step, zhai_case
+from reference_models.enforced import enforced_case
+from reference_models.inextensible import Inextensible
+from reference_models.peers.rigid_links import (
+    RigidLinks,
+    has_integrator,
+    is_installed,
+    largest_step,
+    rigid_links_case,
+)
+from reference_models.scenes import Scene
+from reference_models.trajectory import Case
+from studies import ring, table1, table2, table3
+from studies.harness.cases import explicit_case, kept_case
+
+TABLES = {
+    "planar_pendulum": table1.TABLE,
+    "spatial_pendulum": table2.TABLE,
+    "vibrating_ring": ring.TABLE,
+    "power_line": table3.TABLE,
+}
+BRIEF = 0.01  # [s] of motion, to ask for a limit
+
+
+def cases_of(scene: Scene, quick: bool) -> list[Case]:
+    """All of them; tuned rows and series may meet: of equal labels, the first."""
+    makers = (inextensible_cases, enforced_cases, native_cases, links_cases)
+    return unique(chain.from_iterable(make(scene, quick) for make in makers))
+
+
+def unique(cases: Iterable[Case]) -> list[Case]:
+    """In their order; of equal labels, the first."""
+    found: dict[str, Case] = {}
+    for case in cases:
+        found.setdefault(case.label, case)
+    return list(found.values())
+
+
+# ------------------------------------------------------------- inextensible, under explicit steps
+
+
+FRACTIONS = (0.95, 0.5)  # of the stability limit
+SCHEMES: dict[str, tuple[str, Zhai | None]] = {
+    "Zhai": ("Zhai", None),
+    "Zhai with corrector": ("Zhai", Zhai(0.0, 0.0, corrector=True)),
+    "RK4": ("RK4", None),
+    "RATTLE": ("RATTLE", None),
+}
+EXTRA_THETA, COARSE = 0.3, 2.5e-3  # RATTLE takes this theta, too, from this step on [s]
+SCALED = (("Zhai", 0.3), ("RATTLE", 0.25), ("RATTLE", EXTRA_THETA))
+DECAY = 0.6  # most of h zeta; Zhai's limit is 1
+
+
+@dataclass(frozen=True)
+class Meshes:
+    """Numbers of elements: at the stability limits, and with scaled mass; the steps of the latter [s].
+
+    coarse: elements and steps [s] of scaled rows that are cheap rather than accurate.   zeta [1/s]: of Zhai.
+    """
+
+    limited: Sequence[int]
+    scaled: Sequence[int]
+    steps: Sequence[float]
+    coarse: Sequence[tuple[int, float]]
+    zeta: float = 100.0
+
+
+_PENDULUM = Meshes(
+    (3, 4, 5, 6, 8, 10, 14, 20),
+    (3, 4, 5, 6, 8, 10, 14, 20, 28),
+    (5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
+    ((2, 1e-2), (2, 5e-3), (3, 1e-2), (4, 1e-2), (5, 1e-2), (4, 3.34e-3), (5, 3.34e-3), (6, 3.34e-3)),
+)
+MESHES = {
+    "planar_pendulum": _PENDULUM,
+    "spatial_pendulum": replace(_PENDULUM, zeta=150.0),
+    "vibrating_ring": Meshes(
+        (6, 8, 10, 12, 16, 20, 28),
+        (8, 10, 12, 14, 16, 20, 28, 40),
+        (2e-3, 1e-3, 5e-4, 2.5e-4),
+        ((6, 5e-3), (6, 3.34e-3), (8, 3.34e-3), (8, 5e-3), (10, 3.34e-3)),
+        zeta=300.0,
+    ),
+    "power_line": Meshes(
+        (4, 8, 12, 16, 20, 28, 40),
+        (8, 12, 16, 20, 28, 40, 60),
+        (5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
+        ((4, 1e-2), (4, 5e-3), (8, 1e-2), (12, 1e-2), (16, 1e-2)),
+        zeta=300.0,
+    ),
+}
+QUICK_MESHES = Meshes((5,), (5, 8), (5e-3, 2.5e-3), ((3, 1e-2),))
+QUICK_MESHES_BY_FOURS = Meshes((8,), (8, 12), (5e-3, 2.5e-3), ((8, 1e-2),))
+
+
+def inextensible_cases(scene: Scene, quick: bool) -> Iterator[Case]:
+    """Every scheme at fractions of its limit on many meshes, then with scaled mass."""
+    meshes = MESHES[scene.name]
+    if quick:
+        meshes = QUICK_MESHES if scene.name.endswith("pendulum") else QUICK_MESHES_BY_FOURS
+    else:
+        yield from (explicit_case(scene, *row) for row in TABLES[scene.name].inextensible)
+    for elements in meshes.limited:
+        for name in SCHEMES:
+            yield from limited_cases(scene, elements, name)
+    for elements, h in [*((n, h) for n in meshes.scaled for h in meshes.steps), *meshes.coarse]:
+        for integrator, theta in SCALED:
+            if theta == EXTRA_THETA and integrator == "RATTLE" and h < COARSE:
+                continue
+            settings = ExplicitSettings(integrator, stepSize=h, massScaling=theta, energyTolerance=math.inf)
+            if integrator == "Zhai":
+                settings = replace(settings, stabilizationRate=min(meshes.zeta, DECAY / h))
+            yield _kept(scene, elements, settings)
+
+
+def limited_cases(scene: Scene, elements: int, name: str) -> list[Case]:
+    """At fractions of the stability limit."""
+    integrator, scheme = SCHEMES[name]
+    settings = ExplicitSettings(integrator, scheme, massScaling=0.0, energyTolerance=math.inf)
+    brief = _kept(replace(scene, end_time=BRIEF), elements, settings)
+    limit = brief.details.get("stepLimit")
+    if limit is None:
+        return [brief]
+    return [_kept(scene, elements, replace(settings, stepSize=x * limit)) for x in FRACTIONS]
+
+
+def _kept(scene: Scene, elements: int, settings: ExplicitSettings) -> Case:
+    """One that diverges, or is refused, keeps its place."""
+    case = kept_case(scene, Inextensible(elements, settings))
+    corrector = settings.scheme is not None and settings.scheme.corrector
+    details = {"massScaling": settings.massScaling, **case.details, "corrector": corrector}
+    return replace(case, details=details)
+
+
+# --------------------------------------------------------------- inextensible, under native solvers
+
+
+MOST_PENALTIES = 3  # of the meshes: Exudyn factorises the whole mass matrix at every stage
+IMPLICIT_STEPS = (4e-3, 2e-3, 1e-3)
+
+# elements, steps of RK44 and of velocity Verlet [s] at ten elements
+ENFORCED: dict[str, tuple[Sequence[int], tuple[float, float]]] = {
+    "planar_pendulum": ((4, 5, 7, 10), (6.25e-4, 1e-4)),
+    "spatial_pendulum": ((4, 5, 7, 10), (5e-4, 1e-4)),
+    "vibrating_ring": ((8, 10, 14, 20), (8e-4, 1e-4)),
+    "power_line": ((8, 12, 16, 20), (2e-3, 2e-4)),
+}
+
+
+def enforced_cases(scene: Scene, quick: bool) -> Iterator[Case]:
+    """Penalty masses for explicit solvers, algebraic constraints for implicit ones."""
+    counts, at_ten = ENFORCED[scene.name]
+    few = slice(1 if quick else None)
+    for n in counts[few][:MOST_PENALTIES]:
+        runge_kutta, verlet = (h * (10.0 / n) ** 2 for h in at_ten)
+        yield enforced_case(scene, n, "penaltyMass", Explicit(runge_kutta, "rungeKutta44"))
+        if not quick and n <= counts[1]:
+            yield enforced_case(scene, n, "penaltyMass", Explicit(verlet))
+    for n in counts[few]:
+        for h in IMPLICIT_STEPS[few]:
+            yield enforced_case(scene, n, "algebraic", Implicit(h, "modified", "sparse", 1e-6, 0.8))
+
+
+# ------------------------------------------------------------------------------------ conventional
+
+
+EXPLICIT_FRACTIONS, ZHAI_FRACTIONS = (1.0, 0.5), (0.95, 0.5)  # of the largest stable step
+TRAPEZOIDAL_STEPS = (2.5e-3, 1.25e-3)  # [s]; larger ones diverge from the solution
+
+
+@dataclass(frozen=True)
+class Series:
+    """What is run beside the tuned rows.
+
+    full, lobatto: numbers of elements with each quadrature, under both implicit integrators.
+    steps: of them [s].   explicit: at their largest stable steps.   zhai: elements and quadrature.
+    coarse: cheap rather than accurate: elements (Lobatto), step [s], Newton's tolerance, spectral radius.
+    The first row of `explicit` and of `zhai` also runs at half its step.
+    """
+
+    full: Sequence[int]
+    lobatto: Sequence[int]
+    steps: Sequence[float]
+    explicit: Sequence[tuple[ExplicitIntegrator, int, Quadrature]] = ()
+    zhai: Sequence[tuple[int, Quadrature]] = ()
+    coarse: Sequence[tuple[int, float, float, float]] = ()
+
+
+_VERLET: ExplicitIntegrator = "velocityVerlet"
+_RK: ExplicitIntegrator = "rungeKutta44"
+_PENDULUM_SERIES = Series(
+    full=(6, 10, 14, 20),
+    lobatto=(3, 4, 6, 8, 10),
+    steps=(5e-3, 3.5e-3, 2e-3),
+    explicit=((_VERLET, 3, "lobatto"), (_RK, 4, "lobatto"), (_VERLET, 6, "full"), (_VERLET, 8, "lobatto")),
+    zhai=((4, "lobatto"), (6, "full")),
+    coarse=(
+        (2, 6e-3, 1e-3, 0.7), (2, 7e-3, 1e-4, 0.6), (2, 8e-3, 1e-4, 0.6), (2, 8e-3, 1e-4, 0.8),
+        (3, 6e-3, 1e-4, 0.6), (3, 7e-3, 1e-4, 0.6), (3, 8e-3, 1e-4, 0.6), (3, 1e-2, 1e-4, 0.6),
+    ),
+)  # fmt: skip
+SERIES = {
+    "planar_pendulum": _PENDULUM_SERIES,
+    "spatial_pendulum": _PENDULUM_SERIES,
+    "vibrating_ring": Series(
+        full=(20, 28, 40),
+        lobatto=(8, 10, 14, 20),
+        steps=(8e-3, 4e-3, 2e-3),
+        explicit=((_VERLET, 10, "lobatto"), (_RK, 10, "lobatto"), (_VERLET, 20, "full")),
+        zhai=((10, "lobatto"),),
+        coarse=((8, 6e-3, 1e-3, 0.7), (8, 8e-3, 1e-4, 0.8), (8, 8e-3, 1e-3, 0.7), (8, 1e-2, 1e-3, 0.7)),
+    ),
+    "power_line": Series(
+        full=(20, 32, 40),
+        lobatto=(8, 12, 20),
+        steps=(7.5e-3, 5e-3, 2.5e-3),
+        explicit=((_VERLET, 8, "lobatto"), (_RK, 8, "lobatto")),
+        zhai=((8, "lobatto"), (16, "full")),
+        coarse=((4, 1.25e-2, 1e-3, 0.7), (4, 2e-2, 1e-4, 0.6), (8, 1.25e-2, 1e-3, 0.7), (8, 2e-2, 1e-4, 0.6)),
+    ),
+}
+QUICK_SERIES = {
+    "planar_pendulum": Series((10,), (4,), (5e-3,), ((_VERLET, 3, "lobatto"),), ((3, "lobatto"),)),
+    "spatial_pendulum": Series((10,), (4,), (5e-3,), ((_RK, 3, "lobatto"),)),
+    "vibrating_ring": Series((), (10,), (5e-3,)),
+    "power_line": Series((), (8,), (5e-3,)),
+}
+
+
+def native_cases(scene: Scene, quick: bool) -> Iterator[Case]:
+    """Tuned rows and series; explicit ones first search for their largest stable steps."""
+    series = QUICK_SERIES[scene.name] if quick else SERIES[scene.name]
+    if not quick:
+        yield from (native_case(scene, *row) for row in TABLES[scene.name].implicit)
+    yield from _implicit_series(scene, series, quick)
+    if not quick:
+        yield from TABLES[scene.name].explicit_cases(scene)
+    yield from _explicit_series(scene, series)
+
+
+def _implicit_series(scene: Scene, series: Series, quick: bool) -> Iterator[Case]:
+    meshes: list[tuple[Quadrature, int]] = [("full", n) for n in series.full]
+    meshes += [("lobatto", n) for n in series.lobatto]
+    for quadrature, elements in meshes:
+        linear = "sparse" if elements > 6 else "dense"
+        solvers = [Implicit(h, "modified", linear, 1e-4) for h in series.steps]
+        for h in TRAPEZOIDAL_STEPS[: 1 if quick else None]:
+            solvers.append(Implicit(h, "modified", linear, 1e-4, integrator="trapezoidal"))
+        yield from (native_case(scene, elements, solver, quadrature) for solver in solvers)
+    for elements, h, tolerance, radius in series.coarse:
+        solver = Implicit(h, "modifiedEachStep", "dense", tolerance, radius)
+        yield native_case(scene, elements, solver, "lobatto")
+
+
+def _explicit_series(scene: Scene, series: Series) -> Iterator[Case]:
+    for place, (integrator, elements, quadrature) in enumerate(series.explicit):
+        largest = largest_stable_step(scene, elements, integrator, quadrature)
+        for fraction in EXPLICIT_FRACTIONS[: 1 if place else 2]:
+            yield native_case(scene, elements, Explicit(fraction * largest, integrator), quadrature)
+    for place, (elements, quadrature) in enumerate(series.zhai):
+        largest = largest_zhai_step(scene, elements, quadrature)
+        for fraction in ZHAI_FRACTIONS[: 1 if place else 2]:
+            yield zhai_case(scene, elements, fraction * largest, quadrature=quadrature)
+
+
+# ------------------------------------------------------------------------------ rigid links in MuJoCo
+
+
+LINKED_SCENES = ("planar_pendulum", "spatial_pendulum")
+LINKS, QUICK_LINKS = (4, 6, 8, 10, 14, 20, 28, 40, 56, 68), (6, 10)
+LONG = 40  # links from which on the step has no influence left, and what is costly is not repeated
+TUNED_INERTIA = 8.0 / 7.0  # over a uniform rod's: about the least error on both scenes, 3/4 to 3/2 tried
+LOW_ORDER = {"Euler": (6, 10, 14), "implicitfast": (6, 10), "discrete": (6, 10, 20)}
+LOW_ORDER_FRACTIONS = (0.95, 0.25, 0.05)
+NOT_INSTALLED = "MuJoCo is not installed: no rows of rigid links; pip install 'exudyn_inext[peers]'."
+
+
+def links_cases(scene: Scene, quick: bool) -> Iterator[Case]:
+    """Over links, steps, integrators and the rotary inertia of a link; none if MuJoCo is not installed."""
+    if scene.name not in LINKED_SCENES or not is_installed():
+        return
+    for links in QUICK_LINKS if quick else LINKS:
+        fractions = FRACTIONS[:1] if links >= LONG else FRACTIONS
+        for inertia in (TUNED_INERTIA,) if links > LONG else (1.0, TUNED_INERTIA):
+            yield from _links(scene, RigidLinks(links, 1.0, rotary_inertia=inertia), fractions)
+    for integrator in filter(has_integrator, LOW_ORDER):
+        for links in LOW_ORDER[integrator][: 1 if quick else None]:
+            chain_of_links = RigidLinks(links, 1.0, integrator, TUNED_INERTIA)
+            yield from _links(scene, chain_of_links, LOW_ORDER_FRACTIONS)
+
+
+def _links(scene: Scene, links: RigidLinks, fractions: Sequence[float]) -> Iterator[Case]:
+    """At fractions of the stability limit; of Euler's, for integrators that have none."""
+    limit = largest_step(scene, links)
+    if math.isinf(limit):
+        limit = largest_step(scene, replace(links, integrator="Euler"))
+    for fraction in fractions:
+        yield rigid_links_case(scene, replace(links, step_size=fraction * limit))

@@ -1,0 +1,151 @@
+"""What a report says, as Markdown: parts under headings, pictures by their names."""
+
+from collections.abc import Iterable, Sequence
+from datetime import datetime, timezone
+from pathlib import Path
+
+from studies.harness.study import Document
+from studies.harness.table import TextTable, number
+
+from .compare import Change, Comparison
+from .documents import Gathered, code_of, commit_of
+from .sentences import UNDECIDED, Pair, is_adverse
+
+EQUAL_ACCURACY = "at equal accuracy, the closest: "
+Blocks = list[str]
+
+
+def as_markdown(gathered: Gathered, folder: Path, quick: bool, comparison: Comparison | None) -> str:
+    """From documents, whatever their studies are.   folder: of the pictures."""
+    documents = list(gathered.documents.values())
+    parts: dict[str, Blocks] = {
+        "Headline": _headline(documents),
+        "Findings": _findings(documents, gathered.absent),
+        "Compared with the earlier report": _changes(comparison) if comparison else [],
+        **{document["study"]: _section(document, folder) for document in documents},
+        "Machine and versions": _origins(documents),
+    }
+    parts = {title: blocks for title, blocks in parts.items() if blocks}
+    questions = {document["study"]: f": {document['question']}" for document in documents}
+    contents = [f"{_link(title)}{questions.get(title, '')}" for title in parts]
+    title = "# Quick report of all measurements" if quick else "# Report of all measurements"
+    blocks = [title, _subtitle(documents, quick), "## Contents", _bullets(contents)]
+    for title, own in parts.items():
+        blocks += [f"## {title}", *own]
+    return "\n\n".join(blocks) + "\n"
+
+
+def anchor(title: str) -> str:
+    """Of a heading: "Machine and versions" -> "machine-and-versions"."""
+    return title.lower().replace(" ", "-")
+
+
+def _link(title: str) -> str:
+    return f"[{title}](#{anchor(title)})"
+
+
+def _bullets(texts: Iterable[str]) -> str:
+    return "\n".join(f"- {text}" for text in texts)
+
+
+def _subtitle(documents: Sequence[Document], quick: bool) -> str:
+    now = datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
+    commits = "; ".join(dict.fromkeys(commit_of(code_of(document)) for document in documents))
+    mode = (
+        " Quick runs: short motions, few and short measurements. Verdicts on times are given only where "
+        "these decide them."
+    )
+    return f"{now}. {len(documents)} studies{', ' + commits if commits else ''}.{mode if quick else ''}"
+
+
+def _headline(documents: Sequence[Document]) -> Blocks:
+    """Ratios beside the paper's; of those at equal accuracy, the closest of each study."""
+    lines = [line for document in documents for line in _ratio_lines(document)]
+    header = ("native CPU time over that of the inextensible cable", "paper", "here", "study")
+    return [TextTable("", header, lines).markdown] if lines else []
+
+
+def _ratio_lines(document: Document) -> list[tuple[str, ...]]:
+    study = document["study"]
+    paper = [ratio for ratio in document["ratios"] if ratio["paper"] is not None]
+    tuned = [r for r in document["ratios"] if r["paper"] is None and r["here"] is not None]
+    lines: list[tuple[str, ...]] = [(r["what"], number(r["paper"]), number(r["here"]), study) for r in paper]
+    if tuned and not document["quick"]:  # the few rows of quick runs are not the best of their kind
+        closest = min(tuned, key=lambda ratio: ratio["here"])
+        lines.append((EQUAL_ACCURACY + closest["what"], "", number(closest["here"]), study))
+    return lines
+
+
+def _findings(documents: Sequence[Document], absent: dict[str, str]) -> Blocks:
+    """The first conclusion of each study, all adverse ones, and what is missing."""
+    said = [(d["study"], sentence) for d in documents for sentence in d["conclusions"]]
+    first = [(d["study"], d["conclusions"][0]) for d in documents if d["conclusions"]]
+    adverse = [pair for pair in said if is_adverse(pair[1])]
+    undecided = sum(bool(UNDECIDED.search(sentence)) for _, sentence in said)
+    blocks = [_bullets(f"{_link(study)}: {sentence}" for study, sentence in first)]
+    if adverse:
+        blocks.append(f"Missed, limited or failed ({len(adverse)}):")
+        blocks.append(_bullets(f"{_link(study)}: {sentence}" for study, sentence in adverse))
+    if undecided:
+        blocks.append(f"Verdicts that are undecided within noise: {undecided}.")
+    if absent:
+        blocks += ["Left out:", _bullets(f"{name}: {reason}." for name, reason in absent.items())]
+    return blocks
+
+
+def _section(document: Document, folder: Path) -> Blocks:
+    """A study: question, conclusions, pictures, tables, notes."""
+    pictures = [
+        f"![{Path(name).stem.replace('_', ' ')}]({name})"
+        if (folder / name).is_file()
+        else f"The picture {name} is not there."
+        for name in document["pictures"]
+    ]
+    tables = [TextTable(**stored).markdown for stored in document["tables"]]
+    mode = f", {document['mode']}" if document["mode"] else ""
+    blocks = [document["question"], _bullets(document["conclusions"]), *pictures, *tables, *document["notes"]]
+    return [*filter(None, blocks), f"Measured on {document['date']}{mode}."]
+
+
+def _origins(documents: Sequence[Document]) -> Blocks:
+    """Machine, versions, dates: one table for each set of them."""
+    sets: dict[str, list[Document]] = {}
+    for document in documents:
+        sets.setdefault(repr((document["machine"], code_of(document))), []).append(document)
+    return [_origin(own).markdown for own in sets.values()]
+
+
+def _origin(documents: Sequence[Document]) -> TextTable:
+    first = documents[0]
+    dates = sorted(document["date"] for document in documents)
+    lines = [("date", " to ".join(dict.fromkeys((dates[0], dates[-1]))))]
+    lines += [(key, str(value)) for key, value in (first["machine"] | first["versions"]).items()]
+    lines.append(("hash of the sources", first["sources"]))
+    return TextTable("", ("of " + ", ".join(d["study"] for d in documents), ""), lines)
+
+
+def _changes(found: Comparison) -> Blocks:
+    """What is beyond noise, flipped conclusions first."""
+    statuses = [(row.label, row.study, old, new) for row, old, new in found.statuses]
+    tables = [
+        _pairs("Conclusions that flipped:", found.flipped),
+        _pairs("Conclusions that are undecided on one side:", found.undecided),
+        TextTable("Rows with another status:", ("row", "study", "then", "now"), statuses),
+        _figures("Slower beyond noise:", found.slower),
+        _figures("Less accurate, or limited more:", found.less_accurate),
+        _figures("Better beyond noise:", found.better),
+    ]
+    return [_bullets(found.summary), *(table.markdown for table in tables if table.lines)]
+
+
+def _pairs(title: str, pairs: Sequence[Pair]) -> TextTable:
+    return TextTable(title, ("then", "now", "study"), [(pair.old, pair.new, pair.study) for pair in pairs])
+
+
+def _figures(title: str, changes: Sequence[Change]) -> TextTable:
+    header = ("row", "study", "figure", "then", "now", "worse by a factor", "noise")
+    lines = [
+        (c.row, c.study, c.key, number(c.old), number(c.new), f"{c.factor:.3f}", f"{c.noise:.2f}")
+        for c in changes
+    ]
+    return TextTable(title, header, lines)

@@ -1,0 +1,304 @@
+"""The largest stable step: predicted by linear theory, found by running, and of the linearised step."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from exudyn_inext import Rattle
+from reference_models.trajectory import Array
+from studies.harness import inner
+from studies.harness.inner import FrequencyTracker, cable_system, index_reduced_rates, no_loads, record
+from studies.harness.store import Row
+
+from .motion import PORTION, Equilibrium, Method, Motion
+
+# -------------------------------------------------------------------- what the linear theory gives
+
+
+RULE_CONSTANT = 0.7  # C of Eq. (37)
+_FARTHEST = 1e4  # times the limit without mass scaling
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Bounds of the step [s].
+
+    bending: h w_max at the scheme's limit, tension included.   stabilisation: h zeta at its limit.
+    rule: Eq. (37) with C = 0.7.
+    frequency: w_max without mass scaling [rad/s].   tension_free: the same without loads and spin.
+    """
+
+    bending: float
+    stabilisation: float
+    rule: float
+    frequency: float
+    tension_free: float
+
+    @property
+    def step(self) -> float:
+        """The largest stable one [s]."""
+        return min(self.bending, self.stabilisation)
+
+    @property
+    def ruled_by(self) -> str:
+        """Zeta, or what gives the larger part of w_max^2."""
+        if self.stabilisation < self.bending:
+            return "zeta"
+        return "bending" if self.tension_free**2 > 0.5 * self.frequency**2 else "tension"
+
+
+def predict(start: Equilibrium, method: Method, growth: float = inner.GROWTH_TOLERANCE) -> Prediction:
+    """Bounds for small vibrations about an equilibrium.
+
+    growth: of a step that counts as none [-]; see `frequency_limit`.
+    """
+    limit = inner.frequency_limit(method.integrator, method.parameters, growth=growth)
+
+    def frequency(h: float) -> float:
+        system = method.system(start.cable, h)
+        return inner.largest_frequency(system, start.inputs, start.q, start.v)
+
+    plain = frequency(0.0)
+    relaxed = inner.largest_frequency(method.system(start.cable, 0.0), 0.0 * start.inputs, start.q)
+    section = start.cable.section
+    bending = _scaled_limit(frequency, limit, limit / plain) if method.theta else limit / plain
+    return Prediction(
+        bending,
+        inner.decay_limit(method.integrator, method.parameters) / method.zeta,
+        inner.rule_step(
+            start.element_length, section.mass_per_length, section.bending_stiffness, RULE_CONSTANT
+        ),
+        plain,
+        relaxed,
+    )
+
+
+def _scaled_limit(frequency, limit: float, plain: float) -> float:  # type: ignore[no-untyped-def]
+    """h with h w_max(h) = limit, where the scaled mass depends on h; infinite if there is none."""
+    low, high = plain, 2.0 * plain
+    while high * frequency(high) < limit:
+        low, high = high, 2.0 * high
+        if high > _FARTHEST * plain:
+            return math.inf
+    while high - low > 1e-4 * low:
+        middle = float(np.sqrt(low * high))
+        low, high = (middle, high) if middle * frequency(middle) < limit else (low, middle)
+    return low
+
+
+# --------------------------------------------- found by running: a small disturbance must not grow
+
+
+DISTURBANCE = 1e-7  # of slopes [-], of positions over the element length
+GROWTH = 1e3  # of the disturbance that counts as unstable
+STEPS = 3000
+RESOLUTION = 4e-3  # of the bisected limit
+AGREEMENT = 0.05  # of predicted and bisected limits in the linear regime
+ITERATIONS = 20  # of the fastest vibration, times those of its tracker
+FARTHEST = 30.0  # times the estimate, or that part of it
+
+Stable = Callable[[float], bool]
+
+
+def disturbed(start: Equilibrium) -> Equilibrium:
+    """The same with coordinates nearby: the fastest vibration, which decides, and random ones.
+
+    The latter, a tenth, are a little off the constraints and give all modes a share.
+    """
+    noise = 0.1 * np.random.default_rng(1).uniform(-1.0, 1.0, start.q.shape)
+    noise[:, 0] *= start.element_length
+    fastest = _fastest_vibration(start)
+    scaled = np.abs(fastest)
+    scaled[:, 0] /= start.element_length
+    noise += 0.9 / scaled.max() * fastest
+    noise *= DISTURBANCE
+    noise[start.cable.fixed] = 0.0
+    if start.cable.closed:
+        noise[-1] = noise[0]
+    return replace(start, q=start.q + noise)
+
+
+def _fastest_vibration(start: Equilibrium) -> Array:
+    """(n, 2, dim) of any size."""
+    system, rate = cable_system(start.cable, 1.0), np.zeros(start.q.size)
+    a = np.zeros_like(start.q)
+    tracker = FrequencyTracker(system, start.q.shape)
+    for _ in range(ITERATIONS):
+        index_reduced_rates(system, start.inputs, start.q.ravel(), start.v.ravel(), a.ravel(), rate)
+        tracker.frequency(start.q, a)
+    return tracker.vibration
+
+
+def distance(start: Equilibrium) -> Callable[[Array, Array], float]:
+    """How far two configurations are apart: slopes [-], and positions over the element length.
+
+    Of a cable that spins, after the second one has been turned to the direction of the first one.
+    """
+    spins = start.v.any()
+
+    def apart(q: Array, other: Array) -> float:
+        moved = np.abs(q - (_turned_to(q, other) if spins else other))
+        moved[:, 0] /= start.element_length
+        return float(moved.max())
+
+    return apart
+
+
+def _turned_to(q: Array, other: Array) -> Array:
+    """`other` about the origin, so that it ends in the direction of q."""
+    angle = np.arctan2(q[-1, 0, 1], q[-1, 0, 0]) - np.arctan2(other[-1, 0, 1], other[-1, 0, 0])
+    turn = np.exp(1j * angle)
+    turned = turn * (other[..., 0] + 1j * other[..., 1])
+    return np.stack([turned.real, turned.imag], axis=-1)
+
+
+def is_stable_about(start: Equilibrium, method: Method, steps: int) -> Stable:
+    """Whether a disturbance of the equilibrium stays within GROWTH over so many steps, as a function of h.
+
+    A cable that spins is compared with the same steps of an undisturbed one.
+    """
+    near, apart, is_at_rest = disturbed(start), distance(start), not start.v.any()
+
+    def is_stable(h: float) -> bool:
+        motion, twin = Motion(near, method, h), Motion(start, method, h)
+        while motion.steps < steps:
+            if not motion.advance(PORTION) or not (is_at_rest or twin.advance(PORTION)):
+                return False
+            if not apart(motion.q, twin.q) < GROWTH * DISTURBANCE:
+                return False
+        return True
+
+    return is_stable
+
+
+def largest_stable_step(is_stable: Stable, estimate: float, resolution: float = RESOLUTION) -> float:
+    """The limit near an estimate [s]; infinite, or zero, if it is beyond FARTHEST times the estimate."""
+    low, high, factor = estimate, estimate, 1.02
+    if is_stable(estimate):
+        while is_stable(high := high * factor):
+            low, factor = high, factor**1.7
+            if high > FARTHEST * estimate:
+                return math.inf
+    else:
+        while not is_stable(low := low / factor):
+            high, factor = low, factor**1.7
+            if low < estimate / FARTHEST:
+                return 0.0
+    while high > low * (1.0 + resolution):
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if is_stable(middle) else (low, middle)
+    return math.sqrt(low * high)
+
+
+def compare_limits(start: Equilibrium, method: Method, steps: int = STEPS) -> Row:
+    """Predicted and bisected limit of the step about an equilibrium, and the rule (37) beside them.
+
+    The prediction allows the growth that so many steps do not show: 1000 over all of them.
+    """
+    prediction = predict(start, method, growth=math.log(GROWTH) / steps)
+    far = 10.0 * prediction.frequency**-1
+    is_unlimited = math.isinf(prediction.step)
+    found = largest_stable_step(
+        is_stable_about(start, method, steps), far if is_unlimited else prediction.step
+    )
+    return {
+        "largestFrequency": prediction.frequency,
+        "predictedBending": prediction.bending,
+        "predictedZeta": prediction.stabilisation,
+        "predicted": prediction.step,
+        "found": found,
+        "isUnlimited": is_unlimited and math.isinf(found),
+        "ratio": None if is_unlimited else found / prediction.step,
+        "ruledBy": prediction.ruled_by,
+        "rule": prediction.rule,
+        "ruleOverLimit": prediction.rule / found if found else math.inf,
+    }
+
+
+# ----------------------------------- the step itself, linearised about a cable that spins steadily
+
+
+SETTLING = 200  # steps until the stretch of a spinning cable is that of its scheme
+DIFFERENCE = 1e-6
+_TIGHT = Rattle(tolerance=1e-13)
+
+
+def limit_in_motion(start: Equilibrium, method: Method, estimate: float, steps: int) -> float:
+    """Largest step [s] at which the linearised step grows by less than GROWTH over so many steps."""
+    allowed = math.exp(math.log(GROWTH) / steps)
+
+    def is_stable(h: float) -> bool:
+        try:
+            return spectral_radius(start, method, h) <= allowed
+        except ArithmeticError:
+            return False
+
+    return largest_stable_step(is_stable, estimate, RESOLUTION) or estimate / FARTHEST
+
+
+def spectral_radius(start: Equilibrium, method: Method, h: float) -> float:
+    """Of one step of a steadily spinning cable, seen from a frame that turns with it.
+
+    By central differences in coordinates, velocities and what else the scheme carries from step to step.
+
+    Raises:
+        ArithmeticError: the undisturbed motion does not last.
+    """
+    motion = Motion(start, method, h)
+    if not motion.advance(SETTLING):
+        raise ArithmeticError("the undisturbed motion diverged")
+    fields = ["q", "v", *method.integrator.carries]
+    steady = np.concatenate([getattr(motion.state, name) for name in fields])
+    step = _Step(motion, method, fields)
+    angle = step.turned(steady)
+    free = np.tile(np.repeat(~start.cable.fixed[:, :, None], 2, axis=2).ravel(), len(fields))
+    scale = np.repeat([1.0, 1.0 / h, 1.0 / h**2][: len(fields)], start.q.size)
+    columns = []
+    for place in np.flatnonzero(free):
+        unit = np.zeros(len(steady))
+        unit[place] = DIFFERENCE * scale[place]
+        change = step.take(steady + unit, angle) - step.take(steady - unit, angle)
+        columns.append((change / (2.0 * DIFFERENCE * scale))[free])
+    return float(np.abs(np.linalg.eigvals(np.array(columns))).max())
+
+
+class _Step:
+    """One step as a function of everything that it starts from."""
+
+    def __init__(self, motion: Motion, method: Method, fields: list[str]) -> None:
+        self._motion, self._fields = motion, fields
+        self._integrator = method.integrator
+        is_rattle = isinstance(method.parameters, Rattle)
+        self._parameters: Any = _TIGHT if is_rattle else method.parameters
+        stages = len(self._integrator.stages)
+        self._loads = no_loads(len(motion.external), stages)._replace(constant=motion.external)
+
+    def _after(self, given: Array) -> Array:
+        state, system = self._motion.state, self._motion.system
+        parts = np.split(given, len(self._fields))
+        state.q[:], state.v[:] = parts[:2]
+        self._integrator.start(system, self._motion.external, state)
+        for name, part in zip(self._fields, parts, strict=True):
+            getattr(state, name)[:] = part
+        for records in (system.chain.nodes, system.chain.elements):
+            records["foresight"] = 0.0
+        history = np.zeros((1, 3, state.q.size))
+        record(self._parameters, system, self._loads, state, self._motion.h, 1, history)
+        return np.concatenate([getattr(state, name) for name in self._fields])
+
+    def turned(self, given: Array) -> float:
+        """Angle of a step [rad]."""
+        pairs = [given, self._after(given)]
+        shape = self._motion.q.shape
+        ends = [pair[: self._motion.q.size].reshape(shape)[-1, 0] for pair in pairs]
+        return math.atan2(ends[1][1], ends[1][0]) - math.atan2(ends[0][1], ends[0][0])
+
+    def take(self, given: Array, angle: float) -> Array:
+        """The state after a step, turned back by the angle."""
+        cosine, sine = math.cos(angle), math.sin(angle)
+        back = np.array([[cosine, sine], [-sine, cosine]])
+        vectors: Array = self._after(given).reshape(-1, 2) @ back.T
+        return vectors.ravel()
