@@ -101,6 +101,7 @@ class CoupledWatch(RunWatch):
         if not self.has_one_evaluation:
             self.path_of_evaluations = self._path.copy()
             self.after_each_step += [partial(follow, self._path, state.q, self._surroundings.varying_forces)]
+        self._lacks = self.path_of_evaluations[SUMS]  # sums that tell of them, see `build_path`
         if scene.bodies_of_variable_mass:
             way = self._path[WAY, self._bodies.dofs]
             self.after_each_step += [partial(self._bodies.system.count_changes, way, self._changes)]
@@ -109,12 +110,6 @@ class CoupledWatch(RunWatch):
         self._last = np.zeros(2)  # inspection: its time [s], and the square of the velocities then
         self._calm = 0.0  # largest square of velocities that calls for no other one
         self._counts = np.zeros(2, int)  # of steps since then, and until the next one at most
-
-    @property
-    def _lacks(self) -> Array:
-        """Sums that tell of them, see `build_path`."""
-        sums: Array = self.path_of_evaluations[SUMS]
-        return sums
 
     @property
     def _steps(self) -> int:
@@ -184,7 +179,7 @@ class CoupledWatch(RunWatch):
         return not trouble
 
     def look(self, state: Any) -> None:
-        """At the state before the last step that is taken now."""
+        """Remember the state before the last step that is taken now."""
         self._before[0], self._before[1] = state.q, state.a
 
     def _excess(self, t: float, h: float, state: Any) -> float:
