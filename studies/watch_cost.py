@@ -169,11 +169,14 @@ def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
 class _Blind:
     """Remembers and judges nothing."""
 
-    path_of_evaluations, after_each_step = None, ()
+    path_of_evaluations, has_one_evaluation, after_each_step = None, True, ()
     steps_ahead = STEPS_OF_AN_OUTPUT
 
     def __init__(self, run: Any) -> None:
         self.open = run.watch.open
+
+    def look(self, state: Any) -> None:
+        """Nothing to remember."""
 
     def count(self, steps: int) -> None:
         """Nothing to count."""

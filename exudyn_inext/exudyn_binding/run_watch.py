@@ -11,10 +11,12 @@ from ..integrators.watch import (
     ENERGY,
     FAILED,
     JUMP,
+    LACK_OF_WORK,
     LARGEST_JUMP,
     LARGEST_VIOLATION,
     NOW,
     TOO_FAST,
+    UNSTABLE,
     Watch,
 )
 
@@ -42,6 +44,13 @@ class RunWatch:
     def gains_too_much(self) -> bool:
         """Whether the energy has grown so much altogether that smaller steps do not help."""
         return bool(self.watch.account[NOW].trouble == ENERGY)
+
+    @property
+    def turned_over(self) -> float:
+        """Energy that the motion has turned over so far [J], or that of round-off, if that is more."""
+        account = self.watch.account[NOW]
+        motion = account.largest_kinetic + account.largest_elastic - account.least_elastic
+        return float(max(motion, account.round_off))
 
     @property
     def steps_to_halve(self) -> int:
@@ -86,6 +95,16 @@ class RunWatch:
             return (
                 f"it has {account.error:.2%} more energy than the work done on it explains, of what its "
                 f"motion turns over (limit {watch.most:.2%})"
+            )
+        if account.trouble == LACK_OF_WORK:
+            return (
+                f"forces change so much within a step that their work is wrong by {account.error:.2%} of "
+                "what its motion turns over"
+            )
+        if account.trouble == UNSTABLE:
+            return (
+                f"the largest frequency of its motion is {account.error:.3g} times the one up to which the "
+                "step is stable"
             )
         if account.trouble == JUMP:
             return (

@@ -56,7 +56,7 @@ def runs_of_scene(
             scene.own_constraints,
             scene.held,
             integrator,
-            integrator.evaluations(scheme_of(explicit)),
+            scheme_of(explicit),
             zeta=explicit.stabilizationRate,
             tolerance=explicit.startTolerance,
             time=time,

@@ -60,7 +60,8 @@ class ExplicitSettings:
             before them. False: they end the run, as in studies of stability limits.
         energyTolerance: energy that a run may have beyond the work done on it, as a share of what its motion
             turns over (largest kinetic energy and range of the bending energy so far) [-]. A run with more of
-            it is warned of; steps that make so much at once are rejected; Zhai and RK4, which gain energy
+            it is warned of; steps that make so much at once are rejected, and so are those in which the work
+            of Exudyn's items is known no better; Zhai and RK4, which gain energy
             by themselves, end at 30 times as much. math.inf: the energy is not looked at.
     """
 

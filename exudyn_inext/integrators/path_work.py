@@ -6,23 +6,41 @@ from ..arrays import Array
 from ..compiled import inlined, kernel
 
 POSITION, FORCE, WAY, CHANGE, SUMS = range(5)
-WORK, SCATTER = range(2)
+WORK, SCATTER, LACK, SCALE, FLOOR, STEPS, BEGINNING = range(7)
 
 
 def build_path(size: int) -> Array:
     """Memory of the work of forces on `size` coordinates.
 
     (5, size or more): POSITION and FORCE at present, WAY and CHANGE of the force in the last step, and the
-    SUMS over all steps: WORK [J], and its SCATTER [J^2].
+    SUMS over all steps: WORK [J], and its SCATTER [J^2]; the largest LACK of the work of a step, relative to
+    the energy that the motion has turned over before, SCALE [J]. That is none below its FLOOR [J]; the STEPS
+    since it is some, and how many of them are the BEGINNING, see `expect_energy`.
     """
-    return np.zeros((5, max(size, 2)))
+    return np.zeros((5, max(size, 7)))
 
 
 def begin_path(path: Array, q: Array, force: Array) -> None:
     """From q (n or more,) on, with the force (n,) there."""
     size = len(force)
-    path[:] = 0.0
+    path[:SUMS] = 0.0
+    path[SUMS, [WORK, SCATTER, LACK]] = 0.0
     path[POSITION, :size], path[FORCE, :size] = q[:size], force
+
+
+def expect_energy(path: Array, scale: float, floor: float, tolerance: float) -> None:
+    """Compare the lacks of work with this energy, or with that of a motion that begins.
+
+    The work of a force that sets in at rest is wrong by 1 / (4 n^2) of the energy after n steps, however
+    short they are: n is such that this is less than the tolerance.
+
+    Args:
+        path: see `build_path`.   scale: that the motion has turned over [J].   floor: what is none [J].
+        tolerance: of the lacks [-].
+    """
+    beginning = 1.0 + 0.5 / np.sqrt(tolerance)
+    path[SUMS, [SCALE, FLOOR, BEGINNING]] = scale, floor, beginning
+    path[SUMS, STEPS] = beginning if scale > floor else 0.0
 
 
 @inlined
@@ -48,6 +66,23 @@ def _follow(path, q, force):
         path[WAY, i], path[CHANGE, i] = way, change
     path[SUMS, WORK] += work
     path[SUMS, SCATTER] += (lack / 12.0) ** 2
+    _compare(path[SUMS], abs(work), abs(lack) / 12.0)
+
+
+@inlined
+def _compare(sums, work, lack):
+    """The lack of a step with the energy turned over before.
+
+    From rest, that grows with the square of the number of steps: what it will be after the beginning counts
+    till then.
+    """
+    scale = sums[SCALE]
+    if sums[STEPS] < sums[BEGINNING]:
+        scale = max(scale, sums[BEGINNING] ** 2 * work)
+    if scale > sums[FLOOR]:
+        sums[STEPS] += 1.0
+        sums[LACK] = max(sums[LACK], lack / scale)
+    sums[SCALE] = max(sums[SCALE], abs(sums[WORK]))
 
 
 @kernel
@@ -70,5 +105,5 @@ def gather_and_follow(path, q, vector, places, force):
 def take_sums(path: Array) -> tuple[float, float]:
     """Work [J] and scatter [J^2] since the last call."""
     work, scatter = path[SUMS, WORK], path[SUMS, SCATTER]
-    path[SUMS] = 0.0
+    path[SUMS, [WORK, SCATTER, LACK]] = 0.0
     return float(work), float(scatter)

@@ -21,7 +21,7 @@ from ..system import AGITATION, ELASTIC, KINETIC, POWER, VIOLATION, gauge
 from .integrator import FACTOR, FIRST, LAST, PROJECTION, SUM, LoadHistory, advance
 
 NOW, KEPT, FAILED = range(3)  # accounts
-ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY, JUMP, TOO_FAST = range(6)
+ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY, JUMP, TOO_FAST, LACK_OF_WORK, UNSTABLE = range(8)
 
 STEPS_BETWEEN = 160  # inspections of a run whose energy only forces change
 STEPS_WITH_POWER = 80  # of one with damping, drag, or supports that move, at most
@@ -380,22 +380,28 @@ def _judge(watch, state, steps, duration):
 
 
 @kernel
-def judge(watch, state, steps, duration):
-    """Draw up the account with `gauges_now`, `steps` steps and `duration` [s] after the last time.
+def condemn(watch, state, trouble, excess):
+    """The last steps went wrong, as others have found; the state is that of the last inspection.
 
-    Returns:
-        What the trouble is; if there is any, the state is that of the last inspection.
+    trouble: what it is.   excess: how much of it, as the account's `error` [-].
     """
-    return _judge(watch, state, steps, duration)
+    watch.account[NOW].trouble = trouble
+    watch.account[NOW].error = excess
+    _exchange(watch, state)
 
 
 @kernel
 def judge_after_work(watch, state, constant, work, scatter, steps, duration):
-    """As `judge`, after work that was counted elsewhere.
+    """Draw up the account with `gauges_now`, after work that was counted elsewhere.
 
     Args:
-        watch, state, steps, duration: see `judge`.   constant: (n_dof,) force whose work is counted here.
+        watch: over the run.   state: of the integrator.
+        constant: (n_dof,) force whose work is counted here.
         work: of the other forces [J].   scatter: of that work [J^2].
+        steps, duration: since the last time [-, s].
+
+    Returns:
+        What the trouble is; if there is any, the state is that of the last inspection.
     """
     account = watch.account[NOW]
     account.work += work

@@ -9,18 +9,22 @@ from exudyn.itemInterface import (
     LoadMassProportional,
     MarkerBodyMass,
     MarkerNodeCoordinate,
+    MarkerNodePosition,
     Mass1D,
     MassPoint2D,
     Node1D,
+    NodePoint2D,
     NodePointGround,
+    RevoluteJoint2D,
     SensorNode,
     SensorObject,
 )
 
 from exudyn_inext import DivergenceError
 from exudyn_inext.exudyn_binding.step_control import QUARTERS
+from exudyn_inext.integrators import INTEGRATORS
 from reference_models.model import quiet_settings, silence
-from tests.exudyn_binding.items import native_cable, trajectory
+from tests.exudyn_binding.items import add_pendulum, native_cable, trajectory
 
 COORDINATES = exudyn.OutputVariableType.Coordinates
 
@@ -43,16 +47,37 @@ def observe(mbs, node):
     return mbs.AddSensor(SensorNode(nodeNumber=node, storeInternal=True, outputVariableType=COORDINATES))
 
 
-def add_mass(mbs, force, displacement=0.0, velocity=0.0):
-    """1 kg on a spring; a sensor of its place."""
+def add_mass(mbs, force, displacement=0.0, velocity=0.0, mass=1.0):
+    """A mass on a spring; a sensor of its place."""
     node = mbs.AddNode(Node1D(initialCoordinates=[displacement], initialVelocities=[velocity]))
-    mbs.AddObject(Mass1D(mass=1.0, nodeNumber=node))
+    mbs.AddObject(Mass1D(mass=mass, nodeNumber=node))
     add_spring(mbs, node, 0, force)
     return observe(mbs, node)
 
 
+def hardening_spring(mbs):
+    """Six times as stiff where it is stretched most."""
+    return add_mass(mbs, lambda t, u: 100.0 * u + 400.0 * u**3, velocity=20.0)
+
+
+def spring_that_stiffens(mbs):
+    return add_mass(mbs, lambda t, u: 100.0 * (1.0 + 200.0 * t**2) * u, displacement=0.1)
+
+
 def stop_at_speed(mbs):
     return add_mass(mbs, lambda t, u: u + 1e4 * min(u, 0.0), displacement=0.5, velocity=-3.0)
+
+
+def light_mass_beside_a_heavy_one(mbs):
+    """Its spring stiffens by half a percent in a step, and passes the stability limit half-way."""
+    add_mass(mbs, lambda t, u: 100.0 * u, velocity=1.0)
+    return add_mass(mbs, lambda t, u: (150.0 + 100.0 * t) * u, velocity=0.3, mass=1e-2)
+
+
+def quiet_mass(mbs):
+    """A vibration at 0.9 of the stability limit, w = 36 rad/s, beside a slower one."""
+    add_mass(mbs, lambda t, u: u + u**3, displacement=1.0)
+    return add_mass(mbs, lambda t, u: 1296.0 * u, velocity=0.02)
 
 
 PIN = [True, True, False, False]
@@ -68,9 +93,26 @@ def cable_against_a_stop(mbs):
     return observe(mbs, node)
 
 
+def inextensible_cable_against_a_stop(mbs):
+    """The same with an inextensible cable."""
+    cable = add_pendulum(mbs, groundConstraintsStart=PIN)["nodes"][-1]
+    place = mbs.GetNode(cable)["referenceCoordinates"][:2]
+    end = mbs.AddNode(NodePoint2D(referenceCoordinates=place))
+    body = mbs.AddObject(MassPoint2D(mass=0.1, nodeNumber=end))
+    weight = mbs.AddMarker(MarkerBodyMass(bodyNumber=body))
+    mbs.AddLoad(LoadMassProportional(markerNumber=weight, loadVector=[0, -9.81, 0]))
+    ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in (cable, end)]
+    mbs.AddObject(RevoluteJoint2D(markerNumbers=ends))
+    add_spring(mbs, end, 1, lambda t, u: 1e6 * min(u + 0.3, 0.0))
+    return observe(mbs, end)
+
+
 SCENES = {  # step [s], end [s], output [s]
+    hardening_spring: (0.05, 0.8, 0.1),
+    spring_that_stiffens: (0.05, 0.5, 0.1),
     stop_at_speed: (0.05, 1.5, 0.05),
     cable_against_a_stop: (5e-4, 0.4, 0.02),
+    inextensible_cable_against_a_stop: (2e-3, 0.5, 0.02),
 }
 
 
@@ -94,6 +136,46 @@ def run(new_mbs, solve):
         return rows, report
 
     return of
+
+
+@pytest.mark.filterwarnings("ignore:.*the energy has grown")  # Zhai's, where contact changes the step
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.__name__)
+def test_steps_that_become_too_long_are_taken_again_smaller(scene, integrator, run):
+    step, end, output = SCENES[scene]
+    (rows,), report = run(scene, step, output, end, integrator=integrator)
+    assert report["rejections"] > 0 and report["stepSize"] < 0.3 * step
+    for finer in (4, 16):
+        (fine,), _ = run(scene, step / finer, output, end, integrator=integrator)
+        assert np.abs(rows - fine).max() < 0.01 * np.ptp(fine, axis=0).max()
+
+
+def test_a_light_part_that_becomes_unstable_is_seen_beside_a_heavy_one(run):
+    """From then on its vibration does not grow."""
+    with pytest.warns(UserWarning, match="the energy has grown"):
+        (rows,), report = run(light_mass_beside_a_heavy_one, 0.0142, 0.0142, 1.0)
+    assert report["rejections"] > 0
+    outputs = len(rows) // 3
+    assert np.abs(rows[-outputs:]).max() < 1.1 * np.abs(rows[:-outputs]).max()
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_a_quiet_scene_near_the_limit_is_left_alone(integrator, run):
+    """The same bits as where nobody looks at the energy."""
+    step = 0.05 * (2**0.5 if integrator == "RK4" else 1.0)
+    (rows,), report = run(quiet_mass, step, 10 * step, 200 * step, integrator=integrator)
+    (expected,), _ = run(
+        quiet_mass, step, 10 * step, 200 * step, integrator=integrator, energyTolerance=np.inf
+    )
+    assert report["rejections"] == 0
+    np.testing.assert_array_equal(rows, expected)
+
+
+@pytest.mark.parametrize("scene", [stop_at_speed, cable_against_a_stop], ids=lambda scene: scene.__name__)
+def test_steps_grow_again_after_a_stop(scene, run):
+    step, end, output = SCENES[scene]
+    _, report = run(scene, step, output, end)
+    assert report["steps"] < 0.3 * end / report["stepSize"]
 
 
 def test_a_second_run_repeats_the_first(run):
@@ -123,8 +205,9 @@ def lost_beyond(place, force):
         (lambda u: np.nan, "not finite"),
         (lambda u: 1e200**2 * u, "finite"),
         (lambda u: (10.0 * u) ** 999.0, ""),
+        (lambda u: 1e12, "work is wrong"),
     ],
-    ids=["no number", "infinite", "overflow"],
+    ids=["no number", "infinite", "overflow", "wall"],
 )
 def test_what_no_step_can_mend_is_said_with_time_place_and_cause(mbs, solve, force, cause):
     """The spring is passed at u = 1 m, after arcsin(sqrt(10) / 4) / sqrt(10) = 0.289 s."""

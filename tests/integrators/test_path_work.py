@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 from exudyn_inext.integrators.path_work import (
+    LACK,
+    SUMS,
     begin_path,
     build_path,
+    expect_energy,
     follow,
     gather,
     gather_and_follow,
@@ -81,3 +84,28 @@ def test_forces_are_taken_from_a_system_vector_and_followed():
     gather_and_follow(path, q, 2.0 * vector, places, force)
     np.testing.assert_array_equal(force, [22.0, 10.0, 0.0])
     assert take_sums(path)[0] == pytest.approx(1.5 * (11.0 * 1.0 + 5.0 * 2.0))
+
+
+def largest_lack(positions, forces, energy=0.0, tolerance=0.003):
+    path = build_path(1)
+    begin_path(path, positions[:1], forces[:1])
+    expect_energy(path, energy, 0.0, tolerance)
+    for q, force in zip(positions[1:], forces[1:], strict=True):
+        follow(path, np.array([q]), np.array([force]))
+    return path[SUMS, LACK]
+
+
+def test_linear_springs_lack_no_work_and_a_stop_does():
+    positions = 0.3 - 0.2 * np.arange(4.0)
+    assert largest_lack(positions, -5.0 * positions, energy=1.0) < 1e-15
+    stop = 60.0 * np.maximum(-positions, 0.0)  # from 0.1 to -0.1 m, and on
+    assert largest_lack(positions, stop, energy=2.0) == pytest.approx(6.0 * 0.2 / 12.0 / 2.0)
+
+
+@pytest.mark.parametrize("tolerance", [0.003, 1e-5])
+def test_a_force_that_sets_in_at_rest_is_no_lack(tolerance):
+    """Under unit force, in steps of any length; the same force in motion is one."""
+    steps = np.arange(20.0)
+    forces = np.where(steps > 0.0, 1.0, 0.0)
+    assert 0.0 < largest_lack(0.5 * steps**2, forces, tolerance=tolerance) < tolerance
+    assert largest_lack(steps, np.where(steps > 5.0, 1.0, 0.0), energy=1.0, tolerance=tolerance) > tolerance

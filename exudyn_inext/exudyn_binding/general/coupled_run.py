@@ -40,7 +40,7 @@ _NOTHING, _TIME = np.zeros(1), np.ones((1, 1))  # the load of a coupled system i
 class CoupledRun(PacedRun):
     """All of a scene, see `time_loop.Run`.
 
-    evaluations: in a step, see `Integrator`.
+    scheme: of the integrator.
     end_of_step: of the time loop [s], at which violated joints shall be fulfilled, for a run that takes over
         from another one; None: they are violated by at most the tolerance.
     cables: models of the inextensible cables.   start_corrections: one for each of them, and for joints.
@@ -57,7 +57,7 @@ class CoupledRun(PacedRun):
         own_constraints: frozenset[int],
         held: Mapping[int, HeldCoordinate],
         integrator: Integrator,
-        evaluations: int,
+        scheme: Any,
         zeta: float,
         tolerance: float,
         time: float,
@@ -98,9 +98,7 @@ class CoupledRun(PacedRun):
         self.control = StepControl(rejects=rejects)
         self._unsolvable = ""  # what was said of joints that could not be solved for
         self._output = np.zeros((1, 3, self._scene.size))
-        self.watch = CoupledWatch(
-            self._scene, cable_runs, self.state, evaluations, energy_tolerance, integrator.stabilised
-        )
+        self.watch = CoupledWatch(self._scene, cable_runs, self.state, integrator, scheme, energy_tolerance)
         self.friction = FrictionCheck(mbs)
         if self.friction.is_needed:
             self.watch.after_each_step.append(self.friction.look)
@@ -338,10 +336,11 @@ class CoupledRun(PacedRun):
         take_step = plain(advance.dispatch(type(scheme)))
         system, state, watch = self._scene.system, self.state, self.watch
         surroundings = self._scene.surroundings
-        surroundings.path = watch.path_of_evaluations
-        surroundings.settles = surroundings.path is not None  # one evaluation in each step
+        surroundings.path, surroundings.settles = watch.path_of_evaluations, watch.has_one_evaluation
         try:
             for factors, end in zip(times[:, np.newaxis, :, np.newaxis], ends, strict=True):
+                if end == ends[-1]:
+                    watch.look(state)
                 take_step(scheme, system, LoadHistory(_NOTHING, _TIME, factors), state, h, 1, self._output)
                 surroundings.finish_step(end, state.q, state.v)
                 for call in watch.after_each_step:

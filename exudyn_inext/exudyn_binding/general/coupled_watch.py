@@ -11,14 +11,31 @@ from typing import Any
 
 import numpy as np
 
-from ...integrators.path_work import WAY, begin_path, build_path, follow, take_sums
+from ...arrays import Array
+from ...integrators.integrator import Integrator
+from ...integrators.linear_stability import frequency_limit
+from ...integrators.path_work import (
+    LACK,
+    SCALE,
+    SUMS,
+    WAY,
+    begin_path,
+    build_path,
+    expect_energy,
+    follow,
+    take_sums,
+)
 from ...integrators.watch import (
+    LACK_OF_WORK,
+    NOT_FINITE,
+    NOW,
+    UNSTABLE,
     VIOLENT,
     Watch,
     build_watch,
+    condemn,
     glance,
     go_on_with_gauges,
-    judge,
     judge_after_work,
     open_with_gauges,
 )
@@ -34,16 +51,19 @@ STEPS_BETWEEN_GLANCES = 32  # at the velocities, at most; outputs are looked at,
 CALM = 16.0  # growth of their square since the last inspection that calls for another one
 LENIENCE = 10.0  # of the energy: forces that jump, as those of contact do, have work between two steps
 ROUND_OFF = 1e-10  # of the energy, relative to the forces times the extent
+STEPS_BETWEEN_LOOKS = 8  # at the frequency of a step, which is looked at more often after an inspection
+GROWTH = 0.1  # of a vibration in a step [-], that is unstable
 
 
 class CoupledWatch(RunWatch):
     """Keeps the account of a coupled scene.
 
     Args:
-        scene: the scene.   runs: of its cables.   state: of the integrator.   evaluations: in a step.
+        scene: the scene.   runs: of its cables.   state: of the integrator, whose steps follow a scheme.
         energy_tolerance: see `ExplicitSettings.energyTolerance`.
 
-    path_of_evaluations: for `NativeSurroundings.path` during steps.
+    path_of_evaluations: for `NativeSurroundings.path` during steps; a lack of work within a step shows in it.
+    has_one_evaluation: each step.
     after_each_step: what to call then.
     is_close: whether the end of each interval is judged, as where joints are moved step by step.
     """
@@ -55,26 +75,33 @@ class CoupledWatch(RunWatch):
         scene: CoupledScene,
         runs: Sequence[CableRun],
         state: Any,
-        evaluations: int,
+        integrator: Integrator,
+        scheme: Any,
         energy_tolerance: float,
-        gains_energy: bool,
     ) -> None:
         self._scene = scene
         self._surroundings = scene.surroundings
         self._runs = runs
         self._bodies = scene.system.parts[len(runs)]
         tolerance = LENIENCE * energy_tolerance
-        most = VIOLENT * tolerance if gains_energy else np.inf
+        most = VIOLENT * tolerance if integrator.stabilised else np.inf
         self.watch = build_watch(state, STEPS_BETWEEN, tolerance, most=most)
         self._gravity = np.zeros(len(state.q))
         for run, dofs in zip(runs, scene.map.slices, strict=False):
             self._gravity[dofs] = run.loads.constant[: dofs.stop - dofs.start]
+        self._energy_tolerance = energy_tolerance
+        self._limit = frequency_limit(integrator, scheme, growth=GROWTH)
+        self._before = np.zeros((2, len(state.q)))  # q and a at the start of the last step
+        self._is_due = False  # a look at its frequency
         self._path = build_path(len(scene.map.indices))  # the work of all but gravity
+        self.path_of_evaluations = self._path
         self._changes = np.zeros(1)  # of masses since the last inspection, see `count_changes`
-        self.path_of_evaluations = self._path if evaluations == 1 else None
         self.after_each_step: list[Callable[[], None]] = []
-        if evaluations > 1:
+        self.has_one_evaluation = integrator.evaluations(scheme) == 1
+        if not self.has_one_evaluation:
+            self.path_of_evaluations = self._path.copy()
             self.after_each_step += [partial(follow, self._path, state.q, self._surroundings.varying_forces)]
+        self._lacks = self.path_of_evaluations[SUMS]  # sums that tell of them, see `build_path`
         if scene.bodies_of_variable_mass:
             way = self._path[WAY, self._bodies.dofs]
             self.after_each_step += [partial(self._bodies.system.count_changes, way, self._changes)]
@@ -101,12 +128,15 @@ class CoupledWatch(RunWatch):
         self._scale = max(1.0, extent)
         size = float(np.abs(forces + self._gravity[: len(forces)]).sum())
         open_with_gauges(self.watch, state, ROUND_OFF * extent * size)
+        floor = float(self.watch.account[NOW].round_off)
+        expect_energy(self.path_of_evaluations, self.turned_over, floor, self._energy_tolerance)
 
     def _begin_work(self, t: float, state: Any) -> Any:
         """Count work from a state on; returns the forces of Exudyn's items in it."""
         self._set_gauges(t, state)
         forces = self._surroundings.varying_forces
-        begin_path(self._path, state.q, forces)
+        for path in (self._path, self.path_of_evaluations):
+            begin_path(path, state.q, forces)
         self._bodies.system.begin_changes()
         self._changes[:] = 0.0
         return forces
@@ -128,27 +158,55 @@ class CoupledWatch(RunWatch):
 
     def count(self, steps: int) -> None:
         """These steps have been taken."""
+        before, now = (number // STEPS_BETWEEN_LOOKS for number in (self._steps, self._steps + steps))
+        self._is_due = before == 0 or before < now
         self._counts[0] += steps
 
     def is_well_at(self, t: float, h: float, state: Any, at_once: bool = False) -> bool:
         """Judge the steps of h [s] until t [s] from time to time, and `at_once`, or if velocities grow."""
         self._step = h
+        if self._lacks[LACK] > self._energy_tolerance:
+            return self._condemn(state, LACK_OF_WORK, self._lacks[LACK])
+        if self._is_due and (excess := self._excess(t, h, state)) > 1.0:
+            return self._condemn(state, UNSTABLE, excess)
         few = self._steps < self._most_steps and not (self.is_close or at_once)
         if few and glance(state.q, state.v, state.a) <= self._calm:
             return True
         self._set_gauges(t, state)
         trouble = self._judge(self.watch, h, t - self._last[0], state)
+        self._lacks[SCALE] = max(self._lacks[SCALE], self.turned_over)
         self._begin(t, state)
         return not trouble
 
+    def look(self, state: Any) -> None:
+        """Remember the state before the last step that is taken now."""
+        self._before[0], self._before[1] = state.q, state.a
+
+    def _excess(self, t: float, h: float, state: Any) -> float:
+        """Largest frequency of the last step's motion over that up to which it is stable; 0 if it is quiet.
+
+        With the change a of accelerations along the way x, w^2 = -(a . M a) / (a . M x) is a mean over the
+        vibrations, by their energies -a . M x / 2, and so at most the square of their largest frequency.
+        """
+        way, change = state.q - self._before[0], (h / self._limit) ** 2 * (state.a - self._before[1])
+        of_way, of_change, of_sum = (
+            self._kinetic_energy(t, state, velocity) for velocity in (way, change, way + change)
+        )
+        product = of_way + of_change - of_sum
+        matters = 0.5 * product * (self._limit / h) ** 2 > self._energy_tolerance * self._lacks[SCALE]
+        return float(np.sqrt(2.0 * of_change / product)) if matters and product > 0.0 else 0.0
+
+    def _condemn(self, state: Any, trouble: int, excess: float) -> bool:
+        condemn(self.watch, state, trouble, excess)
+        return False
+
     def give_up(self, state: Any) -> None:
         """The last step could not be taken: the state is that of the last inspection."""
-        self.watch.gauges_now[:] = np.nan
-        judge(self.watch, state, self._most_steps, 0.0)
+        self._condemn(state, NOT_FINITE, np.nan)
 
     def memory(self) -> dict[str, Any]:
         """Arrays that the next inspections depend on, by names."""
-        path = {"path": self._path, "changes": self._changes}
+        path = {"path": self._path, "lacks": self.path_of_evaluations, "changes": self._changes}
         masses = {"masses": self._bodies.system.masses_before()}
         return super().memory() | path | masses | {"last": self._last, "steps": self._counts}
 
@@ -165,9 +223,22 @@ class CoupledWatch(RunWatch):
 
     def _judge(self, watch: Watch, h: float, duration: float, state: Any) -> int:
         work, scatter = take_sums(self._path)
+        take_sums(self.path_of_evaluations)
         work += 0.5 * float(self._changes[0]) / h**2
         self._changes[:] = 0.0
         return int(judge_after_work(watch, state, self._gravity, work, scatter, self._steps, duration))
+
+    def _kinetic_energy(self, t: float, state: Any, v: Array) -> float:
+        """Of velocities v (n,) in the present configuration [J]."""
+        bodies, gauges = self._bodies, np.zeros(5)
+        total = float(bodies.system.kinetic_energy(v[bodies.dofs]))
+        for run, dofs in zip(self._runs, self._scene.map.slices, strict=False):
+            force, rates = np.zeros(dofs.stop - dofs.start), v[dofs]
+            gauge.dispatch(type(run.system))(
+                run.system, run.loads.at(t), state.q[dofs], rates, rates, force, gauges
+            )
+            total += gauges[AGITATION]  # the mass alone; what bending adds to it is in KINETIC
+        return total
 
     def _set_gauges(self, t: float, state: Any) -> None:
         total = self.watch.gauges_now

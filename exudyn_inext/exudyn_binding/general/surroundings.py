@@ -53,6 +53,7 @@ class NativeSurroundings:
     varying_forces: (n,) the same, with the weights of cables that change in time.
     approach: of joints that were changed before the present step of the time loop, if any was.
     path: memory of the work that they do from one evaluation to the next, see `build_path`; None: not now.
+        Of several evaluations in a step, the first one is left out: RK4's second one lies beside it.
     settles: whether contact and friction update what they remember at each evaluation, before it.
     """
 
@@ -61,6 +62,7 @@ class NativeSurroundings:
     path: Array | None = None
     approach: Approach | None = None
     settles: bool = False
+    _is_first: bool = True  # evaluation of a step
 
     def __init__(
         self,
@@ -113,13 +115,15 @@ class NativeSurroundings:
         if len(self._forces_on_held):
             self._forces_on_held[:] = residual[self._masses.held]
         forces = self.native_forces
-        if self.path is None or self._has_histories:
+        path = None if self._is_first and not self.settles else self.path
+        self._is_first = False
+        if path is None or self._has_histories:
             gather(residual, self._coordinates.of_forces, forces)
         else:
-            gather_and_follow(self.path, q, residual, self._coordinates.of_forces, forces)
+            gather_and_follow(path, q, residual, self._coordinates.of_forces, forces)
         result = [loads.at(t).copy() for loads in self._loads]
         if self._has_histories:
-            self._add_histories(q, result)
+            self._add_histories(q, result, path)
         for force, dofs in zip(result, self._dofs, strict=False):
             force[: dofs.stop - dofs.start] += forces[dofs]
         self._masses.update(q[self._bodies])
@@ -128,13 +132,13 @@ class NativeSurroundings:
             result.append(residual[second : second + first])
         return result
 
-    def _add_histories(self, q: Array, given: Sequence[Array]) -> None:
+    def _add_histories(self, q: Array, given: Sequence[Array], path: Array | None) -> None:
         """Set the forces that vary, and count their work.   given: of each cable's own loads, at present."""
         self.varying_forces[:] = self.native_forces
         for force, loads, dofs in zip(given, self._loads, self._dofs, strict=False):
             self.varying_forces[dofs] += (force - loads.constant)[: dofs.stop - dofs.start]
-        if self.path is not None:
-            follow(self.path, q, self.varying_forces)
+        if path is not None:
+            follow(path, q, self.varying_forces)
 
     def motions(self, t: float) -> Sequence[Array]:
         """Of the cables' own constraints; bodies and first order states have none."""
@@ -175,6 +179,7 @@ class NativeSurroundings:
         Where a step has one evaluation, at its end, they have settled there: a contact that closes within a
         step acts in it. Otherwise they do so here, as in Exudyn's explicit solvers, and act a step later.
         """
+        self._is_first = True
         if not self._remembers:
             return
         if not self.settles:
