@@ -150,6 +150,24 @@ def test_decay_rates_are_right_at_the_automatic_step(ratio, mode, dim, axis, kno
     )
 
 
+@pytest.mark.parametrize("ratio", [0.02, 0.2, 1.0])  # D / EI [s]
+@pytest.mark.parametrize(("dim", "axis"), [(2, 1), (3, 1), (3, 2)])
+def test_all_overdamped_modes_decay_at_their_rate_at_the_automatic_step(ratio, dim, axis):
+    """Up to the fastest one of the mesh, h w = 50: they creep back, all at nearly EI / D."""
+    section = replace(SECTION, bending_damping=ratio * SECTION.bending_stiffness)
+    cable = straight_cable(16, dim, "clamped", LENGTH, section=section)
+    frequencies = transverse_modes(cable, axis)[0]
+    for mode in np.flatnonzero(ratio * frequencies > 4.0):
+        half, w = 0.5 * ratio * frequencies[mode] ** 2, frequencies[mode]
+        split = np.sqrt(half**2 - w**2)  # the faster of both exponentials has died away after some 5 / split
+        first = max(20, int(5.0 / (split * AUTOMATIC)))
+        last = first + 40
+        found, _ = amplitudes(cable, mode, AUTOMATIC, last + 1, axis)
+        exact = w**2 / (half + split)
+        rate = np.log(found[first, 0] / found[last, 0]) / ((last - first) * AUTOMATIC)
+        assert rate == pytest.approx(exact, rel=1e-3), mode
+
+
 @pytest.mark.parametrize("name", ["RATTLE", "Zhai"])
 def test_order_is_kept_in_the_plane(name):
     """A cantilever that is bent far, released under its weight."""
