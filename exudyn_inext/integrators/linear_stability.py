@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import plain
 from ..system import (
     accelerate_and_project,
     correct_position,
@@ -69,15 +68,14 @@ def amplification_matrix(integrator: Integrator, scheme: Any, system: LinearSyst
     loads = no_loads(1, len(integrator.stages))
     fields = ["q", "v", *integrator.carries]
     columns = []
-    take_step = plain(advance.dispatch(type(scheme)))
     for unit in fields:
         state = integrator.allocate(1, 1)
         getattr(state, unit)[0] = 1.0
         given = [getattr(state, name).copy() for name in fields]
-        plain(integrator.start)(system, np.zeros(1), state)
+        integrator.start(system, np.zeros(1), state)
         for name, value in zip(fields, given, strict=True):
             getattr(state, name)[:] = value
-        take_step(scheme, system, loads, state, 1.0, 1, np.zeros((1, 3, 1)))
+        advance(scheme, system, loads, state, 1.0, 1, np.zeros((1, 3, 1)))
         columns.append([getattr(state, name)[0] for name in fields])
     return np.array(columns).T
 
