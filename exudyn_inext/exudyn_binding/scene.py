@@ -191,7 +191,7 @@ def _contents(mbs: Any, reader: ConstraintReader) -> Contents:
         elif belongs_to_a_cable(data):
             contents.enforcing.append(number)
         elif _does_something(data):
-            contents.others.append(_described(data, number))
+            contents.others.append(described(data, number))
     return contents
 
 
@@ -201,7 +201,8 @@ def _does_something(data: dict[str, Any]) -> bool:
     return not is_harmless and bool(data.get("activeConnector", True))
 
 
-def _described(data: dict[str, Any], number: int) -> str:
+def described(data: dict[str, Any], number: int) -> str:
+    """An object in messages.   data: of the object."""
     return f"object {number} '{data['name']}' ({data['objectType']})"
 
 
@@ -221,7 +222,7 @@ def _take_foreign_constraints(mbs: Any, contents: Contents, cable_of: dict[int, 
     for number in foreign:
         for kind in (contents.held, contents.moving, contents.rods):
             kind.pop(number, None)
-    return [_described(mbs.GetObject(number), number) for number in foreign]
+    return [described(mbs.GetObject(number), number) for number in foreign]
 
 
 def _on_each_cable(

@@ -13,6 +13,7 @@ from scipy.sparse.csgraph import connected_components
 from ...arrays import Array
 from ...coupling.bodies import BodiesSystem, MassBlock, VariableBlocks
 from ...errors import SceneError
+from ..scene import described
 
 _MASS = exudyn.ComputeItemType.MassMatrix
 _CONSTANT_MASS = {
@@ -94,9 +95,8 @@ def read_bodies(mbs: Any, cables: Sequence[int], on_cables: np.ndarray, total: A
         data = mbs.GetObject(number)
         if np.isin(coordinates, on_cables).any():
             raise SceneError(
-                f"object {number} '{data['name']}' ({data['objectType']}) has mass and lies on nodes of an "
-                "inextensible cable: give it no mass (a companion for markers and contact), or its own "
-                "nodes and a joint."
+                f"{described(data, number)} has mass and lies on nodes of an inextensible cable: give it no "
+                "mass (a companion for markers and contact), or its own nodes and a joint."
             )
         bodies.append(Body(number, coordinates, _has_constant_mass(data), tells_mass))
     return bodies

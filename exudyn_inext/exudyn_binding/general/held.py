@@ -9,7 +9,7 @@ import numpy as np
 from ...arrays import Array
 from ...errors import SceneError
 from ..consistent_start import PLACES, RATES
-from ..scene import HeldCoordinate
+from ..scene import HeldCoordinate, described
 from ..start_velocities import warn_of_velocities
 from .bodies import BodyMasses
 
@@ -78,6 +78,5 @@ class HeldCoordinates:
         if abs(values[worst]) <= tolerance:
             return ""
         number = self.numbers[worst]
-        data = self._mbs.GetObject(number)
-        name = f"object {number} '{data['name']}' ({data['objectType']})"
+        name = described(self._mbs.GetObject(number), number)
         return f"the {what} violate {name} by {values[worst]:.3g} (limit {tolerance:g})"

@@ -10,6 +10,7 @@ from exudyn.exudynCPP import ObjectIndex
 
 from ...arrays import Array
 from ...errors import SceneError
+from ..scene import described
 
 _LINEAR = {"JointSpherical", "ConnectorCoordinate"}
 _WITHOUT_ROTATION = {"Ground", "MassPoint", "MassPoint2D", "Mass1D"}
@@ -55,7 +56,7 @@ def read_joints(mbs: Any, elsewhere: Collection[int]) -> list[JointItem]:
         if number in elsewhere or _JACOBIAN not in mbs.ComputeItem(ObjectIndex(number)):
             continue
         data = mbs.GetObject(number)
-        name = f"object {number} '{data['name']}' ({data['objectType']})"
+        name = described(data, number)
         if not data.get("activeConnector", True):
             continue
         if data.get("velocityLevel") or data["objectType"] == "JointRollingDisc":
