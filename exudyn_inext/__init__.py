@@ -12,26 +12,26 @@ from .errors import (
     StepSizeError,
 )
 from .exudyn_binding.advising.advise import AdviceSettings, Advise
-from .exudyn_binding.attach.attach_to_body import AttachToBody
-from .exudyn_binding.attach.companions import CreateCompanionCables, MarkerOnCable
-from .exudyn_binding.attach.properties import AddPointMass, CableDrag, SetCableDrag
 from .exudyn_binding.cable_forces import CableForces, CreateCableForceSensor
-from .exudyn_binding.cable_item import CreateInextensibleCable
-from .exudyn_binding.enforcement.algebraic import Algebraic
-from .exudyn_binding.enforcement.penalty_mass import PenaltyMass
-from .exudyn_binding.enforcement.projection import Projection
 from .exudyn_binding.ensemble import SolveEnsemble
-from .exudyn_binding.explicit_traps import WarnOfExplicitTraps
-from .exudyn_binding.prescribed_motion import CreatePrescribedMotion
-from .exudyn_binding.settings import ExplicitSettings
-from .exudyn_binding.shape import CableShape
 from .exudyn_binding.solver import SolveExplicit
 from .exudyn_binding.static_solver import SolveEquilibrium, StaticSettings
 from .exudyn_binding.stepper import ExplicitStepper
-from .exudyn_binding.template import InextensibleCable
 from .integrators.rattle import Rattle
 from .integrators.runge_kutta import RungeKutta4
 from .integrators.zhai import Zhai
+from .items.attach.attach_to_body import AttachToBody
+from .items.attach.companions import CreateCompanionCables, MarkerOnCable
+from .items.attach.properties import AddPointMass, CableDrag, SetCableDrag
+from .items.cable_item import CreateInextensibleCable
+from .items.enforcement.algebraic import Algebraic
+from .items.enforcement.penalty_mass import PenaltyMass
+from .items.enforcement.projection import Projection
+from .items.explicit_traps import WarnOfExplicitTraps
+from .items.prescribed_motion import CreatePrescribedMotion
+from .items.shape import CableShape
+from .items.template import InextensibleCable
+from .run.settings import ExplicitSettings
 
 __all__ = [
     "AddPointMass",

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from exudyn_inext.chain.implicit_bending import ImplicitBending
-from exudyn_inext.chain.linked_cable import cable_system
+from exudyn_inext.cable.implicit_bending import ImplicitBending
+from exudyn_inext.cable.linked_cable import cable_system
 from exudyn_inext.integrators import INTEGRATORS
 from exudyn_inext.integrators.integrator import LoadHistory, record
 from tests.cables import dense_constraints, dense_mass

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from exudyn_inext.chain.linear_response import add_link_stiffness, constrained_inverse
-from exudyn_inext.coupling.parts import respond
+from exudyn_inext.cable.linear_response import add_link_stiffness, constrained_inverse
 from exudyn_inext.errors import InputError
 from exudyn_inext.integrators import find_integrator
 from exudyn_inext.integrators.integrator import advance
+from exudyn_inext.scene.parts import respond
 from exudyn_inext.system import accelerate_and_project, correct_position, index_reduced_rates
 
 pytestmark = pytest.mark.kernel

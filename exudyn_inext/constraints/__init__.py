@@ -1,14 +1,14 @@
 """Holonomic constraints c(q, t) = 0 of a cable, Eqs. (18)-(20): one kind a file, found by itself.
 
 A module of this folder that defines `of_cable(cable)` adds a kind. The solver enforces them through the
-structure of the chain (see `chain.saddle_point`); here they stand on their own, for consistency
+structure of the chain (see `cable.saddle_point`); here they stand on their own, for consistency
 checks and as the oracle of the tests.
 """
 
 import importlib
 import pkgutil
 
-from ..chain.cable import Cable
+from ..cable.cable import Cable
 from .constraint import Constraint
 
 KINDS = [

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..chain.cable import Cable
+from ..cable.cable import Cable
 from .held_nodes import HeldNodes
 
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from ..arrays import Array
-from ..chain.border import CLOSURE, closure_links
-from ..chain.cable import Cable
-from ..chain.link import Link
+from ..cable.border import CLOSURE, closure_links
+from ..cable.cable import Cable
+from ..cable.link import Link
 from .links import LinkConstraint
 
 

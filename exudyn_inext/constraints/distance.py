@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from ..chain.cable import Cable
-from ..chain.link import Link, Motion, rest
+from ..cable.cable import Cable
+from ..cable.link import Link, Motion, rest
 from ..checks import require_positive
 from .links import LinkConstraint, of_kind
 

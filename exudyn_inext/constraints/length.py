@@ -8,8 +8,8 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from ..arrays import Array
-from ..chain.cable import Cable
-from ..chain.sparse_forms import assembled
+from ..cable.cable import Cable
+from ..cable.sparse_forms import assembled
 from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
 

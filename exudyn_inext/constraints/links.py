@@ -1,4 +1,4 @@
-"""Links of one kind as a constraint: formulas of `chain.link` in plain numpy."""
+"""Links of one kind as a constraint: formulas of `cable.link` in plain numpy."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array, kron
 
 from ..arrays import Array
-from ..chain.link import Link
+from ..cable.link import Link
 
 
 @dataclass(frozen=True, eq=False)

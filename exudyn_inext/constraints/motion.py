@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..chain.link import Motion
+from ..cable.link import Motion
 from ..errors import InputError
 
 STEP = 1e-4  # of the differences [s]

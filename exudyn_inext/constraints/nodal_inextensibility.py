@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array
 
 from ..arrays import Array
-from ..chain.cable import Cable
+from ..cable.cable import Cable
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..chain.cable import Cable
-from ..chain.link import Link, Motion
+from ..cable.cable import Cable
+from ..cable.link import Link, Motion
 from .links import LinkConstraint, of_kind
 
 KIND = "prescribed motion"

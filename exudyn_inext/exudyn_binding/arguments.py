@@ -1,37 +1,11 @@
-"""Arguments that the public functions have in common: the system, its items, settings."""
+"""Settings as the public functions take them."""
 
-from numbers import Integral
 from typing import Any
 
 import exudyn
 
 from ..errors import InputError
-from .settings import ExplicitSettings
-
-LARGEST_INDEX = 2**31 - 1  # of Exudyn
-
-
-def require_system(mbs: Any) -> None:
-    """Raise InputError unless mbs is a system of Exudyn."""
-    if not isinstance(mbs, exudyn.MainSystem):
-        raise InputError(f"mbs = {mbs!r}: must be a system of Exudyn, from SystemContainer().AddSystem().")
-
-
-def object_number(given: Any) -> int:
-    """The number of an object, given as an integer or Exudyn's index; -1 if it is no number of an object."""
-    return _item_number(given, exudyn.exudynCPP.ObjectIndex)
-
-
-def node_number(given: Any) -> int:
-    """The number of a node, given as an integer or Exudyn's index; -1 if it is no number of a node."""
-    return _item_number(given, exudyn.exudynCPP.NodeIndex)
-
-
-def _item_number(given: Any, index_type: Any) -> int:
-    is_integer = isinstance(given, Integral) and not isinstance(given, bool)
-    if not (is_integer or isinstance(given, index_type)):
-        return -1
-    return max(-1, min(int(given), LARGEST_INDEX))
+from ..run.settings import ExplicitSettings
 
 
 def simulation_settings(given: Any) -> Any:

@@ -9,17 +9,18 @@ import numpy as np
 from exudyn.itemInterface import SensorUserFunction
 
 from ..arrays import Array
-from ..chain.frequency import nodal_multipliers_of
-from ..chain.linked_cable import cable_system
-from ..chain.section_forces import SectionForces, SolvedState, multiplier_tension, section_forces
+from ..cable.frequency import nodal_multipliers_of
+from ..cable.linked_cable import cable_system
+from ..cable.section_forces import SectionForces, SolvedState, multiplier_tension, section_forces
 from ..checks import LARGEST_NUMBER_OF_ITEMS, require_flag, require_integer
 from ..errors import InputError, SceneError
+from ..items.cable_data import point_on_cable, require_cable
+from ..native.coupled_scene import CoupledCable, CoupledScene
+from ..native.surroundings import state_kept, switched_off
+from ..run.cable_loads import CableLoads
+from ..scene.model import Scene
 from ..system import index_reduced_rates
-from .cable_data import point_on_cable, require_cable
-from .cable_loads import CableLoads
-from .general.coupled_scene import CoupledCable, CoupledScene
-from .general.surroundings import state_kept, switched_off
-from .scene import Scene, read_scene, require_assembled
+from .scene import read_scene, require_assembled
 
 
 class CableEvaluator:

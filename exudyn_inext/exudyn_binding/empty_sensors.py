@@ -6,7 +6,7 @@ from typing import Any
 
 import exudyn
 
-from .attach.inert import is_inert_cable
+from ..items.attach.inert import is_inert_cable
 
 _Type = exudyn.OutputVariableType
 _SECTION_FORCES = {_Type.ForceLocal, _Type.TorqueLocal}

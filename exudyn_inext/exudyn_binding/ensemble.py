@@ -17,14 +17,14 @@ from tqdm import tqdm
 from ..arrays import Array, as_slice
 from ..checks import require_finite, require_integer
 from ..integrators import find_integrator
-from ..integrators.ensemble import record_members, stacked
+from ..run.automatic_step import warn_of_damping
+from ..run.cable_run import CableRun
+from ..run.members import record_members, stacked
+from ..run.settings import ExplicitSettings
+from ..run.step_bounds import scheme_of, wanted_step
+from ..run.time_grid import TimeGrid, grid_of_period
 from .arguments import explicit_settings, simulation_settings
-from .automatic_step import warn_of_damping
-from .cable_run import CableRun
 from .ensemble_members import Choice, Member, all_systems, read_members
-from .explicit_runs import scheme_of, wanted_step
-from .settings import ExplicitSettings
-from .time_grid import TimeGrid, grid_of_period
 
 NUMBERS_IN_A_CHUNK = 4_000_000  # coordinates and load factors that a thread handles at once
 CHUNKS_OF_A_THREAD = 8  # so that threads begin at once and end together

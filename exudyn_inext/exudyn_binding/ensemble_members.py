@@ -7,14 +7,15 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from ..chain.border import all_links
+from ..cable.border import all_links
 from ..errors import InextensibleError, InputError, SceneError
 from ..integrators.step_size import StepSizeBounds
-from .automatic_step import bounds_of_step
-from .cable_run import CableRun
-from .explicit_runs import cable_runs, require_fixed_steps, wanted_step
+from ..run.automatic_step import bounds_of_step
+from ..run.cable_run import CableRun
+from ..run.settings import ExplicitSettings
+from ..run.step_bounds import require_fixed_steps, wanted_step
 from .scene import read_cables, require_assembled
-from .settings import ExplicitSettings
+from .scene_runs import runs_of_cables
 
 REMEDY = "members must not differ in it; put the others into an ensemble of their own."
 
@@ -125,7 +126,7 @@ def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> list[C
             "use SolveExplicit."
         )
     require_fixed_steps(explicit, "SolveEnsemble")
-    runs = cable_runs(mbs, read_cables(mbs, "SolveEnsemble"), time, h, explicit)
+    runs = runs_of_cables(mbs, read_cables(mbs, "SolveEnsemble"), time, h, explicit)
     if not runs:
         raise SceneError("it has no inextensible cable: add one with CreateInextensibleCable.")
     for run in runs:

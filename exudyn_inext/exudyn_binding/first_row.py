@@ -7,7 +7,7 @@ from typing import Any
 import exudyn
 import numpy as np
 
-from .time_loop import Run
+from ..run.run import Run
 
 _INITIAL = exudyn.ConfigurationType.Initial
 

@@ -16,8 +16,10 @@ import numpy as np
 from ..arrays import Array
 from ..checks import require_positive
 from ..errors import InputError
-from .loop_clock import LoopClock
-from .restart_file import Restart, packed, read_restart, unpack, write_restart
+from ..run.loop_clock import LoopClock
+from ..run.restart_file import Restart, packed, read_restart, unpack, write_restart
+from ..run.settings import ExplicitSettings
+from ..run.time_grid import TimeGrid
 from .scene_identity import (
     changes,
     difference,
@@ -26,8 +28,6 @@ from .scene_identity import (
     scene_identity,
     unpacked_identity,
 )
-from .settings import ExplicitSettings
-from .time_grid import TimeGrid
 
 _IDENTITY, _CHANGES = "identity", "changes"
 

@@ -1,76 +1,28 @@
 """What an mbs contains, as far as the explicit solver is concerned."""
 
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Container, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import exudyn
 import numpy as np
 
-from ..chain.cable import Cable
-from ..chain.link import Link, rest
+from ..cable.link import Link, rest
 from ..constraints.prescribed_motion import prescribed
 from ..errors import SceneError
-from .arguments import require_system
-from .attach.inert import is_inert_cable
-from .attach.markers import REMEDY, unsuitable_markers
-from .cable_data import CableItem, belongs_to_a_cable, find_cable_item
-from .cable_item import supports_of_flags
-from .element_weights import Elements, ElementWeight, elements_by_nodes, put_together, read_weight
-from .link_items import MovingCoordinate, Rod, links_of_motions, read_moving_coordinate, read_rod
-from .load_items import NodalLoad, read_load
+from ..items.arguments import described, require_system
+from ..items.attach.inert import is_inert_cable
+from ..items.attach.markers import REMEDY, unsuitable_markers
+from ..items.cable_data import belongs_to_a_cable, find_cable_item
+from ..items.cable_item import supports_of_flags
+from ..items.element_weights import Elements, elements_by_nodes, put_together, read_weight
+from ..items.link_items import read_moving_coordinate, read_rod
+from ..items.load_items import read_load
+from ..loads.weight import ElementWeight
+from ..scene.links import MovingCoordinate, Rod, links_of_motions
+from ..scene.model import CableInScene, CableItem, CableLoad, HeldCoordinate, Scene
 
 _HARMLESS = {"Ground"}
-
-CableLoad = NodalLoad | ElementWeight
-
-
-@dataclass(frozen=True, eq=False)
-class CableInScene:
-    """A cable with its supports and loads.
-
-    cable: model with supports and links.
-    item: the items that it came from.
-    indices: (n_dof,) places of its coordinates in the system vector.
-    loads: on its nodes, and weights of its elements.
-    moving: coordinates that follow a motion.
-    number: of its object.   name: for messages.
-    """
-
-    cable: Cable
-    item: CableItem
-    indices: np.ndarray
-    loads: list[CableLoad]
-    moving: list[MovingCoordinate]
-    number: int
-    name: str
-
-    @property
-    def among_others(self) -> "CableInScene":
-        """Without the loads that Exudyn evaluates together with those of other items: all but weights."""
-        return replace(self, loads=[load for load in self.loads if isinstance(load, ElementWeight)])
-
-
-@dataclass(frozen=True, eq=False)
-class Scene:
-    """The inextensible cables of an mbs, and what else it contains.
-
-    foreign: what does not belong to the cables alone: bodies, connectors, joints, other loads.
-    own_constraints: numbers of the objects that are supports and links of the cables.
-    enforcing: of those by which the cables keep their length under other solvers.
-    held: coordinates that other constraints hold, by the numbers of these.
-    """
-
-    cables: list[CableInScene]
-    foreign: list[str]
-    own_constraints: frozenset[int]
-    enforcing: list[int]
-    held: Mapping[int, "HeldCoordinate"]
-
-    @property
-    def evaluated_by_kernels(self) -> tuple[list[int], list[int]]:
-        """Cables and constraints that Exudyn must not evaluate beside the kernels; see `switched_off`."""
-        return [cable.number for cable in self.cables], self.enforcing
 
 
 @dataclass(eq=False)
@@ -89,14 +41,6 @@ class Contents:
     rods: dict[int, Rod] = field(default_factory=dict)
     enforcing: list[int] = field(default_factory=list)
     others: list[str] = field(default_factory=list)
-
-
-@dataclass(frozen=True, eq=False)
-class HeldCoordinate:
-    """A native constraint that holds one nodal coordinate at its reference value."""
-
-    node: int
-    coordinate: int
 
 
 class ConstraintReader:
@@ -199,11 +143,6 @@ def _does_something(data: dict[str, Any]) -> bool:
     """Whether an object moves, loads or connects; a connector that is switched off does not."""
     is_harmless = data["objectType"] in _HARMLESS or is_inert_cable(data)
     return not is_harmless and bool(data.get("activeConnector", True))
-
-
-def described(data: dict[str, Any], number: int) -> str:
-    """An object in messages.   data: of the object."""
-    return f"object {number} '{data['name']}' ({data['objectType']})"
 
 
 def _take_foreign_constraints(mbs: Any, contents: Contents, cable_of: dict[int, int]) -> list[str]:

@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from .cable_data import CableItem, belongs_to_a_cable, find_cable_item
-from .fingerprint import strings_in, text_of, texts_of_function
-from .settings import ExplicitSettings
+from ..items.cable_data import belongs_to_a_cable, find_cable_item
+from ..run.fingerprint import strings_in, text_of, texts_of_function
+from ..run.settings import ExplicitSettings
+from ..scene.model import CableItem
 
 Identity = Mapping[str, Mapping[str, str]]
 """Item -> its parameters -> their values, as texts."""

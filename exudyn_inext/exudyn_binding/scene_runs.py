@@ -7,16 +7,26 @@ from typing import Any
 from ..errors import InputError, SceneError
 from ..integrators import find_integrator
 from ..integrators.step_size import USUAL_SCALING, StepSizeBounds
-from .explicit_runs import cable_runs, scheme_of, step_bounds
-from .general.coupled_run import CoupledRun
-from .scene import Scene
-from .settings import ExplicitSettings
-from .time_loop import Run
+from ..native.coupled_scene import CoupledCable, CoupledScene
+from ..run.cable_run import CableRun
+from ..run.coupled_run import CoupledRun
+from ..run.run import Run
+from ..run.settings import ExplicitSettings
+from ..run.step_bounds import cable_runs, scheme_of, start_of, step_bounds
+from ..scene.model import CableInScene, Scene
+from .scene import initial_states
 
 
 def needs_coupling(scene: Scene) -> bool:
     """Whether there are other items than cables, all moved together by one right-hand side of Exudyn."""
     return bool(scene.foreign) or not scene.cables
+
+
+def runs_of_cables(
+    mbs: Any, cables: Sequence[CableInScene], time: float, h: float, explicit: ExplicitSettings
+) -> list[CableRun]:
+    """One run for each cable, from the initial configuration; arguments: see `runs_of_scene`."""
+    return cable_runs(cables, initial_states(mbs, cables), time, h, explicit)
 
 
 def runs_of_scene(
@@ -47,25 +57,17 @@ def runs_of_scene(
         )
     integrator = find_integrator(explicit.integrator)
     if not needs_coupling(scene):
-        return cable_runs(mbs, scene.cables, time, h, explicit)
+        return runs_of_cables(mbs, scene.cables, time, h, explicit)
     unloaded = [cable.among_others for cable in scene.cables]  # Exudyn evaluates the loads
-    return [
-        CoupledRun(
-            mbs,
-            cable_runs(mbs, unloaded, time, h, explicit),
-            scene.own_constraints,
-            scene.held,
-            integrator,
-            scheme_of(explicit),
-            zeta=explicit.stabilizationRate,
-            tolerance=explicit.startTolerance,
-            time=time,
-            why=_shortened(scene.foreign),
-            energy_tolerance=explicit.energyTolerance,
-            rejects=explicit.rejectSteps,
-            end_of_step=end_of_step,
-        )
+    runs = runs_of_cables(mbs, unloaded, time, h, explicit)
+    cables = [
+        CoupledCable(run.scene_cable.number, run.indices, run.reference, run.system, run.loads)
+        for run in runs
     ]
+    zeta, held = explicit.stabilizationRate, scene.held
+    joined = CoupledScene(mbs, cables, scene.own_constraints, zeta, held)
+    start, scheme = start_of(time, h, explicit), scheme_of(explicit)
+    return [CoupledRun(joined, runs, integrator, scheme, start, _shortened(scene.foreign), end_of_step)]
 
 
 def bounds_if_scaled(

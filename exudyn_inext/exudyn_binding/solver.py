@@ -9,8 +9,15 @@ from typing import Any
 import exudyn
 
 from ..errors import SceneError
+from ..native.surroundings import state_kept
+from ..run.automatic_step import bounds_of_step, warn_of_damping
+from ..run.loop_clock import LoopClock
+from ..run.output_files import require_writable_outputs
+from ..run.resumed_outputs import ResumedOutputs
+from ..run.settings import ExplicitSettings
+from ..run.step_bounds import follow_frequencies, scheme_of, wanted_step, warn_of_friction
+from ..run.time_grid import TimeGrid
 from .arguments import explicit_settings, simulation_settings
-from .automatic_step import bounds_of_step, warn_of_damping
 from .cable_forces import forget_evaluators
 from .changes.builder import RunBuilder
 from .changes.constraints import SteppedReader
@@ -20,18 +27,12 @@ from .changes.log import ChangeLog, listening
 from .changes.stored import restore_changes, restore_limit
 from .compile_notice import compile_notice
 from .empty_sensors import warn_of_empty_sensors
-from .explicit_runs import follow_frequencies, scheme_of, wanted_step, warn_of_friction
 from .first_row import first_row
-from .general.surroundings import state_kept
-from .loop_clock import LoopClock
 from .observed import observed_derivatives
-from .output_files import require_writable_outputs
+from .output_grid import time_grid
 from .restart import Restarts
-from .resumed_outputs import ResumedOutputs
 from .scene import read_scene, require_assembled
 from .scene_runs import bounds_if_scaled, needs_coupling
-from .settings import ExplicitSettings
-from .time_grid import TimeGrid, time_grid
 from .time_loop import ExplicitTimeLoop, is_watched, warn_of_energy, worst_figures
 
 

@@ -8,14 +8,15 @@ import exudyn
 import numpy as np
 
 from ..arrays import Array
-from ..chain.cable import Cable
+from ..cable.cable import Cable
 from ..checks import require_finite, require_integer, require_positive
 from ..constraints.prescribed_motion import KIND
 from ..errors import EquilibriumError, InputError, SceneError
+from ..run.cable_loads import CableLoads
+from ..scene.model import CableInScene
 from ..statics import Equilibrium, Potential, StaticOptions, find_equilibrium
 from .arguments import simulation_settings
-from .cable_loads import CableLoads
-from .scene import CableInScene, initial_state, read_cables, require_assembled
+from .scene import initial_state, read_cables, require_assembled
 
 REACH_TOLERANCE = 1e-9
 MOST_ITERATIONS = 1_000_000

@@ -10,14 +10,16 @@ import numpy as np
 from ..arrays import Array
 from ..checks import require_finite, require_integer, require_positive
 from ..errors import InputError, SceneError
-from .arguments import explicit_settings, node_number
-from .automatic_step import MOST_DURATION, bounds_of_step, warn_of_damping
-from .divergence import divergence
-from .explicit_runs import cable_runs, require_fixed_steps, scheme_of, wanted_step
+from ..items.arguments import node_number
+from ..run.automatic_step import MOST_DURATION, bounds_of_step, warn_of_damping
+from ..run.divergence import divergence
+from ..run.settings import ExplicitSettings
+from ..run.step_bounds import require_fixed_steps, scheme_of, wanted_step
+from ..run.stepped_cable import SteppedCable
+from ..run.time_grid import TimeGrid, steps_of_interval
+from .arguments import explicit_settings
 from .scene import read_cables, require_assembled
-from .settings import ExplicitSettings
-from .stepped_cable import SteppedCable
-from .time_grid import TimeGrid, steps_of_interval
+from .scene_runs import runs_of_cables
 
 MOST_STEPS = 1_000_000_000  # in one call
 _SHOWN = (exudyn.ConfigurationType.Current, exudyn.ConfigurationType.Visualization)
@@ -80,7 +82,7 @@ class ExplicitStepper:
         duration = require_positive("duration", duration)
         require_assembled(mbs)
         given = steps_of_interval(interval, explicit.stepSize, MOST_STEPS)[1] if explicit.stepSize else 0.0
-        runs = cable_runs(mbs, read_cables(mbs, "ExplicitStepper"), start, given, explicit)
+        runs = runs_of_cables(mbs, read_cables(mbs, "ExplicitStepper"), start, given, explicit)
         if not runs:
             raise SceneError(
                 "mbs has no inextensible cable to step: add one with CreateInextensibleCable, or use "

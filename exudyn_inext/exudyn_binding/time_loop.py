@@ -11,66 +11,15 @@ import exudyn
 import numpy as np
 
 from ..arrays import Array, as_slice
-from ..chain.cable import Cable
 from ..errors import DivergenceError
-from .consistent_start import StartCorrection
-from .divergence import divergence
+from ..run.divergence import divergence
+from ..run.run import Run
+from ..run.time_grid import TimeGrid
 from .observed import ACCELERATIONS, POSITIONS
 from .restart import Restarts
-from .step_control import StepControl
-from .time_grid import TimeGrid
 
 LOOK_AHEAD_LIMIT = 1_000_000  # coordinates times steps in a call: some 30 ms, so that Ctrl-C works
 HANDED_OUT = 64  # states that are turned into Python numbers at once
-
-
-class Run(Protocol):
-    """What the loop moves: a cable, or a coupled scene; see CableRun for the attributes."""
-
-    state: Any
-    lenience: float
-    control: StepControl
-    watch: Any
-    indices: np.ndarray
-    reference: Array
-    looks_ahead: bool
-
-    @property
-    def reason(self) -> str: ...
-
-    @property
-    def cables(self) -> Sequence[Cable]: ...
-
-    @property
-    def cable_runs(self) -> Sequence[Any]: ...
-
-    @property
-    def start_corrections(self) -> Sequence[StartCorrection]: ...
-
-    @property
-    def name(self) -> str: ...
-
-    def scale_mass(self, theta: float, h: float) -> None: ...
-
-    def set_step(self, h: float) -> None: ...
-
-    def start(self, time: float) -> None: ...
-
-    def largest_frequency(self, time: float) -> float: ...
-
-    def damping_ratio(self, frequency: float) -> float: ...
-
-    def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int: ...
-
-    def accelerations(self, time: float, multipliers: Array) -> Array: ...
-
-    def verdict(self, scheme: Any, time: float, h: float) -> str: ...
-
-    def figures(self) -> dict[str, float]: ...
-
-    def memory(self) -> dict[str, Any]: ...
-
-    def resume(self, time: float) -> None: ...
 
 
 class Changes(Protocol):

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..arrays import Array
-from ..chain.cable import Cable
+from ..cable.cable import Cable
 from ..element.external_force import distributed_force
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from ..arrays import Array
-from ..chain.attached import placed
-from ..chain.cable import Cable
+from ..cable.attached import placed
+from ..cable.cable import Cable
 from ..element.external_force import point_force, uniform_force
 from ..element.forms import forms_of_mesh
 

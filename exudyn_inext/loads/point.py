@@ -3,8 +3,8 @@
 import numpy as np
 
 from ..arrays import Array
-from ..chain.attached import place_on_elements
-from ..chain.cable import Cable
+from ..cable.attached import place_on_elements
+from ..cable.cable import Cable
 from ..element.external_force import point_force
 from ..errors import InputError
 

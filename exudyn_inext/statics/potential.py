@@ -6,12 +6,12 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from ..arrays import Array
-from ..chain.assembly import add_elastic_force, elastic_energy
-from ..chain.attached import mass_of_points
-from ..chain.border import CLOSURE
-from ..chain.cable import Cable
-from ..chain.chain import build_chain
-from ..chain.sparse_forms import assembled, elastic_tangent, form_of_cable
+from ..cable.assembly import add_elastic_force, elastic_energy
+from ..cable.attached import mass_of_points
+from ..cable.border import CLOSURE
+from ..cable.cable import Cable
+from ..cable.chain import build_chain
+from ..cable.sparse_forms import assembled, elastic_tangent, form_of_cable
 from ..constraints import constraints_of_cable
 from ..element.bending import stiffness_matrix
 from ..element.forms import forms_of_mesh

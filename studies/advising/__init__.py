@@ -1,1 +1,1 @@
-"""Parts of the study `adviser`."""
+"""Parts of the study `advice`."""

@@ -17,7 +17,8 @@ from hypothesis import HealthCheck, Phase, given, seed
 from hypothesis import settings as hypothesis_settings
 
 from exudyn_inext import InextensibleError
-from exudyn_inext.exudyn_binding import stepper, time_grid
+from exudyn_inext.exudyn_binding import stepper
+from exudyn_inext.run import time_grid
 from tests.scene_contents import contents
 
 from .targets import TARGETS, Target

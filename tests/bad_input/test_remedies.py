@@ -37,8 +37,8 @@ from exudyn_inext import (
     SolveExplicit,
     StepSizeError,
 )
-from exudyn_inext.exudyn_binding.divergence import explanation
 from exudyn_inext.integrators import find_integrator
+from exudyn_inext.run.divergence import explanation
 from reference_models.model import quiet_settings, silence
 
 from .scenes import SECTION, cable_arguments, empty, run

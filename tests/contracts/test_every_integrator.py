@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from exudyn_inext.chain.chain import build_chain
-from exudyn_inext.chain.index_reduction import CableSystem
+from exudyn_inext.cable.chain import build_chain
+from exudyn_inext.cable.index_reduction import CableSystem
 from exudyn_inext.compiled import plain
 from exudyn_inext.errors import InputError
 from exudyn_inext.integrators import INTEGRATORS, find_integrator
@@ -22,12 +22,7 @@ from exudyn_inext.integrators.rattle import Rattle
 from exudyn_inext.integrators.runge_kutta import RungeKutta4
 from exudyn_inext.integrators.zhai import Zhai
 from exudyn_inext.loads.gravity import gravity_force
-from exudyn_inext.system import (
-    accelerate_and_project,
-    correct_position,
-    implements,
-    index_reduced_rates,
-)
+from exudyn_inext.system import accelerate_and_project, correct_position, implements, index_reduced_rates
 from tests.cables import planar_pendulum
 
 every_integrator = pytest.mark.parametrize("integrator", INTEGRATORS.values(), ids=INTEGRATORS)

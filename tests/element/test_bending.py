@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exudyn_inext.chain.assembly import add_elastic_force
-from exudyn_inext.chain.cable import CurvatureMeasure
-from exudyn_inext.chain.chain import build_chain
+from exudyn_inext.cable.assembly import add_elastic_force
+from exudyn_inext.cable.cable import CurvatureMeasure
+from exudyn_inext.cable.chain import build_chain
 from exudyn_inext.element.bending import stiffness_matrix, stiffness_tensor
 from tests.cables import (
     DIMENSIONS,

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exudyn_inext.chain.attached import Drag
+from exudyn_inext.cable.attached import Drag
 from exudyn_inext.element.drag import add_drag_force, drag_table
 from tests.cables import DIMENSIONS, MEASURES, drag_force, random_state, relative_error
 

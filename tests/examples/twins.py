@@ -16,7 +16,7 @@ from exudyn.itemInterface import (
 )
 
 from exudyn_inext import CableShape, SolveExplicit
-from exudyn_inext.exudyn_binding.shape import check_shape
+from exudyn_inext.items.shape import check_shape
 from reference_models.conventional.settings import Implicit, number_of_steps, simulation_settings
 from reference_models.model import quiet_settings, silence
 from tests.examples.measures import record

@@ -8,7 +8,7 @@ import pytest
 from exudyn.itemInterface import SensorNode
 
 from exudyn_inext import ExplicitSettings, SolveExplicit
-from exudyn_inext.exudyn_binding import step_control
+from exudyn_inext.run import step_control
 from reference_models.model import quiet_settings, silence
 from tests import scene_contents
 from tests.exudyn_binding import items

@@ -15,14 +15,14 @@ from exudyn_inext import (
     SceneError,
     SolveEnsemble,
 )
-from exudyn_inext.chain.frequency import FrequencyTracker, largest_frequency
-from exudyn_inext.chain.linked_cable import cable_system
-from exudyn_inext.exudyn_binding.cable_run import CableRun
-from exudyn_inext.exudyn_binding.step_control import FrequencyFollower, StepControl, StepRule
-from exudyn_inext.exudyn_binding.time_grid import TimeGrid
+from exudyn_inext.cable.frequency import FrequencyTracker, largest_frequency
+from exudyn_inext.cable.linked_cable import cable_system
 from exudyn_inext.integrators import find_integrator
 from exudyn_inext.integrators.integrator import advance, no_loads
 from exudyn_inext.integrators.linear_stability import LinearSystem
+from exudyn_inext.run.cable_run import CableRun
+from exudyn_inext.run.step_control import FrequencyFollower, StepControl, StepRule
+from exudyn_inext.run.time_grid import TimeGrid
 from exudyn_inext.system import index_reduced_rates
 from reference_models.model import quiet_settings
 from tests.cables import linked_state, planar_pendulum, random_state

@@ -7,8 +7,8 @@ import pytest
 from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import AdviceSettings, Advise, AttachToBody, InextensibleCable
-from exudyn_inext.adviser.pilot import CONVENTIONAL, INEXTENSIBLE, Choice
-from exudyn_inext.adviser.stretch import stretch_error
+from exudyn_inext.advice.pilot import CONVENTIONAL, INEXTENSIBLE, Choice
+from exudyn_inext.advice.stretch import stretch_error
 from exudyn_inext.exudyn_binding.advising.pilot_runs import PilotRuns
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import native_cable, trajectory

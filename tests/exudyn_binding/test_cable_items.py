@@ -7,8 +7,8 @@ from exudyn.beams import GenerateBeamElementsAlongLine
 from exudyn.itemInterface import ObjectANCFCable, ObjectANCFCable2D
 
 from exudyn_inext import CableShape
-from exudyn_inext.exudyn_binding.cable_item import find_cable_item
-from exudyn_inext.exudyn_binding.shape import check_shape
+from exudyn_inext.items.cable_data import find_cable_item
+from exudyn_inext.items.shape import check_shape
 
 NATIVE = {"massPerLength": 2.0, "bendingStiffness": 3.0, "axialStiffness": 4.0}
 PIN = {2: [True, True, False, False], 3: [True] * 3 + [False] * 3}

@@ -25,8 +25,8 @@ from exudyn_inext import (
     PenaltyMass,
     WarnOfExplicitTraps,
 )
-from exudyn_inext.exudyn_binding.cable_item import find_cable_item
-from exudyn_inext.exudyn_binding.enforcement import ENFORCEMENTS, algebraic
+from exudyn_inext.items.cable_data import find_cable_item
+from exudyn_inext.items.enforcement import ENFORCEMENTS, algebraic
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import load_node, native_cable, trajectory
 

@@ -21,8 +21,8 @@ from exudyn.itemInterface import (
 )
 
 from exudyn_inext import DivergenceError
-from exudyn_inext.exudyn_binding.step_control import QUARTERS
 from exudyn_inext.integrators import INTEGRATORS
+from exudyn_inext.run.step_control import QUARTERS
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import add_pendulum, native_cable, trajectory
 

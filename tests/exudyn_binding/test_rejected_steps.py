@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from exudyn_inext import DivergenceError, ExplicitSettings, SolveExplicit
-from exudyn_inext.exudyn_binding import step_control
-from exudyn_inext.exudyn_binding.step_control import StepControl
+from exudyn_inext.run import step_control
+from exudyn_inext.run.step_control import StepControl
 from reference_models.model import quiet_settings
 from studies.robust.scenes import build, lone_rope, mixed_rope
 from studies.robustness import periods_before_snap

@@ -14,9 +14,9 @@ from exudyn.itemInterface import MarkerBodyPosition, SphericalJoint
 from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import AttachToBody, InputError
-from exudyn_inext.exudyn_binding import restart_file
-from exudyn_inext.exudyn_binding.restart_file import Restart, read_restart, write_restart
 from exudyn_inext.integrators import INTEGRATORS
+from exudyn_inext.run import restart_file
+from exudyn_inext.run.restart_file import Restart, read_restart, write_restart
 from reference_models.model import quiet_settings
 from tests.exudyn_binding.items import load_node
 from tests.exudyn_binding.written_run import run

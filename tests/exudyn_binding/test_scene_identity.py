@@ -25,8 +25,8 @@ from exudyn.utilities import InertiaCuboid
 from scipy.interpolate import CubicSpline
 
 from exudyn_inext import CableDrag, CreatePrescribedMotion, ExplicitSettings, InputError, SetCableDrag
-from exudyn_inext.exudyn_binding.fingerprint import text_of, texts_of_function
 from exudyn_inext.exudyn_binding.scene_identity import difference, scene_identity
+from exudyn_inext.run.fingerprint import text_of, texts_of_function
 from reference_models.model import quiet_settings
 from tests.exudyn_binding.items import load_node
 

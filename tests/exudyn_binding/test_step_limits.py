@@ -6,8 +6,8 @@ from exudyn.itemInterface import LoadCoordinate, MarkerNodeCoordinate
 from scipy.sparse.linalg import ArpackNoConvergence
 
 from exudyn_inext import SceneError
-from exudyn_inext.coupling import small_vibrations
 from exudyn_inext.integrators import INTEGRATORS
+from exudyn_inext.scene import small_vibrations
 from tests.exudyn_binding.items import trajectory
 
 

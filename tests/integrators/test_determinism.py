@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_inext.chain.linked_cable import cable_system
+from exudyn_inext.cable.linked_cable import cable_system
 from exudyn_inext.integrators import INTEGRATORS
 from exudyn_inext.loads.gravity import gravity_force
 from tests.cables import State, planar_pendulum

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from exudyn_inext.chain.cable import Cable, CurvatureMeasure, Section
-from exudyn_inext.chain.chain import build_chain
-from exudyn_inext.chain.index_reduction import CableSystem
+from exudyn_inext.cable.cable import Cable, CurvatureMeasure, Section
+from exudyn_inext.cable.chain import build_chain
+from exudyn_inext.cable.index_reduction import CableSystem
 from exudyn_inext.constraints import constraints_of_cable
 from exudyn_inext.integrators import INTEGRATORS
 from exudyn_inext.integrators.integrator import LoadHistory, record

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from exudyn_inext.chain.chain import build_chain
-from exudyn_inext.chain.index_reduction import CableSystem
+from exudyn_inext.cable.chain import build_chain
+from exudyn_inext.cable.index_reduction import CableSystem
 from exudyn_inext.integrators import INTEGRATORS
-from exudyn_inext.integrators.ensemble import member, record_members, stacked
 from exudyn_inext.integrators.integrator import LoadHistory, record
 from exudyn_inext.integrators.rattle import Rattle
-from exudyn_inext.integrators.watch import build_watch
+from exudyn_inext.run.members import member, record_members, stacked
+from exudyn_inext.run.watch import build_watch
 from tests.cables import MEASURES, random_state
 
 pytestmark = pytest.mark.kernel

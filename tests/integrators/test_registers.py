@@ -6,8 +6,8 @@ import numba
 import numpy as np
 import pytest
 
-from exudyn_inext.chain.cable import Cable
-from exudyn_inext.chain.linked_cable import cable_system
+from exudyn_inext.cable.cable import Cable
+from exudyn_inext.cable.linked_cable import cable_system
 from exudyn_inext.compiled import OPTIONS, plain
 from exudyn_inext.integrators.integrator import no_loads
 from exudyn_inext.integrators.rattle import Rattle, advance_rattle, allocate

@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exudyn_inext.chain.chain import build_chain
-from exudyn_inext.chain.index_reduction import CableSystem
+from exudyn_inext.cable.chain import build_chain
+from exudyn_inext.cable.index_reduction import CableSystem
 from exudyn_inext.integrators import INTEGRATORS
 from exudyn_inext.integrators.integrator import LoadHistory, record
-from exudyn_inext.integrators.watch import (
+from exudyn_inext.loads.gravity import gravity_force
+from exudyn_inext.run.watch import (
     ALL_IS_WELL,
     ENERGY,
     FAILED,
@@ -19,7 +20,6 @@ from exudyn_inext.integrators.watch import (
     open_account,
     record_watched,
 )
-from exudyn_inext.loads.gravity import gravity_force
 from tests.cables import planar_pendulum
 
 TOLERANCE, MOST = 0.003, 0.009

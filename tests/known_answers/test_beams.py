@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from exudyn_inext.chain.cable import Section
-from exudyn_inext.chain.link import rest
+from exudyn_inext.cable.cable import Section
+from exudyn_inext.cable.link import rest
 from exudyn_inext.constraints.prescribed_motion import prescribed
 from tests.cables import DIMENSIONS, MEASURES, State, straight_cable
 from tests.known_answers.vibrations import natural_frequencies, observed_order, sampled_frequency

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from exudyn_inext.chain.cable import Section
+from exudyn_inext.cable.cable import Section
 from exudyn_inext.loads.gravity import gravity_force
 from tests.cables import State, bending_energy, dense_mass, straight_cable
 from tests.moving import move

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import factorial, jn_zeros
 
-from exudyn_inext.chain.cable import Section
+from exudyn_inext.cable.cable import Section
 from exudyn_inext.loads.gravity import gravity_force
 from tests.cables import State, straight_cable
 from tests.known_answers.vibrations import (

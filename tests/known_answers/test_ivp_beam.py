@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from exudyn_inext.chain.cable import Section
-from exudyn_inext.chain.linked_cable import cable_system
+from exudyn_inext.cable.cable import Section
+from exudyn_inext.cable.linked_cable import cable_system
 from exudyn_inext.integrators import INTEGRATORS
 from exudyn_inext.integrators.integrator import LoadHistory, record
 from exudyn_inext.loads.point import point_load

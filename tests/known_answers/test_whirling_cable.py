@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from numpy.polynomial.legendre import Legendre
 
-from exudyn_inext.chain.cable import Section
-from exudyn_inext.chain.linked_cable import cable_system
-from exudyn_inext.chain.section_forces import SolvedState, section_forces
+from exudyn_inext.cable.cable import Section
+from exudyn_inext.cable.linked_cable import cable_system
+from exudyn_inext.cable.section_forces import SolvedState, section_forces
 from exudyn_inext.loads.distributed import distributed_load
 from exudyn_inext.system import index_reduced_rates
 from tests.cables import State, straight_cable

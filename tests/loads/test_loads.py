@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_inext.chain.cable import Section
+from exudyn_inext.cable.cable import Section
 from exudyn_inext.errors import InputError
 from exudyn_inext.loads.distributed import distributed_load
 from exudyn_inext.loads.gravity import gravity_force

@@ -1,4 +1,4 @@
-"""python -m tests.mutation: mutants of `element/` and `chain/`, and whether the tests notice them.
+"""python -m tests.mutation: mutants of `element/` and `cable/`, and whether the tests notice them.
 
 Cosmic Ray (https://cosmic-ray.readthedocs.io) makes the mutants. Each is written into a copy of the project
 and tested, without the compiler, in a process that is forked once the libraries are loaded. So many of each

@@ -71,23 +71,23 @@ _RULES = [
         "element/natural_curvature.py",
         _lines(("natural.shape[0]", "natural.shape[1]"), ("natural.shape[1]", "natural.shape[0]")),
     ),
-    Rule(_EMPTY_TABLE, "chain/assembly.py", _is_long_way),
-    Rule(_EMPTY_TABLE, "chain/energy.py", _is_long_way),
+    Rule(_EMPTY_TABLE, "cable/assembly.py", _is_long_way),
+    Rule(_EMPTY_TABLE, "cable/energy.py", _is_long_way),
     Rule(
-        "never read", "chain/attached.py", _lines(("0.0], flow", "1.0], flow"), ("0.0], flow", "-1.0], flow"))
+        "never read", "cable/attached.py", _lines(("0.0], flow", "1.0], flow"), ("0.0], flow", "-1.0], flow"))
     ),
     Rule(
         "memory that is larger than needed",
-        "chain/border.py",
+        "cable/border.py",
         _lines(("2 * cable.dimension", "3 * cable.dimension")),
     ),
     Rule(
         "each response is found twice",
-        "chain/border.py",
+        "cable/border.py",
         _lines(("range(0, len(links), 2)", "range(0, len(links), 1)")),
     ),
     Rule(
-        "any negative number stands for no group", "chain/cable.py", _lines(("(number, -1)", "(number, -2)"))
+        "any negative number stands for no group", "cable/cable.py", _lines(("(number, -1)", "(number, -2)"))
     ),
     Rule(
         "counts, dimensions and numbers of elements are never negative, and dimensions are 2 or 3",
@@ -101,29 +101,29 @@ _RULES = [
     Rule("both are of equal length by construction", "", _lines(("strict=True", "strict=False"))),
     Rule(
         "the previous vector of the first row is zero",
-        "chain/frequency.py",
+        "cable/frequency.py",
         _lines(("norm = 0.0", "norm = -1.0")),
     ),
     Rule(
         "the other triangle and what lies behind the last row is zero, or not reached",
-        "chain/saddle_point.py",
+        "cable/saddle_point.py",
         _lines(("range(2 * len(axes))", "range(3 * len(axes))")),
     ),
-    Rule("the only column", "chain/factorisation.py", _lines(("basis[1, 0] = x", "basis[1, -1] = x"))),
-    Rule("empty in any case", "chain/records.py", _lines(("else (0, 8)", "else (0, 7)"))),
+    Rule("the only column", "cable/factorisation.py", _lines(("basis[1, 0] = x", "basis[1, -1] = x"))),
+    Rule("empty in any case", "cable/records.py", _lines(("else (0, 8)", "else (0, 7)"))),
     Rule(
         "more accurate than needed, and a start that is as good as any other",
-        "chain/frequency.py",
+        "cable/frequency.py",
         _lines(("LANCZOS_STEPS = 40", "LANCZOS_STEPS = 41"), ("** 2 * 1.6", "** 3 * 1.6")),
     ),
     Rule(
         "the last node of a ring has no penalties of its own",
-        "chain/penalty_mass.py",
+        "cable/penalty_mass.py",
         _lines(("of_elements[0]) if closed", "of_elements[1]) if closed")),
     ),
     Rule(
         "memory that is larger than needed, or empty in any case",
-        "chain/records.py",
+        "cable/records.py",
         _lines(
             ("(dim, dim - 1)", "(dim, dim + 1)"),
             ("else (0, 0)", "else (0, 1)"),
@@ -132,7 +132,7 @@ _RULES = [
     ),
     Rule(
         "a node without an owner has entries that are zero, wherever they stand",
-        "chain/sparse_forms.py",
+        "cable/sparse_forms.py",
         _lines(("colour, 0, None", "colour, -1, None")),
     ),
 ]

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import strategies as st
 
-from exudyn_inext.chain.cable import CurvatureMeasure
+from exudyn_inext.cable.cable import CurvatureMeasure
 from tests.cables import State, random_state, some_links, with_resting_anchors
 from tests.moving import move, on_constraints
 

@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipeinc, ellipk, ellipkinc
 
-from exudyn_inext.chain.cable import CurvatureMeasure, Section
-from exudyn_inext.chain.link import Motion, rest
+from exudyn_inext.cable.cable import CurvatureMeasure, Section
+from exudyn_inext.cable.link import Motion, rest
 from exudyn_inext.constraints import constraints_of_cable
 from exudyn_inext.constraints.distance import hanger
 from exudyn_inext.constraints.prescribed_motion import prescribed

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_inext.exudyn_binding.general.coupled_watch import CoupledWatch
+from exudyn_inext.run.coupled_watch import CoupledWatch
 from studies import watch_cost
 from studies.harness.study import Results
 

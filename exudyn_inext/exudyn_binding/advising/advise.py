@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
-from ...adviser.advice import (
+from ...advice.advice import (
     Advice,
     choice_sentence,
     convergence_sentence,
@@ -12,15 +12,15 @@ from ...adviser.advice import (
     rival_sentence,
     stretch_sentence,
 )
-from ...adviser.cost import predicted_seconds
-from ...adviser.pilot import INEXTENSIBLE, Choice
-from ...adviser.rivals import LENIENCE, climb, judge_by_themselves, judge_rivals
-from ...adviser.search import Tried, expected_error, extrapolated, most_accurate, search_inextensible
-from ...adviser.stretch import stretch_error
-from ...adviser.survey import survey_meshes
+from ...advice.cost import predicted_seconds
+from ...advice.pilot import INEXTENSIBLE, Choice
+from ...advice.rivals import LENIENCE, climb, judge_by_themselves, judge_rivals
+from ...advice.search import Tried, expected_error, extrapolated, most_accurate, search_inextensible
+from ...advice.stretch import stretch_error
+from ...advice.survey import survey_meshes
 from ...checks import require_positive
 from ...errors import InputError
-from ..settings import ExplicitSettings
+from ...run.settings import ExplicitSettings
 from .advice_settings import MOST_SAMPLES, SAMPLES, AdviceSettings, require_builder
 from .pilot_runs import Build, PilotRuns
 

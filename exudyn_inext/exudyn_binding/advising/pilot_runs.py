@@ -11,14 +11,14 @@ from typing import Any
 import exudyn
 import numpy as np
 
-from ...adviser.pilot import CONVENTIONAL, Choice, Pilot
-from ...adviser.stretch import Tension
+from ...advice.pilot import CONVENTIONAL, Choice, Pilot
+from ...advice.stretch import Tension
 from ...arrays import Array
 from ...errors import DivergenceError, InputError, SceneError, StepSizeError
+from ...run.settings import ExplicitSettings
 from ..cable_forces import CableForces
 from ..quiet import quiet_settings, silence
 from ..scene import read_scene, require_assembled
-from ..settings import ExplicitSettings
 from ..solver import SolveExplicit
 
 Build = Callable[[int], Any]

@@ -8,12 +8,12 @@ from typing import Any
 import exudyn
 
 from ...checks import LARGEST
-from ..general.surroundings import switched_off
+from ...native.surroundings import switched_off
+from ...run.run import Run
+from ...run.settings import ExplicitSettings
+from ...scene.model import Scene
 from ..restart import Restarts
-from ..scene import Scene
 from ..scene_runs import needs_coupling, runs_of_scene
-from ..settings import ExplicitSettings
-from ..time_loop import Run
 from .log import ChangeLog
 
 

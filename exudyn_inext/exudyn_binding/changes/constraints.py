@@ -8,8 +8,9 @@ import exudyn
 import numpy as np
 
 from ...arrays import Array
-from ..link_items import MovingCoordinate, Rod, motion_along
-from ..scene import ConstraintReader, HeldCoordinate
+from ...scene.links import MovingCoordinate, Rod, motion_along
+from ...scene.model import HeldCoordinate
+from ..scene import ConstraintReader
 from .stepped_motion import Way
 
 FULFILLED = 1e-9  # violation [m, -] that needs no motion to be removed

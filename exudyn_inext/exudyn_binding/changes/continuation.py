@@ -5,10 +5,10 @@ from contextlib import contextmanager
 from typing import Any
 
 from ...integrators.integrator import Integrator
-from ...integrators.watch import KEPT, NOW, Watch
-from ..cable_run import CableRun
-from ..consistent_start import agree
-from ..general.coupled_run import CoupledRun
+from ...run.cable_run import CableRun
+from ...run.consistent_start import agree
+from ...run.coupled_run import CoupledRun
+from ...run.watch import KEPT, NOW, Watch
 
 
 def go_on_with_cable(run: CableRun, time: float) -> None:

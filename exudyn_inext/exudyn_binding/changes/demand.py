@@ -7,9 +7,9 @@ from typing import Any
 import exudyn
 from exudyn.exudynCPP import ObjectIndex
 
-from ..general.coupled_run import CoupledRun
-from ..time_loop import Run
-from .log import Parameter
+from ...items.parameters import Parameter
+from ...run.coupled_run import CoupledRun
+from ...run.run import Run
 
 _JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
 _PLACES = ("offset", "distance")

@@ -7,19 +7,22 @@ from typing import Any
 import numpy as np
 
 from ...errors import SceneError
+from ...items.parameters import Parameter
+from ...native.surroundings import state_kept
+from ...run.cable_loads import CableLoads
+from ...run.cable_run import CableRun
+from ...run.coupled_run import CoupledRun
+from ...run.run import Run
+from ...scene.model import Scene
 from ..cable_forces import forget_evaluators
-from ..cable_loads import CableLoads
-from ..cable_run import CableRun
-from ..general.coupled_run import CoupledRun
-from ..general.surroundings import state_kept
-from ..scene import Scene, read_scene
-from ..time_loop import Run, worst_figures
+from ..scene import read_scene
+from ..time_loop import worst_figures
 from .builder import RunBuilder
 from .constraints import SteppedReader
 from .continuation import go_on_coupled, go_on_with_cable
 from .demand import Demand, demand
 from .limit import StepLimit
-from .log import ChangeLog, Parameter
+from .log import ChangeLog
 from .same_structure import same_cables, same_structure
 from .stored import stored_changes
 

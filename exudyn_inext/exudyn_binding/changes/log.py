@@ -9,41 +9,21 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import wraps
 from threading import Lock
-from typing import Any, NamedTuple
+from typing import Any
 
 import exudyn
 import numpy as np
 
 from ...errors import SceneError
-from ..cable_data import find_cable_item
+from ...items.cable_data import find_cable_item
+from ...items.parameters import KINDS, METHODS, Parameter
 
-_KINDS = ("Load", "Object", "Marker", "Node")
 _CONNECTIONS = {"nodeNumber", "nodeNumbers", "bodyNumber", "objectNumber", "markerNumbers"}
 _REMEDY = "build all items before the run, and switch them by activeConnector"
 _OF_MBS = (
-    *(f"{what}{kind}" for what in ("Add", "Delete", "Modify") for kind in (*_KINDS, "Sensor")),
+    *(f"{what}{kind}" for what in ("Add", "Delete", "Modify") for kind in (*KINDS, "Sensor")),
     *("AddGeneralContact", "DeleteGeneralContact", "Assemble", "Reset", "SetDictionary"),
 )
-
-
-class Parameter(NamedTuple):
-    """A parameter of an item.   kind: Load, Object, ...   number: of the item."""
-
-    kind: str
-    number: int
-    name: str
-
-    def __str__(self) -> str:
-        return f"'{self.name}' of {self.kind.lower()} {self.number}"
-
-    def value(self, mbs: Any) -> Any:
-        """As Exudyn gives it; functions without their description."""
-        value = _METHODS[f"Get{self.kind}Parameter"](mbs, self.number, self.name)
-        return value.get("function", value) if isinstance(value, dict) else value
-
-    def set(self, mbs: Any, value: Any) -> None:
-        """Set it, unnoted."""
-        _METHODS[f"Set{self.kind}Parameter"](mbs, self.number, self.name, value)
 
 
 class ChangeLog:
@@ -124,11 +104,6 @@ class ChangeLog:
         raise self.refusal
 
 
-def set_unnoted(mbs: Any, number: int, name: str, value: Any) -> None:
-    """Set a parameter of an object for the package's own use."""
-    Parameter("Object", number, name).set(mbs, value)
-
-
 _LISTENING: list[ChangeLog] = []
 _LOCK = Lock()
 
@@ -195,11 +170,6 @@ def _refused(name: str, original: Callable[..., Any]) -> Callable[..., Any]:
     return change_items
 
 
-_METHODS = {
-    f"{what}{kind}Parameter": getattr(exudyn.MainSystem, f"{what}{kind}Parameter")
-    for what in ("Get", "Set")
-    for kind in _KINDS
-}
-_WRAPPED = {f"Set{kind}Parameter": _setter(kind, _METHODS[f"Set{kind}Parameter"]) for kind in _KINDS}
+_WRAPPED = {f"Set{kind}Parameter": _setter(kind, METHODS[f"Set{kind}Parameter"]) for kind in KINDS}
 _WRAPPED |= {name: _refused(name, getattr(exudyn.MainSystem, name)) for name in _OF_MBS}
 _ORIGINAL = {name: vars(exudyn.MainSystem)[name] for name in _WRAPPED}

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from ...chain.cable import Cable
-from ...chain.link import Link
-from ..scene import CableInScene, Scene
+from ...cable.cable import Cable
+from ...cable.link import Link
+from ...scene.model import CableInScene, Scene
 
 _OF_SUPPORTS = {"fixed", "links"}
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...arrays import Array
-from ...chain.link import Motion
+from ...cable.link import Motion
 
 
 class Way:

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 
 from ...errors import InputError
+from ...items.parameters import Parameter
 from .constraints import SteppedReader
 from .limit import StepLimit
-from .log import ChangeLog, Parameter
+from .log import ChangeLog
 
 _FUNCTION = "function"  # in place of one, which a file cannot hold
 

@@ -1,0 +1,143 @@
+"""Companions: native ANCF cables without mass and stiffness on the nodes of an inextensible cable.
+
+Exudyn rejects MarkerBodyPosition, SensorBody and contact on a cable's own object; on these they work.
+"""
+
+from itertools import pairwise
+from typing import Any
+from weakref import WeakKeyDictionary
+
+from exudyn.itemInterface import (
+    MarkerBodyPosition,
+    ObjectANCFCable,
+    ObjectANCFCable2D,
+    VObjectANCFCable,
+    VObjectANCFCable2D,
+)
+
+from ...cable.attached import place_on_elements
+from ...checks import require_flag
+from ...scene.model import CableItem
+from ..cable_data import point_on_cable, require_cable
+from .inert import INERT, is_inert_cable
+
+
+def CreateCompanionCables(mbs: Any, cable: Any, show: bool = False) -> list[int]:
+    """Native ANCF cables without mass and stiffness on the nodes of a cable, one for each element.
+
+    What Exudyn attaches to bodies then attaches to the cable: MarkerBodyPosition,
+    MarkerBodyCable2DShape, MarkerBodyCable2DCoordinates, SensorBody, and through them loads, springs,
+    joints and contact. Companions that nothing acts on change neither motion nor cost of a run. A
+    cable has one set of them: a second call returns the first set. Sensors and contour plots show motion
+    and CurvatureLocal; section forces, which companions lack, come from `CreateCableForceSensor`.
+
+    Contact works in the plane: ObjectContactCircleCable2D and ObjectContactFrictionCircleCable2D, whose
+    stiffness and damping bound the steps of SolveExplicit before they close, and
+    GeneralContact.AddANCFCable, for which a stepSize has to be given, as Exudyn does not tell its stiffness.
+
+    Args:
+        mbs: the system; call mbs.Assemble() afterwards.
+        cable: what CreateInextensibleCable returned, or the number of its object.
+        show: whether the renderer draws new companions, too, with their contour variables.
+
+    Returns:
+        object numbers in the order of the elements.
+
+    Raises:
+        InputError: not a cable; mbs is unchanged then.
+
+    Example:
+        elements = CreateCompanionCables(mbs, cable)
+        mbs.AddSensor(SensorBody(bodyNumber=elements[2], localPosition=[0.1, 0, 0],
+            outputVariableType=exu.OutputVariableType.Velocity, storeInternal=True))
+    """
+    _, item = require_cable(mbs, cable)
+    shown = require_flag("show", show)
+    existing = _companions_by_nodes(mbs)
+    spans = list(pairwise(item.node_names))
+    for nodes in spans:  # the system may have been built anew
+        if nodes in existing and _nodes_of_companion(mbs, existing[nodes]) != nodes:
+            del existing[nodes]
+    return [
+        existing[nodes] if nodes in existing else _add_companion(mbs, item, nodes, float(length), shown)
+        for nodes, length in zip(spans, item.cable.element_lengths, strict=True)
+    ]
+
+
+def MarkerOnCable(mbs: Any, cable: Any, arcLength: float) -> int:
+    """A marker on the position of a cable at any arc length, for loads, springs, joints and sensors.
+
+    It is a MarkerBodyPosition on a companion, see `CreateCompanionCables`, which is created if needed.
+    At nodes, MarkerNodePosition, MarkerNodeCoordinate and (planar) MarkerNodeRigid work without one, and
+    loads on them keep a run on its fastest path.
+
+    Args:
+        mbs: the system; call mbs.Assemble() afterwards.
+        cable: what CreateInextensibleCable returned, or the number of its object.
+        arcLength: where, 0 to the cable's length [m].
+
+    Returns:
+        marker number.
+
+    Raises:
+        InputError: not a cable, or the point is not on it; mbs is unchanged then.
+
+    Example:
+        mbs.AddLoad(LoadForceVector(markerNumber=MarkerOnCable(mbs, cable, 1.3), loadVector=[0, -2, 0]))
+    """
+    _, item = require_cable(mbs, cable)
+    element, offset = place_on_cable(item, arcLength)
+    body = CreateCompanionCables(mbs, cable)[element]
+    return int(mbs.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=[offset, 0.0, 0.0])))
+
+
+def place_on_cable(item: CableItem, arc_length: Any) -> tuple[int, float]:
+    """Element, and distance from its left node [m], of a point; InputError if it is not on the cable."""
+    lengths = item.cable.element_lengths
+    element, xi = place_on_elements(point_on_cable(arc_length, item.cable.length), lengths)
+    return element, xi * float(lengths[element])
+
+
+class _Known:
+    """Companions of a system, so far.   looked_at: number of objects.   found: first one by its nodes."""
+
+    def __init__(self) -> None:
+        self.looked_at = 0
+        self.found: dict[tuple[int, int], int] = {}
+
+
+_known: WeakKeyDictionary[Any, _Known] = WeakKeyDictionary()  # so that no object is looked at twice
+
+
+def _companions_by_nodes(mbs: Any) -> dict[tuple[int, int], int]:
+    """Numbers of all companions; what became of those that are known, whoever uses them has to see."""
+    known, number = _known.setdefault(mbs, _Known()), mbs.systemData.NumberOfObjects()
+    if number < known.looked_at:  # the system was reset
+        known = _known[mbs] = _Known()
+    for k in range(known.looked_at, number):
+        if (nodes := _nodes_of_companion(mbs, k)) is not None:
+            known.found.setdefault(nodes, k)
+    known.looked_at = number
+    return known.found
+
+
+def _nodes_of_companion(mbs: Any, number: int) -> tuple[int, int] | None:
+    """Nodes of this object if it is a companion."""
+    data = mbs.GetObject(number)
+    if not is_inert_cable(data):
+        return None
+    left, right = map(int, data["nodeNumbers"])
+    return left, right
+
+
+def _add_companion(mbs: Any, item: CableItem, nodes: tuple[int, int], length: float, show: bool) -> int:
+    planar = item.cable.dimension == 2
+    element, drawing = (
+        (ObjectANCFCable2D, VObjectANCFCable2D) if planar else (ObjectANCFCable, VObjectANCFCable)
+    )
+    nothing = dict.fromkeys(INERT, 0.0)
+    return int(
+        mbs.AddObject(
+            element(nodeNumbers=list(nodes), length=length, visualization=drawing(show=show), **nothing)
+        )
+    )

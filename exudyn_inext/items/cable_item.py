@@ -1,0 +1,226 @@
+"""CreateInextensibleCable: a cable as items of an mbs."""
+
+from typing import Any
+
+import numpy as np
+from exudyn.itemInterface import (
+    CoordinateConstraint,
+    MarkerNodeCoordinate,
+    NodePoint2DSlope1,
+    NodePointGround,
+    NodePointSlope1,
+    ObjectGenericODE2,
+    VObjectGenericODE2,
+)
+
+from ..arrays import Array
+from ..cable.cable import Cable
+from ..checks import require_flag, require_vector
+from ..errors import InputError
+from ..scene.model import CableItem
+from .arguments import require_system
+from .cable_data import carrying_graphics, find_cable_item
+from .enforcement import find_enforcement
+from .enforcement.protocol import Enforcement
+from .shape import CableShape, CheckedShape, check_shape
+from .template import InextensibleCable
+
+__all__ = ["CableItem", "CreateInextensibleCable", "find_cable_item", "supports_of_flags"]
+
+_OTHER_DIMENSION = {
+    2: "For a cable in space, whose nodes have three positions and three slopes, use dimension = 3.",
+    3: "For a planar cable, whose nodes have two positions and two slopes, leave z components out of shape, "
+    "velocities and gravity, and use dimension = 2.",
+}
+
+
+def CreateInextensibleCable(
+    mbs: Any,
+    positionStart: Any = None,
+    positionEnd: Any = None,
+    numberOfElements: int | None = None,
+    beamTemplate: Any = None,
+    gravity: Any = (0, 0, 0),
+    groundConstraintsStart: list | None = None,
+    groundConstraintsEnd: list | None = None,
+    shape: CableShape | None = None,
+    dimension: int | None = None,
+    enforcement: Any = "projection",
+) -> dict[str, Any]:
+    """Add an inextensible ANCF cable to mbs; arguments and result as GenerateBeamElementsAlongLine.
+
+    The cable is one ObjectGenericODE2 on NodePoint2DSlope1 (planar) or NodePointSlope1 nodes. These take
+    SensorNode, MarkerNodePosition, MarkerNodeCoordinate(s) and, in the plane, MarkerNodeRigid;
+    `MarkerOnCable` and `CreateCompanionCables` lead to any arc length, SensorBody and contact,
+    `AttachToBody` to bodies; MarkerBody... and MarkerSuperElement... items on the object itself cannot
+    work. The cable moves under `SolveExplicit`; native solvers, which know nothing of inextensibility,
+    need another `enforcement` than the default and stop with an error else.
+
+    Args:
+        mbs: the system where the items are added.
+        positionStart: first point of a straight cable [m]; None if shape is given.
+        positionEnd: last point of a straight cable [m]; None if shape is given.
+        numberOfElements: of a straight cable; None if shape is given.
+        beamTemplate: InextensibleCable, or a native ObjectANCFCable2D or ObjectANCFCable.
+        gravity: vector of the gravity acceleration [m/s^2].
+        groundConstraintsStart: True/False for each coordinate (positions, then slopes) of the first
+            node: all positions (pin), all slopes (guide), or both (clamp); None: free.
+        groundConstraintsEnd: the same for the last node.
+        shape: CableShape for curved cables and initial velocities, in place of the three arguments
+            of the straight cable.
+        dimension: 2 or 3; None: 2 if shape, velocities and gravity lie in the x-y plane.
+        enforcement: of inextensibility in native solvers. 'projection': none, SolveExplicit only;
+            'penaltyMass' or PenaltyMass(...): penalties, for native explicit solvers; 'algebraic': exact
+            constraint objects, for native implicit solvers. SolveExplicit takes all of them alike.
+
+    Returns:
+        dict with 'nodes', 'elements' (the one cable object), 'nodePositions',
+        'constraintObjects' (supports, none with 'penaltyMass', then inextensibility with 'algebraic'),
+        'loads' (none: gravity belongs to the object).
+
+    Raises:
+        InputError: a value outside of its limits; mbs is unchanged then.
+        RedundantConstraintError: with 'algebraic', lengths and supports that depend on each other.
+
+    Example:
+        cable = CreateInextensibleCable(mbs, [0, 0, 0], [1.8, 0, 0], numberOfElements=5,
+            beamTemplate=InextensibleCable(massPerLength=0.0348, bendingStiffness=0.0866),
+            gravity=[0, -9.81, 0], groundConstraintsStart=[True, True, False, False])
+    """
+    require_system(mbs)
+    way = find_enforcement(enforcement)
+    checked = check_shape(_the_shape(positionStart, positionEnd, numberOfElements, shape))
+    template = InextensibleCable.from_template(beamTemplate)
+    gravity_vector = require_vector("gravity", gravity, " [m/s^2]")
+    dim = _dimension(dimension, checked, gravity_vector)
+    number = len(checked.lengths)
+    cable = Cable(
+        reference=np.ascontiguousarray(checked.q[:, :, :dim]),
+        element_lengths=checked.lengths,
+        section=template.section(dim),
+        measure=template.measure(),
+        length_constraints=template.length_constraints(number),
+        fixed=np.zeros((number + 1, 2), dtype=bool),
+        closed=checked.closed,
+        straight_lengths=checked.straight_lengths,
+    )
+    if checked.closed and groundConstraintsEnd is not None:
+        raise InputError(
+            "groundConstraintsEnd is given, but a closed cable has no end: use groundConstraintsStart for "
+            "its first node."
+        )
+    held = np.zeros(cable.reference.shape, dtype=bool)
+    held[0] = _constraint_flags("groundConstraintsStart", groundConstraintsStart, cable.reference[0])
+    if not checked.closed:
+        held[-1] = _constraint_flags("groundConstraintsEnd", groundConstraintsEnd, cable.reference[-1])
+    return _add_items(mbs, cable, checked.v[:, :, :dim], gravity_vector[:dim], held, way)
+
+
+def _the_shape(start: Any, end: Any, number: Any, shape: CableShape | None) -> CableShape:
+    line = (start, end, number)
+    if shape is None:
+        return CableShape.Line(start, end, number)
+    if any(argument is not None for argument in line):
+        raise InputError(
+            "shape is given together with positionStart, positionEnd or numberOfElements: give either "
+            "the shape or the straight line."
+        )
+    return shape
+
+
+def _dimension(stated: int | None, shape: CheckedShape, gravity: Array) -> int:
+    planar = not (shape.q[:, :, 2].any() or shape.v[:, :, 2].any() or gravity[2])
+    if stated is None:
+        return 2 if planar else 3
+    if not isinstance(stated, int | np.integer) or stated not in (2, 3):
+        raise InputError(f"dimension = {stated!r}: must be 2, 3 or None.")
+    if stated == 2 and not planar:
+        raise InputError(
+            "dimension = 2, but positions, slopes, velocities or gravity have z components: rotate the "
+            "scene into the x-y plane, or use dimension = 3."
+        )
+    return int(stated)
+
+
+def _constraint_flags(name: str, given: list | None, node: Array) -> np.ndarray:
+    """(2, dim) flags of the coordinates; see `supports_of_flags`."""
+    if given is None:
+        return np.zeros(node.shape, dtype=bool)
+    is_list = isinstance(given, list | tuple) or (isinstance(given, np.ndarray) and given.ndim > 0)
+    flags = [require_flag(f"{name}[{k}]", flag) for k, flag in enumerate(given)] if is_list else []
+    if len(flags) != node.size:
+        raise InputError(
+            f"{name} = {given!r} has {len(flags)} entries: needs {node.size}, positions and slopes of the "
+            f"{node.shape[1]}D node. {_OTHER_DIMENSION[node.shape[1]]}"
+        )
+    of_node: np.ndarray = np.reshape(flags, node.shape)
+    supports_of_flags(name, of_node, node)
+    return of_node
+
+
+def supports_of_flags(name: str, flags: np.ndarray, node: Array) -> tuple[bool, bool]:
+    """Whether position and slope of a node are held, from the flags of its coordinates.
+
+    A unit slope is held as soon as all components transverse to it are. A position of which only some
+    coordinates are held does not count.
+
+    Args:
+        name: culprit for messages.
+        flags: (2, dim) constrained coordinates.
+        node: (2, dim) reference position and slope.
+
+    Raises:
+        InputError: only a part of the slopes is held.
+    """
+    position = bool(flags[0].all())
+    released = node[1][~flags[1]]
+    tangent_only = len(released) == 1 and abs(abs(released[0]) - 1.0) < 1e-12
+    slope = bool(flags[1].all() or tangent_only)
+    if flags[1].any() != slope:
+        raise InputError(
+            f"{name} holds the coordinates {flags.astype(int).tolist()} ([positions], [slopes]): hold all or "
+            "no slopes (the component along the cable may be left out). "
+            f"{_OTHER_DIMENSION[flags.shape[1]]}"
+        )
+    return position, slope
+
+
+def _add_items(
+    mbs: Any, cable: Cable, velocities: Array, gravity: Array, held: np.ndarray, way: Enforcement
+) -> dict[str, Any]:
+    way.require_independent(CableItem(cable, gravity, (), way.name, held), held)
+    node_type = NodePoint2DSlope1 if cable.dimension == 2 else NodePointSlope1
+    count = len(cable.reference) - cable.closed
+    nodes = [
+        mbs.AddNode(node_type(referenceCoordinates=q.ravel().tolist(), initialVelocities=v.ravel().tolist()))
+        for q, v in zip(cable.reference[:count], velocities[:count], strict=True)
+    ]
+    held_within = np.zeros_like(held) if way.supports_are_objects else held
+    item = CableItem(cable, gravity, tuple(map(int, nodes)), way.name, held_within)
+    element = mbs.AddObject(
+        ObjectGenericODE2(
+            nodeNumbers=nodes,
+            visualization=VObjectGenericODE2(graphicsDataUserFunction=carrying_graphics(item)),
+            **way.object_parameters(item),
+        )
+    )
+    constraints = _add_ground_constraints(mbs, nodes, held) if way.supports_are_objects else []
+    return {
+        "nodes": nodes,
+        "elements": [element],
+        "nodePositions": [[*q[0].tolist(), 0.0][:3] for q in cable.reference[:count]],
+        "constraintObjects": constraints + way.add_constraints(mbs, element, item, held),
+        "loads": [],
+    }
+
+
+def _add_ground_constraints(mbs: Any, nodes: list[int], held: np.ndarray) -> list[int]:
+    if not held.any():
+        return []
+    ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+    constraints = []
+    for k in (0, -1):
+        for coordinate in np.flatnonzero(held[k]).tolist():
+            marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=nodes[k], coordinate=coordinate))
+            constraints.append(mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, marker])))
+    return constraints

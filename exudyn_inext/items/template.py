@@ -1,0 +1,109 @@
+"""Section and discretisation of an inextensible cable, in the user's terms."""
+
+from dataclasses import dataclass
+from numbers import Number
+from typing import Any
+
+from exudyn.itemInterface import ObjectANCFCable, ObjectANCFCable2D
+
+from ..cable.cable import CurvatureMeasure, Section
+from ..checks import require_choice, require_finite, require_integer, require_not_negative, require_positive
+from ..errors import InputError
+
+_NOT_YET = (
+    "referenceAxialStrain",
+    "strainIsRelativeToReference",
+    "bendingMomentUserFunction",
+    "axialForceUserFunction",
+)
+
+
+@dataclass(frozen=True)
+class InextensibleCable:
+    """Properties of an inextensible cable element; takes the place of a native beam template.
+
+    Args:
+        massPerLength: rho_A [kg/m].
+        bendingStiffness: EI [N m^2].
+        curvatureMeasure: 'secondDerivative' (kappa^2 = |r_xx|^2, cheaper and more accurate) or
+            'product' (kappa^2 = |r_x|^2 |r_xx|^2, the paper's Eq. (4)).
+        bendingDamping: D of the bending moment D kappa_t (Kelvin-Voigt) [N m^2 s], as in native cables.
+        referenceCurvature: natural curvature [1/m] of a planar cable, positive if it turns to the left.
+        numberOfLengthConstraints: n_bar of Eq. (19), 0 to the number of elements; None: one per element.
+
+    Example:
+        InextensibleCable(massPerLength=0.0348, bendingStiffness=0.0866)
+    """
+
+    massPerLength: float
+    bendingStiffness: float
+    curvatureMeasure: str = CurvatureMeasure.SECOND_DERIVATIVE.value
+    numberOfLengthConstraints: int | None = None
+    bendingDamping: float = 0.0
+    referenceCurvature: float = 0.0
+
+    @classmethod
+    def from_template(cls, template: Any) -> "InextensibleCable":
+        """`template` itself, or the inextensible counterpart of a native ANCF cable template.
+
+        The axial stiffness of a native template is left out: this is what inextensible means.
+
+        Raises:
+            InputError: not a cable template, or a property that has no counterpart yet.
+        """
+        if isinstance(template, cls):
+            return template
+        if not isinstance(template, ObjectANCFCable | ObjectANCFCable2D):
+            raise InputError(
+                f"beamTemplate = {template!r}: must be an InextensibleCable, or an ObjectANCFCable2D or "
+                "ObjectANCFCable whose massPerLength and bendingStiffness are taken over."
+            )
+        for name in _NOT_YET:
+            if _is_set(getattr(template, name, None)):
+                raise InputError(
+                    f"beamTemplate.{name} = {getattr(template, name)!r}: not supported by the "
+                    "inextensible cable yet; set it to zero."
+                )
+        return cls(
+            template.massPerLength,
+            template.bendingStiffness,
+            bendingDamping=template.bendingDamping,
+            referenceCurvature=getattr(template, "referenceCurvature", 0.0),
+        )
+
+    def section(self, dimension: int) -> Section:
+        """Checked constants of the cross-section of a cable in that many dimensions.
+
+        Raises:
+            InputError: a number out of range, or natural curvature in space.
+        """
+        curvature = require_finite("referenceCurvature", self.referenceCurvature, "1/m")
+        if curvature and dimension == 3:
+            raise InputError(
+                f"referenceCurvature = {curvature!r} in 3D: which way the section faces is not modelled; set "
+                "it to zero, or use dimension=2."
+            )
+        return Section(
+            require_positive("massPerLength", self.massPerLength),
+            require_positive("bendingStiffness", self.bendingStiffness),
+            curvature,
+            require_not_negative("bendingDamping", self.bendingDamping),
+        )
+
+    def measure(self) -> CurvatureMeasure:
+        """Checked curvature measure; InputError if it is unknown."""
+        known = [measure.value for measure in CurvatureMeasure]
+        return CurvatureMeasure(require_choice("curvatureMeasure", self.curvatureMeasure, known))
+
+    def length_constraints(self, number_of_elements: int) -> int:
+        """Checked n_bar for a cable of that many elements; InputError if it is not among 0 to that number."""
+        number = self.numberOfLengthConstraints
+        if number is None:
+            return number_of_elements
+        name = "numberOfLengthConstraints"
+        return require_integer(name, number, 0, number_of_elements, ", the number of elements")
+
+
+def _is_set(value: Any) -> bool:
+    """Whether a property of a native template differs from zero, None and False."""
+    return not (value is None or (isinstance(value, Number) and value == 0))

@@ -1,0 +1,243 @@
+"""Everything with mass but the inextensible cables: which coordinates, which mass matrix."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import exudyn
+import numpy as np
+from exudyn.exudynCPP import ObjectIndex
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from ..arrays import Array
+from ..errors import SceneError
+from ..items.arguments import described
+from ..scene.bodies import BodiesSystem, MassBlock, VariableBlocks
+
+_MASS = exudyn.ComputeItemType.MassMatrix
+_CONSTANT_MASS = {
+    "ANCFCable",
+    "ANCFCable2D",
+    "MassPoint",
+    "MassPoint2D",
+    "Mass1D",
+    "Rotor1D",
+}
+_NOT_ADDITIVE = {"RigidBodyRotVecLG", "RigidBodyRotVecDataLG"}
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """An object with mass.
+
+    number: of the object.   coordinates: (k,) places in the system vector.
+    has_constant_mass: whether its mass does not depend on the configuration.
+    tells_mass: whether Exudyn gives the mass matrix of this object alone.
+    """
+
+    number: int
+    coordinates: np.ndarray
+    has_constant_mass: bool
+    tells_mass: bool
+
+    def mass(self, mbs: Any) -> Array:
+        """(k, k) in the current configuration."""
+        return np.asarray(mbs.ComputeItem(ObjectIndex(self.number), _MASS))
+
+
+@dataclass(frozen=True, eq=False)
+class Quaternion:
+    """Euler parameters of a node.
+
+    coordinates: (4,) places.   reference: (4,) what Exudyn's coordinates are displacements from.
+    """
+
+    coordinates: np.ndarray
+    reference: Array
+
+
+def system_mass(mbs: Any, solver: Any) -> Array:
+    """(n, n) mass matrix of all items in the current configuration."""
+    solver.ComputeMassMatrix(mbs)
+    return np.asarray(solver.GetSystemMassMatrix())
+
+
+def _mass_of_object(mbs: Any, number: int, coordinates: np.ndarray, total: Array) -> tuple[Array, bool]:
+    """Mass matrix of an object (empty if it has none), and whether it is given for this object alone."""
+    index = ObjectIndex(number)
+    if _MASS not in mbs.ComputeItem(index):
+        return np.zeros((0, 0)), False
+    try:
+        return np.asarray(mbs.ComputeItem(index, _MASS)), True
+    except exudyn.InternalError:  # stored as sparse matrix, or not at all
+        return total[np.ix_(coordinates, coordinates)], False
+
+
+def read_bodies(mbs: Any, cables: Sequence[int], on_cables: np.ndarray, total: Array) -> list[Body]:
+    """All objects with mass but the inextensible cables.
+
+    Args:
+        mbs: assembled.   cables: object numbers.   on_cables: system coordinates of the cables.
+        total: (n, n) mass matrix of all items.
+
+    Raises:
+        SceneError: an object with mass on nodes of an inextensible cable.
+    """
+    bodies = []
+    for number in range(mbs.systemData.NumberOfObjects()):
+        coordinates = np.array(mbs.systemData.GetObjectLTGODE2(number), dtype=int)
+        if number in cables or not len(coordinates):
+            continue
+        mass, tells_mass = _mass_of_object(mbs, number, coordinates, total)
+        if not mass.any():
+            continue
+        data = mbs.GetObject(number)
+        if np.isin(coordinates, on_cables).any():
+            raise SceneError(
+                f"{described(data, number)} has mass and lies on nodes of an inextensible cable: give it no "
+                "mass (a companion for markers and contact), or its own nodes and a joint."
+            )
+        bodies.append(Body(number, coordinates, _has_constant_mass(data), tells_mass))
+    return bodies
+
+
+def _has_constant_mass(data: dict[str, Any]) -> bool:
+    if data["objectType"] == "GenericODE2":
+        return not data["massMatrixUserFunction"]
+    if data["objectType"] == "RigidBody2D":
+        return not np.any(data.get("physicsCenterOfMass", 0.0))
+    return data["objectType"] in _CONSTANT_MASS
+
+
+def read_quaternions(mbs: Any) -> list[Quaternion]:
+    """Euler parameters of all nodes; SceneError for nodes whose coordinates do not add up."""
+    found = []
+    for number in range(mbs.systemData.NumberOfNodes()):
+        data = mbs.GetNode(number)
+        if data["nodeType"] in _NOT_ADDITIVE:
+            raise SceneError(
+                f"node {number} '{data['name']}' ({data['nodeType']}) has rotations that an explicit scheme "
+                "cannot add up: use nodeType RotationEulerParameters or RotationRxyz."
+            )
+        if data["nodeType"] == "RigidBodyEP":
+            coordinates = np.array(mbs.systemData.GetNodeLTGODE2(number)[3:7])
+            reference = np.array(data["referenceCoordinates"][3:7], dtype=float)
+            found.append(Quaternion(coordinates, reference))
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Stack:
+    """Groups of bodies of variable mass with equally many coordinates, and their places in the groups."""
+
+    blocks: VariableBlocks
+    bodies: list[list[tuple[Body, Any]]]
+
+
+def _coordinates_of(bodies: Sequence[Body]) -> np.ndarray:
+    """Places of all their coordinates, sorted."""
+    return np.unique(np.concatenate([np.zeros(0, int), *(body.coordinates for body in bodies)]))
+
+
+def _groups(bodies: Sequence[Body]) -> list[list[Body]]:
+    """Bodies that share coordinates."""
+    entries = [(k, c) for k, body in enumerate(bodies) for c in body.coordinates]
+    if not entries:
+        return []
+    rows, columns = np.transpose(entries)
+    incidence = coo_array((np.ones(len(rows)), (rows, columns)))
+    count, labels = connected_components(incidence @ incidence.T, directed=False)
+    return [[bodies[k] for k in np.flatnonzero(labels == label).tolist()] for label in range(count)]
+
+
+class BodyMasses:
+    """Mass of the bodies: constant blocks are inverted once, the others at each configuration.
+
+    Args:
+        holdable: places of held coordinates; where the mass is constant, they are left out.
+
+    coordinates: (n,) places of the bodies' other coordinates in the system vector.   system: M a = F.
+    held: (k,) places of those that are left out.   held_mass, coupling: (k, k), (k, n) their rows of M.
+    """
+
+    def __init__(
+        self,
+        mbs: Any,
+        solver: Any,
+        bodies: Sequence[Body],
+        quaternions: Sequence[Quaternion],
+        zeta: float,
+        holdable: Collection[int] = (),
+    ) -> None:
+        total = system_mass(mbs, solver)
+        self._mbs = mbs
+        self._solver = solver
+        groups = _groups(bodies)
+        constant = [group for group in groups if all(body.has_constant_mass for body in group)]
+        variable = [group for group in groups if not all(body.has_constant_mass for body in group)]
+        of_constant = _coordinates_of([body for group in constant for body in group])
+        self.held = np.intersect1d(of_constant, np.array(sorted(holdable), dtype=int))
+        self.coordinates = np.setdiff1d(_coordinates_of(bodies), self.held)
+        self.held_mass = total[np.ix_(self.held, self.held)]
+        self.coupling = total[np.ix_(self.held, self.coordinates)]
+        self._needs_total = not all(body.tells_mass for group in variable for body in group)
+        sizes = sorted({len(self._dofs_of(group)) for group in variable})
+        self._stacks = [self._stack(size, variable, quaternions) for size in sizes]
+        blocks = [MassBlock(dofs, self._part_of(total, dofs)) for dofs in map(self._dofs_of, constant)]
+        variables = [stack.blocks for stack in self._stacks]
+        self.system = BodiesSystem(len(self.coordinates), blocks, variables, zeta)
+
+    @property
+    def number_of_variable(self) -> int:
+        return sum(len(bodies) for stack in self._stacks for bodies in stack.bodies)
+
+    def update(self, q: Array) -> None:
+        """Masses of the current configuration of mbs, which is q (n,)."""
+        total = system_mass(self._mbs, self._solver) if self._needs_total else None
+        for number, stack in enumerate(self._stacks):
+            masses = self._masses(stack) if total is None else self._part_of(total, stack.blocks.dofs)
+            self.system.set_masses(number, masses, q)
+
+    def _local(self, coordinates: np.ndarray) -> np.ndarray:
+        return np.searchsorted(self.coordinates, coordinates)
+
+    def _dofs_of(self, group: Sequence[Body]) -> np.ndarray:
+        return self._local(np.setdiff1d(_coordinates_of(group), self.held))
+
+    def _stack(
+        self, size: int, variable: Sequence[Sequence[Body]], quaternions: Sequence[Quaternion]
+    ) -> _Stack:
+        groups = [group for group in variable if len(self._dofs_of(group)) == size]
+        dofs = np.stack([self._dofs_of(group) for group in groups])
+        bodies = [
+            [(body, self._places(own, body.coordinates)) for body in group]
+            for group, own in zip(groups, dofs, strict=True)
+        ]
+        first, reference = np.full(len(groups), -1), np.zeros((len(groups), 4))
+        for quaternion in quaternions:
+            own = self._local(quaternion.coordinates)
+            for group in np.flatnonzero((dofs == own[0]).any(axis=1)).tolist():
+                first[group] = np.searchsorted(dofs[group], own[0])
+                reference[group] = quaternion.reference
+        return _Stack(VariableBlocks(dofs, first, reference), bodies)
+
+    def _places(self, dofs: np.ndarray, coordinates: np.ndarray) -> Any:
+        """Places of a body in the block with these dofs; all of it, if the body is alone there."""
+        places = np.searchsorted(dofs, self._local(coordinates))
+        return np.s_[:, :] if np.array_equal(places, np.arange(len(dofs))) else np.ix_(places, places)
+
+    def _masses(self, stack: _Stack) -> Array:
+        """(B, k, k)."""
+        number, size = stack.blocks.dofs.shape
+        masses: Array = np.zeros((number, size, size))
+        for mass, bodies in zip(masses, stack.bodies, strict=True):
+            for body, places in bodies:
+                mass[places] += body.mass(self._mbs)
+        return masses
+
+    def _part_of(self, total: Array, dofs: np.ndarray) -> Array:
+        """(..., k, k) blocks of the whole mass matrix.   dofs: (..., k)."""
+        places = self.coordinates[dofs]
+        part: Array = total[places[..., :, None], places[..., None, :]]
+        return part

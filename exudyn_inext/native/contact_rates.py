@@ -1,0 +1,187 @@
+"""What contacts of cables with circles would do if all of them closed: nobody feels them while they are open.
+
+Springs and dashpots between the middle of each open segment and the circle: those of contact across the
+cable, those of friction along it, as on a cable that lies on the circle. The ends of a segment meet the
+circle at an angle, by which each acts a little in the other direction, too. A circle feels at most one turn
+of the cable at once.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import exudyn
+import numpy as np
+from scipy.sparse import csr_array, vstack
+
+from ..arrays import Array
+from ..element.shape_functions import first_derivatives, shape_functions
+from ..errors import SceneError
+from ..run.joined_scene import OpenContacts
+from ..scene.closed_contacts import ClosedContacts
+from .coordinates import CoordinateMap
+from .surroundings import state_kept
+
+STIFFNESSES = ("contactStiffness", "frictionStiffness")  # across and along the cable
+DAMPINGS = ("contactDamping", "frictionVelocityPenalty")
+_CONTACTS = {"ContactFrictionCircleCable2D", "ContactCircleCable2D"}
+
+
+@dataclass(frozen=True, eq=False)
+class _OpenContact:
+    """An object with segments that do not touch.
+
+    number: of the object.   data: of it.   element: (8,) system coordinates of its cable.
+    segments: how many are open.   length: of them together [m].
+    middles, slopes: (segments, 4) shape functions and their derivatives [1/m] in the middle of each.
+    """
+
+    number: int
+    data: dict[str, Any]
+    element: np.ndarray
+    segments: int
+    length: float
+    middles: Array
+    slopes: Array
+
+    @property
+    def marker(self) -> int:
+        """On the circle."""
+        return int(self.data["markerNumbers"][0])
+
+    @property
+    def radius(self) -> float:
+        return float(self.data["circleRadius"])
+
+    def strengths(self, names: Sequence[str]) -> tuple[float, float]:
+        """Of a segment across and along the cable, of the parameters of these names."""
+        across, along = (float(self.data.get(name, 0.0)) for name in names)
+        angle = min(0.5 * self.length / self.segments / max(self.radius, 1e-300), 1.0)
+        return across + angle**2 * along, along + angle**2 * across
+
+    def __str__(self) -> str:
+        names = [name for name in (*STIFFNESSES, *DAMPINGS) if self.data.get(name)]
+        given = ", ".join(f"{name} = {self.data[name]:g}" for name in names)
+        return f"object {self.number} '{self.data['name']}' ({self.data['objectType']}: {given})"
+
+
+def open_contacts(mbs: Any, coordinates: CoordinateMap, size: int) -> OpenContacts | None:
+    """Contacts of cables with circles that do not act in the current state of mbs; None: there is none.
+
+    Args:
+        mbs: assembled.   coordinates: of the coupled parts.   size: number of coordinates of all parts.
+    """
+    contacts = [_read(mbs, number) for number in range(mbs.systemData.NumberOfObjects())]
+    found = [contact for contact in contacts if contact is not None]
+    if not found:
+        return None
+    lengths: dict[int, float] = {}
+    for contact in found:
+        lengths[contact.marker] = lengths.get(contact.marker, 0.0) + contact.length
+    circles = {marker: _Circle(mbs, marker) for marker in lengths}
+    motions = []
+    for contact in found:
+        turn = 2.0 * np.pi * contact.radius
+        share = float(np.sqrt(min(1.0, turn / lengths[contact.marker])))
+        motions.append(_motion(mbs, contact, circles[contact.marker], share, coordinates, size))
+    stiffness, damping = (
+        np.concatenate([np.tile(contact.strengths(names), contact.segments) for contact in found])
+        for names in (STIFFNESSES, DAMPINGS)
+    )
+    closed = ClosedContacts(vstack(motions, format="csr"), stiffness, damping)
+    return OpenContacts(closed, _name(found), STIFFNESSES, DAMPINGS)
+
+
+def _require_finite(contact: _OpenContact) -> None:
+    """Raise SceneError unless springs and dashpots are numbers."""
+    strengths = (*contact.strengths(STIFFNESSES), *contact.strengths(DAMPINGS))
+    if not np.isfinite(strengths).all():
+        raise SceneError(
+            f"{contact} has a stiffness or a damping that is not finite, so that no step is known to be "
+            "stable: give finite numbers."
+        )
+
+
+def _read(mbs: Any, number: int) -> _OpenContact | None:
+    """The contact that this object is, or None if it is none that is open."""
+    data = mbs.GetObject(number)
+    if data["objectType"] not in _CONTACTS or not data["activeConnector"]:
+        return None
+    cable = mbs.GetMarker(data["markerNumbers"][1])["bodyNumber"]
+    body = mbs.GetObject(cable)
+    if body["objectType"] != "ANCFCable2D":
+        return None
+    segments, length = int(data["numberOfContactSegments"]), float(body["length"])
+    gaps = np.array(mbs.systemData.GetDataCoordinates())[mbs.systemData.GetObjectLTGData(number)[:segments]]
+    xi = (np.flatnonzero(gaps > 0.0) + 0.5) / segments
+    if not len(xi):
+        return None
+    element = np.array(mbs.systemData.GetObjectLTGODE2(cable), dtype=int)
+    middles, slopes = shape_functions(xi, length).T, first_derivatives(xi, length).T
+    contact = _OpenContact(number, data, element, len(xi), length * len(xi) / segments, middles, slopes)
+    _require_finite(contact)
+    return contact
+
+
+class _Circle:
+    """The body that a marker lies on.
+
+    centre: (2,) [m].   rates: (k, 3) velocity of the marker [m/s] and angular velocity [1/s] in the plane
+    for a unit velocity of each coordinate of the body.
+    """
+
+    def __init__(self, mbs: Any, marker: int) -> None:
+        what = exudyn.OutputVariableType
+        self.centre = np.array(mbs.GetMarkerOutput(marker, what.Position))[:2]
+        data = mbs.GetMarker(marker)
+        body = data.get("bodyNumber")
+        system = mbs.systemData
+        columns = system.GetNodeLTGODE2(data["nodeNumber"]) if body is None else system.GetObjectLTGODE2(body)
+        rates = []
+        with state_kept(mbs):
+            for column in columns:
+                unit = np.zeros(system.ODE2Size())
+                unit[column] = 1.0
+                system.SetODE2Coordinates_t(unit.tolist())
+                velocity = mbs.GetMarkerOutput(marker, what.Velocity)[:2]
+                rates.append([*velocity, mbs.GetMarkerOutput(marker, what.AngularVelocity)[2]])
+        self.columns = np.array(columns, dtype=int)
+        self.rates = np.reshape(rates, (-1, 3))
+
+
+def _motion(
+    mbs: Any, contact: _OpenContact, circle: _Circle, share: float, coordinates: CoordinateMap, size: int
+) -> Any:
+    """(2 segments, size) relative velocities of the segments' middles and the circle, sparse.
+
+    Of each segment across and along the cable.   share: of the circle's velocity that counts [-].
+    """
+    reference = exudyn.ConfigurationType.Reference
+    q = np.add(mbs.systemData.GetODE2Coordinates(), mbs.systemData.GetODE2Coordinates(reference))
+    nodal = q[contact.element].reshape(4, 2)
+    axes = _across_and_along(contact.slopes @ nodal)
+    away = contact.middles @ nodal - circle.centre
+    away /= np.maximum(np.linalg.norm(away, axis=1, keepdims=True), 1e-12)
+    around = contact.radius * np.stack([-away[:, 1], away[:, 0]], axis=1)
+    of_cable = np.einsum("sf,sai->safi", contact.middles, axes)
+    turning = np.einsum("si,k->sik", around, circle.rates[:, 2])
+    of_circle = np.einsum("sik,sai->sak", circle.rates[:, :2].T + turning, axes)
+    count = 2 * contact.segments
+    block = np.hstack([of_cable.reshape(count, -1), -share * of_circle.reshape(count, -1)])
+    places = np.array([coordinates.place(int(c)) for c in (*contact.element, *circle.columns)])
+    block, places = block[:, places >= 0], places[places >= 0]  # others are held
+    rows, columns = np.indices(block.shape)
+    return csr_array((block.ravel(), (rows.ravel(), places[columns.ravel()])), shape=(count, size))
+
+
+def _across_and_along(tangents: Array) -> Array:
+    """(s, 2, 2) unit normals and tangents.   tangents: (s, 2)."""
+    along = tangents / np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), 1e-12)
+    return np.stack([np.stack([-along[:, 1], along[:, 0]], axis=1), along], axis=1)
+
+
+def _name(found: Sequence[_OpenContact]) -> str:
+    """The strongest one, and how many there are besides."""
+    strongest = max(found, key=lambda contact: contact.strengths(STIFFNESSES))
+    others = f" and {len(found) - 1} more like it" if len(found) > 1 else ""
+    return f"{strongest}{others}"

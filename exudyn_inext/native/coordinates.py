@@ -1,0 +1,74 @@
+"""Where the coordinates of an mbs lie in the parts of a coupled system."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ..arrays import Array
+
+
+@dataclass(frozen=True, eq=False)
+class PartCoordinates:
+    """One part.
+
+    indices: (n,) places in the system vector of second order coordinates.
+    reference: (n,) what separates the part's coordinates from Exudyn's displacements.
+    """
+
+    indices: np.ndarray
+    reference: Array
+
+
+class CoordinateMap:
+    """Between coordinates of the parts, one after the other, and the system vector of an mbs.
+
+    A coordinate may stand twice (first and last node of a closed cable): forces and Jacobians then go
+    to the first one.
+
+    indices, reference: (n,) of all parts.   slices: of the parts.
+    of_forces: (n,) as the indices, with -1 for coordinates that stand there already.
+    """
+
+    def __init__(self, size: int, parts: Sequence[PartCoordinates]) -> None:
+        ends = np.cumsum([0, *(len(part.indices) for part in parts)])
+        self.size = size
+        self.indices = np.concatenate([part.indices for part in parts]).astype(int)
+        self.reference = np.concatenate([part.reference for part in parts])
+        self.slices = [slice(a, b) for a, b in pairwise(ends)]
+        first = np.full(size, -1)
+        first[self.indices[::-1]] = np.arange(len(self.indices))[::-1]
+        self._first = first
+        again = np.flatnonzero(first[self.indices] != np.arange(len(self.indices)))
+        self.of_forces = self.indices.copy()
+        self.of_forces[again] = -1
+        self._vector = np.zeros(size)
+        self._part_of = np.repeat(np.arange(len(parts)), np.diff(ends))
+
+    def displacements(self, q: Array) -> list[float]:
+        """(size,) system vector of displacements from coordinates (n,)."""
+        return self.rates(q - self.reference)
+
+    def rates(self, v: Array) -> list[float]:
+        """(size,) system vector of velocities or accelerations (n,)."""
+        self._vector[self.indices] = v
+        return self._vector.tolist()
+
+    def places(self, coordinates: np.ndarray) -> list[tuple[int, np.ndarray, np.ndarray]]:
+        """(part, which of `coordinates` lie in it, their places there), for each part that is met."""
+        at = self._first[coordinates]
+        parts = np.where(at >= 0, self._part_of[at], -1)
+        found = []
+        for part in np.unique(parts[parts >= 0]):
+            own = np.flatnonzero(parts == part)
+            found.append((int(part), own, at[own] - self.slices[part].start))
+        return found
+
+    def place(self, coordinate: int) -> int:
+        """Of a system coordinate in the vectors of all parts; -1 if it lies in none."""
+        return int(self._first[coordinate])
+
+    def missing(self) -> np.ndarray:
+        """System coordinates that lie in no part."""
+        return np.flatnonzero(self._first < 0)

@@ -1,0 +1,213 @@
+"""Cables, bodies and joints of an mbs as one coupled system."""
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import exudyn
+import numpy as np
+
+from ..arrays import Array
+from ..errors import SceneError
+from ..run.cable_loads import CableLoads
+from ..run.joined_scene import OpenContacts
+from ..scene.bodies import BodiesSystem, MassBlock
+from ..scene.coupled_system import CoupledSystem, Part
+from ..scene.model import HeldCoordinate
+from ..system import index_reduced_rates
+from .bodies import BodyMasses, read_bodies, read_quaternions, system_mass
+from .contact_rates import open_contacts
+from .coordinates import CoordinateMap, PartCoordinates
+from .friction_check import FrictionCheck
+from .held import HeldCoordinates, holders
+from .joint_items import read_joints
+from .joint_rows import JointRows
+from .surroundings import DataCoordinates, NativeSurroundings, evaluator
+
+_NONE: Mapping[int, HeldCoordinate] = {}
+
+
+class CoupledCable(NamedTuple):
+    """A cable of the scene.
+
+    number: of its object.   indices, reference: of its coordinates, see `PartCoordinates`.
+    system: its index-reduced equations.   loads: gravity and motions; Exudyn evaluates all others.
+    """
+
+    number: int
+    indices: np.ndarray
+    reference: Array
+    system: Any
+    loads: CableLoads
+
+
+class CoupledScene:
+    """The parts of a scene in one order: cables, bodies, first order states.
+
+    system: all of it.   map: its coordinates in the mbs.   surroundings: forces and joints.
+    joints: native constraints that couple the parts.   held: coordinates that belong to no part.
+    """
+
+    def __init__(
+        self,
+        mbs: Any,
+        cables: Sequence[CoupledCable],
+        own_constraints: frozenset[int],
+        zeta: float,
+        held: Mapping[int, HeldCoordinate] = _NONE,
+    ) -> None:
+        """Read all but the cables from mbs.
+
+        Args:
+            mbs: assembled; Exudyn's own evaluation of the cables is switched off.
+            cables: its inextensible cables.   own_constraints: object numbers of what belongs to them.
+            zeta: stabilisation rate of the joints [1/s].
+            held: coordinates to be left out where a body of constant mass has them, by their constraints.
+
+        Raises:
+            SceneError: coordinates without mass, or a joint that is not supported.
+        """
+        self._mbs = mbs
+        self._cables = cables
+        self._own_constraints, self._held = own_constraints, held
+        solver = evaluator(mbs)
+        on_cables = np.concatenate([np.zeros(0, int), *(cable.indices for cable in cables)])
+        bodies = read_bodies(mbs, [cable.number for cable in cables], on_cables, system_mass(mbs, solver))
+        quaternions = read_quaternions(mbs)
+        by_place = holders(mbs, held)
+        self._masses = masses = BodyMasses(mbs, solver, bodies, quaternions, zeta, by_place)
+        self.held = HeldCoordinates(mbs, masses, [by_place[place] for place in masses.held.tolist()])
+        places = [PartCoordinates(cable.indices, cable.reference) for cable in cables]
+        places.append(PartCoordinates(masses.coordinates, np.zeros(len(masses.coordinates))))
+        self.map = CoordinateMap(mbs.systemData.ODE2Size(), places)
+        _require_mass(mbs, np.setdiff1d(self.map.missing(), masses.held))
+        systems = [*(cable.system for cable in cables), masses.system]
+        parts = [Part(system, dofs) for system, dofs in zip(systems, self.map.slices, strict=True)]
+        parts += self._first_order_states()
+        self.joints = read_joints(mbs, own_constraints.union(self.held.numbers))
+        rows = JointRows(self.joints, quaternions, parts, self.map)
+        loads = [cable.loads for cable in cables]
+        self.surroundings = NativeSurroundings(mbs, solver, parts, self.map, loads, masses, rows, self.held)
+        self.system = CoupledSystem(parts, self.surroundings, zeta)
+
+    def take_hold(self, v: Array, tolerance: float) -> None:
+        """Stop the held coordinates at the start; see `HeldCoordinates`.   v: (n,) of all parts, in place."""
+        bodies = self.system.parts[len(self._cables)].dofs
+        self.held.take_hold(v[bodies], tolerance)
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates of all parts."""
+        return self.system.parts[-1].dofs.stop
+
+    @property
+    def bodies_of_variable_mass(self) -> int:
+        """How many bodies Exudyn is asked for their mass at each evaluation."""
+        return self._masses.number_of_variable
+
+    def memory(self) -> dict[str, Any]:
+        """What earlier steps taught joints and quaternions, by names."""
+        return {"joints": self.system.foresight, "quaternions": self._masses.system.memory()}
+
+    def forget(self) -> None:
+        """What earlier steps taught the joints and quaternions does not hold any more."""
+        self.system.foresight[:] = 0.0
+        self._masses.system.forget()
+
+    @property
+    def has_bodies(self) -> bool:
+        return len(self.map.indices) > sum(len(cable.indices) for cable in self._cables)
+
+    def _first_order_states(self) -> list[Part]:
+        """y of y' = f as velocities of unit masses: every scheme then integrates them as it does v."""
+        number = self._mbs.systemData.ODE1Size()
+        if not number:
+            return []
+        start = len(self.map.indices)
+        unit = BodiesSystem(number, [MassBlock(np.arange(number), np.eye(number))])
+        return [Part(unit, slice(start, start + number))]
+
+    @property
+    def initial_state(self) -> tuple[Array, Array]:
+        """q and v (n,) of all parts at the start."""
+        return self.state(exudyn.ConfigurationType.Initial)
+
+    @cached_property
+    def friction(self) -> FrictionCheck:
+        """Whether friction of cables on circles obeys Coulomb's law."""
+        return FrictionCheck(self._mbs)
+
+    def open_contacts(self) -> OpenContacts | None:
+        """Contacts that are open in the present state of mbs, if there are any."""
+        return open_contacts(self._mbs, self.map, self.size)
+
+    @property
+    def remembered(self) -> DataCoordinates | None:
+        """What contact and friction remember in mbs, if there are any."""
+        data = self._mbs.systemData
+        return DataCoordinates(data) if data.DataSize() else None
+
+    def coordinate_name(self, index: int) -> str:
+        """The node that has a coordinate, by its place in the system vector."""
+        data = self._mbs.systemData
+        nodes = [k for k in range(data.NumberOfNodes()) if index in data.GetNodeLTGODE2(k)]
+        return f"node {nodes[0]} '{self._mbs.GetNode(nodes[0])['name']}'" if nodes else f"coordinate {index}"
+
+    def require_finite(self, v: Array) -> None:
+        """Raise SceneError, which names the node, unless all velocities v (n,) are finite."""
+        bad = np.flatnonzero(~np.isfinite(v[: len(self.map.indices)]))
+        if len(bad):
+            where = self.coordinate_name(self.map.indices[bad[0]])
+            raise SceneError(
+                f"an initial velocity of {where} is {v[bad[0]]:g}, no finite number: correct its initial "
+                "values."
+            )
+
+    def with_systems(self, systems: Sequence[Any]) -> "CoupledScene":
+        """The same scene, whose cables have other equations."""
+        cables = [c._replace(system=system) for c, system in zip(self._cables, systems, strict=True)]
+        return CoupledScene(self._mbs, cables, self._own_constraints, self.system.zeta, self._held)
+
+    def state(self, configuration: Any = exudyn.ConfigurationType.Current) -> tuple[Array, Array]:
+        """q and v (n,) of all parts in a configuration of mbs."""
+        data, number = self._mbs.systemData, len(self.map.indices)
+        q, v = np.zeros(self.size), np.zeros(self.size)
+        q[:number] = np.asarray(data.GetODE2Coordinates(configuration))[self.map.indices] + self.map.reference
+        v[:number] = np.asarray(data.GetODE2Coordinates_t(configuration))[self.map.indices]
+        v[number:] = data.GetODE1Coordinates(configuration)
+        return q, v
+
+    def solve_cable(self, cable: int, t: float, q: Array, v: Array) -> Array:
+        """Accelerations (n_dof,) of one cable among all others, whose system then holds its multipliers.
+
+        Args:
+            cable: which one, in the order of the scene.   t: time [s].   q, v: (n,) of all parts.
+        """
+        a, rate = np.zeros(len(q)), np.zeros(len(q))
+        index_reduced_rates(self.system, np.array([t]), q, v, a, rate)
+        return self.set_multipliers(cable, t, q, v)
+
+    def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
+        """As `solve_cable`, where the scene has been evaluated at (t, q, v)."""
+        part, dofs = self.system.parts[cable]
+        size = dofs.stop - dofs.start
+        a, rate = np.zeros(size), np.zeros(size)
+        force = self._cables[cable].loads.at(t).copy()
+        force[:size] += self.surroundings.native_forces[dofs]
+        force[:size] -= self.system.solve.joint_force(self.system.multipliers, dofs)
+        index_reduced_rates(part, force, q[dofs], v[dofs], a, rate)
+        return a
+
+
+def _require_mass(mbs: Any, missing: np.ndarray) -> None:
+    """Raise SceneError, which names the node, if coordinates are missing in all parts."""
+    if not len(missing):
+        return
+    data = mbs.systemData
+    for number in range(data.NumberOfNodes()):
+        if np.isin(missing, data.GetNodeLTGODE2(number)).any():
+            node = mbs.GetNode(number)
+            raise SceneError(
+                f"node {number} '{node['name']}' ({node['nodeType']}) has coordinates without mass, whose "
+                "accelerations are not determined: put a body on it, or remove it."
+            )

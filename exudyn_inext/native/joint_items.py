@@ -1,0 +1,108 @@
+"""Native constraints of an mbs as joints: their values, Jacobians and second derivatives, from Exudyn."""
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import Any
+
+import exudyn
+import numpy as np
+from exudyn.exudynCPP import ObjectIndex
+
+from ..arrays import Array
+from ..errors import SceneError
+from ..items.arguments import described
+
+_LINEAR = {"JointSpherical", "ConnectorCoordinate"}
+_WITHOUT_ROTATION = {"Ground", "MassPoint", "MassPoint2D", "Mass1D"}
+_WITH_UNKNOWNS = {"JointSliding2D", "JointSliding", "JointALEMoving2D"}
+_JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
+
+
+@dataclass(frozen=True, eq=False)
+class JointItem:
+    """An object with algebraic equations.
+
+    number: of the object.   rows: (k,) places of its active equations among all algebraic equations.
+    active: (k,) which of its own equations these are.   coordinates: (n,) places in the system vector.
+    name: for messages.   follows_time: whether user functions take part.
+    is_linear: whether its Jacobian never changes.
+    """
+
+    number: int
+    rows: np.ndarray
+    active: np.ndarray
+    coordinates: np.ndarray
+    name: str
+    follows_time: bool
+    is_linear: bool
+
+    def jacobian(self, mbs: Any) -> Array:
+        """(k, n) with respect to `coordinates`, in the current configuration."""
+        return np.asarray(mbs.ComputeItem(ObjectIndex(self.number), _JACOBIAN))[self.active]
+
+
+def read_joints(mbs: Any, elsewhere: Collection[int]) -> list[JointItem]:
+    """All constraints but those that are dealt with elsewhere.
+
+    Args:
+        mbs: assembled, in the configuration from which a run starts.
+        elsewhere: object numbers of constraints that belong to a cable.
+
+    Raises:
+        SceneError: a constraint on velocities, or one with unknowns of its own.
+    """
+    joints = []
+    for number in range(mbs.systemData.NumberOfObjects()):
+        if number in elsewhere or _JACOBIAN not in mbs.ComputeItem(ObjectIndex(number)):
+            continue
+        data = mbs.GetObject(number)
+        name = described(data, number)
+        if not data.get("activeConnector", True):
+            continue
+        if data.get("velocityLevel") or data["objectType"] == "JointRollingDisc":
+            raise SceneError(
+                f"{name} constrains velocities, which explicit steps do not support: use a constraint at "
+                "position level, or a penalty formulation such as CreateRollingDiscPenalty."
+            )
+        if data["objectType"] in _WITH_UNKNOWNS:
+            raise SceneError(
+                f"{name} brings algebraic unknowns of its own, the place on the cable among them, which "
+                "explicit steps do not support: keep the joint and create the cable with "
+                "enforcement='algebraic' for mbs.SolveDynamic, or hold the body at a point of the cable, by "
+                "MarkerOnCable and a joint or a spring."
+            )
+        joints.append(_joint(mbs, number, data, name))
+    return [joint for joint in joints if len(joint.rows)]
+
+
+def _joint(mbs: Any, number: int, data: dict[str, Any], name: str) -> JointItem:
+    rows = np.array(mbs.systemData.GetObjectLTGAE(number), dtype=int)
+    try:
+        jacobian = np.asarray(mbs.ComputeItem(ObjectIndex(number), _JACOBIAN))
+    except exudyn.InternalError as error:
+        raise SceneError(f"{name} cannot be evaluated in the initial configuration: {error}") from None
+    active = np.flatnonzero(np.abs(jacobian).max(axis=1, initial=0.0) > 0.0)
+    released = len(rows) - np.count_nonzero(data.get("constrainedAxes", np.ones(len(rows))))
+    if len(rows) - len(active) > released:
+        raise SceneError(
+            f"{name} has an equation that does not depend on any coordinate in the initial configuration (a "
+            "singular position, or both markers at rest): move its markers apart, or remove it."
+        )
+    return JointItem(
+        number=number,
+        rows=rows[active],
+        active=active,
+        coordinates=np.array(mbs.systemData.GetObjectLTGODE2(number), dtype=int),
+        name=name,
+        follows_time=any("UserFunction" in key and isinstance(value, dict) for key, value in data.items()),
+        is_linear=data["objectType"] in _LINEAR
+        and all(_is_translation(mbs, n) for n in data["markerNumbers"]),
+    )
+
+
+def _is_translation(mbs: Any, number: int) -> bool:
+    """Whether the position of a marker is linear in the coordinates."""
+    marker = mbs.GetMarker(number)
+    if "bodyNumber" in marker:
+        return mbs.GetObject(marker["bodyNumber"])["objectType"] in _WITHOUT_ROTATION
+    return marker["markerType"] in ("NodePosition", "NodeCoordinate")

@@ -1,0 +1,128 @@
+"""The joints of an mbs as rows of one constraint on the parts of a coupled system."""
+
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..compiled import kernel
+from ..scene.coupled_system import Part
+from ..scene.joints import JointBlock, JointTerms
+from .bodies import Quaternion
+from .coordinates import CoordinateMap
+from .joint_items import JointItem
+
+STEP = 1e-4  # of differences along the motion [m, -, s]
+
+
+class JointRows:
+    """Values c(q, t) from Exudyn for all algebraic equations at once, Jacobians joint by joint.
+
+    names: (m,) of the rows.   blocks: Jacobian by parts, overwritten at each evaluation.
+    """
+
+    def __init__(
+        self,
+        joints: Sequence[JointItem],
+        quaternions: Sequence[Quaternion],
+        parts: Sequence[Part],
+        coordinates: CoordinateMap,
+    ) -> None:
+        self.names = [f"{joint.name}, equation {k}," for joint in joints for k in joint.active]
+        self.follows_time = any(joint.follows_time for joint in joints)
+        self._joints = joints
+        self._are_linear = all(joint.is_linear for joint in joints)
+        self._is_set = False  # the Jacobian of linear joints
+        self._equations = np.concatenate([np.zeros(0, int), *(joint.rows for joint in joints)])
+        ends = np.cumsum([0, *(len(joint.rows) for joint in joints)])
+        rows = [np.arange(a, b) for a, b in pairwise(ends)]
+        places = [coordinates.places(joint.coordinates) for joint in joints]
+        of_parts = {number: _block(part, number, rows, places) for number, part in enumerate(parts)}
+        self.blocks = [block for block in of_parts.values() if len(block.rows)]
+        self._targets = [
+            [
+                (of_parts[part], np.ix_(np.searchsorted(of_parts[part].rows, own), at), columns)
+                for part, columns, at in met
+            ]
+            for own, met in zip(rows, places, strict=True)
+        ]
+        of_nodes = [[coordinates.place(c) for c in q.coordinates] for q in quaternions]
+        self._quaternions = np.array(of_nodes, dtype=int).reshape(-1, 4)
+        self._references = np.array([q.reference for q in quaternions], dtype=float).reshape(-1, 4)
+
+    @property
+    def number(self) -> int:
+        return len(self.names)
+
+    def values(self, equations: Array) -> Array:
+        """(m,) from the values of all algebraic equations."""
+        return equations[self._equations]
+
+    def equations(self, rows: Array, size: int) -> Array:
+        """(size,) for all algebraic equations, from those of the rows (m,)."""
+        result = np.zeros(size)
+        result[self._equations] = rows
+        return result
+
+    def forget(self) -> None:
+        """Joints or their markers may have been changed."""
+        self._is_set = False
+
+    def update_jacobian(self, mbs: Any, q: Array) -> None:
+        """`blocks` in the current configuration of mbs, which is q (n,)."""
+        for joint, targets in zip(self._joints, self._targets, strict=True):
+            if joint.is_linear and self._is_set:
+                continue
+            jacobian = joint.jacobian(mbs)
+            for block, places, columns in targets:
+                block.jacobian[places] = jacobian[:, columns]
+        self._is_set = True
+
+    def _moved(self, q: Array, v: Array, duration: float) -> Array:
+        """q + duration v, on curves that keep the norm of quaternions.
+
+        Exudyn's Jacobians are those of rotations: they do not see a change of that norm.
+        """
+        moved = q + duration * v
+        _keep_norms(self._quaternions, self._references, q, moved)
+        return moved
+
+    def terms(self, value_at: Callable[[float, Array], Array], t: float, q: Array, v: Array) -> JointTerms:
+        """The joints at (t, q, v); the Jacobian is up to date.
+
+        Args:
+            value_at: (t, q) -> c (m,); its second difference along the motion is -gamma, Eq. (27).
+        """
+        value = value_at(t, q)
+        if not self.follows_time and (self._are_linear or not v.any()):
+            return JointTerms(value, np.zeros(self.number), np.zeros(self.number))
+        step = STEP / max(1.0, float(np.abs(v).max()))
+        after, before = (value_at(t + s, self._moved(q, v, s)) for s in (step, -step))
+        gamma = (2.0 * value - after - before) / step**2
+        drift = np.zeros(self.number)
+        if self.follows_time:
+            drift = (value_at(t + STEP, q) - value_at(t - STEP, q)) / (2.0 * STEP)
+        return JointTerms(value, drift, gamma)
+
+
+def _block(part: Part, number: int, rows: Sequence[np.ndarray], places: Sequence[Any]) -> JointBlock:
+    """Rows of the joints that meet part `number`; places: of each joint, see `CoordinateMap.places`."""
+    own = [r for r, met in zip(rows, places, strict=True) if any(place[0] == number for place in met)]
+    return JointBlock(part.system, part.dofs, np.concatenate([np.zeros(0, int), *own]))
+
+
+@kernel
+def _keep_norms(quaternions, references, q, moved):
+    """Scale the quaternions of `moved` to their norms in `q`.   quaternions: (Q, 4) places."""
+    for k in range(len(quaternions)):
+        before, after = 0.0, 0.0
+        for i in range(4):
+            at = quaternions[k, i]
+            before += (q[at] + references[k, i]) ** 2
+            after += (moved[at] + references[k, i]) ** 2
+        scale = np.sqrt(before / after)
+        for i in range(4):
+            at = quaternions[k, i]
+            moved[at] = scale * (moved[at] + references[k, i]) - references[k, i]

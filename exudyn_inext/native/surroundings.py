@@ -1,0 +1,315 @@
+"""Forces, masses and joints of an mbs for a coupled system, evaluated by Exudyn."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import exudyn
+import numpy as np
+
+from ..arrays import Array
+from ..compiled import kernel
+from ..errors import DivergenceError
+from ..items.parameters import set_unnoted
+from ..run.cable_loads import CableLoads
+from ..run.path_work import follow, gather, gather_and_follow
+from ..scene.coupled_system import Part
+from ..scene.joints import JointBlock, JointTerms
+from .bodies import BodyMasses
+from .coordinates import CoordinateMap
+from .held import HeldCoordinates
+from .joint_rows import JointRows
+
+_START_OF_STEP = exudyn.ConfigurationType.StartOfStep
+
+
+class Approach(NamedTuple):
+    """Joints that were changed in a run are fulfilled at the end of the step, at a steady rate till then.
+
+    left: (m,) c at the start of the step.   end: of it [s].   duration: of it [s].
+    """
+
+    left: Array
+    end: float
+    duration: float
+
+    def left_at(self, t: float) -> Array:
+        """(m,) what may be left at t [s]."""
+        return self.left * (max(self.end - t, 0.0) / self.duration)
+
+    def applied(self, terms: JointTerms, t: float) -> JointTerms:
+        """Terms of c(q, t) less what may be left."""
+        return replace(
+            terms, value=terms.value - self.left_at(t), drift=terms.drift + self.left / self.duration
+        )
+
+
+class NativeSurroundings:
+    """What Exudyn knows of a scene: all forces by one call, joints, masses that change.
+
+    joints: names of the rows.   blocks: their Jacobian by parts.
+    native_forces: (n,) what Exudyn's items did to all second order coordinates when last asked [N, Nm].
+    varying_forces: (n,) the same, with the weights of cables that change in time.
+    approach: of joints that were changed before the present step of the time loop, if any was.
+    path: memory of the work that they do from one evaluation to the next, see `build_path`; None: not now.
+        Of several evaluations in a step, the first one is left out: RK4's second one lies beside it.
+    settles: whether contact and friction update what they remember at each evaluation, before it.
+    """
+
+    joints: Sequence[str]
+    blocks: Sequence[JointBlock]
+    path: Array | None = None
+    approach: Approach | None = None
+    settles: bool = False
+    _is_first: bool = True  # evaluation of a step
+
+    def __init__(
+        self,
+        mbs: Any,
+        solver: Any,
+        parts: Sequence[Part],
+        coordinates: CoordinateMap,
+        loads: Sequence[CableLoads],
+        masses: BodyMasses,
+        rows: JointRows,
+        held: HeldCoordinates,
+    ) -> None:
+        self.joints = rows.names
+        self.blocks = rows.blocks
+        self._mbs = mbs
+        self._data = mbs.systemData
+        self._solver = solver
+        self._settings = exudyn.SimulationSettings()
+        self._coordinates = coordinates
+        self._dofs = [part.dofs for part in parts]
+        self._loads = loads
+        self._masses = masses
+        self._rows = rows
+        self._held = held
+        self._forces_on_held = np.zeros(len(held.rows))
+        self._sizes = self._data.ODE2Size(), self._data.ODE1Size()
+        self._bodies = self._dofs[len(loads)]
+        self._remembers = bool(self._data.DataSize() or mbs.NumberOfGeneralContacts())
+        self.native_forces = np.zeros(len(coordinates.indices))
+        self._has_histories = any(of_cable.has_histories for of_cable in loads)
+        self.varying_forces = self.native_forces.copy() if self._has_histories else self.native_forces
+        self._positions = np.zeros(self._dofs[-1].stop)  # that mbs has at the time self._time
+        self._values: Array | None = None  # of all joints, if they are known there
+        self.forget()
+
+    def forget(self) -> None:
+        """Somebody else may have set the state of mbs."""
+        self._time = np.nan
+
+    def forces(self, t: float, q: Array, v: Array) -> Sequence[Array]:
+        """Gravity and motions of the cables, and all that Exudyn's items do to the parts."""
+        self._set_state(t, q, v)
+        if self.settles:
+            self._settle()
+        self._solver.ComputeODE2RHS(self._mbs)
+        second, first = self._sizes
+        if first:
+            self._solver.ComputeODE1RHS(self._mbs)
+        residual = self._solver.GetSystemResidual()
+        if len(self._forces_on_held):
+            self._forces_on_held[:] = residual[self._masses.held]
+        forces = self.native_forces
+        path = None if self._is_first and not self.settles else self.path
+        self._is_first = False
+        if path is None or self._has_histories:
+            gather(residual, self._coordinates.of_forces, forces)
+        else:
+            gather_and_follow(path, q, residual, self._coordinates.of_forces, forces)
+        result = [loads.at(t).copy() for loads in self._loads]
+        if self._has_histories:
+            self._add_histories(q, result, path)
+        for force, dofs in zip(result, self._dofs, strict=False):
+            force[: dofs.stop - dofs.start] += forces[dofs]
+        self._masses.update(q[self._bodies])
+        result.append(forces[self._bodies])
+        if first:
+            result.append(residual[second : second + first])
+        return result
+
+    def _add_histories(self, q: Array, given: Sequence[Array], path: Array | None) -> None:
+        """Set the forces that vary, and count their work.   given: of each cable's own loads, at present."""
+        self.varying_forces[:] = self.native_forces
+        for force, loads, dofs in zip(given, self._loads, self._dofs, strict=False):
+            self.varying_forces[dofs] += (force - loads.constant)[: dofs.stop - dofs.start]
+        if path is not None:
+            follow(path, q, self.varying_forces)
+
+    def motions(self, t: float) -> Sequence[Array]:
+        """Of the cables' own constraints; bodies and first order states have none."""
+        nothing = np.zeros(0)
+        return [loads.at(t) for loads in self._loads] + [nothing] * (len(self._dofs) - len(self._loads))
+
+    def begin_approach(self, t: float, end: float, q: Array, tolerance: float) -> None:
+        """Let joints that are violated by more than the tolerance at (t, q) be fulfilled at `end` [s]."""
+        self.forget()
+        self._rows.forget()
+        left = self._values_of_mbs(t, q)
+        left = np.where(np.abs(left) > tolerance, left, 0.0)
+        self.approach = Approach(left, end, end - t) if left.any() else None
+
+    def violations(self, t: float, q: Array) -> Array:
+        """c(q, t) (m,), of which an approach leaves a part."""
+        values = self._values_of_mbs(t, q)
+        return values if self.approach is None else values - self.approach.left_at(t)
+
+    def _values_of_mbs(self, t: float, q: Array) -> Array:
+        """c(q, t) (m,) as Exudyn has it."""
+        self._set_positions(t, q)
+        if self._values is None:
+            self._solver.ComputeAlgebraicEquations(self._mbs, False)
+            self._values = self._rows.values(self._solver.GetSystemResidual()[sum(self._sizes) :])
+        return self._values
+
+    def constrain(self, t: float, q: Array, v: Array) -> JointTerms:
+        """The joints at (t, q, v)."""
+        self._set_positions(t, q)
+        self._rows.update_jacobian(self._mbs, q)
+        terms = self._rows.terms(self._values_of_mbs, t, q, v)
+        return terms if self.approach is None else self.approach.applied(terms, t)
+
+    def finish_step(self, t: float, q: Array, v: Array) -> None:
+        """The next step starts from what contact and friction remember at the end of this one.
+
+        Where a step has one evaluation, at its end, they have settled there: a contact that closes within a
+        step acts in it. Otherwise they do so here, as in Exudyn's explicit solvers, and act a step later.
+        """
+        self._is_first = True
+        if not self._remembers:
+            return
+        if not self.settles:
+            self._set_state(t, q, v)
+            self._settle()
+        self._data.SetDataCoordinates(self._data.GetDataCoordinates(), _START_OF_STEP)
+
+    def _settle(self) -> None:
+        """Contact and friction look at the state of mbs."""
+        if self._remembers:
+            self._solver.PostNewton(self._mbs, self._settings)
+
+    def show(self, t: float, state: Any, multipliers: Array) -> None:
+        """Leave the state at t in mbs, with the Lagrange multipliers of all algebraic equations."""
+        self._set_state(t, state.q, state.v)
+        self._data.SetAECoordinates(multipliers)
+
+    def all_multipliers(self, multipliers: Array, a: Array) -> Array:
+        """Of all algebraic equations, for the state that was evaluated last.
+
+        Args:
+            multipliers: (m,) of the joints.   a: (n,) accelerations of all parts.
+        """
+        result = self._rows.equations(multipliers, self._data.AEsize())
+        result[self._held.rows] = self._held.reactions(self._forces_on_held, a[self._bodies])
+        return result
+
+    def _set_positions(self, t: float, q: Array) -> None:
+        same, finite = _compare(q, self._positions)
+        if same and self._time == t:
+            return
+        if not finite:
+            raise DivergenceError("the coordinates are not finite: reduce stepSize.")
+        self._time, self._values = t, None
+        self._positions[:] = q
+        self._data.SetTime(t)
+        self._data.SetODE2Coordinates(self._coordinates.displacements(q[: len(self._coordinates.indices)]))
+
+    def _set_state(self, t: float, q: Array, v: Array) -> None:
+        self._set_positions(t, q)
+        number = len(self._coordinates.indices)
+        self._data.SetODE2Coordinates_t(self._coordinates.rates(v[:number]))
+        if self._sizes[1]:
+            self._data.SetODE1Coordinates(v[number:])
+
+
+def evaluator(mbs: Any) -> Any:
+    """A solver of Exudyn that evaluates right-hand sides; the current state of mbs stays as it is."""
+    settings = exudyn.SimulationSettings()
+    settings.solution.file.write = False
+    settings.solution.sensors.active = False
+    settings.timeIntegration.verboseMode = 0
+    settings.timeIntegration.generalizedAlpha.computeInitialAccelerations = False
+    settings.linearSolver.solverType = exudyn.LinearSolverType.EigenSparse
+    solver: Any = exudyn.MainSolverImplicitSecondOrder()
+    with state_kept(mbs):
+        solver.InitializeSolver(mbs, settings)
+    return solver
+
+
+class DataCoordinates:
+    """What contact and friction remember in an mbs, see `run.kept_state.Elsewhere`."""
+
+    _CONFIGURATIONS = (exudyn.ConfigurationType.Current, _START_OF_STEP)
+
+    def __init__(self, data: Any) -> None:
+        """data: mbs.systemData."""
+        self._data = data
+
+    def present(self) -> list[Any]:
+        return [self._data.GetDataCoordinates(kind) for kind in self._CONFIGURATIONS]
+
+    def put_back(self, copy: Sequence[Any]) -> None:
+        for kind, values in zip(self._CONFIGURATIONS, copy, strict=True):
+            self._data.SetDataCoordinates(values, kind)
+
+
+@kernel
+def _compare(x, y):
+    """Whether x = y, and whether x is finite.   x, y: (n,)."""
+    same, finite = True, True
+    for i in range(len(x)):
+        same = same and x[i] == y[i]
+        finite = finite and abs(x[i]) < np.inf
+    return same, finite
+
+
+@contextmanager
+def state_kept(mbs: Any) -> Iterator[None]:
+    """The current state of mbs is afterwards what it was before."""
+    data, current = mbs.systemData, exudyn.ConfigurationType.Current
+    state, time = data.GetSystemState(current), data.GetTime()
+    try:
+        yield
+    finally:
+        data.SetSystemState(state, current)
+        data.SetTime(time)
+
+
+@contextmanager
+def switched_off(mbs: Any, cables: Sequence[int], constraints: Sequence[int] = ()) -> Iterator[None]:
+    """Exudyn evaluates no force, mass or constraint of these objects: their own kernels do.
+
+    Args:
+        mbs: the system.   cables: numbers of ObjectGenericODE2.   constraints: numbers of constraints.
+    """
+    nothing = {
+        "forceUserFunction": 0,
+        "massMatrixUserFunction": 0,
+        "jacobianUserFunction": 0,
+        "massMatrix": np.zeros((0, 0)),
+        "stiffnessMatrix": np.zeros((0, 0)),
+        "dampingMatrix": np.zeros((0, 0)),
+        "forceVector": [],
+    }
+    saved = [(number, name, mbs.GetObject(number)[name]) for number in cables for name in nothing]
+    saved = [(number, name, value) for number, name, value in saved if _is_set(value)]
+    active = [number for number in constraints if mbs.GetObjectParameter(number, "activeConnector")]
+    try:
+        for number, name, _ in saved:
+            set_unnoted(mbs, number, name, nothing[name])
+        for number in active:
+            set_unnoted(mbs, number, "activeConnector", False)
+        yield
+    finally:
+        for number, name, value in saved:
+            set_unnoted(mbs, number, name, value["function"] if isinstance(value, dict) else value)
+        for number in active:
+            set_unnoted(mbs, number, "activeConnector", True)
+
+
+def _is_set(value: Any) -> bool:
+    return bool(value) if isinstance(value, dict | int) else np.size(value) > 0

@@ -1,0 +1,155 @@
+"""The external force of one cable: gravity, constant forces, and sampled histories; and its motions."""
+
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..cable.border import all_links, motions_of
+from ..cable.link import Motion
+from ..errors import SceneError
+from ..integrators.integrator import LoadHistory
+from ..loads.gravity import gravity_force
+from ..loads.weight import ElementWeight
+from ..scene.model import CableInScene, CableLoad
+
+
+def _at_rest(motion: Motion, dim: int) -> Array:
+    """(3 dim,) p, p_t, p_tt of a motion that rests; zero for one that does not."""
+    return motion.at(0.0).ravel() if motion.rests else np.zeros(3 * dim)
+
+
+def _as_rows(returned: list[Any], times: list[float], load: CableLoad) -> Array:
+    """(T, m) what a user function returned, all of it numbers; SceneError at the first that is not."""
+    number = len(load.constant)
+    try:
+        values = np.array(returned).reshape(len(times), -1)
+    except (TypeError, ValueError, OverflowError):
+        values = np.zeros((0, 0))
+    if values.shape == (len(times), number) and values.dtype.kind in "fiu" and np.isfinite(values).all():
+        return values.astype(float)
+    rows = [_as_row(value) for value in returned]
+    for row, value, t in zip(rows, returned, times, strict=True):
+        if row.shape != (number,) or not np.isfinite(row).all():
+            raise SceneError(
+                f"the user function of the load on {load.place} returned {value!r} at "
+                f"t = {t:g} s: must return {number} finite number(s)."
+            )
+    return np.stack(rows)
+
+
+def _as_row(value: Any) -> Array:
+    """(m,) numbers; (0,) if they are none."""
+    try:
+        row = np.ravel(np.asarray(value))
+        return row.astype(float) if row.dtype.kind in "fiu" else np.zeros(0)
+    except (TypeError, ValueError, OverflowError):
+        return np.zeros(0)
+
+
+class CableLoads:
+    """External force of a cable, and motions of its links' anchors behind it, as functions of time.
+
+    constant: (n_external,) [N, Nm].   pattern: (P, n_external), one row a component of a load history or
+    a motion.
+    """
+
+    def __init__(self, cable: CableInScene) -> None:
+        self._dimension = cable.cable.dimension
+        self._item = cable.item
+        motions = motions_of(all_links(cable.cable))
+        force = gravity_force(cable.cable, cable.item.gravity).ravel()
+        self.constant = np.concatenate([force, *(_at_rest(motion, self._dimension) for motion in motions)])
+        self._motions = [motion for motion in motions if not motion.rests]
+        self._loads = cable.loads
+        self._histories = [load for load in cable.loads if load.history is not None]
+        for load in cable.loads:
+            if load.history is None:
+                (components,) = self._components(load, [0.0])
+                for pattern, value in zip(self._patterns(load), components, strict=True):
+                    self.constant += value * pattern
+        rows = [row for load in self._histories for row in self._patterns(load)]
+        if self._motions:
+            rows += self._motion_patterns(len(force), motions)
+        self.pattern = np.array(rows).reshape(len(rows), len(self.constant))
+
+    @property
+    def has_histories(self) -> bool:
+        """Whether forces depend on the time."""
+        return bool(self._histories)
+
+    def gravity_at(self, time: float) -> Array:
+        """(N, dim) gravity acceleration of each element at `time` [m/s^2]."""
+        shape = self._item.cable.number_of_elements, self._dimension
+        total = np.tile(self._item.gravity, (shape[0], 1))
+        for load in self._loads:
+            if isinstance(load, ElementWeight):
+                total += load.gravity(self._components(load, [time])[0], shape)
+        return total
+
+    @property
+    def known_ahead(self) -> bool:
+        """Whether nothing but the time decides on loads and motions."""
+        histories_are_pure = all(load.is_pure for load in self._histories)
+        return histories_are_pure and all(motion.is_pure for motion in self._motions)
+
+    def at(self, time: float) -> Array:
+        """(n_external,) external force and motions at `time`; not to be written to."""
+        if not len(self.pattern):
+            return self.constant
+        forces: Array = self.constant + (self._factors([time]) @ self.pattern)[0]
+        return forces
+
+    def sample(
+        self, start: float, h: float, steps: int, stages: tuple[float, ...], first: int = 0
+    ) -> LoadHistory:
+        """Load history at the stages of a scheme, of `steps` steps after the first `first` ones.
+
+        Times are counted from `start`, so that they do not depend on how a run is cut into calls.
+        """
+        shape = (steps, len(stages), len(self.pattern))
+        if not len(self.pattern):
+            return LoadHistory(self.constant, self.pattern, np.zeros(shape))
+        times = start + h * np.add.outer(first + np.arange(steps), stages).ravel()
+        return LoadHistory(self.constant, self.pattern, self._factors(times.tolist()).reshape(shape))
+
+    def _factors(self, times: list[float]) -> Array:
+        """(T, P) of all load histories and motions."""
+        columns = [self._components(load, times) for load in self._histories]
+        columns += [np.array([motion.at(t).ravel() for t in times]) for motion in self._motions]
+        return np.concatenate(columns, axis=1) if columns else np.zeros((len(times), 0))
+
+    def _components(self, load: CableLoad, times: list[float]) -> Array:
+        """(T, m) components of a load.
+
+        Raises:
+            SceneError: the user function returns something else, or a force out of the cable's plane.
+        """
+        if load.history is None:
+            values = np.tile(load.constant, (len(times), 1))
+        else:
+            values = _as_rows([load.history(t) for t in times], times, load)
+        for component, column in enumerate(values.T):
+            if not load.is_in_space(component, self._dimension) and column.any():
+                value = column[np.flatnonzero(column)[0]]
+                raise SceneError(
+                    f"load on {load.place} has the z component {value:g} {load.unit}, but its cable is "
+                    "planar: create the cable with dimension=3."
+                )
+        return values
+
+    def _motion_patterns(self, n_dof: int, motions: list[Motion]) -> list[Array]:
+        """One unit row a component of p, p_t, p_tt of each motion."""
+        width = 3 * self._dimension
+        starts = [n_dof + k * width for k, motion in enumerate(motions) if not motion.rests]
+        places = [place for start in starts for place in range(start, start + width)]
+        rows = np.zeros((len(places), len(self.constant)))
+        rows[np.arange(len(places)), places] = 1.0
+        return list(rows)
+
+    def _patterns(self, load: CableLoad) -> Array:
+        """(m, n_external) one unit force a component; zero for one that is out of the cable's plane."""
+        forces = load.unit_forces(self._item.cable, self._item.nodes)
+        patterns = np.zeros((len(forces), len(self.constant)))
+        patterns[:, : forces.shape[1]] = forces
+        return patterns

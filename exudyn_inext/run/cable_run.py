@@ -1,0 +1,394 @@
+"""One cable during a run: its compiled system, its state, and its place in the mbs."""
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..cable.attached_forces import drag_rate
+from ..cable.cable import Cable
+from ..cable.chain import set_mass
+from ..cable.frequency import FrequencyTracker, largest_frequency
+from ..cable.implicit_bending import EXPLICIT, ImplicitBending
+from ..cable.linked_cable import LinkedCableSystem, cable_system
+from ..integrators.integrator import Integrator
+from ..integrators.linear_stability import frequency_limit
+from ..scene.links import require_smooth_motions
+from ..scene.model import CableInScene
+from ..system import accelerate_and_project
+from .cable_loads import CableLoads
+from .cable_watch import CableWatch
+from .consistent_start import (
+    ROUND_OFF,
+    StartCorrection,
+    Violation,
+    project,
+    require_consistent,
+    worst_violations,
+)
+from .divergence import GIVEN_UP, explanation
+from .kept_state import KeptState
+from .paced_run import PacedRun
+from .redundancy import element_masses, require_independent
+from .step_control import FrequencyFollower, StepControl, StepRule
+from .time_grid import TimeGrid
+from .watch import record_watched
+
+STEPS_BETWEEN_LIMITS = 20_000  # so that a look at the present stability limit costs next to nothing
+
+
+@dataclass(frozen=True)
+class Start:
+    """How a cable starts.
+
+    time: [s].   tolerance: see `ExplicitSettings.startTolerance`.
+    zeta: stabilisation rate [1/s].   theta: share of bending that is implicit, see `implicit_bending` [-].
+    h: step that is likely, which scales the mass [s].
+    energy_tolerance: see `ExplicitSettings.energyTolerance`; infinite where nobody asks.
+    rejects: see `ExplicitSettings.rejectSteps`.
+    """
+
+    time: float
+    tolerance: float
+    zeta: float
+    theta: float
+    h: float
+    energy_tolerance: float
+    rejects: bool
+
+
+class CableRun(PacedRun):
+    """A cable that an integrator moves.
+
+    system: the index-reduced equations.   state: of the integrator.
+    indices: (n_dof,) places of the coordinates in the system vector.
+    reference: (n_dof,) what separates total coordinates from Exudyn's displacements.
+    loads: external force and motions.
+    looks_ahead: whether several steps of the time loop can be computed at once.   reason: why not.
+    start_correction: how far the initial state was from its constraints.
+    control: of the steps.
+    watch: stops a run that goes wrong.   drag_rate: see `attached_forces.drag_rate` [1/s].
+    """
+
+    lenience = 1.0  # of the energy's tolerance
+    reason = (
+        "user functions of loads or moving supports may depend on more than the time (if they do not, set "
+        "function.dependsOnTimeOnly = True)"
+    )
+
+    def __init__(
+        self,
+        scene_cable: CableInScene,
+        initial: tuple[Array, Array],
+        start: Start,
+        integrator: Integrator,
+    ) -> None:
+        require_smooth_motions(scene_cable.moving, start.time)
+        cable = scene_cable.cable
+        self.scene_cable = scene_cable
+        self.indices = scene_cable.indices
+        self.reference = cable.reference.ravel()
+        self._theta, self._likely_step = start.theta, start.h
+        self._lag = 0.5 if integrator.has_implicit_damping and cable.section.bending_damping else 0.0
+        scaled = ImplicitBending(start.theta * start.h**2)
+        self.system = cable_system(cable, start.zeta, scaled)
+        violations = worst_violations(scene_cable, self.system, *initial, start.time)
+        require_consistent(scene_cable, violations[0], start.tolerance)
+        if not math.isfinite(violations[1].size):  # whatever is a number can be projected
+            require_consistent(scene_cable, violations[1], start.tolerance)
+        self.integrator = integrator
+        self._tracker = FrequencyTracker(self.system, cable.reference.shape)
+        self._looked_after = 0  # steps, at the stability limit
+        self._largest_share = 0.0  # of the stability limit, that the step has been
+        self.loads = CableLoads(scene_cable)
+        self.drag_rate = drag_rate(cable, self.loads.gravity_at(start.time), initial[1])
+        self.state: Any = integrator.allocate(cable.reference.size, len(self.loads.constant))
+        self.state.q[:], self.state.v[:] = (array.ravel() for array in initial)
+        self.looks_ahead = self.loads.known_ahead
+        self.watch = CableWatch(
+            scene_cable, self.loads, self.state, start.energy_tolerance, integrator.stabilised
+        )
+        self._rejects = start.rejects
+        self.control = StepControl(rejects=start.rejects)
+        self.start_correction = self._project(*violations, start)
+
+    def _project(self, of_places: Violation, of_rates: Violation, start: Start) -> StartCorrection:
+        if max(of_places.size, of_rates.size) < ROUND_OFF:
+            return StartCorrection()
+        given = self.state.v.copy()
+        self.start(start.time)  # redundant constraints are named before the projection meets them
+        self.state.v[:] = given
+        far = of_rates if of_rates.size > start.tolerance else None
+        inputs = self.loads.at(start.time)
+        return project(self.scene_cable, self.system, inputs, self.state, start.time, far, start.tolerance)
+
+    @property
+    def name(self) -> str:
+        return f"cable '{self.scene_cable.name}'"
+
+    def follow_frequency(self, rule: StepRule) -> None:
+        """Let the steps follow the present stability limit."""
+        self.control = StepControl(FrequencyFollower(rule, self._present_frequency), self._rejects)
+
+    def _present_frequency(self) -> float:
+        """w_max [rad/s] about the state that was evaluated last; implicit damping is no mass there."""
+        shape = self.scene_cable.cable.reference.shape
+        q, a = self.state.q.reshape(shape), self.state.a.reshape(shape)
+        if not self._lag:
+            return self._tracker.frequency(q, a)
+        plain = cable_system(self.scene_cable.cable, self.system.zeta)
+        return largest_frequency(plain, self.state.external, q.copy(), self.state.v.reshape(shape).copy())
+
+    @contextmanager
+    def mass_as_it_is(self) -> Iterator[None]:
+        """Nothing of the bending is in the matrix on the left."""
+        if not self.has_implicit_bending:
+            yield
+            return
+        set_mass(self.system.chain, self.scene_cable.cable, EXPLICIT)
+        try:
+            yield
+        finally:
+            self.set_step(self.control.present)
+
+    def accelerations(self, time: float, multipliers: Array) -> Array:
+        """(n_dof,) of the present state, by the mass as it is.
+
+        Args:
+            time: at present [s].
+            multipliers: (m,) output, of Exudyn's algebraic equations, which are also left in mbs with the
+                state; those of a cable alone are not known.
+        """
+        if not self.has_implicit_bending:
+            return np.asarray(self.state.a)
+        a, rate = np.zeros((2, self.state.q.size))
+        with self.mass_as_it_is():
+            accelerate_and_project(self.system, self.loads.at(time), self.state.q, self.state.v, 0.0, a, rate)
+        self.resume(time)
+        return a
+
+    @property
+    def is_scaled(self) -> bool:
+        """Whether its mass is scaled."""
+        return self._theta > 0.0
+
+    @property
+    def has_implicit_bending(self) -> bool:
+        """Whether the system depends on the step."""
+        return self._theta > 0.0 or self._lag > 0.0
+
+    def scale_mass(self, theta: float, h: float) -> None:
+        """Make that share of bending implicit, for steps of h [s] as long as no other ones are taken."""
+        self._theta, self._likely_step = theta, h
+        set_mass(self.system.chain, self.scene_cable.cable, ImplicitBending(theta * h**2))
+
+    def set_step(self, h: float) -> None:
+        """Prepare the system for steps of h [s]: what is implicit depends on it."""
+        self.control.present = h
+        if self.has_implicit_bending:
+            implicit = ImplicitBending(self._theta * h**2, self._lag * h)
+            set_mass(self.system.chain, self.scene_cable.cable, implicit)
+
+    @contextmanager
+    def implicit_damping_left_out(self) -> Iterator[None]:
+        """The system without the damping that is implicit, for limits of the step."""
+        if not self._lag:
+            yield
+            return
+        elements, step = self.system.chain.elements, self.control.present
+        weights = elements["damping"][:, :, 0].copy()
+        elements["damping"][:, :, 0] = 0.0
+        scaled = ImplicitBending(self._theta * (step or self._likely_step) ** 2)
+        set_mass(self.system.chain, self.scene_cable.cable, scaled)
+        try:
+            yield
+        finally:
+            elements["damping"][:, :, 0] = weights
+            if step:
+                self.set_step(step)
+
+    def start(self, time: float) -> None:
+        """Evaluate the initial accelerations; the history of a multi-step scheme begins here.
+
+        Raises:
+            RedundantConstraintError: length constraints and supports depend on each other.
+        """
+        self.forget()
+        external = self.loads.at(time)
+        self.integrator.start(self.system, external, self.state)
+        self.require_independence()
+        self.watch.open(self.system, external, self.state)
+
+    def memory(self) -> dict[str, Any]:
+        """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
+        places = ("nodes", "elements", "links")
+        foresight = {
+            place: records["foresight"] for place, records in zip(places, self._records(), strict=False)
+        }
+        return {
+            "state": self.state._asdict(),
+            "foresight": foresight,
+            "watch": self.watch.memory(),
+            "control": self.control.memory() | {"vibration": self._tracker.vibration},
+        }
+
+    def resume(self, time: float) -> None:
+        """Go on at `time` [s], with the memory that has been set."""
+        if self.control.present:
+            self.set_step(self.control.present)
+        self.integrator.resume(self.system, self.loads.at(time), self.state)
+
+    @property
+    def stages(self) -> tuple[float, ...]:
+        """Of the scheme, see `Integrator`."""
+        return self.integrator.stages
+
+    def forget(self) -> None:
+        """What earlier steps taught the constraints does not hold any more."""
+        for records in self._records():
+            records["foresight"] = 0.0
+
+    def _record_nominal(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
+        """Equal steps through all intervals, in one compiled call; returns how many went well."""
+        parts, start, before = 2**self.control.halvings, grid.time(first), self.watch.steps
+        h, steps = grid.h / parts, grid.substeps * parts
+        self.change_step(h, start)
+        so_far = grid.steps_until(first) * parts
+        loads = self.loads.sample(grid.start, h, len(history) * steps, self.stages, first=so_far)
+        good = record_watched(scheme, self.system, loads, self.state, h, steps, history, self.watch.watch)
+        taken = self.watch.steps - before
+        self.control.accept(h, taken)
+        if good < len(history):
+            self.trouble = self.integrator.trouble(scheme, self.watch.watch.kept)
+            self.control.offset = (taken - good * steps) * h
+            self.forget()
+            self.reject(start + taken * h)
+        return int(good)
+
+    def take(self, scheme: Any, start: float, h: float, steps: int, history: Array) -> bool:
+        """See `PacedRun.take`."""
+        loads = self.loads.sample(start, h, steps, self.stages)
+        well = record_watched(scheme, self.system, loads, self.state, h, steps, history, self.watch.watch)
+        return bool(well)
+
+    def start_scheme(self, time: float) -> None:
+        """See `PacedRun.start_scheme`."""
+        self.integrator.start(self.system, self.loads.at(time), self.state)
+
+    def watch_on(self, time: float) -> None:
+        """See `PacedRun.watch_on`."""
+        self.watch.go_on(self.system, self.loads.at(time), self.state)
+
+    def _begin_again(self, beginning: KeptState, time: float) -> None:
+        """With half the step, from the beginning, which a longer one has spoilt.   time: of it [s]."""
+        halvings = self.control.halvings
+        beginning.restore()
+        self.control.halve(halvings - self.control.halvings)
+        self.resume(time)
+
+    @property
+    def cables(self) -> list[Cable]:
+        return [self.scene_cable.cable]
+
+    @property
+    def cable_runs(self) -> list["CableRun"]:
+        return [self]
+
+    @property
+    def start_corrections(self) -> list[StartCorrection]:
+        return [self.start_correction]
+
+    def damping_ratio(self, frequency: float) -> float:
+        """Of a vibration of that frequency [rad/s]: bending damping grows with it, drag does not."""
+        section = self.scene_cable.cable.section
+        of_drag = self.drag_rate / frequency if frequency > 0.0 else 0.0
+        if self._lag:
+            return of_drag  # implicit damping does not bound the step
+        return of_drag + frequency * section.bending_damping / section.bending_stiffness
+
+    def largest_frequency(self, time: float) -> float:
+        """w_max [rad/s] of small vibrations about the present configuration; NaN if it is not found."""
+        q = self.state.q.reshape(self.scene_cable.cable.reference.shape)
+        return largest_frequency(self.system, self.loads.at(time), q.copy())
+
+    def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
+        """Advance through len(history) loop steps from loop step `first`; see `step_control`.
+
+        history: (intervals, 3, n_dof) output: displacements from the reference, v, a after each.
+
+        Returns:
+            Number of loop steps that went well; later rows of `history` mean nothing.
+        """
+        good = self.advance(scheme, grid, first, history)
+        history[:good, 0] -= self.reference
+        self._look_at_limit(scheme)
+        return good
+
+    def advance(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
+        """As `record`, but total coordinates; nobody looks at the stability limit."""
+        good = 0
+        begins = self.watch.looks_at_phase and grid.begins_with(first)
+        beginning = KeptState(self.memory()) if begins else None
+        while good < len(history) and not self.gave_up:
+            if self.control.is_nominal:
+                good += self._record_nominal(scheme, grid, first + good, history[good:])
+            else:
+                good += self.finish_interval(scheme, grid, first + good, history[good : good + 1])
+            if self.watch.steps_to_halve and beginning:
+                self._begin_again(beginning, grid.time(first))
+                good = 0
+        return good
+
+    def figures(self) -> dict[str, float]:
+        """How well constraints and energy were kept, and the step within its stability limit."""
+        share = {"stepOverLimit": self._largest_share} if self._largest_share else {}
+        return self.watch.figures() | share
+
+    def _look_at_limit(self, scheme: Any) -> None:
+        """From time to time: the share that the step is of the present stability limit."""
+        if self.control.steps - self._looked_after < STEPS_BETWEEN_LIMITS:
+            return
+        if not self.control.is_nominal or self.watch.has_trouble or self._lag:
+            return
+        self._looked_after = self.control.steps
+        shape = self.scene_cable.cable.reference.shape
+        frequency = self._tracker.frequency(self.state.q.reshape(shape), self.state.a.reshape(shape))
+        self._largest_share = max(
+            self._largest_share, self.control.present / self._stability_limit(scheme, frequency)
+        )
+
+    def verdict(self, scheme: Any, time: float, h: float) -> str:
+        """What went wrong in the last steps, and why; empty if all is well."""
+        if not self.gave_up:
+            return ""
+        if not self.watch.has_trouble:
+            return f"{self.name}: {GIVEN_UP}."
+        tried, taken = f"; {self.control.said}", self.control.present
+        if self.watch.gains_too_much:
+            tried, taken = "", h
+        limit = self._stability_limit(scheme, self.largest_frequency(time))
+        said = explanation(self.integrator, self.trouble, taken, limit, self.is_scaled)
+        return f"{self.name}: {self.watch.finding(self.state)}{tried}. {said}"
+
+    def _stability_limit(self, scheme: Any, frequency: float) -> float:
+        if math.isnan(frequency):
+            return math.nan
+        limit = frequency_limit(self.integrator, scheme, self.damping_ratio(frequency))
+        return limit / frequency if frequency > 0.0 else math.inf
+
+    def _records(self) -> list[Any]:
+        """Everything that holds constraints."""
+        chain = self.system.chain
+        links = [self.system.border.links] if isinstance(self.system, LinkedCableSystem) else []
+        return [chain.nodes, chain.elements, *links]
+
+    def require_independence(self) -> None:
+        """RedundantConstraintError if constraints depend on each other; at the latest evaluation."""
+        h, lag = self.control.present or self._likely_step, self._lag * self.control.present
+        implicit = ImplicitBending(self._theta * h**2, lag)
+        masses = element_masses(self.scene_cable.cable, implicit)
+        require_independent(self.scene_cable, self.system, masses)

@@ -1,0 +1,81 @@
+"""The watch over one cable during a run, and what it says."""
+
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..cable.border import all_links, motions_of
+from ..cable.cable import Cable
+from ..scene.model import CableInScene
+from .cable_loads import CableLoads
+from .run_watch import RunWatch
+from .watch import (
+    LEAST_STEPS,
+    NOW,
+    STEPS_BETWEEN,
+    STEPS_WITH_POWER,
+    VIOLENT,
+    build_watch,
+    go_on,
+    open_account,
+)
+
+ROUND_OFF = 1e3 * np.finfo(float).eps
+
+
+class CableWatch(RunWatch):
+    """Keeps the account of one cable.
+
+    watch: for `record_watched`.
+    """
+
+    def __init__(
+        self,
+        scene_cable: CableInScene,
+        loads: CableLoads,
+        state: Any,
+        energy_tolerance: float,
+        gains_energy: bool,
+    ) -> None:
+        cable = scene_cable.cable
+        self._names = scene_cable.item.node_names
+        self._shape = cable.reference.shape
+        self._round_off = _round_off(cable, loads.constant)
+        moves = not all(motion.rests for motion in motions_of(all_links(cable)))
+        has_power = moves or bool(cable.section.bending_damping) or cable.drag is not None
+        every = STEPS_WITH_POWER if has_power else STEPS_BETWEEN
+        most = VIOLENT * energy_tolerance if gains_energy else np.inf
+        self.watch = build_watch(state, every, energy_tolerance, loads.pattern, LEAST_STEPS, most)
+
+    def open(self, system: Any, external: Array, state: Any) -> None:
+        """Begin with a state that the integrator has just started from."""
+        open_account(self.watch, system, external, state, self._round_off)
+
+    def go_on(self, system: Any, external: Array, state: Any) -> None:
+        """With another step, from a state that the integrator has just started from."""
+        go_on(self.watch, system, external, state)
+
+    @property
+    def steps(self) -> int:
+        """That have been inspected and found well."""
+        return int(self.watch.account[NOW].steps)
+
+    def finding(self, state: Any) -> str:
+        """What went wrong, by how much, and where.   state: the last good one."""
+        left, right = self._fastest_element(state.a)
+        return f"{self.found}; its accelerations are largest between nodes {left} and {right}"
+
+    def _fastest_element(self, a: Array) -> tuple[Any, Any]:
+        """Nodes of the element with the largest accelerations."""
+        sizes = np.linalg.norm(a.reshape(self._shape)[:, 0], axis=1)
+        k = int(np.argmax(sizes[1:] + sizes[:-1]))
+        return self._names[k], self._names[k + 1]
+
+
+def _round_off(cable: Cable, force: Array) -> float:
+    """Of the energy [J]: forces between nodes as if they were not straight, times round-off of places."""
+    lengths, q = cable.element_lengths, cable.reference
+    extent = float(np.abs(q[:, 0]).max()) + cable.length
+    stiff = 12.0 * cable.section.bending_stiffness * float((1.0 / lengths**2).sum())
+    return ROUND_OFF * extent * (stiff + float(np.abs(force[: q.size]).sum()))

@@ -1,0 +1,155 @@
+"""Initial coordinates and velocities of a cable on its constraint manifold."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..cable.cable import Cable
+from ..cable.linked_cable import LinkedCableSystem
+from ..constraints import constraints_of_cable
+from ..errors import SceneError
+from ..scene.model import CableInScene
+from ..system import accelerate_and_project, correct_position
+from .start_velocities import kinetic_energy, nearest_velocities, warn_of_velocities
+
+ROUND_OFF = 1e-12
+PLACES, RATES = "initial coordinates", "initial velocities"
+_ITERATIONS = 20
+
+
+@dataclass(frozen=True)
+class Violation:
+    """The worst violated constraint of an initial state.
+
+    size: of c [-, m], or of its rate over the speed.   what: what is violated.
+    constraint, row: equation `row` of it is violated.
+    """
+
+    size: float
+    what: str = ""
+    constraint: Any = None
+    row: int = 0
+
+
+@dataclass(frozen=True)
+class StartCorrection:
+    """How far the projection onto the constraints moved an initial state.
+
+    position, slope: largest change of a coordinate [m, -].   velocity: of a velocity [m/s, 1/s].
+    """
+
+    position: float = 0.0
+    slope: float = 0.0
+    velocity: float = 0.0
+
+
+def worst_violations(
+    scene_cable: CableInScene, system: Any, q: Array, v: Array, time: float
+) -> tuple[Violation, Violation]:
+    """The worst violations of all constraints by initial q, and by v; both (n, 2, dim).
+
+    system: of the cable.
+    """
+    speed = max(1.0, float(np.abs(v).max()))
+    rests = not (v.any() or scene_cable.moving)  # then no rate can be wrong
+    of_places, of_rates = Violation(0.0, PLACES), Violation(0.0, RATES)
+    if rests and _is_kept(system, scene_cable.cable, q):
+        return of_places, of_rates
+    for constraint in constraints_of_cable(scene_cable.cable):
+        of_places = _worse(of_places, constraint, constraint.value(q, time))
+        if not rests:
+            with np.errstate(invalid="ignore"):  # of what is infinite
+                of_rates = _worse(of_rates, constraint, constraint.rate(q, v, time) / speed)
+    return of_places, of_rates
+
+
+def _worse(worst: Violation, constraint: Any, violations: Array) -> Violation:
+    """The worst of what was found so far, and of one constraint; what is not finite stays."""
+    sizes = np.abs(violations)
+    row = int(np.argmax(sizes))  # that of a NaN, if there is one
+    if not np.isfinite(worst.size) or sizes[row] <= worst.size:
+        return worst
+    return Violation(float(sizes[row]), worst.what, constraint, row)
+
+
+def _is_kept(system: Any, cable: Cable, q: Array) -> bool:
+    """Whether a chain without links keeps its constraints, by one compiled look; False: look closer."""
+    if isinstance(system, LinkedCableSystem) or (q - cable.reference)[cable.fixed].any():
+        return False
+    places, memory = q.ravel(), np.zeros(q.size)
+    is_finite = bool(np.isfinite(places).all())
+    return is_finite and correct_position(system, places, places, np.inf, 0.0, memory) < ROUND_OFF
+
+
+def require_consistent(scene_cable: CableInScene, violation: Violation, tolerance: float) -> None:
+    """Raise SceneError, which names the worst constraint and by how much it is violated."""
+    if not violation.size <= tolerance:
+        raise SceneError(
+            f"{found(scene_cable, violation, tolerance)}: correct the initial values of its nodes, start "
+            "from an equilibrium (SolveEquilibrium), or let a larger startTolerance project them."
+        )
+
+
+def found(scene_cable: CableInScene, violation: Violation, tolerance: float) -> str:
+    """What violates which constraint, and by how much."""
+    where = violation.constraint.describe(violation.row, scene_cable.item.node_names)
+    return (
+        f"the {violation.what} of cable '{scene_cable.name}' violate the {violation.constraint.name} "
+        f"constraint at the {where} by {violation.size:.3g} (limit {tolerance:g})"
+    )
+
+
+def settle(system: Any, inputs: Array, q: Array, v: Array) -> None:
+    """Move q and v (n_dof,) onto the constraints of a system, in the mass metric, in place.
+
+    Args:
+        system: with the protocols of `system`; its memory is used.   inputs: its external force.
+    """
+    memory, end_velocity, correction = (np.zeros(q.size) for _ in range(3))
+    for _ in range(_ITERATIONS):
+        accelerate_and_project(system, inputs, q, v, 0.0, memory, end_velocity)
+        if not correct_position(system, inputs, q, ROUND_OFF, 0.0, correction) > ROUND_OFF:
+            break
+        q += correction
+    v[:] = end_velocity
+
+
+def agree(system: Any, inputs: Array, state: Any) -> None:
+    """Project the velocities of an integrator's state onto the constraints; see `settle`."""
+    memory, velocity = np.zeros(state.q.size), np.zeros(state.q.size)
+    accelerate_and_project(system, inputs, state.q, state.v, 0.0, memory, velocity)
+    state.v[:] = velocity
+
+
+def project(
+    scene_cable: CableInScene,
+    system: Any,
+    inputs: Array,
+    state: Any,
+    time: float,
+    far: Violation | None,
+    tolerance: float,
+) -> StartCorrection:
+    """Move q and v (n_dof,) of a state onto the constraints of a cable, in the mass metric, in place.
+
+    Args:
+        scene_cable: the cable.   system: its equations, whose memory is used.
+        inputs: (n_external,) at the start.   state: of the integrator.   time: of the start [s].
+        far: violation by the velocities that deserves a warning, or None.   tolerance: that it exceeds.
+    """
+    cable, q, v = scene_cable.cable, state.q, state.v
+    given_q, given_v = q.copy(), v.copy()
+    if far is not None:
+        v[:] = nearest_velocities(cable, q, v, time)
+        energies = kinetic_energy(cable, given_v), kinetic_energy(cable, v)
+        warn_of_velocities(found(scene_cable, far, tolerance), *energies)
+    held = np.repeat(cable.fixed[:, :, None], cable.dimension, axis=2).ravel()
+    q[held] = cable.reference.ravel()[held]
+    v[held] = 0.0
+    settle(system, inputs, q, v)
+    moved = np.abs(q - given_q).reshape(cable.reference.shape)
+    return StartCorrection(
+        float(moved[:, 0].max()), float(moved[:, 1].max()), float(np.abs(v - given_v).max())
+    )

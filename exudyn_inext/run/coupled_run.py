@@ -1,0 +1,365 @@
+"""Cables, bodies and joints of a scene, moved together: one right-hand side call for each evaluation."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..cable.cable import Cable
+from ..cable.linked_cable import cable_system
+from ..compiled import plain
+from ..errors import DivergenceError, RedundantConstraintError
+from ..integrators.integrator import Integrator, LoadHistory, advance
+from ..integrators.linear_stability import frequency_limit
+from ..scene.closed_contacts import rates_in_contact
+from ..scene.small_vibrations import FastestRates, fastest_rates
+from ..system import accelerate_and_project, index_reduced_rates
+from .cable_run import CableRun, Start
+from .consistent_start import StartCorrection, agree
+from .coupled_start import consistent_start
+from .coupled_watch import LENIENCE, CoupledWatch
+from .divergence import explanation
+from .joined_scene import JoinedScene, OpenContacts
+from .kept_state import KeptState
+from .paced_run import PacedRun
+from .step_control import StepControl
+from .time_grid import TimeGrid
+
+FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
+_NOTHING, _TIME = np.zeros(1), np.ones((1, 1))  # the load of a coupled system is the time
+
+
+class CoupledRun(PacedRun):
+    """All of a scene, see `time_loop.Run`.
+
+    Args:
+        scene: all of it.   cable_runs: of its cables.   scheme: of the integrator.   start: as of a cable.
+        why: what it contains, for messages.
+    end_of_step: of the time loop [s], at which violated joints shall be fulfilled, for a run that takes over
+        from another one; None: they are violated by at most the tolerance.
+    cables: models of the inextensible cables.   start_corrections: one for each of them, and for joints.
+    friction: whether that of cables on circles obeys Coulomb's law.
+    """
+
+    looks_ahead = False
+    lenience = LENIENCE
+
+    def __init__(
+        self,
+        scene: JoinedScene,
+        cable_runs: Sequence[CableRun],
+        integrator: Integrator,
+        scheme: Any,
+        start: Start,
+        why: str,
+        end_of_step: float | None = None,
+    ) -> None:
+        self._scene = scene
+        self._runs = cable_runs
+        self._why = why
+        self.integrator = integrator
+        self._time = start.time
+        self.indices, self.reference = scene.map.indices, scene.map.reference
+        self.state: Any = integrator.allocate(scene.size, 1)
+        self.state.q[:], self.state.v[:] = scene.initial_state
+        for run, dofs in zip(cable_runs, scene.map.slices, strict=False):
+            self.state.q[dofs], self.state.v[dofs] = run.state.q, run.state.v
+        scene.require_finite(self.state.v)
+        self.start_correction = StartCorrection()
+        if end_of_step is None:
+            self._project(start)
+        else:
+            self.approach(start.time, end_of_step)
+        self.control = StepControl(rejects=start.rejects)
+        self._unsolvable = ""  # what was said of joints that could not be solved for
+        self._output = np.zeros((1, 3, scene.size))
+        self.watch = CoupledWatch(scene, cable_runs, self.state, integrator, scheme, start.energy_tolerance)
+        self.friction = scene.friction
+        if self.friction.is_needed:
+            self.watch.after_each_step.append(self.friction.look)
+
+    def _project(self, start: Start) -> None:
+        """Onto all constraints: impulses at the start meet the mass as it is, without scaling."""
+        scene, state = self._scene, self.state
+        scene.take_hold(state.v, start.tolerance)
+        if any(run.is_scaled for run in self._runs):
+            scene = scene.with_systems([cable_system(cable, start.zeta) for cable in self.cables])
+        self.start_correction = consistent_start(
+            scene.system, self.cables, start.time, state.q, state.v, start.tolerance
+        )
+
+    @property
+    def name(self) -> str:
+        cables = ", ".join(run.name for run in self._runs)
+        joints = len(self._scene.joints)
+        others = [f"{joints} joint(s)"] if joints else []
+        others += ["bodies"] if self._scene.has_bodies else []
+        return " and ".join([cables, *others]) if cables else "native items"
+
+    def holds(self, number: int) -> bool:
+        """Whether the equations leave out the coordinate that this constraint holds."""
+        return number in self._scene.held.numbers
+
+    @property
+    def cable_runs(self) -> Sequence[CableRun]:
+        """Those of the inextensible cables, which move as its parts."""
+        return self._runs
+
+    @property
+    def cables(self) -> list[Cable]:
+        return [run.scene_cable.cable for run in self._runs]
+
+    @property
+    def start_corrections(self) -> list[StartCorrection]:
+        return [run.start_correction for run in self._runs] + [self.start_correction]
+
+    @cached_property
+    def _rates(self) -> FastestRates:
+        return self._rates_at(self._time)
+
+    def _rates_at(self, time: float) -> FastestRates:
+        """Of the present state."""
+        with self._without_implicit_damping():
+            return fastest_rates(self._scene.system, time, self.state.q, self.state.v)
+
+    @contextmanager
+    def _without_implicit_damping(self) -> Iterator[None]:
+        """That of the cables does not bound the step."""
+        with ExitStack() as stack:
+            for run in self._runs:
+                stack.enter_context(run.implicit_damping_left_out())
+            yield
+
+    def forget_rates(self, time: float) -> None:
+        """Find them again, for the configuration at `time` [s]; the run must then begin again."""
+        self._time = time
+        self.__dict__.pop("_rates", None)
+
+    @cached_property
+    def contacts(self) -> OpenContacts | None:
+        """Contacts that are open at the start, if there are any."""
+        return self._scene.open_contacts()
+
+    @property
+    def rates_in_contact(self) -> FastestRates:
+        """The rates if all of these contacts close at once; zero where there are none."""
+        if self.contacts is None:
+            return FastestRates(0.0, 0.0)
+        with self._without_implicit_damping():
+            return rates_in_contact(
+                self._scene.system, self.contacts.closed, self._time, self.state.q, self.state.v
+            )
+
+    def largest_frequency(self, time: float) -> float:
+        """w_max [rad/s] of small vibrations about the present configuration, joints included."""
+        return self._rates.frequency
+
+    @property
+    def reason(self) -> str:
+        """What an evaluation needs."""
+        joints, bodies = len(self._scene.joints), self._scene.bodies_of_variable_mass
+        needs = ["one right-hand side of Exudyn"]
+        needs += [f"the mass of {bodies} bodies"] if bodies else ["no mass (all constant, inverted once)"]
+        needs += [f"the Jacobians of {joints} joints"] if joints else ["no Jacobian (no joints)"]
+        return f"each evaluation takes {', '.join(needs)}, as mbs contains {self._why}"
+
+    def damping_ratio(self, frequency: float) -> float:
+        """Strongest damping [1/s], as a share of that frequency."""
+        ratio = self._rates.damping / frequency if frequency > 0.0 else 0.0
+        return ratio if ratio > 1e-6 else 0.0
+
+    def scale_mass(self, theta: float, h: float) -> None:
+        """See `CableRun.scale_mass`."""
+        self.__dict__.pop("_rates", None)
+        for run in self._runs:
+            run.scale_mass(theta, h)
+
+    def set_step(self, h: float) -> None:
+        """Prepare the cables for steps of h [s]."""
+        self.control.present = h
+        for run in self._runs:
+            run.set_step(h)
+
+    def approach(self, time: float, end: float) -> None:
+        """Let joints that have been changed be fulfilled at `end` [s], with velocities for that."""
+        self._scene.surroundings.begin_approach(time, end, self.state.q, FULFILLED)
+        self._agree(time)
+
+    def rest_joints(self, time: float) -> None:
+        """After an approach."""
+        self._scene.surroundings.approach = None
+        self._agree(time)
+
+    def _agree(self, time: float) -> None:
+        """Project the velocities onto all constraints."""
+        agree(self._scene.system, np.array([time]), self.state)
+
+    @property
+    def approaches(self) -> bool:
+        """Whether joints have moved through the last step, as they were changed."""
+        return self._scene.surroundings.approach is not None
+
+    def accelerations(self, time: float, multipliers: Array) -> Array:
+        """See `CableRun.accelerations`; neither extrapolated nor stabilised, as those of the steps are."""
+        state, (a, rest) = self.state, np.zeros((2, self._scene.size))
+        arguments = self._scene.system, np.array([time]), state.q, state.v
+        surroundings = self._scene.surroundings
+        surroundings.forget()
+        with ExitStack() as stack:
+            for run in self._runs:
+                stack.enter_context(run.mass_as_it_is())
+            if self.integrator.stabilised:
+                accelerate_and_project(*arguments, 0.0, a, rest)
+            else:
+                index_reduced_rates(*arguments, a, rest)
+        multipliers[:] = surroundings.all_multipliers(self._scene.system.multipliers, a)
+        if self.has_implicit_bending:
+            self.resume(time)
+        surroundings.show(time, state, multipliers)
+        return a[: len(self.indices)]
+
+    def start(self, time: float) -> None:
+        """Evaluate the initial accelerations; see `CableRun.start`."""
+        self._scene.forget()
+        for run in self._runs:
+            run.forget()
+        begin = plain(self.integrator.start)
+        begin(self._scene.system, np.array([time]), self.state)
+        for run in self._runs:
+            run.require_independence()
+        self.watch.open(time, self.state)
+
+    def memory(self) -> dict[str, Any]:
+        """Arrays that the next steps depend on; see `CableRun.memory`."""
+        cables = {str(k): run.memory()["foresight"] for k, run in enumerate(self._runs)}
+        return {
+            "state": self.state._asdict(),
+            "scene": self._scene.memory(),
+            "cables": cables,
+            "watch": self.watch.memory(),
+            "control": self.control.memory(),
+            "friction": self.friction.sums,
+        }
+
+    def resume(self, time: float) -> None:
+        """Go on at `time` [s] with the memory that has been set; data coordinates are those of mbs."""
+        if self.control.present:
+            self.set_step(self.control.present)
+        self._scene.surroundings.forces(time, self.state.q, self.state.v)
+        plain(self.integrator.resume)(self._scene.system, np.array([time]), self.state)
+        self.watch.resume()
+
+    def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
+        """Advance through len(history) loop steps; see `CableRun.record`."""
+        number = len(self.indices)
+        self._scene.surroundings.forget()
+        for interval in range(len(history)):
+            with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges
+                if not self.finish_interval(scheme, grid, first + interval, self._output):
+                    return interval
+            for place, values in enumerate((self.state.q, self.state.v, self.state.a)):
+                history[interval, place] = values[:number]
+            history[interval, 0] -= self.reference
+        surroundings, end = self._scene.surroundings, grid.time(first + len(history))
+        multipliers = surroundings.all_multipliers(self._scene.system.multipliers, self.state.a)
+        surroundings.show(end, self.state, multipliers)
+        return len(history)
+
+    @cached_property
+    def kept(self) -> KeptState:
+        """See `PacedRun.kept`; contact and friction remember in mbs."""
+        return KeptState(self.memory(), self._scene.remembered)
+
+    @property
+    def has_implicit_bending(self) -> bool:
+        """See `PacedRun.has_implicit_bending`."""
+        return any(run.has_implicit_bending for run in self._runs)
+
+    def reject(self, time: float) -> None:
+        """See `PacedRun.reject`; mbs is not in the state of the run any more."""
+        self._scene.surroundings.forget()
+        try:
+            super().reject(time)
+        except RedundantConstraintError as error:
+            self._unsolvable, self.gave_up = str(error), True
+
+    def start_scheme(self, time: float) -> None:
+        """See `PacedRun.start_scheme`."""
+        plain(self.integrator.start)(self._scene.system, np.array([time]), self.state)
+
+    def watch_on(self, time: float) -> None:
+        """See `PacedRun.watch_on`."""
+        self.watch.go_on(time, self.state)
+
+    def take(self, scheme: Any, start: float, h: float, steps: int, history: Array) -> bool:
+        """See `PacedRun.take`; the end stays in the state."""
+        numbers = np.arange(steps)[:, np.newaxis]
+        times: Array = start + h * (numbers + np.array(self.integrator.stages))
+        ends = (start + h * (numbers + 1)).ravel().tolist()
+        is_judged, done = not self.control.is_nominal, 0
+        self._unsolvable = ""
+        try:
+            while done < steps:
+                ahead = slice(done, done + self.watch.steps_ahead)
+                self._take_steps(scheme, times[ahead], ends[ahead], h)
+                done = min(ahead.stop, steps)
+                if not self.watch.is_well_at(ends[done - 1], h, self.state, is_judged and done == steps):
+                    return False
+        except (DivergenceError, RedundantConstraintError) as error:
+            self._unsolvable = str(error) if isinstance(error, RedundantConstraintError) else ""
+            self.watch.give_up(self.state)
+            return False
+        except Exception as error:  # Exudyn's, in place of that of a user function
+            if "OverflowError" not in str(error):
+                raise
+            self.watch.give_up(self.state)
+            return False
+        return True
+
+    def _take_steps(self, scheme: Any, times: Array, ends: Sequence[float], h: float) -> None:
+        """Steps of h [s].   times: (steps, stages) of their evaluations [s].   ends: of the steps [s]."""
+        take_step = plain(advance.dispatch(type(scheme)))
+        system, state, watch = self._scene.system, self.state, self.watch
+        surroundings = self._scene.surroundings
+        surroundings.path, surroundings.settles = watch.path_of_evaluations, watch.has_one_evaluation
+        try:
+            for factors, end in zip(times[:, np.newaxis, :, np.newaxis], ends, strict=True):
+                if end == ends[-1]:
+                    watch.look(state)
+                take_step(scheme, system, LoadHistory(_NOTHING, _TIME, factors), state, h, 1, self._output)
+                surroundings.finish_step(end, state.q, state.v)
+                for call in watch.after_each_step:
+                    call()
+        finally:
+            surroundings.path, surroundings.settles = None, False
+        watch.count(len(ends))
+
+    @property
+    def _place(self) -> str:
+        """Where the last good state has its largest acceleration."""
+        largest = int(np.argmax(np.abs(self.state.a[: len(self.indices)])))
+        return f"its accelerations are largest at {self._scene.coordinate_name(self.indices[largest])}"
+
+    def figures(self) -> dict[str, float]:
+        """How well constraints and energy were kept."""
+        return self.watch.figures()
+
+    def verdict(self, scheme: Any, time: float, h: float) -> str:
+        """What went wrong in the last steps; see `CableRun.verdict`."""
+        if not self.gave_up:
+            return ""
+        if self._unsolvable:
+            return f"{self.name}: {self._unsolvable} If the motion before that is wrong, reduce stepSize."
+        limit = self._limit_now(scheme, time)
+        said = explanation(self.integrator, self.trouble, self.control.present, limit, scaled=True)
+        return f"{self.name}: {self.watch.found}; {self._place}; {self.control.said}. {said}"
+
+    def _limit_now(self, scheme: Any, time: float) -> float:
+        """Stability limit [s] in the state of the last inspection; infinite if there is none."""
+        rates = self._rates_at(time)
+        if not rates.frequency > 0.0:
+            return np.inf
+        return frequency_limit(self.integrator, scheme, rates.damping / rates.frequency) / rates.frequency

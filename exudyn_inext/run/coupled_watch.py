@@ -1,0 +1,252 @@
+"""The watch over cables, bodies and joints that move together.
+
+Exudyn's items do work along the way, which is counted step by step: that of linear springs exactly. A mass
+that depends on the configuration changes the energy, too: the forces of Exudyn contain what its change does
+to the momentum, of which the kinetic energy takes one half.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..integrators.integrator import Integrator
+from ..integrators.linear_stability import frequency_limit
+from ..system import AGITATION, KINETIC, POWER, VIOLATION, gauge
+from .cable_run import CableRun
+from .joined_scene import JoinedScene
+from .path_work import LACK, SCALE, SUMS, WAY, begin_path, build_path, expect_energy, follow, take_sums
+from .run_watch import RunWatch
+from .watch import (
+    LACK_OF_WORK,
+    NOT_FINITE,
+    NOW,
+    UNSTABLE,
+    VIOLENT,
+    Watch,
+    build_watch,
+    condemn,
+    glance,
+    go_on_with_gauges,
+    judge_after_work,
+    open_with_gauges,
+)
+
+STEPS_BETWEEN = 1024  # two inspections at most
+FIRST_STEPS = 4  # two inspections, which are further and further apart
+STEPS_WITH_POWER = 32  # at most where damping or supports that move change the energy
+STEPS_BETWEEN_GLANCES = 32  # at the velocities, at most; outputs are looked at, too
+CALM = 16.0  # growth of their square since the last inspection that calls for another one
+LENIENCE = 10.0  # of the energy: forces that jump, as those of contact do, have work between two steps
+ROUND_OFF = 1e-10  # of the energy, relative to the forces times the extent
+STEPS_BETWEEN_LOOKS = 8  # at the frequency of a step, which is looked at more often after an inspection
+GROWTH = 0.1  # of a vibration in a step [-], that is unstable
+
+
+class CoupledWatch(RunWatch):
+    """Keeps the account of a coupled scene.
+
+    Args:
+        scene: the scene.   runs: of its cables.   state: of the integrator, whose steps follow a scheme.
+        energy_tolerance: see `ExplicitSettings.energyTolerance`.
+
+    path_of_evaluations: for `NativeSurroundings.path` during steps; a lack of work within a step shows in it.
+    has_one_evaluation: each step.
+    after_each_step: what to call then.
+    is_close: whether the end of each interval is judged, as where joints are moved step by step.
+    """
+
+    is_close = False
+
+    def __init__(
+        self,
+        scene: JoinedScene,
+        runs: Sequence[CableRun],
+        state: Any,
+        integrator: Integrator,
+        scheme: Any,
+        energy_tolerance: float,
+    ) -> None:
+        self._scene = scene
+        self._surroundings = scene.surroundings
+        self._runs = runs
+        self._bodies = scene.system.parts[len(runs)]
+        tolerance = LENIENCE * energy_tolerance
+        most = VIOLENT * tolerance if integrator.stabilised else np.inf
+        self.watch = build_watch(state, STEPS_BETWEEN, tolerance, most=most)
+        self._gravity = np.zeros(len(state.q))
+        for run, dofs in zip(runs, scene.map.slices, strict=False):
+            self._gravity[dofs] = run.loads.constant[: dofs.stop - dofs.start]
+        self._energy_tolerance = energy_tolerance
+        self._limit = frequency_limit(integrator, scheme, growth=GROWTH)
+        self._before = np.zeros((2, len(state.q)))  # q and a at the start of the last step
+        self._is_due = False  # a look at its frequency
+        self._path = build_path(len(scene.map.indices))  # the work of all but gravity
+        self.path_of_evaluations = self._path
+        self._changes = np.zeros(1)  # of masses since the last inspection, see `count_changes`
+        self.after_each_step: list[Callable[[], None]] = []
+        self.has_one_evaluation = integrator.evaluations(scheme) == 1
+        if not self.has_one_evaluation:
+            self.path_of_evaluations = self._path.copy()
+            self.after_each_step += [partial(follow, self._path, state.q, self._surroundings.varying_forces)]
+        self._lacks = self.path_of_evaluations[SUMS]  # sums that tell of them, see `build_path`
+        if scene.bodies_of_variable_mass:
+            way = self._path[WAY, self._bodies.dofs]
+            self.after_each_step += [partial(self._bodies.system.count_changes, way, self._changes)]
+        self._scale = 1.0  # of violated joints [m, -]
+        self._step = 0.0  # last one [s]
+        self._last = np.zeros(2)  # inspection: its time [s], and the square of the velocities then
+        self._calm = 0.0  # largest square of velocities that calls for no other one
+        self._counts = np.zeros(2, int)  # of steps since then, and until the next one at most
+
+    @property
+    def _steps(self) -> int:
+        return int(self._counts[0])
+
+    @property
+    def _most_steps(self) -> int:
+        return int(self._counts[1])
+
+    def open(self, t: float, state: Any) -> None:
+        """Begin with a state that the integrator has just started from."""
+        forces = self._begin_work(t, state)
+        self._counts[1] = FIRST_STEPS
+        self._begin(t, state)
+        extent = float(np.abs(state.q).max(initial=0.0))
+        self._scale = max(1.0, extent)
+        size = float(np.abs(forces + self._gravity[: len(forces)]).sum())
+        open_with_gauges(self.watch, state, ROUND_OFF * extent * size)
+        floor = float(self.watch.account[NOW].round_off)
+        expect_energy(self.path_of_evaluations, self.turned_over, floor, self._energy_tolerance)
+
+    def _begin_work(self, t: float, state: Any) -> Any:
+        """Count work from a state on; returns the forces of Exudyn's items in it."""
+        self._set_gauges(t, state)
+        forces = self._surroundings.varying_forces
+        for path in (self._path, self.path_of_evaluations):
+            begin_path(path, state.q, forces)
+        self._bodies.system.begin_changes()
+        self._changes[:] = 0.0
+        return forces
+
+    def go_on(self, t: float, state: Any) -> None:
+        """With another step, from a state that the integrator has just started from, at t [s]."""
+        if self._steps:  # what has gone on since the last inspection counts, and is not judged any more
+            self._set_gauges(t, state)
+            indifferent = self.watch._replace(tolerance=np.inf, most=np.inf, phase=np.inf)
+            self._judge(indifferent, self._step, t - self._last[0], state)
+        self._begin_work(t, state)
+        self._begin(t, state)
+        go_on_with_gauges(self.watch, state)
+
+    @property
+    def steps_ahead(self) -> int:
+        """That may be taken before the next `is_well_at`."""
+        return min(STEPS_BETWEEN_GLANCES, self._most_steps - self._steps)
+
+    def count(self, steps: int) -> None:
+        """These steps have been taken."""
+        before, now = (number // STEPS_BETWEEN_LOOKS for number in (self._steps, self._steps + steps))
+        self._is_due = before == 0 or before < now
+        self._counts[0] += steps
+
+    def is_well_at(self, t: float, h: float, state: Any, at_once: bool = False) -> bool:
+        """Judge the steps of h [s] until t [s] from time to time, and `at_once`, or if velocities grow."""
+        self._step = h
+        if self._lacks[LACK] > self._energy_tolerance:
+            return self._condemn(state, LACK_OF_WORK, self._lacks[LACK])
+        if self._is_due and (excess := self._excess(t, h, state)) > 1.0:
+            return self._condemn(state, UNSTABLE, excess)
+        few = self._steps < self._most_steps and not (self.is_close or at_once)
+        if few and glance(state.q, state.v, state.a) <= self._calm:
+            return True
+        self._set_gauges(t, state)
+        trouble = self._judge(self.watch, h, t - self._last[0], state)
+        self._lacks[SCALE] = max(self._lacks[SCALE], self.turned_over)
+        self._begin(t, state)
+        return not trouble
+
+    def look(self, state: Any) -> None:
+        """Remember the state before the last step that is taken now."""
+        self._before[0], self._before[1] = state.q, state.a
+
+    def _excess(self, t: float, h: float, state: Any) -> float:
+        """Largest frequency of the last step's motion over that up to which it is stable; 0 if it is quiet.
+
+        With the change a of accelerations along the way x, w^2 = -(a . M a) / (a . M x) is a mean over the
+        vibrations, by their energies -a . M x / 2, and so at most the square of their largest frequency.
+        """
+        way, change = state.q - self._before[0], (h / self._limit) ** 2 * (state.a - self._before[1])
+        of_way, of_change, of_sum = (
+            self._kinetic_energy(t, state, velocity) for velocity in (way, change, way + change)
+        )
+        product = of_way + of_change - of_sum
+        matters = 0.5 * product * (self._limit / h) ** 2 > self._energy_tolerance * self._lacks[SCALE]
+        return float(np.sqrt(2.0 * of_change / product)) if matters and product > 0.0 else 0.0
+
+    def _condemn(self, state: Any, trouble: int, excess: float) -> bool:
+        condemn(self.watch, state, trouble, excess)
+        return False
+
+    def give_up(self, state: Any) -> None:
+        """The last step could not be taken: the state is that of the last inspection."""
+        self._condemn(state, NOT_FINITE, np.nan)
+
+    def memory(self) -> dict[str, Any]:
+        """Arrays that the next inspections depend on, by names."""
+        path = {"path": self._path, "lacks": self.path_of_evaluations, "changes": self._changes}
+        masses = {"masses": self._bodies.system.masses_before()}
+        return super().memory() | path | masses | {"last": self._last, "steps": self._counts}
+
+    def resume(self) -> None:
+        """Go on with the memory that has been set."""
+        self._calm = CALM * float(self._last[1])
+
+    def _begin(self, t: float, state: Any) -> None:
+        """Count steps from a state at t [s]."""
+        most = STEPS_WITH_POWER if self.watch.gauges_now[POWER] else STEPS_BETWEEN
+        self._counts[:] = 0, min(2 * self._counts[1], most)
+        self._last[:] = t, state.v.dot(state.v)
+        self._calm = CALM * float(self._last[1])
+
+    def _judge(self, watch: Watch, h: float, duration: float, state: Any) -> int:
+        work, scatter = take_sums(self._path)
+        take_sums(self.path_of_evaluations)
+        work += 0.5 * float(self._changes[0]) / h**2
+        self._changes[:] = 0.0
+        return int(judge_after_work(watch, state, self._gravity, work, scatter, self._steps, duration))
+
+    def _kinetic_energy(self, t: float, state: Any, v: Array) -> float:
+        """Of velocities v (n,) in the present configuration [J]."""
+        bodies, gauges = self._bodies, np.zeros(5)
+        total = float(bodies.system.kinetic_energy(v[bodies.dofs]))
+        for run, dofs in zip(self._runs, self._scene.map.slices, strict=False):
+            force, rates = np.zeros(dofs.stop - dofs.start), v[dofs]
+            gauge.dispatch(type(run.system))(
+                run.system, run.loads.at(t), state.q[dofs], rates, rates, force, gauges
+            )
+            total += gauges[AGITATION]  # the mass alone; what bending adds to it is in KINETIC
+        return total
+
+    def _set_gauges(self, t: float, state: Any) -> None:
+        total = self.watch.gauges_now
+        total[:] = 0.0
+        for cable, (run, dofs) in enumerate(zip(self._runs, self._scene.map.slices, strict=False)):
+            if len(run.loads.pattern) and self._scene.joints:
+                self._scene.set_multipliers(cable, t, state.q, state.v)  # its own solve knows no joints
+            mine, force = np.zeros(5), np.zeros(dofs.stop - dofs.start)
+            gauge.dispatch(type(run.system))(
+                run.system, run.loads.at(t), state.q[dofs], state.v[dofs], state.a[dofs], force, mine
+            )
+            worst = np.maximum(total[VIOLATION], mine[VIOLATION])
+            total += mine
+            total[VIOLATION] = worst
+        if self._scene.joints:
+            worst_of_joints = np.abs(self._surroundings.violations(t, state.q)).max() / self._scale
+            total[VIOLATION] = np.maximum(total[VIOLATION], worst_of_joints)
+        bodies = self._bodies
+        total[KINETIC] += bodies.system.kinetic_energy(state.v[bodies.dofs])
+        total[AGITATION] += bodies.system.kinetic_energy(state.a[bodies.dofs])
+        total[POWER] += self._scene.system.multipliers @ self._scene.system.drift

@@ -1,0 +1,105 @@
+"""What a run needs to know of cables, bodies and joints that move together, whoever evaluates them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from ..arrays import Array
+from ..scene.closed_contacts import ClosedContacts
+from ..scene.coupled_system import CoupledSystem
+from .kept_state import Elsewhere
+
+
+@dataclass(frozen=True, eq=False)
+class OpenContacts:
+    """All contacts that are open.   closed: what they do if they close.   name: of them, for messages.
+
+    stiffnesses, dampings: which parameters set them.
+    """
+
+    closed: ClosedContacts
+    name: str
+    stiffnesses: Sequence[str]
+    dampings: Sequence[str]
+
+
+class Friction(Protocol):
+    """Friction, looked at in a run.   is_needed: whether there is any.   sums: memory of what was seen.
+
+    finding: what is wrong with it; empty if nothing is.
+    """
+
+    sums: Array
+
+    @property
+    def is_needed(self) -> bool: ...
+
+    @property
+    def finding(self) -> str: ...
+
+    def look(self) -> None:
+        """At the end of a step."""
+
+
+class JoinedScene(Protocol):
+    """Parts in one order: cables, bodies, first order states.
+
+    system: all of it.   map: places of the coordinates (`indices`, `reference`, `slices`).   size: how many.
+    surroundings: forces and joints.   joints: that couple the parts.
+    held: coordinates that belong to no part.
+    friction: of it.   remembered: what contacts remember, if there are any.
+    initial_state: q and v (size,) at the start.   bodies_of_variable_mass: how many there are.
+    """
+
+    system: CoupledSystem
+    map: Any
+    surroundings: Any
+    held: Any
+
+    @property
+    def joints(self) -> Sequence[Any]: ...
+
+    @property
+    def size(self) -> int: ...
+
+    @property
+    def initial_state(self) -> tuple[Array, Array]: ...
+
+    @property
+    def friction(self) -> Friction: ...
+
+    @property
+    def remembered(self) -> Elsewhere | None: ...
+
+    @property
+    def has_bodies(self) -> bool: ...
+
+    @property
+    def bodies_of_variable_mass(self) -> int: ...
+
+    def require_finite(self, v: Array) -> None:
+        """Raise SceneError unless all velocities v (n,) are finite."""
+
+    def take_hold(self, v: Array, tolerance: float) -> None:
+        """Stop the held coordinates at the start; v (n,) in place."""
+
+    def with_systems(self, systems: Sequence[Any]) -> "JoinedScene":
+        """The same scene, whose cables have other equations."""
+
+    def open_contacts(self) -> OpenContacts | None:
+        """Contacts that are open at present, if there are any."""
+
+    def coordinate_name(self, index: int) -> str:
+        """Whose coordinate it is, by its place in the system vector."""
+
+    def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
+        """Accelerations of a cable, whose system then holds its multipliers.
+
+        The scene has been evaluated at (t, q, v).
+        """
+
+    def memory(self) -> dict[str, Any]:
+        """What earlier steps taught joints and bodies, by names."""
+
+    def forget(self) -> None:
+        """What earlier steps taught does not hold any more."""

@@ -1,0 +1,60 @@
+"""Constraints of a cable that depend on each other: seen by the pivots of its factorisation."""
+
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..cable.border import all_links
+from ..cable.cable import Cable
+from ..cable.implicit_bending import ImplicitBending
+from ..cable.linked_cable import LinkedCableSystem
+from ..errors import RedundantConstraintError
+from ..scene.model import CableInScene
+
+PIVOT_TOLERANCE = 1e-10
+
+
+def element_masses(cable: Cable, implicit: ImplicitBending) -> Array:
+    """(N,) rho_A l, and what implicit bending adds to it [kg]."""
+    section, lengths = cable.section, cable.element_lengths
+    masses: Array = section.mass_per_length * lengths
+    return masses + 24.0 * implicit.factor(section) / lengths**3
+
+
+def require_independent(scene_cable: CableInScene, system: Any, masses: Array) -> None:
+    """Each length multiplier's pivot must be negative, each link's positive, clear of round-off.
+
+    Args:
+        scene_cable: the cable.   system: just evaluated.   masses: (N,) of its elements [kg].
+
+    Raises:
+        RedundantConstraintError: a pivot is not.
+    """
+    nodes = system.chain.nodes
+    ends = np.flatnonzero(nodes["ends_group"])
+    pivots = 1.0 / nodes["inverse_pivot"][ends, -1]
+    dependent = ~(pivots < -PIVOT_TOLERANCE * 8.0 / masses[ends - 1])
+    if dependent.any():
+        k, names = int(ends[np.argmax(dependent)]), scene_cable.item.node_names
+        raise RedundantConstraintError(
+            f"the length constraint of the element between nodes {names[k - 1]} and {names[k]} of "
+            f"cable '{scene_cable.name}' is not independent of the other constraints (a straight cable "
+            "between two supports as far apart as it is long, or an element clamped at both ends): let it "
+            "sag, free a support, or use a smaller numberOfLengthConstraints."
+        )
+    if isinstance(system, LinkedCableSystem):
+        _require_independent_links(scene_cable, system.border.schur)
+
+
+def _require_independent_links(scene_cable: CableInScene, factor: Array) -> None:
+    squares = np.tril(factor) ** 2
+    dependent = ~(np.diag(squares) > PIVOT_TOLERANCE * squares.sum(axis=1))
+    if dependent.any():
+        link = all_links(scene_cable.cable)[int(np.argmax(dependent))]
+        names = " and ".join(str(scene_cable.item.node_names[k]) for k in link.nodes)
+        raise RedundantConstraintError(
+            f"the {link.kind} constraint at node {names} of cable '{scene_cable.name}' is not independent "
+            "of the other constraints (a node that is held or moved twice, or a cable pulled straight "
+            "between what holds it): remove one of them, or let the cable sag."
+        )

@@ -1,0 +1,61 @@
+"""What a run offers to whoever asks it for states: a cable alone, or cables among other items."""
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from ..arrays import Array
+from ..cable.cable import Cable
+from .consistent_start import StartCorrection
+from .step_control import StepControl
+from .time_grid import TimeGrid
+
+
+class Run(Protocol):
+    """What the loop moves: a cable, or a coupled scene; see CableRun for the attributes."""
+
+    state: Any
+    lenience: float
+    control: StepControl
+    watch: Any
+    indices: np.ndarray
+    reference: Array
+    looks_ahead: bool
+
+    @property
+    def reason(self) -> str: ...
+
+    @property
+    def cables(self) -> Sequence[Cable]: ...
+
+    @property
+    def cable_runs(self) -> Sequence[Any]: ...
+
+    @property
+    def start_corrections(self) -> Sequence[StartCorrection]: ...
+
+    @property
+    def name(self) -> str: ...
+
+    def scale_mass(self, theta: float, h: float) -> None: ...
+
+    def set_step(self, h: float) -> None: ...
+
+    def start(self, time: float) -> None: ...
+
+    def largest_frequency(self, time: float) -> float: ...
+
+    def damping_ratio(self, frequency: float) -> float: ...
+
+    def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int: ...
+
+    def accelerations(self, time: float, multipliers: Array) -> Array: ...
+
+    def verdict(self, scheme: Any, time: float, h: float) -> str: ...
+
+    def figures(self) -> dict[str, float]: ...
+
+    def memory(self) -> dict[str, Any]: ...
+
+    def resume(self, time: float) -> None: ...

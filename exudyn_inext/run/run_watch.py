@@ -1,0 +1,114 @@
+"""What a watch has found of a run, whatever it moves, and what follows for its steps."""
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from .watch import (
+    ALL_IS_WELL,
+    CONSTRAINTS,
+    ENERGY,
+    FAILED,
+    JUMP,
+    LACK_OF_WORK,
+    LARGEST_JUMP,
+    LARGEST_VIOLATION,
+    NOW,
+    TOO_FAST,
+    UNSTABLE,
+    Watch,
+)
+
+
+class RunWatch:
+    """A run's account and what it means; whoever knows the run draws it up.   watch: the account."""
+
+    watch: Watch
+
+    def limit_phase(self, duration: float, phase: float) -> None:
+        """Let it find steps that are too long for the motion; arguments: see `Watch`."""
+        self.watch = self.watch._replace(duration=duration, phase=phase)
+
+    @property
+    def looks_at_phase(self) -> bool:
+        """Whether it may find steps too long for the motion."""
+        return self.watch.phase < math.inf
+
+    @property
+    def has_trouble(self) -> bool:
+        """Whether the last steps went wrong."""
+        return bool(self.watch.account[NOW].trouble != ALL_IS_WELL)
+
+    @property
+    def gains_too_much(self) -> bool:
+        """Whether the energy has grown so much altogether that smaller steps do not help."""
+        return bool(self.watch.account[NOW].trouble == ENERGY)
+
+    @property
+    def turned_over(self) -> float:
+        """Energy that the motion has turned over so far [J], or that of round-off, if that is more."""
+        account = self.watch.account[NOW]
+        motion = account.largest_kinetic + account.largest_elastic - account.least_elastic
+        return float(max(motion, account.round_off))
+
+    @property
+    def steps_to_halve(self) -> int:
+        """How often the step must be halved for the motion; 0 if it is short enough."""
+        if self.watch.account[NOW].trouble != TOO_FAST:
+            return 0
+        excess = self.watch.account[FAILED].phase / self.watch.phase
+        return max(1, math.ceil(0.5 * math.log2(max(excess, 1.0))))
+
+    @contextmanager
+    def finding_kept(self) -> Iterator[None]:
+        """The account is set to what it was before steps that went wrong: what was found of them stays."""
+        found, trouble = self.watch.account[FAILED].copy(), self.watch.account[NOW].trouble
+        yield
+        self.watch.account[FAILED] = found
+        self.watch.account[NOW].trouble = trouble
+
+    def figures(self) -> dict[str, float]:
+        """Extremes so far: 'energyGain', 'energyLoss' [-] and 'constraints' [-]; see `Watch`."""
+        account = self.watch.account[NOW]
+        return {
+            "energyGain": float(account.gain),
+            "energyLoss": -float(account.loss),
+            "constraints": float(account.violation),
+        }
+
+    def memory(self) -> dict[str, Any]:
+        """Arrays that the next inspections depend on, by names."""
+        names = ("account", "position", "work", "kept_work", "gauges")
+        return {name: getattr(self.watch, name) for name in names} | {"kept": self.watch.kept._asdict()}
+
+    @property
+    def found(self) -> str:
+        """What went wrong, and by how much."""
+        watch, account = self.watch, self.watch.account[FAILED]
+        if account.trouble == CONSTRAINTS:
+            return (
+                f"inextensibility or another constraint is violated by {account.violation:.2g} "
+                f"(limit {LARGEST_VIOLATION:g})"
+            )
+        if account.trouble == ENERGY:
+            return (
+                f"it has {account.error:.2%} more energy than the work done on it explains, of what its "
+                f"motion turns over (limit {watch.most:.2%})"
+            )
+        if account.trouble == LACK_OF_WORK:
+            return (
+                f"forces change so much within a step that their work is wrong by {account.error:.2%} of "
+                "what its motion turns over"
+            )
+        if account.trouble == UNSTABLE:
+            return (
+                f"the largest frequency of its motion is {account.error:.3g} times the one up to which the "
+                "step is stable"
+            )
+        if account.trouble == JUMP:
+            return (
+                f"its energy jumps by more than {LARGEST_JUMP * watch.tolerance:.2%} of what its motion "
+                "turns over within a few steps"
+            )
+        return "its coordinates are not finite any more"

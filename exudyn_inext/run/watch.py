@@ -1,0 +1,441 @@
+"""A watch over a run: whether it stays finite, on its constraints, and with the energy that it should have.
+
+That is the energy of its start and the work done since; what it has beyond that, the scheme has made. Every
+few steps the account is drawn up, and the state kept, so that a run can go on from the last good one.
+
+It also looks at how fast the motion is: the vibrations that carry it, of the frequency
+
+    w^2 = int a . M a dt / int v . M v dt,
+
+have a phase error of w T (h w)^2 / 24 after a time T under a scheme of central differences. That counts the
+less the smaller their amplitude is, relative to the way of the motion so far: by 1 / (w t).
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array, record_type
+from ..compiled import inlined, kernel
+from ..integrators.integrator import FACTOR, FIRST, LAST, PROJECTION, SUM, LoadHistory, advance
+from ..system import AGITATION, ELASTIC, KINETIC, POWER, VIOLATION, gauge
+
+NOW, KEPT, FAILED = range(3)  # accounts
+ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY, JUMP, TOO_FAST, LACK_OF_WORK, UNSTABLE = range(8)
+
+STEPS_BETWEEN = 160  # inspections of a run whose energy only forces change
+STEPS_WITH_POWER = 80  # of one with damping, drag, or supports that move, at most
+LEAST_STEPS = 4  # at the beginning, and where the power changes fast
+BENT, STRAIGHT = 0.2, 0.05  # change of the power's rise, over its largest value, for fewer and for more steps
+LARGEST_VIOLATION = 0.05  # of |r_x|^2 = 1 [-], and of lengths, relative
+LARGEST_JUMP = 1.0  # of the energy between two inspections, times the tolerance
+VIOLENT = 30.0  # times the tolerance: what a scheme that gains energy may gain altogether
+MOTION = 1e-3  # times the bound of the energy's round-off: less is none
+BEGINNING = 10.0  # phase [rad] of the motion before which its frequency is not known
+SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
+SCATTER = 4.0  # times its standard deviation may the work of forces be wrong
+
+ACCOUNT = record_type(
+    [
+        ("start", np.float64),
+        ("surplus", np.float64),
+        ("time", np.float64),
+        ("forces", np.float64),
+        ("speeds", np.float64),
+        ("phase", np.float64),
+        ("round_off", np.float64),
+        ("agitation", np.float64),
+        ("work", np.float64),
+        ("unsure", np.float64),
+        ("scatter", np.float64),
+        ("scattered", np.float64),
+        ("slope", np.float64),
+        ("largest_power", np.float64),
+        ("largest_kinetic", np.float64),
+        ("least_elastic", np.float64),
+        ("largest_elastic", np.float64),
+        ("error", np.float64),
+        ("gain", np.float64),
+        ("loss", np.float64),
+        ("violation", np.float64),
+        ("steps", np.int64),
+        ("ahead", np.int64),
+        ("trouble", np.int64),
+    ]
+)
+
+
+class Watch(NamedTuple):
+    """What a watch knows of a run.
+
+    every, least: steps between two inspections, at most and at least.
+    tolerance: energy that a run may gain, as a share of what its motion turns over [-].
+    most: as `tolerance`, of a scheme that gains energy: with more, it has diverged.
+    duration: T of the run [s].   phase: error that the step may cause in it [rad], see above.
+    account: (3,) records, NOW, KEPT and FAILED. Energy at the `start` and `agitation` then [J/s^2]; its
+        present `surplus` [J]; `time` since then [s], and the integrals of `forces`, a . M a / 2 [J/s], and
+        `speeds`, v . M v / 2 [J s], over it, and the `phase` error of the run that they let expect
+        [rad]; its `round_off` [J];
+        `work` done since [J], of which we are `unsure`, to one side [J], and its `scatter` [J^2], `scattered`
+        until the last inspection; the `slope` of the power [W/s], whose
+        changes tell how well trapezoids fit, and the `largest_power` so far [W]; bounds of kinetic and
+        elastic energy so far [J]; relative `error` of the energy and its extremes so far, `gain` and `loss`
+        [-]; largest `violation` of a constraint so far [-]; how many `steps` were found well so far, how many
+        are `ahead` of the next inspection; what the `trouble` is.
+    position: (n_dof,) when work was counted last.
+    pattern, work: (P, n_dof), (P, 5) of load histories, see `LoadHistory`.
+    kept_work: at the last inspection.
+    gauges: (5,) at the last inspection, see `gauge`.   force, gauges_now: memory.
+    kept: state of the integrator at the last inspection; if it found trouble, the state that it found.
+    """
+
+    every: int
+    least: int
+    tolerance: float
+    most: float
+    duration: float
+    phase: float
+    account: Any
+    position: Array
+    pattern: Array
+    work: Array
+    kept_work: Array
+    gauges: Array
+    force: Array
+    gauges_now: Array
+    kept: Any
+
+
+def build_watch(
+    state: Any,
+    every: int,
+    tolerance: float,
+    pattern: Array | None = None,
+    least: int | None = None,
+    most: float = np.inf,
+) -> Watch:
+    """A watch over the run of an integrator's `state`; `open_account` begins it.
+
+    pattern: (P, n_external) of load histories; None: there are none.   least: default: `every`.
+    Other arguments: see `Watch`; nobody looks at the phase yet.
+    """
+    size = len(state.q)
+    own = np.zeros((0, size)) if pattern is None else np.ascontiguousarray(pattern[:, :size])
+    account = np.zeros(3, ACCOUNT)
+    account["ahead"] = every
+    return Watch(
+        every,
+        every if least is None else least,
+        tolerance,
+        most,
+        duration=1.0,
+        phase=np.inf,
+        account=account,
+        position=np.zeros(size),
+        pattern=own,
+        work=_no_work(own),
+        kept_work=_no_work(own),
+        gauges=np.zeros(5),
+        force=np.zeros(size),
+        gauges_now=np.zeros(5),
+        kept=type(state)(*[memory.copy() for memory in state]),
+    )
+
+
+def _no_work(pattern: Array) -> Array:
+    """(P, 5); a motion, which is no force, has no coordinates and does no work."""
+    work = np.zeros((len(pattern), 5))
+    work[:, LAST] = -1.0
+    for row, of_load in zip(work, pattern, strict=True):
+        places = np.flatnonzero(of_load)
+        if len(places):
+            row[FIRST], row[LAST] = places[0], places[-1]
+    return work
+
+
+@inlined
+def _keep(watch, state):
+    for memory in range(len(state)):
+        kept, now = watch.kept[memory], state[memory]
+        for i in range(len(now)):
+            kept[i] = now[i]
+    for i in range(len(watch.gauges)):
+        watch.gauges[i] = watch.gauges_now[i]
+    for p in range(len(watch.work)):
+        for i in range(watch.work.shape[1]):
+            watch.kept_work[p, i] = watch.work[p, i]
+    watch.account[KEPT] = watch.account[NOW]
+
+
+@inlined
+def _exchange(watch, state):
+    """The state is the last good one again; the other one is kept, for whoever looks for the cause."""
+    for memory in range(len(state)):
+        kept, now = watch.kept[memory], state[memory]
+        for i in range(len(now)):
+            wrong = now[i]
+            now[i] = kept[i]
+            kept[i] = wrong
+    for i in range(len(watch.position)):
+        watch.position[i] = state.q[i]
+    for p in range(len(watch.work)):
+        for i in range(watch.work.shape[1]):
+            watch.work[p, i] = watch.kept_work[p, i]
+    watch.account[FAILED] = watch.account[NOW]
+    watch.account[NOW] = watch.account[KEPT]
+    watch.account[NOW].trouble = watch.account[FAILED].trouble
+    watch.account[NOW].ahead = watch.least
+
+
+@inlined
+def _open(watch, state, round_off):
+    account = watch.account[NOW]
+    kinetic, elastic = watch.gauges_now[KINETIC], watch.gauges_now[ELASTIC]
+    account.start = kinetic + elastic
+    account.surplus = 0.0
+    account.time = 0.0
+    account.forces = 0.0
+    account.speeds = 0.0
+    account.agitation = watch.gauges_now[AGITATION]
+    account.work = 0.0
+    account.unsure = round_off
+    account.round_off = round_off
+    account.scatter = 0.0
+    account.scattered = 0.0
+    account.slope = 0.0
+    account.largest_power = 0.0
+    account.ahead = watch.least
+    account.largest_kinetic = kinetic
+    account.least_elastic = elastic
+    account.largest_elastic = elastic
+    account.error = 0.0
+    account.trouble = ALL_IS_WELL
+    for i in range(len(watch.position)):
+        watch.position[i] = state.q[i]
+    for p in range(len(watch.work)):
+        watch.work[p, SUM], watch.work[p, FACTOR] = 0.0, np.inf  # that is known from the first step on
+        watch.work[p, PROJECTION] = 0.0
+        for i in range(len(watch.position)):
+            watch.work[p, PROJECTION] += watch.pattern[p, i] * state.q[i]
+    _keep(watch, state)
+
+
+@kernel
+def open_account(watch, system, external, state, round_off):
+    """Begin with a state that the integrator has started from; extremes so far are kept.
+
+    Args:
+        watch: over the run.   system: just started.   external: (n_external,) at the start.
+        state: of the integrator.   round_off: of its energy [J].
+    """
+    gauge(system, external, state.q, state.v, state.a, watch.force, watch.gauges_now)
+    _open(watch, state, round_off)
+
+
+@kernel
+def open_with_gauges(watch, state, round_off):
+    """As `open_account`, where `gauges_now` are set already."""
+    _open(watch, state, round_off)
+
+
+@inlined
+def _go_on(watch, state):
+    account, now = watch.account[NOW], watch.gauges_now
+    account.start = now[KINETIC] + now[ELASTIC] - account.work - account.surplus
+    _keep(watch, state)
+
+
+@kernel
+def go_on(watch, system, external, state):
+    """After a change of the step, and so of the mass: the energy is another one, its surplus is not.
+
+    Arguments: see `open_account`.
+    """
+    gauge(system, external, state.q, state.v, state.a, watch.force, watch.gauges_now)
+    _go_on(watch, state)
+
+
+@kernel
+def go_on_with_gauges(watch, state):
+    """As `go_on`, where `gauges_now` are set already."""
+    _go_on(watch, state)
+
+
+@inlined
+def _add_work_of_loads(watch, constant, q):
+    """Work of the constant forces since the last call, and of the load histories, counted step by step."""
+    account = watch.account[NOW]
+    for i in range(len(watch.position)):
+        account.work += constant[i] * (q[i] - watch.position[i])
+        watch.position[i] = q[i]
+    for p in range(len(watch.work)):
+        account.work += watch.work[p, SUM]
+        watch.work[p, SUM] = 0.0
+
+
+@inlined
+def _look_ahead(watch, duration):
+    """How well the power is known between inspections, and when the next one is due."""
+    account, power = watch.account[NOW], watch.gauges_now[POWER]
+    slope = (power - watch.gauges[POWER]) / duration
+    bend = duration * abs(slope - account.slope)
+    account.scatter += (duration / 12.0 * bend) ** 2
+    account.slope = slope
+    account.largest_power = max(account.largest_power, abs(power))
+    if bend > BENT * account.largest_power:
+        account.ahead = max(watch.least, account.ahead // 2)
+    elif bend <= STRAIGHT * account.largest_power:
+        account.ahead = min(watch.every, 2 * account.ahead)
+
+
+@inlined
+def _draw_up(watch, steps, duration):
+    """The present error of the energy, beyond what the account itself may be wrong by; returns its jump.
+
+    A central difference scheme keeps the energy less h^2 a . M a / 8, exactly if the system is linear: so
+    much is in vibrations that the step does not resolve.
+    """
+    account, now = watch.account[NOW], watch.gauges_now
+    by_power = 0.5 * (watch.gauges[POWER] + now[POWER]) * duration
+    account.work += by_power
+    _look_ahead(watch, duration)
+    account.unsure += SHARE_OF_POWER * abs(by_power)
+    account.largest_kinetic = max(account.largest_kinetic, now[KINETIC])
+    account.least_elastic = min(account.least_elastic, now[ELASTIC])
+    account.largest_elastic = max(account.largest_elastic, now[ELASTIC])
+    turned_over = account.largest_kinetic + account.largest_elastic - account.least_elastic
+    error = now[KINETIC] + now[ELASTIC] - account.start - account.work
+    unresolved = 0.25 * (duration / steps) ** 2 * (account.agitation + now[AGITATION])
+    unsure = account.unsure + SCATTER * np.sqrt(account.scatter) + unresolved
+    doubt = (
+        SHARE_OF_POWER * abs(by_power) + SCATTER * np.sqrt(account.scatter - account.scattered) + unresolved
+    )
+    account.scattered = account.scatter
+    jump = (error - account.surplus - doubt) / max(turned_over, unsure)
+    account.surplus = error
+    account.error = np.copysign(max(abs(error) - unsure, 0.0), error) / max(turned_over, unsure)
+    account.gain = max(account.gain, account.error)
+    account.loss = min(account.loss, account.error)
+    account.violation = max(account.violation, now[VIOLATION])
+    return jump
+
+
+@inlined
+def _is_too_fast(watch, steps, duration):
+    """Whether the motion so far is too fast for the step."""
+    account, now = watch.account[NOW], watch.gauges_now
+    account.time += duration
+    account.forces += now[AGITATION] * duration
+    account.speeds += now[KINETIC] * duration
+    squared = account.forces / account.speeds
+    turned = np.sqrt(squared) * account.time
+    error = np.sqrt(squared) * watch.duration * (duration / steps) ** 2 * squared / 24.0
+    account.phase = error * BEGINNING / turned
+    moves = account.largest_kinetic > MOTION * account.round_off
+    return moves and turned > BEGINNING and account.phase > watch.phase
+
+
+@inlined
+def _is_finite(gauges):
+    """By comparison: np.isfinite(x) is x - x == x - x, which reassociation of sums folds."""
+    finite = True
+    for i in range(len(gauges)):
+        finite = finite and abs(gauges[i]) < np.inf
+    return finite
+
+
+@kernel
+def glance(q, v, a):
+    """v . v, or infinity if anything in q, v or a (n,) is not finite."""
+    square, finite = 0.0, True
+    for i in range(len(v)):
+        square += v[i] * v[i]
+        finite = finite and abs(q[i]) < np.inf and abs(a[i]) < np.inf
+    return square if finite and square < np.inf else np.inf
+
+
+@inlined
+def _judge(watch, state, steps, duration):
+    """After some steps whose work is counted; trouble takes the state back, and is returned."""
+    account, now = watch.account[NOW], watch.gauges_now
+    account.trouble = ALL_IS_WELL
+    if not _is_finite(now):
+        account.trouble = NOT_FINITE
+    else:
+        jump = _draw_up(watch, steps, duration)
+        if now[VIOLATION] > LARGEST_VIOLATION:
+            account.trouble = CONSTRAINTS
+        elif account.error > watch.most:
+            account.trouble = ENERGY
+        elif jump > LARGEST_JUMP * watch.tolerance:
+            account.trouble = JUMP
+        elif _is_too_fast(watch, steps, duration):
+            account.trouble = TOO_FAST
+    if account.trouble == ALL_IS_WELL:
+        account.steps += steps
+        _keep(watch, state)
+    else:
+        _exchange(watch, state)
+    return account.trouble
+
+
+@kernel
+def condemn(watch, state, trouble, excess):
+    """The last steps went wrong, as others have found; the state is that of the last inspection.
+
+    trouble: what it is.   excess: how much of it, as the account's `error` [-].
+    """
+    watch.account[NOW].trouble = trouble
+    watch.account[NOW].error = excess
+    _exchange(watch, state)
+
+
+@kernel
+def judge_after_work(watch, state, constant, work, scatter, steps, duration):
+    """Draw up the account with `gauges_now`, after work that was counted elsewhere.
+
+    Args:
+        watch: over the run.   state: of the integrator.
+        constant: (n_dof,) force whose work is counted here.
+        work: of the other forces [J].   scatter: of that work [J^2].
+        steps, duration: since the last time [-, s].
+
+    Returns:
+        What the trouble is; if there is any, the state is that of the last inspection.
+    """
+    account = watch.account[NOW]
+    account.work += work
+    account.scatter += scatter
+    _add_work_of_loads(watch, constant, state.q)
+    return _judge(watch, state, steps, duration)
+
+
+@kernel
+def record_watched(scheme, system, loads, state, h, steps, history, watch):
+    """Advance through intervals of `steps` steps each, as long as all is well.
+
+    Args:
+        scheme, system, loads, state, h: see `advance`.   steps: in each interval.
+        history: (intervals, 3, n_dof) output q, v, a at the end of each interval.
+        watch: over the run; its account is open.
+
+    Returns:
+        Number of intervals that ended well. If not all did, the state is that of the last inspection.
+    """
+    done, total = 0, len(history) * steps
+    while done < total:
+        first, ahead = done // steps, watch.account[NOW].ahead
+        if steps > ahead or done % steps:
+            number = min(ahead, steps - done % steps)
+            last, of_interval = first + 1, number
+        else:
+            last = min(first + ahead // steps, len(history))
+            number, of_interval = (last - first) * steps, steps
+        part = LoadHistory(loads.constant, loads.pattern, loads.factor[done : done + number], watch.work)
+        advance(scheme, system, part, state, h, of_interval, history[first:last])
+        gauge(system, state.external, state.q, state.v, state.a, watch.force, watch.gauges_now)
+        _add_work_of_loads(watch, loads.constant, state.q)
+        if _judge(watch, state, number, number * h) != ALL_IS_WELL:
+            return first
+        done += number
+    return len(history)

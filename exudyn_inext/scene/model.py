@@ -1,0 +1,108 @@
+"""A scene as data: the cables of an mbs, their supports and loads, and what else there is."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..cable.cable import Cable
+from ..errors import InputError
+from ..loads.nodal import NodalLoad
+from ..loads.weight import ElementWeight
+from .links import MovingCoordinate
+
+CableLoad = NodalLoad | ElementWeight
+
+
+@dataclass(eq=False)
+class CableItem:
+    """An inextensible cable in an mbs, as the solver sees it.
+
+    cable: model without supports; see `change`.
+    gravity: (dim,) [m/s^2].
+    nodes: node numbers in the order of the arc length, each once.
+    enforcement: name of the way in which native solvers enforce inextensibility.
+    held: (n, 2, dim) coordinates that the ground holds without a constraint object of the mbs.
+    """
+
+    cable: Cable
+    gravity: Array
+    nodes: tuple[int, ...]
+    enforcement: str
+    held: np.ndarray
+
+    @property
+    def node_names(self) -> tuple[int, ...]:
+        """(n,) node numbers; the first one of a closed cable comes again at the end."""
+        return (*self.nodes, self.nodes[0]) if self.cable.closed else self.nodes
+
+    def change(self, **properties: Any) -> None:
+        """Give the cable other properties, for all runs of SolveExplicit that start from now on.
+
+        Raises:
+            InputError: items of the mbs were made from the present ones.
+        """
+        if self.enforcement != "projection":
+            raise InputError(
+                f"enforcement = {self.enforcement!r}: its native items do not know point masses and drag; "
+                "create the cable with enforcement='projection' and move it by SolveExplicit."
+            )
+        self.cable = replace(self.cable, **properties)
+
+
+@dataclass(frozen=True, eq=False)
+class CableInScene:
+    """A cable with its supports and loads.
+
+    cable: model with supports and links.
+    item: the items that it came from.
+    indices: (n_dof,) places of its coordinates in the system vector.
+    loads: on its nodes, and weights of its elements.
+    moving: coordinates that follow a motion.
+    number: of its object.   name: for messages.
+    """
+
+    cable: Cable
+    item: CableItem
+    indices: np.ndarray
+    loads: list[CableLoad]
+    moving: list[MovingCoordinate]
+    number: int
+    name: str
+
+    @property
+    def among_others(self) -> "CableInScene":
+        """Without the loads that Exudyn evaluates together with those of other items: all but weights."""
+        return replace(self, loads=[load for load in self.loads if isinstance(load, ElementWeight)])
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """The inextensible cables of an mbs, and what else it contains.
+
+    foreign: what does not belong to the cables alone: bodies, connectors, joints, other loads.
+    own_constraints: numbers of the objects that are supports and links of the cables.
+    enforcing: of those by which the cables keep their length under other solvers.
+    held: coordinates that other constraints hold, by the numbers of these.
+    """
+
+    cables: list[CableInScene]
+    foreign: list[str]
+    own_constraints: frozenset[int]
+    enforcing: list[int]
+    held: Mapping[int, "HeldCoordinate"]
+
+    @property
+    def evaluated_by_kernels(self) -> tuple[list[int], list[int]]:
+        """Cables and constraints that Exudyn must not evaluate beside the kernels; see `switched_off`."""
+        return [cable.number for cable in self.cables], self.enforcing
+
+
+@dataclass(frozen=True, eq=False)
+class HeldCoordinate:
+    """A native constraint that holds one nodal coordinate at its reference value."""
+
+    node: int
+    coordinate: int

@@ -1,0 +1,35 @@
+"""What the coupling asks of a part besides the protocols of `system`: its response to joint forces."""
+
+from functools import singledispatch
+
+from ..cable.index_reduction import CableSystem
+from ..cable.linear_response import constrained_inverse
+from ..cable.linked_cable import LinkedCableSystem
+from ..compiled import kernel
+
+
+@singledispatch
+def respond(system, jacobian, response):
+    """response_r = A^-1 J_r^T: acceleration of the part, on its own constraints, under a unit joint force.
+
+    Args:
+        system: just evaluated by a protocol of `system`, so that it is factorised.
+        jacobian: (rows, n_dof) of joints with respect to the coordinates of the part.
+        response: (rows, n_dof) output.
+
+    Raises:
+        NotImplementedError: no response for the type of `system`.
+    """
+    raise NotImplementedError(f"no response to joint forces for {type(system).__name__}")
+
+
+@kernel
+def _respond_as_chain(system, jacobian, response):
+    shape = (len(jacobian), len(system.chain.nodes), 2, len(system.chain.axes))
+    forces, accelerations = jacobian.reshape(shape), response.reshape(shape)
+    for row in range(len(forces)):
+        constrained_inverse(system, forces[row], accelerations[row])
+
+
+respond.register(CableSystem)(_respond_as_chain)
+respond.register(LinkedCableSystem)(_respond_as_chain)

@@ -1,0 +1,32 @@
+"""Sentences say what was found, and stay sentences where something failed."""
+
+from exudyn_inext.advice.advice import rival_sentence, stretch_sentence
+from exudyn_inext.advice.pilot import CONVENTIONAL, Choice, Pilot
+from exudyn_inext.advice.search import Tried
+from exudyn_inext.advice.stretch import Tension
+
+TENSION = Tension(rms=5.0, largest=20.0, length=1.0, mass_per_length=0.1)
+
+
+def native(error, seconds=2.0, failure=""):
+    choice = Choice(CONVENTIONAL, "generalizedAlpha", 8, 1e-3)
+    return Tried(Pilot(choice, None, seconds, 100, failure), error)
+
+
+def test_the_cheapest_rival_within_the_tolerance_is_compared():
+    own = native(1e-4, seconds=0.5)
+    said = rival_sentence([native(1e-2, 1.0), native(5e-4, 3.0), native(1e-4, 4.0)], own, 1e-3)
+    assert "takes 3 s" in said and "6 times the best inextensible one" in said
+    assert rival_sentence([native(5e-4, 3.0)], None, 1e-3).endswith("takes 3 s.")
+
+
+def test_rivals_that_are_not_good_enough_or_fail_are_said():
+    assert "error of 0.01 after 1 s" in rival_sentence([native(1e-2, 1.0), native(2e-2)], None, 1e-3)
+    failed = [native(float("inf"), failure="Newton gave up")]
+    assert rival_sentence(failed, None, 1e-3) == "No conventional run reached its end: Newton gave up"
+
+
+def test_stretch_is_compared_with_the_tolerance():
+    wrong, right = (stretch_sentence(TENSION, 1e3, 0.01, tolerance) for tolerance in (1e-3, 0.1))
+    assert "20 N, a strain of 2.0e-02" in wrong and "inextensible model is the wrong one" in wrong
+    assert "within the tolerance" in right and "axial period of 0.04 s" in right

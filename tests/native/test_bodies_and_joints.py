@@ -1,0 +1,326 @@
+"""Native bodies, joints, connectors and states under explicit steps: closed forms and Exudyn's own solver."""
+
+import warnings
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.itemInterface import (
+    CoordinateConstraint,
+    DistanceConstraint,
+    LoadCoordinate,
+    MarkerBodyPosition,
+    MarkerNodeCoordinate,
+    MarkerNodePosition,
+    NodeGenericODE1,
+    NodePointGround,
+    ObjectGenericODE1,
+    SensorMarker,
+    SensorObject,
+    SphericalJoint,
+)
+from exudyn.utilities import InertiaCuboid
+
+from exudyn_inext import CreatePrescribedMotion, DivergenceError, RedundantConstraintError
+from exudyn_inext.integrators import INTEGRATORS
+from exudyn_inext.native.joint_items import read_joints
+from exudyn_inext.scene.joints import JointSolve
+from reference_models.model import quiet_settings, silence
+from tests.exudyn_binding.items import trajectory
+
+GRAVITY = [0, -9.81, 0]
+ROTATIONS = [exudyn.NodeType.RotationEulerParameters, exudyn.NodeType.RotationRxyz]
+every_integrator = pytest.mark.parametrize("integrator", INTEGRATORS, ids=str)
+
+
+def hang_brick(mbs, rotation, rate=1.0):
+    """A brick on a spherical joint that starts tumbling; returns its node, and the marker at the joint."""
+    angular_velocity = rate * np.array([3.0, 1.0, 2.0])
+    body = mbs.CreateRigidBody(
+        inertia=InertiaCuboid(100, [0.2, 0.05, 0.1]),
+        referencePosition=[0.1, 0, 0],
+        initialAngularVelocity=angular_velocity.tolist(),
+        initialVelocity=np.cross(angular_velocity, [0.1, 0, 0]).tolist(),
+        gravity=GRAVITY,
+        nodeType=rotation,
+        returnDict=True,
+    )
+    hook = mbs.AddMarker(MarkerBodyPosition(bodyNumber=body["bodyNumber"], localPosition=[-0.1, 0, 0]))
+    ground = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.CreateGround()))
+    mbs.AddObject(SphericalJoint(markerNumbers=[ground, hook]))
+    return body["nodeNumber"], hook
+
+
+def rigid_pendulum(mbs, add_sensor, rotation):
+    """The brick of `hang_brick`; returns the sensor of its centre."""
+    sensor = add_sensor(mbs, hang_brick(mbs, rotation)[0])
+    mbs.Assemble()
+    return sensor
+
+
+@pytest.fixture
+def tumbling(new_mbs, add_sensor, solve):
+    """(rotation, integrator, h) -> centre of the tumbling brick every 0.05 s; Exudyn's own without h."""
+
+    def run(rotation, integrator=None, h=None):
+        mbs = new_mbs()
+        sensor = rigid_pendulum(mbs, add_sensor, rotation)
+        settings = quiet_settings(0.5, 10)
+        settings.solution.sensors.writePeriod = 0.05
+        if h is not None:
+            solve(mbs, settings=settings, integrator=integrator, stepSize=h)
+        else:
+            settings.timeIntegration.numberOfSteps = 5000
+            with silence():
+                mbs.SolveDynamic(settings)
+        return trajectory(mbs, sensor)
+
+    return run
+
+
+@pytest.mark.parametrize("rotation", ROTATIONS, ids=["EulerParameters", "Rxyz"])
+def test_a_tumbling_body_moves_as_with_the_native_implicit_solver(tumbling, rotation):
+    native = tumbling(rotation)
+    assert np.ptp(native[:, 1:], axis=0).min() > 0.04
+    for integrator, tolerance in (("RATTLE", 2e-5), ("Zhai", 3e-5), ("RK4", 5e-6)):
+        np.testing.assert_allclose(tumbling(rotation, integrator, 5e-4), native, atol=tolerance)
+
+
+@every_integrator
+@pytest.mark.parametrize("rotation", ROTATIONS, ids=["EulerParameters", "Rxyz"])
+def test_energy_of_a_tumbling_body_is_accounted_for(mbs, add_sensor, solve, rotation, integrator):
+    """With Rxyz, its mass matrix changes so that 8 % of the energy would be missing without that account."""
+    rigid_pendulum(mbs, add_sensor, rotation)
+    drift = solve(mbs, settings=quiet_settings(0.5, 10), integrator=integrator, stepSize=1e-3)["drift"]
+    assert drift["energyGain"] < 1e-3 and drift["energyLoss"] < 1e-3
+
+
+@pytest.fixture
+def whirl(mbs, solve):
+    """(rate, settings) -> report and largest gap [m] of a brick that whirls on a joint for 5 s."""
+
+    def run(rate, **settings):
+        _, hook = hang_brick(mbs, exudyn.NodeType.RotationEulerParameters, rate)
+        gap = mbs.AddSensor(
+            SensorMarker(
+                markerNumber=hook, outputVariableType=exudyn.OutputVariableType.Position, storeInternal=True
+            )
+        )
+        mbs.Assemble()
+        report = solve(mbs, settings=quiet_settings(5.0, 500), stepSize=2e-3, **settings)
+        return report, np.abs(mbs.GetSensorStoredData(gap)[:, 1:]).max()
+
+    return run
+
+
+@every_integrator
+def test_the_largest_gap_of_a_joint_is_reported(whirl, integrator):
+    report, gap = whirl(1.0, integrator=integrator)
+    assert 0.2 * gap < report["drift"]["constraints"] < 1.05 * gap
+
+
+def test_a_run_whose_joint_opens_is_stopped_before_it_is_handed_out(mbs, whirl, fault):
+    loose = {"integrator": "Zhai", "stabilizationRate": 0.01, "energyTolerance": np.inf}
+    with pytest.raises(DivergenceError, match=r"another constraint is violated by .* \(limit 0.05\)"):
+        whirl(10.0, **loose)
+    gap = np.abs(mbs.GetSensorStoredData(0)[:, 1:]).max()
+    assert gap < 0.05
+    fault("a joint that opens", f"stopped with a gap of {gap:.2g} m in the outputs (limit 0.05)")
+
+
+def test_joints_that_cannot_be_solved_for_in_mid_run_leave_the_last_good_output(
+    whirl, mbs, monkeypatch, fault
+):
+    factorise, calls = JointSolve.factorise, []
+
+    def fail_at_last(self):
+        calls.append(1)
+        if len(calls) >= 1000:
+            raise RedundantConstraintError("joint 7 is not independent: remove it.")
+        factorise(self)
+
+    monkeypatch.setattr(JointSolve, "factorise", fail_at_last)
+    said = r"before t = \d\.\d+ s.* joint 7 .* remove it\. .* reduce stepSize\. .* last good output"
+    with pytest.raises(DivergenceError, match=said):
+        whirl(1.0, integrator="RATTLE")
+    last = mbs.GetSensorStoredData(0)[-1, 0]
+    assert 1.5 < last < 2.0
+    fault("joints that cannot be solved for in mid-run", f"stopped, outputs until {last:.4g} s are kept")
+
+
+@every_integrator
+def test_order_of_convergence_of_a_tumbling_body(tumbling, integrator):
+    coarse, middle, fine = (
+        tumbling(exudyn.NodeType.RotationEulerParameters, integrator, h)[:, 1:] for h in (4e-3, 2e-3, 1e-3)
+    )
+    ratio = np.abs(coarse - middle).max() / np.abs(middle - fine).max()
+    assert np.log2(ratio) == pytest.approx(INTEGRATORS[integrator].order, abs=0.35)
+
+
+def driven_point(mbs, stiffness=0.0, damping=0.0, force=None):
+    """A mass point of 2 kg that moves along x, between a spring, a damper, and a force."""
+    point = mbs.CreateMassPoint(mass=2.0, referencePosition=[0, 0, 0], returnDict=True)
+    ground = mbs.CreateGround()
+    mbs.CreateCartesianSpringDamper(
+        itemNumbers=[ground, point["bodyNumber"]], stiffness=[stiffness] * 3, damping=[damping] * 3
+    )
+    if force is not None:
+        marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=point["nodeNumber"], coordinate=0))
+        mbs.AddLoad(LoadCoordinate(markerNumber=marker, load=1.0, loadUserFunction=force))
+    return point["nodeNumber"]
+
+
+def tie_to_the_cable(mbs, cable, node, name="tie"):
+    """A mass point at the cable's last node, 1.8 m from the first one."""
+    tip = mbs.AddMarker(MarkerNodePosition(nodeNumber=cable["nodes"][-1]))
+    point = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+    return mbs.AddObject(SphericalJoint(markerNumbers=[tip, point], name=name))
+
+
+@every_integrator
+def test_a_force_in_time_is_evaluated_where_the_scheme_needs_it(
+    mbs, add_sensor, add_pendulum, solve, integrator
+):
+    """m x'' = sin(5 t) beside a cable: x = t / (5 m) - sin(5 t) / (25 m)."""
+    add_pendulum(mbs)
+    node = driven_point(mbs, force=lambda mbs, t, load: np.sin(5 * t))
+    sensor = add_sensor(mbs, node)
+    mbs.Assemble()
+    solve(mbs, 0.5, integrator=integrator, stepSize=1e-3)
+    found = trajectory(mbs, sensor)
+    exact = found[:, 0] / 10 - np.sin(5 * found[:, 0]) / 50
+    tolerance = 1e-6 if INTEGRATORS[integrator].order == 2 else 1e-10
+    np.testing.assert_allclose(found[:, 1], exact, atol=tolerance)
+
+
+@pytest.fixture
+def oscillator(new_mbs, add_sensor, add_pendulum, solve):
+    """(h, ...) -> report and motion x(t) of m = 2, k = 5e4, d = 60: w = 158 rad/s, above the cable's."""
+
+    def run(h, end_time=0.2, **explicit):
+        mbs = new_mbs()
+        add_pendulum(mbs, numberOfElements=2)
+        node = driven_point(mbs, stiffness=5e4, damping=60.0)
+        mbs.SetNodeParameter(node, "initialCoordinates", [0.01, 0, 0])
+        sensor = add_sensor(mbs, node)
+        mbs.Assemble()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # of a step above the limit
+            settings = quiet_settings(end_time, 1)
+            settings.solution.sensors.writePeriod = h
+            report = solve(mbs, settings=settings, stepSize=h, allowUnstableStep=True, **explicit)
+        return report, trajectory(mbs, sensor)[:, :2].T
+
+    return run
+
+
+def test_spring_and_damper_decay_as_they_must(oscillator):
+    report, (t, x) = oscillator(2e-4)
+    frequency, decay = np.sqrt(5e4 / 2), 60.0 / 4
+    assert report["bounds"].largest_frequency == pytest.approx(frequency, rel=1e-3)
+    damped = np.sqrt(frequency**2 - decay**2)
+    exact = 0.01 * np.exp(-decay * t) * (np.cos(damped * t) + decay / damped * np.sin(damped * t))
+    np.testing.assert_allclose(x, exact, atol=3e-5)
+
+
+def test_the_stability_limit_counts_spring_and_damper(oscillator):
+    """Nobody looks at the energy; otherwise such steps are rejected."""
+    limit = oscillator(1e-3, 1e-3)[0]["bounds"].stability_limit
+    steps = [share * limit for share in (0.97, 1.04)]
+    below, above = (np.abs(oscillator(h, 100 * h, energyTolerance=np.inf)[1][1][-1]) for h in steps)
+    assert below < 0.01 < 0.1 < above
+    assert oscillator(steps[1], 100 * steps[1])[0]["rejections"] > 0
+
+
+@every_integrator
+def test_first_order_states_are_integrated_with_the_scheme(mbs, add_pendulum, solve, integrator):
+    """y' = -2 y beside a cable, observed at t = 0.5."""
+    add_pendulum(mbs)
+    node = mbs.AddNode(
+        NodeGenericODE1(referenceCoordinates=[0], initialCoordinates=[3.0], numberOfODE1Coordinates=1)
+    )
+    mbs.AddObject(ObjectGenericODE1(nodeNumbers=[node], rhsUserFunction=lambda mbs, t, n, y: [-2 * y[0]]))
+    mbs.Assemble()
+    errors = []
+    for h in (2e-3, 1e-3):
+        solve(mbs, 0.5, integrator=integrator, stepSize=h)
+        errors.append(abs(mbs.systemData.GetODE1Coordinates()[0] - 3 * np.exp(-1.0)))
+    assert errors[1] < 1e-5
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(INTEGRATORS[integrator].order, abs=0.3)
+
+
+def test_a_joint_that_follows_the_time_moves_a_cable_as_a_prescribed_motion_does(
+    new_mbs, add_cable, add_sensor, solve
+):
+    """A mass point that is moved by an offset in time carries the cable's first node."""
+
+    def shake(t):
+        return 0.2 * (1 - np.cos(4 * t))
+
+    def build(through_a_body):
+        mbs = new_mbs()
+        cable = add_cable(mbs, numberOfElements=3)
+        if through_a_body:
+            point = mbs.CreateMassPoint(mass=1.0, referencePosition=[0, 0, 0], returnDict=True)["nodeNumber"]
+            ground = mbs.AddMarker(
+                MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0)
+            )
+            for axis in range(3):
+                marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=point, coordinate=axis))
+                along = (lambda mbs, t, n, offset: shake(t)) if axis == 0 else 0
+                mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, marker], offsetUserFunction=along))
+            pair = [mbs.AddMarker(MarkerNodePosition(nodeNumber=n)) for n in (cable["nodes"][0], point)]
+            mbs.AddObject(SphericalJoint(markerNumbers=pair, constrainedAxes=[1, 1, 0]))
+        else:
+            CreatePrescribedMotion(mbs, cable["nodes"][0], lambda t: [shake(t), 0.0])
+        sensor = add_sensor(mbs, cable["nodes"][-1])
+        mbs.Assemble()
+        return mbs, sensor
+
+    found = []
+    for through_a_body in (True, False):
+        mbs, sensor = build(through_a_body)
+        solve(mbs, 0.5, stepSize=2e-3)
+        found.append(trajectory(mbs, sensor))
+    assert np.abs(found[0][-1, 1:] - found[0][0, 1:]).max() > 0.5
+    np.testing.assert_allclose(found[0], found[1], atol=1e-7)
+
+
+def test_multipliers_of_joints_are_shown_to_sensors(mbs, add_pendulum, solve):
+    """Starting from rest, a cable that hangs straight down holds the weight of what hangs on it."""
+    cable = add_pendulum(mbs, positionEnd=[0, -1.8, 0])
+    point = mbs.CreateMassPoint(mass=0.5, referencePosition=[0, -2.0, 0], gravity=GRAVITY, returnDict=True)
+    pair = [
+        mbs.AddMarker(MarkerNodePosition(nodeNumber=n)) for n in (cable["nodes"][-1], point["nodeNumber"])
+    ]
+    rod = mbs.AddObject(DistanceConstraint(markerNumbers=pair, distance=0.2))
+    kind = exudyn.OutputVariableType.Force
+    sensor = mbs.AddSensor(SensorObject(objectNumber=rod, outputVariableType=kind, storeInternal=True))
+    ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+    out_of_plane = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=point["nodeNumber"], coordinate=2))
+    mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, out_of_plane]))
+    mbs.Assemble()
+    solve(mbs, 0.02)
+    assert abs(trajectory(mbs, sensor)[-1, 1]) == pytest.approx(0.5 * 9.81, rel=1e-6)
+
+
+def test_joints_that_count_as_linear_have_a_jacobian_that_never_changes(mbs, add_cable):
+    nodes = add_cable(mbs)["nodes"]
+    point = mbs.CreateMassPoint(mass=1.0, referencePosition=[1.8, 0, 0], returnDict=True)
+    body = mbs.CreateRigidBody(inertia=InertiaCuboid(100, [0.1] * 3), referencePosition=[0, 0, 0])
+    tips = [mbs.AddMarker(MarkerNodePosition(nodeNumber=n)) for n in (nodes[0], nodes[-1])]
+    knot = mbs.AddMarker(MarkerBodyPosition(bodyNumber=point["bodyNumber"]))
+    corner = mbs.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=[0.05, 0.05, 0]))
+    pair = [mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=n, coordinate=1)) for n in nodes[2:4]]
+    mbs.AddObject(SphericalJoint(markerNumbers=[tips[1], knot], constrainedAxes=[1, 1, 0]))
+    mbs.AddObject(SphericalJoint(markerNumbers=[tips[0], corner], constrainedAxes=[1, 1, 0]))
+    mbs.AddObject(CoordinateConstraint(markerNumbers=pair, factor1=2.0))
+    mbs.AddObject(DistanceConstraint(markerNumbers=tips, distance=1.8))
+    mbs.Assemble()
+    joints = read_joints(mbs, [])
+    assert [joint.is_linear for joint in joints] == [True, False, True, False]
+    before = [joint.jacobian(mbs) for joint in joints]
+    rng = np.random.default_rng(0)
+    mbs.systemData.SetODE2Coordinates(0.3 * rng.standard_normal(mbs.systemData.ODE2Size()))
+    same = [np.array_equal(joint.jacobian(mbs), old) for joint, old in zip(joints, before, strict=True)]
+    assert same == [True, False, True, False]

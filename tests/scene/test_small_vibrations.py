@@ -1,0 +1,64 @@
+"""Largest eigenvalues of operators, where the library's iteration ends well and where it does not."""
+
+import numpy as np
+import pytest
+from scipy.sparse.linalg import ArpackError, ArpackNoConvergence
+
+from exudyn_inext.scene import small_vibrations
+
+SIZE = 12
+
+
+def operator(values):
+    """A symmetric operator with these eigenvalues, and a vector to start from."""
+    rng, size = np.random.default_rng(3), len(values)
+    turned, _ = np.linalg.qr(rng.standard_normal((size, size)))
+    return lambda x: turned @ (values * (turned.T @ x)), rng.standard_normal(size)
+
+
+def refuse(*_, **__):
+    raise ArpackError(3)
+
+
+def converge_to_nothing(*_, **__):
+    raise ArpackNoConvergence("no convergence", np.zeros(0), np.zeros((SIZE, 0)))
+
+
+def give_no_number(*_, **__):
+    return np.array([np.nan])
+
+
+FAILURES = [None, refuse, converge_to_nothing, give_no_number]
+
+
+@pytest.mark.parametrize("failure", FAILURES, ids=lambda f: f.__name__ if f else "none")
+@pytest.mark.parametrize("size", [3, SIZE, 450])
+def test_the_largest_eigenvalue_is_found_if_the_iteration_fails_too(failure, size, monkeypatch):
+    if failure:
+        monkeypatch.setattr(small_vibrations, "eigs", failure)
+    for values, expected in ((np.linspace(-3.0, 7.0, size), 7.0), (np.linspace(-3.0, -1.0, size), 0.0)):
+        found = small_vibrations._largest_eigenvalue(*operator(values))
+        assert found == pytest.approx(expected, rel=2 * small_vibrations.ACCURACY)
+
+
+def test_of_a_few_directions_that_are_stiff_all_are_found(monkeypatch):
+    """The iteration ends early where all that is left is round-off."""
+    monkeypatch.setattr(small_vibrations, "eigs", converge_to_nothing)
+    values = np.zeros(500)
+    values[:3] = 1.0, 20.0, 5.0
+    assert small_vibrations._largest_eigenvalue(*operator(values)) == pytest.approx(20.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("size", [3, SIZE, 450])
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_what_is_not_finite_is_not_nothing(size, bad):
+    apply, start = operator(np.linspace(-3.0, 7.0, size))
+    assert np.isnan(small_vibrations._largest_eigenvalue(lambda x: apply(x) * bad, start))
+    start[1] = bad
+    assert np.isnan(small_vibrations._largest_eigenvalue(apply, start))
+
+
+def test_nothing_is_where_nothing_moves_and_where_nothing_resists():
+    apply, start = operator(np.linspace(1.0, 7.0, SIZE))
+    assert small_vibrations._largest_eigenvalue(apply, 0.0 * start) == 0.0
+    assert small_vibrations._largest_eigenvalue(lambda x: 0.0 * x, start) == 0.0
