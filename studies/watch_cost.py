@@ -121,7 +121,7 @@ def _tasks_alone(chain: Chain, name: str) -> Ways:
     explicit = ExplicitSettings(name, energyTolerance=math.inf)
     (run,) = inner.cable_runs(mbs, inner.read_scene(mbs).cables, 0.0, 0.0, explicit)
     initial = run.state.q.copy(), run.state.v.copy()
-    loads = run.loads.sample(0.0, h, STEPS, run.stages)
+    loads = run.loads.sample(inner.Piece(0.0, 0, h, STEPS, STEPS, True), run.integrator.stages)
     history = np.zeros((STEPS // STEPS_OF_AN_OUTPUT, 3, run.state.q.size))
     motion = (inner.scheme_of(explicit), run.system, loads, run.state, h, STEPS_OF_AN_OUTPUT, history)
 
@@ -153,7 +153,7 @@ def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
     grid = inner.TimeGrid(0.0, STEPS_AMONG_BODIES // STEPS_OF_AN_OUTPUT, STEPS_OF_AN_OUTPUT, h)
     history = np.zeros((grid.loop_steps, 3, len(run.indices)))
     run.start(0.0)
-    run.record(inner.scheme_of(explicit), grid, 0, history)
+    run.record(grid, 0, history)
     in_motion = run.state.q.copy(), run.state.v.copy()
 
     def take(times: int, watch: Any = run.watch, kept: Any = by_kernels) -> None:
@@ -161,7 +161,7 @@ def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
         for _ in range(times):
             run.state.q[:], run.state.v[:] = in_motion
             run.start(0.0)
-            run.record(inner.scheme_of(explicit), grid, 0, history)
+            run.record(grid, 0, history)
 
     return {WATCHED: take, UNINSPECTED: partial(take, watch=blind)}
 

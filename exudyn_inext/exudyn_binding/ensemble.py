@@ -229,10 +229,10 @@ class _Ensemble:
         return max(1, min(fair, NUMBERS_IN_A_CHUNK // self._numbers_of_a_member))
 
     def _chunk(self, grid: TimeGrid, cable: int, first: int, runs: list[CableRun]) -> _Chunk:
-        steps = grid.loop_steps * grid.substeps
         for number, run in enumerate(runs, first):
             self._start(grid, number, run)
-        self._steps[cable, first : first + len(runs)] = steps
+        piece = runs[0].control.whole_intervals(grid, 0, grid.loop_steps)
+        self._steps[cable, first : first + len(runs)] = piece.steps
         self._smallest[cable, first : first + len(runs)] = grid.h
         return _Chunk(
             grid,
@@ -240,7 +240,7 @@ class _Ensemble:
             first,
             runs,
             systems=stacked([run.system for run in runs]),
-            loads=stacked([run.loads.sample(grid.start, grid.h, steps, self._stages) for run in runs]),
+            loads=stacked([run.loads.sample(piece, self._stages) for run in runs]),
             states=stacked([run.state for run in runs]),
             watches=stacked([run.watch.watch for run in runs]),
         )
@@ -281,7 +281,7 @@ class _Ensemble:
         """
         grid, run, place = chunk.grid, chunk.runs[member], (chunk.cable, chunk.first + member)
         history = np.empty((grid.loop_steps, 3, len(run.indices)))
-        good = run.advance(self._scheme, grid, 0, history)
+        good = run.advance(grid, 0, history)
         self._steps[place], self._smallest[place] = run.control.steps, run.control.smallest
         output[:, :good] = history[:good, : len(output)].swapaxes(0, 1)
         return good

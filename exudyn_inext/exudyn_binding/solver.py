@@ -15,7 +15,7 @@ from ..run.loop_clock import LoopClock
 from ..run.output_files import require_writable_outputs
 from ..run.resumed_outputs import ResumedOutputs
 from ..run.settings import ExplicitSettings
-from ..run.step_bounds import follow_frequencies, scheme_of, wanted_step, warn_of_friction
+from ..run.step_bounds import follow_frequencies, wanted_step, warn_of_friction
 from ..run.time_grid import TimeGrid
 from .arguments import explicit_settings, simulation_settings
 from .cable_forces import forget_evaluators
@@ -150,7 +150,7 @@ def SolveExplicit(
             moves = bool(restarts.changes.get("moves"))
             changes = ChangeFollower(mbs, scene, reader, log, builder, limit, sensors, moves)
             restarts.changes_so_far = changes.stored
-            loop = ExplicitTimeLoop(mbs, runs, scheme_of(explicit), grid, restarts, observed, changes)
+            loop = ExplicitTimeLoop(mbs, runs, grid, restarts, observed, changes)
         try:
             shown: AbstractContextManager[None] = nullcontext()
             if restarts.found:

@@ -14,7 +14,7 @@ from ..items.arguments import node_number
 from ..run.automatic_step import MOST_DURATION, bounds_of_step, warn_of_damping
 from ..run.divergence import divergence
 from ..run.settings import ExplicitSettings
-from ..run.step_bounds import require_fixed_steps, scheme_of, wanted_step
+from ..run.step_bounds import require_fixed_steps, wanted_step
 from ..run.stepped_cable import SteppedCable
 from ..run.time_grid import TimeGrid, steps_of_interval
 from .arguments import explicit_settings
@@ -99,7 +99,7 @@ class ExplicitStepper:
         self.startCorrections = [run.start_correction for run in runs]
         self._mbs = mbs
         self._start_time = start
-        self._cables = [SteppedCable(run, scheme_of(explicit)) for run in runs]
+        self._cables = [SteppedCable(run) for run in runs]
         self._cable_of_node = {node: cable for cable in self._cables for node in cable.nodes}
         self._taken = 0  # steps
         self._error: Exception = InputError("the stepper has not been started: call Start() before Step().")

@@ -45,7 +45,6 @@ class ExplicitTimeLoop:
         self,
         mbs: Any,
         runs: Sequence[Run],
-        scheme: Any,
         grid: TimeGrid,
         restarts: Restarts,
         observed: int = ACCELERATIONS,
@@ -53,7 +52,6 @@ class ExplicitTimeLoop:
     ) -> None:
         self.runs = runs
         self._changes = changes
-        self.scheme = scheme
         self.grid = grid
         self.error: Exception | None = None
         self._data = mbs.systemData
@@ -172,7 +170,7 @@ class ExplicitTimeLoop:
                 put(values)
 
     def _divergence(self, last_good: float, time: float) -> DivergenceError:
-        verdicts = [run.verdict(self.scheme, last_good, self.grid.h) for run in self.runs]
+        verdicts = [run.verdict(last_good, self.grid.h) for run in self.runs]
         left = f"mbs holds the last good output, that of t = {last_good:.6g} s."
         return divergence(list(filter(None, verdicts)), time, left)
 
@@ -196,7 +194,7 @@ class ExplicitTimeLoop:
         good = intervals
         for run, places in zip(self.runs, self._places, strict=True):
             history = np.empty((intervals, 3, len(run.indices)))
-            good = min(good, run.record(self.scheme, self.grid, self._computed, history))
+            good = min(good, run.record(self.grid, self._computed, history))
             if good and not run.looks_ahead and (self._shows_forces or self._takes_last_step):
                 time = self.grid.time(self._computed + 1)
                 history[0, 2] = run.accelerations(time, np.zeros(self._data.AEsize()))

@@ -1,5 +1,6 @@
 """The external force of one cable: gravity, constant forces, and sampled histories; and its motions."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from ..integrators.integrator import LoadHistory
 from ..loads.gravity import gravity_force
 from ..loads.weight import ElementWeight
 from ..scene.model import CableInScene, CableLoad
+from .step_control import Piece
 
 
 def _at_rest(motion: Motion, dim: int) -> Array:
@@ -100,18 +102,13 @@ class CableLoads:
         forces: Array = self.constant + (self._factors([time]) @ self.pattern)[0]
         return forces
 
-    def sample(
-        self, start: float, h: float, steps: int, stages: tuple[float, ...], first: int = 0
-    ) -> LoadHistory:
-        """Load history at the stages of a scheme, of `steps` steps after the first `first` ones.
-
-        Times are counted from `start`, so that they do not depend on how a run is cut into calls.
-        """
-        shape = (steps, len(stages), len(self.pattern))
+    def sample(self, piece: Piece, stages: Sequence[float]) -> LoadHistory:
+        """Load history of a piece, at the stages of a scheme."""
+        shape = (piece.steps, len(stages), len(self.pattern))
         if not len(self.pattern):
             return LoadHistory(self.constant, self.pattern, np.zeros(shape))
-        times = start + h * np.add.outer(first + np.arange(steps), stages).ravel()
-        return LoadHistory(self.constant, self.pattern, self._factors(times.tolist()).reshape(shape))
+        times = piece.times(stages).ravel().tolist()
+        return LoadHistory(self.constant, self.pattern, self._factors(times).reshape(shape))
 
     def _factors(self, times: list[float]) -> Array:
         """(T, P) of all load histories and motions."""

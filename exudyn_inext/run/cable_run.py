@@ -23,7 +23,6 @@ from ..system import accelerate_and_project
 from .cable_loads import CableLoads
 from .cable_watch import CableWatch
 from .consistent_start import (
-    ROUND_OFF,
     StartCorrection,
     Violation,
     project,
@@ -31,10 +30,9 @@ from .consistent_start import (
     worst_violations,
 )
 from .divergence import GIVEN_UP, explanation
-from .kept_state import KeptState
 from .paced_run import PacedRun
 from .redundancy import element_masses, require_independent
-from .step_control import FrequencyFollower, StepControl, StepRule
+from .step_control import ROUND_OFF, FrequencyFollower, Piece, StepControl, StepRule
 from .time_grid import TimeGrid
 from .watch import record_watched
 
@@ -86,6 +84,7 @@ class CableRun(PacedRun):
         initial: tuple[Array, Array],
         start: Start,
         integrator: Integrator,
+        scheme: Any,
     ) -> None:
         require_smooth_motions(scene_cable.moving, start.time)
         cable = scene_cable.cable
@@ -100,7 +99,7 @@ class CableRun(PacedRun):
         require_consistent(scene_cable, violations[0], start.tolerance)
         if not math.isfinite(violations[1].size):  # whatever is a number can be projected
             require_consistent(scene_cable, violations[1], start.tolerance)
-        self.integrator = integrator
+        self.integrator, self.scheme = integrator, scheme
         self._tracker = FrequencyTracker(self.system, cable.reference.shape)
         self._looked_after = 0  # steps, at the stability limit
         self._largest_share = 0.0  # of the stability limit, that the step has been
@@ -242,38 +241,21 @@ class CableRun(PacedRun):
             self.set_step(self.control.present)
         self.integrator.resume(self.system, self.loads.at(time), self.state)
 
-    @property
-    def stages(self) -> tuple[float, ...]:
-        """Of the scheme, see `Integrator`."""
-        return self.integrator.stages
-
     def forget(self) -> None:
         """What earlier steps taught the constraints does not hold any more."""
         for records in self._records():
             records["foresight"] = 0.0
 
-    def _record_nominal(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
-        """Equal steps through all intervals, in one compiled call; returns how many went well."""
-        parts, start, before = 2**self.control.halvings, grid.time(first), self.watch.steps
-        h, steps = grid.h / parts, grid.substeps * parts
-        self.change_step(h, start)
-        so_far = grid.steps_until(first) * parts
-        loads = self.loads.sample(grid.start, h, len(history) * steps, self.stages, first=so_far)
-        good = record_watched(scheme, self.system, loads, self.state, h, steps, history, self.watch.watch)
+    def take(self, piece: Piece, history: Array) -> int:
+        """See `PacedRun.take`: in one compiled call."""
+        before, loads = self.watch.steps, self.loads.sample(piece, self.integrator.stages)
+        rows, watch = history[: piece.intervals], self.watch.watch
+        record_watched(self.scheme, self.system, loads, self.state, piece.h, piece.in_interval, rows, watch)
         taken = self.watch.steps - before
-        self.control.accept(h, taken)
-        if good < len(history):
-            self.trouble = self.integrator.trouble(scheme, self.watch.watch.kept)
-            self.control.offset = (taken - good * steps) * h
+        if taken < piece.steps:
+            self.trouble = self.integrator.trouble(self.scheme, self.watch.watch.kept)
             self.forget()
-            self.reject(start + taken * h)
-        return int(good)
-
-    def take(self, scheme: Any, start: float, h: float, steps: int, history: Array) -> bool:
-        """See `PacedRun.take`."""
-        loads = self.loads.sample(start, h, steps, self.stages)
-        well = record_watched(scheme, self.system, loads, self.state, h, steps, history, self.watch.watch)
-        return bool(well)
+        return taken
 
     def start_scheme(self, time: float) -> None:
         """See `PacedRun.start_scheme`."""
@@ -282,13 +264,6 @@ class CableRun(PacedRun):
     def watch_on(self, time: float) -> None:
         """See `PacedRun.watch_on`."""
         self.watch.go_on(self.system, self.loads.at(time), self.state)
-
-    def _begin_again(self, beginning: KeptState, time: float) -> None:
-        """With half the step, from the beginning, which a longer one has spoilt.   time: of it [s]."""
-        halvings = self.control.halvings
-        beginning.restore()
-        self.control.halve(halvings - self.control.halvings)
-        self.resume(time)
 
     @property
     def cables(self) -> list[Cable]:
@@ -315,32 +290,11 @@ class CableRun(PacedRun):
         q = self.state.q.reshape(self.scene_cable.cable.reference.shape)
         return largest_frequency(self.system, self.loads.at(time), q.copy())
 
-    def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
-        """Advance through len(history) loop steps from loop step `first`; see `step_control`.
-
-        history: (intervals, 3, n_dof) output: displacements from the reference, v, a after each.
-
-        Returns:
-            Number of loop steps that went well; later rows of `history` mean nothing.
-        """
-        good = self.advance(scheme, grid, first, history)
+    def record(self, grid: TimeGrid, first: int, history: Array) -> int:
+        """As `advance`, but displacements from the reference."""
+        good = self.advance(grid, first, history)
         history[:good, 0] -= self.reference
-        self._look_at_limit(scheme)
-        return good
-
-    def advance(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
-        """As `record`, but total coordinates; nobody looks at the stability limit."""
-        good = 0
-        begins = self.watch.looks_at_phase and grid.begins_with(first)
-        beginning = KeptState(self.memory()) if begins else None
-        while good < len(history) and not self.gave_up:
-            if self.control.is_nominal:
-                good += self._record_nominal(scheme, grid, first + good, history[good:])
-            else:
-                good += self.finish_interval(scheme, grid, first + good, history[good : good + 1])
-            if self.watch.steps_to_halve and beginning:
-                self._begin_again(beginning, grid.time(first))
-                good = 0
+        self._look_at_limit()
         return good
 
     def figures(self) -> dict[str, float]:
@@ -348,7 +302,7 @@ class CableRun(PacedRun):
         share = {"stepOverLimit": self._largest_share} if self._largest_share else {}
         return self.watch.figures() | share
 
-    def _look_at_limit(self, scheme: Any) -> None:
+    def _look_at_limit(self) -> None:
         """From time to time: the share that the step is of the present stability limit."""
         if self.control.steps - self._looked_after < STEPS_BETWEEN_LIMITS:
             return
@@ -358,10 +312,10 @@ class CableRun(PacedRun):
         shape = self.scene_cable.cable.reference.shape
         frequency = self._tracker.frequency(self.state.q.reshape(shape), self.state.a.reshape(shape))
         self._largest_share = max(
-            self._largest_share, self.control.present / self._stability_limit(scheme, frequency)
+            self._largest_share, self.control.present / self._stability_limit(frequency)
         )
 
-    def verdict(self, scheme: Any, time: float, h: float) -> str:
+    def verdict(self, time: float, h: float) -> str:
         """What went wrong in the last steps, and why; empty if all is well."""
         if not self.gave_up:
             return ""
@@ -370,14 +324,14 @@ class CableRun(PacedRun):
         tried, taken = f"; {self.control.said}", self.control.present
         if self.watch.gains_too_much:
             tried, taken = "", h
-        limit = self._stability_limit(scheme, self.largest_frequency(time))
+        limit = self._stability_limit(self.largest_frequency(time))
         said = explanation(self.integrator, self.trouble, taken, limit, self.is_scaled)
         return f"{self.name}: {self.watch.finding(self.state)}{tried}. {said}"
 
-    def _stability_limit(self, scheme: Any, frequency: float) -> float:
+    def _stability_limit(self, frequency: float) -> float:
         if math.isnan(frequency):
             return math.nan
-        limit = frequency_limit(self.integrator, scheme, self.damping_ratio(frequency))
+        limit = frequency_limit(self.integrator, self.scheme, self.damping_ratio(frequency))
         return limit / frequency if frequency > 0.0 else math.inf
 
     def _records(self) -> list[Any]:

@@ -13,8 +13,8 @@ from ..errors import SceneError
 from ..scene.model import CableInScene
 from ..system import accelerate_and_project, correct_position
 from .start_velocities import kinetic_energy, nearest_velocities, warn_of_velocities
+from .step_control import ROUND_OFF
 
-ROUND_OFF = 1e-12
 PLACES, RATES = "initial coordinates", "initial velocities"
 _ITERATIONS = 20
 

@@ -23,9 +23,9 @@ from .coupled_start import consistent_start
 from .coupled_watch import LENIENCE, CoupledWatch
 from .divergence import explanation
 from .joined_scene import JoinedScene, OpenContacts
-from .kept_state import KeptState
+from .kept_state import Elsewhere, KeptState
 from .paced_run import PacedRun
-from .step_control import StepControl
+from .step_control import Piece, StepControl
 from .time_grid import TimeGrid
 
 FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
@@ -44,7 +44,6 @@ class CoupledRun(PacedRun):
     friction: whether that of cables on circles obeys Coulomb's law.
     """
 
-    looks_ahead = False
     lenience = LENIENCE
 
     def __init__(
@@ -60,7 +59,7 @@ class CoupledRun(PacedRun):
         self._scene = scene
         self._runs = cable_runs
         self._why = why
-        self.integrator = integrator
+        self.integrator, self.scheme = integrator, scheme
         self._time = start.time
         self.indices, self.reference = scene.map.indices, scene.map.reference
         self.state: Any = integrator.allocate(scene.size, 1)
@@ -248,30 +247,32 @@ class CoupledRun(PacedRun):
         """Go on at `time` [s] with the memory that has been set; data coordinates are those of mbs."""
         if self.control.present:
             self.set_step(self.control.present)
+        self._scene.surroundings.forget()
         self._scene.surroundings.forces(time, self.state.q, self.state.v)
         plain(self.integrator.resume)(self._scene.system, np.array([time]), self.state)
         self.watch.resume()
 
-    def record(self, scheme: Any, grid: TimeGrid, first: int, history: Array) -> int:
-        """Advance through len(history) loop steps; see `CableRun.record`."""
-        number = len(self.indices)
-        self._scene.surroundings.forget()
-        for interval in range(len(history)):
-            with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges
-                if not self.finish_interval(scheme, grid, first + interval, self._output):
-                    return interval
-            for place, values in enumerate((self.state.q, self.state.v, self.state.a)):
-                history[interval, place] = values[:number]
-            history[interval, 0] -= self.reference
-        surroundings, end = self._scene.surroundings, grid.time(first + len(history))
-        multipliers = surroundings.all_multipliers(self._scene.system.multipliers, self.state.a)
-        surroundings.show(end, self.state, multipliers)
-        return len(history)
+    def record(self, grid: TimeGrid, first: int, history: Array) -> int:
+        """See `CableRun.record`; mbs is left in the state at the end."""
+        surroundings = self._scene.surroundings
+        surroundings.forget()
+        with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges
+            good = self.advance(grid, first, history)
+        history[:good, 0] -= self.reference
+        if good:
+            multipliers = surroundings.all_multipliers(self._scene.system.multipliers, self.state.a)
+            surroundings.show(grid.time(first + good), self.state, multipliers)
+        return good
+
+    @property
+    def elsewhere(self) -> Elsewhere | None:  # type: ignore[override]
+        """See `PacedRun`: contact and friction remember in mbs."""
+        return self._scene.remembered
 
     @cached_property
-    def kept(self) -> KeptState:
-        """See `PacedRun.kept`; contact and friction remember in mbs."""
-        return KeptState(self.memory(), self._scene.remembered)
+    def _kept(self) -> KeptState:
+        """The state before the steps that are being taken."""
+        return KeptState(self.memory(), self.elsewhere)
 
     @property
     def has_implicit_bending(self) -> bool:
@@ -279,8 +280,7 @@ class CoupledRun(PacedRun):
         return any(run.has_implicit_bending for run in self._runs)
 
     def reject(self, time: float) -> None:
-        """See `PacedRun.reject`; mbs is not in the state of the run any more."""
-        self._scene.surroundings.forget()
+        """See `PacedRun.reject`; joints that cannot be solved for end the run."""
         try:
             super().reject(time)
         except RedundantConstraintError as error:
@@ -294,20 +294,30 @@ class CoupledRun(PacedRun):
         """See `PacedRun.watch_on`."""
         self.watch.go_on(time, self.state)
 
-    def take(self, scheme: Any, start: float, h: float, steps: int, history: Array) -> bool:
-        """See `PacedRun.take`; the end stays in the state."""
-        numbers = np.arange(steps)[:, np.newaxis]
-        times: Array = start + h * (numbers + np.array(self.integrator.stages))
-        ends = (start + h * (numbers + 1)).ravel().tolist()
-        is_judged, done = not self.control.is_nominal, 0
-        self._unsolvable = ""
+    def take(self, piece: Piece, history: Array) -> int:
+        """See `PacedRun.take`; all steps, or none."""
+        self._kept.keep()
+        if not self._goes_well(piece):
+            self.trouble = self.integrator.trouble(self.scheme, self.watch.watch.kept)
+            with self.watch.finding_kept():
+                self._kept.restore()
+            return 0
+        for place, values in enumerate((self.state.q, self.state.v, self.state.a)):
+            history[0, place] = values[: len(self.indices)]
+        return piece.steps
+
+    def _goes_well(self, piece: Piece) -> bool:
+        """Take the steps; returns whether all is well."""
+        times = piece.times(self.integrator.stages)
+        done, self._unsolvable = 0, ""
         try:
-            while done < steps:
-                ahead = slice(done, done + self.watch.steps_ahead)
-                self._take_steps(scheme, times[ahead], ends[ahead], h)
-                done = min(ahead.stop, steps)
-                if not self.watch.is_well_at(ends[done - 1], h, self.state, is_judged and done == steps):
+            while done < piece.steps:
+                end = min(done + self.watch.steps_ahead, piece.steps)
+                self._take_steps(piece, times[done:end], done)
+                is_judged = not piece.is_whole and end == piece.steps
+                if not self.watch.is_well_at(piece.time(end), piece.h, self.state, is_judged):
                     return False
+                done = end
         except (DivergenceError, RedundantConstraintError) as error:
             self._unsolvable = str(error) if isinstance(error, RedundantConstraintError) else ""
             self.watch.give_up(self.state)
@@ -319,23 +329,24 @@ class CoupledRun(PacedRun):
             return False
         return True
 
-    def _take_steps(self, scheme: Any, times: Array, ends: Sequence[float], h: float) -> None:
-        """Steps of h [s].   times: (steps, stages) of their evaluations [s].   ends: of the steps [s]."""
-        take_step = plain(advance.dispatch(type(scheme)))
+    def _take_steps(self, piece: Piece, times: Array, done: int) -> None:
+        """Steps of a piece, of which some are done.   times: (steps, stages) of their evaluations [s]."""
+        take_step = plain(advance.dispatch(type(self.scheme)))
         system, state, watch = self._scene.system, self.state, self.watch
-        surroundings = self._scene.surroundings
+        surroundings, last = self._scene.surroundings, done + len(times)
         surroundings.path, surroundings.settles = watch.path_of_evaluations, watch.has_one_evaluation
         try:
-            for factors, end in zip(times[:, np.newaxis, :, np.newaxis], ends, strict=True):
-                if end == ends[-1]:
+            for number, factors in enumerate(times[:, np.newaxis, :, np.newaxis], done + 1):
+                if number == last:
                     watch.look(state)
-                take_step(scheme, system, LoadHistory(_NOTHING, _TIME, factors), state, h, 1, self._output)
-                surroundings.finish_step(end, state.q, state.v)
+                loads = LoadHistory(_NOTHING, _TIME, factors)
+                take_step(self.scheme, system, loads, state, piece.h, 1, self._output)
+                surroundings.finish_step(piece.time(number), state.q, state.v)
                 for call in watch.after_each_step:
                     call()
         finally:
             surroundings.path, surroundings.settles = None, False
-        watch.count(len(ends))
+        watch.count(len(times))
 
     @property
     def _place(self) -> str:
@@ -347,19 +358,21 @@ class CoupledRun(PacedRun):
         """How well constraints and energy were kept."""
         return self.watch.figures()
 
-    def verdict(self, scheme: Any, time: float, h: float) -> str:
+    def verdict(self, time: float, h: float) -> str:
         """What went wrong in the last steps; see `CableRun.verdict`."""
         if not self.gave_up:
             return ""
         if self._unsolvable:
             return f"{self.name}: {self._unsolvable} If the motion before that is wrong, reduce stepSize."
-        limit = self._limit_now(scheme, time)
+        limit = self._limit_now(time)
         said = explanation(self.integrator, self.trouble, self.control.present, limit, scaled=True)
         return f"{self.name}: {self.watch.found}; {self._place}; {self.control.said}. {said}"
 
-    def _limit_now(self, scheme: Any, time: float) -> float:
+    def _limit_now(self, time: float) -> float:
         """Stability limit [s] in the state of the last inspection; infinite if there is none."""
         rates = self._rates_at(time)
         if not rates.frequency > 0.0:
             return np.inf
-        return frequency_limit(self.integrator, scheme, rates.damping / rates.frequency) / rates.frequency
+        return (
+            frequency_limit(self.integrator, self.scheme, rates.damping / rates.frequency) / rates.frequency
+        )

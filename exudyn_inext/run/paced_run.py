@@ -1,32 +1,35 @@
-"""A run whose steps may go wrong: they are taken again, smaller, from the state before them."""
+"""A run whose steps may go wrong: they are taken again, smaller, from the last good state."""
 
 import math
-from functools import cached_property
 from typing import Any
 
 from ..arrays import Array
 from ..integrators.integrator import Integrator
-from .consistent_start import ROUND_OFF
-from .kept_state import KeptState
+from .kept_state import Elsewhere, KeptState
 from .run_watch import RunWatch
-from .step_control import StepControl
+from .step_control import ROUND_OFF, Piece, StepControl
 from .time_grid import TimeGrid
 
 
 class PacedRun:
     """What a cable and a coupled scene have in common; see `step_control`.
 
-    integrator: of the run.   state: of the integrator.   control: of the steps.
+    integrator, scheme: of the run.   state: of the integrator.   control: of the steps.
     watch: `RunWatch`, which finds steps that went wrong.   gave_up: whether there are no smaller ones.
     trouble: what the integrator said of the last steps that went wrong.
+    looks_ahead: whether several steps of the time loop can be computed at once.
+    elsewhere: what of the state lies in no array of the run.
     """
 
     integrator: Integrator
+    scheme: Any
     state: Any
     control: StepControl
     watch: Any
+    looks_ahead = False
     gave_up = False
     trouble = ""
+    elsewhere: Elsewhere | None = None
 
     @property
     def has_implicit_bending(self) -> bool:
@@ -53,41 +56,40 @@ class PacedRun:
         """Let the watch go on with another step, at `time` [s]."""
         raise NotImplementedError
 
-    def take(self, scheme: Any, start: float, h: float, steps: int, history: Array) -> bool:
-        """Equal steps of h [s] from the time `start` [s]; returns whether they went well.
+    def take(self, piece: Piece, history: Array) -> int:
+        """Take these steps, as far as they go well; returns how many, after which the run is.
 
-        history: (1, 3, n) memory of their end.
+        history: (intervals, 3, n) total coordinates, velocities, accelerations at the ends of intervals.
         """
         raise NotImplementedError
 
-    @cached_property
-    def kept(self) -> KeptState:
-        """The state before the steps that are being taken."""
-        return KeptState(self.memory())
+    def advance(self, grid: TimeGrid, first: int, history: Array) -> int:
+        """Advance through len(history) intervals of the loop, from number `first`: the loop over all steps.
 
-    def finish_interval(self, scheme: Any, grid: TimeGrid, number: int, history: Array) -> bool:
-        """The rest of interval `number` of the loop, in pieces of steps that may change.
+        history: see `take`.
 
-        history: (1, 3, n) output.   Returns whether the end was reached.
+        Returns:
+            Number of intervals that went well; later rows of `history` mean nothing.
         """
-        control, start, interval = self.control, grid.time(number), grid.substeps * grid.h
-        while control.offset < (1.0 - ROUND_OFF) * interval:
-            time = start + control.offset
-            duration, steps = control.piece(grid)
-            if not steps:
+        good = 0
+        begins = self.watch.looks_at_phase and grid.begins_with(first)
+        beginning = KeptState(self.memory(), self.elsewhere) if begins else None
+        while good < len(history) and not self.gave_up:
+            piece = self.control.next(grid, first + good, len(history) - good if self.looks_ahead else 1)
+            if piece is None:
                 self.gave_up = True
-                return False
-            self.change_step(duration / steps, time)
-            self.kept.keep()
-            if self.take(scheme, time, duration / steps, steps, history):
-                control.accept(duration / steps, steps)
-                control.offset += duration
-            else:
-                self._return(scheme, time)
-            if self.gave_up:
-                return False
-        control.offset = 0.0
-        return True
+                break
+            self.change_step(piece.h, piece.time())
+            taken = self.take(piece, history[good:])
+            good += self.control.count(piece, taken, grid)
+            if taken == piece.steps:
+                self.control.accept()
+                continue
+            self.reject(piece.time(taken))
+            if self.watch.steps_to_halve and beginning:
+                self._begin_again(beginning, grid.time(first))
+                good = 0
+        return good
 
     def change_step(self, h: float, time: float) -> None:
         """Prepare for steps of h [s] from the present state, at `time` [s]."""
@@ -101,13 +103,6 @@ class PacedRun:
             self.integrator.change_step(self.state, h / before)
         self.watch_on(time)
 
-    def _return(self, scheme: Any, time: float) -> None:
-        """To the state before steps that went wrong, at `time` [s]."""
-        self.trouble = self.integrator.trouble(scheme, self.watch.watch.kept)
-        with self.watch.finding_kept():
-            self.kept.restore()
-        self.reject(time)
-
     def reject(self, time: float) -> None:
         """After steps that went wrong, in the state before them, at `time` [s]: take smaller ones."""
         watch: RunWatch = self.watch
@@ -118,4 +113,11 @@ class PacedRun:
         elif watch.gains_too_much or not self.control.reject():
             self.gave_up = True
             return
+        self.resume(time)
+
+    def _begin_again(self, beginning: KeptState, time: float) -> None:
+        """With half the step, from the beginning, which a longer one has spoilt.   time: of it [s]."""
+        halvings = self.control.halvings
+        beginning.restore()
+        self.control.halve(halvings - self.control.halvings)
         self.resume(time)

@@ -38,8 +38,10 @@ def cable_runs(
         h: step that scales the mass [s]; 0 without mass scaling.   explicit: settings.
     """
     start = start_of(time, h, explicit)
-    integrator = find_integrator(explicit.integrator)
-    return [CableRun(cable, state, start, integrator) for cable, state in zip(cables, states, strict=True)]
+    integrator, scheme = find_integrator(explicit.integrator), scheme_of(explicit)
+    return [
+        CableRun(cable, state, start, integrator, scheme) for cable, state in zip(cables, states, strict=True)
+    ]
 
 
 def start_of(time: float, h: float, explicit: ExplicitSettings) -> Start:

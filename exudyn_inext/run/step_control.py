@@ -6,15 +6,16 @@ halved where the motion turns out to be too fast for it, or follows the present 
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import record_type
+from ..arrays import Array, record_type
 from .time_grid import TimeGrid, steps_within
 
+ROUND_OFF = 1e-12  # of a time, relative
 QUARTERS = 6  # at most: below 1/4096 of the nominal step a run has diverged
 PIECE = 8  # nominal steps that are taken at once while steps are smaller, half as many for each quarter
 MOST_HALVINGS = 12  # of the nominal step
@@ -50,6 +51,35 @@ class StepRule:
     limit: float
     safety: float
     largest: float
+
+
+class Piece(NamedTuple):
+    """Equal steps that are taken at once.
+
+    origin: time from which they are counted [s].   before: steps since then.   h: [s].   steps: how many.
+    in_interval: how many make up an interval of the loop, or this part of one.   is_whole: which of both.
+    """
+
+    origin: float
+    before: int
+    h: float
+    steps: int
+    in_interval: int
+    is_whole: bool
+
+    @property
+    def intervals(self) -> int:
+        """That are written; a part of one counts as one."""
+        return self.steps // self.in_interval
+
+    def time(self, taken: int = 0) -> float:
+        """After so many steps [s]."""
+        return self.origin + (self.before + taken) * self.h
+
+    def times(self, stages: Sequence[float]) -> Array:
+        """(steps, stages) at which a scheme with these stages needs loads [s]."""
+        numbers: Array = np.add.outer(self.before + np.arange(self.steps), stages)
+        return self.origin + self.h * numbers
 
 
 class FrequencyFollower:
@@ -126,10 +156,6 @@ class StepControl:
     def offset(self) -> float:
         return float(self._log.offset)
 
-    @offset.setter
-    def offset(self, time: float) -> None:
-        self._log.offset = time
-
     @property
     def said(self) -> str:
         """What is said of a run whose steps cannot be made small enough."""
@@ -145,37 +171,56 @@ class StepControl:
         """What the next steps depend on, to be kept or set."""
         return {"log": self._log.base}
 
-    def piece(self, grid: TimeGrid) -> tuple[float, int]:
-        """Duration [s] and number of the next equal steps, of which an integer number makes up the interval.
-
-        No steps if they would have to be so small that the run must have diverged.
+    def next(self, grid: TimeGrid, interval: int, most: int) -> Piece | None:
+        """The next steps; None if they would have to be so small that the run must have diverged.
 
         Args:
-            grid: of the run.
+            grid: of the run.   interval: of the loop, in which the present state is.
+            most: intervals that a piece may span.
         """
-        interval, steps = grid.substeps * grid.h, grid.substeps * 2**self.halvings
         if self.is_nominal:
-            return interval, steps
-        remaining = interval - self.offset
-        nominal, together = grid.h / 2**self.halvings, PIECE
+            return self.whole_intervals(grid, interval, most)
+        nominal = grid.h / 2**self.halvings
+        remaining = grid.substeps * grid.h - self.offset
+        together = PIECE
         if self.follower is not None:
             nominal, together = self.follower.nominal_step(self._log, remaining), STEPS_BETWEEN
         if nominal == 0.0:
-            return 0.0, 0
-        if self._log.quarters == 0:
+            return None
+        quarters = int(self._log.quarters)
+        duration = remaining / steps_within(remaining, PIECE * nominal / 2**quarters)
+        steps = steps_within(duration, nominal / 4**quarters)
+        if not quarters:
             number = steps_within(remaining, nominal)
-            taken = min(number, together)
-            return remaining * (taken / number), taken
-        together = PIECE * nominal / 2**self._log.quarters
-        duration = remaining / steps_within(remaining, together)
-        return duration, steps_within(duration, nominal / 4**self._log.quarters)
+            steps = min(number, together)
+            duration = remaining * (steps / number)
+        return Piece(grid.time(interval) + self.offset, 0, duration / steps, steps, steps, is_whole=False)
 
-    def accept(self, h: float, number: int) -> None:
-        """These steps went well; longer ones are tried again after some patience."""
+    def whole_intervals(self, grid: TimeGrid, interval: int, number: int) -> Piece:
+        """All nominal steps of so many intervals of the loop, from that one on."""
+        halved = 2**self.halvings
+        before, substeps = grid.steps_until(interval) * halved, grid.substeps * halved
+        return Piece(grid.start, before, grid.h / halved, number * substeps, substeps, is_whole=True)
+
+    def count(self, piece: Piece, taken: int, grid: TimeGrid) -> int:
+        """So many steps of a piece went well; returns how many intervals of the loop they have completed."""
         log = self._log  # each look at it takes a microsecond
-        if h < log.smallest:
-            log.smallest = h
-        log.steps += number
+        if taken:
+            log.steps += taken
+            log.smallest = min(log.smallest, piece.h)
+        if piece.is_whole:
+            done, left = divmod(taken, piece.in_interval)
+            log.offset = left * piece.h
+            return done
+        log.offset += taken * piece.h
+        is_done = log.offset >= (1.0 - ROUND_OFF) * grid.substeps * grid.h
+        if is_done:
+            log.offset = 0.0
+        return int(is_done)
+
+    def accept(self) -> None:
+        """A piece went well; longer steps are tried again after some patience."""
+        log = self._log
         log.calm = calm = log.calm + 1
         if not log.quarters:
             if calm > MOST_PATIENCE:

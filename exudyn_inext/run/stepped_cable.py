@@ -23,13 +23,12 @@ class SteppedCable:
     q, v: (n, 2, dim) views of the present state.
     """
 
-    def __init__(self, run: CableRun, scheme: Any) -> None:
+    def __init__(self, run: CableRun) -> None:
         shape = run.scene_cable.cable.reference.shape
         self.run = run
         self.nodes = {node: place for place, node in enumerate(run.scene_cable.item.nodes)}
         self.q: Array = run.state.q.reshape(shape)
         self.v: Array = run.state.v.reshape(shape)
-        self._scheme = scheme
         self._without_forces = run.loads.constant.copy()
         self._initial = KeptState(run.memory())
         self._present, self._before = (np.zeros((1, 3, run.state.q.size)) for _ in range(2))
@@ -46,11 +45,11 @@ class SteppedCable:
     def step(self, grid: TimeGrid) -> bool:
         """Take the one loop step of the grid; returns whether it went well."""
         self._present, self._before = self._before, self._present
-        return self.run.advance(self._scheme, grid, 0, self._present) == 1
+        return self.run.advance(grid, 0, self._present) == 1
 
     def verdict(self, time: float, h: float) -> str:
         """What went wrong; see `CableRun.verdict`."""
-        return self.run.verdict(self._scheme, time, h)
+        return self.run.verdict(time, h)
 
     def restore(self) -> None:
         """Coordinates, velocities and accelerations before the last call of `step`."""

@@ -114,7 +114,7 @@ def compiled_case(
             start = cable.state.q.copy()
             cable.start(0.0)
             history = np.empty((samples, 3, len(cable.indices)))
-            good = cable.record(inner.scheme_of(settings), grid, 0, history)
+            good = cable.record(grid, 0, history)
 
             def trajectory() -> Trajectory:
                 states = np.concatenate([start[None], history[:good, 0] + cable.reference])

@@ -33,6 +33,7 @@ from exudyn_inext.run.cable_loads import CableLoads
 from exudyn_inext.run.consistent_start import settle
 from exudyn_inext.run.coupled_watch import STEPS_BETWEEN
 from exudyn_inext.run.step_bounds import scheme_of, step_bounds, wanted_step
+from exudyn_inext.run.step_control import Piece
 from exudyn_inext.run.time_grid import TimeGrid
 from exudyn_inext.run.watch import record_watched
 from exudyn_inext.statics import Potential, StaticOptions, find_equilibrium

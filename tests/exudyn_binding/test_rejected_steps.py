@@ -111,7 +111,7 @@ def test_longer_steps_are_tried_less_often_if_they_fail_again():
             tried.append(control.rejections)
             control.reject()
         else:
-            control.accept(1e-3, 8)
+            control.accept()
     assert 3 <= len(tried) <= 12
 
 
