@@ -34,7 +34,7 @@ from exudyn_inext import ExplicitSettings, InextensibleError, SolveExplicit
 from reference_models.model import quiet_settings, silence
 from reference_models.trajectory import Array
 
-from .harness.inner import choose_step
+from .harness.inner import largest_step
 from .harness.store import Row
 from .harness.study import Order, Results, Study
 from .harness.table import Table, column, groups
@@ -68,7 +68,7 @@ def own_row(rope: Rope) -> Row:
     path, seconds, report = _run(rope, ExplicitSettings())
     if isinstance(report, str):
         return row | {"cpuSeconds": seconds, "failure": report}
-    step, _ = choose_step(report["bounds"])
+    step, _ = largest_step(report["bounds"])
     finer = ExplicitSettings(stepSize=step / 4, massScaling=report["massScaling"], allowUnstableStep=True)
     fine, _, reference = _run(rope, finer)
     row |= {

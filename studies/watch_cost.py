@@ -123,7 +123,7 @@ def _tasks_alone(chain: Chain, name: str) -> Ways:
     initial = run.state.q.copy(), run.state.v.copy()
     loads = run.loads.sample(inner.Piece(0.0, 0, h, STEPS, STEPS, True), run.integrator.stages)
     history = np.zeros((STEPS // STEPS_OF_AN_OUTPUT, 3, run.state.q.size))
-    motion = (inner.scheme_of(explicit), run.system, loads, run.state, h, STEPS_OF_AN_OUTPUT, history)
+    motion = (explicit.method[1], run.system, loads, run.state, h, STEPS_OF_AN_OUTPUT, history)
 
     def repeat(times: int, take: Callable[[], Any]) -> None:
         for _ in range(times):
@@ -149,7 +149,7 @@ def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
     by_kernels.enter_context(inner.switched_off(mbs, *scene.evaluated_by_kernels))
     (run,) = inner.runs_of_scene(mbs, scene, 0.0, 0.0, explicit)
     blind = _Blind(run)
-    h, _ = inner.wanted_step(inner.step_bounds([run], 0.0, explicit), explicit)
+    h, _ = inner.largest_step(inner.step_bounds([run], 0.0, explicit), explicit.stepSafety)
     grid = inner.TimeGrid(0.0, STEPS_AMONG_BODIES // STEPS_OF_AN_OUTPUT, STEPS_OF_AN_OUTPUT, h)
     history = np.zeros((grid.loop_steps, 3, len(run.indices)))
     run.start(0.0)

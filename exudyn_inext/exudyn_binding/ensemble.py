@@ -6,7 +6,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import groupby, islice, tee
 from typing import Any
@@ -16,15 +16,13 @@ from tqdm import tqdm
 
 from ..arrays import Array, as_slice
 from ..checks import require_finite, require_integer
-from ..integrators import find_integrator
-from ..run.automatic_step import warn_of_damping
 from ..run.cable_run import CableRun
 from ..run.members import record_members, stacked
 from ..run.settings import ExplicitSettings
-from ..run.step_bounds import scheme_of, wanted_step
+from ..run.step_choice import StepChoice, require_stable, warn_of_damping
 from ..run.time_grid import TimeGrid, grid_of_period
 from .arguments import explicit_settings, simulation_settings
-from .ensemble_members import Choice, Member, all_systems, read_members
+from .ensemble_members import Member, all_systems, read_members
 
 NUMBERS_IN_A_CHUNK = 4_000_000  # coordinates and load factors that a thread handles at once
 CHUNKS_OF_A_THREAD = 8  # so that threads begin at once and end together
@@ -91,8 +89,9 @@ def SolveEnsemble(
         members, all_of_them = tee(members)
         choices = [member.choice for member in all_of_them]
         worst = _worst(choices)
-        warn_of_damping(choices[worst].of_member(worst), choices[worst].decided_by, duration)
-        smallest = min(choice.wanted for choice in choices)
+        named = replace(choices[worst], bounds=choices[worst].bounds_of_member(worst))
+        warn_of_damping(named, duration)
+        smallest = min(choice.h for choice in choices)
     grids = partial(_grid, settings, smallest)
     ensemble = _Ensemble(len(builders), grids, smallest, explicit, derivatives + 1)
     silent = settings.timeIntegration.verboseMode < 1
@@ -112,7 +111,7 @@ def _grid(settings: Any, smallest: float, wanted: float) -> TimeGrid:
     return grid_of_period(settings, wanted, settings.solution.sensors.writePeriod or smallest)
 
 
-def _worst(choices: list[Choice]) -> int:
+def _worst(choices: list[StepChoice]) -> int:
     """The member with the smallest stability limit."""
     return min(range(len(choices)), key=lambda number: choices[number].bounds.stability_limit)
 
@@ -175,10 +174,10 @@ class _Ensemble:
         derivatives: int,
     ) -> None:
         self._grids, self.grid = grids, grids(smallest)
-        self.choices: list[Choice] = []
+        self.choices: list[StepChoice] = []
         self._explicit = explicit
-        self._scheme = scheme_of(explicit)
-        self._stages = find_integrator(explicit.integrator).stages
+        integrator, self._scheme = explicit.method
+        self._stages = integrator.stages
         self._number, self._derivatives = number, derivatives
 
     def solve(self, members: Iterator[Member], threads: int, done: Callable[[int], Any]) -> None:
@@ -205,7 +204,7 @@ class _Ensemble:
             together = list(islice(members, size))
             if not self.choices:
                 self._allocate(together[0])
-            for grid, alike in groupby(together, key=lambda member: self._grids(member.choice.wanted)):
+            for grid, alike in groupby(together, key=lambda member: self._grids(member.choice.h)):
                 first, group = len(self.choices), list(alike)
                 self.choices += [member.choice for member in group]
                 for cable in range(len(group[0].runs)):
@@ -290,8 +289,8 @@ class _Ensemble:
         """What `SolveEnsemble` returns; of several cables, the first divergence ends their member."""
         grid, explicit = self.grid, self._explicit
         worst = _worst(self.choices)
-        taken = grid.h if explicit.massScaling else None
-        wanted_step(self.choices[worst].of_member(worst), explicit, taken)  # warns of it
+        taken = grid.h if explicit.massScaling else 0.0
+        require_stable(self.choices[worst].bounds_of_member(worst), explicit, taken)  # warns of it
         ends = self._divergence_times()
         return {
             "success": bool(np.isnan(ends).all()),
@@ -308,9 +307,9 @@ class _Ensemble:
             "bounds": [choice.bounds for choice in self.choices],
         }
 
-    def _decided_by(self, choice: Choice) -> str:
-        grid = self._grids(choice.wanted)
-        return choice.decided_by if grid.substeps > 1 or grid.h > 0.99 * choice.wanted else "output period"
+    def _decided_by(self, choice: StepChoice) -> str:
+        grid = self._grids(choice.h)
+        return choice.decider(grid.substeps, grid.h, "output period")
 
     def _divergence_times(self) -> Array:
         """(members,) NaN where there was none; later states are made NaN."""

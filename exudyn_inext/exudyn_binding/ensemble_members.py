@@ -3,35 +3,19 @@
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 from ..cable.border import all_links
 from ..errors import InextensibleError, InputError, SceneError
-from ..integrators.step_size import StepSizeBounds
-from ..run.automatic_step import bounds_of_step
 from ..run.cable_run import CableRun
 from ..run.settings import ExplicitSettings
-from ..run.step_bounds import require_fixed_steps, wanted_step
+from ..run.step_choice import StepChoice, choose_step, require_fixed_steps
 from .scene import read_cables, require_assembled
 from .scene_runs import runs_of_cables
 
 REMEDY = "members must not differ in it; put the others into an ensemble of their own."
-
-
-@dataclass(frozen=True)
-class Choice:
-    """Of the step of a member: its bounds, the mass scaling theta, the largest step [s], what decided."""
-
-    bounds: StepSizeBounds
-    theta: float
-    wanted: float
-    decided_by: str
-
-    def of_member(self, number: int) -> StepSizeBounds:
-        """The bounds, with the member named."""
-        return replace(self.bounds, cable=f"{self.bounds.cable} of member {number}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +27,7 @@ class Member:
 
     runs: list[CableRun]
     size: int
-    choice: Choice
+    choice: StepChoice
 
 
 def all_systems(systems: Any, parameters: Iterable[Any] | None) -> list[Callable[[], Any]]:
@@ -97,12 +81,7 @@ def read_members(
 
 def _member(mbs: Any, time: float, duration: float, h: float, explicit: ExplicitSettings) -> Member:
     runs = _runs(mbs, time, h, explicit)
-    bounds, explicit = bounds_of_step(runs, time, duration, explicit)
-    if explicit.stepSize and explicit.allowUnstableStep:  # of the worst member it is warned later
-        wanted, decided_by = explicit.stepSize, "stepSize"
-    else:
-        wanted, decided_by = wanted_step(bounds, explicit, h or None)
-    choice = Choice(bounds, explicit.massScaling or 0.0, wanted, decided_by)
+    choice = choose_step(runs, time, duration, explicit, h, is_told=not explicit.allowUnstableStep)
     return Member(runs, mbs.systemData.ODE2Size(), choice)
 
 

@@ -5,14 +5,13 @@ from dataclasses import replace
 from typing import Any
 
 from ..errors import InputError, SceneError
-from ..integrators import find_integrator
-from ..integrators.step_size import USUAL_SCALING, StepSizeBounds
 from ..native.coupled_scene import CoupledCable, CoupledScene
-from ..run.cable_run import CableRun
+from ..run.cable_run import CableRun, Start
 from ..run.coupled_run import CoupledRun
 from ..run.run import Run
 from ..run.settings import ExplicitSettings
-from ..run.step_bounds import cable_runs, scheme_of, start_of, step_bounds
+from ..run.step_choice import step_bounds
+from ..run.step_size import USUAL_SCALING, StepSizeBounds
 from ..scene.model import CableInScene, Scene
 from .scene import initial_states
 
@@ -26,7 +25,10 @@ def runs_of_cables(
     mbs: Any, cables: Sequence[CableInScene], time: float, h: float, explicit: ExplicitSettings
 ) -> list[CableRun]:
     """One run for each cable, from the initial configuration; arguments: see `runs_of_scene`."""
-    return cable_runs(cables, initial_states(mbs, cables), time, h, explicit)
+    start, states = Start.at(time, h, explicit), initial_states(mbs, cables)
+    return [
+        CableRun(cable, state, start, explicit.method) for cable, state in zip(cables, states, strict=True)
+    ]
 
 
 def runs_of_scene(
@@ -55,7 +57,6 @@ def runs_of_scene(
         raise InputError(
             f"massScaling = {explicit.massScaling!r}: only inextensible cables have it; set it to zero."
         )
-    integrator = find_integrator(explicit.integrator)
     if not needs_coupling(scene):
         return runs_of_cables(mbs, scene.cables, time, h, explicit)
     unloaded = [cable.among_others for cable in scene.cables]  # Exudyn evaluates the loads
@@ -66,8 +67,8 @@ def runs_of_scene(
     ]
     zeta, held = explicit.stabilizationRate, scene.held
     joined = CoupledScene(mbs, cables, scene.own_constraints, zeta, held)
-    start, scheme = start_of(time, h, explicit), scheme_of(explicit)
-    return [CoupledRun(joined, runs, integrator, scheme, start, _shortened(scene.foreign), end_of_step)]
+    start, why = Start.at(time, h, explicit), _shortened(scene.foreign)
+    return [CoupledRun(joined, runs, explicit.method, start, why, end_of_step)]
 
 
 def bounds_if_scaled(

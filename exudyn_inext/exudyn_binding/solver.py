@@ -10,12 +10,15 @@ import exudyn
 
 from ..errors import SceneError
 from ..native.surroundings import state_kept
-from ..run.automatic_step import bounds_of_step, warn_of_damping
 from ..run.loop_clock import LoopClock
 from ..run.output_files import require_writable_outputs
 from ..run.resumed_outputs import ResumedOutputs
 from ..run.settings import ExplicitSettings
-from ..run.step_bounds import follow_frequencies, wanted_step, warn_of_friction
+from ..run.step_choice import (
+    choose_step,
+    follow_frequencies,
+    warn_of_damping,
+)
 from ..run.time_grid import TimeGrid
 from .arguments import explicit_settings, simulation_settings
 from .cable_forces import forget_evaluators
@@ -33,7 +36,7 @@ from .output_grid import time_grid
 from .restart import Restarts
 from .scene import read_scene, require_assembled
 from .scene_runs import bounds_if_scaled, needs_coupling
-from .time_loop import ExplicitTimeLoop, is_watched, warn_of_energy, worst_figures
+from .time_loop import ExplicitTimeLoop, is_watched, warn_of_findings, worst_figures
 
 
 def SolveExplicit(
@@ -136,12 +139,12 @@ def SolveExplicit(
                 runs = builder.build(scene, start)
             log.is_followed = is_watched(mbs, runs)
             duration = float(settings.timeIntegration.endTime) - start
-            bounds, explicit = bounds_of_step(runs, start, duration, explicit)
-            restarts.mass_scaling = explicit.massScaling
             scaled = bounds_if_scaled(mbs, scene, start, given.h if given else 0.0, explicit)
-            wanted, decided_by = wanted_step(bounds, explicit, scaling or None, scaled)
-            warn_of_damping(bounds, decided_by, duration)
-            grid = restarts.grid(given or time_grid(mbs, settings, wanted))
+            choice = choose_step(runs, start, duration, explicit, scaling, scaled)
+            bounds, explicit = choice.bounds, choice.explicit
+            restarts.mass_scaling = explicit.massScaling
+            warn_of_damping(choice, duration)
+            grid = restarts.grid(given or time_grid(mbs, settings, choice.h))
             builder.take_step(explicit, grid.h)
             follow_frequencies(runs, bounds, explicit)
             observed = observed_derivatives(settings, sensors)
@@ -164,8 +167,7 @@ def SolveExplicit(
         finally:
             forget_evaluators(sensors)
     controls = [run.control for run in loop.runs]
-    warn_of_energy(loop.runs, explicit.energyTolerance)
-    warn_of_friction(loop.runs)
+    warn_of_findings(loop.runs, explicit.energyTolerance)
     return {
         "success": True,
         "integrator": explicit.integrator,
@@ -174,7 +176,7 @@ def SolveExplicit(
         "rejections": sum(control.rejections for control in controls),
         "massScaling": explicit.massScaling or 0.0,
         "loopSteps": grid.loop_steps,
-        "decidedBy": decided_by if grid.substeps > 1 or grid.h > 0.99 * wanted else "output period",
+        "decidedBy": choice.decider(grid.substeps, grid.h, "output period"),
         "bounds": bounds,
         "path": loop.path,
         "startCorrections": [correction for run in runs for correction in run.start_corrections],

@@ -11,10 +11,9 @@ from ..arrays import Array
 from ..checks import require_finite, require_integer, require_positive
 from ..errors import InputError, SceneError
 from ..items.arguments import node_number
-from ..run.automatic_step import MOST_DURATION, bounds_of_step, warn_of_damping
 from ..run.divergence import divergence
 from ..run.settings import ExplicitSettings
-from ..run.step_bounds import require_fixed_steps, wanted_step
+from ..run.step_choice import MOST_DURATION, choose_step, require_fixed_steps, warn_of_damping
 from ..run.stepped_cable import SteppedCable
 from ..run.time_grid import TimeGrid, steps_of_interval
 from .arguments import explicit_settings
@@ -88,14 +87,12 @@ class ExplicitStepper:
                 "mbs has no inextensible cable to step: add one with CreateInextensibleCable, or use "
                 "SolveExplicit for native items."
             )
-        self.bounds, explicit = bounds_of_step(runs, start, duration, explicit)
-        wanted, self.decidedBy = wanted_step(self.bounds, explicit, given if explicit.massScaling else None)
-        warn_of_damping(self.bounds, self.decidedBy, duration)
-        self._substeps, self.stepSize = steps_of_interval(interval, wanted, MOST_STEPS)
-        if self._substeps == 1 and self.stepSize < 0.99 * wanted:
-            self.decidedBy = "interval"
+        choice = choose_step(runs, start, duration, explicit, given if explicit.massScaling else 0.0)
+        warn_of_damping(choice, duration)
+        self.bounds, self.massScaling = choice.bounds, choice.theta
+        self._substeps, self.stepSize = steps_of_interval(interval, choice.h, MOST_STEPS)
+        self.decidedBy = choice.decider(self._substeps, self.stepSize, "interval")
         self.interval = self._substeps * self.stepSize
-        self.massScaling = explicit.massScaling or 0.0
         self.startCorrections = [run.start_correction for run in runs]
         self._mbs = mbs
         self._start_time = start

@@ -257,8 +257,8 @@ class ExplicitTimeLoop:
             run.start(self.grid.time(self._computed))
 
 
-def warn_of_energy(runs: Sequence[Run], tolerance: float) -> None:
-    """Once a run, where an energy has grown by more than that share of what its motion turns over."""
+def warn_of_findings(runs: Sequence[Run], tolerance: float) -> None:
+    """Once a run, of an energy that has grown by more than that share of its motion, and of friction."""
     for run in runs:
         gain = run.figures().get("energyGain", 0.0)
         if gain > tolerance * run.lenience:
@@ -268,6 +268,8 @@ def warn_of_energy(runs: Sequence[Run], tolerance: float) -> None:
                 "another one, or a smaller stepSize.",
                 stacklevel=3,
             )
+        if run.finding:
+            warnings.warn(run.finding, stacklevel=3)
 
 
 def worst_figures(runs: Sequence[Any]) -> dict[str, float]:

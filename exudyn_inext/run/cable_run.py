@@ -22,16 +22,11 @@ from ..scene.model import CableInScene
 from ..system import accelerate_and_project
 from .cable_loads import CableLoads
 from .cable_watch import CableWatch
-from .consistent_start import (
-    StartCorrection,
-    Violation,
-    project,
-    require_consistent,
-    worst_violations,
-)
+from .consistent_start import StartCorrection, Violation, project, require_consistent, worst_violations
 from .divergence import GIVEN_UP, explanation
 from .paced_run import PacedRun
 from .redundancy import element_masses, require_independent
+from .settings import ExplicitSettings
 from .step_control import ROUND_OFF, FrequencyFollower, Piece, StepControl, StepRule
 from .time_grid import TimeGrid
 from .watch import record_watched
@@ -58,6 +53,19 @@ class Start:
     energy_tolerance: float
     rejects: bool
 
+    @classmethod
+    def at(cls, time: float, h: float, explicit: ExplicitSettings) -> "Start":
+        """Of runs with these settings.   h: step that scales the mass [s]; 0 without mass scaling."""
+        return cls(
+            time=time,
+            tolerance=explicit.startTolerance,
+            zeta=explicit.stabilizationRate,
+            theta=explicit.massScaling or 0.0,
+            h=h,
+            energy_tolerance=explicit.energyTolerance,
+            rejects=explicit.rejectSteps,
+        )
+
 
 class CableRun(PacedRun):
     """A cable that an integrator moves.
@@ -83,11 +91,11 @@ class CableRun(PacedRun):
         scene_cable: CableInScene,
         initial: tuple[Array, Array],
         start: Start,
-        integrator: Integrator,
-        scheme: Any,
+        method: tuple[Integrator, Any],
     ) -> None:
         require_smooth_motions(scene_cable.moving, start.time)
         cable = scene_cable.cable
+        integrator, _ = self.integrator, self.scheme = method
         self.scene_cable = scene_cable
         self.indices = scene_cable.indices
         self.reference = cable.reference.ravel()
@@ -99,7 +107,6 @@ class CableRun(PacedRun):
         require_consistent(scene_cable, violations[0], start.tolerance)
         if not math.isfinite(violations[1].size):  # whatever is a number can be projected
             require_consistent(scene_cable, violations[1], start.tolerance)
-        self.integrator, self.scheme = integrator, scheme
         self._tracker = FrequencyTracker(self.system, cable.reference.shape)
         self._looked_after = 0  # steps, at the stability limit
         self._largest_share = 0.0  # of the stability limit, that the step has been

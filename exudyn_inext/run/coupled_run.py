@@ -36,12 +36,12 @@ class CoupledRun(PacedRun):
     """All of a scene, see `time_loop.Run`.
 
     Args:
-        scene: all of it.   cable_runs: of its cables.   scheme: of the integrator.   start: as of a cable.
+        scene: all of it.   cable_runs: of its cables.   method: integrator and scheme.
+        start: as of a cable.
         why: what it contains, for messages.
     end_of_step: of the time loop [s], at which violated joints shall be fulfilled, for a run that takes over
         from another one; None: they are violated by at most the tolerance.
     cables: models of the inextensible cables.   start_corrections: one for each of them, and for joints.
-    friction: whether that of cables on circles obeys Coulomb's law.
     """
 
     lenience = LENIENCE
@@ -50,8 +50,7 @@ class CoupledRun(PacedRun):
         self,
         scene: JoinedScene,
         cable_runs: Sequence[CableRun],
-        integrator: Integrator,
-        scheme: Any,
+        method: tuple[Integrator, Any],
         start: Start,
         why: str,
         end_of_step: float | None = None,
@@ -59,7 +58,7 @@ class CoupledRun(PacedRun):
         self._scene = scene
         self._runs = cable_runs
         self._why = why
-        self.integrator, self.scheme = integrator, scheme
+        integrator, scheme = self.integrator, self.scheme = method
         self._time = start.time
         self.indices, self.reference = scene.map.indices, scene.map.reference
         self.state: Any = integrator.allocate(scene.size, 1)
@@ -76,9 +75,8 @@ class CoupledRun(PacedRun):
         self._unsolvable = ""  # what was said of joints that could not be solved for
         self._output = np.zeros((1, 3, scene.size))
         self.watch = CoupledWatch(scene, cable_runs, self.state, integrator, scheme, start.energy_tolerance)
-        self.friction = scene.friction
-        if self.friction.is_needed:
-            self.watch.after_each_step.append(self.friction.look)
+        if scene.friction.is_needed:
+            self.watch.after_each_step.append(scene.friction.look)
 
     def _project(self, start: Start) -> None:
         """Onto all constraints: impulses at the start meet the mass as it is, without scaling."""
@@ -240,7 +238,7 @@ class CoupledRun(PacedRun):
             "cables": cables,
             "watch": self.watch.memory(),
             "control": self.control.memory(),
-            "friction": self.friction.sums,
+            "friction": self._scene.friction.sums,
         }
 
     def resume(self, time: float) -> None:
@@ -347,6 +345,11 @@ class CoupledRun(PacedRun):
         finally:
             surroundings.path, surroundings.settles = None, False
         watch.count(len(times))
+
+    @property
+    def finding(self) -> str:  # type: ignore[override]
+        """Whether friction contradicted Coulomb's law."""
+        return self._scene.friction.finding
 
     @property
     def _place(self) -> str:

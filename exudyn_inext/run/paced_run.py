@@ -19,6 +19,7 @@ class PacedRun:
     trouble: what the integrator said of the last steps that went wrong.
     looks_ahead: whether several steps of the time loop can be computed at once.
     elsewhere: what of the state lies in no array of the run.
+    finding: what the user is to be told at the end, besides the energy.
     """
 
     integrator: Integrator
@@ -29,6 +30,7 @@ class PacedRun:
     looks_ahead = False
     gave_up = False
     trouble = ""
+    finding = ""
     elsewhere: Elsewhere | None = None
 
     @property

@@ -24,6 +24,9 @@ class Run(Protocol):
     looks_ahead: bool
 
     @property
+    def finding(self) -> str: ...
+
+    @property
     def reason(self) -> str: ...
 
     @property

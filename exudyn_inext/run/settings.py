@@ -8,6 +8,7 @@ from typing import Any
 from ..checks import require_flag, require_not_negative, require_positive
 from ..errors import InputError
 from ..integrators import find_integrator
+from ..integrators.integrator import Integrator
 
 
 def _require_tolerance(name: str, value: Any) -> float:
@@ -102,3 +103,9 @@ class ExplicitSettings:
                 f"massScaling = {self.massScaling!r} with adaptiveStep: the scaled mass belongs to one step "
                 "size, and bending does not bound the step then; leave one of them out."
             )
+
+    @property
+    def method(self) -> tuple[Integrator, Any]:
+        """The integrator, and the parameters of its scheme: those given, or its defaults."""
+        integrator = find_integrator(self.integrator)
+        return integrator, integrator.checked(self.scheme or integrator.scheme())

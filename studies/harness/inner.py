@@ -25,15 +25,15 @@ from exudyn_inext.exudyn_binding.scene_runs import runs_of_scene
 from exudyn_inext.integrators import find_integrator
 from exudyn_inext.integrators.integrator import Integrator, LoadHistory, advance, no_loads, record
 from exudyn_inext.integrators.linear_stability import GROWTH_TOLERANCE, decay_limit, frequency_limit
-from exudyn_inext.integrators.step_size import choose_step, rule_step
 from exudyn_inext.loads.gravity import gravity_force
 from exudyn_inext.lowered import local_array
 from exudyn_inext.native.surroundings import switched_off
 from exudyn_inext.run.cable_loads import CableLoads
 from exudyn_inext.run.consistent_start import settle
 from exudyn_inext.run.coupled_watch import STEPS_BETWEEN
-from exudyn_inext.run.step_bounds import scheme_of, step_bounds, wanted_step
+from exudyn_inext.run.step_choice import step_bounds
 from exudyn_inext.run.step_control import Piece
+from exudyn_inext.run.step_size import largest_step, rule_step
 from exudyn_inext.run.time_grid import TimeGrid
 from exudyn_inext.run.watch import record_watched
 from exudyn_inext.statics import Potential, StaticOptions, find_equilibrium

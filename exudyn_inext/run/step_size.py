@@ -63,7 +63,7 @@ def rule_step(element_length: float, density: float, stiffness: float, constant:
     return constant * element_length**2 / FREE_FREE_ALPHA**2 * math.sqrt(density / stiffness)
 
 
-def choose_step(bounds: StepSizeBounds, safety: float | None = None) -> tuple[float, str]:
+def largest_step(bounds: StepSizeBounds, safety: float | None = None) -> tuple[float, str]:
     """The largest step within the rule and, with a safety, all stability bounds; and what decided.
 
     Args:

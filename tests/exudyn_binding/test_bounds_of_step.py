@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_inext.errors import StepSizeError
-from exudyn_inext.integrators.step_size import StepSizeBounds, choose_step, rule_step, step_above_limit
+from exudyn_inext.run.step_size import StepSizeBounds, largest_step, rule_step, step_above_limit
 
 pytestmark = pytest.mark.kernel
 
@@ -40,7 +40,7 @@ def bounds(bending=3.0, stabilisation=3.0, rule=3.0, **others):
     ],
 )
 def test_smallest_bound_decides_and_is_named(given, expected):
-    h, decided_by = choose_step(given, safety=0.9)
+    h, decided_by = largest_step(given, safety=0.9)
     assert (h, decided_by) == (pytest.approx(expected[0]), expected[1])
 
 
