@@ -10,8 +10,7 @@ from ..run.cable_run import CableRun, Start
 from ..run.coupled_run import CoupledRun
 from ..run.run import Run
 from ..run.settings import ExplicitSettings
-from ..run.step_choice import step_bounds
-from ..run.step_size import USUAL_SCALING, StepSizeBounds
+from ..run.step_choice import USUAL_SCALING, StepSizeBounds, step_bounds
 from ..scene.model import CableInScene, Scene
 from .scene import initial_states
 

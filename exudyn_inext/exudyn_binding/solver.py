@@ -16,7 +16,6 @@ from ..run.resumed_outputs import ResumedOutputs
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import (
     choose_step,
-    follow_frequencies,
     warn_of_damping,
 )
 from ..run.time_grid import TimeGrid
@@ -146,7 +145,6 @@ def SolveExplicit(
             warn_of_damping(choice, duration)
             grid = restarts.grid(given or time_grid(mbs, settings, choice.h))
             builder.take_step(explicit, grid.h)
-            follow_frequencies(runs, bounds, explicit)
             observed = observed_derivatives(settings, sensors)
             limit = StepLimit(grid.h, bounds.stability_limit, explicit)
             restore_limit(restarts.changes, limit)

@@ -7,7 +7,7 @@ from typing import Any
 import exudyn
 import numpy as np
 from exudyn.exudynCPP import ObjectIndex
-from scipy.sparse import coo_array
+from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components
 
 from ..arrays import Array
@@ -32,6 +32,7 @@ class Body:
     """An object with mass.
 
     number: of the object.   coordinates: (k,) places in the system vector.
+    initial_mass: (k, k) when it was read.
     has_constant_mass: whether its mass does not depend on the configuration.
     tells_mass: whether Exudyn gives the mass matrix of this object alone.
     """
@@ -40,6 +41,7 @@ class Body:
     coordinates: np.ndarray
     has_constant_mass: bool
     tells_mass: bool
+    initial_mass: Array
 
     def mass(self, mbs: Any) -> Array:
         """(k, k) in the current configuration."""
@@ -57,13 +59,31 @@ class Quaternion:
     reference: Array
 
 
-def system_mass(mbs: Any, solver: Any) -> Array:
-    """(n, n) mass matrix of all items in the current configuration."""
-    solver.ComputeMassMatrix(mbs)
-    return np.asarray(solver.GetSystemMassMatrix())
+class SystemMass:
+    """The (n, n) mass matrix of all items, which Exudyn gives dense: for those that do not tell theirs.
+
+    Args:
+        mbs: assembled.   solver: of Exudyn, that evaluates it.
+    """
+
+    def __init__(self, mbs: Any, solver: Any) -> None:
+        self._mbs, self._solver = mbs, solver
+        self._known: Array | None = None
+
+    def forget(self) -> None:
+        """The configuration is another one."""
+        self._known = None
+
+    def part(self, places: np.ndarray) -> Array:
+        """(..., k, k) in the current configuration.   places: (..., k)."""
+        if self._known is None:
+            self._solver.ComputeMassMatrix(self._mbs)
+            self._known = np.asarray(self._solver.GetSystemMassMatrix())
+        part: Array = self._known[places[..., :, None], places[..., None, :]]
+        return part
 
 
-def _mass_of_object(mbs: Any, number: int, coordinates: np.ndarray, total: Array) -> tuple[Array, bool]:
+def _mass_of_object(mbs: Any, number: int, coordinates: np.ndarray, total: SystemMass) -> tuple[Array, bool]:
     """Mass matrix of an object (empty if it has none), and whether it is given for this object alone."""
     index = ObjectIndex(number)
     if _MASS not in mbs.ComputeItem(index):
@@ -71,15 +91,15 @@ def _mass_of_object(mbs: Any, number: int, coordinates: np.ndarray, total: Array
     try:
         return np.asarray(mbs.ComputeItem(index, _MASS)), True
     except exudyn.InternalError:  # stored as sparse matrix, or not at all
-        return total[np.ix_(coordinates, coordinates)], False
+        return total.part(coordinates), False
 
 
-def read_bodies(mbs: Any, cables: Sequence[int], on_cables: np.ndarray, total: Array) -> list[Body]:
+def read_bodies(mbs: Any, cables: Sequence[int], on_cables: np.ndarray, total: SystemMass) -> list[Body]:
     """All objects with mass but the inextensible cables.
 
     Args:
         mbs: assembled.   cables: object numbers.   on_cables: system coordinates of the cables.
-        total: (n, n) mass matrix of all items.
+        total: mass of all items.
 
     Raises:
         SceneError: an object with mass on nodes of an inextensible cable.
@@ -98,7 +118,7 @@ def read_bodies(mbs: Any, cables: Sequence[int], on_cables: np.ndarray, total: A
                 f"{described(data, number)} has mass and lies on nodes of an inextensible cable: give it no "
                 "mass (a companion for markers and contact), or its own nodes and a joint."
             )
-        bodies.append(Body(number, coordinates, _has_constant_mass(data), tells_mass))
+        bodies.append(Body(number, coordinates, _has_constant_mass(data), tells_mass, mass))
     return bodies
 
 
@@ -151,10 +171,21 @@ def _groups(bodies: Sequence[Body]) -> list[list[Body]]:
     return [[bodies[k] for k in np.flatnonzero(labels == label).tolist()] for label in range(count)]
 
 
+def _assembled(bodies: Sequence[Body], size: int) -> csr_array:
+    """(size, size) masses of the bodies when they were read."""
+    rows = [np.repeat(body.coordinates, len(body.coordinates)) for body in bodies]
+    columns = [np.tile(body.coordinates, len(body.coordinates)) for body in bodies]
+    values = [body.initial_mass.ravel() for body in bodies]
+    none = np.zeros(0, int)
+    entries = np.concatenate([none, *values]), tuple(np.concatenate([none, *p]) for p in (rows, columns))
+    return csr_array(coo_array(entries, shape=(size, size)))
+
+
 class BodyMasses:
     """Mass of the bodies: constant blocks are inverted once, the others at each configuration.
 
     Args:
+        total: mass of all items.
         holdable: places of held coordinates; where the mass is constant, they are left out.
 
     coordinates: (n,) places of the bodies' other coordinates in the system vector.   system: M a = F.
@@ -164,27 +195,27 @@ class BodyMasses:
     def __init__(
         self,
         mbs: Any,
-        solver: Any,
         bodies: Sequence[Body],
         quaternions: Sequence[Quaternion],
         zeta: float,
+        total: SystemMass,
         holdable: Collection[int] = (),
     ) -> None:
-        total = system_mass(mbs, solver)
         self._mbs = mbs
-        self._solver = solver
+        self._total = total
         groups = _groups(bodies)
         constant = [group for group in groups if all(body.has_constant_mass for body in group)]
         variable = [group for group in groups if not all(body.has_constant_mass for body in group)]
         of_constant = _coordinates_of([body for group in constant for body in group])
         self.held = np.intersect1d(of_constant, np.array(sorted(holdable), dtype=int))
         self.coordinates = np.setdiff1d(_coordinates_of(bodies), self.held)
-        self.held_mass = total[np.ix_(self.held, self.held)]
-        self.coupling = total[np.ix_(self.held, self.coordinates)]
+        initial = _assembled(bodies, mbs.systemData.ODE2Size())
+        self.held_mass = initial[np.ix_(self.held, self.held)].toarray()
+        self.coupling = initial[np.ix_(self.held, self.coordinates)].toarray()
         self._needs_total = not all(body.tells_mass for group in variable for body in group)
         sizes = sorted({len(self._dofs_of(group)) for group in variable})
         self._stacks = [self._stack(size, variable, quaternions) for size in sizes]
-        blocks = [MassBlock(dofs, self._part_of(total, dofs)) for dofs in map(self._dofs_of, constant)]
+        blocks = [MassBlock(dofs, self._part_of(initial, dofs)) for dofs in map(self._dofs_of, constant)]
         variables = [stack.blocks for stack in self._stacks]
         self.system = BodiesSystem(len(self.coordinates), blocks, variables, zeta)
 
@@ -194,9 +225,12 @@ class BodyMasses:
 
     def update(self, q: Array) -> None:
         """Masses of the current configuration of mbs, which is q (n,)."""
-        total = system_mass(self._mbs, self._solver) if self._needs_total else None
+        self._total.forget()
         for number, stack in enumerate(self._stacks):
-            masses = self._masses(stack) if total is None else self._part_of(total, stack.blocks.dofs)
+            if self._needs_total:
+                masses = self._total.part(self.coordinates[stack.blocks.dofs])
+            else:
+                masses = self._masses(stack)
             self.system.set_masses(number, masses, q)
 
     def _local(self, coordinates: np.ndarray) -> np.ndarray:
@@ -236,8 +270,8 @@ class BodyMasses:
                 mass[places] += body.mass(self._mbs)
         return masses
 
-    def _part_of(self, total: Array, dofs: np.ndarray) -> Array:
-        """(..., k, k) blocks of the whole mass matrix.   dofs: (..., k)."""
+    def _part_of(self, total: csr_array, dofs: np.ndarray) -> Array:
+        """(k, k) block of a mass matrix of all items.   dofs: (k,)."""
         places = self.coordinates[dofs]
-        part: Array = total[places[..., :, None], places[..., None, :]]
+        part: Array = total[np.ix_(places, places)].toarray()
         return part

@@ -15,7 +15,7 @@ from ..scene.bodies import BodiesSystem, MassBlock
 from ..scene.coupled_system import CoupledSystem, Part
 from ..scene.model import HeldCoordinate
 from ..system import index_reduced_rates
-from .bodies import BodyMasses, read_bodies, read_quaternions, system_mass
+from .bodies import BodyMasses, SystemMass, read_bodies, read_quaternions
 from .contact_rates import open_contacts
 from .coordinates import CoordinateMap, PartCoordinates
 from .friction_check import FrictionCheck
@@ -72,10 +72,11 @@ class CoupledScene:
         self._own_constraints, self._held = own_constraints, held
         solver = evaluator(mbs)
         on_cables = np.concatenate([np.zeros(0, int), *(cable.indices for cable in cables)])
-        bodies = read_bodies(mbs, [cable.number for cable in cables], on_cables, system_mass(mbs, solver))
+        total = SystemMass(mbs, solver)
+        bodies = read_bodies(mbs, [cable.number for cable in cables], on_cables, total)
         quaternions = read_quaternions(mbs)
         by_place = holders(mbs, held)
-        self._masses = masses = BodyMasses(mbs, solver, bodies, quaternions, zeta, by_place)
+        self._masses = masses = BodyMasses(mbs, bodies, quaternions, zeta, total, by_place)
         self.held = HeldCoordinates(mbs, masses, [by_place[place] for place in masses.held.tolist()])
         places = [PartCoordinates(cable.indices, cable.reference) for cable in cables]
         places.append(PartCoordinates(masses.coordinates, np.zeros(len(masses.coordinates))))

@@ -1,41 +1,73 @@
 """The step of a run: given, or as long as accuracy and stability allow.
 
-A run that is given none takes implicit bending where that decides. A transverse wave of the speed c, which
-the tension gives it, takes 20 steps to pass an element: the error in time is then near that of the mesh. c^2
-is the tension over rho_A that weight, loads and inertia can cause at most, and twice the energy by mass that
-the motion starts with. The first vibration of the bent cable is resolved in any case. How fast the motion
-really is, the watch finds out, see `watch`.
+A run that is given none takes implicit bending where that decides.
 """
 
 import math
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
-import numpy as np
-
-from ..arrays import Array
-from ..cable.assembly import elastic_energy
 from ..cable.cable import Cable
-from ..errors import InputError, SceneError
+from ..errors import InputError, SceneError, StepSizeError
 from ..integrators.linear_stability import decay_limit, frequency_limit
+from .accurate_step import accurate_step
 from .cable_run import CableRun
 from .coupled_run import CoupledRun
 from .run import Run
 from .settings import ExplicitSettings
 from .step_control import StepRule
-from .step_size import StepSizeBounds, largest_step, rule_step, step_above_limit
 
 SAFETY_ALONE, SAFETY_AMONG_BODIES = 0.95, 0.7  # share of the limit at the start that is used
-STEPS_BY_ELEMENT = 20.0  # while a wave passes it
-BY_DRAG = 0.02  # step times the rate at which drag slows a cable down
-FIRST_VIBRATION = 0.085  # step over L^2 sqrt(rho_A / EI): 0.3 / 3.52, h w of a cantilever's first one
 THETA = 0.3  # share of bending that is implicit: 1/4 leaves no margin for the tension
 PHASE = 0.003  # error of the motion at the end of a run [rad]
 MOST_DURATION = 100.0  # of a run, for that [s]
 MUCH = 10.0  # times that damping may shorten the step without a word
 MOST_TRIALS, NEARLY = 6, 0.98  # of a step that the bounds for its own scaled mass allow
+
+
+USUAL_SCALING = 0.3  # massScaling that is advised
+_CLOSE = 0.95  # share of a bound below which another one decides clearly
+FREE_FREE_ALPHA = 1.5 * math.pi  # alpha of Eq. (37)
+
+
+@dataclass(frozen=True)
+class StepSizeBounds:
+    """Upper bounds of the step [s] and what they follow from.
+
+    bending: h w_max at the scheme's limit, w_max the largest frequency of the discretised cable.
+    stabilisation: h zeta at the scheme's limit.
+    rule: Eq. (37) with the constant C.
+    largest_frequency: w_max [rad/s].
+    cable: name of the cable that decides the first bound.
+    contact: as `bending`, if all contacts that are open at the start close at once.
+    accuracy: step that resolves the motion as well as the mesh does, for the automatic step alone.
+    safety: share of the stability limit that leaves a margin for what the motion changes [-].
+    undamped: `bending` without damping, which lowers it.   damping: largest d [1/s] of v' = -d v.
+    touching: which contacts decide the bound `contact`, and why.   softer: which of their parameters do.
+    is_cable: whether bending of a cable decides, so that fewer elements raise the bound.
+    is_scaled: whether bending is implicit, so that the rule does not count.
+    """
+
+    bending: float
+    stabilisation: float
+    rule: float
+    largest_frequency: float
+    cable: str
+    contact: float = math.inf
+    accuracy: float = math.inf
+    safety: float = 0.95
+    undamped: float = math.inf
+    damping: float = 0.0
+    touching: str = ""
+    softer: str = ""
+    is_cable: bool = True
+    is_scaled: bool = False
+
+    @property
+    def stability_limit(self) -> float:
+        """Largest step at which the linearised run does not grow, contacts open or closed [s]."""
+        return min(self.bending, self.stabilisation, self.contact)
 
 
 @dataclass(frozen=True)
@@ -85,6 +117,7 @@ def choose_step(
         StepSizeError: the given step is above the stability limit.
     """
     bounds, explicit = _bounds_and_scaling(runs, start, duration, explicit)
+    follow_frequencies(runs, bounds, explicit)
     if explicit.stepSize is None:
         return StepChoice(bounds, explicit, *largest_step(bounds, explicit.stepSafety))
     if is_told:
@@ -137,38 +170,6 @@ def _mass_scaling(cables: Sequence[CableRun], step: float, explicit: ExplicitSet
         return explicit.massScaling or 0.0
     decides = any(step > rule_of_cable(cable.scene_cable.cable, 1.0) for cable in cables)
     return THETA if decides and math.isfinite(step) else 0.0
-
-
-def accurate_step(run: CableRun, time: float) -> float:
-    """Largest step that resolves the motion of a cable in time as well as its mesh does in space [s]."""
-    cable = run.scene_cable.cable
-    with np.errstate(over="ignore"):
-        speed = _wave_speed(run, time)
-    of_waves = float(cable.element_lengths.min()) / (STEPS_BY_ELEMENT * speed) if speed > 0.0 else math.inf
-    section = cable.section
-    bends = math.sqrt(section.mass_per_length / section.bending_stiffness) * cable.length**2
-    of_drag = BY_DRAG / run.drag_rate if run.drag_rate > 0.0 else math.inf
-    return min(of_waves, FIRST_VIBRATION * bends, of_drag)
-
-
-def _wave_speed(run: CableRun, time: float) -> float:
-    """c [m/s], see above."""
-    cable = run.scene_cable.cable
-    shape = cable.reference.shape
-    inputs = run.loads.at(time)
-    forces = np.linalg.norm(inputs[: run.state.q.size].reshape(shape)[:, 0], axis=1)
-    density, v = cable.section.mass_per_length, run.state.v.reshape(shape)[:, 0]
-    energy = max(0.0, float(elastic_energy(run.system.chain, run.state.q.reshape(shape))))
-    squared = float(forces.sum()) / density + float((v * v).sum(axis=1).max())
-    squared += 2.0 * energy / (density * cable.length) + _of_motions(inputs[run.state.q.size :], cable)
-    return math.sqrt(squared)
-
-
-def _of_motions(inputs: Array, cable: Any) -> float:
-    """Speeds squared of supports that move, and what their accelerations may do to the tension [m^2/s^2]."""
-    motions = inputs.reshape(-1, 3, cable.dimension)
-    speeds, accelerations = np.linalg.norm(motions[:, 1:], axis=2).T
-    return float((speeds**2 + accelerations * cable.length).sum())
 
 
 def step_bounds(
@@ -289,3 +290,82 @@ def warn_of_damping(choice: StepChoice, duration: float) -> None:
             "integrator='RATTLE'.",
             stacklevel=3,
         )
+
+
+def rule_step(element_length: float, density: float, stiffness: float, constant: float) -> float:
+    """h = C l^2 / alpha^2 sqrt(rho_A / EI), Eqs. (35)-(37) with the root as it must be.
+
+    Args:
+        element_length: l [m].   density: rho_A [kg/m].   stiffness: EI [N m^2].
+        constant: C [-]; the paper uses 0.7 to 0.9.
+
+    Returns:
+        h [s].
+    """
+    return constant * element_length**2 / FREE_FREE_ALPHA**2 * math.sqrt(density / stiffness)
+
+
+def largest_step(bounds: StepSizeBounds, safety: float | None = None) -> tuple[float, str]:
+    """The largest step within the rule and, with a safety, all stability bounds; and what decided.
+
+    Args:
+        bounds: of the step.   safety: share of the stability bounds [-]; None: that of the bounds.
+    """
+    safety = safety or bounds.safety
+    candidates = {
+        "accuracy": bounds.accuracy,
+        "contact": safety * bounds.contact,
+        "rule (37)": math.inf if bounds.is_scaled else bounds.rule,
+        "bending": safety * bounds.bending,
+        "stabilisation": safety * bounds.stabilisation,
+    }
+    decided_by = min(candidates, key=lambda name: candidates[name])
+    return candidates[decided_by], decided_by
+
+
+def step_above_limit(
+    h: float, bounds: StepSizeBounds, integrator: str, scaled: Callable[[], StepSizeBounds] | None = None
+) -> StepSizeError | None:
+    """The error that a step of size h deserves, or None.
+
+    Args:
+        h: step [s].   bounds: of it.   integrator: name of the scheme.
+        scaled: bounds of the same step with massScaling = 0.3, which is advised if it helps; None: it is
+            set, or there is nothing to scale.
+    """
+    limit = bounds.stability_limit
+    if h <= limit * (1.0 + 1e-9):
+        return None
+    remedies = [f"reduce the step below {_below(limit):.4g} s"]
+    if limit == bounds.stabilisation:
+        cause = "the constraint stabilisation"
+        remedies = ["reduce the step or the stabilizationRate"]
+    elif limit < _CLOSE * bounds.bending:
+        cause = f"what happens when contacts close: {bounds.touching}"
+        remedies += [f"lower their {bounds.softer}"]
+    else:
+        cause, others = _vibration(bounds)
+        remedies += others
+    if scaled is not None and h <= scaled().stability_limit:
+        remedies += [f"set massScaling = {USUAL_SCALING}"]
+    return StepSizeError(
+        f"stepSize = {h:.6g} s is above {limit:.6g} s, the stability limit of '{integrator}' for {cause}: "
+        f"{', or '.join(remedies)}."
+    )
+
+
+def _below(limit: float) -> float:
+    """A little less than the limit, however it is rounded [s]."""
+    return 0.999 * limit
+
+
+def _vibration(bounds: StepSizeBounds) -> tuple[str, list[str]]:
+    """Cause and remedies where vibrations decide, or their damping."""
+    fewer = ["use fewer elements"] if bounds.is_cable else []
+    cause = f"w_max = {bounds.largest_frequency:.6g} rad/s of {bounds.cable}"
+    if not _CLOSE * bounds.undamped > bounds.bending:
+        return cause, fewer
+    lowered = f"{cause} and a damping of {bounds.damping:.4g} 1/s, which lowers it"
+    if math.isfinite(bounds.undamped):
+        lowered += f" from {bounds.undamped:.4g} s"
+    return lowered, ["reduce the damping (of bending, springs, contact or drag)", *fewer]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_inext.errors import StepSizeError
-from exudyn_inext.run.step_size import StepSizeBounds, largest_step, rule_step, step_above_limit
+from exudyn_inext.run.step_choice import StepSizeBounds, largest_step, rule_step, step_above_limit
 
 pytestmark = pytest.mark.kernel
 

@@ -12,8 +12,7 @@ from ...run.cable_run import CableRun
 from ...run.coupled_run import CoupledRun
 from ...run.run import Run
 from ...run.settings import ExplicitSettings
-from ...run.step_choice import follow_frequencies, step_bounds
-from ...run.step_size import StepSizeBounds, step_above_limit
+from ...run.step_choice import StepSizeBounds, follow_frequencies, step_above_limit, step_bounds
 
 GROWTH = 1.1  # of a stiffness or damping since the limit was looked at, that calls for another look
 NOTICEABLE = 0.98  # share of the limit before the change: above it, the motion is to blame

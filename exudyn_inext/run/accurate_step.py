@@ -1,0 +1,52 @@
+"""How long a step may be that resolves the motion of a cable.
+
+A transverse wave of the speed c, which the tension gives it, takes 20 steps to pass an element: the error in
+time is then near that of the mesh. c^2 is the tension over rho_A that weight, loads and inertia can cause at
+most, and twice the energy by mass that the motion starts with. The first vibration of the bent cable is
+resolved in any case. How fast the motion really is, the watch finds out, see `watch`.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..cable.assembly import elastic_energy
+from .cable_run import CableRun
+
+STEPS_BY_ELEMENT = 20.0  # while a wave passes it
+BY_DRAG = 0.02  # step times the rate at which drag slows a cable down
+FIRST_VIBRATION = 0.085  # step over L^2 sqrt(rho_A / EI): 0.3 / 3.52, h w of a cantilever's first one
+
+
+def accurate_step(run: CableRun, time: float) -> float:
+    """Largest step that resolves the motion of a cable in time as well as its mesh does in space [s]."""
+    cable = run.scene_cable.cable
+    with np.errstate(over="ignore"):
+        speed = _wave_speed(run, time)
+    of_waves = float(cable.element_lengths.min()) / (STEPS_BY_ELEMENT * speed) if speed > 0.0 else math.inf
+    section = cable.section
+    bends = math.sqrt(section.mass_per_length / section.bending_stiffness) * cable.length**2
+    of_drag = BY_DRAG / run.drag_rate if run.drag_rate > 0.0 else math.inf
+    return min(of_waves, FIRST_VIBRATION * bends, of_drag)
+
+
+def _wave_speed(run: CableRun, time: float) -> float:
+    """c [m/s], see above."""
+    cable = run.scene_cable.cable
+    shape = cable.reference.shape
+    inputs = run.loads.at(time)
+    forces = np.linalg.norm(inputs[: run.state.q.size].reshape(shape)[:, 0], axis=1)
+    density, v = cable.section.mass_per_length, run.state.v.reshape(shape)[:, 0]
+    energy = max(0.0, float(elastic_energy(run.system.chain, run.state.q.reshape(shape))))
+    squared = float(forces.sum()) / density + float((v * v).sum(axis=1).max())
+    squared += 2.0 * energy / (density * cable.length) + _of_motions(inputs[run.state.q.size :], cable)
+    return math.sqrt(squared)
+
+
+def _of_motions(inputs: Array, cable: Any) -> float:
+    """Speeds squared of supports that move, and what their accelerations may do to the tension [m^2/s^2]."""
+    motions = inputs.reshape(-1, 3, cable.dimension)
+    speeds, accelerations = np.linalg.norm(motions[:, 1:], axis=2).T
+    return float((speeds**2 + accelerations * cable.length).sum())
