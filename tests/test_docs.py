@@ -15,7 +15,7 @@ from exudyn_inext import CreateInextensibleCable
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-INNER = ("element", "chain", "constraints", "loads", "integrators", "statics", "coupling", "adviser")
+INNER = ("element", "cable", "constraints", "loads", "integrators", "scene", "run", "statics", "advice")
 DOCUMENTS = [
     ROOT / "README.md",
     ROOT / "CHANGELOG.md",
@@ -42,7 +42,8 @@ def resolves(name):
 def test_every_function_that_the_method_names_exists():
     text = (ROOT / "docs" / "method.md").read_text()
     names = re.findall(
-        r"`((?:element|chain|constraints|coupling|loads|integrators|statics|exudyn_binding)\.[\w.]+)`", text
+        r"`((?:element|cable|constraints|scene|loads|integrators|run|statics|items|native|exudyn_binding)\.[\w.]+)`",
+        text,
     )
     assert len(names) > 40
     assert [name for name in names if not resolves(name)] == []
@@ -56,8 +57,8 @@ def test_no_link_leads_nowhere(document):
 
 
 def test_a_name_that_does_not_exist_is_noticed():
-    assert resolves("chain.factorisation.factorise")
-    assert not resolves("chain.factorisation.factorize") and not resolves("chains.border")
+    assert resolves("cable.factorisation.factorise")
+    assert not resolves("cable.factorisation.factorize") and not resolves("cables.border")
 
 
 def test_the_reference_has_all_that_the_package_offers():

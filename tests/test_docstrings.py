@@ -13,13 +13,16 @@ from docs.extensions.docstrings import items, sections
 
 FOLDERS = (
     "element",
-    "chain",
+    "cable",
     "constraints",
     "loads",
     "integrators",
     "statics",
-    "coupling",
-    "adviser",
+    "scene",
+    "run",
+    "items",
+    "native",
+    "advice",
     "exudyn_binding",
 )
 

@@ -64,7 +64,7 @@ def test_the_diagram_has_every_import_between_folders_that_is_in_the_source():
     diagram = pytest.importorskip("docs.extensions.import_diagram")
     found = diagram.direct_imports()
     package = Path(exudyn_inext.__file__).parent
-    for folder in ("element", "chain", "integrators", "coupling"):
+    for folder in ("element", "cable", "integrators", "scene"):
         assert found[folder] == imported_by(package / folder)
 
 
