@@ -115,7 +115,8 @@ def set_violations(axes, nodes, elements, q, set_targets, parameter):
         value = 0.5 * contract(axes, e, gradient) - element.reference_length
         element.constraint[VALUE] = value
         set_targets(parameter, element)
-        of_group += value / element.reference_length
+        if element.reference_length > 0.0:  # not between two cables
+            of_group += value / element.reference_length
         if nodes[k + 1].ends_group:
             worst = max(worst, abs(of_group))
             of_group = 0.0

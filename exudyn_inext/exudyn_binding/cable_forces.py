@@ -85,6 +85,7 @@ class CableEvaluator:
         with switched_off(mbs, *self._scene.evaluated_by_kernels), state_kept(mbs):
             coupled = self._coupled = self._coupled or self._coupled_scene(mbs)
             coupled.surroundings.forget()
+            self._system = coupled.cable_systems[self._place]
             q, v = coupled.state()
             a = coupled.solve_cable(self._place, mbs.systemData.GetTime(), q, v)
         dofs = coupled.map.slices[self._place]

@@ -1,6 +1,6 @@
 """Cables, bodies and joints of an mbs as one coupled system."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -8,6 +8,7 @@ import exudyn
 import numpy as np
 
 from ..arrays import Array
+from ..cable.many_cables import Systems, in_few_chains
 from ..errors import SceneError
 from ..run.cable_loads import CableLoads
 from ..run.joined_scene import OpenContacts
@@ -46,6 +47,7 @@ class CoupledScene:
 
     system: all of it.   map: its coordinates in the mbs.   surroundings: forces and joints.
     joints: native constraints that couple the parts.   held: coordinates that belong to no part.
+    cable_systems: of the cables, in memory that they share.
     """
 
     def __init__(
@@ -82,14 +84,17 @@ class CoupledScene:
         places.append(PartCoordinates(masses.coordinates, np.zeros(len(masses.coordinates))))
         self.map = CoordinateMap(mbs.systemData.ODE2Size(), places)
         _require_mass(mbs, np.setdiff1d(self.map.missing(), masses.held))
-        systems = [*(cable.system for cable in cables), masses.system]
-        parts = [Part(system, dofs) for system, dofs in zip(systems, self.map.slices, strict=True)]
-        parts += self._first_order_states()
+        groups = in_few_chains([cable.system for cable in cables])
+        self.cable_systems = [system for _, alike in groups for system in alike]
+        others = [Part(masses.system, self.map.slices[-1]), *self._first_order_states()]
+        of_cables = zip(self.cable_systems, self.map.slices, strict=False)
+        parts = [*(Part(system, dofs) for system, dofs in of_cables), *others]
+        wholes = [*_wholes(groups, self.map.slices), *others]
         self.joints = read_joints(mbs, own_constraints.union(self.held.numbers))
         rows = JointRows(self.joints, quaternions, parts, self.map)
         loads = [cable.loads for cable in cables]
-        self.surroundings = NativeSurroundings(mbs, solver, parts, self.map, loads, masses, rows, self.held)
-        self.system = CoupledSystem(parts, self.surroundings, zeta)
+        self.surroundings = NativeSurroundings(mbs, solver, wholes, self.map, loads, masses, rows, self.held)
+        self.system = CoupledSystem(parts, self.surroundings, zeta, wholes)
 
     def take_hold(self, v: Array, tolerance: float) -> None:
         """Stop the held coordinates at the start; see `HeldCoordinates`.   v: (n,) of all parts, in place."""
@@ -198,6 +203,14 @@ class CoupledScene:
         force[:size] -= self.system.solve.joint_force(self.system.multipliers, dofs)
         index_reduced_rates(part, force, q[dofs], v[dofs], a, rate)
         return a
+
+
+def _wholes(groups: Sequence[Systems], slices: Sequence[slice]) -> Iterator[Part]:
+    """Cables that are evaluated at once.   slices: of the cables."""
+    done = 0
+    for whole, alike in groups:
+        yield Part(whole, slice(slices[done].start, slices[done + len(alike) - 1].stop))
+        done += len(alike)
 
 
 def _require_mass(mbs: Any, missing: np.ndarray) -> None:

@@ -39,8 +39,8 @@ class JointRows:
         ends = np.cumsum([0, *(len(joint.rows) for joint in joints)])
         rows = [np.arange(a, b) for a, b in pairwise(ends)]
         places = [coordinates.places(joint.coordinates) for joint in joints]
-        of_parts = {number: _block(part, number, rows, places) for number, part in enumerate(parts)}
-        self.blocks = [block for block in of_parts.values() if len(block.rows)]
+        of_parts = _blocks(parts, rows, places)
+        self.blocks = list(of_parts.values())
         self._targets = [
             [
                 (of_parts[part], np.ix_(np.searchsorted(of_parts[part].rows, own), at), columns)
@@ -107,10 +107,17 @@ class JointRows:
         return JointTerms(value, drift, gamma)
 
 
-def _block(part: Part, number: int, rows: Sequence[np.ndarray], places: Sequence[Any]) -> JointBlock:
-    """Rows of the joints that meet part `number`; places: of each joint, see `CoordinateMap.places`."""
-    own = [r for r, met in zip(rows, places, strict=True) if any(place[0] == number for place in met)]
-    return JointBlock(part.system, part.dofs, np.concatenate([np.zeros(0, int), *own]))
+def _blocks(
+    parts: Sequence[Part], rows: Sequence[np.ndarray], places: Sequence[Any]
+) -> dict[int, JointBlock]:
+    """Rows of the joints by the parts that they meet; places: of each joint, see `CoordinateMap.places`."""
+    of_parts: dict[int, list[np.ndarray]] = {}
+    for own, met in zip(rows, places, strict=True):
+        for place in met:
+            of_parts.setdefault(place[0], []).append(own)
+    return {
+        number: JointBlock(*parts[number], np.concatenate(of_parts[number])) for number in sorted(of_parts)
+    }
 
 
 @kernel

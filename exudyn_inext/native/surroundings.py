@@ -68,7 +68,7 @@ class NativeSurroundings:
         self,
         mbs: Any,
         solver: Any,
-        parts: Sequence[Part],
+        wholes: Sequence[Part],
         coordinates: CoordinateMap,
         loads: Sequence[CableLoads],
         masses: BodyMasses,
@@ -82,14 +82,16 @@ class NativeSurroundings:
         self._solver = solver
         self._settings = exudyn.SimulationSettings()
         self._coordinates = coordinates
-        self._dofs = [part.dofs for part in parts]
         self._loads = loads
+        self._cables = list(coordinates.slices[: len(loads)])
+        self._dofs = [part.dofs for part in wholes]
+        self._of_wholes = [_those_within(part.dofs, self._cables) for part in wholes]
         self._masses = masses
         self._rows = rows
         self._held = held
         self._forces_on_held = np.zeros(len(held.rows))
         self._sizes = self._data.ODE2Size(), self._data.ODE1Size()
-        self._bodies = self._dofs[len(loads)]
+        self._bodies = coordinates.slices[len(loads)]
         self._remembers = bool(self._data.DataSize() or mbs.NumberOfGeneralContacts())
         self.native_forces = np.zeros(len(coordinates.indices))
         self._has_histories = any(of_cable.has_histories for of_cable in loads)
@@ -121,9 +123,10 @@ class NativeSurroundings:
             gather(residual, self._coordinates.of_forces, forces)
         else:
             gather_and_follow(path, q, residual, self._coordinates.of_forces, forces)
-        result = [loads.at(t).copy() for loads in self._loads]
+        given = [loads.at(t) for loads in self._loads]
         if self._has_histories:
-            self._add_histories(q, result, path)
+            self._add_histories(q, given, path)
+        result = [_joined(given[which]) for which in self._of_wholes if which.stop > which.start]
         for force, dofs in zip(result, self._dofs, strict=False):
             force[: dofs.stop - dofs.start] += forces[dofs]
         self._masses.update(q[self._bodies])
@@ -135,7 +138,7 @@ class NativeSurroundings:
     def _add_histories(self, q: Array, given: Sequence[Array], path: Array | None) -> None:
         """Set the forces that vary, and count their work.   given: of each cable's own loads, at present."""
         self.varying_forces[:] = self.native_forces
-        for force, loads, dofs in zip(given, self._loads, self._dofs, strict=False):
+        for force, loads, dofs in zip(given, self._loads, self._cables, strict=True):
             self.varying_forces[dofs] += (force - loads.constant)[: dofs.stop - dofs.start]
         if path is not None:
             follow(path, q, self.varying_forces)
@@ -143,7 +146,8 @@ class NativeSurroundings:
     def motions(self, t: float) -> Sequence[Array]:
         """Of the cables' own constraints; bodies and first order states have none."""
         nothing = np.zeros(0)
-        return [loads.at(t) for loads in self._loads] + [nothing] * (len(self._dofs) - len(self._loads))
+        alone = [which.start if which.stop - which.start == 1 else None for which in self._of_wholes]
+        return [nothing if cable is None else self._loads[cable].at(t) for cable in alone]
 
     def begin_approach(self, t: float, end: float, q: Array, tolerance: float) -> None:
         """Let joints that are violated by more than the tolerance at (t, q) be fulfilled at `end` [s]."""
@@ -224,6 +228,17 @@ class NativeSurroundings:
         self._data.SetODE2Coordinates_t(self._coordinates.rates(v[:number]))
         if self._sizes[1]:
             self._data.SetODE1Coordinates(v[number:])
+
+
+def _those_within(dofs: slice, cables: Sequence[slice]) -> slice:
+    """Which of the cables lie in a whole, all by their coordinates."""
+    inside = [k for k, own in enumerate(cables) if dofs.start <= own.start < own.stop <= dofs.stop]
+    return slice(inside[0], inside[-1] + 1) if inside else slice(0, 0)
+
+
+def _joined(forces: Sequence[Array]) -> Array:
+    """A copy: of one cable with its motions, of several, which have none, one after the other."""
+    return forces[0].copy() if len(forces) == 1 else np.concatenate(forces)
 
 
 def evaluator(mbs: Any) -> Any:

@@ -136,6 +136,10 @@ class CableRun(PacedRun):
     def name(self) -> str:
         return f"cable '{self.scene_cable.name}'"
 
+    def adopt(self, system: Any) -> None:
+        """The same equations in memory that cables share."""
+        self.system, self._tracker = system, FrequencyTracker(system, self.scene_cable.cable.reference.shape)
+
     def follow_frequency(self, rule: StepRule) -> None:
         """Let the steps follow the present stability limit."""
         self.control = StepControl(FrequencyFollower(rule, self._present_frequency), self._rejects)

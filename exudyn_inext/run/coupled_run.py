@@ -63,7 +63,8 @@ class CoupledRun(PacedRun):
         self.indices, self.reference = scene.map.indices, scene.map.reference
         self.state: Any = integrator.allocate(scene.size, 1)
         self.state.q[:], self.state.v[:] = scene.initial_state
-        for run, dofs in zip(cable_runs, scene.map.slices, strict=False):
+        for run, dofs, system in zip(cable_runs, scene.map.slices, scene.cable_systems, strict=False):
+            run.adopt(system)
             self.state.q[dofs], self.state.v[dofs] = run.state.q, run.state.v
         scene.require_finite(self.state.v)
         self.start_correction = StartCorrection()

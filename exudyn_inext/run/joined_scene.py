@@ -47,7 +47,7 @@ class JoinedScene(Protocol):
     system: all of it.   map: places of the coordinates (`indices`, `reference`, `slices`).   size: how many.
     surroundings: forces and joints.   joints: that couple the parts.
     held: coordinates that belong to no part.
-    friction: of it.   remembered: what contacts remember, if there are any.
+    cable_systems: of the cables.   friction: of it.   remembered: what contacts remember, if there are any.
     initial_state: q and v (size,) at the start.   bodies_of_variable_mass: how many there are.
     """
 
@@ -55,6 +55,9 @@ class JoinedScene(Protocol):
     map: Any
     surroundings: Any
     held: Any
+
+    @property
+    def cable_systems(self) -> Sequence[Any]: ...
 
     @property
     def joints(self) -> Sequence[Any]: ...

@@ -39,7 +39,7 @@ class _InContact:
         self.blocks = system.surroundings.blocks
         self._open = system.surroundings
         self._contacts = contacts
-        self._dofs = [part.dofs for part in system.parts]
+        self._dofs = [part.dofs for part in system.wholes]
         self._start = q.copy()
 
     def forces(self, t: float, q: Array, v: Array) -> Sequence[Array]:

@@ -22,7 +22,7 @@ class Part(NamedTuple):
 
 
 class _Resolved(NamedTuple):
-    """A part with the implementations of its protocols, found once."""
+    """What is evaluated at once, with the implementations of its protocols, found once."""
 
     system: Any
     dofs: slice
@@ -46,7 +46,7 @@ class Surroundings(Protocol):
     blocks: Sequence[JointBlock]
 
     def forces(self, t: float, q: Array, v: Array) -> Sequence[Array]:
-        """External force on each part, as its protocols take it; sets masses that depend on q."""
+        """External force on each whole, as its protocols take it; sets masses that depend on q."""
 
     def constrain(self, t: float, q: Array, v: Array) -> JointTerms:
         """The joints at (t, q, v); their Jacobian goes to `blocks`."""
@@ -55,7 +55,7 @@ class Surroundings(Protocol):
         """c(q, t) (m,)."""
 
     def motions(self, t: float) -> Sequence[Array]:
-        """What moves the constraints of each part, as its `correct_position` takes it."""
+        """What moves the constraints of each whole, as its `correct_position` takes it."""
 
 
 class CoupledSystem:
@@ -64,11 +64,19 @@ class CoupledSystem:
     zeta: stabilisation rate of the joints [1/s], as of the cables.
     multipliers: nu (m,) of the joints at the last evaluation: M a + C_q^T nu = F.
     drift: c_t (m,) of the joints there.
+    parts: cables, bodies, first order states.   wholes: what of them is evaluated at once.
     """
 
-    def __init__(self, parts: Sequence[Part], surroundings: Surroundings, zeta: float) -> None:
+    def __init__(
+        self,
+        parts: Sequence[Part],
+        surroundings: Surroundings,
+        zeta: float,
+        wholes: Sequence[Part] | None = None,
+    ) -> None:
         self.parts = parts
-        self.resolved = [_resolve(part) for part in parts]
+        self.wholes = parts if wholes is None else wholes
+        self.resolved = [_resolve(part) for part in self.wholes]
         self.surroundings = surroundings
         self.zeta = zeta
         self.solve = JointSolve(surroundings.blocks, surroundings.joints)

@@ -3,14 +3,20 @@
 With A the saddle-point matrices of all parts, side by side, and J the Jacobian of the joints,
 
     [A J^T; J 0] [y; nu] = [f; b]:    S nu = J A^-1 f - b,  S = J A^-1 J^T,  y = A^-1 f - A^-1 J^T nu.
+
+Two rows are coupled in S if they meet on a part. In the order of Cuthill and McKee, found once, S is a band:
+narrow for trees and chains of parts, as wide as a side for nets.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import lapack
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..arrays import Array
 from ..compiled import kernel
@@ -42,7 +48,8 @@ class _Rows(NamedTuple):
     """All blocks, one after the other, for the kernels.
 
     Entry e of a block's Jacobian starts at `first[e]`, has `width[e]` numbers, belongs to row `row[e]` and to
-    the coordinates from `dof[e]` on; the entries of block b end before `end[b]`.
+    the coordinates from `dof[e]` on; the entries of block b end before `end[b]`. In the band it is row
+    `place[e]`.
     """
 
     first: np.ndarray
@@ -50,6 +57,7 @@ class _Rows(NamedTuple):
     row: np.ndarray
     dof: np.ndarray
     end: np.ndarray
+    place: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,8 +83,10 @@ class JointSolve:
         self._jacobian, self._response = np.zeros(size), np.zeros(size)
         _share(blocks, self._jacobian, self._response)
         self._responders = [respond.dispatch(type(block.system)) for block in blocks]
-        self._schur: Array = np.zeros((len(names), len(names)))
-        self._factor: Array = np.zeros((len(names), len(names)))
+        self._order = _order_of_band(self._rows, len(names))
+        self._rows = self._rows._replace(place=np.argsort(self._order)[self._rows.row])
+        self._schur: Array = np.zeros((_width_of_band(self._rows), len(names)), order="F")
+        self._factor = self._schur
 
     def factorise(self) -> None:
         """S of the present Jacobians; the parts are factorised.
@@ -87,7 +97,10 @@ class JointSolve:
         for block, respond_as in zip(self._blocks, self._responders, strict=True):
             respond_as(block.system, block.jacobian, block.response)
         _set_schur(self._rows, self._jacobian, self._response, self._schur)
-        self._factor = _factorise(self._schur, self._names)
+        self._factor, info = lapack.dpbtrf(self._schur, lower=1)
+        squares = self._factor[0] * self._factor[0]
+        if info or not (squares > PIVOT_TOLERANCE * self._schur[0]).all():
+            raise _dependent_row(_dense(self._schur, self._order), self._names)
 
     def times_jacobian(self, x: Array) -> Array:
         """J x (m,).   x: (n,)."""
@@ -105,8 +118,8 @@ class JointSolve:
 
     def apply(self, x: Array, target: Array) -> Array:
         """x -= A^-1 J^T nu in place, such that J x = target; returns nu (m,)."""
-        nu: Array
-        nu, _ = lapack.dpotrs(self._factor, self.times_jacobian(x) - target, lower=1, overwrite_b=1)
+        nu = self.times_jacobian(x) - target
+        nu[self._order], _ = lapack.dpbtrs(self._factor, nu[self._order], lower=1, overwrite_b=1)
         _subtract_times(self._rows, self._response, nu, x)
         return nu
 
@@ -115,7 +128,23 @@ def _rows_of(blocks: Sequence[JointBlock]) -> _Rows:
     rows = [(row, block.dofs.start, block.jacobian.shape[1]) for block in blocks for row in block.rows]
     row, dof, width = np.array(rows, dtype=np.int64).reshape(-1, 3).T.copy()
     first = np.cumsum(width) - width
-    return _Rows(first, width, row, dof, np.cumsum([len(block.rows) for block in blocks], dtype=np.int64))
+    ends = np.cumsum([len(block.rows) for block in blocks], dtype=np.int64)
+    return _Rows(first, width, row, dof, ends, place=row)
+
+
+def _order_of_band(rows: _Rows, number: int) -> np.ndarray:
+    """The rows in an order in which S is a narrow band."""
+    if not number:
+        return np.zeros(0, dtype=np.int64)
+    of_entry = np.searchsorted(rows.end, np.arange(len(rows.row)), side="right")
+    meets = coo_array((np.ones(len(rows.row)), (rows.row, of_entry)), shape=(number, len(rows.end) + 1))
+    return np.asarray(reverse_cuthill_mckee(csr_array(meets @ meets.T), symmetric_mode=True), dtype=np.int64)
+
+
+def _width_of_band(rows: _Rows) -> int:
+    """Of the lower half of S, its diagonal included."""
+    of_blocks = [rows.place[a:b] for a, b in pairwise([0, *rows.end]) if b > a]
+    return max((int(np.ptp(places)) + 1 for places in of_blocks), default=1)
 
 
 def _share(blocks: Sequence[JointBlock], jacobian: Array, response: Array) -> None:
@@ -132,17 +161,17 @@ def _share(blocks: Sequence[JointBlock], jacobian: Array, response: Array) -> No
 
 @kernel
 def _set_schur(rows, jacobian, response, schur):
-    """S = J R^T; lower triangle."""
+    """S = J R^T; the lower half of its band, by columns."""
     schur[:] = 0.0
     begin = 0
     for end in rows.end:
         for e in range(begin, end):
             for f in range(begin, end):
-                if rows.row[f] <= rows.row[e]:
+                if rows.place[f] <= rows.place[e]:
                     total = 0.0
                     for i in range(rows.width[e]):
                         total += jacobian[rows.first[e] + i] * response[rows.first[f] + i]
-                    schur[rows.row[e], rows.row[f]] += total
+                    schur[rows.place[e] - rows.place[f], rows.place[f]] += total
         begin = end
 
 
@@ -164,22 +193,29 @@ def _subtract_times(rows, matrix, nu, x):
             x[rows.dof[e] + i] -= matrix[rows.first[e] + i] * nu[rows.row[e]]
 
 
-def _factorise(schur: Array, names: Sequence[str]) -> Array:
-    """Cholesky factor L of S, of which the lower triangle is set."""
-    factor: Array
-    factor, info = lapack.dpotrf(schur, lower=1)
-    if info == 0:
-        diagonal = factor.diagonal()
-        dependent = ~(diagonal * diagonal > PIVOT_TOLERANCE * schur.diagonal())
-        if not dependent.any():
-            return factor
-        info = int(np.argmax(dependent)) + 1
+def _dense(band: Array, order: np.ndarray) -> Array:
+    """Lower triangle of S, its rows as they are numbered, from its band."""
+    size = len(order)
+    sorted_: Array = np.zeros((size, size))
+    for below, diagonal in enumerate(band):
+        places = np.arange(size - below)
+        sorted_[places + below, places] = sorted_[places, places + below] = diagonal[: size - below]
+    back = np.argsort(order)
+    return np.tril(sorted_[np.ix_(back, back)])
+
+
+def _dependent_row(schur: Array, names: Sequence[str]) -> RedundantConstraintError:
+    """What is said where S, of which the lower triangle is set, is not positive definite."""
     if not np.isfinite(schur).all():
-        raise RedundantConstraintError(
+        return RedundantConstraintError(
             "the Jacobian of the joints is not finite: the run has diverged, or a joint is singular in the "
             "present configuration; reduce stepSize."
         )
-    raise RedundantConstraintError(
+    factor, info = lapack.dpotrf(schur, lower=1)
+    if info == 0:
+        diagonal = factor.diagonal()
+        info = int(np.argmin(diagonal * diagonal / schur.diagonal())) + 1
+    return RedundantConstraintError(
         f"{names[info - 1]} is not independent of the other constraints in the present configuration: remove "
         "it, or free the axes that other joints hold already."
     )

@@ -1,0 +1,55 @@
+"""Many cables in one set of records: one call of the kernels evaluates all of them.
+
+Between the last node of a cable and the first one of the next lies an element of nothing: without mass,
+stiffness and length. The factorisation passes it without coupling the two.
+"""
+
+from collections.abc import Sequence
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from .index_reduction import CableSystem
+
+Systems = tuple[Any, list[Any]]
+"""One for all of some cables, and those of the cables, which share its memory."""
+
+
+def in_few_chains(systems: Sequence[Any]) -> list[Systems]:
+    """Systems of cables, those that follow each other and are of one kind put into one chain."""
+    groups = [list(alike) for _, alike in groupby(systems, key=_kind)]
+    return [_in_one_chain(alike) if len(alike) > 1 else (alike[0], alike) for alike in groups]
+
+
+def _kind(system: Any) -> Any:
+    """The same for cables that one chain can hold; drag divides by the length of an element's slope."""
+    if not isinstance(system, CableSystem) or system.chain.elements["drag"].size:
+        return id(system)
+    chain = system.chain
+    return system.zeta, chain.nodes.dtype, chain.elements.dtype
+
+
+def _in_one_chain(systems: Sequence[CableSystem]) -> Systems:
+    chains = [system.chain for system in systems]
+    nodes, parts_of_nodes = _side_by_side([chain.nodes for chain in chains], gap=0)
+    elements, parts_of_elements = _side_by_side([chain.elements for chain in chains], gap=1)
+    parts = zip(systems, parts_of_nodes, parts_of_elements, strict=True)
+    first = systems[0]
+    return _with(first, nodes, elements[:-1]), [_with(*part) for part in parts]
+
+
+def _with(system: CableSystem, nodes: Any, elements: Any) -> CableSystem:
+    """The same system with its records elsewhere."""
+    return system._replace(chain=system.chain._replace(nodes=nodes, elements=elements))
+
+
+def _side_by_side(arrays: Sequence[Array], gap: int) -> tuple[Array, list[Array]]:
+    """All in one, each followed by a gap of zeros; and their parts of it."""
+    total = np.zeros(sum(len(array) + gap for array in arrays), arrays[0].dtype)
+    ends = np.cumsum([len(array) + gap for array in arrays])
+    parts = [total[end - gap - len(array) : end - gap] for end, array in zip(ends, arrays, strict=True)]
+    for part, array in zip(parts, arrays, strict=True):
+        part[...] = array
+    return total, parts
