@@ -24,8 +24,13 @@ def in_few_chains(systems: Sequence[Any]) -> list[Systems]:
 
 
 def _kind(system: Any) -> Any:
-    """The same for cables that one chain can hold; drag divides by the length of an element's slope."""
-    if not isinstance(system, CableSystem) or system.chain.elements["drag"].size:
+    """The same for cables that one chain can hold.
+
+    Drag divides by the length of an element's slope, and a cable without length constraints hands on one that
+    is never fulfilled: both remain alone.
+    """
+    is_alone = not isinstance(system, CableSystem) or system.chain.elements["drag"].size
+    if is_alone or not system.chain.nodes["ends_group"][-1]:
         return id(system)
     chain = system.chain
     return system.zeta, chain.nodes.dtype, chain.elements.dtype

@@ -1,0 +1,69 @@
+"""Cables in one set of records move as each of them alone."""
+
+import numpy as np
+import pytest
+
+from exudyn_inext.cable.linked_cable import cable_system
+from exudyn_inext.cable.many_cables import in_few_chains
+from exudyn_inext.system import accelerate_and_project, correct_position, index_reduced_rates
+from tests.cables import DIMENSIONS, MEASURES, random_state
+
+pytestmark = pytest.mark.kernel
+ZETA = 7.0
+
+
+KINDS = ((3, None, "free"), (5, 2, "clamped"), (4, 3, "pinned"), (1, None, "pinned and guided"))
+
+
+def states(dim, measure, number=4):
+    return [
+        random_state(seed, elements, dim, measure, n_bar, supports)
+        for seed, (elements, n_bar, supports) in enumerate(KINDS[:number])
+    ]
+
+
+def evaluate(system, external, q, v):
+    """Accelerations and rates of the stabilised equations, those of RATTLE, and a step to the manifold."""
+    a, rate, b, end, d = np.zeros((5, q.size))
+    index_reduced_rates(system, external, q, v, a, rate)
+    accelerate_and_project(system, external, q, v, 1e-3, b, end)
+    worst = correct_position(system, external, q, 0.0, 0.0, d)
+    return np.stack([a, rate, b, end, d]), worst
+
+
+@pytest.mark.parametrize("dim", DIMENSIONS)
+@pytest.mark.parametrize("measure", MEASURES)
+def test_each_moves_as_alone_bit_for_bit(dim, measure):
+    alone = states(dim, measure)
+    systems = [cable_system(state.cable, ZETA) for state in alone]
+    inputs = [(state.inputs, state.q.ravel(), state.v.ravel()) for state in alone]
+    expected = [evaluate(system, *given) for system, given in zip(systems, inputs, strict=True)]
+    ((whole, parts),) = in_few_chains(systems)
+    found, worst = evaluate(whole, *(np.concatenate(arrays) for arrays in zip(*inputs, strict=True)))
+    np.testing.assert_array_equal(found, np.concatenate([values for values, _ in expected], axis=1))
+    assert worst == max(violation for _, violation in expected)
+    multipliers = [system.chain.elements["multiplier"] for system in systems]
+    for part, multiplier in zip(parts, multipliers, strict=True):
+        np.testing.assert_array_equal(part.chain.elements["multiplier"], multiplier)
+
+
+def test_parts_share_the_memory_of_the_whole():
+    systems = [cable_system(state.cable, ZETA) for state in states(2, MEASURES[0])]
+    ((whole, parts),) = in_few_chains(systems)
+    for part in parts:
+        assert np.shares_memory(part.chain.nodes, whole.chain.nodes)
+        assert np.shares_memory(part.chain.elements, whole.chain.elements)
+
+
+def test_only_cables_of_one_kind_that_follow_each_other_are_put_together():
+    planar, product = (states(2, measure, number=2) for measure in MEASURES)
+    order = [*planar, *product, *states(3, MEASURES[0], number=1), planar[0]]
+    groups = in_few_chains([cable_system(state.cable, ZETA) for state in order])
+    assert [len(parts) for _, parts in groups] == [2, 2, 1, 1]
+    assert all(whole is parts[0] for whole, parts in groups if len(parts) == 1)
+
+
+def test_a_cable_without_length_constraints_remains_alone():
+    free = random_state(1, 3, 2, MEASURES[0], n_bar=0)
+    systems = [cable_system(state.cable, ZETA) for state in (free, free, *states(2, MEASURES[0], number=2))]
+    assert [len(parts) for _, parts in in_few_chains(systems)] == [1, 1, 2]
