@@ -34,11 +34,7 @@ from reference_models.model import SENSOR_PERIOD
 from reference_models.scenes import Scene
 
 from .advising.scenes import validation_scenes
-from .harness import inner
-from .harness.store import Row
-from .harness.study import Order, Results, Study
-from .harness.table import Table
-from .harness.verdict import verdict
+from .harness import Order, Results, Row, Study, Table, inner, verdict
 
 TOLERANCES = (1e-2, 3e-3, 1e-3, 3e-4)  # of the length
 FEW = AdviceSettings(numbersOfElements=(4, 6, 8))

@@ -39,11 +39,8 @@ from reference_models.inextensible import build
 from reference_models.model import Model, quiet_settings, silence
 from reference_models.scenes import Line, Scene, load_scene
 
-from .harness.store import Row
-from .harness.study import Order, Results, Study
-from .harness.table import Table, groups, largest
+from .harness import Order, Results, Row, Study, Table, groups, judged, largest
 from .harness.timing import in_turn
-from .harness.verdict import judged
 
 SCENE = load_scene("planar_pendulum")
 MILLI = 1e3
@@ -94,31 +91,33 @@ def _row(case: Case, members: int, rounds: int) -> Row:
     }
     runs = {label: partial(partial, task) for label, task in tasks.items()}
     found = in_turn(runs, rounds, f"N = {case.elements}, {case.end_time:g} s", turns=False)
+    _, alone, one, all_cores, _ = found.values()
     free_cores = [min(pair) for pair in zip(free[2::2], free[3::2], strict=True)]
-    wall = {label: one.wall_seconds for label, one in found.items()}
-    gains = [one / many for one, many in zip(wall["one core"], wall["all cores"], strict=True)]
+    gains = (np.array(one.wall_seconds) / all_cores.wall_seconds).tolist()
     quiet = [gain for gain, cores_free in zip(gains, free_cores, strict=True) if cores_free > QUIET * cores]
-    alone, together = (found["alone"].median or 0.0) / len(some), (found["one core"].median or 0.0) / members
+    cost_alone, together = (alone.median or 0.0) / len(some), (one.median or 0.0) / members
+    coordinates = one.found["coordinates"]
     return {
         "kind": "ensemble",
         "label": "each different" if case.different else "all alike",
         "members": members,
         "elements": case.elements,
         "endTime": case.end_time,
-        "integrator": found["one core"].found["integrator"],
-        "stepSize": float(found["one core"].found["stepSize"][0]),
+        "integrator": one.found["integrator"],
+        "stepSize": float(one.found["stepSize"][0]),
         "massScaling": case.settings.massScaling,
         "cores": cores,
-        "alone": MILLI * alone,
+        "alone": MILLI * cost_alone,
         "together": MILLI * together,
-        "costRatio": together / alone,
-        "wallOfAllCores": MILLI * statistics.median(wall["all cores"]) / members,
+        "costRatio": together / cost_alone,
+        "wallOfAllCores": MILLI * statistics.median(all_cores.wall_seconds) / members,
         "gain": statistics.median(quiet) if quiet else None,
         "quietRounds": len(quiet),
         "rounds": rounds,
         "gains": gains,
         "freeCores": free_cores,
-        "isEqual": _is_equal({label: one.found for label, one in found.items()}, members // len(some)),
+        "isEqual": np.array_equal(coordinates, all_cores.found["coordinates"])
+        and np.array_equal(coordinates[:: members // len(some), -1], alone.found),
     }
 
 
@@ -155,12 +154,6 @@ def _free_cores(cores: int) -> float:
         list(pool.map(hashlib.sha256, [data] * cores))
         end = time.perf_counter()
     return min(float(cores), cores * (middle - start) / (end - middle))
-
-
-def _is_equal(results: dict[str, Any], stride: int) -> bool:
-    one, many = (results[name]["coordinates"] for name in ("one core", "all cores"))
-    alone = np.array(results["alone"])
-    return bool(np.array_equal(one, many) and np.array_equal(one[::stride, -1], alone))
 
 
 def conclude(results: Results) -> list[str]:
@@ -200,10 +193,5 @@ TABLE = Table(
     "all cores [ms]: wallOfAllCores | gain | quiet rounds: quietRounds",
 )
 
-STUDY = Study(
-    name="ensemble",
-    question="What does a pendulum cost among a thousand others, and how much do more cores do?",
-    measure=measure,
-    tables=[TABLE],
-    conclusions=conclude,
-)
+QUESTION = "What does a pendulum cost among a thousand others, and how much do more cores do?"
+STUDY = Study("ensemble", QUESTION, measure, conclude, [TABLE])

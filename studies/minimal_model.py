@@ -25,11 +25,9 @@ What is left out
 from collections.abc import Sequence
 from pathlib import Path
 
+from .harness import Results, Row, Study, Table, column, groups
 from .harness.plot import COLORS, label_axes, new_figure
-from .harness.store import Row
-from .harness.study import Results, Study
 from .harness.sweep import Sweep
-from .harness.table import Table, column, groups
 from .minimal.changes import change_cases, run_change, sentences_of, summary_of
 from .minimal.dense_system import dense_cases, run_dense
 

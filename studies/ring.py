@@ -45,15 +45,13 @@ from reference_models.model import sensor_trajectory
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case, Trajectory
 
+from .harness import Row, Study, Table
 from .harness.figures import draw_cost_and_accuracy, draw_trajectories
 from .harness.on_scene import ROWS, OnScene, SceneResults
 from .harness.paper_table import EACH_STEP, PaperTable
 from .harness.plot import COLORS, REFERENCE_COLOR, new_figure
 from .harness.ratios import Comparison, by_default, is_explicit, is_implicit
 from .harness.reference import distance_to_reference
-from .harness.store import Row
-from .harness.study import Study
-from .harness.table import Table
 
 PAPER_STEP = 2.4842e-4  # s, from Eq. (37) with C = 0.9
 PROPOSED = "paper's proposed: inextensible, Zhai, N = 20, h = 2.48e-4 s, product"

@@ -34,11 +34,8 @@ from exudyn_inext import ExplicitSettings, InextensibleError, SolveExplicit
 from reference_models.model import quiet_settings, silence
 from reference_models.trajectory import Array
 
+from .harness import Order, Results, Row, Study, Table, column, groups, verdict
 from .harness.inner import choose_step
-from .harness.store import Row
-from .harness.study import Order, Results, Study
-from .harness.table import Table, column, groups
-from .harness.verdict import verdict
 from .robust.scenes import Rope, build, build_native, lone_rope, mixed_rope, moved
 
 END, PERIOD = 1.5, 0.01  # [s]

@@ -33,10 +33,8 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from .harness.store import Row
-from .harness.study import Results, Study
+from .harness import Results, Row, Study, Table
 from .harness.sweep import Sweep
-from .harness.table import Table
 from .stability.extremes import (
     precision_cases,
     run_precision,

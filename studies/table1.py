@@ -47,12 +47,12 @@ from reference_models.inextensible import Inextensible, inextensible_case
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case
 
+from .harness import Study
 from .harness.cases import COMPILED, mesh_series
 from .harness.figures import draw_convergence, draw_cost_and_accuracy, draw_trajectories
 from .harness.on_scene import ROWS, OnScene, SceneResults
 from .harness.paper_table import EACH_STEP, PaperTable
 from .harness.ratios import Comparison, by_default, is_explicit, is_implicit
-from .harness.study import Study
 
 PAPER_IMPLICIT = "paper's conventional implicit: generalized-alpha, N = 10, h = 5e-3 s"
 PAPER_EXPLICIT = "paper's conventional explicit: Zhai, N = 10, h = 2e-5 s"

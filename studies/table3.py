@@ -51,15 +51,13 @@ from reference_models.model import Model, sensor_slopes, sensor_trajectory
 from reference_models.scenes import Hanger, Scene, load_scene
 from reference_models.trajectory import Case, Trajectory
 
+from .harness import Row, Study, Table, number
 from .harness.figures import TIME, draw_cost_and_accuracy
 from .harness.on_scene import ROWS, OnScene, SceneResults
 from .harness.paper_table import EACH_STEP, PaperTable
 from .harness.plot import REFERENCE_COLOR, Curve, Panel, chart, label_axes, new_figure
 from .harness.ratios import Comparison, by_default, is_explicit, is_explicit_zhai, is_implicit
 from .harness.reference import ReferenceSolution, distance_to_reference, from_data, self_convergence
-from .harness.store import Row
-from .harness.study import Study
-from .harness.table import Table, number
 
 PAPER_EXPLICIT = "paper's conventional explicit: Zhai, N = 40, h = 1e-5 s"
 PAPER_PROPOSED = "paper's proposed: inextensible, Zhai, N = 20, h = 9.35e-4 s, zeta = 1000 1/s"

@@ -28,25 +28,15 @@ from contextlib import ExitStack
 from functools import partial
 from typing import Any
 
-import exudyn
 import exudyn.utilities as items
 import numpy as np
 from scipy.stats import quantile_test
 
-from exudyn_inext import (
-    AttachToBody,
-    CreateInextensibleCable,
-    ExplicitSettings,
-    ExplicitStepper,
-    InextensibleCable,
-)
+from exudyn_inext import AttachToBody, ExplicitSettings, ExplicitStepper
 
-from .harness import inner
-from .harness.store import Row
-from .harness.study import Order, Results, Study
-from .harness.table import Table, column, largest
+from .harness import UNDECIDED, Order, Results, Row, Study, Table, column, inner, largest
+from .harness.joined_scenes import GRAVITY, Contents, joined_scene
 from .harness.timing import Task, seconds_per_time
-from .harness.verdict import UNDECIDED
 
 BAR = 0.03
 STEPS = 4096
@@ -57,12 +47,11 @@ CONFIDENCE = 0.95
 INTEGRATORS = ("Zhai", "RATTLE")
 ALONE = ("steady", "damped", "loaded", "moved")
 AMONG_BODIES = ("joined", "beside")
-GRAVITY = [0.0, -9.81, 0.0]
-BENDING_STIFFNESS, DAMPING = 0.0866, 1e-5
+DAMPING = 1e-5
 MICRO = 1e6
 
 Chain = tuple[int, str, int]
-WATCHED, UNINSPECTED, PLAIN = "watched", "uninspected", "plain"
+WAYS = WATCHED, UNINSPECTED, PLAIN = "watched", "uninspected", "plain"
 Ways = dict[str, Task]
 
 
@@ -78,20 +67,17 @@ def measure(order: Order) -> list[Row]:
 
 
 def _rows(chain: Chain, tasks_of: Callable[[Chain, str], Ways], steps: int, repeats: int) -> list[Row]:
-    tasks = {f"{name} {way}": task for name in INTEGRATORS for way, task in tasks_of(chain, name).items()}
     dim, kind, number = chain
+    tasks = {(name, way): task for name in INTEGRATORS for way, task in tasks_of(chain, name).items()}
     samples = seconds_per_time(tasks, repeats, LEAST_SECONDS, f"{dim}D, {kind}, N = {number}")
-    ways = (WATCHED, UNINSPECTED, PLAIN)
-    return [
-        _row(chain, name, {way: samples.get(f"{name} {way}", []) for way in ways}, steps)
-        for name in INTEGRATORS
-    ]
+    ways = {name: {way: samples.get((name, way), []) for way in WAYS} for name in INTEGRATORS}
+    return [_row(chain, name, own, steps) for name, own in ways.items()]
 
 
 def _row(chain: Chain, name: str, samples: dict[str, list[float]], steps: int) -> Row:
     dim, kind, number = chain
-    ratios = _excess(samples[WATCHED], samples[UNINSPECTED])
-    over_plain = _excess(samples[WATCHED], samples[PLAIN]) if samples[PLAIN] else None
+    watched, uninspected, plain = (np.array(samples[way]) for way in WAYS)
+    ratios = watched / uninspected - 1.0
     interval = quantile_test(ratios, p=0.5).confidence_interval(CONFIDENCE)
     return {
         "kind": "among bodies" if kind in AMONG_BODIES else "alone",
@@ -101,17 +87,13 @@ def _row(chain: Chain, name: str, samples: dict[str, list[float]], steps: int) -
         "integrator": name,
         "elements": number,
         "repeats": len(ratios),
-        "microseconds": MICRO * statistics.median(samples[UNINSPECTED]) / steps,
-        "share": statistics.median(ratios),
+        "microseconds": MICRO * float(np.median(uninspected)) / steps,
+        "share": float(np.median(ratios)),
         "low": float(interval.low),
         "high": float(interval.high),
-        "overPlain": statistics.median(over_plain) if over_plain else None,
+        "overPlain": float(np.median(watched / plain - 1.0)) if plain.size else None,
         "bar": BAR,
     }
-
-
-def _excess(times: list[float], others: list[float]) -> list[float]:
-    return [a / b - 1.0 for a, b in zip(times, others, strict=True)]
 
 
 def _tasks_alone(chain: Chain, name: str) -> Ways:
@@ -188,16 +170,9 @@ class _Blind:
 def _build(chain: Chain) -> Any:
     """A cable that is pinned at its start and let fall."""
     dim, kind, number = chain
-    mbs = exudyn.SystemContainer().AddSystem()
-    damping = DAMPING if kind == "damped" else 0.0
-    template = InextensibleCable(0.0348, BENDING_STIFFNESS, bendingDamping=damping)
-    pinned = None if kind == "moved" else [True] * dim + [False] * dim
-    cable = CreateInextensibleCable(
-        mbs, [0, 0, 0], [1, 0, 0], number, template, GRAVITY, groundConstraintsStart=pinned, dimension=dim
-    )
-    _ADDITIONS.get(kind, lambda mbs, cable, dim: None)(mbs, cable, dim)
-    mbs.Assemble()
-    return mbs
+    look = {"damping": DAMPING if kind == "damped" else 0.0, "pinned": kind != "moved"}
+    also = _ADDITIONS.get(kind)
+    return joined_scene(Contents(elements=number, dimension=dim, length=1.0, also=also, **look))
 
 
 def _push(mbs: Any, cable: dict[str, Any], dim: int) -> None:
@@ -263,13 +238,10 @@ COLUMNS = (
     "not above: high | over the plain loop: overPlain"
 )
 
-STUDY = Study(
-    name="watch_cost",
-    question="What does it cost that each run is watched?",
-    measure=measure,
-    tables=(
-        Table("alone", "Cables alone, inspections over the steps without them:", COLUMNS),
-        Table("among bodies", "Among bodies:", COLUMNS),
-    ),
-    conclusions=conclude,
+TABLES = (
+    Table("alone", "Cables alone, inspections over the steps without them:", COLUMNS),
+    Table("among bodies", "Among bodies:", COLUMNS),
 )
+
+QUESTION = "What does it cost that each run is watched?"
+STUDY = Study("watch_cost", QUESTION, measure, conclude, TABLES)

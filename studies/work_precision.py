@@ -39,10 +39,8 @@ What is left out
 
 from reference_models.scenes import load_scene
 
-from .harness.store import Row
-from .harness.study import Study
+from .harness import Row, Study, Table
 from .harness.sweep import Outcome, Sweep
-from .harness.table import Table
 from .harness.timing import OK
 from .precision.findings import conclude
 from .precision.pictures import draw

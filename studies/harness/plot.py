@@ -14,6 +14,9 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from .store import Row
+from .table import column
+
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 REFERENCE_COLOR = "#999999"
 
@@ -73,6 +76,17 @@ class Curve:
     color: str | None = None
     style: str = "o-"
     look: Mapping[str, Any] = field(default_factory=dict)
+
+
+def curves_of(
+    parts: Mapping[Any, Sequence[Row]], x: str, y: str, styles: Mapping[str, str] | None = None
+) -> list[Curve]:
+    """One curve a group of rows, in a color of its own.   styles: word of a label -> style."""
+    found = []
+    for (label, rows), color in zip(parts.items(), COLORS, strict=False):
+        style = next((style for word, style in (styles or {}).items() if word in label), "o-")
+        found.append(Curve(column(rows, x), column(rows, y), label, color, style))
+    return found
 
 
 @dataclass(frozen=True)

@@ -10,11 +10,9 @@ from exudyn_inext import ExplicitSettings, Zhai
 from reference_models.inextensible import Inextensible, inextensible_case
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case
+from studies.harness import Results, Row, number
 from studies.harness.cases import failing_case
 from studies.harness.reference import ReferenceSolution
-from studies.harness.store import Row
-from studies.harness.study import Results
-from studies.harness.table import number
 from studies.harness.timing import OK, measure
 from studies.table3 import reference_of
 

@@ -12,9 +12,8 @@ from exudyn_inext import RungeKutta4
 from reference_models.model import SENSOR_PERIOD
 from reference_models.scenes import load_scene
 from reference_models.trajectory import Array, Trajectory
-from studies.harness import inner
+from studies.harness import Row, inner
 from studies.harness.reference import distance_to_reference, from_data
-from studies.harness.store import Row
 from studies.stability.long_runs import pendulum_of
 from studies.stability.motion import Equilibrium
 

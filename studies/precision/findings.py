@@ -2,10 +2,7 @@
 
 from collections.abc import Sequence
 
-from studies.harness.store import Row
-from studies.harness.study import Results
-from studies.harness.table import groups, number
-from studies.harness.verdict import verdict
+from studies.harness import Results, Row, groups, number, verdict
 
 from .cases import LINKED_SCENES, NOT_INSTALLED
 from .fronts import (

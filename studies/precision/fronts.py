@@ -8,9 +8,8 @@ import numpy as np
 
 from exudyn_inext import InputError
 from reference_models.peers.rigid_links import FORMULATION as RIGID_LINKS
+from studies.harness import Row, column
 from studies.harness.ratios import CONVENTIONAL, by_default, front, is_explicit, is_implicit, is_usable
-from studies.harness.store import Row
-from studies.harness.table import column
 
 INEXTENSIBLE = "inextensible"
 BY_NATIVE_SOLVERS = "inextensible, native solvers"

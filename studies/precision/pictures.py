@@ -5,11 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
+from studies.harness import Results, Row, column, groups
 from studies.harness.plot import COLORS, Curve, Panel, chart
 from studies.harness.ratios import is_usable
-from studies.harness.store import Row
-from studies.harness.study import Results
-from studies.harness.table import column, groups
 
 from .fronts import (
     BY_NATIVE_SOLVERS,

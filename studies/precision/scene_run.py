@@ -5,9 +5,8 @@ from dataclasses import replace
 
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case
+from studies.harness import Row, announce
 from studies.harness.reference import ReferenceSolution
-from studies.harness.store import Row
-from studies.harness.study import announce
 from studies.harness.timing import measure
 from studies.table3 import reference_of
 

@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from studies.harness import Row
 from studies.harness.ratios import CONVENTIONAL
-from studies.harness.store import Row
 from studies.harness.study import Document
 from studies.harness.timing import OK
 

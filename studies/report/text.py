@@ -4,8 +4,8 @@ from collections.abc import Iterable, Sequence
 from datetime import datetime, timezone
 from pathlib import Path
 
+from studies.harness import TextTable, number
 from studies.harness.study import Document
-from studies.harness.table import TextTable, number
 
 from .compare import Change, Comparison
 from .documents import Gathered, code_of, commit_of

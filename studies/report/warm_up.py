@@ -11,9 +11,9 @@ from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
+from studies.harness import Order, Study, announce
 from studies.harness.engines import processes
 from studies.harness.on_scene import OnScene
-from studies.harness.study import Order, Study, announce
 from studies.harness.sweep import Sweep, is_timed
 from studies.harness.timing import each_task_once
 from studies.registry import find_study

@@ -15,8 +15,7 @@ from reference_models.model import Model, quiet_settings, silence
 from reference_models.scenes import load_scene
 from reference_models.scenes.section import Section
 from reference_models.trajectory import Array
-from studies.harness import inner
-from studies.harness.store import Row
+from studies.harness import Row, inner
 
 from .limits import DISTURBANCE, GROWTH, distance, largest_stable_step, predict
 from .motion import (

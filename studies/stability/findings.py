@@ -3,9 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 
-from studies.harness.store import Row
-from studies.harness.study import Results
-from studies.harness.table import column, groups, largest
+from studies.harness import Results, Row, column, groups, largest
 
 from .limits import AGREEMENT
 

@@ -9,9 +9,8 @@ import numpy as np
 
 from exudyn_inext import Rattle
 from reference_models.trajectory import Array
-from studies.harness import inner
+from studies.harness import Row, inner
 from studies.harness.inner import FrequencyTracker, cable_system, index_reduced_rates, no_loads, record
-from studies.harness.store import Row
 
 from .motion import PORTION, Equilibrium, Method, Motion
 

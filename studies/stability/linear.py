@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from studies.harness.store import Row
+from studies.harness import Row
 
 from .limits import AGREEMENT, STEPS, compare_limits, limit_in_motion, spectral_radius
 from .motion import (

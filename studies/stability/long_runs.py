@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from studies.harness import Row
 from studies.harness.inner import CurvatureMeasure, gravity_force, largest_frequency
-from studies.harness.store import Row
 
 from .limits import predict
 from .motion import GRAVITY, LENGTH, Equilibrium, Invariants, Method, Motion, straight

@@ -8,8 +8,7 @@ import numpy as np
 from exudyn_inext import Rattle, RungeKutta4, Zhai
 from reference_models.scenes import load_scene
 from reference_models.trajectory import Array
-from studies.harness import inner
-from studies.harness.store import Row
+from studies.harness import Row, inner
 
 _OWN = load_scene("planar_pendulum").cable
 LENGTH = _OWN.length  # [m]

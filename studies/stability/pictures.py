@@ -5,10 +5,8 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
+from studies.harness import Results, Row, column, groups
 from studies.harness.plot import COLORS, REFERENCE_COLOR, Curve, Panel, chart, label_axes, new_figure
-from studies.harness.store import Row
-from studies.harness.study import Results
-from studies.harness.table import column, groups
 
 STEP = "largest stable step h [s]"
 NO_GRAVITY = 1e-1  # shown in place of zero on a logarithmic axis
