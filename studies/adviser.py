@@ -171,10 +171,5 @@ TABLE = Table(
     "achieved CPU [s]: achievedSeconds | pilots [s]: pilotSeconds | status",
 )
 
-STUDY = Study(
-    name="adviser",
-    question="Does the adviser keep what it promises, on scenes that it was not tuned on?",
-    measure=measure,
-    tables=[TABLE],
-    conclusions=conclude,
-)
+QUESTION = "Does the adviser keep what it promises, on scenes that it was not tuned on?"
+STUDY = Study("adviser", QUESTION, measure, conclude, [TABLE])

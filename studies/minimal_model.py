@@ -96,11 +96,5 @@ TABLES = (
     ),
 )
 
-STUDY = Study(
-    name="minimal_model",
-    question="What may be left out of the model when, and what does that save?",
-    measure=Sweep(make_cases, run_case),
-    tables=TABLES,
-    conclusions=conclude,
-    pictures=draw,
-)
+QUESTION = "What may be left out of the model when, and what does that save?"
+STUDY = Study("minimal_model", QUESTION, Sweep(make_cases, run_case), conclude, TABLES, draw)

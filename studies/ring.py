@@ -42,13 +42,12 @@ from exudyn_inext import DivergenceError, ExplicitSettings
 from reference_models.conventional.settings import Implicit
 from reference_models.inextensible import Inextensible, inextensible_case, solved
 from reference_models.model import sensor_trajectory
-from reference_models.scenes import Scene, load_scene
+from reference_models.scenes import Scene
 from reference_models.trajectory import Case, Trajectory
 
-from .harness import Row, Study, Table
+from .harness import Row, Table
 from .harness.figures import draw_cost_and_accuracy, draw_trajectories
-from .harness.on_scene import ROWS, OnScene, SceneResults
-from .harness.paper_table import EACH_STEP, PaperTable
+from .harness.on_scene import EACH_STEP, PaperTable, SceneResults
 from .harness.plot import COLORS, REFERENCE_COLOR, new_figure
 from .harness.ratios import Comparison, by_default, is_explicit, is_implicit
 from .harness.reference import distance_to_reference
@@ -149,8 +148,9 @@ def _error_until(results: SceneResults, label: str, end: float) -> float:
 
 
 TABLE = PaperTable(
+    "vibrating_ring",
     at_paper_settings,
-    {},
+    PAPER,
     PROPOSED,
     comparisons=(
         Comparison("implicit row", is_implicit, (2e-3, 5e-4)),
@@ -188,13 +188,12 @@ TABLE = PaperTable(
     ),
 )
 
-STUDY = Study(
-    name="ring",
-    question="How accurate is the closed inextensible ring, and is the step-size rule safe (Figs. 2, 3)?",
-    measure=OnScene(load_scene("vibrating_ring"), TABLE.cases, PAPER),
-    tables=[ROWS, Table("", "", ERRORS, _errors)],
+QUESTION = "How accurate is the closed inextensible ring, and is the step-size rule safe (Figs. 2, 3)?"
+STUDY = TABLE.study(
+    "ring",
+    QUESTION,
+    tables=[Table("", "", ERRORS, _errors)],
     conclusions=make_conclusions,
     pictures=make_figures,
-    ratios=TABLE.ratios,
     not_in_quick_report="the kernels of closed cables, in both curvature measures, take long to compile",
 )

@@ -44,14 +44,12 @@ from reference_models.conventional.cases import native_case
 from reference_models.conventional.settings import Implicit
 from reference_models.conventional.zhai import zhai_case
 from reference_models.inextensible import Inextensible, inextensible_case
-from reference_models.scenes import Scene, load_scene
+from reference_models.scenes import Scene
 from reference_models.trajectory import Case
 
-from .harness import Study
 from .harness.cases import COMPILED, mesh_series
 from .harness.figures import draw_convergence, draw_cost_and_accuracy, draw_trajectories
-from .harness.on_scene import ROWS, OnScene, SceneResults
-from .harness.paper_table import EACH_STEP, PaperTable
+from .harness.on_scene import EACH_STEP, PaperTable, SceneResults
 from .harness.ratios import Comparison, by_default, is_explicit, is_implicit
 
 PAPER_IMPLICIT = "paper's conventional implicit: generalized-alpha, N = 10, h = 5e-3 s"
@@ -93,8 +91,9 @@ def make_figures(results: SceneResults, directory: Path) -> list[Path]:
 
 
 TABLE = PaperTable(
+    "planar_pendulum",
     at_paper_settings,
-    PAPER_SECONDS,
+    PAPER,
     PAPER_PROPOSED,
     comparisons=(
         Comparison("implicit row", is_implicit, (6e-3, 7e-4)),
@@ -156,11 +155,5 @@ TABLE = PaperTable(
     quick=(3, 1, 4),
 )
 
-STUDY = Study(
-    name="table1",
-    question="How much CPU time does the inextensible cable save on the planar pendulum (Table 1)?",
-    measure=OnScene(load_scene("planar_pendulum"), TABLE.cases, PAPER),
-    tables=[ROWS],
-    pictures=make_figures,
-    ratios=TABLE.ratios,
-)
+QUESTION = "How much CPU time does the inextensible cable save on the planar pendulum (Table 1)?"
+STUDY = TABLE.study("table1", QUESTION, pictures=make_figures)

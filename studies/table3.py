@@ -48,13 +48,12 @@ from reference_models.conventional.solve import solve as solve_native
 from reference_models.conventional.zhai import zhai_case
 from reference_models.inextensible import Inextensible, equilibrium_forces, inextensible_case, solved
 from reference_models.model import Model, sensor_slopes, sensor_trajectory
-from reference_models.scenes import Hanger, Scene, load_scene
+from reference_models.scenes import Hanger, Scene
 from reference_models.trajectory import Case, Trajectory
 
-from .harness import Row, Study, Table, number
+from .harness import Row, Table, number
 from .harness.figures import TIME, draw_cost_and_accuracy
-from .harness.on_scene import ROWS, OnScene, SceneResults
-from .harness.paper_table import EACH_STEP, PaperTable
+from .harness.on_scene import EACH_STEP, PaperTable, SceneResults
 from .harness.plot import REFERENCE_COLOR, Curve, Panel, chart, label_axes, new_figure
 from .harness.ratios import Comparison, by_default, is_explicit, is_explicit_zhai, is_implicit
 from .harness.reference import ReferenceSolution, distance_to_reference, from_data, self_convergence
@@ -209,8 +208,9 @@ def at_paper_settings(scene: Scene, quick: bool) -> list[Case]:
 
 
 TABLE = PaperTable(
+    "power_line",
     at_paper_settings,
-    PAPER_SECONDS,
+    PAPER,
     PAPER_PROPOSED,
     comparisons=(
         Comparison("explicit Zhai row", is_explicit_zhai, ((1.0, 2e-3),)),
@@ -245,11 +245,7 @@ TABLE = PaperTable(
     explicit=((16, "velocityVerlet", "lobatto"),),
 )
 
-STUDY = Study(
-    name="table3",
-    question="How much CPU time does the inextensible cable save on the power line (Table 3)?",
-    measure=OnScene(load_scene("power_line"), TABLE.cases, PAPER, refined),
-    tables=[ROWS, Table("", "", EQUILIBRIUM, _statics)],
-    pictures=make_figures,
-    ratios=TABLE.ratios,
+QUESTION = "How much CPU time does the inextensible cable save on the power line (Table 3)?"
+STUDY = TABLE.study(
+    "table3", QUESTION, refined, [Table("", "", EQUILIBRIUM, _statics)], pictures=make_figures
 )

@@ -94,11 +94,12 @@ TABLES = (
     ),
 )
 
+QUESTION = "What does an accuracy cost in each formulation, and where does the inextensible cable lose?"
 STUDY = Study(
-    name="work_precision",
-    question="What does an accuracy cost in each formulation, and where does the inextensible cable lose?",
-    measure=Sweep(make_cases, run_scene, rows_of, {"motion": BRIEF_MOTION, "repeats": 1}),
-    tables=TABLES,
-    conclusions=conclude,
-    pictures=draw,
+    "work_precision",
+    QUESTION,
+    Sweep(make_cases, run_scene, rows_of, {"motion": BRIEF_MOTION, "repeats": 1}),
+    conclude,
+    TABLES,
+    draw,
 )

@@ -1,17 +1,16 @@
 """One change at a time, on the paper's scenes, timed against the base in turn; and what that says."""
 
-import math
 import statistics
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 
-from exudyn_inext import ExplicitSettings, Zhai
+from exudyn_inext import Zhai
 from reference_models.inextensible import Inextensible, inextensible_case
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case
-from studies.harness import Results, Row, number
-from studies.harness.cases import failing_case
+from studies.harness import Results, Row, column, groups, number
+from studies.harness.cases import failing_case, unguarded
 from studies.harness.reference import ReferenceSolution
 from studies.harness.timing import OK, measure
 from studies.table3 import reference_of
@@ -107,32 +106,18 @@ def _ratio(value: float | None, base: float | None) -> float | None:
 def _case(scene: Scene, given: Row, label: str) -> Case:
     """At PART of its own stability limit; one that cannot even start fails when it is run."""
     try:
-        limits = inextensible_case(replace(scene, end_time=0.01), _model(given, _settings(given)))
-        settings = _settings(given, PART * limits.details["stepLimit"])
-        return inextensible_case(scene, _model(given, settings), label)
+        limits = inextensible_case(replace(scene, end_time=0.01), _model(given))
+        return inextensible_case(scene, _model(given, PART * limits.details["stepLimit"]), label)
     except ArithmeticError as error:
         return failing_case(label, given["integrator"], given["elements"], error)
 
 
-def _settings(given: Row, step: float | None = None) -> ExplicitSettings:
-    scheme = None
-    if given["integrator"] == "Zhai":
-        psi = given["psi"]
-        scheme = Zhai(psi, psi, given["corrector"], projected_rate=given["projectedRate"])
-    return ExplicitSettings(
-        given["integrator"],
-        scheme,
-        stepSize=step,
-        stabilizationRate=given["zeta"],
-        massScaling=0.0,
-        energyTolerance=math.inf,  # errors are measured, not guarded against
-    )
-
-
-def _model(given: Row, settings: ExplicitSettings) -> Inextensible:
+def _model(given: Row, step: float | None = None) -> Inextensible:
+    zhai = Zhai(given["psi"], given["psi"], given["corrector"], projected_rate=given["projectedRate"])
+    scheme = zhai if given["integrator"] == "Zhai" else None
     return Inextensible(
         given["elements"],
-        settings,
+        unguarded(given["integrator"], step, zeta=given["zeta"], scheme=scheme),
         measure=given["measure"],
         length_constraints=given["lengthConstraints"],
         spatial=given["spatial"],
@@ -155,7 +140,7 @@ BASE_OF_DENSE = "as in the package"
 def summary_of(results: Results) -> list[Row]:
     """One row a change: 'change', 'verdict', 'harmless', 'elsewhere', 'costRatio' (median)."""
     rows = [*results.of_kind("change"), *_compared(results.of_kind("dense"))]
-    return [_row(label, rows) for label in dict.fromkeys(row["label"] for row in rows)]
+    return [_row(label, own) for label, own in groups(rows, "label").items()]
 
 
 def is_harmless(row: Row) -> bool:
@@ -168,10 +153,10 @@ def is_harmless(row: Row) -> bool:
 
 def sentences_of(summary: Sequence[Row]) -> list[str]:
     """The changes, verdict by verdict."""
-    groups: dict[str, list[str]] = {}
-    for row in summary:
-        groups.setdefault(row["verdict"], []).append(row["change"])
-    return [f"{verdict[0].upper()}{verdict[1:]}: {'; '.join(own)}." for verdict, own in groups.items()]
+    return [
+        f"{verdict[0].upper()}{verdict[1:]}: {'; '.join(column(own, 'change'))}."
+        for verdict, own in groups(summary, "verdict").items()
+    ]
 
 
 def _compared(rows: Sequence[Row]) -> list[Row]:
@@ -187,8 +172,7 @@ def _compared(rows: Sequence[Row]) -> list[Row]:
     return found
 
 
-def _row(label: str, rows: Sequence[Row]) -> Row:
-    own = [row for row in rows if row["label"] == label]
+def _row(label: str, own: Sequence[Row]) -> Row:
     harmless = [row["scene"] for row in own if is_harmless(row)]
     elsewhere = [f"{row['scene']} ({_error(row)})" for row in own if not is_harmless(row)]
     costs = [row["costRatio"] for row in own if row.get("costRatio") is not None]

@@ -1,24 +1,13 @@
 """Sentences that follow from the rows."""
 
 from collections.abc import Sequence
+from itertools import product
 
 from studies.harness import Results, Row, groups, number, verdict
 
+from . import fronts
 from .cases import LINKED_SCENES, NOT_INSTALLED
-from .fronts import (
-    EXPLICIT,
-    FAMILIES,
-    IMPLICIT,
-    INEXTENSIBLE,
-    OPPONENTS,
-    OTHERS,
-    PEER,
-    Loss,
-    front_of,
-    losses,
-    members,
-    method_of,
-)  # fmt: skip
+from .fronts import EXPLICIT, IMPLICIT, INEXTENSIBLE, PEER, Loss, front_of, members
 from .scene_run import BELOW
 
 BAR = 50.0
@@ -54,7 +43,7 @@ def _best(reference: Row, runs: Sequence[Row]) -> str:
     found = front_of(members(runs, INEXTENSIBLE), reference["uncertainty"])
     if not found.rows:
         return f"{reference['scene']}: no inextensible run succeeded."
-    methods = list(dict.fromkeys(method_of(row) for row in found.rows))
+    methods = list(dict.fromkeys(fronts.method_of(row) for row in found.rows))
     return (
         f"{reference['scene']}: the inextensible front reaches from {number(found.errors[0], 2)} m in "
         f"{number(found.seconds[0], 2)} s to {number(found.errors[-1], 2)} m in "
@@ -85,13 +74,13 @@ def _losses(reference: Row, runs: Sequence[Row]) -> list[str]:
     """Where the inextensible front loses, against every opponent."""
     own = front_of(members(runs, INEXTENSIBLE), reference["uncertainty"])
     sentences = []
-    for opponent in OTHERS:
-        theirs = [row for row in runs if OPPONENTS[opponent](row)]
-        if not theirs:
-            continue
-        found = losses(front_of(theirs, reference["uncertainty"]), own)
-        where = "; ".join(f"{_range(loss)} ({loss.why})" for loss in found) or "nowhere"
-        sentences.append(f"{reference['scene']}: against {opponent}, the inextensible cable loses {where}.")
+    for opponent in fronts.OTHERS:
+        if theirs := [row for row in runs if fronts.OPPONENTS[opponent](row)]:
+            found = fronts.losses(front_of(theirs, reference["uncertainty"]), own)
+            where = "; ".join(f"{_range(loss)} ({loss.why})" for loss in found) or "nowhere"
+            sentences.append(
+                f"{reference['scene']}: against {opponent}, the inextensible cable loses {where}."
+            )
     return sentences
 
 
@@ -105,7 +94,7 @@ def _failures(runs: Sequence[Row]) -> list[str]:
     lost = [row for row in runs if row["status"] != "ok"]
     if not lost:
         return []
-    counts = {family: len(members(lost, family)) for family in FAMILIES}
+    counts = {family: len(members(lost, family)) for family in fronts.FAMILIES}
     parts = [f"{count} of {len(members(runs, family))} {family}" for family, count in counts.items() if count]
     return [f"{lost[0]['scene']}: runs that failed or diverged, kept with their status: {', '.join(parts)}."]
 
@@ -114,14 +103,9 @@ def _bars(results: Results) -> list[str]:
     """What the study has to show, on the whole motion of the planar pendulum."""
     if results.quick:
         return []
-    rows = [row for row in results.of_kind("speedUp") if row["scene"] == BAR_SCENE]
-    sentences = []
-    for bound in BAR_BOUNDS:
-        own = {row["opponent"]: row for row in rows if row["bound"] == bound}
-        for opponent, bar in ((IMPLICIT, BAR), (EXPLICIT, BAR), (PEER, 1.0)):
-            if opponent in own:
-                sentences.append(_verdict(own[opponent], bar))
-    return sentences
+    rows = {(row["scene"], row["bound"], row["opponent"]): row for row in results.of_kind("speedUp")}
+    asked = product([BAR_SCENE], BAR_BOUNDS, (IMPLICIT, EXPLICIT, PEER))
+    return [_verdict(rows[one], 1.0 if one[-1] == PEER else BAR) for one in asked if one in rows]
 
 
 def _verdict(row: Row, bar: float) -> str:

@@ -2,7 +2,9 @@
 
 import math
 import warnings
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import exudyn
@@ -32,22 +34,30 @@ from .motion import (
     straight,
 )
 
+
+def cases(quick: bool) -> Iterator[Row]:
+    """Of all three.   value: EA / EI [1/m^2]; largest velocity at the start [m/s]; N."""
+    plain = ("Zhai", "RATTLE", "RK4")
+    ratios, steps = ((1e2, 1e6, 1e10), 600) if quick else ([10.0**k for k in range(2, 11)], 2000)
+    for scheme, ratio in product(plain, ratios):
+        case = {"kind": "slenderness", "label": scheme, "scheme": scheme}
+        yield case | {"value": ratio, "steps": steps}
+    methods, speeds = (METHODS[1::4], (1.0, 30.0)) if quick else (METHODS, SPEEDS)
+    for (scheme, zeta), speed in product(methods, speeds):
+        label = f"{scheme}, zeta = {zeta:g} 1/s" if scheme != "RATTLE" else scheme
+        case = {"kind": "violent", "label": label, "scheme": scheme, "zeta": zeta}
+        yield case | {"value": speed, "duration": 0.1 if quick else DURATION}
+    numbers = (5, 20) if quick else (5, 10, 20, 50, 100, 200, 400)
+    for scheme, bits, number in product(plain, (32, 64), numbers):
+        case = {"kind": "precision", "label": f"{scheme}, {bits} bit", "scheme": scheme}
+        yield case | {"bits": bits, "value": number}
+
+
 # ------------------ axial waves against bending, over EA / EI, under the same explicit integrators
 
 
 SLENDER_ELEMENTS = 6
 _SCENE = replace(load_scene("planar_pendulum"), gravity=(0.0, 0.0, 0.0))
-
-
-def slenderness_cases(quick: bool) -> list[Row]:
-    """value: EA / EI [1/m^2]."""
-    ratios = (1e2, 1e6, 1e10) if quick else tuple(10.0**k for k in range(2, 11))
-    steps = 600 if quick else 2000
-    return [
-        {"kind": "slenderness", "label": scheme, "scheme": scheme, "value": ratio, "steps": steps}
-        for scheme in ("Zhai", "RATTLE", "RK4")
-        for ratio in ratios
-    ]
 
 
 def run_slenderness(case: Row) -> Row:
@@ -123,25 +133,6 @@ ENERGY = 0.05  # change over the kinetic energy at the start that is no divergen
 FINE = 8  # part of the limit at which the motion's frequency is looked at
 
 
-def violent_cases(quick: bool) -> list[Row]:
-    """value: largest velocity at the start [m/s]."""
-    methods = METHODS[1::4] if quick else METHODS
-    speeds = (1.0, 30.0) if quick else SPEEDS
-    duration = 0.1 if quick else DURATION
-    return [
-        {
-            "kind": "violent",
-            "label": f"{scheme}, zeta = {zeta:g} 1/s" if scheme != "RATTLE" else scheme,
-            "scheme": scheme,
-            "zeta": zeta,
-            "value": speed,
-            "duration": duration,
-        }
-        for scheme, zeta in methods
-        for speed in speeds
-    ]
-
-
 def thrown(speed: float) -> Equilibrium:
     """A pinned straight cable under gravity in which one wave and a half run up and down."""
     start = straight(ELEMENTS)
@@ -210,23 +201,6 @@ STEPS = 2000
 SHARE = 0.9  # span over length
 BLOWN_UP = 1e-2  # distance from the equilibrium: slopes [-], positions over the element length
 HALF = 0.5  # part of the limit at which noise is measured
-
-
-def precision_cases(quick: bool) -> list[Row]:
-    """value: N."""
-    numbers = (5, 20) if quick else (5, 10, 20, 50, 100, 200, 400)
-    return [
-        {
-            "kind": "precision",
-            "label": f"{scheme}, {bits} bit",
-            "scheme": scheme,
-            "bits": bits,
-            "value": number,
-        }
-        for scheme in ("Zhai", "RATTLE", "RK4")
-        for bits in (32, 64)
-        for number in numbers
-    ]
 
 
 class RoundedMotion(Motion):

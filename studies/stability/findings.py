@@ -6,17 +6,12 @@ from collections.abc import Callable, Sequence
 from studies.harness import Results, Row, column, groups, largest
 
 from .limits import AGREEMENT
-
-LINEAR = {
-    "scheme": "", "zeta": "zeta [1/s]", "stiffness": "EI/EI_0", "elements": "N", "curvature": "curvature",
-    "gravity": "g/g_0",
-}  # fmt: skip
-"""Maps of the linear regime, and what they vary."""
+from .linear import MAPS
 
 
 def conclude(results: Results) -> list[str]:
     """All sentences, map by map; a map without rows gives none."""
-    linear = [row for row in results.rows if row["kind"] in LINEAR]
+    linear = [row for row in results.rows if row["kind"] in MAPS and row["kind"] != "spin"]
     sentences = [_agreement(*one) for one in groups(linear, "scheme").items()]
     sentences += _ruling(linear) + _rule_37([row for row in linear if row["theta"] == 0.0])
     for kind, key, make in BY_GROUP:
@@ -54,11 +49,11 @@ def _place(row: Row) -> str:
 
 def _ruling(rows: Sequence[Row]) -> list[str]:
     """Where what rules changes along a map, for the first scheme."""
-    maps = groups([row for row in rows if row["scheme"] == "Zhai" and LINEAR[row["kind"]]], "kind")
+    maps = groups([row for row in rows if row["scheme"] == "Zhai" and MAPS[row["kind"]].said], "kind")
     sentences = []
-    for kind in sorted(maps, key=list(LINEAR).index):
+    for kind in sorted(maps, key=list(MAPS).index):
         parts = [f"{rule} at {_range(own)}" for rule, own in groups(maps[kind], "ruledBy").items()]
-        sentences.append(f"What rules Zhai's step over {LINEAR[kind]}: {', '.join(parts)}.")
+        sentences.append(f"What rules Zhai's step over {MAPS[kind].said}: {', '.join(parts)}.")
     return sentences
 
 
@@ -73,8 +68,8 @@ def _rule_37(rows: Sequence[Row]) -> list[str]:
     found = [
         (scheme, kind, [row for row in rows if row["kind"] == kind and row["scheme"] == scheme])
         for scheme in ("Zhai", "RATTLE", "RK4")
-        for kind, what in LINEAR.items()
-        if what
+        for kind, one in MAPS.items()
+        if one.said
     ]
     return [f"Rule (37) with C = 0.7 is {_safety(*one)}" for one in found if one[-1]]
 

@@ -18,7 +18,6 @@ from .motion import PORTION, Equilibrium, Method, Motion
 
 
 RULE_CONSTANT = 0.7  # C of Eq. (37)
-_FARTHEST = 1e4  # times the limit without mass scaling
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,9 @@ def predict(start: Equilibrium, method: Method, growth: float = inner.GROWTH_TOL
     plain = frequency(0.0)
     relaxed = inner.largest_frequency(method.system(start.cable, 0.0), 0.0 * start.inputs, start.q)
     section = start.cable.section
-    bending = _scaled_limit(frequency, limit, limit / plain) if method.theta else limit / plain
+    bending = limit / plain
+    if method.theta:  # the scaled mass depends on h, and may leave no limit
+        bending = largest_stable_step(lambda h: h * frequency(h) < limit, bending, 1e-4, 1e4)
     return Prediction(
         bending,
         inner.decay_limit(method.integrator, method.parameters) / method.zeta,
@@ -73,19 +74,6 @@ def predict(start: Equilibrium, method: Method, growth: float = inner.GROWTH_TOL
         plain,
         relaxed,
     )
-
-
-def _scaled_limit(frequency, limit: float, plain: float) -> float:  # type: ignore[no-untyped-def]
-    """h with h w_max(h) = limit, where the scaled mass depends on h; infinite if there is none."""
-    low, high = plain, 2.0 * plain
-    while high * frequency(high) < limit:
-        low, high = high, 2.0 * high
-        if high > _FARTHEST * plain:
-            return math.inf
-    while high - low > 1e-4 * low:
-        middle = float(np.sqrt(low * high))
-        low, high = (middle, high) if middle * frequency(middle) < limit else (low, middle)
-    return low
 
 
 # --------------------------------------------- found by running: a small disturbance must not grow
@@ -109,10 +97,14 @@ def disturbed(start: Equilibrium) -> Equilibrium:
     """
     noise = 0.1 * np.random.default_rng(1).uniform(-1.0, 1.0, start.q.shape)
     noise[:, 0] *= start.element_length
-    fastest = _fastest_vibration(start)
-    scaled = np.abs(fastest)
+    system, rate, a = cable_system(start.cable, 1.0), np.zeros(start.q.size), np.zeros_like(start.q)
+    tracker = FrequencyTracker(system, start.q.shape)
+    for _ in range(ITERATIONS):
+        index_reduced_rates(system, start.inputs, start.q.ravel(), start.v.ravel(), a.ravel(), rate)
+        tracker.frequency(start.q, a)
+    scaled = np.abs(tracker.vibration)
     scaled[:, 0] /= start.element_length
-    noise += 0.9 / scaled.max() * fastest
+    noise += 0.9 / scaled.max() * tracker.vibration
     noise *= DISTURBANCE
     noise[start.cable.fixed] = 0.0
     if start.cable.closed:
@@ -120,38 +112,23 @@ def disturbed(start: Equilibrium) -> Equilibrium:
     return replace(start, q=start.q + noise)
 
 
-def _fastest_vibration(start: Equilibrium) -> Array:
-    """(n, 2, dim) of any size."""
-    system, rate = cable_system(start.cable, 1.0), np.zeros(start.q.size)
-    a = np.zeros_like(start.q)
-    tracker = FrequencyTracker(system, start.q.shape)
-    for _ in range(ITERATIONS):
-        index_reduced_rates(system, start.inputs, start.q.ravel(), start.v.ravel(), a.ravel(), rate)
-        tracker.frequency(start.q, a)
-    return tracker.vibration
-
-
 def distance(start: Equilibrium) -> Callable[[Array, Array], float]:
     """How far two configurations are apart: slopes [-], and positions over the element length.
 
-    Of a cable that spins, after the second one has been turned to the direction of the first one.
+    Of a cable that spins, after the second one has been turned about the origin, as far as their ends differ.
     """
     spins = start.v.any()
 
     def apart(q: Array, other: Array) -> float:
-        moved = np.abs(q - (_turned_to(q, other) if spins else other))
+        if spins:
+            planes = [x[..., 0] + 1j * x[..., 1] for x in (q, other)]
+            turned = np.exp(1j * np.angle(planes[0][-1, 0] / planes[1][-1, 0])) * planes[1]
+            other = np.stack([turned.real, turned.imag], axis=-1)
+        moved = np.abs(q - other)
         moved[:, 0] /= start.element_length
         return float(moved.max())
 
     return apart
-
-
-def _turned_to(q: Array, other: Array) -> Array:
-    """`other` about the origin, so that it ends in the direction of q."""
-    angle = np.arctan2(q[-1, 0, 1], q[-1, 0, 0]) - np.arctan2(other[-1, 0, 1], other[-1, 0, 0])
-    turn = np.exp(1j * angle)
-    turned = turn * (other[..., 0] + 1j * other[..., 1])
-    return np.stack([turned.real, turned.imag], axis=-1)
 
 
 def is_stable_about(start: Equilibrium, method: Method, steps: int) -> Stable:
@@ -173,18 +150,20 @@ def is_stable_about(start: Equilibrium, method: Method, steps: int) -> Stable:
     return is_stable
 
 
-def largest_stable_step(is_stable: Stable, estimate: float, resolution: float = RESOLUTION) -> float:
-    """The limit near an estimate [s]; infinite, or zero, if it is beyond FARTHEST times the estimate."""
+def largest_stable_step(
+    is_stable: Stable, estimate: float, resolution: float = RESOLUTION, farthest: float = FARTHEST
+) -> float:
+    """The limit near an estimate [s]; infinite, or zero, if it is beyond `farthest` times the estimate."""
     low, high, factor = estimate, estimate, 1.02
     if is_stable(estimate):
         while is_stable(high := high * factor):
             low, factor = high, factor**1.7
-            if high > FARTHEST * estimate:
+            if high > farthest * estimate:
                 return math.inf
     else:
         while not is_stable(low := low / factor):
             high, factor = low, factor**1.7
-            if low < estimate / FARTHEST:
+            if low < estimate / farthest:
                 return 0.0
     while high > low * (1.0 + resolution):
         middle = math.sqrt(low * high)
@@ -198,11 +177,9 @@ def compare_limits(start: Equilibrium, method: Method, steps: int = STEPS) -> Ro
     The prediction allows the growth that so many steps do not show: 1000 over all of them.
     """
     prediction = predict(start, method, growth=math.log(GROWTH) / steps)
-    far = 10.0 * prediction.frequency**-1
     is_unlimited = math.isinf(prediction.step)
-    found = largest_stable_step(
-        is_stable_about(start, method, steps), far if is_unlimited else prediction.step
-    )
+    estimate = 10.0 / prediction.frequency if is_unlimited else prediction.step
+    found = largest_stable_step(is_stable_about(start, method, steps), estimate)
     return {
         "largestFrequency": prediction.frequency,
         "predictedBending": prediction.bending,
