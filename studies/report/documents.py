@@ -17,6 +17,7 @@ from .warm_up import warm_up
 
 QUICK_FOLDER = "quick"
 _FAILED = "FAILED"
+MODES = ("full", "quick")
 
 
 @dataclass(frozen=True)
@@ -97,13 +98,9 @@ def _unusable(path: Path, document: Document | None, quick: bool) -> str:
     if document is None:
         return "it has not been run"
     if document["quick"] != quick:
-        return f"'{path}' is of a {_mode(document['quick'])} run"
+        return f"'{path}' is of a {MODES[document['quick']]} run"
     missing = [key for key in KEYS if key not in document]
     return f"its run was stopped before it was complete: {', '.join(missing)} missing" if missing else ""
-
-
-def _mode(quick: bool) -> str:
-    return "quick" if quick else "full"
 
 
 def _require_one_code(found: Gathered, wish: Wish) -> None:
@@ -111,25 +108,22 @@ def _require_one_code(found: Gathered, wish: Wish) -> None:
     documents = list(found.documents.items())
     if not documents:
         return
-    expected = code_of(documents[0][1]) if wish.other_commit else present_code()
-    beside = f"'{documents[0][0]}' there" if wish.other_commit else "the present code"
+    expected, beside = present_code(), "the present code"
+    remedy = (
+        "Give --fresh to run all studies anew, another --output, or, without --quick, --other-commit to "
+        "report what that commit measured."
+    )
+    if wish.other_commit:
+        expected, beside = code_of(documents[0][1]), f"'{documents[0][0]}' there"
+        remedy = "Give --only with the studies that belong together, or another --output."
     for name, document in documents:
         code = code_of(document)
         if code != expected:
             raise InputError(
                 f"'{wish.folder}' holds results of another state of the code: study '{name}' of "
                 f"{commit_of(code)}, {beside} is {commit_of(expected)} (also different: "
-                f"{differences(code, expected) or 'nothing'}). {_remedy(wish)}"
+                f"{differences(code, expected) or 'nothing'}). {remedy}"
             )
-
-
-def _remedy(wish: Wish) -> str:
-    if wish.other_commit:
-        return "Give --only with the studies that belong together, or another --output."
-    return (
-        "Give --fresh to run all studies anew, another --output, or, without --quick, --other-commit to "
-        "report what that commit measured."
-    )
 
 
 def _run(study: Study, found: Gathered, wish: Wish) -> None:
@@ -225,7 +219,7 @@ def read_earlier(given: Sequence[Path], quick: bool) -> dict[str, Document]:
         own = {one["study"]: one for one in documents if one and one["quick"] == quick}
         if not own:
             raise InputError(
-                f"--compare '{path}' holds no results of {_mode(quick)} runs, and only equal modes compare: "
+                f"--compare '{path}' holds no results of {MODES[quick]} runs, and only equal modes compare: "
                 "give the folder of an earlier report of the same mode, or its NAME.json files; or "
                 + ("leave out --quick." if quick else "give --quick.")
             )
