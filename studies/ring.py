@@ -31,12 +31,10 @@ What is left out
 """
 
 import warnings
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from exudyn_inext import DivergenceError, ExplicitSettings
 from reference_models.conventional.settings import Implicit
@@ -91,30 +89,31 @@ def draw_snapshots(path: Path, scene: Scene) -> Path:
     elements = 40
     every_node = replace(scene, observe={str(k): k / elements for k in range(elements)})
     model = solved(every_node, Inextensible(elements, ExplicitSettings(stepSize=2.5e-4, massScaling=0.3)))
-    runs = [sensor_trajectory(model, str(k)) for k in range(elements)]
-    times = [t for t in SNAPSHOT_TIMES if t <= scene.end_time + 1e-9]
+    runs = [sensor_trajectory(model, str(k % elements)) for k in range(elements + 1)]
     with new_figure(path, 9.0, 9.0) as figure:
-        for axes, time in zip(figure.subplots(3, 3, sharex=True, sharey=True).flat, times, strict=False):
-            _draw_ring(axes, runs, time)
+        for axes, time in zip(
+            figure.subplots(3, 3, sharex=True, sharey=True).flat, SNAPSHOT_TIMES, strict=True
+        ):
+            for moment, color, style in ((0.0, REFERENCE_COLOR, "--"), (time, COLORS[0], "-")):
+                if time <= scene.end_time + 1e-9:
+                    nodes = [run.positions[np.argmin(np.abs(run.times - moment)), :2] for run in runs]
+                    axes.plot(*np.transpose(nodes), style, color=color)
+                    axes.set_title(f"t = {time:g} s", loc="left", fontsize=10)
+            axes.set_aspect("equal")
         figure.supxlabel("x [m]")
         figure.supylabel("y [m]")
     return path
 
 
-def _draw_ring(axes: Axes, runs: Sequence[Trajectory], time: float) -> None:
-    for moment, color, style in ((0.0, REFERENCE_COLOR, "--"), (time, COLORS[0], "-")):
-        rows = [int(np.argmin(np.abs(run.times - moment))) for run in runs]
-        nodes = np.array([run.positions[row, :2] for run, row in zip(runs, rows, strict=True)])
-        closed = np.vstack([nodes, nodes[:1]])
-        axes.plot(*closed.T, style, color=color)
-    axes.set_aspect("equal")
-    axes.set_title(f"t = {time:g} s", loc="left", fontsize=10)
-
-
 def _errors(results: SceneResults) -> list[Row]:
-    """Of both measures."""
-    rows = [row for row in results.rows if row["label"] in (PROPOSED, SIMPLER)]
-    return [row | {"first": _error_until(results, row["label"], 1.0)} for row in rows]
+    """Of both measures; over the first second apart."""
+    rows, first = [row for row in results.rows if row["label"] in (PROPOSED, SIMPLER)], []
+    for row in rows:
+        run = results.trajectories[row["label"]]
+        kept = run.times <= 1.0 + 1e-9
+        part = Trajectory(run.times[kept], run.positions[kept])
+        first.append(distance_to_reference(part, results.reference.trajectory).maximum)
+    return [row | {"first": error} for row, error in zip(rows, first, strict=True)]
 
 
 def make_conclusions(results: SceneResults) -> list[str]:
@@ -138,13 +137,6 @@ def _outcome(scene: Scene, step_size: float) -> str:
     except DivergenceError as error:
         return "diverges " + str(error).partition("diverged ")[2].partition(" s")[0] + " s"
     return f"stays stable over {scene.end_time:g} s"
-
-
-def _error_until(results: SceneResults, label: str, end: float) -> float:
-    run = results.trajectories[label]
-    kept = run.times <= end + 1e-9
-    part = Trajectory(run.times[kept], run.positions[kept])
-    return distance_to_reference(part, results.reference.trajectory).maximum
 
 
 TABLE = PaperTable(
