@@ -47,6 +47,7 @@ MILLI = 1e3
 GAIN_PER_CORE = 0.9  # the bar: 1.8 on two cores
 HASHED_BYTES = 2**25
 QUIET = 0.95  # share of all cores that must be free
+CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 MOST_ALONE = 100  # members that are also run alone
 
 
@@ -79,7 +80,7 @@ def measure(order: Order) -> list[Row]:
 
 def _row(case: Case, members: int, rounds: int) -> Row:
     models = [build(_scene(case, m / members), case.elements) for m in range(members)]
-    settings, cores, free = quiet_settings(case.end_time, 1), _cores(), []
+    settings, cores, free = quiet_settings(case.end_time, 1), CORES, []
     ensemble = partial(SolveEnsemble, [model.mbs for model in models], settings, case.settings)
     some = models[:: max(1, members // MOST_ALONE)]
     tasks = {
@@ -130,10 +131,6 @@ def _scene(case: Case, share: float) -> Scene:
     section = replace(cable.section, youngs_modulus=(0.5 + 0.5 * share) * cable.section.youngs_modulus)
     shape = Line(direction=(float(np.cos(angle)), float(np.sin(angle)), 0.0))
     return replace(scene, cable=replace(cable, section=section, shape=shape))
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _run_alone(models: list[Model], settings: Any, explicit: ExplicitSettings) -> list[Any]:

@@ -57,14 +57,14 @@ def _rows_of_chain(
     dim: int, elements: int, timing: tuple[int, float], measures: Sequence[str]
 ) -> Iterator[Row]:
     """Ratios and shares of one dimension and number of elements, from one round robin."""
-    tasks, steps = {"empty loop": of.empty_task, **of.native_tasks(dim, elements)}, {}
+    tasks, steps = of.native_tasks(dim, elements), {}
     tasks |= of.part_tasks(*of.moving_state(dim, elements, MEASURES[0]))
     for name in measures:
         tasks[f"{RATES} {name}"] = of.rates_task(*of.moving_state(dim, elements, name))
         for integrator in INTEGRATORS:
             tasks[f"{integrator} {name}"], steps[integrator] = of.steps_task(dim, elements, integrator, name)
     time = medians(seconds_per_time(tasks, *timing, f"{dim}D, N = {elements}"))
-    full, lobatto = (time[quadrature] - time["empty loop"] for quadrature in of.QUADRATURES)
+    full, lobatto = (time[quadrature] - time[of.EMPTY] for quadrature in of.QUADRATURES)
     for name in measures:
         for what in (*INTEGRATORS, RATES):
             yield {

@@ -22,10 +22,10 @@ What is left out
 """
 
 import math
-import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import ExitStack
 from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import exudyn.utilities as items
@@ -107,20 +107,14 @@ def _tasks_alone(chain: Chain, name: str) -> Ways:
     history = np.zeros((STEPS // STEPS_OF_AN_OUTPUT, 3, run.state.q.size))
     motion = (inner.scheme_of(explicit), run.system, loads, run.state, h, STEPS_OF_AN_OUTPUT, history)
 
-    def repeat(times: int, take: Callable[[], Any]) -> None:
+    def task(times: int, record: Callable[..., Any] = inner.record_watched, **changed: int) -> None:
+        watch = () if record is inner.record else (run.watch.watch._replace(**changed),)
         for _ in range(times):
             run.state.q[:], run.state.v[:] = initial
             run.start(0.0)
-            take()
+            record(*motion, *watch)
 
-    def watched(times: int, every: int = run.watch.watch.every) -> None:
-        watch = run.watch.watch._replace(every=every, least=min(every, run.watch.watch.least))
-        repeat(times, lambda: inner.record_watched(*motion, watch))
-
-    def plain(times: int) -> None:
-        repeat(times, lambda: inner.record(*motion))
-
-    return {WATCHED: watched, UNINSPECTED: partial(watched, every=STEPS), PLAIN: plain}
+    return {WATCHED: task, UNINSPECTED: partial(task, every=STEPS), PLAIN: partial(task, record=inner.record)}
 
 
 def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
@@ -130,7 +124,6 @@ def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
     scene = inner.read_scene(mbs)
     by_kernels.enter_context(inner.switched_off(mbs, *scene.evaluated_by_kernels))
     (run,) = inner.runs_of_scene(mbs, scene, 0.0, 0.0, explicit)
-    blind = _Blind(run)
     h, _ = inner.wanted_step(inner.step_bounds([run], 0.0, explicit), explicit)
     grid = inner.TimeGrid(0.0, STEPS_AMONG_BODIES // STEPS_OF_AN_OUTPUT, STEPS_OF_AN_OUTPUT, h)
     history = np.zeros((grid.loop_steps, 3, len(run.indices)))
@@ -145,26 +138,21 @@ def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
             run.start(0.0)
             run.record(inner.scheme_of(explicit), grid, 0, history)
 
-    return {WATCHED: take, UNINSPECTED: partial(take, watch=blind)}
+    return {WATCHED: take, UNINSPECTED: partial(take, watch=_blind(run.watch))}
 
 
-class _Blind:
-    """Remembers and judges nothing."""
-
-    path_of_evaluations, has_one_evaluation, after_each_step = None, True, ()
-    steps_ahead = STEPS_OF_AN_OUTPUT
-
-    def __init__(self, run: Any) -> None:
-        self.open = run.watch.open
-
-    def look(self, state: Any) -> None:
-        """Nothing to remember."""
-
-    def count(self, steps: int) -> None:
-        """Nothing to count."""
-
-    def is_well_at(self, t: float, h: float, state: Any, at_once: bool = False) -> bool:
-        return True
+def _blind(watch: Any) -> Any:
+    """Opens like that watch, but remembers and judges nothing."""
+    return SimpleNamespace(
+        open=watch.open,
+        path_of_evaluations=None,
+        has_one_evaluation=True,
+        after_each_step=(),
+        steps_ahead=STEPS_OF_AN_OUTPUT,
+        look=lambda state: None,
+        count=lambda steps: None,
+        is_well_at=lambda t, h, state, at_once=False: True,
+    )
 
 
 def _build(chain: Chain) -> Any:
@@ -219,18 +207,19 @@ _ADDITIONS = {"loaded": _push, "moved": _move, "joined": _join, "beside": _stand
 
 def conclude(results: Results) -> list[str]:
     """Whether the bar is kept."""
-    return [_sentence(results.of_kind(kind), kind, results.quick) for kind in ("alone", "among bodies")]
-
-
-def _sentence(rows: Sequence[Row], kind: str, quick: bool) -> str:
-    above = sum(row["share"] > BAR for row in rows)
-    found = f"MISSED by {above} of {len(rows)}" if above else "kept"
-    worst = "at most {share:.1%} ({label}, N = {elements}, {microseconds:.2g} us a step)"
-    return (
-        f"Cables {kind}: the watch costs {statistics.median(column(rows, 'share')):.1%} of a step (median), "
-        f"{worst.format_map(largest(rows, 'share'))}; the bar of "
-        f"{BAR:.0%} is {UNDECIDED if quick else found}."  # few samples tell no per cent
-    )
+    sentences = []
+    for kind in ("alone", "among bodies"):
+        rows = results.of_kind(kind)
+        shares = column(rows, "share")
+        above = sum(share > BAR for share in shares)
+        found = f"MISSED by {above} of {len(rows)}" if above else "kept"
+        worst = "at most {share:.1%} ({label}, N = {elements}, {microseconds:.2g} us a step)"
+        sentences.append(
+            f"Cables {kind}: the watch costs {np.median(shares):.1%} of a step (median), "
+            f"{worst.format_map(largest(rows, 'share'))}; the bar of "
+            f"{BAR:.0%} is {UNDECIDED if results.quick else found}."  # few samples tell no per cent
+        )
+    return sentences
 
 
 COLUMNS = (

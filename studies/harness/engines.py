@@ -39,18 +39,14 @@ def processes(workers: int | None = None) -> Engine:
     number = workers or os.cpu_count() or 1
 
     def start() -> Executor:
-        return ProcessPoolExecutor(number, mp_context=_fresh_processes())
+        """Not forked from this process and its threads, but, if possible, from one that imports once."""
+        can_fork = "forkserver" in multiprocessing.get_all_start_methods()
+        context: Any = multiprocessing.get_context("forkserver" if can_fork else "spawn")
+        if can_fork:
+            context.set_forkserver_preload([__package__ + ".sweep"])
+        return ProcessPoolExecutor(number, mp_context=context)
 
     return Engine(f"{number} processes", lambda: _closing(start))
-
-
-def _fresh_processes() -> Any:
-    """Not forked from this process and its threads, but, where that exists, from one that imports once."""
-    if "forkserver" not in multiprocessing.get_all_start_methods():
-        return multiprocessing.get_context("spawn")
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([__package__ + ".sweep"])
-    return context
 
 
 @contextmanager
@@ -89,7 +85,12 @@ def dask(address: str) -> Engine:
                 "scheduler), or correct the address."
             ) from error
         with client:
-            _require_workers(client, address)
+            try:
+                client.wait_for_workers(1, timeout=DASK_TIMEOUT)
+            except TimeoutError as error:
+                raise InputError(
+                    f"--dask {address}: the scheduler has no workers; start some (dask worker {address})."
+                ) from error
             executor = ClientExecutor(client, pure=False)
             try:
                 yield executor
@@ -101,15 +102,6 @@ def dask(address: str) -> Engine:
         return bool(executor._client.scheduler_info(n_workers=-1)["workers"])
 
     return Engine(f"Dask at {address}", connect, has_workers=has_workers)
-
-
-def _require_workers(client: Any, address: str) -> None:
-    try:
-        client.wait_for_workers(1, timeout=DASK_TIMEOUT)
-    except TimeoutError as error:
-        raise InputError(
-            f"--dask {address}: the scheduler has no workers; start some (dask worker {address})."
-        ) from error
 
 
 def mpi() -> Engine:

@@ -52,12 +52,9 @@ def joined_scene(contents: Contents) -> Any:
     mbs = container.AddSystem()
     cables = [_cable(mbs, contents, 0.1 * row) for row in range(contents.cables)]
     nodes = [int(node) for node in cables[0]["nodes"]]
-    for k in range(contents.springs):
-        _spring(mbs, nodes[-1 - k])
-    for k in range(contents.points):
-        _point(mbs, nodes[-1 - k])
-    for k in range(contents.bodies):
-        _body(mbs, nodes[-1 - k])
+    for add, number in ((_spring, contents.springs), (_point, contents.points), (_body, contents.bodies)):
+        for node in nodes[: -1 - number : -1]:
+            add(mbs, node)
     for k in range(contents.links):
         above, below = cables[k]["nodes"][-1], cables[k + 1]["nodes"][-1]
         mbs.CreateDistanceConstraint(itemNumbers=[above, below], distance=0.1)
@@ -93,23 +90,19 @@ def _spring(mbs: Any, node: int) -> None:
     mbs.AddObject(items.CartesianSpringDamper(markerNumbers=[ground, tip], stiffness=[1.0, 1.0, 0.0]))
 
 
-def _position(mbs: Any, node: int) -> list[float]:
-    return [*mbs.GetNode(node)["referenceCoordinates"][:2], 0.0]
-
-
 def _tie(mbs: Any, node: int, marker: Any) -> None:
     tip = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))
     mbs.AddObject(items.SphericalJoint(markerNumbers=[tip, marker], constrainedAxes=[1, 1, 0]))
 
 
 def _point(mbs: Any, node: int) -> None:
-    point = mbs.CreateMassPoint(mass=0.01, referencePosition=_position(mbs, node), gravity=GRAVITY)
+    x, y = mbs.GetNode(node)["referenceCoordinates"][:2]
+    point = mbs.CreateMassPoint(mass=0.01, referencePosition=[x, y, 0.0], gravity=GRAVITY)
     _tie(mbs, node, mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=point)))
 
 
 def _body(mbs: Any, node: int) -> None:
-    x, y, z = _position(mbs, node)
-    body = mbs.CreateRigidBody(
-        inertia=items.InertiaCuboid(80.0, [SIZE] * 3), referencePosition=[x, y - SIZE, z], gravity=GRAVITY
-    )
+    x, y = mbs.GetNode(node)["referenceCoordinates"][:2]
+    inertia, position = items.InertiaCuboid(80.0, [SIZE] * 3), [x, y - SIZE, 0.0]
+    body = mbs.CreateRigidBody(inertia=inertia, referencePosition=position, gravity=GRAVITY)
     _tie(mbs, node, mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body, localPosition=[0.0, SIZE, 0.0])))

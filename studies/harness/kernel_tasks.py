@@ -11,7 +11,7 @@ from reference_models.conventional.model import Quadrature
 from reference_models.conventional.model import build as build_native
 from reference_models.inextensible import build
 from reference_models.model import Model, quiet_settings, silence
-from reference_models.scenes import Scene, load_scene
+from reference_models.scenes import load_scene
 from reference_models.trajectory import Array
 
 from . import inner
@@ -20,26 +20,25 @@ from .timing import Task
 
 SCENES = {2: "planar_pendulum", 3: "spatial_pendulum"}
 QUADRATURES: tuple[Quadrature, ...] = ("full", "lobatto")
+EMPTY = "empty loop"
 ZETA = 100.0
-SCALARS, LENGTH, DEPTH = 12, 64, 8
-
-
-def scene_of(dim: int) -> Scene:
-    """The pendulum in that space dimension."""
-    return load_scene(SCENES[dim])
 
 
 def native_tasks(dim: int, elements: int) -> dict[str, Task]:
-    """Quadrature -> C++ calls of ComputeODE2RHS in a tight loop."""
+    """Quadrature -> C++ calls of ComputeODE2RHS in a tight loop; and that loop, empty."""
 
     def task(times: int, model: Model, solver: Any) -> None:
         mbs, compute = model.mbs, solver.ComputeODE2RHS
         for _ in range(times):
             compute(mbs)
 
-    tasks = {}
+    def empty(times: int) -> None:
+        for _ in range(times):
+            pass
+
+    tasks: dict[str, Task] = {EMPTY: empty}
     for quadrature in QUADRATURES:
-        model = build_native(scene_of(dim), elements, quadrature)
+        model = build_native(load_scene(SCENES[dim]), elements, quadrature)
         solver = exudyn.MainSolverImplicitSecondOrder()
         with silence():
             solver.InitializeSolver(model.mbs, quiet_settings(1.0, 1000))
@@ -47,14 +46,9 @@ def native_tasks(dim: int, elements: int) -> dict[str, Task]:
     return tasks
 
 
-def empty_task(times: int) -> None:
-    for _ in range(times):
-        pass
-
-
 def steps_task(dim: int, elements: int, integrator: str, name: str) -> tuple[Task, float]:
     """Steps from the start of the motion; and their size [s], half of the stability limit."""
-    model = build(scene_of(dim), elements, name)
+    model = build(load_scene(SCENES[dim]), elements, name)
     settings = ExplicitSettings(integrator, massScaling=0.0)
     limit = ExplicitStepper(model.mbs, settings).bounds.stability_limit
     stepper = ExplicitStepper(model.mbs, settings, stepSize=0.5 * limit)
@@ -68,7 +62,7 @@ def steps_task(dim: int, elements: int, integrator: str, name: str) -> tuple[Tas
 
 def moving_state(dim: int, elements: int, name: str, time: float = 0.1) -> tuple[Any, Any, Any, Any]:
     """Cable, external force, q and v after that time [s]."""
-    model = build(scene_of(dim), elements, name)
+    model = build(load_scene(SCENES[dim]), elements, name)
     stepper = ExplicitStepper(model.mbs, interval=time, duration=time)
     stepper.Start()
     stepper.Step()
@@ -164,7 +158,4 @@ PROCESSOR_TASKS: dict[str, Task] = {
     "scalar multiply-adds": lambda times: scalar_multiply_adds(1000 * times, 0.999, 1e-3),
     "vector multiply-adds": lambda times: vector_multiply_adds(100 * times, 0.999, 1e-3),
 }
-MULTIPLY_ADDS = {
-    "scalar multiply-adds": 1000 * SCALARS,
-    "vector multiply-adds": 100 * LENGTH * DEPTH,
-}
+MULTIPLY_ADDS = {"scalar multiply-adds": 1000 * 12, "vector multiply-adds": 100 * 64 * 8}

@@ -10,7 +10,7 @@ from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case, Trajectory
 
 from .cases import compiled_case, explicit_case
-from .ratios import Comparison, Ratio, paper_ratios
+from .ratios import Comparison, Ratio, time_ratio
 from .reference import ReferenceOf, ReferenceSolution, from_data, interpolation_error
 from .store import Row
 from .study import Order, Results, Study, announce
@@ -153,7 +153,13 @@ class PaperTable:
 
     def ratios(self, results: Results) -> list[Ratio]:
         """At the paper's settings beside the paper's, then best against best."""
-        found = paper_ratios(results.rows, self.paper.get("cpuSeconds", {}), self.proposed)
+        seconds = self.paper.get("cpuSeconds", {})
+        rows = {row["label"]: row for row in results.rows}
+        found = [
+            Ratio(label, there / seconds[self.proposed], time_ratio(rows.get(label), rows.get(self.proposed)))
+            for label, there in seconds.items()
+            if label != self.proposed
+        ]
         return found + [ratio for one in self.comparisons for ratio in one.ratios(results.rows)]
 
     def study(

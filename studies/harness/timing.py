@@ -193,11 +193,8 @@ def seconds_per_time(
         return {label: [1.0] * repeats for label in tasks}
     times = {label: _times_of(task, least_seconds) for label, task in tasks.items()}
     runs = {label: partial(partial, task, times[label]) for label, task in tasks.items()}
-    samples = in_turn(runs, repeats, name)
-    return {
-        label: [max(seconds, 1e-9) / times[label] for seconds in samples[label].cpu_seconds]
-        for label in tasks
-    }
+    found = in_turn(runs, repeats, name).items()
+    return {label: [max(x, 1e-9) / times[label] for x in one.cpu_seconds] for label, one in found}
 
 
 def medians(samples: Mapping[Any, list[float]]) -> dict[Any, float]:
@@ -207,16 +204,12 @@ def medians(samples: Mapping[Any, list[float]]) -> dict[Any, float]:
 
 def _times_of(task: Task, least_seconds: float) -> int:
     task(1)
-    times = 1
-    while (seconds := _seconds(task, times)) < 0.2 * least_seconds:
-        times *= 4
+    times, seconds = 1, 0.0
+    while not seconds > 0.2 * least_seconds:
+        times, start = 4 * times if seconds else times, time.process_time()
+        task(times)
+        seconds = max(time.process_time() - start, 1e-9)
     return max(1, round(times * least_seconds / seconds))
-
-
-def _seconds(task: Task, times: int) -> float:
-    start = time.process_time()
-    task(times)
-    return max(time.process_time() - start, 1e-9)
 
 
 # ---------------------------------------------------------------------------------------- garbage

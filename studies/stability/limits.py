@@ -228,53 +228,37 @@ def spectral_radius(start: Equilibrium, method: Method, h: float) -> float:
         raise ArithmeticError("the undisturbed motion diverged")
     fields = ["q", "v", *method.integrator.carries]
     steady = np.concatenate([getattr(motion.state, name) for name in fields])
-    step = _Step(motion, method, fields)
-    angle = step.turned(steady)
+    after = _one_step(motion, method, fields)
+    end = slice(start.q.size - start.q[-1].size, start.q.size - start.q[-1, 1].size)
+    before, behind = (state[end].view(complex)[0] for state in (steady, after(steady)))
+    back = before / behind * abs(behind / before)  # the turn of a step, undone
     free = np.tile(np.repeat(~start.cable.fixed[:, :, None], 2, axis=2).ravel(), len(fields))
     scale = np.repeat([1.0, 1.0 / h, 1.0 / h**2][: len(fields)], start.q.size)
     columns = []
     for place in np.flatnonzero(free):
         unit = np.zeros(len(steady))
         unit[place] = DIFFERENCE * scale[place]
-        change = step.take(steady + unit, angle) - step.take(steady - unit, angle)
+        change = (back * (after(steady + unit) - after(steady - unit)).view(complex)).view(float)
         columns.append((change / (2.0 * DIFFERENCE * scale))[free])
     return float(np.abs(np.linalg.eigvals(np.array(columns))).max())
 
 
-class _Step:
+def _one_step(motion: Motion, method: Method, fields: list[str]) -> Callable[[Array], Array]:
     """One step as a function of everything that it starts from."""
+    state, system, integrator = motion.state, motion.system, method.integrator
+    parameters: Any = _TIGHT if isinstance(method.parameters, Rattle) else method.parameters
+    stages = len(integrator.stages)
+    loads = no_loads(len(motion.external), stages)._replace(constant=motion.external)
 
-    def __init__(self, motion: Motion, method: Method, fields: list[str]) -> None:
-        self._motion, self._fields = motion, fields
-        self._integrator = method.integrator
-        is_rattle = isinstance(method.parameters, Rattle)
-        self._parameters: Any = _TIGHT if is_rattle else method.parameters
-        stages = len(self._integrator.stages)
-        self._loads = no_loads(len(motion.external), stages)._replace(constant=motion.external)
-
-    def _after(self, given: Array) -> Array:
-        state, system = self._motion.state, self._motion.system
-        parts = np.split(given, len(self._fields))
+    def after(given: Array) -> Array:
+        parts = np.split(given, len(fields))
         state.q[:], state.v[:] = parts[:2]
-        self._integrator.start(system, self._motion.external, state)
-        for name, part in zip(self._fields, parts, strict=True):
+        integrator.start(system, motion.external, state)
+        for name, part in zip(fields, parts, strict=True):
             getattr(state, name)[:] = part
         for records in (system.chain.nodes, system.chain.elements):
             records["foresight"] = 0.0
-        history = np.zeros((1, 3, state.q.size))
-        record(self._parameters, system, self._loads, state, self._motion.h, 1, history)
-        return np.concatenate([getattr(state, name) for name in self._fields])
+        record(parameters, system, loads, state, motion.h, 1, np.zeros((1, 3, state.q.size)))
+        return np.concatenate([getattr(state, name) for name in fields])
 
-    def turned(self, given: Array) -> float:
-        """Angle of a step [rad]."""
-        pairs = [given, self._after(given)]
-        shape = self._motion.q.shape
-        ends = [pair[: self._motion.q.size].reshape(shape)[-1, 0] for pair in pairs]
-        return math.atan2(ends[1][1], ends[1][0]) - math.atan2(ends[0][1], ends[0][0])
-
-    def take(self, given: Array, angle: float) -> Array:
-        """The state after a step, turned back by the angle."""
-        cosine, sine = math.cos(angle), math.sin(angle)
-        back = np.array([[cosine, sine], [-sine, cosine]])
-        vectors: Array = self._after(given).reshape(-1, 2) @ back.T
-        return vectors.ravel()
+    return after
