@@ -161,20 +161,19 @@ def conclude(results: Results) -> list[str]:
         "A cable in the ensemble costs at most {costRatio:.2f} of a cable alone (N = {elements}, {endTime:g} "
         "s, {label}); the bar of 1 is ".format_map(dearest)
         + f"{judged(dearest['costRatio'], 1.0, results.noise)}.",
-        *(_gain_sentence(own, results.noise) for _, own in sorted(groups(rows, "endTime").items())),
+        *(_gain(end, own, results.noise) for end, own in sorted(groups(rows, "endTime").items())),
         "Alone, in the ensemble, and on any number of cores, the motions are "
         + ("equal bit for bit." if all(row["isEqual"] for row in rows) else "NOT EQUAL."),
     ]
 
 
-def _gain_sentence(rows: Sequence[Row], noise: float) -> str:
+def _gain(end_time: float, rows: Sequence[Row], noise: float) -> str:
     """What all cores do in motions of one length."""
-    cores, motions = rows[0]["cores"], f"Motions of {rows[0]['endTime']:g} s:"
+    motions, cores = f"Motions of {end_time:g} s:", rows[0]["cores"]
     measured = [row for row in rows if row["gain"] is not None]
     if not measured:
         return f"{motions} no round in which all {cores} cores were free, no gain measured."
-    slowest = min(measured, key=lambda row: float(row["gain"]))
-    bar = GAIN_PER_CORE * cores
+    slowest, bar = min(measured, key=lambda row: float(row["gain"])), GAIN_PER_CORE * cores
     return (
         f"{motions} {cores} cores do at least {slowest['gain']:.2f} times as much as one ("
         f"N = {slowest['elements']}, {slowest['label']}); the bar of {bar:g} is "

@@ -91,9 +91,8 @@ def draw_snapshots(path: Path, scene: Scene) -> Path:
     model = solved(every_node, Inextensible(elements, ExplicitSettings(stepSize=2.5e-4, massScaling=0.3)))
     runs = [sensor_trajectory(model, str(k % elements)) for k in range(elements + 1)]
     with new_figure(path, 9.0, 9.0) as figure:
-        for axes, time in zip(
-            figure.subplots(3, 3, sharex=True, sharey=True).flat, SNAPSHOT_TIMES, strict=True
-        ):
+        all_axes = figure.subplots(3, 3, sharex=True, sharey=True).flat
+        for axes, time in zip(all_axes, SNAPSHOT_TIMES, strict=True):
             for moment, color, style in ((0.0, REFERENCE_COLOR, "--"), (time, COLORS[0], "-")):
                 if time <= scene.end_time + 1e-9:
                     nodes = [run.positions[np.argmin(np.abs(run.times - moment)), :2] for run in runs]

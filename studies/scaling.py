@@ -132,27 +132,32 @@ def _accuracy_rows(quick: bool) -> Iterator[Row]:
 def conclude(results: Results) -> list[str]:
     """Whether the bars are kept."""
     series, memory = groups(results.of_kind("cost"), "label"), results.of_kind("memory")
-    return [
-        *(_spread(rows, results.noise) for rows in series.values()),
-        *(
-            "{elements} elements, {label}: {peakMegabytes:.0f} MB at most, {librariesMegabytes:.0f} MB of "
-            "them libraries ({found}).".format_map(row | {"found": bar(row["peakMegabytes"], 1e-6 * MEMORY)})
-            for row in memory
-        ),
-        *(_beyond_caches(row, series[row["label"]][-1]) for row in memory),
-        *(_accuracy(row) for row in results.of_kind("accuracy")),
+    sentences = []
+    for rows in series.values():
+        most, least = largest(rows, "microseconds"), min(rows, key=lambda row: row["microseconds"])
+        ratio = most["microseconds"] / least["microseconds"]
+        sentences.append(
+            "{label}: {microseconds:.3f} us per element and step (N = {elements}) to ".format_map(least)
+            + "{microseconds:.3f} us (N = {elements}), a factor of ".format_map(most)
+            + f"{ratio:.2f} ({bar(ratio, SPREAD, results.noise)}); "
+            f"{1e6 * rows[-1]['megabytes'] / rows[-1]['elements']:.0f} bytes an element."
+        )
+    sentences += [
+        "{elements} elements, {label}: {peakMegabytes:.0f} MB at most, {librariesMegabytes:.0f} MB of "
+        "them libraries ({found}).".format_map(row | {"found": bar(row["peakMegabytes"], 1e-6 * MEMORY)})
+        for row in memory
     ]
-
-
-def _spread(rows: list[Row], noise: float) -> str:
-    most, least = largest(rows, "microseconds"), min(rows, key=lambda row: row["microseconds"])
-    ratio = most["microseconds"] / least["microseconds"]
-    return (
-        "{label}: {microseconds:.3f} us per element and step (N = {elements}) to ".format_map(least)
-        + "{microseconds:.3f} us (N = {elements}), a factor of ".format_map(most)
-        + f"{ratio:.2f} ({bar(ratio, SPREAD, noise)}); "
-        f"{1e6 * rows[-1]['megabytes'] / rows[-1]['elements']:.0f} bytes an element."
+    sentences += [_beyond_caches(row, series[row["label"]][-1]) for row in memory]
+    measured = (
+        "{label}, h = {stepSize:g} s: {errorMax:.1e} m off over {motion:g} s ({found}), {realTime:.3g} "
+        "times real time."
     )
+    return sentences + [
+        "{label}: {status}.".format_map(row)
+        if row["errorMax"] is None
+        else measured.format_map(row | {"found": bar(row["errorMax"], ERROR)})
+        for row in results.of_kind("accuracy")
+    ]
 
 
 def _beyond_caches(row: Row, longest: Row) -> str:
@@ -162,15 +167,6 @@ def _beyond_caches(row: Row, longest: Row) -> str:
     return (
         f"{row['label']}: an element's step costs {ratio:.2f} times as much at N = {row['elements']} "
         f"({megabytes:.0f} MB) as at N = {longest['elements']} ({longest['megabytes']:.1f} MB)."
-    )
-
-
-def _accuracy(row: Row) -> str:
-    if row["errorMax"] is None:
-        return f"{row['label']}: {row['status']}."
-    return (
-        "{label}, h = {stepSize:g} s: {errorMax:.1e} m off over {motion:g} s ({found}), {realTime:.3g} "
-        "times real time.".format_map(row | {"found": bar(row["errorMax"], ERROR)})
     )
 
 

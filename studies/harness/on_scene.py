@@ -5,7 +5,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from reference_models.conventional.cases import largest_step_case, native_case
-from reference_models.conventional.settings import Newton
+from reference_models.conventional.settings import Implicit, Newton
+from reference_models.conventional.zhai import zhai_case
+from reference_models.inextensible import Inextensible, inextensible_case
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case, Trajectory
 
@@ -109,6 +111,21 @@ ROWS = Table(
 
 
 EACH_STEP: Newton = "modifiedEachStep"
+
+
+def of_pendulum(
+    labels: Sequence[str], implicit_step: float, proposed: Inextensible
+) -> Callable[[Scene, bool], list[Case]]:
+    """The columns of Tables 1 and 2: implicit, with Exudyn's defaults; explicit; proposed.
+
+    labels: of these.   implicit_step: [s].
+    """
+    defaults = Implicit(implicit_step, newton="modified", linear_solver="dense", relative_tolerance=1e-8)
+    return lambda scene, quick: [
+        native_case(scene, 10, defaults, label=labels[0]),
+        zhai_case(scene, 10, 2e-5, label=labels[1]),
+        inextensible_case(scene, proposed, label=labels[2]),
+    ]
 
 
 @dataclass(frozen=True)

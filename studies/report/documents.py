@@ -158,22 +158,14 @@ def read(path: Path) -> Document:
             f"'{path}' cannot be read ({error}): remove it, or run its study again (python -m studies run "
             f"{path.stem})."
         ) from error
-    if not _is_document(found):
+    forms = {"study": str, "quick": bool, "machine": dict, "versions": dict, "rows": list}
+    has_form = isinstance(found, dict) and all(isinstance(found.get(key), one) for key, one in forms.items())
+    if not (has_form and all(isinstance(row, dict) for row in found["rows"])):
         raise InputError(
             f"'{path}' is not the result of a study (it needs study, quick, machine, versions, rows): remove "
             "it, or choose another folder."
         )
     return dict(found)
-
-
-def _is_document(found: Any) -> bool:
-    """Whether it has what the document of any study has, and in the right form."""
-    forms = {"study": str, "quick": bool, "machine": dict, "versions": dict, "rows": list}
-    return (
-        isinstance(found, dict)
-        and all(isinstance(found.get(key), form) for key, form in forms.items())
-        and all(isinstance(row, dict) for row in found["rows"])
-    )
 
 
 def code_of(document: Document) -> dict[str, Any]:
@@ -215,8 +207,18 @@ def read_earlier(given: Sequence[Path], quick: bool) -> dict[str, Document]:
     for path in given:
         if not path.exists():
             raise InputError(f"--compare '{path}': there is no such folder or file.")
-        documents = _of_folder(path, quick) if path.is_dir() else [_document(path)]
-        own = {one["study"]: one for one in documents if one and one["quick"] == quick}
+        folders = [path, path / QUICK_FOLDER] if quick else [path]
+        files = [file for folder in folders for file in sorted(folder.glob("*.json"))]
+        own = {}
+        for file in files if path.is_dir() else [path]:
+            try:
+                document = read(file)
+            except InputError as error:
+                if error.__cause__ and file.suffix == ".json":
+                    raise
+                continue  # of another kind, in the same folder
+            if document["quick"] == quick:
+                own[document["study"]] = document
         if not own:
             raise InputError(
                 f"--compare '{path}' holds no results of {MODES[quick]} runs, and only equal modes compare: "
@@ -225,19 +227,3 @@ def read_earlier(given: Sequence[Path], quick: bool) -> dict[str, Document]:
             )
         found |= own
     return found
-
-
-def _of_folder(folder: Path, quick: bool) -> list[Document | None]:
-    """From the folder itself, and before it from its folder of quick results."""
-    places = (folder, folder / QUICK_FOLDER) if quick else (folder,)
-    return [_document(path) for place in places for path in sorted(place.glob("*.json"))]
-
-
-def _document(path: Path) -> Document | None:
-    """None for files of another kind that lie in the same folder."""
-    try:
-        return read(path)
-    except InputError as error:
-        if isinstance(error.__cause__, Exception) and path.suffix == ".json":
-            raise
-        return None
