@@ -2,8 +2,7 @@
 
 from .store import Row
 from .study import Order, Results, Study, announce
-from .table import Table, TextTable, column, groups, largest, number
-from .verdict import UNDECIDED, at_most, judged, verdict
+from .table import UNDECIDED, Table, TextTable, at_most, column, groups, judged, largest, number, verdict
 
 __all__ = [
     "UNDECIDED", "Order", "Results", "Row", "Study", "Table", "TextTable", "announce", "at_most", "column",

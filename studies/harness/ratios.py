@@ -7,8 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from .store import Row
-from .table import TextTable, number
-from .verdict import at_most, judged, timing_noise
+from .table import TextTable, at_most, judged, number, timing_noise
 
 CONVENTIONAL, INEXTENSIBLE = "conventional", "inextensible"
 HEADER = ("CPU time over that of the inextensible cable", "paper", "here")

@@ -13,8 +13,7 @@ from .engines import Options
 from .provenance import machine, present_code
 from .ratios import Ratio, ratio_sentences, ratio_tables
 from .store import Row, prepare_directory, write_json, write_text
-from .table import Table, TextTable
-from .verdict import timing_noise
+from .table import Table, TextTable, timing_noise
 
 Document = dict[str, Any]
 
