@@ -30,7 +30,7 @@ from pathlib import Path
 
 import numpy as np
 
-from .harness import UNDECIDED, Order, Results, Row, Study, Table, at_most, column, judged, largest
+from .harness import UNDECIDED, Order, Results, Row, Study, at_most, column, judged, largest, tables
 from .harness import kernel_tasks as of
 from .harness.operations import count_operations
 from .harness.plot import COLORS, label_axes, new_figure
@@ -182,27 +182,21 @@ def draw(results: Results, directory: Path) -> list[Path]:
     return [path, directory / "kernel_shares.png"]
 
 
-TABLES = (
-    Table(
-        "ratio",
-        "Microseconds, and ratios to one native ComputeODE2RHS:",
-        "what: label | N: elements | curvature: curvatureMeasure | time [us]: microseconds | "
-        "native [us]: nativeMicroseconds | ratio | ratio, Lobatto: ratioLobatto | bar",
-    ),
-    Table(
-        "share",
-        "Shares of one step (parts timed alone; the update is what is left):",
-        "step: label | N: elements | h [s]: stepSize | time [us]: microseconds | assembly | "
-        "factorisation | substitution | update",
-    ),
-    Table("machine", "Multiply-adds of one core:", "kind: label | [1/ns]: perNanosecond"),
-    Table(
-        "floor",
-        "Operations of one step, and the time that they take at least:",
-        "step: label | N: elements | additions: add | multiplications: multiply | "
-        "divisions: divide | roots: root | all, an element: perElement | time [us]: microseconds | "
-        "floor, one by one [us]: scalarFloor | floor, vectors [us]: vectorFloor",
-    ),
+TABLES = tables(
+    """
+    ratio: Microseconds, and ratios to one native ComputeODE2RHS:
+        what: label | N: elements | curvature: curvatureMeasure | time [us]: microseconds |
+        native [us]: nativeMicroseconds | ratio | ratio, Lobatto: ratioLobatto | bar
+    share: Shares of one step (parts timed alone; the update is what is left):
+        step: label | N: elements | h [s]: stepSize | time [us]: microseconds | assembly | factorisation |
+        substitution | update
+    machine: Multiply-adds of one core:
+        kind: label | [1/ns]: perNanosecond
+    floor: Operations of one step, and the time that they take at least:
+        step: label | N: elements | additions: add | multiplications: multiply | divisions: divide |
+        roots: root | all, an element: perElement | time [us]: microseconds |
+        floor, one by one [us]: scalarFloor | floor, vectors [us]: vectorFloor
+    """
 )
 
 QUESTION = "What does one inextensible step cost against one native evaluation of as many elements?"

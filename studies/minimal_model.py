@@ -33,7 +33,7 @@ from reference_models.inextensible import Inextensible, inextensible_case
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case
 
-from .harness import Results, Row, Study, Table, column, groups, number
+from .harness import Results, Row, Study, column, groups, number, tables
 from .harness.cases import failing_case, unguarded
 from .harness.dense_pendulum import dense_cases, run_dense
 from .harness.plot import COLORS, label_axes, new_figure
@@ -271,25 +271,19 @@ def draw(results: Results, directory: Path) -> list[Path]:
     return [path]
 
 
-TABLES = (
-    Table(
-        "summary",
-        "What may be left out when (error within a tenth of the base's, or not to be told from it):",
-        "change | verdict | harmless on: harmless | not on: elsewhere | CPU ratio: costRatio",
-        summary_of,
-    ),
-    Table(
-        "change",
-        "One change at a time:",
-        "change: label | scene | base error [m]: baseError | error [m]: error | "
-        "error ratio: errorRatio | base h [s]: baseStep | h [s]: stepSize | "
-        "base CPU [s]: baseSeconds | CPU [s]: seconds | CPU ratio: costRatio | outcome | status",
-    ),
-    Table(
-        "dense",
-        "Dense variants of the planar pendulum (RK4, no times):",
-        "variant: label | N: elements | error [m]: error | stretch of slopes [-]: stretch | outcome | status",
-    ),
+TABLES = tables(
+    """
+    summary: What may be left out when (error within a tenth of the base's, or not to be told from it):
+        change | verdict | harmless on: harmless | not on: elsewhere | CPU ratio: costRatio
+    change: One change at a time:
+        change: label | scene | base error [m]: baseError | error [m]: error | error ratio: errorRatio |
+        base h [s]: baseStep | h [s]: stepSize | base CPU [s]: baseSeconds | CPU [s]: seconds |
+        CPU ratio: costRatio | outcome | status
+    dense: Dense variants of the planar pendulum (RK4, no times):
+        variant: label | N: elements | error [m]: error | stretch of slopes [-]: stretch | outcome |
+        status
+    """,
+    summary=summary_of,
 )
 
 QUESTION = "What may be left out of the model when, and what does that save?"

@@ -34,7 +34,7 @@ from exudyn_inext import ExplicitSettings, InextensibleError, SolveExplicit
 from reference_models.model import quiet_settings, silence
 from reference_models.trajectory import Array
 
-from .harness import Order, Results, Row, Study, Table, column, groups, verdict
+from .harness import Order, Results, Row, Study, column, groups, tables, verdict
 from .harness.inner import choose_step
 from .robust.scenes import Rope, build, build_native, lone_rope, mixed_rope, moved
 
@@ -186,20 +186,16 @@ def conclude(results: Results) -> list[str]:
     return said
 
 
-TABLES = (
-    Table(
-        "own",
-        "Random scenes over 1.5 s:",
-        "solver: kind | scenes: partner | number | failures | share within 1 %: accurate | "
-        "median error: median | CPU, median [s]: cpuMedian | CPU, largest [s]: cpuLargest",
-        _summary,
-    ),
-    Table(
-        "own",
-        "Runs that did not end:",
-        "solver: kind | scene: partner | seed | N: elements | why: failure",
-        lambda results: _failed(results.rows),
-    ),
+TABLES = tables(
+    """
+    summary: Random scenes over 1.5 s:
+        solver: kind | scenes: partner | number | failures | share within 1 %: accurate |
+        median error: median | CPU, median [s]: cpuMedian | CPU, largest [s]: cpuLargest
+    lost: Runs that did not end:
+        solver: kind | scene: partner | seed | N: elements | why: failure
+    """,
+    summary=_summary,
+    lost=lambda results: _failed(results.rows),
 )
 
 QUESTION = "Does every run end at default settings, how accurate is it, and what does it cost?"

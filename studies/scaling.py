@@ -31,7 +31,7 @@ from exudyn_inext import ExplicitSettings, ExplicitStepper
 from reference_models.inextensible import build
 from reference_models.scenes import Scene, load_scene
 
-from .harness import Order, Results, Row, Study, Table, groups, judged, largest
+from .harness import Order, Results, Row, Study, groups, judged, largest, tables
 from .harness.cases import stepper_case
 from .harness.inner import element_type, node_type
 from .harness.memory import memory_of
@@ -180,26 +180,18 @@ def draw(results: Results, directory: Path) -> list[Path]:
     return [chart(directory / "scaling_cost.png", panel, columns=3)]
 
 
-TABLES = (
-    Table(
-        "cost",
-        "CPU time per element and step, and the memory that a step goes through:",
-        "chain: label | N: elements | us/(N step): microseconds | memory of a step [MB]: megabytes",
-    ),
-    Table(
-        "memory",
-        "Resident memory of a long cable:",
-        "chain: label | N: elements | libraries [MB]: librariesMegabytes | "
-        "with model [MB]: modelMegabytes | peak [MB]: peakMegabytes | start [s]: startSeconds | "
-        "us/(N step): microseconds",
-    ),
-    Table(
-        "accuracy",
-        "Planar pendulum with mass scaling 0.3 at h = 2e-3 s:",
-        "run: label | N: elements | motion [s]: motion | CPU [s]: cpuSeconds | "
-        "us/(N step): microseconds | times real time: realTime | error max [m]: errorMax | "
-        "error rms [m]: errorRms",
-    ),
+TABLES = tables(
+    """
+    cost: CPU time per element and step, and the memory that a step goes through:
+        chain: label | N: elements | us/(N step): microseconds | memory of a step [MB]: megabytes
+    memory: Resident memory of a long cable:
+        chain: label | N: elements | libraries [MB]: librariesMegabytes |
+        with model [MB]: modelMegabytes | peak [MB]: peakMegabytes | start [s]: startSeconds |
+        us/(N step): microseconds
+    accuracy: Planar pendulum with mass scaling 0.3 at h = 2e-3 s:
+        run: label | N: elements | motion [s]: motion | CPU [s]: cpuSeconds | us/(N step): microseconds |
+        times real time: realTime | error max [m]: errorMax | error rms [m]: errorRms
+    """
 )
 
 QUESTION = "Does an element cost the same in short and in very long cables?"

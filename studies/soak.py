@@ -30,7 +30,7 @@ from tqdm import tqdm
 
 from exudyn_inext import ExplicitSettings, ExplicitStepper
 
-from .harness import Order, Results, Row, Study, Table, inner, judged
+from .harness import Order, Results, Row, Study, inner, judged, tables
 from .harness.joined_scenes import GRAVITY, Contents, joined_scene
 from .harness.memory import KINDS, memory_of_scenes
 from .harness.plot import COLORS, REFERENCE_COLOR, Curve, Panel, chart
@@ -177,19 +177,15 @@ def draw(results: Results, directory: Path) -> list[Path]:
     return [chart(directory / "soak.png", *panels, width=10.0)]
 
 
-TABLES = (
-    Table(
-        "run",
-        "Planar pendulum, RATTLE; energies over the swing, the largest kinetic energy:",
-        "run: label | steps | motion [h]: hours | CPU [s]: cpuSeconds | energy varies by: range | "
-        "its mean drifts by: drift | violation | of rates [1/s]: rate",
-    ),
-    Table(
-        "memory",
-        "Resident memory of a process that builds, runs and drops scenes:",
-        "way of the run: label | scenes | first [MB]: firstMegabytes | last [MB]: lastMegabytes | "
-        "kB a scene: kilobytesAScene | growth [%]: growthPercent",
-    ),
+TABLES = tables(
+    """
+    run: Planar pendulum, RATTLE; energies over the swing, the largest kinetic energy:
+        run: label | steps | motion [h]: hours | CPU [s]: cpuSeconds | energy varies by: range |
+        its mean drifts by: drift | violation | of rates [1/s]: rate
+    memory: Resident memory of a process that builds, runs and drops scenes:
+        way of the run: label | scenes | first [MB]: firstMegabytes | last [MB]: lastMegabytes |
+        kB a scene: kilobytesAScene | growth [%]: growthPercent
+    """
 )
 
 QUESTION = "Do energy, constraints and memory stay where they are over long runs and many scenes?"

@@ -2,9 +2,21 @@
 
 from .store import Row
 from .study import Order, Results, Study, announce
-from .table import UNDECIDED, Table, TextTable, at_most, column, groups, judged, largest, number, verdict
+from .table import (
+    UNDECIDED,
+    Table,
+    TextTable,
+    at_most,
+    column,
+    groups,
+    judged,
+    largest,
+    number,
+    tables,
+    verdict,
+)
 
 __all__ = [
     "UNDECIDED", "Order", "Results", "Row", "Study", "Table", "TextTable", "announce", "at_most", "column",
-    "groups", "judged", "largest", "number", "verdict",
+    "groups", "judged", "largest", "number", "tables", "verdict",
 ]  # fmt: skip

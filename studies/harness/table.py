@@ -3,8 +3,10 @@
 There is no verdict where the measurement cannot tell.
 """
 
+import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from textwrap import dedent
 from typing import Any
 
 from .store import Row
@@ -45,6 +47,19 @@ class Table:
         keys = [key for _, _, key in columns]
         lines = [[cell(row.get(key)) for key in keys] for row in rows]
         return TextTable(self.title, [header or key for header, _, key in columns], lines)
+
+
+def tables(text: str, **rows: Callable[[Any], Sequence[Row]]) -> list[Table]:
+    """Tables of lines "kind: title", each followed by indented lines of columns.
+
+    rows: kind -> computes its rows, as in `Table`.
+    """
+    found = []
+    for block in re.split(r"\n(?=\S)", dedent(text).strip()):
+        head, *columns = block.split("\n")
+        kind, _, title = head.partition(": ")
+        found.append(Table(kind, title, " ".join(map(str.strip, columns)), rows.get(kind)))
+    return found
 
 
 def markdown_table(header: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
