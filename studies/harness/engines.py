@@ -46,17 +46,17 @@ def processes(workers: int | None = None) -> Engine:
             context.set_forkserver_preload([__package__ + ".sweep"])
         return ProcessPoolExecutor(number, mp_context=context)
 
-    return Engine(f"{number} processes", lambda: _closing(start))
+    return Engine(f"{number} processes", lambda: _closing(start, cancel_futures=True))
 
 
 @contextmanager
-def _closing(start: Callable[[], Executor]) -> Iterator[Executor]:
-    """Whoever leaves early does not wait for cases that have not begun."""
+def _closing(start: Callable[[], Executor], **leaving: bool) -> Iterator[Executor]:
+    """Whoever leaves early does not wait for cases that have not begun.   leaving: how that is asked for."""
     executor = start()
     try:
         yield executor
     except BaseException:
-        executor.shutdown(wait=False, cancel_futures=True)
+        executor.shutdown(wait=False, **leaving)
         raise
     executor.shutdown()
 
@@ -91,12 +91,8 @@ def dask(address: str) -> Engine:
                 raise InputError(
                     f"--dask {address}: the scheduler has no workers; start some (dask worker {address})."
                 ) from error
-            executor = ClientExecutor(client, pure=False)
-            try:
+            with _closing(lambda: ClientExecutor(client, pure=False)) as executor:
                 yield executor
-            except BaseException:
-                executor.shutdown(wait=False)
-                raise
 
     def has_workers(executor: Any) -> bool:
         return bool(executor._client.scheduler_info(n_workers=-1)["workers"])
@@ -117,7 +113,7 @@ def mpi() -> Engine:
             f"--mpi: {error}; pip install mpi4py and an MPI (pip install mpich), then: mpiexec -n 3 "
             "python -m mpi4py.futures -m studies run NAME --mpi."
         ) from error
-    return Engine("MPI", lambda: _closing(MPIPoolExecutor))
+    return Engine("MPI", lambda: _closing(MPIPoolExecutor, cancel_futures=True))
 
 
 @dataclass(frozen=True)
