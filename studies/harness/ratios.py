@@ -126,7 +126,7 @@ def ratio_sentences(found: Sequence[Ratio], quick: bool) -> list[str]:
     tuned = [(here, what) for what, paper, here in measured if paper is None]
     if quick or not tuned:
         return sentences
-    closest, what = min(tuned)
+    closest, what = min(tuned, key=lambda one: one[0])
     verdict = judged(1.0, closest, 1.0, "is always cheaper", "is NOT always cheaper")
     equal = (
         f"At equal accuracy, the inextensible cable {verdict}: the closest of {len(tuned)} comparisons is "
