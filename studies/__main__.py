@@ -24,14 +24,7 @@ def _parser() -> argparse.ArgumentParser:
     one.add_argument("name", help="as shown by 'list'")
     one.add_argument("--quick", action="store_true", help="a short motion and few, cheap cases")
     one.add_argument("--output", type=Path, default=Path("results"), help="default: results")
-    _add_sweep_options(
-        one.add_argument_group("studies that sweep over many cases, and resume where they were")
-    )
-    add_options(commands.add_parser("report", help="everything measured, as one Markdown and one HTML page"))
-    return parser
-
-
-def _add_sweep_options(group: argparse._ArgumentGroup) -> None:
+    group = one.add_argument_group("studies that sweep over many cases, and resume where they were")
     group.add_argument("--workers", type=int, metavar="N", help="processes; default: one a core")
     group.add_argument("--dask", metavar="ADDRESS", help="run on a Dask cluster, e.g. tcp://host:8786")
     group.add_argument(
@@ -39,6 +32,8 @@ def _add_sweep_options(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument("--fresh", action="store_true", help="discard stored cases")
     group.add_argument("--retry-failed", action="store_true", help="run failed cases again")
+    add_options(commands.add_parser("report", help="everything measured, as one Markdown and one HTML page"))
+    return parser
 
 
 def _sweep_options(given: argparse.Namespace, study: Study) -> Options:

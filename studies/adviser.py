@@ -21,8 +21,9 @@ What is left out
     Bodies and contact; budgets.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache, partial
+from itertools import product
 
 from tqdm import tqdm
 
@@ -34,11 +35,7 @@ from reference_models.model import SENSOR_PERIOD
 from reference_models.scenes import Scene
 
 from .advising.scenes import validation_scenes
-from .harness import inner
-from .harness.store import Row
-from .harness.study import Order, Results, Study
-from .harness.table import Table
-from .harness.verdict import verdict
+from .harness import Order, Results, Row, Study, Table, inner, verdict
 
 TOLERANCES = (1e-2, 3e-3, 1e-3, 3e-4)  # of the length
 FEW = AdviceSettings(numbersOfElements=(4, 6, 8))
@@ -63,34 +60,28 @@ def measure(order: Order) -> list[Row]:
     ]
 
 
-def _rows_of(scene: Scene, tolerances: Sequence[float]) -> list[Row]:
+def _rows_of(scene: Scene, tolerances: Sequence[float]) -> Iterator[Row]:
     native = builder(scene, partial(build_native, quadrature="lobatto"))
     runs = inner.PilotRuns(builder(scene, build), native, scene.end_time, SENSOR_PERIOD)
-    reference = lru_cache(partial(_reference, runs))
-    return [
-        _row(scene, share * scene.cable.length, what, settings, runs, reference)
-        for share in tolerances
-        for what, settings in (("measured", AdviceSettings()), ("few meshes", FEW))
-    ]
+    reference_of = lru_cache(partial(_reference, runs))
+    asked = (("measured", AdviceSettings()), ("few meshes", FEW))
+    for share, (what, settings) in product(tolerances, asked):
+        tolerance = share * scene.cable.length
+        row = {"kind": "advice", "label": scene.name, "what": what, "value": tolerance, "status": "ok"}
+        try:
+            advice = advise_scene(scene, tolerance, settings=settings)
+        except InextensibleError as error:
+            yield row | {"status": f"refused: {error}"}
+        else:
+            yield row | _outcome(advice, tolerance, runs, *reference_of(advice["formulation"]))
 
 
-def _row(
-    scene: Scene,
-    tolerance: float,
-    what: str,
-    settings: AdviceSettings,
-    runs: inner.PilotRuns,
-    reference_of: Callable[[str], tuple[inner.Pilot, float]],
+def _outcome(
+    advice: Row, tolerance: float, runs: inner.PilotRuns, reference: inner.Pilot, uncertainty: float
 ) -> Row:
-    row: Row = {"kind": "advice", "label": scene.name, "what": what, "value": tolerance, "status": "ok"}
-    try:
-        advice = advise_scene(scene, tolerance, settings=settings)
-    except InextensibleError as error:
-        return row | {"status": f"refused: {error}"}
-    reference, uncertainty = reference_of(advice["formulation"])
     choice = inner.Choice(*(advice[key] for key in CHOICE))
     again = runs.run(choice)
-    row |= {
+    row = {
         "choice": choice.label,
         **{key: advice[key] for key in ADVISED},
         "achievedSeconds": again.seconds,
@@ -175,10 +166,5 @@ TABLE = Table(
     "achieved CPU [s]: achievedSeconds | pilots [s]: pilotSeconds | status",
 )
 
-STUDY = Study(
-    name="adviser",
-    question="Does the adviser keep what it promises, on scenes that it was not tuned on?",
-    measure=measure,
-    tables=[TABLE],
-    conclusions=conclude,
-)
+QUESTION = "Does the adviser keep what it promises, on scenes that it was not tuned on?"
+STUDY = Study("adviser", QUESTION, measure, conclude, [TABLE])

@@ -17,96 +17,91 @@ What is left out
     damping, whose steps become ever smaller over 5 s.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from itertools import product
 from pathlib import Path
-from typing import Any
 
 from exudyn_inext import ExplicitSettings, SolveExplicit
-from reference_models.conventional.settings import Explicit, Implicit
+from reference_models.conventional.settings import Explicit, Implicit, Solver
 from reference_models.enforced import enforced_case
 from reference_models.inextensible import build
 from reference_models.model import Model, quiet_settings, sensor_trajectory, silence
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case, Trajectory
 
-from .harness.plot import COLORS, Curve, Panel, chart
+from .harness import Order, Results, Row, Study, Table, groups
+from .harness.plot import Panel, chart, curves_of
 from .harness.reference import from_data
-from .harness.store import Row
-from .harness.study import Order, Results, Study
-from .harness.table import Table, column, groups
 from .harness.timing import measure as measure_cases
 
 SCENE = load_scene("planar_pendulum")
 MICRO = 1e6
+MakeCase = Callable[[Scene, int, str, float], Case]
 PROJECTION, PENALTY, ALGEBRAIC = "projection", "penaltyMass", "algebraic"
 
-# label -> enforcement; native solver, with the step [s] for five and for ten elements
-WAYS: dict[str, tuple[str, Any, tuple[float, float]]] = {
-    "SolveExplicit, RATTLE": (PROJECTION, None, (2.5e-3, 6.25e-4)),
-    "native RK44": (PENALTY, partial(Explicit, integrator="rungeKutta44"), (2e-3, 6.25e-4)),
-    "native VelocityVerlet": (PENALTY, Explicit, (2e-4, 1e-4)),
+
+def _own(scene: Scene, elements: int, enforcement: str, h: float) -> Case:
+    """The whole call of SolveExplicit, in one step of Exudyn's loop."""
+    steps = round(scene.end_time / h)
+
+    def solve(model: Model) -> Trajectory:
+        with silence():
+            SolveExplicit(model.mbs, quiet_settings(scene.end_time, 1), ExplicitSettings(stepSize=h))
+        return sensor_trajectory(model, scene.main_point)
+
+    prepare = lambda: partial(solve, build(scene, elements))  # noqa: E731
+    return Case("own", "inextensible", "RATTLE", elements, h, steps, prepare)
+
+
+def _native(solver: Callable[[float], Solver]) -> MakeCase:
+    """Under a native solver with that step."""
+    return lambda scene, elements, enforcement, h: enforced_case(scene, elements, enforcement, solver(h))
+
+
+# label -> enforcement; makes a case; its step [s] for five and for ten elements
+WAYS: dict[str, tuple[str, MakeCase, tuple[float, float]]] = {
+    "SolveExplicit, RATTLE": (PROJECTION, _own, (2.5e-3, 6.25e-4)),
+    "native RK44": (PENALTY, _native(partial(Explicit, integrator="rungeKutta44")), (2e-3, 6.25e-4)),
+    "native VelocityVerlet": (PENALTY, _native(Explicit), (2e-4, 1e-4)),
     "generalized-alpha": (
         ALGEBRAIC,
-        partial(Implicit, relative_tolerance=1e-6, spectral_radius=0.8),
+        _native(partial(Implicit, relative_tolerance=1e-6, spectral_radius=0.8)),
         (2e-3, 1e-3),
     ),
 }
 
 
 def measure(order: Order) -> list[Row]:
-    """One row for each way and mesh."""
-    scene, meshes, repeats = (replace(SCENE, end_time=0.1), 1, 1) if order.quick else (SCENE, 2, 2)
-    cases = [_case(scene, label, mesh) for mesh in range(meshes) for label in WAYS]
-    reference = from_data(SCENE).trajectory
-    found = [measure_cases([case], repeats, reference, case.label) for case in cases]  # each by itself
-    return [_row(row) for ((row, _),) in found]
-
-
-def _case(scene: Scene, label: str, mesh: int) -> Case:
-    enforcement, solver, steps = WAYS[label]
-    elements, h = (5, 10)[mesh], steps[mesh]
-    if solver is None:
-        case = _own_case(scene, elements, h)
-    else:
-        case = enforced_case(scene, elements, enforcement, solver(h))
-    details = {"way": label, "enforcement": enforcement, "h": h}
-    return replace(case, label=f"{label}, N = {elements}", details=details)
-
-
-def _own_case(scene: Scene, elements: int, h: float) -> Case:
-    """The whole call of SolveExplicit, in one step of Exudyn's loop."""
-    steps = round(scene.end_time / h)
-    return Case(
-        "", "inextensible", "RATTLE", elements, h, steps, lambda: partial(_solve, build(scene, elements), h)
-    )
-
-
-def _solve(model: Model, h: float) -> Trajectory:
-    with silence():
-        SolveExplicit(model.mbs, quiet_settings(model.scene.end_time, 1), ExplicitSettings(stepSize=h))
-    return sensor_trajectory(model, model.scene.main_point)
-
-
-def _row(row: Row) -> Row:
-    """The best of the repeats.
+    """One row for each way and mesh, of the best of the repeats.
 
     Raises:
-        ArithmeticError: the run failed.
+        ArithmeticError: a run failed.
     """
-    if row["cpuSecondsMin"] is None:
-        raise ArithmeticError(f"{row['label']}: {row['status']}")
-    return {
-        "kind": "way",
-        "label": row["way"],
-        "enforcement": row["enforcement"],
-        "elements": row["elements"],
-        "stepSize": row["h"],
-        "steps": row["steps"],
-        "microseconds": MICRO * row["cpuSecondsMin"] / row["steps"],
-        "cpuSeconds": row["cpuSecondsMin"],
-        "errorMax": row["errorMax"],
-    }
+    scene, meshes, repeats = (replace(SCENE, end_time=0.1), 1, 1) if order.quick else (SCENE, 2, 2)
+    reference, rows = from_data(SCENE).trajectory, []
+    for mesh, label in product(range(meshes), WAYS):
+        enforcement, solver, steps = WAYS[label]
+        elements, h = (5, 10)[mesh], steps[mesh]
+        case = solver(scene, elements, enforcement, h)
+        ((row, _),) = measure_cases([case], repeats, reference, case.label)  # each by itself
+        if row["cpuSecondsMin"] is None:
+            raise ArithmeticError(f"{label}, N = {elements}: {row['status']}")
+        rows.append(
+            {
+                "kind": "way",
+                "label": label,
+                "enforcement": enforcement,
+                "elements": elements,
+                "stepSize": h,
+                "steps": row["steps"],
+                "microseconds": MICRO * row["cpuSecondsMin"] / row["steps"],
+                "cpuSeconds": row["cpuSecondsMin"],
+                "errorMax": row["errorMax"],
+            }
+        )
+    return rows
 
 
 def conclude(results: Results) -> list[str]:
@@ -124,11 +119,8 @@ def conclude(results: Results) -> list[str]:
 
 def draw(results: Results, directory: Path) -> list[Path]:
     """Error over CPU time."""
-    named = [row | {"way": "{enforcement}: {label}".format_map(row)} for row in results.of_kind("way")]
-    curves = [
-        Curve(column(rows, "cpuSeconds"), column(rows, "errorMax"), label, color)
-        for (label, rows), color in zip(groups(named, "way").items(), COLORS, strict=False)
-    ]
+    ways = groups([row | {"way": "{enforcement}: {label}".format_map(row)} for row in results.rows], "way")
+    curves = curves_of(ways, "cpuSeconds", "errorMax")
     panel = Panel("CPU time of 5 s of motion [s]", "largest error of the tip [m]", curves)
     return [chart(directory / "enforcement_cost.png", panel, width=6.4, height=4.2)]
 
@@ -140,11 +132,5 @@ TABLE = Table(
     "CPU [s]: cpuSeconds | error max [m]: errorMax",
 )
 
-STUDY = Study(
-    name="enforcement",
-    question="What do the three ways to keep a cable's length cost, and how accurate are they?",
-    measure=measure,
-    tables=[TABLE],
-    conclusions=conclude,
-    pictures=draw,
-)
+QUESTION = "What do the three ways to keep a cable's length cost, and how accurate are they?"
+STUDY = Study("enforcement", QUESTION, measure, conclude, [TABLE], draw)

@@ -39,17 +39,15 @@ from reference_models.inextensible import build
 from reference_models.model import Model, quiet_settings, silence
 from reference_models.scenes import Line, Scene, load_scene
 
-from .harness.store import Row
-from .harness.study import Order, Results, Study
-from .harness.table import Table, groups, largest
+from .harness import Order, Results, Row, Study, Table, groups, judged, largest
 from .harness.timing import in_turn
-from .harness.verdict import judged
 
 SCENE = load_scene("planar_pendulum")
 MILLI = 1e3
 GAIN_PER_CORE = 0.9  # the bar: 1.8 on two cores
 HASHED_BYTES = 2**25
 QUIET = 0.95  # share of all cores that must be free
+CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 MOST_ALONE = 100  # members that are also run alone
 
 
@@ -82,7 +80,7 @@ def measure(order: Order) -> list[Row]:
 
 def _row(case: Case, members: int, rounds: int) -> Row:
     models = [build(_scene(case, m / members), case.elements) for m in range(members)]
-    settings, cores, free = quiet_settings(case.end_time, 1), _cores(), []
+    settings, cores, free = quiet_settings(case.end_time, 1), CORES, []
     ensemble = partial(SolveEnsemble, [model.mbs for model in models], settings, case.settings)
     some = models[:: max(1, members // MOST_ALONE)]
     tasks = {
@@ -94,31 +92,33 @@ def _row(case: Case, members: int, rounds: int) -> Row:
     }
     runs = {label: partial(partial, task) for label, task in tasks.items()}
     found = in_turn(runs, rounds, f"N = {case.elements}, {case.end_time:g} s", turns=False)
+    _, alone, one, all_cores, _ = found.values()
     free_cores = [min(pair) for pair in zip(free[2::2], free[3::2], strict=True)]
-    wall = {label: one.wall_seconds for label, one in found.items()}
-    gains = [one / many for one, many in zip(wall["one core"], wall["all cores"], strict=True)]
+    gains = (np.array(one.wall_seconds) / all_cores.wall_seconds).tolist()
     quiet = [gain for gain, cores_free in zip(gains, free_cores, strict=True) if cores_free > QUIET * cores]
-    alone, together = (found["alone"].median or 0.0) / len(some), (found["one core"].median or 0.0) / members
+    cost_alone, together = (alone.median or 0.0) / len(some), (one.median or 0.0) / members
+    coordinates = one.found["coordinates"]
     return {
         "kind": "ensemble",
         "label": "each different" if case.different else "all alike",
         "members": members,
         "elements": case.elements,
         "endTime": case.end_time,
-        "integrator": found["one core"].found["integrator"],
-        "stepSize": float(found["one core"].found["stepSize"][0]),
+        "integrator": one.found["integrator"],
+        "stepSize": float(one.found["stepSize"][0]),
         "massScaling": case.settings.massScaling,
         "cores": cores,
-        "alone": MILLI * alone,
+        "alone": MILLI * cost_alone,
         "together": MILLI * together,
-        "costRatio": together / alone,
-        "wallOfAllCores": MILLI * statistics.median(wall["all cores"]) / members,
+        "costRatio": together / cost_alone,
+        "wallOfAllCores": MILLI * statistics.median(all_cores.wall_seconds) / members,
         "gain": statistics.median(quiet) if quiet else None,
         "quietRounds": len(quiet),
         "rounds": rounds,
         "gains": gains,
         "freeCores": free_cores,
-        "isEqual": _is_equal({label: one.found for label, one in found.items()}, members // len(some)),
+        "isEqual": np.array_equal(coordinates, all_cores.found["coordinates"])
+        and np.array_equal(coordinates[:: members // len(some), -1], alone.found),
     }
 
 
@@ -131,10 +131,6 @@ def _scene(case: Case, share: float) -> Scene:
     section = replace(cable.section, youngs_modulus=(0.5 + 0.5 * share) * cable.section.youngs_modulus)
     shape = Line(direction=(float(np.cos(angle)), float(np.sin(angle)), 0.0))
     return replace(scene, cable=replace(cable, section=section, shape=shape))
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _run_alone(models: list[Model], settings: Any, explicit: ExplicitSettings) -> list[Any]:
@@ -157,12 +153,6 @@ def _free_cores(cores: int) -> float:
     return min(float(cores), cores * (middle - start) / (end - middle))
 
 
-def _is_equal(results: dict[str, Any], stride: int) -> bool:
-    one, many = (results[name]["coordinates"] for name in ("one core", "all cores"))
-    alone = np.array(results["alone"])
-    return bool(np.array_equal(one, many) and np.array_equal(one[::stride, -1], alone))
-
-
 def conclude(results: Results) -> list[str]:
     """Whether the bars are kept."""
     rows = results.of_kind("ensemble")
@@ -171,20 +161,19 @@ def conclude(results: Results) -> list[str]:
         "A cable in the ensemble costs at most {costRatio:.2f} of a cable alone (N = {elements}, {endTime:g} "
         "s, {label}); the bar of 1 is ".format_map(dearest)
         + f"{judged(dearest['costRatio'], 1.0, results.noise)}.",
-        *(_gain_sentence(own, results.noise) for _, own in sorted(groups(rows, "endTime").items())),
+        *(_gain(end, own, results.noise) for end, own in sorted(groups(rows, "endTime").items())),
         "Alone, in the ensemble, and on any number of cores, the motions are "
         + ("equal bit for bit." if all(row["isEqual"] for row in rows) else "NOT EQUAL."),
     ]
 
 
-def _gain_sentence(rows: Sequence[Row], noise: float) -> str:
+def _gain(end_time: float, rows: Sequence[Row], noise: float) -> str:
     """What all cores do in motions of one length."""
-    cores, motions = rows[0]["cores"], f"Motions of {rows[0]['endTime']:g} s:"
+    motions, cores = f"Motions of {end_time:g} s:", rows[0]["cores"]
     measured = [row for row in rows if row["gain"] is not None]
     if not measured:
         return f"{motions} no round in which all {cores} cores were free, no gain measured."
-    slowest = min(measured, key=lambda row: float(row["gain"]))
-    bar = GAIN_PER_CORE * cores
+    slowest, bar = min(measured, key=lambda row: float(row["gain"])), GAIN_PER_CORE * cores
     return (
         f"{motions} {cores} cores do at least {slowest['gain']:.2f} times as much as one ("
         f"N = {slowest['elements']}, {slowest['label']}); the bar of {bar:g} is "
@@ -200,10 +189,5 @@ TABLE = Table(
     "all cores [ms]: wallOfAllCores | gain | quiet rounds: quietRounds",
 )
 
-STUDY = Study(
-    name="ensemble",
-    question="What does a pendulum cost among a thousand others, and how much do more cores do?",
-    measure=measure,
-    tables=[TABLE],
-    conclusions=conclude,
-)
+QUESTION = "What does a pendulum cost among a thousand others, and how much do more cores do?"
+STUDY = Study("ensemble", QUESTION, measure, conclude, [TABLE])

@@ -22,23 +22,214 @@ What is left out
     Combinations of changes.
 """
 
+import statistics
 from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 
+from exudyn_inext import Zhai
+from reference_models.inextensible import Inextensible, inextensible_case
+from reference_models.scenes import Scene, load_scene
+from reference_models.trajectory import Case
+
+from .harness import Results, Row, Study, column, groups, number, tables
+from .harness.cases import failing_case, unguarded
+from .harness.dense_pendulum import dense_cases, run_dense
 from .harness.plot import COLORS, label_axes, new_figure
-from .harness.store import Row
-from .harness.study import Results, Study
+from .harness.reference import ReferenceSolution
 from .harness.sweep import Sweep
-from .harness.table import Table, column, groups
-from .minimal.changes import change_cases, run_change, sentences_of, summary_of
-from .minimal.dense_system import dense_cases, run_dense
+from .harness.timing import OK, measure
+from .table3 import reference_of
+
+SCENES = {"planar_pendulum": 8, "spatial_pendulum": 8, "vibrating_ring": 16, "power_line": 16}  # elements
+PART = 0.6  # of the stability limit: what a model's own limit costs is a part of its price
+QUICK_MOTION = 0.5  # [s]
+NOT_QUICK = ("measure: product", "RK4")  # kernels of their own, which take long to compile
+REPEATS, QUICK_REPEATS = 5, 2
+
+BASE: Row = {
+    "integrator": "Zhai",
+    "zeta": 100.0,
+    "measure": "secondDerivative",
+    "lengthConstraints": None,
+    "spatial": False,
+    "projectedRate": True,
+    "corrector": False,
+    "psi": 0.5,
+}
+
+
+def changes_of(scene: Scene, elements: int) -> dict[str, Row]:
+    """Label -> what differs from the base."""
+    half = elements // 2
+    changes: dict[str, Row] = {
+        "measure: product": {"measure": "product"},
+        "n_bar = 0": {"lengthConstraints": 0},
+        "n_bar = 1": {"lengthConstraints": 1},
+        "n_bar = 2": {"lengthConstraints": 2},
+        "n_bar = N / 2": {"lengthConstraints": half},
+        "n_bar = N - 1": {"lengthConstraints": elements - 1},
+        "v_n, not the projected rate": {"projectedRate": False},
+        "zeta = 10": {"zeta": 10.0},
+        "zeta = 300": {"zeta": 300.0},
+        "corrector, psi = phi = 0": {"corrector": True, "psi": 0.0},
+        "RATTLE": {"integrator": "RATTLE"},
+        "RK4": {"integrator": "RK4"},
+        "half as many elements": {"elements": half},
+        "twice as many elements": {"elements": 2 * elements},
+    }
+    if scene.is_planar:
+        changes["3D, not 2D"] = {"spatial": True}
+    return changes
+
+
+def make_cases(quick: bool) -> list[Row]:
+    """Dense variants, and changes that are timed, each beside the base."""
+    names = ("planar_pendulum",) if quick else tuple(SCENES)
+    return [
+        *dense_cases(quick),
+        *(
+            {
+                "kind": "change",
+                "scene": name,
+                "label": label,
+                "elements": SCENES[name],
+                "change": change,
+                "motion": QUICK_MOTION if quick else load_scene(name).end_time,
+                "repeats": QUICK_REPEATS if quick else REPEATS,
+                "timed": True,
+            }
+            for name in names
+            for label, change in changes_of(load_scene(name), SCENES[name]).items()
+            if not (quick and label in NOT_QUICK)
+        ),
+    ]
+
+
+def run_change(case: Row) -> Row:
+    """Errors and CPU times of base and variant, run in turn."""
+    scene = replace(load_scene(case["scene"]), end_time=case["motion"])
+    base = {**BASE, "elements": case["elements"]}
+    cases = [_case(scene, base, "base"), _case(scene, base | case["change"], "variant")]
+    reference = _reference(case["scene"])
+    (first, _), (second, _) = measure(cases, case["repeats"], reference.trajectory)
+    return {
+        "uncertainty": reference.uncertainty,
+        "baseError": first["errorMax"],
+        "baseSeconds": first["cpuSeconds"],
+        "baseStep": first["stepSize"],
+        "baseOutcome": first["status"],
+        "error": second["errorMax"],
+        "seconds": second["cpuSeconds"],
+        "stepSize": second["stepSize"],
+        "errorRatio": _ratio(second["errorMax"], first["errorMax"]),
+        "costRatio": _ratio(second["cpuSeconds"], first["cpuSeconds"]),
+        "outcome": second["status"],
+    }
+
+
+def _ratio(value: float | None, base: float | None) -> float | None:
+    return value / base if value is not None and base else None
+
+
+def _case(scene: Scene, given: Row, label: str) -> Case:
+    """At PART of its own stability limit; one that cannot even start fails when it is run."""
+    try:
+        limits = inextensible_case(replace(scene, end_time=0.01), _model(given))
+        return inextensible_case(scene, _model(given, PART * limits.details["stepLimit"]), label)
+    except ArithmeticError as error:
+        return failing_case(label, given["integrator"], given["elements"], error)
+
+
+def _model(given: Row, step: float | None = None) -> Inextensible:
+    zhai = Zhai(given["psi"], given["psi"], given["corrector"], projected_rate=given["projectedRate"])
+    scheme = zhai if given["integrator"] == "Zhai" else None
+    return Inextensible(
+        given["elements"],
+        unguarded(given["integrator"], step, zeta=given["zeta"], scheme=scheme),
+        measure=given["measure"],
+        length_constraints=given["lengthConstraints"],
+        spatial=given["spatial"],
+    )
+
+
+@lru_cache
+def _reference(name: str) -> ReferenceSolution:
+    return reference_of(load_scene(name))
+
+
+# ------------------------------- what may be left out, where, and what that saves: over all scenes
+
+
+HARMLESS = 1.1  # error over that of the base
+CHEAPER, DEARER = 0.95, 1.05  # CPU time over that of the base
+BASE_OF_DENSE = "as in the package"
+
+
+def summary_of(results: Results) -> list[Row]:
+    """One row a change: 'change', 'verdict', 'harmless', 'elsewhere', 'costRatio' (median)."""
+    rows = [*results.of_kind("change"), *_compared(results.of_kind("dense"))]
+    return [_row(label, own) for label, own in groups(rows, "label").items()]
+
+
+def is_harmless(row: Row) -> bool:
+    """Whether the error stays that of the base, or what the reference cannot tell from it."""
+    if row.get("error") is None or row.get("baseError") is None:
+        return False
+    bound = max(HARMLESS * row["baseError"], row["baseError"] + row["uncertainty"])
+    return bool(row["error"] <= bound)
+
+
+def _compared(rows: Sequence[Row]) -> list[Row]:
+    """Dense variants, each beside the one with everything."""
+    bases = {row["elements"]: row for row in rows if row["label"] == BASE_OF_DENSE}
+    found = []
+    for row in rows:
+        base = bases.get(row["elements"], {}).get("error")
+        if row["label"] != BASE_OF_DENSE:
+            ratio = row["error"] / base if base and row.get("error") is not None else None
+            place = f"{row['scene']}, N = {row['elements']}"
+            found.append(row | {"scene": place, "baseError": base, "errorRatio": ratio})
+    return found
+
+
+def _row(label: str, own: Sequence[Row]) -> Row:
+    harmless = [row["scene"] for row in own if is_harmless(row)]
+    elsewhere = [f"{row['scene']} ({_error(row)})" for row in own if not is_harmless(row)]
+    costs = [row["costRatio"] for row in own if row.get("costRatio") is not None]
+    cost = statistics.median(costs) if costs else None
+    return {
+        "change": label,
+        "verdict": _verdict(len(harmless), len(own), cost),
+        "harmless": ", ".join(harmless) or "no scene",
+        "elsewhere": ", ".join(elsewhere) or "-",
+        "costRatio": cost,
+    }
+
+
+def _verdict(harmless: int, scenes: int, cost: float | None) -> str:
+    if not harmless:
+        return "harmful everywhere"
+    where = "harmless everywhere" if harmless == scenes else "harmless on some scenes"
+    if cost is None:
+        return f"{where}, cost not measured"
+    saves = "cheaper" if cost < CHEAPER else "dearer" if cost > DEARER else "saves nothing"
+    return f"{where}, {saves}"
+
+
+def _error(row: Row) -> str:
+    if row.get("errorRatio") is not None:
+        return f"{number(row['errorRatio'])} times the error"
+    base = row.get("baseOutcome", OK)
+    said = str(row.get("outcome", row["status"])) if base == OK else f"the base {base}"
+    return said.split(". ")[0]
+
+
+# ------------------------------------------------------------------------------------- the study
+
 
 COST_TICKS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
-
-
-def make_cases(quick: bool) -> Sequence[Row]:
-    """Dense variants and timed changes."""
-    return [*dense_cases(quick), *change_cases(quick)]
 
 
 def run_case(case: Row) -> Row:
@@ -47,8 +238,11 @@ def run_case(case: Row) -> Row:
 
 
 def conclude(results: Results) -> list[str]:
-    """What may be changed where, and what that saves."""
-    return sentences_of(summary_of(results))
+    """What may be changed where, and what that saves; verdict by verdict."""
+    return [
+        f"{verdict[0].upper()}{verdict[1:]}: {'; '.join(column(own, 'change'))}."
+        for verdict, own in groups(summary_of(results), "verdict").items()
+    ]
 
 
 def draw(results: Results, directory: Path) -> list[Path]:
@@ -77,32 +271,20 @@ def draw(results: Results, directory: Path) -> list[Path]:
     return [path]
 
 
-TABLES = (
-    Table(
-        "summary",
-        "What may be left out when (error within a tenth of the base's, or not to be told from it):",
-        "change | verdict | harmless on: harmless | not on: elsewhere | CPU ratio: costRatio",
-        summary_of,
-    ),
-    Table(
-        "change",
-        "One change at a time:",
-        "change: label | scene | base error [m]: baseError | error [m]: error | "
-        "error ratio: errorRatio | base h [s]: baseStep | h [s]: stepSize | "
-        "base CPU [s]: baseSeconds | CPU [s]: seconds | CPU ratio: costRatio | outcome | status",
-    ),
-    Table(
-        "dense",
-        "Dense variants of the planar pendulum (RK4, no times):",
-        "variant: label | N: elements | error [m]: error | stretch of slopes [-]: stretch | outcome | status",
-    ),
+TABLES = tables(
+    """
+    summary: What may be left out when (error within a tenth of the base's, or not to be told from it):
+        change | verdict | harmless on: harmless | not on: elsewhere | CPU ratio: costRatio
+    change: One change at a time:
+        change: label | scene | base error [m]: baseError | error [m]: error | error ratio: errorRatio |
+        base h [s]: baseStep | h [s]: stepSize | base CPU [s]: baseSeconds | CPU [s]: seconds |
+        CPU ratio: costRatio | outcome | status
+    dense: Dense variants of the planar pendulum (RK4, no times):
+        variant: label | N: elements | error [m]: error | stretch of slopes [-]: stretch | outcome |
+        status
+    """,
+    summary=summary_of,
 )
 
-STUDY = Study(
-    name="minimal_model",
-    question="What may be left out of the model when, and what does that save?",
-    measure=Sweep(make_cases, run_case),
-    tables=TABLES,
-    conclusions=conclude,
-    pictures=draw,
-)
+QUESTION = "What may be left out of the model when, and what does that save?"
+STUDY = Study("minimal_model", QUESTION, Sweep(make_cases, run_case), conclude, TABLES, draw)

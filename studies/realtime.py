@@ -22,7 +22,7 @@ What is left out
 
 import gc
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter_ns, thread_time_ns
@@ -34,11 +34,8 @@ from exudyn_inext import ExplicitSettings, ExplicitStepper
 from reference_models.inextensible import build
 from reference_models.scenes import load_scene
 
+from .harness import Order, Results, Row, Study, Table, column, groups, judged, largest
 from .harness.plot import COLORS, Curve, Panel, chart
-from .harness.store import Row
-from .harness.study import Order, Results, Study
-from .harness.table import Table, column, groups, largest
-from .harness.verdict import judged
 
 STEP = 1e-3
 SETTINGS = ExplicitSettings("RATTLE", stepSize=STEP, massScaling=0.3)
@@ -52,37 +49,49 @@ PERCENTILES = {50.0: "median", 99.9: "percentile999", 100.0: "worst"}
 
 @dataclass
 class Series:
-    """One distribution.   once: what is timed.   prepare: before each portion.   wall, cpu: samples [ns]."""
+    """One distribution.   once: what is timed.   prepare: before each portion.   taken: wall, CPU [ns]."""
 
     what: str
     elements: int
     collects: bool
     once: Callable[[], object]
     prepare: Callable[[], object]
-    wall: array = field(default_factory=lambda: array("q"))
-    cpu: array = field(default_factory=lambda: array("q"))
+    taken: list[tuple[array, array]] = field(default_factory=list)
 
     @property
     def label(self) -> str:
-        collection = "" if self.elements == 0 else f", garbage collection {'on' if self.collects else 'off'}"
-        return self.what + (f", N = {self.elements}" if self.elements else "") + collection
+        collection = f", N = {self.elements}, garbage collection {'on' if self.collects else 'off'}"
+        return self.what + (collection if self.elements else "")
+
+    def take(self) -> None:
+        """Time the calls of a portion one by one."""
+        self.prepare()
+        once, wall, cpu = self.once, array("q", bytes(8 * PORTION)), array("q", bytes(8 * PORTION))
+        was_enabled = gc.isenabled()
+        (gc.enable if self.collects else gc.disable)()
+        try:
+            for i in range(PORTION):
+                start = perf_counter_ns()
+                cpu_start = thread_time_ns()
+                once()
+                cpu[i] = thread_time_ns() - cpu_start
+                wall[i] = perf_counter_ns() - start
+        finally:
+            (gc.enable if was_enabled else gc.disable)()
+        self.taken.append((wall, cpu))
 
 
 def measure(order: Order) -> list[Row]:
-    """One row for each distribution."""
-    portions = 5 if order.quick else 100
+    """One row for each distribution; the first portion of each is the warm-up."""
     series = [Series("nothing", 0, False, lambda: None, lambda: None)]
     series += [one for elements in NUMBERS for one in _series_of(elements)]
-    for one in series:
-        _take(one, PORTION)
-        del one.wall[:], one.cpu[:]
-    for _ in tqdm(range(portions), desc="realtime", unit="portion"):
+    for _ in tqdm(range(1 + (5 if order.quick else 100)), desc="realtime", unit="portion"):
         for one in series:
-            _take(one, PORTION)
+            one.take()
     return [_row(one) for one in series]
 
 
-def _series_of(elements: int) -> list[Series]:
+def _series_of(elements: int) -> Iterator[Series]:
     model = build(load_scene("planar_pendulum"), elements)
     stepper = ExplicitStepper(model.mbs, SETTINGS)
     stepper.Start()
@@ -97,34 +106,17 @@ def _series_of(elements: int) -> list[Series]:
         stepper.Step()
         stepper.State()
 
-    return [
-        Series("step", elements, True, stepper.Step, renew),
-        Series("step", elements, False, stepper.Step, renew),
-        Series("cycle", elements, True, cycle, renew),
-    ]
-
-
-def _take(series: Series, number: int) -> None:
-    """Time `number` calls one by one."""
-    series.prepare()
-    once, wall, cpu = series.once, array("q", bytes(8 * number)), array("q", bytes(8 * number))
-    was_enabled = gc.isenabled()
-    (gc.enable if series.collects else gc.disable)()
-    try:
-        for i in range(number):
-            start = perf_counter_ns()
-            cpu_start = thread_time_ns()
-            once()
-            cpu[i] = thread_time_ns() - cpu_start
-            wall[i] = perf_counter_ns() - start
-    finally:
-        (gc.enable if was_enabled else gc.disable)()
-    series.wall.extend(wall)
-    series.cpu.extend(cpu)
+    for what, collects, once in (
+        ("step", True, stepper.Step), ("step", False, stepper.Step), ("cycle", True, cycle)
+    ):  # fmt: skip
+        yield Series(what, elements, collects, once, renew)
 
 
 def _row(series: Series) -> Row:
-    seconds, cpu = (NANO * np.asarray(samples, dtype=float) for samples in (series.wall, series.cpu))
+    wall, cpu_of = zip(*series.taken[1:], strict=True)
+    seconds, cpu = NANO * np.ravel(wall), NANO * np.ravel(cpu_of)
+    ordered = np.sort(seconds)[::-1]
+    ranks = np.unique(np.geomspace(1, len(ordered), 60).astype(int))
     row = {
         "kind": "step",
         "label": series.label,
@@ -135,19 +127,13 @@ def _row(series: Series) -> Row:
         "stepSize": STEP,
         "stepOverPercentile999": STEP / np.percentile(seconds, 99.9),
         "lateShare": float(np.mean(seconds > STEP)),
-        "quantiles": _tail(seconds),
+        # share of steps that take longer, time [us], down to the rarest
+        "quantiles": [[float(rank / len(ordered)), float(MICRO * ordered[rank - 1])] for rank in ranks],
     }
     for part, name in PERCENTILES.items():
         row[name] = MICRO * np.percentile(seconds, part)
         row["cpu" + name[0].upper() + name[1:]] = MICRO * np.percentile(cpu, part)
     return row
-
-
-def _tail(seconds: np.ndarray) -> list[list[float]]:
-    """[share of steps that take longer, time [us]], down to the rarest."""
-    ordered = np.sort(seconds)[::-1]
-    ranks = np.unique(np.geomspace(1, len(ordered), 60).astype(int))
-    return [[float(rank / len(ordered)), float(MICRO * ordered[rank - 1])] for rank in ranks]
 
 
 def conclude(results: Results) -> list[str]:
@@ -192,11 +178,5 @@ TABLE = Table(
     "h / 99.9 %: stepOverPercentile999 | share above h: lateShare",
 )
 
-STUDY = Study(
-    name="realtime",
-    question="How long does a single step take at worst, against the step size?",
-    measure=measure,
-    tables=[TABLE],
-    conclusions=conclude,
-    pictures=draw,
-)
+QUESTION = "How long does a single step take at worst, against the step size?"
+STUDY = Study("realtime", QUESTION, measure, conclude, [TABLE], draw)

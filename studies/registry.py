@@ -5,7 +5,7 @@ import pkgutil
 
 from exudyn_inext import InputError
 
-from .harness.study import Study
+from .harness import Study
 
 _PACKAGE = "studies"
 _NO_STUDIES = {"__main__", "harness", "registry"}

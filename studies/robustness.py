@@ -34,11 +34,8 @@ from exudyn_inext import ExplicitSettings, InextensibleError, SolveExplicit
 from reference_models.model import quiet_settings, silence
 from reference_models.trajectory import Array
 
+from .harness import Order, Results, Row, Study, column, groups, tables, verdict
 from .harness.inner import largest_step
-from .harness.store import Row
-from .harness.study import Order, Results, Study
-from .harness.table import Table, column, groups
-from .harness.verdict import verdict
 from .robust.scenes import Rope, build, build_native, lone_rope, mixed_rope, moved
 
 END, PERIOD = 1.5, 0.01  # [s]
@@ -74,9 +71,7 @@ def own_row(rope: Rope) -> Row:
     row |= {
         "cpuSeconds": seconds,
         "stepSize": step,
-        "massScaling": report["massScaling"],
-        "steps": report["steps"],
-        "rejections": report["rejections"],
+        **{key: report[key] for key in ("massScaling", "steps", "rejections")},
         "energyGain": report["drift"].get("energyGain", 0.0),
         "failure": "",
     }
@@ -85,17 +80,15 @@ def own_row(rope: Rope) -> Row:
     distance = np.linalg.norm(path - fine, axis=1) / moved(fine)
     calm = periods_before_snap(fine)
     return row | {
-        "errorBeforeSnap": float(distance[:calm].max()),
-        "error": float(distance.max()),
-        "calm": calm,
-    }
+        "errorBeforeSnap": float(distance[:calm].max()), "error": float(distance.max()), "calm": calm
+    }  # fmt: skip
 
 
 def native_row(rope: Rope) -> Row:
     """Native cables with generalized-alpha."""
     _container, mbs, _ = build_native(rope)
     settings = quiet_settings(END, round(END / NATIVE_STEP), PERIOD)
-    row, start, failure = _described(rope) | {"kind": "native"}, time.process_time(), ""
+    start, failure = time.process_time(), ""
     try:
         with silence():
             mbs.SolveDynamic(settings)
@@ -103,17 +96,14 @@ def native_row(rope: Rope) -> Row:
         failure = "" if reached > END - PERIOD else f"stopped at t = {reached:.3g} s"
     except Exception as error:  # Exudyn's solver errors have no common type
         failure = type(error).__name__
-    return row | {"cpuSeconds": time.process_time() - start, "failure": failure}
+    taken = {"cpuSeconds": time.process_time() - start, "failure": failure}
+    return _described(rope) | {"kind": "native"} | taken
 
 
 def _described(rope: Rope) -> Row:
     return {
-        "seed": rope.seed,
-        "partner": rope.partner,
-        "elements": rope.elements,
-        "stiffness": rope.stiffness,
+        **{key: getattr(rope, key) for key in ("seed", "partner", "elements", "stiffness", "dimension")},
         "tipMass": rope.tip_mass,
-        "dimension": rope.dimension,
         "support": "clamped" if rope.clamped else "pinned",
     }
 
@@ -146,27 +136,26 @@ def periods_before_snap(path: Array) -> int:
 def _summary(results: Results) -> list[Row]:
     """One row for each kind of scene."""
     rows = []
-    for kind, of_kind in groups(results.rows, "kind").items():
-        for partner, group in groups(of_kind, "partner").items():
-            errors = column([row for row in group if "errorBeforeSnap" in row], "errorBeforeSnap")
-            seconds = column(group, "cpuSeconds")
-            rows.append(
-                {
-                    "kind": kind,
-                    "partner": partner,
-                    "number": len(group),
-                    "failures": len(_failed(group)),
-                    "accurate": _share(errors),
-                    "median": float(np.median(errors)) if errors else None,
-                    "cpuMedian": float(np.median(seconds)),
-                    "cpuLargest": max(seconds),
-                }
-            )
+    for group in groups([row | {"of": (row["kind"], row["partner"])} for row in results.rows], "of").values():
+        errors, seconds = _errors(group), column(group, "cpuSeconds")
+        rows.append(
+            {
+                "kind": group[0]["kind"],
+                "partner": group[0]["partner"],
+                "number": len(group),
+                "failures": len(_failed(group)),
+                "accurate": float(np.mean(errors < ACCURATE)) if errors.size else None,
+                "median": float(np.median(errors)) if errors.size else None,
+                "cpuMedian": float(np.median(seconds)),
+                "cpuLargest": max(seconds),
+            }
+        )
     return rows
 
 
-def _share(errors: list[float]) -> float | None:
-    return float(np.mean([error < ACCURATE for error in errors])) if errors else None
+def _errors(rows: Iterable[Row]) -> np.ndarray:
+    """Of the runs that ended."""
+    return np.array([row["errorBeforeSnap"] for row in rows if "errorBeforeSnap" in row])
 
 
 def _failed(rows: Iterable[Row]) -> list[Row]:
@@ -177,7 +166,8 @@ def conclude(results: Results) -> list[str]:
     """Failures, accuracy, cost."""
     own, native = results.of_kind("own"), results.of_kind("native")
     failures, seconds = len(_failed(own)), sum(column(own, "cpuSeconds"))
-    share = _share(column([row for row in own if not row["failure"]], "errorBeforeSnap")) or 0.0
+    ended = [row for row in own if not row["failure"]]
+    share = float(np.mean(_errors(ended) < ACCURATE)) if ended else 0.0
     said = [
         f"{failures} of {len(own)} runs at default settings did not end: {verdict(failures == 0)}.",
         f"{share:.1%} of them lie within {ACCURATE:.0%} of the motion of a run with a quarter of the step, "
@@ -196,29 +186,20 @@ def conclude(results: Results) -> list[str]:
     return said
 
 
-TABLES = (
-    Table(
-        "own",
-        "Random scenes over 1.5 s:",
-        "solver: kind | scenes: partner | number | failures | share within 1 %: accurate | "
-        "median error: median | CPU, median [s]: cpuMedian | CPU, largest [s]: cpuLargest",
-        _summary,
-    ),
-    Table(
-        "own",
-        "Runs that did not end:",
-        "solver: kind | scene: partner | seed | N: elements | why: failure",
-        lambda results: _failed(results.rows),
-    ),
+TABLES = tables(
+    """
+    summary: Random scenes over 1.5 s:
+        solver: kind | scenes: partner | number | failures | share within 1 %: accurate |
+        median error: median | CPU, median [s]: cpuMedian | CPU, largest [s]: cpuLargest
+    lost: Runs that did not end:
+        solver: kind | scene: partner | seed | N: elements | why: failure
+    """,
+    summary=_summary,
+    lost=lambda results: _failed(results.rows),
 )
 
-STUDY = Study(
-    name="robustness",
-    question="Does every run end at default settings, how accurate is it, and what does it cost?",
-    measure=measure,
-    tables=TABLES,
-    conclusions=conclude,
-)
+QUESTION = "Does every run end at default settings, how accurate is it, and what does it cost?"
+STUDY = Study("robustness", QUESTION, measure, conclude, TABLES)
 
 
 def main() -> None:

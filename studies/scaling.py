@@ -22,30 +22,28 @@ What is left out
     Building the model: some 30 us an element.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from exudyn_inext import ExplicitSettings, ExplicitStepper
 from reference_models.inextensible import build
 from reference_models.scenes import Scene, load_scene
 
+from .harness import Order, Results, Row, Study, groups, judged, largest, tables
 from .harness.cases import stepper_case
 from .harness.inner import element_type, node_type
 from .harness.memory import memory_of
-from .harness.plot import COLORS, Curve, Panel, chart
+from .harness.plot import Panel, chart, curves_of
 from .harness.reference import from_data
-from .harness.store import Row
-from .harness.study import Order, Results, Study
-from .harness.table import Table, column, groups, largest
 from .harness.timing import Task, medians, seconds_per_time
 from .harness.timing import measure as measure_cases
-from .harness.verdict import judged
 
 PLANAR = load_scene("planar_pendulum")
 RING = replace(load_scene("vibrating_ring"), loads=())
 CHAINS = {"2D": PLANAR, "3D": load_scene("spatial_pendulum"), "2D, closed": RING}
-INTEGRATORS = ("Zhai", "RATTLE")
+INTEGRATORS = {"Zhai": 9, "RATTLE": 7}  # arrays of the integrator, and the constant force
 NUMBERS = (20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000)
 RING_FORCE = 1.0  # [N]
 PORTION = 1000  # steps in one call
@@ -53,32 +51,32 @@ RESTART = 3.0  # [s]
 THETA = 0.3
 LONG = 100_000
 SPREAD, MEMORY, ERROR = 1.25, 1e9, 1e-3  # the bars
-WORDS = ("bar kept", "bar MISSED")
 MICRO = 1e6
+
+bar = partial(judged, kept="bar kept", missed="bar MISSED")
 
 
 def measure(order: Order) -> list[Row]:
     """Cost, memory and accuracy."""
-    rows = [row for chain in CHAINS for name in INTEGRATORS for row in _costs(chain, name, order.quick)]
+    costs = [row for chain in CHAINS for name in INTEGRATORS for row in _costs(chain, name, order.quick)]
     size = (10_000, 5) if order.quick else (LONG, 20)
-    return rows + [_memory_row(chain, *size) for chain in ("2D", "3D")] + _accuracy_rows(order.quick)
+    return costs + [_memory_row(chain, *size) for chain in ("2D", "3D")] + list(_accuracy_rows(order.quick))
 
 
-def _costs(chain: str, integrator: str, quick: bool) -> list[Row]:
-    numbers = (20, 200, 2000) if quick else NUMBERS
-    repeats, seconds = (3, 5e-3) if quick else (9, 5e-2)
-    tasks = {str(elements): _steps(CHAINS[chain], elements, integrator) for elements in numbers}
-    time = medians(seconds_per_time(tasks, repeats, seconds, f"{chain}, {integrator}"))
-    return [
-        {
+def _costs(chain: str, integrator: str, quick: bool) -> Iterator[Row]:
+    """CPU time of an element's step; its memory: records of a node and an element, and arrays."""
+    scene, timing = CHAINS[chain], (3, 5e-3) if quick else (9, 5e-2)
+    tasks = {n: _steps(scene, n, integrator) for n in ((20, 200, 2000) if quick else NUMBERS)}
+    dim = 2 if scene.is_planar else 3
+    records = node_type(dim).itemsize + element_type(dim, product=False).itemsize
+    for elements, seconds in medians(seconds_per_time(tasks, *timing, f"{chain}, {integrator}")).items():
+        yield {
             "kind": "cost",
             "label": f"{chain}, {integrator}",
             "elements": elements,
-            "microseconds": MICRO * time[str(elements)] / elements,
-            "megabytes": elements * _bytes(CHAINS[chain], integrator) / 1e6,
+            "microseconds": MICRO * seconds / elements,
+            "megabytes": elements * (records + INTEGRATORS[integrator] * 2 * dim * 8) / 1e6,
         }
-        for elements in numbers
-    ]
 
 
 def _steps(scene: Scene, elements: int, integrator: str) -> Task:
@@ -100,71 +98,66 @@ def _steps(scene: Scene, elements: int, integrator: str) -> Task:
     return task
 
 
-def _bytes(scene: Scene, integrator: str) -> int:
-    """Of one node and element: records, and the integrator's arrays."""
-    dim = 2 if scene.is_planar else 3
-    arrays = {"Zhai": 8, "RATTLE": 6}[integrator] + 1  # the constant force
-    return int(node_type(dim).itemsize + element_type(dim, product=False).itemsize + arrays * 2 * dim * 8)
-
-
 def _memory_row(chain: str, elements: int, steps: int) -> Row:
     found = memory_of(CHAINS[chain].name, elements, steps)
-    megabytes = {f"{what}Megabytes": found[what] / 1e6 for what in ("libraries", "model", "peak")}
     return {
         "kind": "memory",
         "label": f"{chain}, RATTLE",
         "elements": elements,
-        **megabytes,
+        **{f"{what}Megabytes": found[what] / 1e6 for what in ("libraries", "model", "peak")},
         "startSeconds": found["startSeconds"],
         "microseconds": MICRO * found["stepSeconds"] / elements,
     }
 
 
-def _accuracy_rows(quick: bool) -> list[Row]:
+def _accuracy_rows(quick: bool) -> Iterator[Row]:
+    """Errors, cost of an element's step, and seconds of motion a second of CPU time."""
     scene = replace(PLANAR, end_time=0.5) if quick else PLANAR
-    numbers = (10, 100) if quick else (10, 100, 1000, 5000)
     cases = [
         stepper_case(scene, elements, ExplicitSettings(integrator, stepSize=2e-3, massScaling=THETA))
         for integrator in INTEGRATORS
-        for elements in numbers
+        for elements in ((10, 100) if quick else (10, 100, 1000, 5000))
     ]
-    found = measure_cases(cases, 2 if quick else 5, from_data(PLANAR).trajectory, "accuracy")
-    return [{"kind": "accuracy", "motion": scene.end_time} | row | _speed(row, scene) for row, _ in found]
-
-
-def _speed(row: Row, scene: Scene) -> Row:
-    """Cost of an element's step, and seconds of motion a second of CPU time."""
-    if not row["cpuSeconds"]:
-        return {"microseconds": None, "realTime": None}
-    return {
-        "microseconds": MICRO * row["cpuSeconds"] / row["steps"] / row["elements"],
-        "realTime": scene.end_time / row["cpuSeconds"],
-    }
+    for row, _ in measure_cases(cases, 2 if quick else 5, from_data(PLANAR).trajectory, "accuracy"):
+        seconds, work = row["cpuSeconds"], row["steps"] * row["elements"]
+        yield {
+            "kind": "accuracy",
+            "motion": scene.end_time,
+            **row,
+            "microseconds": MICRO * seconds / work if seconds else None,
+            "realTime": scene.end_time / seconds if seconds else None,
+        }
 
 
 def conclude(results: Results) -> list[str]:
     """Whether the bars are kept."""
     series, memory = groups(results.of_kind("cost"), "label"), results.of_kind("memory")
-    sentences = [_spread(rows, results.noise) for rows in series.values()]
-    for row in memory:
-        found = judged(row["peakMegabytes"], 1e-6 * MEMORY, 1.0, *WORDS)
+    sentences = []
+    for rows in series.values():
+        most, least = largest(rows, "microseconds"), min(rows, key=lambda row: row["microseconds"])
+        ratio = most["microseconds"] / least["microseconds"]
         sentences.append(
-            "{elements} elements, {label}: {peakMegabytes:.0f} MB at most, {librariesMegabytes:.0f} MB of "
-            "them libraries ({found}).".format_map(row | {"found": found})
+            "{label}: {microseconds:.3f} us per element and step (N = {elements}) to ".format_map(least)
+            + "{microseconds:.3f} us (N = {elements}), a factor of ".format_map(most)
+            + f"{ratio:.2f} ({bar(ratio, SPREAD, results.noise)}); "
+            f"{1e6 * rows[-1]['megabytes'] / rows[-1]['elements']:.0f} bytes an element."
         )
+    sentences += [
+        "{elements} elements, {label}: {peakMegabytes:.0f} MB at most, {librariesMegabytes:.0f} MB of "
+        "them libraries ({found}).".format_map(row | {"found": bar(row["peakMegabytes"], 1e-6 * MEMORY)})
+        for row in memory
+    ]
     sentences += [_beyond_caches(row, series[row["label"]][-1]) for row in memory]
-    return sentences + [_accuracy(row) for row in results.of_kind("accuracy")]
-
-
-def _spread(rows: Sequence[Row], noise: float) -> str:
-    most, least = largest(rows, "microseconds"), min(rows, key=lambda row: row["microseconds"])
-    ratio = most["microseconds"] / least["microseconds"]
-    return (
-        "{label}: {microseconds:.3f} us per element and step (N = {elements}) to ".format_map(least)
-        + "{microseconds:.3f} us (N = {elements}), a factor of ".format_map(most)
-        + f"{ratio:.2f} ({judged(ratio, SPREAD, noise, *WORDS)}); "
-        f"{1e6 * rows[-1]['megabytes'] / rows[-1]['elements']:.0f} bytes an element."
+    measured = (
+        "{label}, h = {stepSize:g} s: {errorMax:.1e} m off over {motion:g} s ({found}), {realTime:.3g} "
+        "times real time."
     )
+    return sentences + [
+        "{label}: {status}.".format_map(row)
+        if row["errorMax"] is None
+        else measured.format_map(row | {"found": bar(row["errorMax"], ERROR)})
+        for row in results.of_kind("accuracy")
+    ]
 
 
 def _beyond_caches(row: Row, longest: Row) -> str:
@@ -177,55 +170,29 @@ def _beyond_caches(row: Row, longest: Row) -> str:
     )
 
 
-def _accuracy(row: Row) -> str:
-    if row["errorMax"] is None:
-        return f"{row['label']}: {row['status']}."
-    return (
-        "{label}, h = {stepSize:g} s: {errorMax:.1e} m off over {motion:g} s ({found}), {realTime:.3g} "
-        "times real time.".format_map(row | {"found": judged(row["errorMax"], ERROR, 1.0, *WORDS)})
-    )
-
-
 def draw(results: Results, directory: Path) -> list[Path]:
     """Cost per element over N."""
-    series = groups(results.of_kind("cost"), "label").items()
-    curves = [
-        Curve(column(rows, "elements"), column(rows, "microseconds"), label, color, style)
-        for (label, rows), color in zip(series, COLORS, strict=False)
-        for style in ["o-" if "RATTLE" in label else "s--"]
-    ]
+    curves = curves_of(
+        groups(results.of_kind("cost"), "label"), "elements", "microseconds", {"Zhai": "s--", "RATTLE": "o-"}
+    )
     cost = "CPU time per element and step [us]"
     panel = Panel("elements N [-]", cost, curves, "semilogx", legend=False, horizontal=(0.0,))
     return [chart(directory / "scaling_cost.png", panel, columns=3)]
 
 
-TABLES = (
-    Table(
-        "cost",
-        "CPU time per element and step, and the memory that a step goes through:",
-        "chain: label | N: elements | us/(N step): microseconds | memory of a step [MB]: megabytes",
-    ),
-    Table(
-        "memory",
-        "Resident memory of a long cable:",
-        "chain: label | N: elements | libraries [MB]: librariesMegabytes | "
-        "with model [MB]: modelMegabytes | peak [MB]: peakMegabytes | start [s]: startSeconds | "
-        "us/(N step): microseconds",
-    ),
-    Table(
-        "accuracy",
-        "Planar pendulum with mass scaling 0.3 at h = 2e-3 s:",
-        "run: label | N: elements | motion [s]: motion | CPU [s]: cpuSeconds | "
-        "us/(N step): microseconds | times real time: realTime | error max [m]: errorMax | "
-        "error rms [m]: errorRms",
-    ),
+TABLES = tables(
+    """
+    cost: CPU time per element and step, and the memory that a step goes through:
+        chain: label | N: elements | us/(N step): microseconds | memory of a step [MB]: megabytes
+    memory: Resident memory of a long cable:
+        chain: label | N: elements | libraries [MB]: librariesMegabytes |
+        with model [MB]: modelMegabytes | peak [MB]: peakMegabytes | start [s]: startSeconds |
+        us/(N step): microseconds
+    accuracy: Planar pendulum with mass scaling 0.3 at h = 2e-3 s:
+        run: label | N: elements | motion [s]: motion | CPU [s]: cpuSeconds | us/(N step): microseconds |
+        times real time: realTime | error max [m]: errorMax | error rms [m]: errorRms
+    """
 )
 
-STUDY = Study(
-    name="scaling",
-    question="Does an element cost the same in short and in very long cables?",
-    measure=measure,
-    tables=TABLES,
-    conclusions=conclude,
-    pictures=draw,
-)
+QUESTION = "Does an element cost the same in short and in very long cables?"
+STUDY = Study("scaling", QUESTION, measure, conclude, TABLES, draw)

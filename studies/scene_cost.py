@@ -25,18 +25,14 @@ import statistics
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from exudyn_inext import ExplicitSettings, SolveExplicit
 from reference_models.model import quiet_settings, silence
 
+from .harness import Order, Results, Row, Study, Table, column, groups, judged
 from .harness.joined_scenes import Contents, joined_scene
-from .harness.plot import COLORS, Curve, Panel, chart
-from .harness.store import Row
-from .harness.study import Order, Results, Study
-from .harness.table import Table, column, groups
+from .harness.plot import Panel, chart, curves_of
 from .harness.timing import in_turn
-from .harness.verdict import judged
 
 STEP = 5e-4
 SETTINGS = ExplicitSettings("RATTLE", stepSize=STEP, massScaling=0.3)
@@ -81,8 +77,8 @@ def measure(order: Order) -> list[Row]:
 
 def _lengths(contents: Contents) -> tuple[int, int]:
     """Steps of the short and of the long run."""
-    joined = contents.joints or contents.springs or contents.watched
-    return (SHORT, LONG) if joined else (CHEAP * SHORT, CHEAP * LONG)
+    often = 1 if contents.joints or contents.springs or contents.watched else CHEAP
+    return often * SHORT, often * LONG
 
 
 def _prepare(contents: Contents, steps: int) -> Callable[[], str]:
@@ -153,15 +149,17 @@ def _growth(name: str, rows: Sequence[Row], noise: float) -> str:
 
 def draw(results: Results, directory: Path) -> list[Path]:
     """Cost of a step over the size of the scene."""
-    curves: dict[bool, list[Any]] = {True: [], False: []}
-    for name, rows in groups(results.of_kind("cost"), "label").items():
-        own = curves[name.startswith("elements")]
-        sizes, costs = [_size(row) for row in rows], column(rows, "microseconds")
-        own.append(Curve(sizes, costs, name.removeprefix("elements, "), COLORS[len(own)]))
-    cost = "CPU time of a step [us]"
-    by_elements = Panel("elements of a cable [-]", cost, curves[True])
-    by_number = Panel("cables, springs, points or bodies [-]", cost, curves[False])
-    return [chart(directory / "scene_cost_step.png", by_elements, by_number, width=10.0)]
+    series = groups([row | {"size": _size(row)} for row in results.of_kind("cost")], "label").items()
+    by_elements = {name.split(", ")[1]: rows for name, rows in series if name.startswith("elements")}
+    by_number = {name: rows for name, rows in series if not name.startswith("elements")}
+    panels = [
+        Panel(what, "CPU time of a step [us]", curves_of(own, "size", "microseconds"))
+        for what, own in (
+            ("elements of a cable [-]", by_elements),
+            ("cables, springs, points or bodies [-]", by_number),
+        )
+    ]
+    return [chart(directory / "scene_cost_step.png", *panels, width=10.0)]
 
 
 TABLE = Table(
@@ -171,11 +169,5 @@ TABLE = Table(
     "us a step: microseconds | start [ms]: startMilliseconds | path",
 )
 
-STUDY = Study(
-    name="scene_cost",
-    question="What does a step cost, by what the scene contains, and which path does it take?",
-    measure=measure,
-    tables=[TABLE],
-    conclusions=conclude,
-    pictures=draw,
-)
+QUESTION = "What does a step cost, by what the scene contains, and which path does it take?"
+STUDY = Study("scene_cost", QUESTION, measure, conclude, [TABLE], draw)

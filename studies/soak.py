@@ -24,29 +24,22 @@ What is left out
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
-import exudyn
 import numpy as np
 from tqdm import tqdm
 
-from exudyn_inext import CreateInextensibleCable, ExplicitSettings, ExplicitStepper, InextensibleCable
-from reference_models.scenes import load_scene
+from exudyn_inext import ExplicitSettings, ExplicitStepper
 
-from .harness import inner
+from .harness import Order, Results, Row, Study, inner, judged, tables
+from .harness.joined_scenes import GRAVITY, Contents, joined_scene
 from .harness.memory import KINDS, memory_of_scenes
 from .harness.plot import COLORS, REFERENCE_COLOR, Curve, Panel, chart
-from .harness.store import Row
-from .harness.study import Order, Results, Study
-from .harness.table import Table
-from .harness.verdict import judged
 from .stability.motion import Invariants
 
-SCENE = load_scene("planar_pendulum")
-GRAVITY = [0.0, -9.81]
 ELEMENTS, STEP, CALL = 5, 2.5e-3, 1000  # steps in a compiled call
 STEPS, SCENES, WARM_UP = 10_000_000, 200, 20
 CONTROL = 1e-10  # bending damping [N m^2 s]
+CONTROLS = "control"  # how the labels of rows with a fault begin, which has to be found
 DRIFT, VIOLATION, GROWTH = 0.1, 1e-9, 0.05  # limits, see above
 MEGA = 1e6
 QUICK = ("joined to bodies", "penaltyMass, native RK44", "control: penaltyMass, kept")
@@ -65,30 +58,12 @@ def measure(order: Order) -> list[Row]:
     return rows
 
 
-def _pendulum(damping: float) -> tuple[Any, Any]:
-    """mbs and its container."""
-    container = exudyn.SystemContainer()
-    mbs = container.AddSystem()
-    section = SCENE.cable.section
-    CreateInextensibleCable(
-        mbs,
-        [0.0, 0.0, 0.0],
-        [SCENE.cable.length, 0.0, 0.0],
-        ELEMENTS,
-        InextensibleCable(section.mass_per_length, section.bending_stiffness, bendingDamping=damping),
-        gravity=[*GRAVITY, 0.0],
-        groundConstraintsStart=[True, True, False, False],
-    )
-    mbs.Assemble()
-    return mbs, container
-
-
 def watched_run(label: str, damping: float, steps: int) -> Row:
     """So many steps of the pendulum with that bending damping [N m^2 s], looked at after each call."""
-    mbs, _container = _pendulum(damping)
+    mbs = joined_scene(Contents(elements=ELEMENTS, damping=damping))
     (in_scene,) = inner.read_cables(mbs, "soak")
     cable = in_scene.cable
-    invariants = Invariants(cable, inner.gravity_force(cable, np.array(GRAVITY)))
+    invariants = Invariants(cable, inner.gravity_force(cable, np.array(GRAVITY[:2])))
     stepper = ExplicitStepper(mbs, ExplicitSettings("RATTLE", stepSize=STEP))
     looks = []
 
@@ -148,16 +123,13 @@ def conclude(results: Results) -> list[str]:
     """Drift, violations, memory, each against its limit."""
     sentences = []
     for row in results.of_kind("run"):
-        found = {
-            "drifts": _drift(row, results.quick),
-            "side": "within" if row["violation"] <= VIOLATION else "ABOVE",
-        }
+        found = row | {"drifts": _drift(row, results.quick), "limit": VIOLATION}
+        found["side"] = "within" if row["violation"] <= VIOLATION else "ABOVE"
         sentences += [
             "{label}: over {steps:,} steps ({hours:.2g} h of motion) the energy varies by {range:.1e} of the "
-            "swing, and its mean {drifts} ({drift:.1e}).".format_map(row | found),
+            "swing, and its mean {drifts} ({drift:.1e}).".format_map(found),
             "{label}: the largest violation of a constraint is {violation:.1e}, of its rate {rate:.1e} "
-            "({side} ".format_map(row | found)
-            + f"{VIOLATION:g}).",
+            "({side} {limit:g}).".format_map(found),
         ]
     return sentences + [
         "{label}: memory {grows} over {scenes} scenes, {firstMegabytes:.1f} MB to {lastMegabytes:.1f} MB "
@@ -168,76 +140,54 @@ def conclude(results: Results) -> list[str]:
     ]
 
 
-def _is_control(row: Row) -> bool:
-    """Whether a fault was put in, which has to be found."""
-    return bool(row["label"].startswith("control"))
-
-
 def _drift(row: Row, quick: bool) -> str:
     """A quick run is too short for a verdict: its tenths are two looks each."""
     if quick:
         return "changes, undecided in so short a run"
-    if _is_control(row):
+    if row["label"].startswith(CONTROLS):
         return "drifts, as it should" if drifts(row) else "does NOT drift, as it should"
     return "DRIFTS" if drifts(row) else "does not drift"
 
 
 def _growth(row: Row, results: Results) -> str:
     """A quick run has too few scenes for a control to show."""
-    words = ("flat", "NOT flat")
-    if _is_control(row):
-        if results.quick:
-            return "undecided"
-        words = ("NOT growing, as it should,", "growing, as it should,")
+    is_control = row["label"].startswith(CONTROLS)
+    if is_control and results.quick:
+        return "undecided"
+    words = ("NOT growing, as it should,", "growing, as it should,") if is_control else ("flat", "NOT flat")
     return judged(row["growthPercent"], 100.0 * GROWTH, results.noise, *words)
 
 
 def draw(results: Results, directory: Path) -> list[Path]:
     """Energy over time, and memory over scenes."""
-    runs, memory = results.of_kind("run"), results.of_kind("memory")
     energies = [
         Curve(np.array(row["times"]) / 3600.0, row["energies"], row["label"], color, "-")
-        for row, color in zip(runs, COLORS, strict=False)
+        for row, color in zip(results.of_kind("run"), COLORS, strict=False)
     ]
     sizes = []
-    for number, row in enumerate(memory):
+    for number, row in enumerate(results.of_kind("memory")):
         relative = np.array(row["megabytes"]) / row["firstMegabytes"]
         look = (REFERENCE_COLOR, "--") if KINDS[row["label"]].keeps else (COLORS[number % len(COLORS)], "-")
         sizes.append(Curve(np.arange(len(relative)), relative, row["label"], *look))
+    axes = "scenes built, run, dropped [-]", "resident memory over its start [-]"
     panels = (
         Panel("time of motion [h]", "change of energy over the swing [-]", energies, "plot"),
-        Panel(
-            "scenes built, run, dropped [-]",
-            "resident memory over its start [-]",
-            sizes,
-            "plot",
-            horizontal=(1.0 + GROWTH,),
-        ),
+        Panel(*axes, sizes, "plot", horizontal=(1.0 + GROWTH,)),
     )
     return [chart(directory / "soak.png", *panels, width=10.0)]
 
 
-TABLES = (
-    Table(
-        "run",
-        "Planar pendulum, RATTLE; energies over the swing, the largest kinetic energy:",
-        "run: label | steps | motion [h]: hours | CPU [s]: cpuSeconds | energy varies by: range | "
-        "its mean drifts by: drift | violation | of rates [1/s]: rate",
-    ),
-    Table(
-        "memory",
-        "Resident memory of a process that builds, runs and drops scenes:",
-        "way of the run: label | scenes | first [MB]: firstMegabytes | last [MB]: lastMegabytes | "
-        "kB a scene: kilobytesAScene | growth [%]: growthPercent",
-    ),
+TABLES = tables(
+    """
+    run: Planar pendulum, RATTLE; energies over the swing, the largest kinetic energy:
+        run: label | steps | motion [h]: hours | CPU [s]: cpuSeconds | energy varies by: range |
+        its mean drifts by: drift | violation | of rates [1/s]: rate
+    memory: Resident memory of a process that builds, runs and drops scenes:
+        way of the run: label | scenes | first [MB]: firstMegabytes | last [MB]: lastMegabytes |
+        kB a scene: kilobytesAScene | growth [%]: growthPercent
+    """
 )
 
-STUDY = Study(
-    name="soak",
-    question="Do energy, constraints and memory stay where they are over long runs and many scenes?",
-    measure=measure,
-    tables=TABLES,
-    conclusions=conclude,
-    pictures=draw,
-    not_in_quick_report="short runs and few scenes decide nothing on drift and memory",
-)
+QUESTION = "Do energy, constraints and memory stay where they are over long runs and many scenes?"
+TOO_LONG = "short runs and few scenes decide nothing on drift and memory"
+STUDY = Study("soak", QUESTION, measure, conclude, TABLES, draw, not_in_quick_report=TOO_LONG)

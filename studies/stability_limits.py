@@ -33,36 +33,26 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-from .harness.store import Row
-from .harness.study import Results, Study
+from .harness import Results, Row, Study, Table
 from .harness.sweep import Sweep
-from .harness.table import Table
-from .stability.extremes import (
-    precision_cases,
-    run_precision,
-    run_slenderness,
-    run_violent,
-    slenderness_cases,
-    violent_cases,
-)
+from .stability import extremes
 from .stability.findings import conclude
-from .stability.linear import linear_cases, run_linear
+from .stability.linear import MAPS, linear_cases, run_linear
 from .stability.long_runs import long_cases, run_long
 from .stability.pictures import draw
 
 _RUNS = {
-    "slenderness": run_slenderness,
-    "violent": run_violent,
+    "slenderness": extremes.run_slenderness,
+    "violent": extremes.run_violent,
     "long": run_long,
-    "precision": run_precision,
+    "precision": extremes.run_precision,
 }
 
 
 def make_cases(quick: bool) -> Sequence[Row]:
     """Of all maps; long ones first, so that no core waits for them at the end."""
-    makers = (long_cases, linear_cases, slenderness_cases, violent_cases, precision_cases)
-    cases = [case for make in makers for case in make(quick)]
-    return sorted(cases, key=lambda case: -case["value"] if case["kind"] == "long" else 0.0)
+    long = sorted(long_cases(quick), key=lambda case: -case["value"])
+    return [*long, *linear_cases(quick), *extremes.cases(quick)]
 
 
 def run_case(case: Row) -> Row:
@@ -72,30 +62,17 @@ def run_case(case: Row) -> Row:
 
 _LIMITS = "predicted h [s]: predicted | found h [s]: found | found/predicted: ratio"
 _RULES = "ruled by: ruledBy | rule (37)/found: ruleOverLimit | status"
-_LINEAR = {
-    "scheme": ("Every scheme on every cable, by mass scaling:", "theta"),
-    "zeta": ("Over the stabilisation rate:", "zeta [1/s]"),
-    "stiffness": (
-        "Over the bending stiffness, hanging cable with a mass of its own at its end:", "EI/EI_0",
-    ),
-    "elements": ("Over the number of elements:", "N"),
-    "curvature": (
-        "Over the curvature; ring and coil: turning of an element [rad], sagging: span/length:", "value",
-    ),
-    "gravity": ("Over gravity, hanging cable with a mass of its own at its end:", "g/g_0"),
-}  # fmt: skip
+_SPIN = (
+    "linearised step [s]: predictedInMotion | found/linearised: ratioInMotion | "
+    "over fewer steps: ratioSooner | growth of a step at 0.3 of w_max's limit: growth | "
+    "its order in h: growthOrder | "
+)
 
 TABLES = (
     *(
-        Table(kind, title, f"scheme, cable: label | {what}: value | {_LIMITS} | {_RULES}")
-        for kind, (title, what) in _LINEAR.items()
-    ),
-    Table(
-        "spin",
-        "Over the rate at which a cable with a mass at its end spins about its start:",
-        f"scheme, cable: label | rate [rad/s]: value | {_LIMITS} | linearised step [s]: predictedInMotion | "
-        "found/linearised: ratioInMotion | over fewer steps: ratioSooner | "
-        f"growth of a step at 0.3 of w_max's limit: growth | its order in h: growthOrder | {_RULES}",
+        Table(kind, one.title, f"scheme, cable: label | {one.what}: value | {_LIMITS} | {extra}{_RULES}")
+        for kind, one in MAPS.items()
+        for extra in [_SPIN if kind == "spin" else ""]
     ),
     Table(
         "slenderness",
@@ -129,7 +106,7 @@ TABLES = (
 def make_conclusions(results: Results) -> list[str]:
     """One sentence a finding; cases that failed are named first."""
     failed = [
-        f"FAILED: {row['kind']}, {row['label']}, {row['value']:g}: {row['status']}"
+        "FAILED: {kind}, {label}, {value:g}: {status}".format_map(row)
         for row in results.rows
         if row["status"] != "ok"
     ]
@@ -142,21 +119,19 @@ def make_pictures(results: Results, directory: Path) -> list[Path]:
 
 
 def _finished(results: Results) -> Results:
-    return Results(results.quick, [_with_infinities(row) for row in results.rows if row["status"] == "ok"])
-
-
-def _with_infinities(row: Row) -> Row:
     """What JSON stored as null is a limit that does not exist."""
-    unlimited = {key: math.inf for key in ("predicted", "found", "predictedBending", "predictedZeta")
-                 if key in row and row[key] is None}  # fmt: skip
-    return row | unlimited
+    limits = ("predicted", "found", "predictedBending", "predictedZeta")
+    return Results(
+        results.quick,
+        [
+            row | {key: math.inf for key in limits if key in row and row[key] is None}
+            for row in results.rows
+            if row["status"] == "ok"
+        ],
+    )
 
 
+QUESTION = "Which step is the largest stable one at the extremes, and which bound rules where?"
 STUDY = Study(
-    name="stability_limits",
-    question="Which step is the largest stable one at the extremes, and which bound rules where?",
-    measure=Sweep(make_cases, run_case),
-    tables=TABLES,
-    conclusions=make_conclusions,
-    pictures=make_pictures,
+    "stability_limits", QUESTION, Sweep(make_cases, run_case), make_conclusions, TABLES, make_pictures
 )

@@ -40,19 +40,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from exudyn_inext import ExplicitSettings
-from reference_models.conventional.cases import native_case
 from reference_models.conventional.settings import Implicit
-from reference_models.conventional.zhai import zhai_case
-from reference_models.inextensible import Inextensible, inextensible_case
-from reference_models.scenes import Scene, load_scene
-from reference_models.trajectory import Case
+from reference_models.inextensible import Inextensible
 
 from .harness.cases import COMPILED, mesh_series
 from .harness.figures import draw_convergence, draw_cost_and_accuracy, draw_trajectories
-from .harness.on_scene import ROWS, OnScene, SceneResults
-from .harness.paper_table import EACH_STEP, PaperTable
+from .harness.on_scene import EACH_STEP, PaperTable, SceneResults, of_pendulum
 from .harness.ratios import Comparison, by_default, is_explicit, is_implicit
-from .harness.study import Study
 
 PAPER_IMPLICIT = "paper's conventional implicit: generalized-alpha, N = 10, h = 5e-3 s"
 PAPER_EXPLICIT = "paper's conventional explicit: Zhai, N = 10, h = 2e-5 s"
@@ -62,22 +56,14 @@ PAPER_SECONDS = {PAPER_IMPLICIT: 1.649, PAPER_EXPLICIT: 120.9, PAPER_PROPOSED: 0
 
 PAPER = {"source": "Table 1", "cpuSeconds": PAPER_SECONDS}
 
+PROPOSED = Inextensible(5, ExplicitSettings("Zhai"))
+
 MESHES: dict[str, Sequence[int]] = {
     "full": (4, 6, 8, 10, 12, 16),
     "lobatto": (4, 6, 8, 10, 12),
     "inextensible": (3, 4, 5, 6, 8, 10, 12, 16),
 }
 QUICK_MESHES: dict[str, Sequence[int]] = dict.fromkeys(MESHES, (4, 10))
-
-
-def at_paper_settings(scene: Scene, quick: bool) -> list[Case]:
-    """The columns of Table 1, at the paper's settings; the implicit one with Exudyn's defaults."""
-    defaults = Implicit(5e-3, newton="modified", linear_solver="dense", relative_tolerance=1e-8)
-    return [
-        native_case(scene, 10, defaults, label=PAPER_IMPLICIT),
-        zhai_case(scene, 10, 2e-5, label=PAPER_EXPLICIT),
-        inextensible_case(scene, Inextensible(5, ExplicitSettings("Zhai")), label=PAPER_PROPOSED),
-    ]
 
 
 def make_figures(results: SceneResults, directory: Path) -> list[Path]:
@@ -93,8 +79,9 @@ def make_figures(results: SceneResults, directory: Path) -> list[Path]:
 
 
 TABLE = PaperTable(
-    at_paper_settings,
-    PAPER_SECONDS,
+    "planar_pendulum",
+    of_pendulum(list(PAPER_SECONDS), 5e-3, PROPOSED),
+    PAPER,
     PAPER_PROPOSED,
     comparisons=(
         Comparison("implicit row", is_implicit, (6e-3, 7e-4)),
@@ -156,11 +143,5 @@ TABLE = PaperTable(
     quick=(3, 1, 4),
 )
 
-STUDY = Study(
-    name="table1",
-    question="How much CPU time does the inextensible cable save on the planar pendulum (Table 1)?",
-    measure=OnScene(load_scene("planar_pendulum"), TABLE.cases, PAPER),
-    tables=[ROWS],
-    pictures=make_figures,
-    ratios=TABLE.ratios,
-)
+QUESTION = "How much CPU time does the inextensible cable save on the planar pendulum (Table 1)?"
+STUDY = TABLE.study("table1", QUESTION, pictures=make_figures)

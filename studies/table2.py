@@ -45,19 +45,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from exudyn_inext import ExplicitSettings
-from reference_models.conventional.cases import native_case
 from reference_models.conventional.settings import Implicit
-from reference_models.conventional.zhai import zhai_case
-from reference_models.inextensible import Inextensible, inextensible_case
-from reference_models.scenes import Scene, load_scene
-from reference_models.trajectory import Case
+from reference_models.inextensible import Inextensible
 
 from .harness.cases import COMPILED, mesh_series
 from .harness.figures import draw_convergence, draw_cost_and_accuracy, draw_path, draw_trajectories
-from .harness.on_scene import ROWS, OnScene, SceneResults
-from .harness.paper_table import EACH_STEP, PaperTable
+from .harness.on_scene import EACH_STEP, PaperTable, SceneResults, of_pendulum
 from .harness.ratios import Comparison, by_default, is_explicit, is_explicit_zhai, is_implicit
-from .harness.study import Study
 
 PAPER_IMPLICIT = "paper's conventional implicit: generalized-alpha, N = 10, h = 2e-3 s"
 PAPER_EXPLICIT = "paper's conventional explicit: Zhai, N = 10, h = 2e-5 s"
@@ -67,23 +61,14 @@ PAPER_SECONDS = {PAPER_IMPLICIT: 3.609, PAPER_EXPLICIT: 301.71, PAPER_PROPOSED: 
 
 PAPER = {"source": "Table 2", "cpuSeconds": PAPER_SECONDS}
 
+PROPOSED = Inextensible(5, ExplicitSettings("Zhai", stepSize=1e-3, stabilizationRate=1000.0))
+
 MESHES: dict[str, Sequence[int]] = {
     "full": (2, 4, 6, 8, 10, 12, 16),
     "lobatto": (4, 6, 8, 10, 12),
     "inextensible": (3, 4, 5, 6, 8, 10, 12, 16),
 }
 QUICK_MESHES: dict[str, Sequence[int]] = dict.fromkeys(MESHES, (4, 6))
-
-
-def at_paper_settings(scene: Scene, quick: bool) -> list[Case]:
-    """The columns of Table 2, at the paper's settings; the implicit one with Exudyn's defaults."""
-    defaults = Implicit(2e-3, newton="modified", linear_solver="dense", relative_tolerance=1e-8)
-    zhai = ExplicitSettings("Zhai", stepSize=1e-3, stabilizationRate=1000.0)
-    return [
-        native_case(scene, 10, defaults, label=PAPER_IMPLICIT),
-        zhai_case(scene, 10, 2e-5, label=PAPER_EXPLICIT),
-        inextensible_case(scene, Inextensible(5, zhai), label=PAPER_PROPOSED),
-    ]
 
 
 def make_figures(results: SceneResults, directory: Path) -> list[Path]:
@@ -105,8 +90,9 @@ def make_figures(results: SceneResults, directory: Path) -> list[Path]:
 
 
 TABLE = PaperTable(
-    at_paper_settings,
-    PAPER_SECONDS,
+    "spatial_pendulum",
+    of_pendulum(list(PAPER_SECONDS), 2e-3, PROPOSED),
+    PAPER,
     PAPER_PROPOSED,
     comparisons=(
         Comparison("implicit row", is_implicit, ((7e-3, 4.5e-3), 4.5e-3, 1e-3, 7e-4)),
@@ -175,11 +161,5 @@ TABLE = PaperTable(
     quick=(3, 1, 3),
 )
 
-STUDY = Study(
-    name="table2",
-    question="How much CPU time does the inextensible cable save on the spatial pendulum (Table 2)?",
-    measure=OnScene(load_scene("spatial_pendulum"), TABLE.cases, PAPER),
-    tables=[ROWS],
-    pictures=make_figures,
-    ratios=TABLE.ratios,
-)
+QUESTION = "How much CPU time does the inextensible cable save on the spatial pendulum (Table 2)?"
+STUDY = TABLE.study("table2", QUESTION, pictures=make_figures)

@@ -48,18 +48,15 @@ from reference_models.conventional.solve import solve as solve_native
 from reference_models.conventional.zhai import zhai_case
 from reference_models.inextensible import Inextensible, equilibrium_forces, inextensible_case, solved
 from reference_models.model import Model, sensor_slopes, sensor_trajectory
-from reference_models.scenes import Hanger, Scene, load_scene
+from reference_models.scenes import Hanger, Scene
 from reference_models.trajectory import Case, Trajectory
 
-from .harness.figures import TIME, draw_cost_and_accuracy
-from .harness.on_scene import ROWS, OnScene, SceneResults
-from .harness.paper_table import EACH_STEP, PaperTable
-from .harness.plot import REFERENCE_COLOR, Curve, Panel, chart, label_axes, new_figure
+from .harness import Row, Table, number
+from .harness.figures import THICK, TIME, draw_cost_and_accuracy
+from .harness.on_scene import EACH_STEP, PaperTable, SceneResults
+from .harness.plot import REFERENCE_COLOR, Curve, Panel, chart
 from .harness.ratios import Comparison, by_default, is_explicit, is_explicit_zhai, is_implicit
 from .harness.reference import ReferenceSolution, distance_to_reference, from_data, self_convergence
-from .harness.store import Row
-from .harness.study import Study
-from .harness.table import Table, number
 
 PAPER_EXPLICIT = "paper's conventional explicit: Zhai, N = 40, h = 1e-5 s"
 PAPER_PROPOSED = "paper's proposed: inextensible, Zhai, N = 20, h = 9.35e-4 s, zeta = 1000 1/s"
@@ -112,38 +109,35 @@ def make_figures(results: SceneResults, directory: Path) -> list[Path]:
 
 def draw_statics(path: Path, scene: Scene) -> Path:
     """Equilibrium and tension along the line, without and with ice."""
-    states = {
-        "without ice": equilibrium_forces(replace(scene, start_loads=()), 40, 401),
-        "with ice": equilibrium_forces(scene, 40, 401),
-    }
-    with new_figure(path, 8.0, 6.5) as figure:
-        shape, tension = figure.subplots(2, 1)
-        for style, (label, forces) in zip(("-", "--"), states.items(), strict=True):
-            shape.plot(*forces["position"].T, style, label=label)
-            tension.plot(forces["arcLength"], forces["tension"], style, label=label)
-        label_axes(shape, "x [m]", "y [m]", "equilibrium")
-        label_axes(tension, "arc length [m]", "tension N [N]", "tension")
-        shape.legend()
-    return path
+    shapes, tensions = [], []
+    for style, (label, loads) in zip(("-", "--"), _loads(scene).items(), strict=True):
+        forces = equilibrium_forces(replace(scene, start_loads=loads), 40, 401)
+        shapes.append(Curve(*forces["position"].T, label, style=style))
+        tensions.append(Curve(forces["arcLength"], forces["tension"], style=style))
+    shape = Panel("x [m]", "y [m]", shapes, "plot", "equilibrium")
+    tension = Panel("arc length [m]", "tension N [N]", tensions, "plot", "tension")
+    return chart(path, shape, tension, height=6.5, rows=2)
+
+
+def _loads(scene: Scene) -> dict[str, tuple[Any, ...]]:
+    """That are gone when the motion begins."""
+    return {"without ice": (), "with ice": scene.start_loads}
 
 
 def draw_motion(path: Path, models: dict[str, Model]) -> Path:
     """Height of P1 and P2, and the direction of the line at C."""
-    with new_figure(path, 8.0, 8.5) as figure:
-        *heights, direction = figure.subplots(3, 1, sharex=True)
-        for (label, model), style in zip(models.items(), ("-", "--", ":"), strict=True):
-            look: dict[str, Any] = {"linestyle": style, "label": label}
-            if style == "-":
-                look |= {"color": REFERENCE_COLOR, "linewidth": 4}
-            for axes, point in zip(heights, ("P1", "P2"), strict=True):
-                run = sensor_trajectory(model, point)
-                axes.plot(run.times, run.positions[:, 1], **look)
-                label_axes(axes, "", f"y of {point} [m]")
-            times, slopes = sensor_slopes(model, "C")
-            direction.plot(times, np.degrees(np.arctan2(slopes[:, 1], slopes[:, 0])), **look)
-        label_axes(direction, TIME, "direction at C [degrees]")
-        figure.legend(*heights[0].get_legend_handles_labels(), loc="outside upper left")
-    return path
+    looks = zip(models.items(), ("-", "--", ":"), strict=True)
+    curves: dict[str, list[Curve]] = {"P1": [], "P2": [], "C": []}
+    for (label, model), style in looks:
+        look = (label, REFERENCE_COLOR, style, THICK) if style == "-" else (label, None, style)
+        for point in ("P1", "P2"):
+            run = sensor_trajectory(model, point)
+            curves[point].append(Curve(run.times, run.positions[:, 1], *look))
+        times, slopes = sensor_slopes(model, "C")
+        curves["C"].append(Curve(times, np.degrees(np.arctan2(slopes[:, 1], slopes[:, 0])), *look))
+    labels = {"P1": ("", "y of P1 [m]"), "P2": ("", "y of P2 [m]"), "C": (TIME, "direction at C [degrees]")}
+    panels = [Panel(*labels[point], own, "plot", legend=False) for point, own in curves.items()]
+    return chart(path, *panels, height=8.5, rows=3, columns=1)
 
 
 def draw_refinement(path: Path, results: SceneResults) -> Path:
@@ -156,27 +150,15 @@ def draw_refinement(path: Path, results: SceneResults) -> Path:
 
     meshes = (8, 12, 20) if results.quick else (8, 12, 16, 20, 28, 40, 60)
     steps = (2.5e-3, 1e-3) if results.quick else (5e-3, 2.5e-3, 2e-3, 1e-3, 5e-4, 2.5e-4)
-    distance = "largest distance of P1 [m]"
-    curves = [
-        Curve(
-            [1e3 * h for h in steps],
-            [error(n, ExplicitSettings(stepSize=h, **REFINED)) for h in steps],
-            f"N = {n}",
-            style=style,
-        )
-        for n, style in ((20, "o-"), (40, "s--"))
-    ]
-    by_mesh = Panel(
-        "number of elements N [-]",
-        distance,
-        [Curve(meshes, [error(n, SMALL_STEPS) for n in meshes])],
-        title="h = 2.5e-4 s",
-        legend=False,
-        ticks=meshes,
-    )
-    by_step = Panel(
-        "step h [ms]", distance, curves, title="RATTLE, mass scaling 0.26", ticks=[1e3 * h for h in steps]
-    )
+    labels = "step h [ms]", "largest distance of P1 [m]"
+    milliseconds = [1e3 * h for h in steps]
+    curves = []
+    for n, style in ((20, "o-"), (40, "s--")):
+        errors = [error(n, ExplicitSettings(stepSize=h, **REFINED)) for h in steps]
+        curves.append(Curve(milliseconds, errors, f"N = {n}", style=style))
+    own = [Curve(meshes, [error(n, SMALL_STEPS) for n in meshes])]
+    by_mesh = Panel("number of elements N [-]", labels[1], own, title="h = 2.5e-4 s", ticks=meshes)
+    by_step = Panel(*labels, curves, title="RATTLE, mass scaling 0.26", ticks=milliseconds)
     return chart(path, by_mesh, by_step, width=9.0, height=4.2)
 
 
@@ -185,17 +167,12 @@ def _statics(results: SceneResults) -> list[Row]:
     scene = results.scene
     (anchor,) = (support.anchor for support in scene.supports if isinstance(support, Hanger))
     rows = []
-    for label, loads in (("without ice", ()), ("with ice", scene.start_loads)):
+    for label, loads in _loads(scene).items():
         forces = equilibrium_forces(replace(scene, start_loads=loads), 20, 401)
-        quarter, middle = (np.searchsorted(forces["arcLength"], x * scene.cable.length) for x in (0.25, 0.5))
-        rows.append(
-            {
-                "label": label,
-                "sag": number(-forces["position"][quarter, 1], 4),
-                "shift": number(forces["position"][middle, 0] - anchor[0], 3),
-                "tension": number(float(forces["tension"].max()), 4),
-            }
-        )
+        position, arc_length = forces["position"], forces["arcLength"]
+        quarter, middle = (np.searchsorted(arc_length, x * scene.cable.length) for x in (0.25, 0.5))
+        found = {"sag": number(-position[quarter, 1], 4), "shift": number(position[middle, 0] - anchor[0], 3)}
+        rows.append({"label": label, **found, "tension": number(float(forces["tension"].max()), 4)})
     return rows
 
 
@@ -211,8 +188,9 @@ def at_paper_settings(scene: Scene, quick: bool) -> list[Case]:
 
 
 TABLE = PaperTable(
+    "power_line",
     at_paper_settings,
-    PAPER_SECONDS,
+    PAPER,
     PAPER_PROPOSED,
     comparisons=(
         Comparison("explicit Zhai row", is_explicit_zhai, ((1.0, 2e-3),)),
@@ -247,11 +225,7 @@ TABLE = PaperTable(
     explicit=((16, "velocityVerlet", "lobatto"),),
 )
 
-STUDY = Study(
-    name="table3",
-    question="How much CPU time does the inextensible cable save on the power line (Table 3)?",
-    measure=OnScene(load_scene("power_line"), TABLE.cases, PAPER, refined),
-    tables=[ROWS, Table("", "", EQUILIBRIUM, _statics)],
-    pictures=make_figures,
-    ratios=TABLE.ratios,
+QUESTION = "How much CPU time does the inextensible cable save on the power line (Table 3)?"
+STUDY = TABLE.study(
+    "table3", QUESTION, refined, [Table("", "", EQUILIBRIUM, _statics)], pictures=make_figures
 )

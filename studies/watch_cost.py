@@ -22,31 +22,21 @@ What is left out
 """
 
 import math
-import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import ExitStack
 from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
-import exudyn
 import exudyn.utilities as items
 import numpy as np
 from scipy.stats import quantile_test
 
-from exudyn_inext import (
-    AttachToBody,
-    CreateInextensibleCable,
-    ExplicitSettings,
-    ExplicitStepper,
-    InextensibleCable,
-)
+from exudyn_inext import AttachToBody, ExplicitSettings, ExplicitStepper
 
-from .harness import inner
-from .harness.store import Row
-from .harness.study import Order, Results, Study
-from .harness.table import Table, column, largest
+from .harness import UNDECIDED, Order, Results, Row, Study, Table, column, inner, largest
+from .harness.joined_scenes import GRAVITY, Contents, joined_scene
 from .harness.timing import Task, seconds_per_time
-from .harness.verdict import UNDECIDED
 
 BAR = 0.03
 STEPS = 4096
@@ -57,12 +47,11 @@ CONFIDENCE = 0.95
 INTEGRATORS = ("Zhai", "RATTLE")
 ALONE = ("steady", "damped", "loaded", "moved")
 AMONG_BODIES = ("joined", "beside")
-GRAVITY = [0.0, -9.81, 0.0]
-BENDING_STIFFNESS, DAMPING = 0.0866, 1e-5
+DAMPING = 1e-5
 MICRO = 1e6
 
 Chain = tuple[int, str, int]
-WATCHED, UNINSPECTED, PLAIN = "watched", "uninspected", "plain"
+WAYS = WATCHED, UNINSPECTED, PLAIN = "watched", "uninspected", "plain"
 Ways = dict[str, Task]
 
 
@@ -78,20 +67,17 @@ def measure(order: Order) -> list[Row]:
 
 
 def _rows(chain: Chain, tasks_of: Callable[[Chain, str], Ways], steps: int, repeats: int) -> list[Row]:
-    tasks = {f"{name} {way}": task for name in INTEGRATORS for way, task in tasks_of(chain, name).items()}
     dim, kind, number = chain
+    tasks = {(name, way): task for name in INTEGRATORS for way, task in tasks_of(chain, name).items()}
     samples = seconds_per_time(tasks, repeats, LEAST_SECONDS, f"{dim}D, {kind}, N = {number}")
-    ways = (WATCHED, UNINSPECTED, PLAIN)
-    return [
-        _row(chain, name, {way: samples.get(f"{name} {way}", []) for way in ways}, steps)
-        for name in INTEGRATORS
-    ]
+    ways = {name: {way: samples.get((name, way), []) for way in WAYS} for name in INTEGRATORS}
+    return [_row(chain, name, own, steps) for name, own in ways.items()]
 
 
 def _row(chain: Chain, name: str, samples: dict[str, list[float]], steps: int) -> Row:
     dim, kind, number = chain
-    ratios = _excess(samples[WATCHED], samples[UNINSPECTED])
-    over_plain = _excess(samples[WATCHED], samples[PLAIN]) if samples[PLAIN] else None
+    watched, uninspected, plain = (np.array(samples[way]) for way in WAYS)
+    ratios = watched / uninspected - 1.0
     interval = quantile_test(ratios, p=0.5).confidence_interval(CONFIDENCE)
     return {
         "kind": "among bodies" if kind in AMONG_BODIES else "alone",
@@ -101,17 +87,13 @@ def _row(chain: Chain, name: str, samples: dict[str, list[float]], steps: int) -
         "integrator": name,
         "elements": number,
         "repeats": len(ratios),
-        "microseconds": MICRO * statistics.median(samples[UNINSPECTED]) / steps,
-        "share": statistics.median(ratios),
+        "microseconds": MICRO * float(np.median(uninspected)) / steps,
+        "share": float(np.median(ratios)),
         "low": float(interval.low),
         "high": float(interval.high),
-        "overPlain": statistics.median(over_plain) if over_plain else None,
+        "overPlain": float(np.median(watched / plain - 1.0)) if plain.size else None,
         "bar": BAR,
     }
-
-
-def _excess(times: list[float], others: list[float]) -> list[float]:
-    return [a / b - 1.0 for a, b in zip(times, others, strict=True)]
 
 
 def _tasks_alone(chain: Chain, name: str) -> Ways:
@@ -125,20 +107,14 @@ def _tasks_alone(chain: Chain, name: str) -> Ways:
     history = np.zeros((STEPS // STEPS_OF_AN_OUTPUT, 3, run.state.q.size))
     motion = (explicit.method[1], run.system, loads, run.state, h, STEPS_OF_AN_OUTPUT, history)
 
-    def repeat(times: int, take: Callable[[], Any]) -> None:
+    def task(times: int, record: Callable[..., Any] = inner.record_watched, **changed: int) -> None:
+        watch = () if record is inner.record else (run.watch.watch._replace(**changed),)
         for _ in range(times):
             run.state.q[:], run.state.v[:] = initial
             run.start(0.0)
-            take()
+            record(*motion, *watch)
 
-    def watched(times: int, every: int = run.watch.watch.every) -> None:
-        watch = run.watch.watch._replace(every=every, least=min(every, run.watch.watch.least))
-        repeat(times, lambda: inner.record_watched(*motion, watch))
-
-    def plain(times: int) -> None:
-        repeat(times, lambda: inner.record(*motion))
-
-    return {WATCHED: watched, UNINSPECTED: partial(watched, every=STEPS), PLAIN: plain}
+    return {WATCHED: task, UNINSPECTED: partial(task, every=STEPS), PLAIN: partial(task, record=inner.record)}
 
 
 def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
@@ -148,7 +124,6 @@ def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
     scene = inner.read_scene(mbs)
     by_kernels.enter_context(inner.switched_off(mbs, *scene.evaluated_by_kernels))
     (run,) = inner.runs_of_scene(mbs, scene, 0.0, 0.0, explicit)
-    blind = _Blind(run)
     h, _ = inner.largest_step(inner.step_bounds([run], 0.0, explicit), explicit.stepSafety)
     grid = inner.TimeGrid(0.0, STEPS_AMONG_BODIES // STEPS_OF_AN_OUTPUT, STEPS_OF_AN_OUTPUT, h)
     history = np.zeros((grid.loop_steps, 3, len(run.indices)))
@@ -163,41 +138,30 @@ def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
             run.start(0.0)
             run.record(grid, 0, history)
 
-    return {WATCHED: take, UNINSPECTED: partial(take, watch=blind)}
+    return {WATCHED: take, UNINSPECTED: partial(take, watch=_blind(run.watch))}
 
 
-class _Blind:
-    """Remembers and judges nothing."""
-
-    path_of_evaluations, has_one_evaluation, after_each_step = None, True, ()
-    steps_ahead = STEPS_OF_AN_OUTPUT
-
-    def __init__(self, run: Any) -> None:
-        self.open = run.watch.open
-
-    def look(self, state: Any) -> None:
-        """Nothing to remember."""
-
-    def count(self, steps: int) -> None:
-        """Nothing to count."""
-
-    def is_well_at(self, t: float, h: float, state: Any, at_once: bool = False) -> bool:
-        return True
+def _blind(watch: Any) -> Any:
+    """Opens like that watch, but remembers and judges nothing."""
+    return SimpleNamespace(
+        open=watch.open,
+        looks_at_phase=False,
+        path_of_evaluations=None,
+        has_one_evaluation=True,
+        after_each_step=(),
+        steps_ahead=STEPS_OF_AN_OUTPUT,
+        look=lambda state: None,
+        count=lambda steps: None,
+        is_well_at=lambda t, h, state, at_once=False: True,
+    )
 
 
 def _build(chain: Chain) -> Any:
     """A cable that is pinned at its start and let fall."""
     dim, kind, number = chain
-    mbs = exudyn.SystemContainer().AddSystem()
-    damping = DAMPING if kind == "damped" else 0.0
-    template = InextensibleCable(0.0348, BENDING_STIFFNESS, bendingDamping=damping)
-    pinned = None if kind == "moved" else [True] * dim + [False] * dim
-    cable = CreateInextensibleCable(
-        mbs, [0, 0, 0], [1, 0, 0], number, template, GRAVITY, groundConstraintsStart=pinned, dimension=dim
-    )
-    _ADDITIONS.get(kind, lambda mbs, cable, dim: None)(mbs, cable, dim)
-    mbs.Assemble()
-    return mbs
+    look = {"damping": DAMPING if kind == "damped" else 0.0, "pinned": kind != "moved"}
+    also = _ADDITIONS.get(kind)
+    return joined_scene(Contents(elements=number, dimension=dim, length=1.0, also=also, **look))
 
 
 def _push(mbs: Any, cable: dict[str, Any], dim: int) -> None:
@@ -244,18 +208,19 @@ _ADDITIONS = {"loaded": _push, "moved": _move, "joined": _join, "beside": _stand
 
 def conclude(results: Results) -> list[str]:
     """Whether the bar is kept."""
-    return [_sentence(results.of_kind(kind), kind, results.quick) for kind in ("alone", "among bodies")]
-
-
-def _sentence(rows: Sequence[Row], kind: str, quick: bool) -> str:
-    above = sum(row["share"] > BAR for row in rows)
-    found = f"MISSED by {above} of {len(rows)}" if above else "kept"
-    worst = "at most {share:.1%} ({label}, N = {elements}, {microseconds:.2g} us a step)"
-    return (
-        f"Cables {kind}: the watch costs {statistics.median(column(rows, 'share')):.1%} of a step (median), "
-        f"{worst.format_map(largest(rows, 'share'))}; the bar of "
-        f"{BAR:.0%} is {UNDECIDED if quick else found}."  # few samples tell no per cent
-    )
+    sentences = []
+    for kind in ("alone", "among bodies"):
+        rows = results.of_kind(kind)
+        shares = column(rows, "share")
+        above = sum(share > BAR for share in shares)
+        found = f"MISSED by {above} of {len(rows)}" if above else "kept"
+        worst = "at most {share:.1%} ({label}, N = {elements}, {microseconds:.2g} us a step)"
+        sentences.append(
+            f"Cables {kind}: the watch costs {np.median(shares):.1%} of a step (median), "
+            f"{worst.format_map(largest(rows, 'share'))}; the bar of "
+            f"{BAR:.0%} is {UNDECIDED if results.quick else found}."  # few samples tell no per cent
+        )
+    return sentences
 
 
 COLUMNS = (
@@ -263,13 +228,10 @@ COLUMNS = (
     "not above: high | over the plain loop: overPlain"
 )
 
-STUDY = Study(
-    name="watch_cost",
-    question="What does it cost that each run is watched?",
-    measure=measure,
-    tables=(
-        Table("alone", "Cables alone, inspections over the steps without them:", COLUMNS),
-        Table("among bodies", "Among bodies:", COLUMNS),
-    ),
-    conclusions=conclude,
+TABLES = (
+    Table("alone", "Cables alone, inspections over the steps without them:", COLUMNS),
+    Table("among bodies", "Among bodies:", COLUMNS),
 )
+
+QUESTION = "What does it cost that each run is watched?"
+STUDY = Study("watch_cost", QUESTION, measure, conclude, TABLES)

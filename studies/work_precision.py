@@ -39,10 +39,8 @@ What is left out
 
 from reference_models.scenes import load_scene
 
-from .harness.store import Row
-from .harness.study import Study
+from .harness import Row, Study, tables
 from .harness.sweep import Outcome, Sweep
-from .harness.table import Table
 from .harness.timing import OK
 from .precision.findings import conclude
 from .precision.pictures import draw
@@ -75,32 +73,25 @@ def rows_of(case: Row, outcome: Outcome) -> list[Row]:
     return list(outcome.result["rows"])
 
 
-TABLES = (
-    Table(
-        "reference",
-        "What errors are measured against:",
-        "scene | source | uncertainty [m]: uncertainty | self-convergence: selfConvergence",
-    ),
-    Table(
-        "speedUp",
-        "CPU time over that of the inextensible cable, at equal error:",
-        "scene | opponent | error [m]: bound | ratio | opponent [s]: opponentSeconds | "
-        "inextensible [s]: ownSeconds | opponent's front: opponentOutcome | "
-        "inextensible front: ownOutcome",
-    ),
-    Table(
-        "run",
-        "All runs:",
-        "case: label | scene | h [s]: stepSize | CPU [s]: cpuSeconds | CPU min [s]: cpuSecondsMin | "
-        "repeats | error max [m]: errorMax | error rms [m]: errorRms | status",
-    ),
+TABLES = tables(
+    """
+    reference: What errors are measured against:
+        scene | source | uncertainty [m]: uncertainty | self-convergence: selfConvergence
+    speedUp: CPU time over that of the inextensible cable, at equal error:
+        scene | opponent | error [m]: bound | ratio | opponent [s]: opponentSeconds |
+        inextensible [s]: ownSeconds | opponent's front: opponentOutcome | inextensible front: ownOutcome
+    run: All runs:
+        case: label | scene | h [s]: stepSize | CPU [s]: cpuSeconds | CPU min [s]: cpuSecondsMin |
+        repeats | error max [m]: errorMax | error rms [m]: errorRms | status
+    """
 )
 
+QUESTION = "What does an accuracy cost in each formulation, and where does the inextensible cable lose?"
 STUDY = Study(
-    name="work_precision",
-    question="What does an accuracy cost in each formulation, and where does the inextensible cable lose?",
-    measure=Sweep(make_cases, run_scene, rows_of, {"motion": BRIEF_MOTION, "repeats": 1}),
-    tables=TABLES,
-    conclusions=conclude,
-    pictures=draw,
+    "work_precision",
+    QUESTION,
+    Sweep(make_cases, run_scene, rows_of, {"motion": BRIEF_MOTION, "repeats": 1}),
+    conclude,
+    TABLES,
+    draw,
 )

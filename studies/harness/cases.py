@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,27 @@ from . import inner
 COMPILED = "compiled steps"
 
 
+def unguarded(
+    integrator: str,
+    step_size: float | None,
+    mass_scaling: float = 0.0,
+    zeta: float = ExplicitSettings.stabilizationRate,
+    scheme: Any = None,
+) -> ExplicitSettings:
+    """Not ended for its energy, which coarse runs of Zhai gain: studies measure errors.
+
+    step_size: [s].   zeta: stabilisation rate of Zhai [1/s].
+    """
+    return ExplicitSettings(
+        integrator,
+        scheme,
+        stepSize=step_size,
+        massScaling=mass_scaling,
+        stabilizationRate=zeta,
+        energyTolerance=math.inf,
+    )
+
+
 def explicit_case(
     scene: Scene,
     integrator: str,
@@ -26,22 +48,9 @@ def explicit_case(
     zeta: float = ExplicitSettings.stabilizationRate,
     measure: str = "secondDerivative",
 ) -> Case:
-    """An inextensible row at a given step [s].   zeta: stabilisation rate of Zhai [1/s].
-
-    It is not ended for its energy, which coarse runs of Zhai gain: studies measure errors.
-    """
-    settings = _unguarded(integrator, step_size, mass_scaling, zeta)
+    """An inextensible row at a given step [s]."""
+    settings = unguarded(integrator, step_size, mass_scaling, zeta)
     return kept_case(scene, Inextensible(elements, settings, measure=measure))
-
-
-def _unguarded(integrator: str, step_size: float, mass_scaling: float, zeta: float) -> ExplicitSettings:
-    return ExplicitSettings(
-        integrator,
-        stepSize=step_size,
-        massScaling=mass_scaling,
-        stabilizationRate=zeta,
-        energyTolerance=math.inf,
-    )
 
 
 def kept_case(scene: Scene, model: Inextensible) -> Case:
@@ -102,13 +111,14 @@ def compiled_case(
     """
     substeps = round(SENSOR_PERIOD / step_size)
     h, samples = SENSOR_PERIOD / substeps, round(scene.end_time / SENSOR_PERIOD)
-    settings = _unguarded(integrator, h, mass_scaling, zeta)
+    settings = unguarded(integrator, h, mass_scaling, zeta)
     grid = inner.TimeGrid(0.0, samples, substeps, h)
 
     def prepare() -> Run:
         mbs = build(scene, elements).mbs
         (cable,) = inner.cable_runs(mbs, inner.read_scene(mbs).cables, 0.0, h, settings)
         node = node_index(scene.observe[scene.main_point], elements)
+        shape = cable.scene_cable.cable.reference.shape
 
         def run() -> Untimed:
             start = cable.state.q.copy()
@@ -118,7 +128,6 @@ def compiled_case(
 
             def trajectory() -> Trajectory:
                 states = np.concatenate([start[None], history[:good, 0] + cable.reference])
-                shape = cable.scene_cable.cable.reference.shape
                 return _sampled(states.reshape(len(states), *shape)[:, node, 0])
 
             return trajectory

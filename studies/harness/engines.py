@@ -39,28 +39,24 @@ def processes(workers: int | None = None) -> Engine:
     number = workers or os.cpu_count() or 1
 
     def start() -> Executor:
-        return ProcessPoolExecutor(number, mp_context=_fresh_processes())
+        """Not forked from this process and its threads, but, if possible, from one that imports once."""
+        can_fork = "forkserver" in multiprocessing.get_all_start_methods()
+        context: Any = multiprocessing.get_context("forkserver" if can_fork else "spawn")
+        if can_fork:
+            context.set_forkserver_preload([__package__ + ".sweep"])
+        return ProcessPoolExecutor(number, mp_context=context)
 
-    return Engine(f"{number} processes", lambda: _closing(start))
-
-
-def _fresh_processes() -> Any:
-    """Not forked from this process and its threads, but, where that exists, from one that imports once."""
-    if "forkserver" not in multiprocessing.get_all_start_methods():
-        return multiprocessing.get_context("spawn")
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([__package__ + ".sweep"])
-    return context
+    return Engine(f"{number} processes", lambda: _closing(start, cancel_futures=True))
 
 
 @contextmanager
-def _closing(start: Callable[[], Executor]) -> Iterator[Executor]:
-    """Whoever leaves early does not wait for cases that have not begun."""
+def _closing(start: Callable[[], Executor], **leaving: bool) -> Iterator[Executor]:
+    """Whoever leaves early does not wait for cases that have not begun.   leaving: how that is asked for."""
     executor = start()
     try:
         yield executor
     except BaseException:
-        executor.shutdown(wait=False, cancel_futures=True)
+        executor.shutdown(wait=False, **leaving)
         raise
     executor.shutdown()
 
@@ -89,27 +85,19 @@ def dask(address: str) -> Engine:
                 "scheduler), or correct the address."
             ) from error
         with client:
-            _require_workers(client, address)
-            executor = ClientExecutor(client, pure=False)
             try:
+                client.wait_for_workers(1, timeout=DASK_TIMEOUT)
+            except TimeoutError as error:
+                raise InputError(
+                    f"--dask {address}: the scheduler has no workers; start some (dask worker {address})."
+                ) from error
+            with _closing(lambda: ClientExecutor(client, pure=False)) as executor:
                 yield executor
-            except BaseException:
-                executor.shutdown(wait=False)
-                raise
 
     def has_workers(executor: Any) -> bool:
         return bool(executor._client.scheduler_info(n_workers=-1)["workers"])
 
     return Engine(f"Dask at {address}", connect, has_workers=has_workers)
-
-
-def _require_workers(client: Any, address: str) -> None:
-    try:
-        client.wait_for_workers(1, timeout=DASK_TIMEOUT)
-    except TimeoutError as error:
-        raise InputError(
-            f"--dask {address}: the scheduler has no workers; start some (dask worker {address})."
-        ) from error
 
 
 def mpi() -> Engine:
@@ -125,7 +113,7 @@ def mpi() -> Engine:
             f"--mpi: {error}; pip install mpi4py and an MPI (pip install mpich), then: mpiexec -n 3 "
             "python -m mpi4py.futures -m studies run NAME --mpi."
         ) from error
-    return Engine("MPI", lambda: _closing(MPIPoolExecutor))
+    return Engine("MPI", lambda: _closing(MPIPoolExecutor, cancel_futures=True))
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from reference_models.trajectory import Array, Trajectory
+from reference_models.trajectory import Trajectory
 
 from .plot import COLORS, REFERENCE_COLOR, Curve, Panel, chart, label_axes, new_figure
 from .ratios import front, is_implicit, is_usable
@@ -15,6 +15,7 @@ from .store import Row
 from .table import column
 
 TIME = "time t [s]"
+THICK = {"linewidth": 4}  # of what is below all others
 _LINE_STYLES = ("--", "-.", ":")
 _KINDS = {
     "native, implicit": (COLORS[1], "s"),
@@ -28,34 +29,31 @@ def draw_trajectories(
     path: Path, curves: Mapping[str, Trajectory], reference: Trajectory, components: Sequence[str]
 ) -> Path:
     """The components of a point, by label, over the reference, and the distance to it."""
-    times, positions = _until(reference, curves)
-    rows = len(components) + 1
-    with new_figure(path, 8.0, 3.0 * rows) as figure:
-        *tops, distances = figure.subplots(rows, 1, sharex=True)
-        for index, (label, axes) in enumerate(zip(components, tops, strict=True)):
-            axes.plot(times, positions[:, index], color=REFERENCE_COLOR, linewidth=4, label="reference")
-            for style, (name, curve) in zip(_LINE_STYLES, curves.items(), strict=False):
-                axes.plot(curve.times, curve.positions[:, index], style, label=name)
-            label_axes(axes, "", label)
-        for curve in curves.values():
-            lengths = np.linalg.norm(curve.positions - positions_at(reference, curve.times), axis=1)
-            distances.semilogy(curve.times[1:], lengths[1:], linewidth=1.0)
-        distances.set_ylim(bottom=1e-6)
-        label_axes(distances, TIME, "distance to the reference [m]")
-        figure.legend(*tops[0].get_legend_handles_labels(), loc="outside upper left")
-    return path
+    shown, panels = _until(reference, curves), []
+    for k, component in enumerate(components):
+        lines = [Curve(shown.times, shown.positions[:, k], "reference", REFERENCE_COLOR, "-", THICK)]
+        for style, (label, curve) in zip(_LINE_STYLES, curves.items(), strict=False):
+            lines.append(Curve(curve.times, curve.positions[:, k], label, style=style))
+        panels.append(Panel("", component, lines, "plot", legend=False))
+    distances = []
+    for curve in curves.values():
+        lengths = np.linalg.norm(curve.positions - positions_at(reference, curve.times), axis=1)
+        distances.append(Curve(curve.times[1:], lengths[1:], style="-", look={"linewidth": 1.0}))
+    panels.append(Panel(TIME, "distance to the reference [m]", distances, "semilogy", least=1e-6))
+    rows = len(panels)
+    return chart(path, *panels, height=3.0 * rows, rows=rows, columns=1)
 
 
-def _until(reference: Trajectory, curves: Mapping[Any, Trajectory]) -> tuple[Array, Array]:
-    """Times and positions of the reference, to the end of the longest curve."""
+def _until(reference: Trajectory, curves: Mapping[Any, Trajectory]) -> Trajectory:
+    """The reference, to the end of the longest curve."""
     end = max((curve.times[-1] for curve in curves.values()), default=reference.times[-1])
     shown = reference.times <= end + 1e-9
-    return reference.times[shown], reference.positions[shown]
+    return Trajectory(reference.times[shown], reference.positions[shown])
 
 
 def draw_path(path: Path, curves: Mapping[str, Trajectory], reference: Trajectory, point: str) -> Path:
     """The path of a point in space, and its plan view (seen along z)."""
-    _, positions = _until(reference, curves)
+    positions = _until(reference, curves).positions
     x, y, z = (f"{point} {axis} [m]" for axis in "xyz")
     with new_figure(path, 11.0, 5.2) as figure:
         space: Any = figure.add_subplot(1, 2, 1, projection="3d")
@@ -104,27 +102,21 @@ def draw_convergence(
     """
     name, first = next(iter(meshes.items()))
     start, end = window or (0.0, max(run.times[-1] for run in first.values()))
-    curves = [_part(reference, start, end, "reference", REFERENCE_COLOR, 4.0)]
-    curves += [_part(run, start, end, f"N = {number}", None, 1.0) for number, run in first.items()]
+    runs = {"reference": reference, **{f"N = {number}": run for number, run in first.items()}}
+    curves = []
+    for label, run in runs.items():
+        shown = (run.times >= start - 1e-9) & (run.times <= end + 1e-9)
+        look = (REFERENCE_COLOR, "-", THICK) if run is reference else (None, "-", {"linewidth": 1.0})
+        curves.append(Curve(run.times[shown], run.positions[shown, 1], label, *look))
     native_colors, errors = iter(COLORS[1:]), []
     for (label, series), marker in zip(meshes.items(), "s^oD", strict=False):
         maxima = [distance_to_reference(run, reference).maximum for run in series.values()]
         color = COLORS[0] if label == "inextensible" else next(native_colors)
         errors.append(Curve(list(series), maxima, label, color, marker + "-"))
+    numbers = sorted({number for series in meshes.values() for number in series})
     return chart(
         path,
         Panel(TIME, f"{point} y [m]", curves, "plot", f"{name}, N elements"),
-        Panel(
-            "number of elements N [-]",
-            "largest distance to the reference [m]",
-            errors,
-            ticks=sorted({number for series in meshes.values() for number in series}),
-        ),
+        Panel("number of elements N [-]", "largest distance to the reference [m]", errors, ticks=numbers),
         width=10.0,
     )
-
-
-def _part(run: Trajectory, start: float, end: float, label: str, color: str | None, width: float) -> Curve:
-    """y(t) from `start` to `end` [s]."""
-    shown = (run.times >= start - 1e-9) & (run.times <= end + 1e-9)
-    return Curve(run.times[shown], run.positions[shown, 1], label, color, "-", {"linewidth": width})

@@ -1,5 +1,6 @@
 """What is timed of single steps: native evaluations, steps of a chain, their parts, the processor."""
 
+from functools import partial
 from typing import Any
 
 import exudyn
@@ -9,58 +10,45 @@ from exudyn_inext import ExplicitSettings, ExplicitStepper
 from reference_models.conventional.model import Quadrature
 from reference_models.conventional.model import build as build_native
 from reference_models.inextensible import build
-from reference_models.model import quiet_settings, silence
-from reference_models.scenes import Scene, load_scene
+from reference_models.model import Model, quiet_settings, silence
+from reference_models.scenes import load_scene
 from reference_models.trajectory import Array
 
-from .inner import (
-    Cable,
-    CableLoads,
-    assemble,
-    cable_system,
-    factorise,
-    index_reduced_rates,
-    kernel,
-    leave_targets,
-    local_array,
-    read_scene,
-    solve_both_columns,
-)
+from . import inner
+from .inner import Cable, assemble, factorise, index_reduced_rates, kernel, leave_targets, solve_both_columns
 from .timing import Task
 
 SCENES = {2: "planar_pendulum", 3: "spatial_pendulum"}
+QUADRATURES: tuple[Quadrature, ...] = ("full", "lobatto")
+EMPTY = "empty loop"
 ZETA = 100.0
-SCALARS, LENGTH, DEPTH = 12, 64, 8
 
 
-def scene_of(dim: int) -> Scene:
-    """The pendulum in that space dimension."""
-    return load_scene(SCENES[dim])
+def native_tasks(dim: int, elements: int) -> dict[str, Task]:
+    """Quadrature -> C++ calls of ComputeODE2RHS in a tight loop; and that loop, empty."""
 
-
-def native_task(dim: int, elements: int, quadrature: Quadrature) -> Task:
-    """C++ calls of ComputeODE2RHS in a tight loop."""
-    model = build_native(scene_of(dim), elements, quadrature)
-    solver = exudyn.MainSolverImplicitSecondOrder()
-    with silence():
-        solver.InitializeSolver(model.mbs, quiet_settings(1.0, 1000))
-
-    def task(times: int, model: Any = model, compute: Any = solver.ComputeODE2RHS) -> None:
-        mbs = model.mbs
+    def task(times: int, model: Model, solver: Any) -> None:
+        mbs, compute = model.mbs, solver.ComputeODE2RHS
         for _ in range(times):
             compute(mbs)
 
-    return task
+    def empty(times: int) -> None:
+        for _ in range(times):
+            pass
 
-
-def empty_task(times: int) -> None:
-    for _ in range(times):
-        pass
+    tasks: dict[str, Task] = {EMPTY: empty}
+    for quadrature in QUADRATURES:
+        model = build_native(load_scene(SCENES[dim]), elements, quadrature)
+        solver = exudyn.MainSolverImplicitSecondOrder()
+        with silence():
+            solver.InitializeSolver(model.mbs, quiet_settings(1.0, 1000))
+        tasks[quadrature] = partial(task, model=model, solver=solver)
+    return tasks
 
 
 def steps_task(dim: int, elements: int, integrator: str, name: str) -> tuple[Task, float]:
     """Steps from the start of the motion; and their size [s], half of the stability limit."""
-    model = build(scene_of(dim), elements, name)
+    model = build(load_scene(SCENES[dim]), elements, name)
     settings = ExplicitSettings(integrator, massScaling=0.0)
     limit = ExplicitStepper(model.mbs, settings).bounds.stability_limit
     stepper = ExplicitStepper(model.mbs, settings, stepSize=0.5 * limit)
@@ -74,13 +62,13 @@ def steps_task(dim: int, elements: int, integrator: str, name: str) -> tuple[Tas
 
 def moving_state(dim: int, elements: int, name: str, time: float = 0.1) -> tuple[Any, Any, Any, Any]:
     """Cable, external force, q and v after that time [s]."""
-    model = build(scene_of(dim), elements, name)
+    model = build(load_scene(SCENES[dim]), elements, name)
     stepper = ExplicitStepper(model.mbs, interval=time, duration=time)
     stepper.Start()
     stepper.Step()
     q, v, _ = stepper.State()
-    cable = read_scene(model.mbs).cables[0]
-    return cable.cable, CableLoads(cable).constant, q.ravel().copy(), v.ravel().copy()
+    cable = inner.read_scene(model.mbs).cables[0]
+    return cable.cable, inner.CableLoads(cable).constant, q.ravel().copy(), v.ravel().copy()
 
 
 # ------------------------------------------------- parts of one evaluation of Eq. (30), each repeated
@@ -114,14 +102,14 @@ def _substitution(times, chain, x, y):
 
 def rates_task(cable: Cable, external: Array, q: Array, v: Array) -> Task:
     """index_reduced_rates alone.   external, q, v: (n_dof,)."""
-    system = cable_system(cable, ZETA)
+    system = inner.cable_system(cable, ZETA)
     a, rate = np.zeros(q.size), np.zeros(q.size)
     return lambda times: _rates(times, system, external, q, v, a, rate)
 
 
 def part_tasks(cable: Cable, external: Array, q: Array, v: Array) -> dict[str, Task]:
     """Name of a part -> task; of a chain without links.   external, q, v: (n_dof,)."""
-    system = cable_system(cable, ZETA)
+    system = inner.cable_system(cable, ZETA)
     chain = system.chain
     force, known, rates = (array.reshape(chain.shape) for array in (external, q, v))
     x, y = np.zeros(chain.shape), np.zeros(chain.shape)
@@ -151,7 +139,7 @@ def scalar_multiply_adds(times, x, y):
 @kernel
 def vector_multiply_adds(times, x, y):
     """`times` times 8 multiply-adds on each of 64 numbers in the nearest cache."""
-    z = local_array(64, 1)
+    z = inner.local_array(64, 1)
     for n in range(64):
         z[n, 0] = y + n
     for _ in range(times):
@@ -170,7 +158,4 @@ PROCESSOR_TASKS: dict[str, Task] = {
     "scalar multiply-adds": lambda times: scalar_multiply_adds(1000 * times, 0.999, 1e-3),
     "vector multiply-adds": lambda times: vector_multiply_adds(100 * times, 0.999, 1e-3),
 }
-MULTIPLY_ADDS = {
-    "scalar multiply-adds": 1000 * SCALARS,
-    "vector multiply-adds": 100 * LENGTH * DEPTH,
-}
+MULTIPLY_ADDS = {"scalar multiply-adds": 1000 * 12, "vector multiply-adds": 100 * 64 * 8}

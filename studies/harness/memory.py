@@ -6,7 +6,7 @@ import resource
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -95,31 +95,32 @@ def _native_implicit(mbs: Any) -> None:
     mbs.SolveDynamic(settings)
 
 
+OF_KERNELS = Contents(elements=MANY)
+PENALTY, ALGEBRAIC = (Contents(elements=FEW, enforcement=way) for way in ("penaltyMass", "algebraic"))
+
+
 @dataclass(frozen=True)
 class Kind:
     """Scenes of one kind.
 
-    run: mbs -> None; who moves it.   elements: of its cable.   contents: further keywords of `Contents`.
+    run: mbs -> None; who moves it.   contents: of the scene.
     keeps: whether the scenes are not dropped, as a control.
     """
 
     run: Callable[[Any], None]
-    elements: int = MANY
-    contents: dict[str, Any] = field(default_factory=dict)
+    contents: Contents = OF_KERNELS
     keeps: bool = False
 
 
-_PENALTY, _ALGEBRAIC = {"enforcement": "penaltyMass"}, {"enforcement": "algebraic"}
-
 KINDS = {
     "compiled steps": Kind(_explicit),
-    "user functions": Kind(lambda mbs: _explicit(mbs, STEPS), contents={"watched": True}),
-    "joined to bodies": Kind(_explicit, contents={"bodies": 1}),
+    "user functions": Kind(lambda mbs: _explicit(mbs, STEPS), replace(OF_KERNELS, watched=True)),
+    "joined to bodies": Kind(_explicit, replace(OF_KERNELS, bodies=1)),
     "stepper": Kind(_stepper),
-    "penaltyMass, native RK44": Kind(_native_explicit, FEW, _PENALTY),
-    "algebraic, native generalized-alpha": Kind(_native_implicit, FEW, _ALGEBRAIC),
+    "penaltyMass, native RK44": Kind(_native_explicit, PENALTY),
+    "algebraic, native generalized-alpha": Kind(_native_implicit, ALGEBRAIC),
     "control: compiled steps, kept": Kind(_explicit, keeps=True),
-    "control: penaltyMass, kept": Kind(_native_explicit, FEW, _PENALTY, keeps=True),
+    "control: penaltyMass, kept": Kind(_native_explicit, PENALTY, keeps=True),
 }
 
 
@@ -135,22 +136,16 @@ def memory_of_scenes(kind: str, number: int) -> list[int]:
 def _dropped_scenes(name: str, number: str) -> list[int]:
     kind, memory, kept = KINDS[name], [], []
     for _ in range(int(number)):
-        scene = _built_and_run(kind)
+        mbs = joined_scene(kind.contents)
+        container = mbs.variables.pop("container")  # it owns the mbs, which would own it
+        with silence():
+            kind.run(mbs)
         if kind.keeps:
-            kept.append(scene)
-        del scene
+            kept.append((mbs, container))
+        del mbs, container
         gc.collect()
         memory.append(_told("smaps_rollup", "Rss"))
     return memory
-
-
-def _built_and_run(kind: Kind) -> tuple[Any, Any]:
-    """mbs and its container, which nobody else holds."""
-    mbs = joined_scene(Contents(elements=kind.elements, **kind.contents))
-    container = mbs.variables.pop("container")  # it owns the mbs, which would own it
-    with silence():
-        kind.run(mbs)
-    return mbs, container
 
 
 if __name__ == "__main__":

@@ -1,15 +1,21 @@
-"""Cases on a scene, timed in turn in this process, and compared with the scene's reference."""
+"""Cases on a scene, timed in turn in this process, compared with the scene's reference and with a paper."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from reference_models.scenes import Scene
+from reference_models.conventional.cases import largest_step_case, native_case
+from reference_models.conventional.settings import Implicit, Newton
+from reference_models.conventional.zhai import zhai_case
+from reference_models.inextensible import Inextensible, inextensible_case
+from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case, Trajectory
 
+from .cases import compiled_case, explicit_case
+from .ratios import Comparison, Ratio, time_ratio
 from .reference import ReferenceOf, ReferenceSolution, from_data, interpolation_error
 from .store import Row
-from .study import Order, Results, announce
+from .study import Order, Results, Study, announce
 from .table import Table, number
 from .timing import OK, measure
 
@@ -53,7 +59,14 @@ class OnScene:
         reference = self.reference(scene)
         repeats = QUICK_REPEATS if order.quick else self.repeats
         found = measure(self.cases(scene, order.quick), repeats, reference.trajectory, order.study)
-        described = _described(reference)
+        interpolation = interpolation_error(reference.trajectory)
+        described = {
+            "file": reference.file,
+            "source": reference.source,
+            "uncertainty": reference.uncertainty,
+            "interpolationErrorMax": interpolation.maximum,
+            "interpolationErrorRms": interpolation.rms,
+        }
         return SceneResults(
             quick=order.quick,
             rows=[row for row, _ in found],
@@ -66,24 +79,12 @@ class OnScene:
         )
 
 
-def _described(reference: ReferenceSolution) -> Row:
-    interpolation = interpolation_error(reference.trajectory)
-    return {
-        "file": reference.file,
-        "source": reference.source,
-        "uncertainty": reference.uncertainty,
-        "interpolationErrorMax": interpolation.maximum,
-        "interpolationErrorRms": interpolation.rms,
-    }
-
-
 def _note(reference: Row) -> str:
     """What the errors are."""
     return (
-        f"Errors are distances to: {reference['source']}, good to "
-        f"{reference['uncertainty']:.0e} m; between its samples a spline, whose error at twice "
-        "the sampling period is "
-        f"{number(reference['interpolationErrorMax'], 2)} m at most, "
+        "Errors are distances to: {source}, good to {uncertainty:.0e} m; between its samples a spline, whose "
+        "error at twice the sampling period is ".format_map(reference)
+        + f"{number(reference['interpolationErrorMax'], 2)} m at most, "
         f"{number(reference['interpolationErrorRms'], 2)} m rms."
     )
 
@@ -91,12 +92,9 @@ def _note(reference: Row) -> str:
 def _shown(results: Results) -> list[Row]:
     """All rows; a failed one shows its status instead of figures."""
     return [
-        row
-        | {
-            "label": row["label"] + ("" if row["status"] == OK else f" ({row['status']})"),
-            "stepSize": f"{row['stepSize']:.3g}",
-        }
+        row | {"label": row["label"] + status, "stepSize": f"{row['stepSize']:.3g}"}
         for row in results.rows
+        for status in ["" if row["status"] == OK else f" ({row['status']})"]
     ]
 
 
@@ -107,3 +105,88 @@ ROWS = Table(
     "error max [m]: errorMax | error rms [m]: errorRms",
     _shown,
 )
+
+
+# ------------------------------------------------------------------------------ tables of the paper
+
+
+EACH_STEP: Newton = "modifiedEachStep"
+
+
+def of_pendulum(
+    labels: Sequence[str], implicit_step: float, proposed: Inextensible
+) -> Callable[[Scene, bool], list[Case]]:
+    """The columns of Tables 1 and 2: implicit, with Exudyn's defaults; explicit; proposed.
+
+    labels: of these.   implicit_step: [s].
+    """
+    defaults = Implicit(implicit_step, newton="modified", linear_solver="dense", relative_tolerance=1e-8)
+    return lambda scene, quick: [
+        native_case(scene, 10, defaults, label=labels[0]),
+        zhai_case(scene, 10, 2e-5, label=labels[1]),
+        inextensible_case(scene, proposed, label=labels[2]),
+    ]
+
+
+@dataclass(frozen=True)
+class PaperTable:
+    """A table of the paper: its rows at the paper's settings, and rows that are tuned on both sides.
+
+    scene: its name.   at_paper_settings: (scene, quick) -> cases.
+    paper: the paper's figures, stored beside the measured ones; "cpuSeconds": of those cases, by label [s].
+    proposed: the label that others are divided by.   comparisons: of the tuned rows.
+    inextensible: of `explicit_case`: scheme, N, h [s], mass scaling, zeta [1/s], curvature measure.
+    compiled: the cheapest of them, without Exudyn's loop.
+    implicit: N, solver, quadrature; see the study's head for how they were chosen; coarse ones first.
+    explicit: N, integrator, quadrature, at their largest stable steps.
+    quick: how many of the inextensible, compiled and implicit ones a quick run takes.
+    """
+
+    scene: str
+    at_paper_settings: Callable[[Scene, bool], list[Case]]
+    paper: Mapping[str, Any]
+    proposed: str
+    comparisons: Sequence[Comparison]
+    inextensible: Sequence[tuple[Any, ...]]
+    implicit: Sequence[tuple[Any, ...]]
+    explicit: Sequence[tuple[Any, ...]]
+    compiled: Sequence[tuple[Any, ...]] = ()
+    quick: tuple[int, int, int] = (2, 0, 2)
+
+    def cases(self, scene: Scene, quick: bool) -> list[Case]:
+        """All rows; a quick run leaves out the costly ones."""
+        own, compiled, implicit = self.quick if quick else (None, None, None)
+        return [
+            *self.at_paper_settings(scene, quick),
+            *(explicit_case(scene, *row) for row in self.inextensible[:own]),
+            *(compiled_case(scene, *row) for row in self.compiled[:compiled]),
+            *(native_case(scene, *row) for row in self.implicit[:implicit]),
+            *([] if quick else self.explicit_cases(scene)),
+        ]
+
+    def explicit_cases(self, scene: Scene) -> list[Case]:
+        """Native explicit integrators at their largest stable steps, which are searched here."""
+        return [largest_step_case(scene, *row) for row in self.explicit]
+
+    def ratios(self, results: Results) -> list[Ratio]:
+        """At the paper's settings beside the paper's, then best against best."""
+        seconds = self.paper.get("cpuSeconds", {})
+        rows = {row["label"]: row for row in results.rows}
+        found = [
+            Ratio(label, there / seconds[self.proposed], time_ratio(rows.get(label), rows.get(self.proposed)))
+            for label, there in seconds.items()
+            if label != self.proposed
+        ]
+        return found + [ratio for one in self.comparisons for ratio in one.ratios(results.rows)]
+
+    def study(
+        self,
+        name: str,
+        question: str,
+        reference: ReferenceOf = from_data,
+        tables: Sequence[Table] = (),
+        **more: Any,
+    ) -> Study:
+        """Its rows, what else is shown, and its ratios.   more: of `Study`."""
+        measure = OnScene(load_scene(self.scene), self.cases, self.paper, reference)
+        return Study(name, question, measure, tables=[ROWS, *tables], ratios=self.ratios, **more)

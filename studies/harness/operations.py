@@ -63,11 +63,6 @@ class Counted:
         return Counted(abs(self.value))
 
 
-def _root(x: Counted) -> Counted:
-    tally[ROOT] += 1
-    return Counted(float(x) ** 0.5)
-
-
 def _counted(array: Any) -> Any:
     """The array with numbers that count."""
     result = np.empty(np.shape(array), dtype=object)
@@ -77,42 +72,35 @@ def _counted(array: Any) -> Any:
 
 def _prepare_kernels() -> None:
     """Local memory, records and functions of NumPy take numbers that count."""
+
+    def root(x: Counted) -> Counted:
+        tally[ROOT] += 1
+        return Counted(float(x) ** 0.5)
+
     for name, module in list(sys.modules.items()):
         if name.startswith("exudyn_inext.") and hasattr(module, "local_array"):
             module.local_array = lambda rows, columns: np.empty((rows, columns), dtype=object)
     inner.records.NUMBER = object
-    inner.factorisation.np = SimpleNamespace(
-        sqrt=_root, copysign=lambda x, y: Counted(np.copysign(float(x), float(y)))
-    )
+    copysign = lambda x, y: Counted(np.copysign(float(x), float(y)))  # noqa: E731
+    inner.factorisation.np = SimpleNamespace(sqrt=root, copysign=copysign)
 
 
-def _count_numbers(numbers: Any) -> None:
-    """Let the numbers of a record array count."""
-    for field in numbers.dtype.names:
-        if numbers.dtype[field].base.hasobject and numbers[field].size:
-            numbers[field] = _counted(numbers[field])
-
-
-def _counted_run(asked: dict[str, Any]) -> tuple[Any, ...]:
-    """Integrator, system, loads and state of a run in numbers that count."""
+def _counts_of_step(asked: dict[str, Any]) -> dict[str, float]:
+    """Operations of one step, the mean over some steps after the first ones."""
     model = build(load_scene(asked["scene"]), asked["elements"])
     cable = inner.read_scene(model.mbs).cables[0]
     integrator = inner.find_integrator(asked["integrator"])
     system = inner.cable_system(cable.cable, 100.0)
     for numbers in (system.chain.nodes, system.chain.elements):
-        _count_numbers(numbers)
+        for field in numbers.dtype.names:
+            if numbers.dtype[field].base.hasobject and numbers[field].size:
+                numbers[field] = _counted(numbers[field])
     constant = inner.CableLoads(cable).constant
     loads = inner.LoadHistory(_counted(constant), np.zeros((0, len(constant))), np.zeros((1, 1, 0)))
     empty = integrator.allocate(len(constant), len(constant))
     state = type(empty)(*map(_counted, empty))
     state.q[:], state.v[:] = _counted(asked["q"]), _counted(asked["v"])
     integrator.start(system, loads.constant, state)
-    return integrator, system, loads, state
-
-
-def _counts_of_step(asked: dict[str, Any]) -> dict[str, float]:
-    """Operations of one step, the mean over some steps after the first ones."""
-    integrator, system, loads, state = _counted_run(asked)
     history = np.empty((1, 3, len(state.q)), dtype=object)
     for _ in range(2):
         tally.update(dict.fromkeys(tally, 0))

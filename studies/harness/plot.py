@@ -14,6 +14,9 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from .store import Row
+from .table import column
+
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 REFERENCE_COLOR = "#999999"
 
@@ -75,6 +78,17 @@ class Curve:
     look: Mapping[str, Any] = field(default_factory=dict)
 
 
+def curves_of(
+    parts: Mapping[Any, Sequence[Row]], x: str, y: str, styles: Mapping[str, str] | None = None
+) -> list[Curve]:
+    """One curve a group of rows, in a color of its own.   styles: word of a label -> style."""
+    found = []
+    for (label, rows), color in zip(parts.items(), COLORS, strict=False):
+        style = next((style for word, style in (styles or {}).items() if word in label), "o-")
+        found.append(Curve(column(rows, x), column(rows, y), label, color, style))
+    return found
+
+
 @dataclass(frozen=True)
 class Panel:
     """Curves in one pair of axes.
@@ -83,6 +97,7 @@ class Panel:
     legend: whether it has one of its own; "below" the axes.
     horizontal, vertical: dotted lines at these values.   ticks: numbers at the x axis.
     unknown: what is below it on the y axis is shaded, as the reference cannot tell it.
+    least: where the y axis begins.
     """
 
     x: str
@@ -95,6 +110,7 @@ class Panel:
     vertical: Sequence[float] = ()
     ticks: Sequence[float] = ()
     unknown: float | None = None
+    least: float | None = None
 
     def draw(self, axes: Any) -> None:
         """All of it."""
@@ -110,6 +126,8 @@ class Panel:
             label = "below the reference's uncertainty"
             axes.axhspan(bottom, self.unknown, color=REFERENCE_COLOR, alpha=0.3, label=label)
             axes.set_ylim(bottom=bottom)
+        if self.least:
+            axes.set_ylim(bottom=self.least)
         if self.ticks:
             name_ticks(axes, self.ticks)
         label_axes(axes, self.x, self.y, self.title)
@@ -122,18 +140,22 @@ class Panel:
 def chart(
     path: Path, *panels: Panel, width: float = 8.0, height: float = 4.6, rows: int = 1, columns: int = 0
 ) -> Path:
-    """A picture of panels side by side, in so many rows.   columns: of a common legend above them."""
+    """A picture of panels side by side, in so many rows.   columns: of a common legend above them.
+
+    Panels below each other without a label of their own share the x axis of the last one.
+    """
     with new_figure(path, width, height) as figure:
-        all_axes = figure.subplots(rows, math.ceil(len(panels) / rows), squeeze=False).flat
+        shares = any(not panel.x for panel in panels)
+        all_axes = figure.subplots(rows, math.ceil(len(panels) / rows), squeeze=False, sharex=shares).flat
         for axes, panel in zip_longest(all_axes, panels):
             if panel:
                 panel.draw(axes)
             else:
                 axes.set_axis_off()
-        labelled = [
-            pair for axes in figure.axes for pair in zip(*axes.get_legend_handles_labels(), strict=True)
-        ]
-        unique = {(label, handle.get_color()): handle for handle, label in labelled} if columns else {}
+        unique = {}
+        for axes in figure.axes if columns else ():
+            for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+                unique[label, handle.get_color()] = handle
         if unique:
             labels = [label for label, _ in unique]
             figure.legend(unique.values(), labels, loc="outside upper left", ncols=columns, fontsize=8)

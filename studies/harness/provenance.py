@@ -25,9 +25,15 @@ def provenance() -> dict[str, Any]:
         "commit": its hash, "unknown" outside of a repository; "changed": whether sources differ from it;
         "sources": hash of all sources; "versions": of Python and packages.
     """
-    commit = _commit()
+    is_own_repository = Path(_git("rev-parse", "--show-toplevel") or "/").resolve() == ROOT.resolve()
+    commit = (is_own_repository and _git("rev-parse", "HEAD")) or _UNKNOWN
     changed = commit != _UNKNOWN and bool(_git("status", "--porcelain", "--", *_OWN))
-    return {"commit": commit, "changed": changed, "sources": _source_hash(), "versions": versions()}
+    digest = hashlib.sha256()
+    for package in _OWN:
+        for source in sorted((ROOT / package).rglob("*.py")):
+            digest.update(source.relative_to(ROOT).as_posix().encode() + source.read_bytes())
+    found = {"commit": commit, "changed": changed}
+    return found | {"sources": digest.hexdigest()[:20], "versions": versions()}
 
 
 def code_name(found: dict[str, Any]) -> str:
@@ -80,11 +86,6 @@ def _cpu_model() -> str:
     return next(names, platform.processor() or _UNKNOWN)
 
 
-def _commit() -> str:
-    is_own_repository = Path(_git("rev-parse", "--show-toplevel") or "/").resolve() == ROOT.resolve()
-    return (is_own_repository and _git("rev-parse", "HEAD")) or _UNKNOWN
-
-
 def _git(*arguments: str) -> str:
     """What git prints; empty where it fails."""
     try:
@@ -92,11 +93,3 @@ def _git(*arguments: str) -> str:
     except (OSError, subprocess.TimeoutExpired):
         return ""
     return run.stdout.strip() if run.returncode == 0 else ""
-
-
-def _source_hash() -> str:
-    digest = hashlib.sha256()
-    for package in _OWN:
-        for source in sorted((ROOT / package).rglob("*.py")):
-            digest.update(source.relative_to(ROOT).as_posix().encode() + source.read_bytes())
-    return digest.hexdigest()[:20]

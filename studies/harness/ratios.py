@@ -3,13 +3,11 @@
 Ratios are native CPU time over the inextensible cable's: at the paper's settings, and best against best.
 """
 
-import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from .store import Row
-from .table import TextTable, number
-from .verdict import at_most, timing_noise, verdict
+from .table import TextTable, at_most, judged, number, timing_noise
 
 CONVENTIONAL, INEXTENSIBLE = "conventional", "inextensible"
 HEADER = ("CPU time over that of the inextensible cable", "paper", "here")
@@ -103,22 +101,6 @@ class Comparison:
         return found
 
 
-def paper_ratios(rows: Sequence[Row], paper_seconds: Mapping[str, float], proposed: str) -> list[Ratio]:
-    """At the paper's settings.
-
-    Args:
-        rows: what was measured.
-        paper_seconds: label -> the paper's CPU time [s] of the row that repeats it.
-        proposed: the label among them that the others are divided by.
-    """
-    found = {row["label"]: row for row in rows}
-    return [
-        Ratio(label, seconds / paper_seconds[proposed], time_ratio(found.get(label), found.get(proposed)))
-        for label, seconds in paper_seconds.items()
-        if label != proposed
-    ]
-
-
 def ratio_tables(found: Sequence[Ratio]) -> list[TextTable]:
     """One table, none without ratios."""
     lines = [
@@ -133,25 +115,21 @@ def ratio_sentences(found: Sequence[Ratio], quick: bool) -> list[str]:
 
     quick: whether few rows were run, for a short motion: they decide nothing on the best of their kind.
     """
+    words = {None: "equal within noise", True: "a smaller gain", False: "a larger gain"}
+    measured = [(ratio.what, ratio.paper, ratio.here) for ratio in found if ratio.here is not None]
     sentences = [
-        f"{ratio.what}: {number(ratio.here)} times the CPU time of the inextensible cable, "
-        f"{number(ratio.paper)} in the paper ({_beside(ratio.here, ratio.paper, timing_noise(quick))})."
-        for ratio in found
-        if ratio.paper is not None and ratio.here is not None
+        f"{what}: {number(here)} times the CPU time of the inextensible cable, {number(paper)} in the paper "
+        f"({words[at_most(here, paper, timing_noise(quick))]})."
+        for what, paper, here in measured
+        if paper is not None
     ]
-    tuned = [ratio for ratio in found if ratio.paper is None and ratio.here is not None]
-    return sentences if quick or not tuned else [_equal_accuracy(tuned), *sentences]
-
-
-def _beside(here: float, paper: float, noise: float) -> str:
-    is_less = at_most(here, paper, noise)
-    return "equal within noise" if is_less is None else "a smaller gain" if is_less else "a larger gain"
-
-
-def _equal_accuracy(tuned: Sequence[Ratio]) -> str:
-    closest = min(tuned, key=lambda ratio: ratio.here or math.inf)
-    found = verdict(at_most(1.0, closest.here or 0.0), "is always cheaper", "is NOT always cheaper")
-    return (
-        f"At equal accuracy, the inextensible cable {found}: the closest of {len(tuned)} comparisons is "
-        f"{number(closest.here)} ({closest.what})."
+    tuned = [(here, what) for what, paper, here in measured if paper is None]
+    if quick or not tuned:
+        return sentences
+    closest, what = min(tuned, key=lambda one: one[0])
+    verdict = judged(1.0, closest, 1.0, "is always cheaper", "is NOT always cheaper")
+    equal = (
+        f"At equal accuracy, the inextensible cable {verdict}: the closest of {len(tuned)} comparisons is "
+        f"{number(closest)} ({what})."
     )
+    return [equal, *sentences]

@@ -13,8 +13,7 @@ from .engines import Options
 from .provenance import machine, present_code
 from .ratios import Ratio, ratio_sentences, ratio_tables
 from .store import Row, prepare_directory, write_json, write_text
-from .table import Table, TextTable
-from .verdict import timing_noise
+from .table import Table, TextTable, timing_noise
 
 Document = dict[str, Any]
 
@@ -100,7 +99,11 @@ def run(study: Study, output: Path, quick: bool = False, options: Options | None
     document |= concluded(study, results)
     document["pictures"] = [picture.name for picture in study.pictures(results, output)]
     write_json(output / f"{study.name}.json", document)
-    report = _report(document)
+    mode = f" ({document['mode']})" if document["mode"] else ""
+    tables = [TextTable(**table).markdown for table in document["tables"]]
+    sentences = "\n".join(f"- {sentence}" for sentence in document["conclusions"])
+    parts = [f"# {study.name}{mode}", study.question, *tables, *document["notes"], sentences]
+    report = "\n\n".join(parts) + "\n"
     gallery = "".join(f"\n![{Path(name).stem}]({name})\n" for name in document["pictures"])
     write_text(output / f"{study.name}.md", report + gallery)
     return report
@@ -131,12 +134,3 @@ def concluded(study: Study, results: Results) -> Document:
         "conclusions": study.conclusions(results) + ratio_sentences(ratios, results.quick),
         "ratios": [vars(ratio) for ratio in ratios],
     }
-
-
-def _report(document: Document) -> str:
-    """Question, tables, notes, conclusions as Markdown."""
-    mode = f" ({document['mode']})" if document["mode"] else ""
-    tables = [TextTable(**table).markdown for table in document["tables"]]
-    paragraphs = [f"# {document['study']}{mode}", document["question"], *tables, *document["notes"]]
-    sentences = "\n".join(f"- {sentence}" for sentence in document["conclusions"])
-    return "\n\n".join([*paragraphs, sentences]) + "\n"

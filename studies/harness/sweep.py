@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, Future, wait
 from dataclasses import asdict, dataclass, field
 from functools import partial
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -162,7 +163,10 @@ def run_cases(
     Raises:
         InputError: cases that are equal; workers that cannot run the cases, or run other code.
     """
-    _require_distinct(cases)
+    keys = [key_of(case) for case in cases]
+    repeated = [case for case, key in zip(cases, keys, strict=True) if keys.count(key) > 1]
+    if repeated:
+        raise InputError(f"case {repeated[0]} occurs more than once; make the cases distinct.")
     stored = [(case, folder.load(case)) for case in cases]
     waiting = [case for case, one in stored if one is None or (retry_failed and one.status != OK)]
     untimed, timed = ([case for case in waiting if is_timed(case) is kind] for kind in (False, True))
@@ -170,12 +174,12 @@ def run_cases(
     if waiting:
         where = f"{len(waiting)} cases on {engine.name}, {len(timed)} timed alone"
         announce(folder.name, f"{where}; {done} finished before")
+    alone = ((case, execute(run, case)) for case in timed)
     with tqdm(total=len(cases), initial=done, desc=folder.name, unit="case") as progress:
-        for part in (_side_by_side(engine, run, untimed), ((case, execute(run, case)) for case in timed)):
-            for case, outcome in part:
-                _require_same_code(outcome, engine)
-                folder.save(case, outcome)
-                progress.update()
+        for case, outcome in chain(_side_by_side(engine, run, untimed), alone):
+            _require_same_code(outcome, engine)
+            folder.save(case, outcome)
+            progress.update()
     return [outcome for case in cases if (outcome := folder.load(case))]  # as a later run would read it
 
 
@@ -191,13 +195,6 @@ def execute(run: RunCase, case: Row) -> Outcome:
 def _failed(why: str) -> Outcome:
     """The outcome of a case that gave no result."""
     return Outcome(f"failed: {why}", {}, provenance())
-
-
-def _require_distinct(cases: Sequence[Row]) -> None:
-    keys = [key_of(case) for case in cases]
-    repeated = [case for case, key in zip(cases, keys, strict=True) if keys.count(key) > 1]
-    if repeated:
-        raise InputError(f"case {repeated[0]} occurs more than once; make the cases distinct.")
 
 
 def _require_same_code(outcome: Outcome, engine: Engine) -> None:

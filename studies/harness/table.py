@@ -1,7 +1,12 @@
-"""Tables: which rows and which of their keys a report shows, and as text."""
+"""Tables and verdicts: which rows and keys a report shows, as text; what was measured against a bar.
 
+There is no verdict where the measurement cannot tell.
+"""
+
+import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from textwrap import dedent
 from typing import Any
 
 from .store import Row
@@ -44,6 +49,19 @@ class Table:
         return TextTable(self.title, [header or key for header, _, key in columns], lines)
 
 
+def tables(text: str, **rows: Callable[[Any], Sequence[Row]]) -> list[Table]:
+    """Tables of lines "kind: title", each followed by indented lines of columns.
+
+    rows: kind -> computes its rows, as in `Table`.
+    """
+    found = []
+    for block in re.split(r"\n(?=\S)", dedent(text).strip()):
+        head, *columns = block.split("\n")
+        kind, _, title = head.partition(": ")
+        found.append(Table(kind, title, " ".join(map(str.strip, columns)), rows.get(kind)))
+    return found
+
+
 def markdown_table(header: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
     """A Markdown table: the first column is text, the others numbers."""
     ruler = ["---"] + ["---:"] * (len(header) - 1)
@@ -79,3 +97,35 @@ def column(rows: Iterable[Row], key: str) -> list[Any]:
 def largest(rows: Iterable[Row], key: str) -> Row:
     """The row with the largest value of the key."""
     return max(rows, key=lambda row: float(row[key]))
+
+
+# ----------------------------------------------------------------------------------------- verdicts
+
+
+QUICK_NOISE = 1.5
+"""Factor by which a quotient of CPU times from few, short runs may be off either way."""
+UNDECIDED = "undecided within noise"
+
+
+def timing_noise(quick: bool) -> float:
+    """Factor within which a timed figure counts as equal to a bar; full runs are taken as measured."""
+    return QUICK_NOISE if quick else 1.0
+
+
+def at_most(value: float, bar: float, noise: float = 1.0) -> bool | None:
+    """Whether value <= bar; None if a factor `noise` could turn it.   value, bar: positive."""
+    if value <= bar / noise:
+        return True
+    return False if not value <= bar * noise else None
+
+
+def verdict(is_kept: bool | None, kept: str = "kept", missed: str = "MISSED") -> str:
+    """The words for it."""
+    if is_kept is None:
+        return UNDECIDED
+    return kept if is_kept else missed
+
+
+def judged(value: float, bar: float, noise: float = 1.0, kept: str = "kept", missed: str = "MISSED") -> str:
+    """The words for whether value <= bar."""
+    return verdict(at_most(value, bar, noise), kept, missed)

@@ -20,7 +20,7 @@ from tqdm import tqdm
 from exudyn_inext import DivergenceError
 from reference_models.trajectory import Case, Trajectory
 
-from .reference import Distance, distance_to_reference
+from .reference import distance_to_reference
 from .store import Row
 
 OK = "ok"
@@ -59,10 +59,10 @@ class Measurement:
         """Prepare, and run once; the first time is the warm-up."""
         self.found = None  # its memory is used again
         task = self.prepare()
-        with garbage_collection_off():
-            start, cpu_start = time.perf_counter(), time.process_time()
-            self.found = task()
-            cpu, wall = time.process_time() - cpu_start, time.perf_counter() - start
+        gc.collect()
+        start, cpu_start = time.perf_counter(), time.process_time()
+        self.found = task()
+        cpu, wall = time.process_time() - cpu_start, time.perf_counter() - start
         if self.warm_up is None:
             self.warm_up = cpu
         else:
@@ -71,13 +71,13 @@ class Measurement:
 
 
 def in_turn(
-    tasks: Mapping[str, Prepare],
+    tasks: Mapping[Any, Prepare],
     rounds: int,
     name: str,
     run: Callable[[Measurement], None] = Measurement.run,
     rounds_of: RoundsOf = lambda seconds: math.inf,
     turns: bool = True,
-) -> dict[str, Measurement]:
+) -> dict[Any, Measurement]:
     """Run every task once untimed (compilation, caches), then in so many rounds.
 
     Args:
@@ -88,12 +88,12 @@ def in_turn(
     """
     measurements = {label: Measurement(prepare) for label, prepare in tasks.items()}
     order = deque(measurements.items())
-    with only_new_garbage(), tqdm(total=len(tasks) * (rounds + 1), desc=name, unit="run") as progress:
+    runs = len(tasks) * (rounds + 1)
+    with without_garbage_collection(), tqdm(total=runs, desc=name, unit="run") as progress:
         for completed in range(rounds + 1):
             for label, measurement in order:
-                progress.set_postfix_str(label[:48])
-                wanted = math.inf if measurement.warm_up is None else rounds_of(measurement.warm_up)
-                if measurement.status == OK and completed <= wanted:
+                progress.set_postfix_str(str(label)[:48])
+                if measurement.status == OK and completed <= rounds_of(measurement.warm_up or 0.0):
                     run(measurement)
                 progress.update()
             order.rotate(-1 if turns and completed else 0)
@@ -144,7 +144,9 @@ def _run_case(measurement: Measurement) -> None:
 
 def _row(case: Case, measurement: Measurement, reference: Trajectory) -> Row:
     """As it is stored; times and errors of a failed case are None."""
-    error = _error(measurement, reference)
+    ended = measurement.status == OK and measurement.found is not None
+    error = distance_to_reference(measurement.found, reference) if ended else None
+    known = error is not None and math.isfinite(error.maximum)
     return {
         "label": case.label,
         "formulation": case.formulation,
@@ -155,18 +157,11 @@ def _row(case: Case, measurement: Measurement, reference: Trajectory) -> Row:
         "cpuSeconds": measurement.median,
         "cpuSecondsMin": measurement.minimum,
         "repeats": len(measurement.cpu_seconds),
-        "errorMax": error.maximum if error else None,
-        "errorRms": error.rms if error else None,
+        "errorMax": error.maximum if known else None,
+        "errorRms": error.rms if known else None,
         "status": measurement.status,
         **case.details,
     }
-
-
-def _error(measurement: Measurement, reference: Trajectory) -> Distance | None:
-    if measurement.status != OK or measurement.found is None:
-        return None
-    error = distance_to_reference(measurement.found, reference)
-    return error if math.isfinite(error.maximum) else None
 
 
 # ------------------------------------------------------------------------------------ short tasks
@@ -186,8 +181,8 @@ def each_task_once() -> Iterator[None]:
 
 
 def seconds_per_time(
-    tasks: Mapping[str, Task], repeats: int, least_seconds: float, name: str = "timing"
-) -> dict[str, list[float]]:
+    tasks: Mapping[Any, Task], repeats: int, least_seconds: float, name: str = "timing"
+) -> dict[Any, list[float]]:
     """CPU seconds of each task, done once, in each of `repeats` rounds over all tasks.
 
     A task is repeated in a sample as often as takes `least_seconds`.
@@ -198,54 +193,38 @@ def seconds_per_time(
         return {label: [1.0] * repeats for label in tasks}
     times = {label: _times_of(task, least_seconds) for label, task in tasks.items()}
     runs = {label: partial(partial, task, times[label]) for label, task in tasks.items()}
-    samples = in_turn(runs, repeats, name)
-    return {
-        label: [max(seconds, 1e-9) / times[label] for seconds in samples[label].cpu_seconds]
-        for label in tasks
-    }
+    found = in_turn(runs, repeats, name).items()
+    return {label: [max(x, 1e-9) / times[label] for x in one.cpu_seconds] for label, one in found}
 
 
-def medians(samples: Mapping[str, list[float]]) -> dict[str, float]:
+def medians(samples: Mapping[Any, list[float]]) -> dict[Any, float]:
     """Label -> median."""
     return {label: statistics.median(values) for label, values in samples.items()}
 
 
 def _times_of(task: Task, least_seconds: float) -> int:
     task(1)
-    times = 1
-    while (seconds := _seconds(task, times)) < 0.2 * least_seconds:
-        times *= 4
+    times, seconds = 1, 0.0
+    while not seconds > 0.2 * least_seconds:
+        times, start = 4 * times if seconds else times, time.process_time()
+        task(times)
+        seconds = max(time.process_time() - start, 1e-9)
     return max(1, round(times * least_seconds / seconds))
-
-
-def _seconds(task: Task, times: int) -> float:
-    start = time.process_time()
-    task(times)
-    return max(time.process_time() - start, 1e-9)
 
 
 # ---------------------------------------------------------------------------------------- garbage
 
 
 @contextmanager
-def only_new_garbage() -> Iterator[None]:
-    """Inside, collections leave what is there already alone: modules and compilers are a million objects."""
+def without_garbage_collection() -> Iterator[None]:
+    """Inside, garbage is collected between runs only, of new objects: modules and compilers are a million."""
+    was_enabled = gc.isenabled()
     gc.collect()
     gc.freeze()
-    try:
-        yield
-    finally:
-        gc.unfreeze()
-
-
-@contextmanager
-def garbage_collection_off() -> Iterator[None]:
-    """As little else as possible inside of the block; garbage is collected before it."""
-    gc.collect()
-    was_enabled = gc.isenabled()
     gc.disable()
     try:
         yield
     finally:
+        gc.unfreeze()
         if was_enabled:
             gc.enable()

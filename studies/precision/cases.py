@@ -9,7 +9,7 @@ forces depend on velocities.
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain
+from itertools import chain, product
 
 from exudyn_inext import ExplicitSettings, Zhai
 from reference_models.conventional.cases import native_case
@@ -19,17 +19,12 @@ from reference_models.conventional.stability import largest_stable_step
 from reference_models.conventional.zhai import largest_zhai_step, zhai_case
 from reference_models.enforced import enforced_case
 from reference_models.inextensible import Inextensible
-from reference_models.peers.rigid_links import (
-    RigidLinks,
-    has_integrator,
-    is_installed,
-    largest_step,
-    rigid_links_case,
-)
+from reference_models.peers import rigid_links
+from reference_models.peers.rigid_links import RigidLinks
 from reference_models.scenes import Scene
 from reference_models.trajectory import Case
 from studies import ring, table1, table2, table3
-from studies.harness.cases import explicit_case, kept_case
+from studies.harness.cases import explicit_case, kept_case, unguarded
 
 TABLES = {
     "planar_pendulum": table1.TABLE,
@@ -121,20 +116,18 @@ def inextensible_cases(scene: Scene, quick: bool) -> Iterator[Case]:
     for elements in meshes.limited:
         for name in SCHEMES:
             yield from limited_cases(scene, elements, name)
-    for elements, h in [*((n, h) for n in meshes.scaled for h in meshes.steps), *meshes.coarse]:
+    for elements, h in [*product(meshes.scaled, meshes.steps), *meshes.coarse]:
         for integrator, theta in SCALED:
             if theta == EXTRA_THETA and integrator == "RATTLE" and h < COARSE:
                 continue
-            settings = ExplicitSettings(integrator, stepSize=h, massScaling=theta, energyTolerance=math.inf)
-            if integrator == "Zhai":
-                settings = replace(settings, stabilizationRate=min(meshes.zeta, DECAY / h))
-            yield _kept(scene, elements, settings)
+            zeta = min(meshes.zeta, DECAY / h) if integrator == "Zhai" else ExplicitSettings.stabilizationRate
+            yield _kept(scene, elements, unguarded(integrator, h, theta, zeta))
 
 
 def limited_cases(scene: Scene, elements: int, name: str) -> list[Case]:
     """At fractions of the stability limit."""
     integrator, scheme = SCHEMES[name]
-    settings = ExplicitSettings(integrator, scheme, massScaling=0.0, energyTolerance=math.inf)
+    settings = unguarded(integrator, None, scheme=scheme)
     brief = _kept(replace(scene, end_time=BRIEF), elements, settings)
     limit = brief.details.get("stepLimit")
     if limit is None:
@@ -145,9 +138,10 @@ def limited_cases(scene: Scene, elements: int, name: str) -> list[Case]:
 def _kept(scene: Scene, elements: int, settings: ExplicitSettings) -> Case:
     """One that diverges, or is refused, keeps its place."""
     case = kept_case(scene, Inextensible(elements, settings))
-    corrector = settings.scheme is not None and settings.scheme.corrector
-    details = {"massScaling": settings.massScaling, **case.details, "corrector": corrector}
-    return replace(case, details=details)
+    corrector = bool(settings.scheme and settings.scheme.corrector)
+    return replace(
+        case, details={"massScaling": settings.massScaling, **case.details, "corrector": corrector}
+    )
 
 
 # --------------------------------------------------------------- inextensible, under native solvers
@@ -257,9 +251,7 @@ def native_cases(scene: Scene, quick: bool) -> Iterator[Case]:
 
 
 def _implicit_series(scene: Scene, series: Series, quick: bool) -> Iterator[Case]:
-    meshes: list[tuple[Quadrature, int]] = [("full", n) for n in series.full]
-    meshes += [("lobatto", n) for n in series.lobatto]
-    for quadrature, elements in meshes:
+    for quadrature, elements in [*product(["full"], series.full), *product(["lobatto"], series.lobatto)]:
         linear = "sparse" if elements > 6 else "dense"
         solvers = [Implicit(h, "modified", linear, 1e-4) for h in series.steps]
         for h in TRAPEZOIDAL_STEPS[: 1 if quick else None]:
@@ -295,13 +287,13 @@ NOT_INSTALLED = "MuJoCo is not installed: no rows of rigid links; pip install 'e
 
 def links_cases(scene: Scene, quick: bool) -> Iterator[Case]:
     """Over links, steps, integrators and the rotary inertia of a link; none if MuJoCo is not installed."""
-    if scene.name not in LINKED_SCENES or not is_installed():
+    if scene.name not in LINKED_SCENES or not rigid_links.is_installed():
         return
     for links in QUICK_LINKS if quick else LINKS:
         fractions = FRACTIONS[:1] if links >= LONG else FRACTIONS
         for inertia in (TUNED_INERTIA,) if links > LONG else (1.0, TUNED_INERTIA):
             yield from _links(scene, RigidLinks(links, 1.0, rotary_inertia=inertia), fractions)
-    for integrator in filter(has_integrator, LOW_ORDER):
+    for integrator in filter(rigid_links.has_integrator, LOW_ORDER):
         for links in LOW_ORDER[integrator][: 1 if quick else None]:
             chain_of_links = RigidLinks(links, 1.0, integrator, TUNED_INERTIA)
             yield from _links(scene, chain_of_links, LOW_ORDER_FRACTIONS)
@@ -309,8 +301,8 @@ def links_cases(scene: Scene, quick: bool) -> Iterator[Case]:
 
 def _links(scene: Scene, links: RigidLinks, fractions: Sequence[float]) -> Iterator[Case]:
     """At fractions of the stability limit; of Euler's, for integrators that have none."""
-    limit = largest_step(scene, links)
+    limit = rigid_links.largest_step(scene, links)
     if math.isinf(limit):
-        limit = largest_step(scene, replace(links, integrator="Euler"))
+        limit = rigid_links.largest_step(scene, replace(links, integrator="Euler"))
     for fraction in fractions:
-        yield rigid_links_case(scene, replace(links, step_size=fraction * limit))
+        yield rigid_links.rigid_links_case(scene, replace(links, step_size=fraction * limit))

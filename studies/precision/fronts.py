@@ -8,9 +8,8 @@ import numpy as np
 
 from exudyn_inext import InputError
 from reference_models.peers.rigid_links import FORMULATION as RIGID_LINKS
+from studies.harness import Row, column
 from studies.harness.ratios import CONVENTIONAL, by_default, front, is_explicit, is_implicit, is_usable
-from studies.harness.store import Row
-from studies.harness.table import column
 
 INEXTENSIBLE = "inextensible"
 BY_NATIVE_SOLVERS = "inextensible, native solvers"
@@ -157,23 +156,21 @@ ALONE = "only the opponent is as accurate"
 
 
 def losses(opponent: Front, own: Front) -> list[Loss]:
-    """Ranges of the opponent's rows where it wins; neighbouring ones for the same reason are joined."""
+    """Ranges of the opponent's rows where it wins; neighbouring ones for the same reason are joined.
+
+    Looser than the end of one's own front, its cheapest row serves.
+    """
     found: list[Loss] = []
     before = ""
     for row in opponent.rows:
-        why, error = _why_lost(row, own), row["errorMax"]
+        why, error = "", row["errorMax"]
+        if not own.rows or error < own.errors[-1]:
+            why = ALONE
+        elif row["cpuSeconds"] < (read(own, min(error, own.errors[0])).seconds or 0.0):
+            why = CHEAPER
         if why and why == before:
             found[-1] = Loss(error, found[-1].largest, why)
         elif why:
             found.append(Loss(error, error, why))
         before = why
     return found
-
-
-def _why_lost(row: Row, own: Front) -> str:
-    """Empty if the front is as cheap at the row's error; looser than its end, its cheapest row serves."""
-    if not own.rows or row["errorMax"] < own.errors[-1]:
-        return ALONE
-    seconds = read(own, min(row["errorMax"], own.errors[0])).seconds
-    assert seconds is not None
-    return CHEAPER if row["cpuSeconds"] < seconds else ""

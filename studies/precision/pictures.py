@@ -5,27 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
+from studies.harness import Results, Row, column, groups
 from studies.harness.plot import COLORS, Curve, Panel, chart
 from studies.harness.ratios import is_usable
-from studies.harness.store import Row
-from studies.harness.study import Results
-from studies.harness.table import column, groups
 
-from .fronts import (
-    BY_NATIVE_SOLVERS,
-    EXPLICIT,
-    IMPLICIT,
-    INEXTENSIBLE,
-    OPPONENTS,
-    OTHERS,
-    PEER,
-    Front,
-    family_of,
-    front_of,
-    members,
-    method_of,
-    speed_up,
-)  # fmt: skip
+from . import fronts
+from .fronts import BY_NATIVE_SOLVERS, EXPLICIT, IMPLICIT, INEXTENSIBLE, PEER, front_of, members
 
 _LOOK = {
     INEXTENSIBLE: (COLORS[0], "o"),
@@ -36,6 +21,7 @@ _LOOK = {
 }
 _MARKERS = "osD^v<>PX*h"
 _AXES = "CPU time [s]", "largest distance to the reference [m]"
+POINTS = 200
 _RATIO_AXES = "error [m]", "CPU time over the inextensible cable's [-]"
 
 
@@ -54,9 +40,9 @@ def draw(results: Results, directory: Path) -> list[Path]:
 def _draw_scene(reference: Row, runs: Sequence[Row], directory: Path) -> Path:
     scene, unknown = reference["scene"], reference["uncertainty"]
     own = [
-        row | {"method": method_of(row)}
+        row | {"method": fronts.method_of(row)}
         for row in runs
-        if family_of(row) in (INEXTENSIBLE, BY_NATIVE_SOLVERS)
+        if fronts.family_of(row) in (INEXTENSIBLE, BY_NATIVE_SOLVERS)
     ]
     methods = dict(sorted(groups(own, "method").items()))
     looks = {name: (COLORS[k % len(COLORS)], _MARKERS[k % len(_MARKERS)]) for k, name in enumerate(methods)}
@@ -84,24 +70,17 @@ def _fronts(
 
 
 def _ratios(reference: Row, runs: Sequence[Row]) -> Panel:
+    """Where both fronts are; ends may leave one by rounding."""
     own = front_of(members(runs, INEXTENSIBLE), reference["uncertainty"])
     curves = []
-    for opponent in OTHERS:
-        theirs = front_of(filter(OPPONENTS[opponent], runs), reference["uncertainty"])
-        errors, ratios = ratio_curve(theirs, own)
-        if len(errors):
+    for opponent in fronts.OTHERS:
+        theirs = front_of(filter(fronts.OPPONENTS[opponent], runs), reference["uncertainty"])
+        if not (theirs.rows and own.rows):
+            continue
+        largest, least = (choose(theirs.errors[k], own.errors[k]) for choose, k in ((min, 0), (max, -1)))
+        if largest > least:
+            errors = np.geomspace(largest, least, POINTS)[1:-1]
+            ratios = [fronts.speed_up(theirs, own, float(bound)) for bound in errors]
             curves.append(Curve(errors, ratios, opponent, _LOOK[opponent][0], "-"))
     title = reference["scene"] + ("" if curves else ": no fronts overlap")
     return Panel(*_RATIO_AXES, curves, title=title, legend=False, horizontal=(1.0,))
-
-
-def ratio_curve(theirs: Front, own: Front, points: int = 200) -> tuple[np.ndarray, np.ndarray]:
-    """Errors (n,) [m] and ratios (n,) [-] where both fronts are; empty if they do not overlap."""
-    if not (theirs.rows and own.rows):
-        return np.array([]), np.array([])
-    largest = min(theirs.errors[0], own.errors[0])
-    least = max(theirs.errors[-1], own.errors[-1])
-    if largest <= least:
-        return np.array([]), np.array([])
-    inside = np.geomspace(largest, least, points)[1:-1]  # ends may leave a front by rounding
-    return inside, np.array([speed_up(theirs, own, float(bound)) for bound in inside])

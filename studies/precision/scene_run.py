@@ -1,18 +1,17 @@
 """Everything that moves one scene: measured in turn, compared with the scene's reference, and read off."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case
+from studies.harness import Row, announce
 from studies.harness.reference import ReferenceSolution
-from studies.harness.store import Row
-from studies.harness.study import announce
 from studies.harness.timing import measure
 from studies.table3 import reference_of
 
 from .cases import cases_of
-from .fronts import INEXTENSIBLE, OPPONENTS, Front, family_of, front_of, members, read, speed_up
+from .fronts import INEXTENSIBLE, OPPONENTS, family_of, front_of, members, read, speed_up
 
 BOUNDS = (1e-2, 5e-3, 3e-3, 1e-3, 7e-4, 3e-4)  # [m]
 BELOW = "below the reference's uncertainty"
@@ -60,26 +59,16 @@ def reference_row(scene: Scene, reference: ReferenceSolution) -> Row:
 
 def ratio_rows(scene: str, runs: Sequence[Row], uncertainty: float) -> list[Row]:
     """CPU time of every opponent over that of the inextensible cable, at every error bound."""
-    own = front_of(members(runs, INEXTENSIBLE), uncertainty)
-    return [
-        {"kind": "speedUp", "scene": scene, "opponent": opponent} | row
-        for opponent, belongs in OPPONENTS.items()
-        if any(map(belongs, runs))
-        for row in _ratios(front_of(filter(belongs, runs), uncertainty), own)
-    ]
-
-
-def _ratios(theirs: Front, own: Front) -> Iterator[Row]:
-    for bound in BOUNDS:
-        if bound < own.uncertainty:
-            yield {"bound": bound, "ratio": None, "opponentOutcome": BELOW, "ownOutcome": BELOW}
-            continue
-        slow, quick = read(theirs, bound), read(own, bound)
-        yield {
-            "bound": bound,
-            "ratio": speed_up(theirs, own, bound),
-            "opponentSeconds": slow.seconds,
-            "ownSeconds": quick.seconds,
-            "opponentOutcome": slow.what,
-            "ownOutcome": quick.what,
-        }
+    own, rows = front_of(members(runs, INEXTENSIBLE), uncertainty), []
+    for opponent, belongs in OPPONENTS.items():
+        theirs = front_of(filter(belongs, runs), uncertainty)
+        for bound in BOUNDS if any(map(belongs, runs)) else ():
+            row = {"kind": "speedUp", "scene": scene, "opponent": opponent, "bound": bound, "ratio": None}
+            if bound < uncertainty:
+                rows.append(row | {"opponentOutcome": BELOW, "ownOutcome": BELOW})
+                continue
+            slow, quick = read(theirs, bound), read(own, bound)
+            found = {"ratio": speed_up(theirs, own, bound)}
+            found |= {"opponentSeconds": slow.seconds, "ownSeconds": quick.seconds}
+            rows.append(row | found | {"opponentOutcome": slow.what, "ownOutcome": quick.what})
+    return rows

@@ -5,8 +5,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from exudyn_inext import InputError
+from studies.harness import Study
 from studies.harness.store import write_text
-from studies.harness.study import Study
 from studies.registry import find_studies, find_study
 
 from .documents import QUICK_FOLDER, Wish, gather, read_earlier

@@ -5,12 +5,12 @@ Rows are matched, and times divided by the machines' common factor.
 
 import statistics
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from studies.harness import Row
 from studies.harness.ratios import CONVENTIONAL
-from studies.harness.store import Row
 from studies.harness.study import Document
 from studies.harness.timing import OK
 
@@ -43,11 +43,6 @@ class Change:
     def is_better(self) -> bool:
         return self.factor < 1.0 / self.noise
 
-    @property
-    def is_time(self) -> bool:
-        """Whether it is about speed, not accuracy."""
-        return self.kind in SLOWER
-
 
 @dataclass(frozen=True)
 class MatchedRow:
@@ -67,11 +62,12 @@ class MatchedRow:
         return ", ".join(dict.fromkeys(texts))
 
     def figures(self) -> Iterator[tuple[str, Quantity, float, float]]:
-        """Key, meaning, then, now: of all that both sides have."""
+        """Key, meaning, then, now: of all that are numbers on both sides."""
         for key in self.new:
+            values = self.old.get(key), self.new[key]
             meaning = quantity(self.new, key)
-            if meaning is not None:
-                old, new = (_at_least(side.get(key), meaning.floor) for side in (self.old, self.new))
+            if meaning and all(isinstance(x, (int, float)) and not isinstance(x, bool) for x in values):
+                old, new = (max(value, meaning.floor) for value in values)
                 if old > 0.0 and new > 0.0:
                     yield key, meaning, old, new
 
@@ -90,12 +86,6 @@ class MatchedRow:
             old, new = (str(side.get(key, OK)).partition(":")[0] for side in (self.old, self.new))
             if old != new:
                 yield self, old, new
-
-
-def _at_least(value: Any, floor: float) -> float:
-    """Zero for what is no number."""
-    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    return max(value, floor) if is_number else 0.0
 
 
 @dataclass(frozen=True)
@@ -138,13 +128,10 @@ def machine_factor(rows: Sequence[MatchedRow], native_only: bool = False) -> tup
         new / old
         for row in rows
         for key, meaning, old, new in row.figures()
-        if meaning.kind == TIME and (not native_only or _is_native(row.new, key))
+        if meaning.kind == TIME
+        and (not native_only or key.startswith("native") or row.new.get("formulation") == CONVENTIONAL)
     ]
     return (statistics.median(factors), len(factors)) if factors else (1.0, 0)
-
-
-def _is_native(row: Row, key: str) -> bool:
-    return key.startswith("native") or row.get("formulation") == CONVENTIONAL
 
 
 @dataclass(frozen=True)
@@ -168,15 +155,15 @@ class Comparison:
     @property
     def slower(self) -> list[Change]:
         """Beyond noise, the worst first."""
-        return self._worse(lambda change: change.is_time)
+        return self._worse(True)
 
     @property
     def less_accurate(self) -> list[Change]:
         """Beyond noise, the worst first."""
-        return self._worse(lambda change: not change.is_time)
+        return self._worse(False)
 
-    def _worse(self, belongs: Callable[[Change], bool]) -> list[Change]:
-        worse = [change for change in self.changes if change.is_worse and belongs(change)]
+    def _worse(self, in_speed: bool) -> list[Change]:
+        worse = [one for one in self.changes if one.is_worse and (one.kind in SLOWER) is in_speed]
         return sorted(worse, key=lambda change: -change.factor / change.noise)
 
     @property
@@ -202,28 +189,22 @@ class Comparison:
     @property
     def is_worse(self) -> bool:
         """Whether anything is slower, less accurate, failing now, or adverse now."""
-        failing = [old for _, old, _ in self.statuses if old == OK]
-        return any(change.is_worse for change in self.changes) or bool(
-            failing or any(pair.is_worse for pair in self.flipped)
-        )
+        failing = any(old == OK for _, old, _ in self.statuses)
+        return failing or any(one.is_worse for one in (*self.changes, *self.flipped))
 
     @property
     def summary(self) -> list[str]:
         """In sentences."""
-        native = (
-            f" ({self.natives[0]:.2f} over {self.natives[1]} times of native cables, which run none of "
-            "this project's code)"
-        )
-        total = {
-            key: sum(getattr(one, key) for one in self.sentences)
-            for key in ("kept", "reworded", "added", "vanished")
-        }
+        factor, times = self.natives
+        native = f" ({factor:.2f} over {times} times of native cables, which run none of this project's code)"
+        counted = ("kept", "reworded", "added", "vanished")
+        total = {key: sum(getattr(one, key) for one in self.sentences) for key in counted}
         return [
             *self.origins,
             f"{len(self.matched.rows)} rows of {self.studies} studies are in both, {self.matched.added} are "
             f"new, {self.matched.vanished} are gone; {len(self.changes)} figures are compared.",
             f"Times are divided by the factor that all have in common: {self.factor:.2f}, the median over "
-            f"{self.times} times{native if self.natives[1] else ''}.",
+            f"{self.times} times{native if times else ''}.",
             f"Beyond noise: {len(self.slower)} figures slower, {len(self.less_accurate)} less accurate or "
             f"limited more, {len(self.better)} better; {len(self.statuses)} rows with another status.",
             f"Conclusions: {len(self.flipped)} FLIPPED, {len(self.undecided)} are undecided on one side; "
@@ -256,19 +237,13 @@ def _origins(old: Sequence[Document], new: Sequence[Document]) -> list[str]:
     then, now = (_unique(commit_of(code_of(document)) for document in side) for side in (old, new))
     sentences = [f"Both of {then}." if then == now else f"Then {then}, now {now}."]
     pairs = list(zip(old, new, strict=True))
-    other = _unique(
-        differences(code_of(before), code_of(after)).removesuffix("sources").rstrip("; ")
-        for before, after in pairs
-    )
+    found = (differences(*map(code_of, pair)) for pair in pairs)
+    other = _unique(text.removesuffix("sources").rstrip("; ") for text in found)
     if other:
         sentences.append(f"Versions then and now: {other}.")
     if any(before["machine"] != after["machine"] for before, after in pairs):
-        then, now = (
-            _unique(
-                ", ".join(f"{key} {value}" for key, value in document["machine"].items()) for document in side
-            )
-            for side in (old, new)
-        )
+        machines = [[document["machine"].items() for document in side] for side in (old, new)]
+        then, now = (_unique(", ".join(f"{k} {v}" for k, v in one) for one in side) for side in machines)
         sentences.append(f"Another MACHINE: then {then}, now {now}.")
     return sentences
 

@@ -17,6 +17,7 @@ from .warm_up import warm_up
 
 QUICK_FOLDER = "quick"
 _FAILED = "FAILED"
+MODES = ("full", "quick")
 
 
 @dataclass(frozen=True)
@@ -97,13 +98,9 @@ def _unusable(path: Path, document: Document | None, quick: bool) -> str:
     if document is None:
         return "it has not been run"
     if document["quick"] != quick:
-        return f"'{path}' is of a {_mode(document['quick'])} run"
+        return f"'{path}' is of a {MODES[document['quick']]} run"
     missing = [key for key in KEYS if key not in document]
     return f"its run was stopped before it was complete: {', '.join(missing)} missing" if missing else ""
-
-
-def _mode(quick: bool) -> str:
-    return "quick" if quick else "full"
 
 
 def _require_one_code(found: Gathered, wish: Wish) -> None:
@@ -111,25 +108,22 @@ def _require_one_code(found: Gathered, wish: Wish) -> None:
     documents = list(found.documents.items())
     if not documents:
         return
-    expected = code_of(documents[0][1]) if wish.other_commit else present_code()
-    beside = f"'{documents[0][0]}' there" if wish.other_commit else "the present code"
+    expected, beside = present_code(), "the present code"
+    remedy = (
+        "Give --fresh to run all studies anew, another --output, or, without --quick, --other-commit to "
+        "report what that commit measured."
+    )
+    if wish.other_commit:
+        expected, beside = code_of(documents[0][1]), f"'{documents[0][0]}' there"
+        remedy = "Give --only with the studies that belong together, or another --output."
     for name, document in documents:
         code = code_of(document)
         if code != expected:
             raise InputError(
                 f"'{wish.folder}' holds results of another state of the code: study '{name}' of "
                 f"{commit_of(code)}, {beside} is {commit_of(expected)} (also different: "
-                f"{differences(code, expected) or 'nothing'}). {_remedy(wish)}"
+                f"{differences(code, expected) or 'nothing'}). {remedy}"
             )
-
-
-def _remedy(wish: Wish) -> str:
-    if wish.other_commit:
-        return "Give --only with the studies that belong together, or another --output."
-    return (
-        "Give --fresh to run all studies anew, another --output, or, without --quick, --other-commit to "
-        "report what that commit measured."
-    )
 
 
 def _run(study: Study, found: Gathered, wish: Wish) -> None:
@@ -164,22 +158,14 @@ def read(path: Path) -> Document:
             f"'{path}' cannot be read ({error}): remove it, or run its study again (python -m studies run "
             f"{path.stem})."
         ) from error
-    if not _is_document(found):
+    forms = {"study": str, "quick": bool, "machine": dict, "versions": dict, "rows": list}
+    has_form = isinstance(found, dict) and all(isinstance(found.get(key), one) for key, one in forms.items())
+    if not (has_form and all(isinstance(row, dict) for row in found["rows"])):
         raise InputError(
             f"'{path}' is not the result of a study (it needs study, quick, machine, versions, rows): remove "
             "it, or choose another folder."
         )
     return dict(found)
-
-
-def _is_document(found: Any) -> bool:
-    """Whether it has what the document of any study has, and in the right form."""
-    forms = {"study": str, "quick": bool, "machine": dict, "versions": dict, "rows": list}
-    return (
-        isinstance(found, dict)
-        and all(isinstance(found.get(key), form) for key, form in forms.items())
-        and all(isinstance(row, dict) for row in found["rows"])
-    )
 
 
 def code_of(document: Document) -> dict[str, Any]:
@@ -221,29 +207,23 @@ def read_earlier(given: Sequence[Path], quick: bool) -> dict[str, Document]:
     for path in given:
         if not path.exists():
             raise InputError(f"--compare '{path}': there is no such folder or file.")
-        documents = _of_folder(path, quick) if path.is_dir() else [_document(path)]
-        own = {one["study"]: one for one in documents if one and one["quick"] == quick}
+        folders = [path, path / QUICK_FOLDER] if quick else [path]
+        files = [file for folder in folders for file in sorted(folder.glob("*.json"))]
+        own = {}
+        for file in files if path.is_dir() else [path]:
+            try:
+                document = read(file)
+            except InputError as error:
+                if error.__cause__ and file.suffix == ".json":
+                    raise
+                continue  # of another kind, in the same folder
+            if document["quick"] == quick:
+                own[document["study"]] = document
         if not own:
             raise InputError(
-                f"--compare '{path}' holds no results of {_mode(quick)} runs, and only equal modes compare: "
+                f"--compare '{path}' holds no results of {MODES[quick]} runs, and only equal modes compare: "
                 "give the folder of an earlier report of the same mode, or its NAME.json files; or "
                 + ("leave out --quick." if quick else "give --quick.")
             )
         found |= own
     return found
-
-
-def _of_folder(folder: Path, quick: bool) -> list[Document | None]:
-    """From the folder itself, and before it from its folder of quick results."""
-    places = (folder, folder / QUICK_FOLDER) if quick else (folder,)
-    return [_document(path) for place in places for path in sorted(place.glob("*.json"))]
-
-
-def _document(path: Path) -> Document | None:
-    """None for files of another kind that lie in the same folder."""
-    try:
-        return read(path)
-    except InputError as error:
-        if isinstance(error.__cause__, Exception) and path.suffix == ".json":
-            raise
-        return None

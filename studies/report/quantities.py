@@ -17,7 +17,7 @@ MEMORY    resident memory.
 from dataclasses import dataclass
 from typing import Any
 
-from studies.harness.store import Row
+from studies.harness import Row
 
 TIME, QUOTIENT, SPEED, TAIL, ERROR, LIMIT, MEMORY = (
     "time", "quotient of times", "speed", "tail of times", "error", "limit", "memory",

@@ -97,19 +97,14 @@ def _matched(
 
 def _alike(old: Sequence[str], new: Sequence[str]) -> tuple[list[tuple[str, str]], list[str], list[str]]:
     """Pairs that differ in some words, the most alike first."""
-    likeness = sorted(
-        ((_likeness(a, b), i, j) for i, a in enumerate(old) for j, b in enumerate(new)), reverse=True
-    )
-    pairs: dict[int, int] = {}
-    for value, i, j in likeness:
-        if value >= ALIKE and i not in pairs and j not in pairs.values():
-            pairs[i] = j
-    taken = set(pairs.values())
-    return (
-        [(old[i], new[j]) for i, j in pairs.items()],
-        [text for i, text in enumerate(old) if i not in pairs],
-        [text for j, text in enumerate(new) if j not in taken],
-    )
+    likeness = sorted(((_likeness(a, b), a, b) for a in old for b in new), reverse=True)
+    left, rest, pairs = list(new), list(old), []
+    for value, a, b in likeness:
+        if value >= ALIKE and a in rest and b in left:
+            pairs.append((a, b))
+            rest.remove(a)
+            left.remove(b)
+    return pairs, rest, left
 
 
 def _likeness(old: str, new: str) -> float:

@@ -4,8 +4,8 @@ from collections.abc import Iterable, Sequence
 from datetime import datetime, timezone
 from pathlib import Path
 
+from studies.harness import TextTable, column, groups, number
 from studies.harness.study import Document
-from studies.harness.table import TextTable, number
 
 from .compare import Change, Comparison
 from .documents import Gathered, code_of, commit_of
@@ -60,20 +60,17 @@ def _subtitle(documents: Sequence[Document], quick: bool) -> str:
 
 def _headline(documents: Sequence[Document]) -> Blocks:
     """Ratios beside the paper's; of those at equal accuracy, the closest of each study."""
-    lines = [line for document in documents for line in _ratio_lines(document)]
+    lines: list[tuple[str, ...]] = []
+    for document in documents:
+        study, ratios = document["study"], document["ratios"]
+        paper = [ratio for ratio in ratios if ratio["paper"] is not None]
+        lines += [(one["what"], number(one["paper"]), number(one["here"]), study) for one in paper]
+        tuned = [one for one in ratios if one["paper"] is None and one["here"] is not None]
+        if tuned and not document["quick"]:  # the few rows of quick runs are not the best of their kind
+            closest = min(tuned, key=lambda ratio: ratio["here"])
+            lines.append((EQUAL_ACCURACY + closest["what"], "", number(closest["here"]), study))
     header = ("native CPU time over that of the inextensible cable", "paper", "here", "study")
     return [TextTable("", header, lines).markdown] if lines else []
-
-
-def _ratio_lines(document: Document) -> list[tuple[str, ...]]:
-    study = document["study"]
-    paper = [ratio for ratio in document["ratios"] if ratio["paper"] is not None]
-    tuned = [r for r in document["ratios"] if r["paper"] is None and r["here"] is not None]
-    lines: list[tuple[str, ...]] = [(r["what"], number(r["paper"]), number(r["here"]), study) for r in paper]
-    if tuned and not document["quick"]:  # the few rows of quick runs are not the best of their kind
-        closest = min(tuned, key=lambda ratio: ratio["here"])
-        lines.append((EQUAL_ACCURACY + closest["what"], "", number(closest["here"]), study))
-    return lines
 
 
 def _findings(documents: Sequence[Document], absent: dict[str, str]) -> Blocks:
@@ -109,19 +106,15 @@ def _section(document: Document, folder: Path) -> Blocks:
 
 def _origins(documents: Sequence[Document]) -> Blocks:
     """Machine, versions, dates: one table for each set of them."""
-    sets: dict[str, list[Document]] = {}
-    for document in documents:
-        sets.setdefault(repr((document["machine"], code_of(document))), []).append(document)
-    return [_origin(own).markdown for own in sets.values()]
-
-
-def _origin(documents: Sequence[Document]) -> TextTable:
-    first = documents[0]
-    dates = sorted(document["date"] for document in documents)
-    lines = [("date", " to ".join(dict.fromkeys((dates[0], dates[-1]))))]
-    lines += [(key, str(value)) for key, value in (first["machine"] | first["versions"]).items()]
-    lines.append(("hash of the sources", first["sources"]))
-    return TextTable("", ("of " + ", ".join(d["study"] for d in documents), ""), lines)
+    blocks = []
+    sets = groups([one | {"set": repr((one["machine"], code_of(one)))} for one in documents], "set")
+    for own in sets.values():
+        first, dates = own[0], sorted(column(own, "date"))
+        lines = [("date", " to ".join(dict.fromkeys((dates[0], dates[-1]))))]
+        lines += [(key, str(value)) for key, value in (first["machine"] | first["versions"]).items()]
+        lines.append(("hash of the sources", first["sources"]))
+        blocks.append(TextTable("", ("of " + ", ".join(column(own, "study")), ""), lines).markdown)
+    return blocks
 
 
 def _changes(found: Comparison) -> Blocks:

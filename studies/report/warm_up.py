@@ -11,9 +11,9 @@ from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
+from studies.harness import Order, Study, announce
 from studies.harness.engines import processes
 from studies.harness.on_scene import OnScene
-from studies.harness.study import Order, Study, announce
 from studies.harness.sweep import Sweep, is_timed
 from studies.harness.timing import each_task_once
 from studies.registry import find_study
@@ -34,14 +34,13 @@ def warm_up(studies: Mapping[str, Study]) -> None:
 
 
 def _tasks(studies: Mapping[str, Study]) -> list[Task]:
-    """Studies on scenes first: they compile most."""
+    """Studies on scenes first: they compile most. Without building cases, which compiles."""
     ordered = sorted(studies.items(), key=lambda item: not isinstance(item[1].measure, OnScene))
-    return [(name, n) for name, study in ordered for n in range(_count(study))]
-
-
-def _count(study: Study) -> int:
-    """Without building cases, which compiles."""
-    return sum(map(is_timed, study.measure.cases(True))) if isinstance(study.measure, Sweep) else 1
+    found = []
+    for name, study in ordered:
+        sweeps = isinstance(study.measure, Sweep)
+        found += [(name, n) for n in range(sum(map(is_timed, study.measure.cases(True))) if sweeps else 1)]
+    return found
 
 
 def rehearse(name: str, number: int) -> None:

@@ -80,22 +80,15 @@ def build(rope: Rope) -> tuple[Any, Any, int]:
     """Container, assembled mbs, sensor of the free end's position."""
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
-    cable = CreateInextensibleCable(
-        mbs,
-        [0.0, 0.0, 0.0],
-        rope.end,
-        rope.elements,
-        InextensibleCable(massPerLength=DENSITY, bendingStiffness=rope.stiffness),
-        gravity=GRAVITY,
-        dimension=rope.dimension,
-        groundConstraintsStart=_held(rope),
-    )
+    template = InextensibleCable(massPerLength=DENSITY, bendingStiffness=rope.stiffness)
+    cable = CreateInextensibleCable(mbs, **_placed(rope), beamTemplate=template, dimension=rope.dimension)
     if rope.tip_mass:
         AddPointMass(mbs, cable, LENGTH, rope.tip_mass)
-    _add_partner(mbs, rope, cable)
-    sensor = _sensor(mbs, cable["nodes"][-1])
-    mbs.Assemble()
-    return container, mbs, sensor
+    if rope.partner in _PARTNERS:
+        random = np.random.default_rng(rope.seed + 1_000_000)
+        mass = float(random.choice([0.1, 0.3, 1.0]))
+        _PARTNERS[rope.partner](mbs, rope, cable, mass, random)
+    return container, mbs, _assembled(mbs, cable)
 
 
 def build_native(rope: Rope) -> tuple[Any, Any, int]:
@@ -104,81 +97,67 @@ def build_native(rope: Rope) -> tuple[Any, Any, int]:
     mbs = container.AddSystem()
     kind = items.ObjectANCFCable2D if rope.dimension == 2 else items.ObjectANCFCable
     section = {"massPerLength": DENSITY, "bendingStiffness": rope.stiffness, "axialStiffness": STRETCH}
-    cable = GenerateBeamElementsAlongLine(
-        mbs,
-        [0.0, 0.0, 0.0],
-        rope.end,
-        rope.elements,
-        beamTemplate=kind(**section, useReducedOrderIntegration=2),
-        gravity=GRAVITY,
-        groundConstraintsStart=_held(rope),
-    )
+    template = kind(**section, useReducedOrderIntegration=2)
+    cable = GenerateBeamElementsAlongLine(mbs, **_placed(rope), beamTemplate=template)
     if rope.tip_mass:
         point = mbs.CreateMassPoint(mass=rope.tip_mass, referencePosition=rope.end, gravity=GRAVITY)
         end = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=cable["nodes"][-1]))
-        _join(mbs, rope, end, mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=point)))
-    sensor = _sensor(mbs, cable["nodes"][-1])
+        markers = [end, mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=point))]
+        axes = [1, 1, int(rope.dimension == 3)]
+        mbs.AddObject(items.SphericalJoint(markerNumbers=markers, constrainedAxes=axes))
+    return container, mbs, _assembled(mbs, cable)
+
+
+def _placed(rope: Rope) -> dict[str, Any]:
+    """What both kinds of cables are told."""
+    held = [True] * rope.dimension + [rope.clamped] * rope.dimension
+    return {
+        "positionStart": [0.0, 0.0, 0.0],
+        "positionEnd": rope.end,
+        "numberOfElements": rope.elements,
+        "gravity": GRAVITY,
+        "groundConstraintsStart": held,
+    }
+
+
+def _assembled(mbs: Any, cable: Any) -> int:
+    """The sensor of the free end."""
+    position, node = exudyn.OutputVariableType.Position, cable["nodes"][-1]
+    sensor = mbs.AddSensor(items.SensorNode(nodeNumber=node, outputVariableType=position, storeInternal=True))
     mbs.Assemble()
-    return container, mbs, sensor
+    return int(sensor)
 
 
-def _held(rope: Rope) -> list[bool]:
-    return [True] * rope.dimension + [rope.clamped] * rope.dimension
+def _add_point(mbs: Any, rope: Rope, cable: Any, mass: float, random: Any) -> None:
+    """A mass point, held in the plane of a planar rope."""
+    point = mbs.CreateMassPoint(mass=mass, referencePosition=rope.end, gravity=GRAVITY)
+    AttachToBody(mbs, cable, "end", point)
+    if rope.dimension == 2:
+        ends = ((mbs.AddNode(items.NodePointGround()), 0), (mbs.GetObject(point)["nodeNumber"], 2))
+        markers = [
+            mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=number))
+            for node, number in ends
+        ]
+        mbs.AddObject(items.CoordinateConstraint(markerNumbers=markers))
 
 
-def _sensor(mbs: Any, node: Any) -> int:
-    position = exudyn.OutputVariableType.Position
-    return int(
-        mbs.AddSensor(items.SensorNode(nodeNumber=node, outputVariableType=position, storeInternal=True))
-    )
-
-
-def _join(mbs: Any, rope: Rope, first: int, second: int) -> None:
-    axes = [1, 1, int(rope.dimension == 3)]
-    mbs.AddObject(items.SphericalJoint(markerNumbers=[first, second], constrainedAxes=axes))
-
-
-def _add_partner(mbs: Any, rope: Rope, cable: Any) -> None:
-    random = np.random.default_rng(rope.seed + 1_000_000)
-    mass = float(random.choice([0.1, 0.3, 1.0]))
-    if rope.partner == MASS:
-        point = mbs.CreateMassPoint(mass=mass, referencePosition=rope.end, gravity=GRAVITY)
-        AttachToBody(mbs, cable, "end", point)
-        _hold_in_plane(mbs, rope, point)
-    elif rope.partner == BODY and rope.dimension == 3:
+def _add_body(mbs: Any, rope: Rope, cable: Any, mass: float, random: Any) -> None:
+    """A cube."""
+    x, y, z = rope.end
+    if rope.dimension == 3:
         cuboid = items.InertiaCuboid(density=mass / 1e-3, sideLengths=[0.1, 0.1, 0.1])
-        x, y, z = rope.end
         centre = [x, y, z + 0.05]
         body = mbs.CreateRigidBody(referencePosition=centre, inertia=cuboid, gravity=GRAVITY)
         AttachToBody(mbs, cable, "end", body, [0.0, 0.0, -0.05])
-    elif rope.partner == BODY:
-        _add_planar_body(mbs, rope, cable, mass)
-    elif rope.partner == SPRING:
-        _add_springs(mbs, cable, random)
-    elif rope.partner == CONTACT:
-        _add_circle(mbs, rope, cable, random)
-
-
-def _hold_in_plane(mbs: Any, rope: Rope, point: Any) -> None:
-    if rope.dimension == 2:
-        node = mbs.GetObject(point)["nodeNumber"]
-        ground = mbs.AddMarker(
-            items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
-        )
-        out_of_plane = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=2))
-        mbs.AddObject(items.CoordinateConstraint(markerNumbers=[ground, out_of_plane]))
-
-
-def _add_planar_body(mbs: Any, rope: Rope, cable: Any, mass: float) -> None:
-    x, y = rope.end[:2]
+        return
     node = mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[x, y - 0.05, 0.0]))
     body = mbs.AddObject(items.ObjectRigidBody2D(mass=mass, inertia=mass * 0.1**2 / 6.0, nodeNumber=node))
-    centre = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body))
-    mbs.AddLoad(items.Force(markerNumber=centre, loadVector=[0.0, mass * GRAVITY[1], 0.0]))
+    marker = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body))
+    mbs.AddLoad(items.Force(markerNumber=marker, loadVector=[0.0, mass * GRAVITY[1], 0.0]))
     AttachToBody(mbs, cable, "end", body, [0.0, 0.05, 0.0])
 
 
-def _add_springs(mbs: Any, cable: Any, random: Any) -> None:
+def _add_springs(mbs: Any, rope: Rope, cable: Any, mass: float, random: Any) -> None:
     """Two springs to ground, one of them with a dashpot."""
     ground = mbs.CreateGround()
     stiffness = float(10.0 ** random.uniform(0.0, 3.0))
@@ -186,37 +165,31 @@ def _add_springs(mbs: Any, cable: Any, random: Any) -> None:
     for node, damping in ((nodes[len(nodes) // 2], 0.0), (nodes[-1], 0.01 * stiffness)):
         coordinates = mbs.GetNode(node)["referenceCoordinates"]
         anchor = [*coordinates[: len(coordinates) // 2], 0.0][:3]
-        mbs.AddObject(
-            items.CartesianSpringDamper(
-                markerNumbers=[
-                    mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=ground, localPosition=anchor)),
-                    mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node)),
-                ],
-                stiffness=[stiffness] * 3,
-                damping=[damping] * 3,
-            )
-        )
+        markers = [
+            mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=ground, localPosition=anchor)),
+            mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node)),
+        ]
+        law = {"stiffness": [stiffness] * 3, "damping": [damping] * 3}
+        mbs.AddObject(items.CartesianSpringDamper(markerNumbers=markers, **law))
 
 
 SEGMENTS = 3
 
 
-def _add_circle(mbs: Any, rope: Rope, cable: Any, random: Any) -> None:
+def _add_circle(mbs: Any, rope: Rope, cable: Any, mass: float, random: Any) -> None:
     """A circle that the rope falls onto."""
     radius, side = 0.15, 1.0 if rope.direction[0] >= 0.0 else -1.0
     circle = mbs.CreateGround(referencePosition=[0.5 * side, -0.25, 0.0])
     centre = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=circle))
     stiffness = float(10.0 ** random.uniform(2.0, 4.0))
+    memory = [0.1] * SEGMENTS + [-2.0] * SEGMENTS + [0.0] * SEGMENTS
     for element in CreateCompanionCables(mbs, cable):
         shape = mbs.AddMarker(items.MarkerBodyCable2DShape(bodyNumber=element, numberOfSegments=SEGMENTS))
-        memory = [0.1] * SEGMENTS + [-2.0] * SEGMENTS + [0.0] * SEGMENTS
-        data = mbs.AddNode(
-            items.NodeGenericData(initialCoordinates=memory, numberOfDataCoordinates=len(memory))
-        )
+        data = items.NodeGenericData(initialCoordinates=memory, numberOfDataCoordinates=len(memory))
         mbs.AddObject(
             items.ObjectContactFrictionCircleCable2D(
                 markerNumbers=[centre, shape],
-                nodeNumber=data,
+                nodeNumber=mbs.AddNode(data),
                 numberOfContactSegments=SEGMENTS,
                 circleRadius=radius,
                 contactStiffness=stiffness,
@@ -227,6 +200,9 @@ def _add_circle(mbs: Any, rope: Rope, cable: Any, random: Any) -> None:
                 useSegmentNormals=False,
             )
         )
+
+
+_PARTNERS = {MASS: _add_point, BODY: _add_body, SPRING: _add_springs, CONTACT: _add_circle}
 
 
 def moved(path: Array) -> float:

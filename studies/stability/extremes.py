@@ -2,7 +2,9 @@
 
 import math
 import warnings
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import exudyn
@@ -15,8 +17,7 @@ from reference_models.model import Model, quiet_settings, silence
 from reference_models.scenes import load_scene
 from reference_models.scenes.section import Section
 from reference_models.trajectory import Array
-from studies.harness import inner
-from studies.harness.store import Row
+from studies.harness import Row, inner
 
 from .limits import DISTURBANCE, GROWTH, distance, largest_stable_step, predict
 from .motion import (
@@ -33,22 +34,30 @@ from .motion import (
     straight,
 )
 
+
+def cases(quick: bool) -> Iterator[Row]:
+    """Of all three.   value: EA / EI [1/m^2]; largest velocity at the start [m/s]; N."""
+    plain = ("Zhai", "RATTLE", "RK4")
+    ratios, steps = ((1e2, 1e6, 1e10), 600) if quick else ([10.0**k for k in range(2, 11)], 2000)
+    for scheme, ratio in product(plain, ratios):
+        case = {"kind": "slenderness", "label": scheme, "scheme": scheme}
+        yield case | {"value": ratio, "steps": steps}
+    methods, speeds = (METHODS[1::4], (1.0, 30.0)) if quick else (METHODS, SPEEDS)
+    for (scheme, zeta), speed in product(methods, speeds):
+        label = f"{scheme}, zeta = {zeta:g} 1/s" if scheme != "RATTLE" else scheme
+        case = {"kind": "violent", "label": label, "scheme": scheme, "zeta": zeta}
+        yield case | {"value": speed, "duration": 0.1 if quick else DURATION}
+    numbers = (5, 20) if quick else (5, 10, 20, 50, 100, 200, 400)
+    for scheme, bits, number in product(plain, (32, 64), numbers):
+        case = {"kind": "precision", "label": f"{scheme}, {bits} bit", "scheme": scheme}
+        yield case | {"bits": bits, "value": number}
+
+
 # ------------------ axial waves against bending, over EA / EI, under the same explicit integrators
 
 
 SLENDER_ELEMENTS = 6
 _SCENE = replace(load_scene("planar_pendulum"), gravity=(0.0, 0.0, 0.0))
-
-
-def slenderness_cases(quick: bool) -> list[Row]:
-    """value: EA / EI [1/m^2]."""
-    ratios = (1e2, 1e6, 1e10) if quick else tuple(10.0**k for k in range(2, 11))
-    steps = 600 if quick else 2000
-    return [
-        {"kind": "slenderness", "label": scheme, "scheme": scheme, "value": ratio, "steps": steps}
-        for scheme in ("Zhai", "RATTLE", "RK4")
-        for ratio in ratios
-    ]
 
 
 def run_slenderness(case: Row) -> Row:
@@ -59,11 +68,22 @@ def run_slenderness(case: Row) -> Row:
     frequency, vibration = fastest_vibration(model)
     predicted = inner.frequency_limit(inner.find_integrator(name), scheme) / frequency
     settings = ExplicitSettings(name, scheme, allowUnstableStep=True, rejectSteps=False)
-    disturbance = DISTURBANCE * vibration / np.abs(vibration).max()
+    random = 0.1 * np.random.default_rng(1).uniform(-1.0, 1.0, len(vibration))
+    random[:2] = 0.0
+    disturbance = DISTURBANCE * (vibration / np.abs(vibration).max() + random)
+    data: Any = model.mbs.systemData
 
     def is_stable(h: float) -> bool:
-        moved = _moved(model, disturbance, replace(settings, stepSize=h), case["steps"])
-        return moved < GROWTH * DISTURBANCE
+        """Whether the largest displacement at the end [m, -] is small."""
+        data.SetODE2Coordinates(disturbance, exudyn.ConfigurationType.Initial)
+        end = case["steps"] * h
+        with warnings.catch_warnings(), silence():
+            warnings.simplefilter("ignore", UserWarning)  # the step is above the limit on purpose
+            try:
+                SolveExplicit(model.mbs, quiet_settings(end, 1, period=end), replace(settings, stepSize=h))
+            except DivergenceError:
+                return False
+        return float(np.abs(data.GetODE2Coordinates()).max()) < GROWTH * DISTURBANCE
 
     found = largest_stable_step(is_stable, predicted)
     inextensible = predict(straight(SLENDER_ELEMENTS), Method(case["scheme"], zeta=1.0)).bending
@@ -89,22 +109,6 @@ def fastest_vibration(model: Model) -> tuple[float, Array]:
     return float(np.sqrt(squares[-1])), vibration
 
 
-def _moved(model: Model, disturbance: Array, settings: ExplicitSettings, steps: int) -> float:
-    """Largest displacement at the end [m, -]; infinite after a divergence."""
-    data: Any = model.mbs.systemData
-    random = 0.1 * DISTURBANCE * np.random.default_rng(1).uniform(-1.0, 1.0, len(disturbance))
-    random[:2] = 0.0
-    data.SetODE2Coordinates(disturbance + random, exudyn.ConfigurationType.Initial)
-    h = float(settings.stepSize or 0.0)
-    with warnings.catch_warnings(), silence():
-        warnings.simplefilter("ignore", UserWarning)  # the step is above the limit on purpose
-        try:
-            SolveExplicit(model.mbs, quiet_settings(steps * h, 1, period=steps * h), settings)
-        except DivergenceError:
-            return float("inf")
-    return float(np.abs(data.GetODE2Coordinates()).max())
-
-
 # ----------------------------------- a cable that is thrown: how much of the limit at rest remains
 
 
@@ -122,25 +126,6 @@ STEPS_A_FACTOR = 4  # tried steps within a factor of two
 HALVINGS = 6
 ENERGY = 0.05  # change over the kinetic energy at the start that is no divergence yet
 FINE = 8  # part of the limit at which the motion's frequency is looked at
-
-
-def violent_cases(quick: bool) -> list[Row]:
-    """value: largest velocity at the start [m/s]."""
-    methods = METHODS[1::4] if quick else METHODS
-    speeds = (1.0, 30.0) if quick else SPEEDS
-    duration = 0.1 if quick else DURATION
-    return [
-        {
-            "kind": "violent",
-            "label": f"{scheme}, zeta = {zeta:g} 1/s" if scheme != "RATTLE" else scheme,
-            "scheme": scheme,
-            "zeta": zeta,
-            "value": speed,
-            "duration": duration,
-        }
-        for scheme, zeta in methods
-        for speed in speeds
-    ]
 
 
 def thrown(speed: float) -> Equilibrium:
@@ -211,23 +196,6 @@ STEPS = 2000
 SHARE = 0.9  # span over length
 BLOWN_UP = 1e-2  # distance from the equilibrium: slopes [-], positions over the element length
 HALF = 0.5  # part of the limit at which noise is measured
-
-
-def precision_cases(quick: bool) -> list[Row]:
-    """value: N."""
-    numbers = (5, 20) if quick else (5, 10, 20, 50, 100, 200, 400)
-    return [
-        {
-            "kind": "precision",
-            "label": f"{scheme}, {bits} bit",
-            "scheme": scheme,
-            "bits": bits,
-            "value": number,
-        }
-        for scheme in ("Zhai", "RATTLE", "RK4")
-        for bits in (32, 64)
-        for number in numbers
-    ]
 
 
 class RoundedMotion(Motion):

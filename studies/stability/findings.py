@@ -2,23 +2,17 @@
 
 import math
 from collections.abc import Callable, Sequence
+from itertools import product
 
-from studies.harness.store import Row
-from studies.harness.study import Results
-from studies.harness.table import column, groups, largest
+from studies.harness import Results, Row, column, groups, largest
 
 from .limits import AGREEMENT
-
-LINEAR = {
-    "scheme": "", "zeta": "zeta [1/s]", "stiffness": "EI/EI_0", "elements": "N", "curvature": "curvature",
-    "gravity": "g/g_0",
-}  # fmt: skip
-"""Maps of the linear regime, and what they vary."""
+from .linear import MAPS
 
 
 def conclude(results: Results) -> list[str]:
     """All sentences, map by map; a map without rows gives none."""
-    linear = [row for row in results.rows if row["kind"] in LINEAR]
+    linear = [row for row in results.rows if row["kind"] in MAPS and row["kind"] != "spin"]
     sentences = [_agreement(*one) for one in groups(linear, "scheme").items()]
     sentences += _ruling(linear) + _rule_37([row for row in linear if row["theta"] == 0.0])
     for kind, key, make in BY_GROUP:
@@ -32,16 +26,14 @@ def _is_near(ratio: float) -> bool:
     return abs(ratio - 1.0) <= AGREEMENT
 
 
-def _off(row: Row) -> bool:
-    """Whether prediction and bisection differ by more than AGREEMENT."""
-    if math.isinf(row["predicted"]):
-        return not math.isinf(row["found"])
-    return not _is_near(row["ratio"])
-
-
 def _agreement(scheme: str, rows: Sequence[Row]) -> str:
-    ratios = [row["ratio"] for row in rows if row["ratio"] is not None]
-    off = [_place(row) for row in rows if _off(row)]
+    """Where prediction and bisection differ by more than AGREEMENT."""
+    ratios, off = [row["ratio"] for row in rows if row["ratio"] is not None], []
+    for row in rows:
+        known = math.isfinite(row["predicted"])
+        if not (_is_near(row["ratio"]) if known else math.isinf(row["found"])):
+            ratio = "no limit predicted" if row["ratio"] is None else f"{row['ratio']:.3g}"
+            off.append("{kind} {value:g}, {cable}, theta = {theta:g}".format_map(row) + f" ({ratio})")
     verdict = f"MISSED in {len(off)}: {'; '.join(off)}" if off else "kept"
     return (
         f"{scheme}, linear regime: found over predicted limit {min(ratios):.3f} to {max(ratios):.3f} in "
@@ -49,18 +41,13 @@ def _agreement(scheme: str, rows: Sequence[Row]) -> str:
     )
 
 
-def _place(row: Row) -> str:
-    ratio = "no limit predicted" if row["ratio"] is None else f"{row['ratio']:.3g}"
-    return "{kind} {value:g}, {cable}, theta = {theta:g}".format_map(row) + f" ({ratio})"
-
-
 def _ruling(rows: Sequence[Row]) -> list[str]:
     """Where what rules changes along a map, for the first scheme."""
-    maps = groups([row for row in rows if row["scheme"] == "Zhai" and LINEAR[row["kind"]]], "kind")
+    maps = groups([row for row in rows if row["scheme"] == "Zhai" and MAPS[row["kind"]].said], "kind")
     sentences = []
-    for kind in sorted(maps, key=list(LINEAR).index):
+    for kind in sorted(maps, key=list(MAPS).index):
         parts = [f"{rule} at {_range(own)}" for rule, own in groups(maps[kind], "ruledBy").items()]
-        sentences.append(f"What rules Zhai's step over {LINEAR[kind]}: {', '.join(parts)}.")
+        sentences.append(f"What rules Zhai's step over {MAPS[kind].said}: {', '.join(parts)}.")
     return sentences
 
 
@@ -72,27 +59,21 @@ def _range(rows: Sequence[Row]) -> str:
 
 def _rule_37(rows: Sequence[Row]) -> list[str]:
     """Where the paper's rule is above the limit that was found."""
-    found = [
-        (scheme, kind, [row for row in rows if row["kind"] == kind and row["scheme"] == scheme])
-        for scheme in ("Zhai", "RATTLE", "RK4")
-        for kind, what in LINEAR.items()
-        if what
-    ]
-    return [f"Rule (37) with C = 0.7 is {_safety(*one)}" for one in found if one[-1]]
-
-
-def _safety(scheme: str, kind: str, rows: Sequence[Row]) -> str:
-    unsafe = [row for row in rows if row["rule"] > row["found"]]
-    if not unsafe:
-        return (
-            f"safe for {scheme} over {kind}: at most {max(column(rows, 'ruleOverLimit')):.2f} of the limit."
-        )
-    return (
-        f"NOT safe for {scheme} over {kind} at {_range(unsafe)} ({len(unsafe)} of {len(rows)}), up to "
-        + "{ruleOverLimit:.3g} times the limit ({cable}, ruled by {ruledBy}).".format_map(
-            largest(unsafe, "ruleOverLimit")
-        )
-    )
+    sentences = []
+    for scheme, kind in product(("Zhai", "RATTLE", "RK4"), [kind for kind, one in MAPS.items() if one.said]):
+        own = [row for row in rows if row["kind"] == kind and row["scheme"] == scheme]
+        unsafe = [row for row in own if row["rule"] > row["found"]]
+        where = f"safe for {scheme} over {kind}"
+        if unsafe:
+            worst = "{ruleOverLimit:.3g} times the limit ({cable}, ruled by {ruledBy})"
+            sentences.append(
+                f"Rule (37) with C = 0.7 is NOT {where} at {_range(unsafe)} ({len(unsafe)} of {len(own)}), "
+                f"up to {worst.format_map(largest(unsafe, 'ruleOverLimit'))}."
+            )
+        elif own:
+            most = max(column(own, "ruleOverLimit"))
+            sentences.append(f"Rule (37) with C = 0.7 is {where}: at most {most:.2f} of the limit.")
+    return sentences
 
 
 def _spin(scheme: str, rows: Sequence[Row]) -> str:
@@ -100,20 +81,16 @@ def _spin(scheme: str, rows: Sequence[Row]) -> str:
     explained = sum(_is_near(row["ratioInMotion"]) for row in rows)
     sooner = sum(_is_near(row.get("ratioSooner", 0.0)) for row in rows)
     before = f", and {sooner} more before the cable has spun up" if sooner else ""
+    row = largest(rows, "growth")  # what a step well below the limit does, at the fastest spin
+    weak = "grow by {growth:.0e} at most, which is none."
+    if row["growthOrder"] is not None:
+        weak = (
+            "still grow, by up to {growth:.0e} each ({value:g} rad/s), with the power {growthOrder:.1f} of h."
+        )
     return (
         f"{scheme}, spinning: the limit falls to {worst['ratio']:.2f} of that of w_max at "
         f"{worst['value']:g} rad/s; the linearised step explains {explained} of {len(rows)} within "
-        f"5 %{before}. {_weak_growth(largest(rows, 'growth'))}"
-    )
-
-
-def _weak_growth(row: Row) -> str:
-    """What a step well below the limit does, at the fastest spin."""
-    if row["growthOrder"] is None:
-        return f"Steps of 0.3 of w_max's limit grow by {row['growth']:.0e} at most, which is none."
-    return (
-        "Steps of 0.3 of w_max's limit still grow, by up to {growth:.0e} each ({value:g} rad/s), with the "
-        "power {growthOrder:.1f} of h.".format_map(row)
+        f"5 %{before}. Steps of 0.3 of w_max's limit {weak.format_map(row)}"
     )
 
 
@@ -187,12 +164,10 @@ def _precision(scheme: str, rows: Sequence[Row]) -> str:
     usable = [row for row in single if _is_near(row["ratio"])]
     worst = largest(single, "value")
     doubles = {row["value"]: row["noise"] for row in rows if row["bits"] == 64}
+    noises = (worst["noise"], doubles.get(worst["value"]))
+    here, double = ("none (diverged)" if x is None or math.isinf(x) else f"{x:.1e}" for x in noises)
     return (
         f"Single precision, {scheme}: the limit stays within 5 % of the predicted one for N = "
         f"{_range(usable) if usable else 'none'}; noise at N = {worst['value']}: "
-        f"{_noise(worst['noise'])} against {_noise(doubles.get(worst['value']))} in double precision."
+        f"{here} against {double} in double precision."
     )
-
-
-def _noise(value: float | None) -> str:
-    return "none (diverged)" if value is None or math.isinf(value) else f"{value:.1e}"

@@ -9,9 +9,8 @@ import numpy as np
 
 from exudyn_inext import Rattle
 from reference_models.trajectory import Array
-from studies.harness import inner
+from studies.harness import Row, inner
 from studies.harness.inner import FrequencyTracker, cable_system, index_reduced_rates, no_loads, record
-from studies.harness.store import Row
 
 from .motion import PORTION, Equilibrium, Method, Motion
 
@@ -19,7 +18,6 @@ from .motion import PORTION, Equilibrium, Method, Motion
 
 
 RULE_CONSTANT = 0.7  # C of Eq. (37)
-_FARTHEST = 1e4  # times the limit without mass scaling
 
 
 @dataclass(frozen=True)
@@ -64,7 +62,9 @@ def predict(start: Equilibrium, method: Method, growth: float = inner.GROWTH_TOL
     plain = frequency(0.0)
     relaxed = inner.largest_frequency(method.system(start.cable, 0.0), 0.0 * start.inputs, start.q)
     section = start.cable.section
-    bending = _scaled_limit(frequency, limit, limit / plain) if method.theta else limit / plain
+    bending = limit / plain
+    if method.theta:  # the scaled mass depends on h, and may leave no limit
+        bending = largest_stable_step(lambda h: h * frequency(h) < limit, bending, 1e-4, 1e4)
     return Prediction(
         bending,
         inner.decay_limit(method.integrator, method.parameters) / method.zeta,
@@ -74,19 +74,6 @@ def predict(start: Equilibrium, method: Method, growth: float = inner.GROWTH_TOL
         plain,
         relaxed,
     )
-
-
-def _scaled_limit(frequency, limit: float, plain: float) -> float:  # type: ignore[no-untyped-def]
-    """h with h w_max(h) = limit, where the scaled mass depends on h; infinite if there is none."""
-    low, high = plain, 2.0 * plain
-    while high * frequency(high) < limit:
-        low, high = high, 2.0 * high
-        if high > _FARTHEST * plain:
-            return math.inf
-    while high - low > 1e-4 * low:
-        middle = float(np.sqrt(low * high))
-        low, high = (middle, high) if middle * frequency(middle) < limit else (low, middle)
-    return low
 
 
 # --------------------------------------------- found by running: a small disturbance must not grow
@@ -110,10 +97,14 @@ def disturbed(start: Equilibrium) -> Equilibrium:
     """
     noise = 0.1 * np.random.default_rng(1).uniform(-1.0, 1.0, start.q.shape)
     noise[:, 0] *= start.element_length
-    fastest = _fastest_vibration(start)
-    scaled = np.abs(fastest)
+    system, rate, a = cable_system(start.cable, 1.0), np.zeros(start.q.size), np.zeros_like(start.q)
+    tracker = FrequencyTracker(system, start.q.shape)
+    for _ in range(ITERATIONS):
+        index_reduced_rates(system, start.inputs, start.q.ravel(), start.v.ravel(), a.ravel(), rate)
+        tracker.frequency(start.q, a)
+    scaled = np.abs(tracker.vibration)
     scaled[:, 0] /= start.element_length
-    noise += 0.9 / scaled.max() * fastest
+    noise += 0.9 / scaled.max() * tracker.vibration
     noise *= DISTURBANCE
     noise[start.cable.fixed] = 0.0
     if start.cable.closed:
@@ -121,38 +112,23 @@ def disturbed(start: Equilibrium) -> Equilibrium:
     return replace(start, q=start.q + noise)
 
 
-def _fastest_vibration(start: Equilibrium) -> Array:
-    """(n, 2, dim) of any size."""
-    system, rate = cable_system(start.cable, 1.0), np.zeros(start.q.size)
-    a = np.zeros_like(start.q)
-    tracker = FrequencyTracker(system, start.q.shape)
-    for _ in range(ITERATIONS):
-        index_reduced_rates(system, start.inputs, start.q.ravel(), start.v.ravel(), a.ravel(), rate)
-        tracker.frequency(start.q, a)
-    return tracker.vibration
-
-
 def distance(start: Equilibrium) -> Callable[[Array, Array], float]:
     """How far two configurations are apart: slopes [-], and positions over the element length.
 
-    Of a cable that spins, after the second one has been turned to the direction of the first one.
+    Of a cable that spins, after the second one has been turned about the origin, as far as their ends differ.
     """
     spins = start.v.any()
 
     def apart(q: Array, other: Array) -> float:
-        moved = np.abs(q - (_turned_to(q, other) if spins else other))
+        if spins:
+            planes = [x[..., 0] + 1j * x[..., 1] for x in (q, other)]
+            turned = np.exp(1j * np.angle(planes[0][-1, 0] / planes[1][-1, 0])) * planes[1]
+            other = np.stack([turned.real, turned.imag], axis=-1)
+        moved = np.abs(q - other)
         moved[:, 0] /= start.element_length
         return float(moved.max())
 
     return apart
-
-
-def _turned_to(q: Array, other: Array) -> Array:
-    """`other` about the origin, so that it ends in the direction of q."""
-    angle = np.arctan2(q[-1, 0, 1], q[-1, 0, 0]) - np.arctan2(other[-1, 0, 1], other[-1, 0, 0])
-    turn = np.exp(1j * angle)
-    turned = turn * (other[..., 0] + 1j * other[..., 1])
-    return np.stack([turned.real, turned.imag], axis=-1)
 
 
 def is_stable_about(start: Equilibrium, method: Method, steps: int) -> Stable:
@@ -174,18 +150,20 @@ def is_stable_about(start: Equilibrium, method: Method, steps: int) -> Stable:
     return is_stable
 
 
-def largest_stable_step(is_stable: Stable, estimate: float, resolution: float = RESOLUTION) -> float:
-    """The limit near an estimate [s]; infinite, or zero, if it is beyond FARTHEST times the estimate."""
+def largest_stable_step(
+    is_stable: Stable, estimate: float, resolution: float = RESOLUTION, farthest: float = FARTHEST
+) -> float:
+    """The limit near an estimate [s]; infinite, or zero, if it is beyond `farthest` times the estimate."""
     low, high, factor = estimate, estimate, 1.02
     if is_stable(estimate):
         while is_stable(high := high * factor):
             low, factor = high, factor**1.7
-            if high > FARTHEST * estimate:
+            if high > farthest * estimate:
                 return math.inf
     else:
         while not is_stable(low := low / factor):
             high, factor = low, factor**1.7
-            if low < estimate / FARTHEST:
+            if low < estimate / farthest:
                 return 0.0
     while high > low * (1.0 + resolution):
         middle = math.sqrt(low * high)
@@ -199,11 +177,9 @@ def compare_limits(start: Equilibrium, method: Method, steps: int = STEPS) -> Ro
     The prediction allows the growth that so many steps do not show: 1000 over all of them.
     """
     prediction = predict(start, method, growth=math.log(GROWTH) / steps)
-    far = 10.0 * prediction.frequency**-1
     is_unlimited = math.isinf(prediction.step)
-    found = largest_stable_step(
-        is_stable_about(start, method, steps), far if is_unlimited else prediction.step
-    )
+    estimate = 10.0 / prediction.frequency if is_unlimited else prediction.step
+    found = largest_stable_step(is_stable_about(start, method, steps), estimate)
     return {
         "largestFrequency": prediction.frequency,
         "predictedBending": prediction.bending,
@@ -252,53 +228,37 @@ def spectral_radius(start: Equilibrium, method: Method, h: float) -> float:
         raise ArithmeticError("the undisturbed motion diverged")
     fields = ["q", "v", *method.integrator.carries]
     steady = np.concatenate([getattr(motion.state, name) for name in fields])
-    step = _Step(motion, method, fields)
-    angle = step.turned(steady)
+    after = _one_step(motion, method, fields)
+    end = slice(start.q.size - start.q[-1].size, start.q.size - start.q[-1, 1].size)
+    before, behind = (state[end].view(complex)[0] for state in (steady, after(steady)))
+    back = before / behind * abs(behind / before)  # the turn of a step, undone
     free = np.tile(np.repeat(~start.cable.fixed[:, :, None], 2, axis=2).ravel(), len(fields))
     scale = np.repeat([1.0, 1.0 / h, 1.0 / h**2][: len(fields)], start.q.size)
     columns = []
     for place in np.flatnonzero(free):
         unit = np.zeros(len(steady))
         unit[place] = DIFFERENCE * scale[place]
-        change = step.take(steady + unit, angle) - step.take(steady - unit, angle)
+        change = (back * (after(steady + unit) - after(steady - unit)).view(complex)).view(float)
         columns.append((change / (2.0 * DIFFERENCE * scale))[free])
     return float(np.abs(np.linalg.eigvals(np.array(columns))).max())
 
 
-class _Step:
+def _one_step(motion: Motion, method: Method, fields: list[str]) -> Callable[[Array], Array]:
     """One step as a function of everything that it starts from."""
+    state, system, integrator = motion.state, motion.system, method.integrator
+    parameters: Any = _TIGHT if isinstance(method.parameters, Rattle) else method.parameters
+    stages = len(integrator.stages)
+    loads = no_loads(len(motion.external), stages)._replace(constant=motion.external)
 
-    def __init__(self, motion: Motion, method: Method, fields: list[str]) -> None:
-        self._motion, self._fields = motion, fields
-        self._integrator = method.integrator
-        is_rattle = isinstance(method.parameters, Rattle)
-        self._parameters: Any = _TIGHT if is_rattle else method.parameters
-        stages = len(self._integrator.stages)
-        self._loads = no_loads(len(motion.external), stages)._replace(constant=motion.external)
-
-    def _after(self, given: Array) -> Array:
-        state, system = self._motion.state, self._motion.system
-        parts = np.split(given, len(self._fields))
+    def after(given: Array) -> Array:
+        parts = np.split(given, len(fields))
         state.q[:], state.v[:] = parts[:2]
-        self._integrator.start(system, self._motion.external, state)
-        for name, part in zip(self._fields, parts, strict=True):
+        integrator.start(system, motion.external, state)
+        for name, part in zip(fields, parts, strict=True):
             getattr(state, name)[:] = part
         for records in (system.chain.nodes, system.chain.elements):
             records["foresight"] = 0.0
-        history = np.zeros((1, 3, state.q.size))
-        record(self._parameters, system, self._loads, state, self._motion.h, 1, history)
-        return np.concatenate([getattr(state, name) for name in self._fields])
+        record(parameters, system, loads, state, motion.h, 1, np.zeros((1, 3, state.q.size)))
+        return np.concatenate([getattr(state, name) for name in fields])
 
-    def turned(self, given: Array) -> float:
-        """Angle of a step [rad]."""
-        pairs = [given, self._after(given)]
-        shape = self._motion.q.shape
-        ends = [pair[: self._motion.q.size].reshape(shape)[-1, 0] for pair in pairs]
-        return math.atan2(ends[1][1], ends[1][0]) - math.atan2(ends[0][1], ends[0][0])
-
-    def take(self, given: Array, angle: float) -> Array:
-        """The state after a step, turned back by the angle."""
-        cosine, sine = math.cos(angle), math.sin(angle)
-        back = np.array([[cosine, sine], [-sine, cosine]])
-        vectors: Array = self._after(given).reshape(-1, 2) @ back.T
-        return vectors.ravel()
+    return after

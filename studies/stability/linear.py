@@ -1,34 +1,15 @@
 """Maps of the linear regime: predicted and bisected limits about equilibria, one thing varied at a time."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
-from studies.harness.store import Row
+from studies.harness import Row
 
 from .limits import AGREEMENT, STEPS, compare_limits, limit_in_motion, spectral_radius
-from .motion import (
-    GRAVITY,
-    SCHEMES,
-    STIFFNESS,
-    Equilibrium,
-    Method,
-    coil,
-    hanging,
-    ring,
-    sagging,
-    spinning,
-    straight,
-)
+from .motion import CABLES, GRAVITY, SCHEMES, STIFFNESS, Equilibrium, Method
 
-CABLES = {
-    "straight": straight,
-    "hanging": hanging,
-    "sagging": sagging,
-    "coil": coil,
-    "ring": ring,
-    "spinning": spinning,
-}
 PLAIN = ("Zhai", "RATTLE", "RK4")
 SPIN_STEPS = 500  # few: a scheme that gains energy spins the cable up meanwhile
 FEWER_SPIN_STEPS = 200  # where the limits differ: whether that is why
@@ -42,6 +23,109 @@ SCENES: tuple[tuple[str, dict[str, float]], ...] = (
     ("coil", {"elements": 20, "turns": 2.0}),
     ("ring", {"elements": 20}),
 )
+
+Point = tuple[float, str, dict[str, Any]]
+"""What a map varies, the cable, and its keywords."""
+
+
+@dataclass(frozen=True)
+class Map:
+    """One thing that is varied under several schemes.
+
+    title, what: of its table, and of the column of what it varies.   said, axis: the same in sentences and
+    in a picture; empty: in none.   points: quick -> points.   method: value -> keywords of `_case`.
+    """
+
+    title: str
+    what: str
+    said: str
+    axis: str
+    schemes: Sequence[str]
+    points: Callable[[bool], Sequence[Point]]
+    method: Callable[[float], dict[str, float]] = field(default=lambda value: {})
+
+
+def _on(
+    cable: str, given: Callable[[Any], dict[str, Any]], quick: Sequence[float], full: Sequence[float]
+) -> Callable[[bool], list[Point]]:
+    """Points of one cable.   given: value -> its keywords."""
+    return lambda is_quick: [(value, cable, given(value)) for value in (quick if is_quick else full)]
+
+
+def _curvatures(quick: bool) -> list[Point]:
+    """Turning of an element [rad], of a sagging cable span over length."""
+    turns = (2.0,) if quick else (0.25, 0.5, 1.0, 2.0, 3.0, 4.0)
+    shares = (0.8,) if quick else (0.999, 0.99, 0.95, 0.9, 0.8, 0.6, 0.4)
+    return [
+        (0.0, "straight", {"elements": 20}),
+        (2.0 * math.pi / 20, "ring", {"elements": 20}),
+        *((2.0 * math.pi * n / 20, "coil", {"elements": 20, "turns": n}) for n in turns),
+        *((share, "sagging", {"elements": 20, "share": share}) for share in shares),
+    ]
+
+
+MAPS = {
+    "scheme": Map(
+        "Every scheme on every cable, by mass scaling:", "theta", "", "",
+        tuple(SCHEMES),
+        lambda quick: [
+            (theta, *scene)
+            for scene in (SCENES[:3] if quick else SCENES)
+            for theta in ((0.0, 0.3) if quick else (0.0, 0.2, 0.3))
+        ],
+        lambda theta: {"theta": theta},
+    ),
+    "zeta": Map(
+        "Over the stabilisation rate:", "zeta [1/s]", "zeta [1/s]", "stabilisation rate zeta [1/s]",
+        ("Zhai", "Zhai, v_n", "RK4"),
+        _on(
+            "straight", lambda zeta: {"elements": 10},
+            (10.0, 1e3, 1e4), [10.0 ** (k / 3) for k in range(3, 16)],
+        ),
+        lambda zeta: {"zeta": zeta},
+    ),
+    "stiffness": Map(
+        "Over the bending stiffness, hanging cable with a mass of its own at its end:", "EI/EI_0", "EI/EI_0",
+        "EI over its physical value [-]",
+        PLAIN,
+        _on(
+            "hanging", lambda part: {"elements": 10, "gravity": GRAVITY, "stiffness": STIFFNESS * part},
+            (1e-8, 1.0, 1e4), [10.0**k for k in range(-8, 5)],
+        ),
+    ),
+    "elements": Map(
+        "Over the number of elements:", "N", "N", "elements N [-]",
+        PLAIN,
+        _on(
+            "straight", lambda number: {"elements": number},
+            (1, 5, 40), (1, 2, 3, 5, 10, 20, 50, 100, 200, 500, 1000),
+        ),
+    ),
+    "curvature": Map(
+        "Over the curvature; ring and coil: turning of an element [rad], sagging: span/length:", "value",
+        "curvature", "",
+        ("Zhai", "RATTLE"),
+        _curvatures,
+    ),
+    "gravity": Map(
+        "Over gravity, hanging cable with a mass of its own at its end:", "g/g_0", "g/g_0",
+        "gravity g/g_0 [-]", PLAIN,
+        _on(
+            "hanging", lambda part: {"elements": 10, "gravity": part * GRAVITY},
+            (0.0, 1e2, 1e4), (0.0, 1.0, 10.0, 30.0, 100.0, 300.0, 1e3, 3e3, 1e4),
+        ),
+    ),
+    "spin": Map(
+        "Over the rate at which a cable with a mass at its end spins about its start:", "rate [rad/s]",
+        "", "",
+        ("Zhai", "Zhai, v_n", "Zhai, corrector, psi = phi = 0", "RATTLE", "RK4"),
+        _on(
+            "spinning", lambda rate: {"elements": 10, "rate": rate},
+            (3.0, 100.0), (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0),
+        ),
+        lambda rate: {"steps": SPIN_STEPS},
+    ),
+}  # fmt: skip
 
 
 def _case(kind: str, cable: str, scheme: str, value: float, given: dict[str, Any], **method: float) -> Row:
@@ -58,68 +142,12 @@ def _case(kind: str, cable: str, scheme: str, value: float, given: dict[str, Any
     }
 
 
-def linear_cases(quick: bool) -> list[Row]:
+def linear_cases(quick: bool) -> Iterator[Row]:
     """All of them; "value" is what a map varies."""
-    maps = (_schemes, _zeta, _stiffness, _elements, _curvature, _gravity, _spin)
-    return [case for make in maps for case in make(quick)]
-
-
-def _schemes(quick: bool) -> Iterator[Row]:
-    """Every scheme, with and without mass scaling, on every cable.   value: theta."""
-    for cable, given in SCENES[:3] if quick else SCENES:
-        for scheme in SCHEMES:
-            for theta in (0.0, 0.3) if quick else (0.0, 0.2, 0.3):
-                yield _case("scheme", cable, scheme, theta, given, theta=theta)
-
-
-def _zeta(quick: bool) -> Iterator[Row]:
-    """value: zeta [1/s]."""
-    for scheme in ("Zhai", "Zhai, v_n", "RK4"):
-        for zeta in (10.0, 1e3, 1e4) if quick else [10.0 ** (k / 3) for k in range(3, 16)]:
-            yield _case("zeta", "straight", scheme, zeta, {"elements": 10}, zeta=zeta)
-
-
-def _stiffness(quick: bool) -> Iterator[Row]:
-    """value: EI over its physical value [-]."""
-    for scheme in PLAIN:
-        for power in (-8, 0, 4) if quick else range(-8, 5):
-            given = {"elements": 10, "gravity": GRAVITY, "stiffness": STIFFNESS * 10.0**power}
-            yield _case("stiffness", "hanging", scheme, 10.0**power, given)
-
-
-def _elements(quick: bool) -> Iterator[Row]:
-    """value: N."""
-    for scheme in PLAIN:
-        for number in (1, 5, 40) if quick else (1, 2, 3, 5, 10, 20, 50, 100, 200, 500, 1000):
-            yield _case("elements", "straight", scheme, number, {"elements": number})
-
-
-def _curvature(quick: bool) -> Iterator[Row]:
-    """value: turning of an element [rad], at most."""
-    shares = (0.8,) if quick else (0.999, 0.99, 0.95, 0.9, 0.8, 0.6, 0.4)
-    turns = (2.0,) if quick else (0.25, 0.5, 1.0, 2.0, 3.0, 4.0)
-    shapes = [("straight", {"elements": 20}, 0.0), ("ring", {"elements": 20}, 2.0 * math.pi / 20)]
-    shapes += [("coil", {"elements": 20, "turns": n}, 2.0 * math.pi * n / 20) for n in turns]
-    shapes += [("sagging", {"elements": 20, "share": share}, math.nan) for share in shares]
-    for scheme in ("Zhai", "RATTLE"):
-        for cable, given, turning in shapes:
-            value = float(given.get("share", 0.0)) if math.isnan(turning) else turning
-            yield _case("curvature", cable, scheme, value, given)
-
-
-def _gravity(quick: bool) -> Iterator[Row]:
-    """value: gravity over that of the earth [-]."""
-    for scheme in PLAIN:
-        for factor in (0.0, 1e2, 1e4) if quick else (0.0, 1.0, 10.0, 30.0, 100.0, 300.0, 1e3, 3e3, 1e4):
-            yield _case("gravity", "hanging", scheme, factor, {"elements": 10, "gravity": factor * GRAVITY})
-
-
-def _spin(quick: bool) -> Iterator[Row]:
-    """value: rate [rad/s]."""
-    for scheme in ("Zhai", "Zhai, v_n", "Zhai, corrector, psi = phi = 0", "RATTLE", "RK4"):
-        for rate in (3.0, 100.0) if quick else (1.0, 3.0, 10.0, 30.0, 100.0, 300.0, 1000.0):
-            given = {"elements": 10, "rate": rate}
-            yield _case("spin", "spinning", scheme, rate, given, steps=SPIN_STEPS)
+    for kind, one in MAPS.items():
+        for scheme in one.schemes:
+            for value, cable, given in one.points(quick):
+                yield _case(kind, cable, scheme, value, given, **one.method(value))
 
 
 def run_linear(case: Row) -> Row:

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from studies.harness import Row
 from studies.harness.inner import CurvatureMeasure, gravity_force, largest_frequency
-from studies.harness.store import Row
 
 from .limits import predict
 from .motion import GRAVITY, LENGTH, Equilibrium, Invariants, Method, Motion, straight
@@ -89,11 +89,7 @@ def run_long(case: Row) -> Row:
     momenta = invariants.momenta(motion.q, motion.v)
     last, fastest = (motion.q.copy(), motion.v.copy()), 0.0
     survives, system = True, method.system(start.cable, 0.0)
-    scheme_limit = limit.bending * limit.frequency
-    while motion.steps < case["value"]:
-        if not motion.advance(PORTION):
-            survives = False
-            break
+    while motion.steps < case["value"] and (survives := motion.advance(PORTION)):
         last = motion.q.copy(), motion.v.copy()
         energies.append(invariants.energy(*last))
         kinetic.append(invariants.kinetic(last[1]))
@@ -104,6 +100,7 @@ def run_long(case: Row) -> Row:
     swing = max(kinetic)
     drift = (np.array(energies) - energies[0]) / swing
     linear, angular = invariants.momenta(*last)
+    flies = case["scene"] != "pendulum"
     return {
         "stepSize": h,
         "survives": survives,
@@ -112,7 +109,7 @@ def run_long(case: Row) -> Row:
         "energyMax": float(np.abs(drift).max()),
         "energyDrift": float(drift[-len(drift) // 10 :].mean() - drift[: max(1, len(drift) // 10)].mean()),
         "violation": invariants.violation(last[0]),
-        "momentum": float(np.abs(linear - momenta[0]).max()) if case["scene"] != "pendulum" else None,
-        "angularMomentum": abs(angular / momenta[1] - 1.0) if case["scene"] != "pendulum" else None,
-        "frequencyOverLimit": float(h * fastest / scheme_limit),
+        "momentum": float(np.abs(linear - momenta[0]).max()) if flies else None,
+        "angularMomentum": abs(angular / momenta[1] - 1.0) if flies else None,
+        "frequencyOverLimit": float(h * fastest / (limit.bending * limit.frequency)),
     }

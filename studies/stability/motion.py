@@ -1,5 +1,6 @@
 """Cables in equilibrium, at rest or spinning, and compiled motion of one, in portions, without Exudyn."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -8,14 +9,14 @@ import numpy as np
 from exudyn_inext import Rattle, RungeKutta4, Zhai
 from reference_models.scenes import load_scene
 from reference_models.trajectory import Array
-from studies.harness import inner
-from studies.harness.store import Row
+from studies.harness import Row, inner
 
 _OWN = load_scene("planar_pendulum").cable
 LENGTH = _OWN.length  # [m]
 DENSITY = _OWN.section.mass_per_length  # rho_A [kg/m]
 STIFFNESS = _OWN.section.bending_stiffness  # EI [N m^2]
 GRAVITY = 9.81  # [m/s^2]
+_OWN_MASS = (inner.PointMass(LENGTH, DENSITY * LENGTH),)  # as much as the cable's, at its end
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,123 +39,107 @@ class Equilibrium:
         return np.concatenate([self.external.ravel(), *motions])
 
 
-def _cable(
+def _cable_at(
     nodes: Array,
-    fixed: Array,
-    stiffness: float,
+    held: Sequence[tuple[int, int]] = (),
+    gravity: float = 0.0,
+    stiffness: float = STIFFNESS,
     natural: float = 0.0,
-    closed: bool = False,
-    mass: float = 0.0,
-) -> inner.Cable:
+    **more: Any,
+) -> Equilibrium:
+    """A cable at rest.   nodes: (n, 2, 2).   held: pairs of node and 0 (position) or 1 (slope).
+
+    more: of `Cable`.
+    """
     number = len(nodes) - 1
-    return inner.Cable(
+    fixed = np.zeros((number + 1, 2), dtype=bool)
+    for node, what in held:
+        fixed[node, what] = True
+    cable = inner.Cable(
         reference=nodes,
         element_lengths=np.full(number, LENGTH / number),
         section=inner.Section(DENSITY, stiffness, natural),
         measure=inner.CurvatureMeasure.SECOND_DERIVATIVE,
         length_constraints=number,
         fixed=fixed,
-        closed=closed,
-        point_masses=(inner.PointMass(LENGTH, mass),) if mass else (),
+        **more,
     )
+    force = inner.gravity_force(cable, np.array([0.0, -gravity]))
+    return Equilibrium(cable, nodes, np.zeros_like(nodes), force)
+
+
+def _settled(start: Equilibrium, guess: Array) -> Equilibrium:
+    """In the stable equilibrium near a guess (n, 2, 2).
+
+    Raises:
+        ArithmeticError: none was found.
+    """
+    potential = inner.Potential(start.cable, start.external, 0.0)
+    found = inner.find_equilibrium(potential, guess, inner.StaticOptions())
+    if not found.converged:
+        number = start.cable.number_of_elements
+        raise ArithmeticError(f"no equilibrium with {number} elements: {found.message}")
+    return replace(start, q=found.q)
 
 
 def _line(elements: int, direction: tuple[float, float]) -> Array:
-    nodes = np.zeros((elements + 1, 2, 2))
-    nodes[:, 0] = np.outer(np.linspace(0.0, LENGTH, elements + 1), direction)
-    nodes[:, 1] = direction
-    return nodes
+    places = np.outer(np.linspace(0.0, LENGTH, elements + 1), direction)
+    return np.stack([places, np.tile(direction, (elements + 1, 1))], axis=1)
 
 
-def _held(elements: int, *held: tuple[int, int]) -> Array:
-    """(n, 2) flags; held: pairs of node and 0 (position) or 1 (slope)."""
-    fixed = np.zeros((elements + 1, 2), dtype=bool)
-    for node, what in held:
-        fixed[node, what] = True
-    return fixed
+def _arc(elements: int, turns: float) -> Array:
+    """From the origin along x, in circles that curve upwards."""
+    angle = np.linspace(0.0, 2.0 * np.pi * turns, elements + 1)
+    sine, cosine = np.sin(angle), np.cos(angle)
+    places = LENGTH / (2.0 * np.pi * turns) * np.stack([sine, 1.0 - cosine], axis=1)
+    return np.stack([places, np.stack([cosine, sine], axis=1)], axis=1)
 
 
 def straight(elements: int, stiffness: float = STIFFNESS) -> Equilibrium:
     """Pinned at its start, without loads."""
-    cable = _cable(_line(elements, (1.0, 0.0)), _held(elements, (0, 0)), stiffness)
-    zero = np.zeros_like(cable.reference)
-    return Equilibrium(cable, cable.reference, zero, zero)
+    return _cable_at(_line(elements, (1.0, 0.0)), [(0, 0)], stiffness=stiffness)
 
 
-def hanging(
-    elements: int, gravity: float, stiffness: float = STIFFNESS, tip_mass: float = 1.0
-) -> Equilibrium:
-    """Pinned at its upper end, with a mass at the lower one, in masses of the cable.
+def hanging(elements: int, gravity: float, stiffness: float = STIFFNESS) -> Equilibrium:
+    """Pinned at its upper end, with as much mass at the lower one.
 
     Without the mass, a limp free end does not hang straight (README, "When to use it").
     """
-    mass = tip_mass * DENSITY * LENGTH
-    cable = _cable(_line(elements, (0.0, -1.0)), _held(elements, (0, 0)), stiffness, mass=mass)
-    force = inner.gravity_force(cable, np.array([0.0, -gravity]))
-    return Equilibrium(cable, cable.reference, np.zeros_like(cable.reference), force)
+    return _cable_at(_line(elements, (0.0, -1.0)), [(0, 0)], gravity, stiffness, point_masses=_OWN_MASS)
 
 
 def sagging(elements: int, share: float, gravity: float = GRAVITY) -> Equilibrium:
     """Between two pins at the same height, that share of the cable's length apart [-]; its equilibrium."""
     nodes = _line(elements, (share, 0.0))
-    straight_cable = _cable(nodes, _held(elements, (0, 0), (elements, 0)), STIFFNESS)
-    cable = replace(straight_cable, straight_lengths=True)
-    force = inner.gravity_force(cable, np.array([0.0, -gravity]))
+    start = _cable_at(nodes, [(0, 0), (elements, 0)], gravity, straight_lengths=True)
     place = np.pi * np.linspace(0.0, 1.0, elements + 1)
     angle = -2.0 * np.sqrt(1.0 - share) * np.cos(place)  # of an arch as long as the cable, nearly
-    start = nodes.copy()
-    start[:, 0, 1] = -2.0 / np.pi * LENGTH * np.sqrt(1.0 - share) * np.sin(place)
-    start[:, 1] = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    found = _settled(cable, force, start)
-    return Equilibrium(cable, found, np.zeros_like(found), force)
-
-
-def _settled(cable: inner.Cable, force: Array, start: Array) -> Array:
-    """(n, 2, 2) stable equilibrium.
-
-    Raises:
-        ArithmeticError: none was found.
-    """
-    found = inner.find_equilibrium(inner.Potential(cable, force, 0.0), start, inner.StaticOptions())
-    if not found.converged:
-        raise ArithmeticError(f"no equilibrium with {cable.number_of_elements} elements: {found.message}")
-    return found.q
+    guess = nodes.copy()
+    guess[:, 0, 1] = -2.0 / np.pi * LENGTH * np.sqrt(1.0 - share) * np.sin(place)
+    guess[:, 1] = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return _settled(start, guess)
 
 
 def coil(elements: int, turns: float) -> Equilibrium:
     """Clamped at its start, free of stress in that many turns."""
-    radius = LENGTH / (2.0 * np.pi * turns)
-    angle = np.linspace(0.0, 2.0 * np.pi * turns, elements + 1)
-    nodes = np.stack(
-        [
-            radius * np.stack([np.sin(angle), 1.0 - np.cos(angle)], axis=1),
-            np.stack([np.cos(angle), np.sin(angle)], axis=1),
-        ],
-        axis=1,
-    )
-    cable = _cable(nodes, _held(elements, (0, 0), (0, 1)), STIFFNESS, natural=1.0 / radius)
-    zero = np.zeros_like(nodes)
-    return Equilibrium(cable, _settled(cable, zero, nodes), zero, zero)
+    nodes = _arc(elements, turns)
+    return _settled(_cable_at(nodes, [(0, 0), (0, 1)], natural=2.0 * np.pi * turns / LENGTH), nodes)
 
 
 def ring(elements: int) -> Equilibrium:
     """A free closed ring."""
-    radius = LENGTH / (2.0 * np.pi)
-    angle = 2.0 * np.pi * np.arange(elements + 1) / elements
-    cosine, sine = np.cos(angle), np.sin(angle)
-    nodes = np.stack([radius * np.stack([cosine, sine], axis=1), np.stack([-sine, cosine], axis=1)], axis=1)
+    nodes = _arc(elements, 1.0)
     nodes[-1] = nodes[0]
-    cable = _cable(nodes, _held(elements), STIFFNESS, closed=True)
-    zero = np.zeros_like(nodes)
-    return Equilibrium(cable, nodes, zero, zero)
+    return _cable_at(nodes, closed=True)
 
 
 def spinning(elements: int, rate: float) -> Equilibrium:
     """Straight, spinning about the pin at its start with that rate [rad/s]; as much mass at its end."""
-    mass = DENSITY * LENGTH
-    cable = _cable(_line(elements, (1.0, 0.0)), _held(elements, (0, 0)), STIFFNESS, mass=mass)
-    v = rate * np.stack([-cable.reference[..., 1], cable.reference[..., 0]], axis=-1)
-    return Equilibrium(cable, cable.reference, v, np.zeros_like(v))
+    start = _cable_at(_line(elements, (1.0, 0.0)), [(0, 0)], point_masses=_OWN_MASS)
+    return replace(start, v=rate * np.stack([-start.q[..., 1], start.q[..., 0]], axis=-1))
+
+
+CABLES = {make.__name__: make for make in (straight, hanging, sagging, coil, ring, spinning)}
 
 
 # ------------------------------------------------------------------------------------------ motion

@@ -5,10 +5,10 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
+from studies.harness import Results, Row, column, groups
 from studies.harness.plot import COLORS, REFERENCE_COLOR, Curve, Panel, chart, label_axes, new_figure
-from studies.harness.store import Row
-from studies.harness.study import Results
-from studies.harness.table import column, groups
+
+from .linear import MAPS
 
 STEP = "largest stable step h [s]"
 NO_GRAVITY = 1e-1  # shown in place of zero on a logarithmic axis
@@ -120,10 +120,7 @@ def _precision(rows: Sequence[Row]) -> list[Panel]:
 
 
 PICTURES: dict[str, tuple[Callable[[Sequence[Row]], list[Panel]], float, float, int]] = {
-    "zeta": (partial(_limits, "stabilisation rate zeta [1/s]"), 7.0, 4.9, 3),
-    "stiffness": (partial(_limits, "EI over its physical value [-]"), 7.0, 4.9, 3),
-    "elements": (partial(_limits, "elements N [-]"), 7.0, 4.9, 3),
-    "gravity": (partial(_limits, "gravity g/g_0 [-]"), 7.0, 4.9, 3),
+    **{kind: (partial(_limits, one.axis), 7.0, 4.9, 3) for kind, one in MAPS.items() if one.axis},
     "curvature": (_curvature, 9.0, 4.0, 0),
     "spin": (_spin, 7.0, 5.2, 2),
     "slenderness": (_slenderness, 7.0, 4.9, 3),

@@ -11,10 +11,10 @@ from reference_models.model import sensor_trajectory
 from reference_models.scenes import load_scene
 from studies import minimal_model
 from studies.__main__ import main
+from studies.harness.dense_pendulum import VARIANTS, run_dense
 from studies.harness.reference import distance_to_reference, from_data
 from studies.harness.study import Results
-from studies.minimal.changes import SCENES, is_harmless, summary_of
-from studies.minimal.dense_system import VARIANTS, run_dense
+from studies.minimal_model import SCENES, is_harmless, summary_of
 
 ROW = {
     "kind": "change", "label": "n_bar = 1", "scene": "planar_pendulum", "uncertainty": 5e-5,

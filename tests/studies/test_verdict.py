@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from studies.harness.verdict import QUICK_NOISE, UNDECIDED, at_most, timing_noise, verdict
+from studies.harness.table import QUICK_NOISE, UNDECIDED, at_most, timing_noise, verdict
 
 
 @pytest.mark.parametrize(

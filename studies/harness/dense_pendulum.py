@@ -12,9 +12,8 @@ from exudyn_inext import RungeKutta4
 from reference_models.model import SENSOR_PERIOD
 from reference_models.scenes import load_scene
 from reference_models.trajectory import Array, Trajectory
-from studies.harness import inner
+from studies.harness import Row, inner
 from studies.harness.reference import distance_to_reference, from_data
-from studies.harness.store import Row
 from studies.stability.long_runs import pendulum_of
 from studies.stability.motion import Equilibrium
 
@@ -108,20 +107,15 @@ def run_dense(case: Row) -> Row:
 def _system(start: Equilibrium, nodal: bool, lumped: bool) -> DenseSystem:
     cable = start.cable
     mass = cable.section.mass_per_length * inner.form_of_cable(cable, inner.mass_matrix).toarray()
-    if lumped:
-        mass = _lumped(mass, start.q.shape)
+    if lumped:  # half an element's mass at each node, and the consistent matrix's diagonal for the slopes
+        diagonal = np.diag(mass).reshape(start.q.shape).copy()
+        x = np.zeros(start.q.shape)
+        x[:, 0, 0] = 1.0  # a rigid translation: row sums over positions alone
+        diagonal[:, 0] = (mass @ x.ravel()).reshape(x.shape)[:, 0, :1]
+        mass = np.diag(diagonal.ravel())
     stiffness = cable.section.bending_stiffness * inner.form_of_cable(cable, inner.stiffness_matrix).toarray()
     constraints = tuple(
         c for c in inner.constraints_of_cable(cable) if c.name == "length" or (nodal and c.name == NODAL)
     )
     held = np.repeat(cable.fixed[:, :, None], 2, axis=2).ravel()
     return DenseSystem(mass, stiffness, constraints, np.flatnonzero(~held), start.q.shape)
-
-
-def _lumped(mass: Array, shape: tuple[int, ...]) -> Array:
-    """Half an element's mass at each node, and the diagonal of the consistent matrix for the slopes."""
-    diagonal = np.diag(mass).reshape(shape).copy()
-    x = np.zeros(shape)
-    x[:, 0, 0] = 1.0  # a rigid translation: row sums over positions alone
-    diagonal[:, 0] = (mass @ x.ravel()).reshape(shape)[:, 0, :1]
-    return np.diag(diagonal.ravel())
