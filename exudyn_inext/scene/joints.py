@@ -49,7 +49,7 @@ class _Rows(NamedTuple):
 
     Entry e of a block's Jacobian starts at `first[e]`, has `width[e]` numbers, belongs to row `row[e]` and to
     the coordinates from `dof[e]` on; the entries of block b end before `end[b]`. In the band it is row
-    `place[e]`.
+    `place[e]`. What is not zero of it lies from `begin[e]` to `stop[e]`.
     """
 
     first: np.ndarray
@@ -58,6 +58,8 @@ class _Rows(NamedTuple):
     dof: np.ndarray
     end: np.ndarray
     place: np.ndarray
+    begin: np.ndarray
+    stop: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +98,7 @@ class JointSolve:
         """
         for block, respond_as in zip(self._blocks, self._responders, strict=True):
             respond_as(block.system, block.jacobian, block.response)
+        _find_nonzeros(self._rows, self._jacobian)
         _set_schur(self._rows, self._jacobian, self._response, self._schur)
         self._factor, info = lapack.dpbtrf(self._schur, lower=1)
         squares = self._factor[0] * self._factor[0]
@@ -129,7 +132,7 @@ def _rows_of(blocks: Sequence[JointBlock]) -> _Rows:
     row, dof, width = np.array(rows, dtype=np.int64).reshape(-1, 3).T.copy()
     first = np.cumsum(width) - width
     ends = np.cumsum([len(block.rows) for block in blocks], dtype=np.int64)
-    return _Rows(first, width, row, dof, ends, place=row)
+    return _Rows(first, width, row, dof, ends, place=row, begin=np.zeros_like(row), stop=width.copy())
 
 
 def _order_of_band(rows: _Rows, number: int) -> np.ndarray:
@@ -160,6 +163,17 @@ def _share(blocks: Sequence[JointBlock], jacobian: Array, response: Array) -> No
 
 
 @kernel
+def _find_nonzeros(rows, jacobian):
+    """`begin` and `stop` of all entries: a joint holds few coordinates of a cable."""
+    for e in range(len(rows.row)):
+        begin, stop = rows.width[e], 0
+        for i in range(rows.width[e]):
+            if jacobian[rows.first[e] + i] != 0.0:
+                begin, stop = min(begin, i), i + 1
+        rows.begin[e], rows.stop[e] = begin, stop
+
+
+@kernel
 def _set_schur(rows, jacobian, response, schur):
     """S = J R^T; the lower half of its band, by columns."""
     schur[:] = 0.0
@@ -169,7 +183,7 @@ def _set_schur(rows, jacobian, response, schur):
             for f in range(begin, end):
                 if rows.place[f] <= rows.place[e]:
                     total = 0.0
-                    for i in range(rows.width[e]):
+                    for i in range(rows.begin[e], rows.stop[e]):
                         total += jacobian[rows.first[e] + i] * response[rows.first[f] + i]
                     schur[rows.place[e] - rows.place[f], rows.place[f]] += total
         begin = end
@@ -180,7 +194,7 @@ def _add_times(rows, matrix, x, result):
     """result += J x."""
     for e in range(len(rows.row)):
         total = 0.0
-        for i in range(rows.width[e]):
+        for i in range(rows.begin[e], rows.stop[e]):
             total += matrix[rows.first[e] + i] * x[rows.dof[e] + i]
         result[rows.row[e]] += total
 
