@@ -17,6 +17,7 @@ from .coupled_system import CoupledSystem
 STEP = 1e-6  # of the differences [m, -, m/s, 1/s]
 ACCURACY = 1e-3
 LARGEST_BASIS = 40
+NEGLIGIBLE = 1e-6  # damping over the frequency: less is round-off, and bounds no step
 DENSE = 4  # coordinates up to which the matrix is built
 MOST_STEPS = (
     400  # of the iteration that never ends without an answer, and coordinates of a matrix in its place
@@ -69,12 +70,15 @@ def fastest_rates(system: CoupledSystem, t: float, q: Array, v: Array) -> Fastes
 
     start = projected(np.cos(np.arange(len(q), dtype=float) ** 2 * 1.6180339887)) - offset
     frequency = float(np.sqrt(_largest_eigenvalue(stiffness, start)))
-    rate = _largest_eigenvalue(damping, start)
+    rate = _largest_eigenvalue(damping, start, NEGLIGIBLE * frequency)
     return FastestRates(float(np.maximum(frequency, rate / OVERDAMPED)), rate)  # keeps a NaN
 
 
-def _largest_eigenvalue(operator: Callable[[Array], Array], start: Array) -> float:
-    """The eigenvalue of largest real part; zero if none is positive, NaN if something is not finite."""
+def _largest_eigenvalue(operator: Callable[[Array], Array], start: Array, negligible: float = 0.0) -> float:
+    """The eigenvalue of largest real part; zero if none is positive, NaN if something is not finite.
+
+    negligible: growth of the start that is nothing but round-off.
+    """
 
     def scaled(x: Array) -> Array:
         norm = float(np.abs(x).max())
@@ -85,6 +89,8 @@ def _largest_eigenvalue(operator: Callable[[Array], Array], start: Array) -> flo
     first = scaled(start) if np.isfinite(start).all() else start
     if not np.isfinite(first).all():
         return np.nan
+    if np.linalg.norm(first) <= negligible * np.linalg.norm(start):
+        return 0.0
     if len(start) <= DENSE or not first.any():
         return _positive(_of_matrix(scaled, len(start)) if first.any() else 0.0)
     found = _by_restarts(scaled, start)
