@@ -1,6 +1,6 @@
 """What an mbs contains, as far as the explicit solver is concerned."""
 
-from collections.abc import Container, Iterable
+from collections.abc import Callable, Container, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -23,6 +23,7 @@ from ..scene.links import MovingCoordinate, Rod, links_of_motions
 from ..scene.model import CableInScene, CableItem, CableLoad, HeldCoordinate, Scene
 
 _HARMLESS = {"Ground"}
+Constraint = HeldCoordinate | MovingCoordinate | Rod
 
 
 @dataclass(eq=False)
@@ -36,27 +37,20 @@ class Contents:
 
     items: dict[int, CableItem] = field(default_factory=dict)
     names: dict[int, str] = field(default_factory=dict)
-    held: dict[int, "HeldCoordinate"] = field(default_factory=dict)
+    held: dict[int, HeldCoordinate] = field(default_factory=dict)
     moving: dict[int, MovingCoordinate] = field(default_factory=dict)
     rods: dict[int, Rod] = field(default_factory=dict)
     enforcing: list[int] = field(default_factory=list)
     others: list[str] = field(default_factory=list)
 
-
-class ConstraintReader:
-    """How native constraints become supports and links of cables; None if they are something else.
-
-    number, data: of the object.
-    """
-
-    def held(self, mbs: Any, number: int, data: dict[str, Any]) -> HeldCoordinate | None:
-        return read_held_coordinate(mbs, data)
-
-    def moving(self, mbs: Any, number: int, data: dict[str, Any]) -> MovingCoordinate | None:
-        return read_moving_coordinate(mbs, number, data)
-
-    def rod(self, mbs: Any, number: int, data: dict[str, Any]) -> Rod | None:
-        return read_rod(mbs, data)
+    def add(self, number: int, constraint: Constraint) -> None:
+        """A constraint to those of its kind."""
+        if isinstance(constraint, Rod):
+            self.rods[number] = constraint
+        elif isinstance(constraint, MovingCoordinate):
+            self.moving[number] = constraint
+        else:
+            self.held[number] = constraint
 
 
 @dataclass(eq=False)
@@ -79,9 +73,18 @@ def require_assembled(mbs: Any) -> None:
     raise SceneError("mbs is not assembled: call mbs.Assemble() before it is solved or evaluated.")
 
 
-def read_scene(mbs: Any, reader: ConstraintReader | None = None) -> Scene:
-    """Inextensible cables of an assembled mbs, and what else there is.   reader: of its constraints."""
-    contents = _contents(mbs, reader or ConstraintReader())
+def read_constraint(mbs: Any, number: int, data: dict[str, Any]) -> Constraint | None:
+    """A native constraint that becomes a support or link of a cable; None if it is something else.
+
+    number, data: of the object.
+    """
+    held = read_held_coordinate(mbs, data)
+    return held or read_moving_coordinate(mbs, number, data) or read_rod(mbs, data)
+
+
+def read_scene(mbs: Any, read: Callable[..., Constraint | None] = read_constraint) -> Scene:
+    """Inextensible cables of an assembled mbs, and what else there is.   read: its constraints."""
+    contents = _contents(mbs, read)
     cable_of = {node: number for number, item in contents.items.items() for node in item.nodes}
     loads, other_loads = _read_loads(mbs, cable_of, elements_by_nodes(contents.items))
     foreign = [*contents.others, *_foreign_nodes(mbs, cable_of), *other_loads]
@@ -118,7 +121,7 @@ def read_cables(mbs: Any, who: str) -> list[CableInScene]:
     return scene.cables
 
 
-def _contents(mbs: Any, reader: ConstraintReader) -> Contents:
+def _contents(mbs: Any, read: Callable[..., Constraint | None]) -> Contents:
     contents = Contents()
     for number in range(mbs.systemData.NumberOfObjects()):
         data = mbs.GetObject(number)
@@ -126,12 +129,8 @@ def _contents(mbs: Any, reader: ConstraintReader) -> Contents:
         if item is not None:
             contents.items[number] = item
             contents.names[number] = data["name"]
-        elif (held := reader.held(mbs, number, data)) is not None:
-            contents.held[number] = held
-        elif (moving := reader.moving(mbs, number, data)) is not None:
-            contents.moving[number] = moving
-        elif (rod := reader.rod(mbs, number, data)) is not None:
-            contents.rods[number] = rod
+        elif (constraint := read(mbs, number, data)) is not None:
+            contents.add(number, constraint)
         elif belongs_to_a_cable(data):
             contents.enforcing.append(number)
         elif _does_something(data):

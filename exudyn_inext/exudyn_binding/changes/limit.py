@@ -1,7 +1,7 @@
 """The step of a run after a change."""
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,23 +22,27 @@ class StepLimit:
     """Watches the stability limit of runs whose scene changes.
 
     h: step of the integrator [s].   last: limit when it was looked at last [s].
-    seen: size of each stiffness that has changed, when the limit was looked at.
+    stored: what a restart file says; with its `memory`, the limit is looked at as without an interruption.
     """
 
-    def __init__(self, h: float, last: float, explicit: ExplicitSettings) -> None:
+    def __init__(self, h: float, last: float, explicit: ExplicitSettings, stored: Mapping[str, Any]) -> None:
         self._h = h
         self._last = last
         self._explicit = explicit
-        self.seen: dict[Parameter, float] = {}
+        self._seen = {Parameter(*names): size for *names, size in stored.get("seen", [])}
+
+    def memory(self) -> dict[str, Any]:
+        """Size of each stiffness that has changed, when the limit was looked at, as plain data."""
+        return {"seen": [[*key, size] for key, size in self._seen.items()]}
 
     def stiffer(self, mbs: Any, changed: Sequence[Parameter]) -> list[Parameter]:
         """Those parameters of connectors that are now much larger than when the limit was looked at."""
         grown = []
         for key in filter(_is_of_stiffness, changed):
             size = float(np.abs(key.value(mbs)).max())
-            if size > GROWTH * self.seen.get(key, 0.0):
+            if size > GROWTH * self._seen.get(key, 0.0):
                 grown.append(key)
-                self.seen[key] = size
+                self._seen[key] = size
         return grown
 
     def look_again(self, runs: Sequence[Run], time: float, changed: Sequence[Parameter]) -> None:
