@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence, Set
 from contextlib import ExitStack
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ..checks import LARGEST
@@ -25,29 +25,26 @@ def needs_coupling(scene: Scene) -> bool:
     return bool(scene.foreign) or not scene.cables
 
 
+@dataclass(eq=False)
 class RunBuilder:
     """Makes the runs of a scene: at the start, and again when it has changed.
 
-    Args:
-        mbs: assembled.   changed: parameters, in the course of the run; such constraints become joints.
-        explicit: settings.   scaling: step that scales the mass [s]; 0 without mass scaling.
-        stack: at its end, cables that were switched off for coupled scenes are switched on again.
+    mbs: assembled.   changed: parameters, in the course of the run; such constraints become joints.
+    explicit: settings.   scaling: step that scales the mass [s]; 0 without mass scaling.
+    stack: at its end, cables that were switched off for coupled scenes are switched on again.
     """
 
-    def __init__(
-        self, mbs: Any, changed: Set[Parameter], explicit: ExplicitSettings, scaling: float, stack: ExitStack
-    ) -> None:
-        self._mbs = mbs
-        self._changed = changed
-        self._explicit = explicit
-        self._scaling = scaling
-        self._stack = stack
-        self._is_switched_off = False
+    mbs: Any
+    changed: Set[Parameter]
+    explicit: ExplicitSettings
+    scaling: float
+    stack: ExitStack
+    _is_switched_off: bool = False
 
     def take_step(self, explicit: ExplicitSettings, h: float) -> None:
         """Build later runs for steps of h [s], with these settings."""
-        self._explicit = explicit
-        self._scaling = h if explicit.massScaling else 0.0
+        self.explicit = explicit
+        self.scaling = h if explicit.massScaling else 0.0
 
     def build(
         self, scene: Scene, time: float, state: State | None = None, end: float | None = None
@@ -58,16 +55,16 @@ class RunBuilder:
         step in which they are to be fulfilled [s]; None: they are.
         """
         if not self._is_switched_off and needs_coupling(scene):  # by kernels, and not by Exudyn as well
-            self._stack.enter_context(switched_off(self._mbs, *scene.evaluated_by_kernels))
+            self.stack.enter_context(switched_off(self.mbs, *scene.evaluated_by_kernels))
             self._is_switched_off = True
-        changed = {key.number for key in self._changed if key.kind == "Object"}
+        changed = {key.number for key in self.changed if key.kind == "Object"}
         held = {number: held for number, held in scene.held.items() if number not in changed}
-        scene, explicit = replace(scene, held=held), self._explicit
+        scene, explicit = replace(scene, held=held), self.explicit
         if state is None:
-            return runs_of_scene(self._mbs, scene, time, self._scaling, explicit, end)
-        with initial_state(self._mbs, state):
+            return runs_of_scene(self.mbs, scene, time, self.scaling, explicit, end)
+        with initial_state(self.mbs, state):
             lenient = replace(explicit, startTolerance=LARGEST)
-            return runs_of_scene(self._mbs, scene, time, self._scaling, lenient, end)
+            return runs_of_scene(self.mbs, scene, time, self.scaling, lenient, end)
 
 
 def runs_of_cables(

@@ -145,8 +145,11 @@ def SolveExplicit(
             grid = restarts.grid(given or time_grid(mbs, settings, choice.h))
             builder.take_step(explicit, grid.h)
             observed = observed_derivatives(settings, sensors)
-            limit = StepLimit(grid.h, bounds.stability_limit, explicit, restarts.changes)
-            changes = ChangeFollower(mbs, scene, reader, log, builder, limit, sensors, restarts.changes)
+            limit = StepLimit(grid.h, bounds.stability_limit, explicit)
+            if restarts.changes:
+                limit.restore(restarts.changes)
+            moves = bool(restarts.changes.get("moves"))
+            changes = ChangeFollower(mbs, scene, reader, log, builder, limit, sensors, moves)
             restarts.changes_so_far = changes.stored
             loop = ExplicitTimeLoop(mbs, runs, grid, restarts, observed, changes)
         try:

@@ -15,7 +15,7 @@ import sysconfig
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import is_dataclass
 from functools import lru_cache, partial
-from itertools import filterfalse
+from itertools import chain, filterfalse
 from pathlib import Path
 from types import BuiltinFunctionType, CodeType, FunctionType, MethodType, ModuleType, SimpleNamespace
 from typing import Any
@@ -38,13 +38,13 @@ def text_of(value: Any) -> str:
         shown = repr(value.tolist() if isinstance(value, np.ndarray | np.generic) else value)
         if len(shown) <= LONGEST:
             return shown
-    return f"{_name_of(value)} {hash_of(_Walk().tokens(value))}"
+    return f"{_name_of(value)} {hash_of(value)}"
 
 
 def texts_of_function(name: str, function: Callable[..., Any]) -> dict[str, str]:
     """A user function of that name as texts: one of its code, and one of each value that it uses."""
     core, used = _parts(function)
-    own = f"{_name_of(function)} {hash_of(_Walk().each(core))}"
+    own = f"{_name_of(function)} {hash_of(*core)}"
     return {name: own} | {f"'{what}' in {name}": text_of(value) for what, value in used.items()}
 
 
@@ -63,11 +63,11 @@ def _strings(code: CodeType) -> Iterator[str]:
             yield from _strings(constant)
 
 
-def hash_of(tokens: Iterator[str]) -> str:
+def hash_of(*values: Any) -> str:
     """16 digits."""
-    digest = hashlib.sha256()
-    for token in tokens:
-        digest.update(token.encode("utf-8", "surrogatepass") + b"\0")
+    digest, seen = hashlib.sha256(), dict[int, tuple[int, Any]]()
+    for word in chain.from_iterable(_words(value, seen) for value in values):
+        digest.update(word.encode("utf-8", "surrogatepass") + b"\0")
     return digest.hexdigest()[:16]
 
 
@@ -86,34 +86,24 @@ def _name_of(value: Any) -> str:
     return f"{getattr(named, '__qualname__', '?')}"
 
 
-class _Walk:
-    """What a value consists of, as words; objects that come again are not described again."""
+def _words(value: Any, seen: dict[int, tuple[int, Any]], depth: int = 0) -> Iterator[str]:
+    """What a value consists of.
 
-    def __init__(self) -> None:
-        self._seen: dict[int, tuple[int, Any]] = {}  # kept alive, as another object could have the same id
-        self._depth = 0
-
-    def each(self, values: Any) -> Iterator[str]:
-        for value in values:
-            yield from self.tokens(value)
-
-    def tokens(self, value: Any) -> Iterator[str]:
-        """Words of the value."""
-        if isinstance(value, _PLAIN):
-            yield repr(value.item() if isinstance(value, np.generic) else value)
-        elif self._depth > DEEPEST:
-            yield _full_name(type(value))
-        elif id(value) in self._seen:
-            yield f"again {self._seen[id(value)][0]}"
-        else:
-            if not isinstance(value, _SHARED):
-                self._seen[id(value)] = (len(self._seen), value)
-            self._depth += 1
-            core, used = _parts(value)
-            yield from (type(value).__name__, *self.each(core))
-            for name, entry in used.items():
-                yield from (name, *self.tokens(entry))
-            self._depth -= 1
+    seen: numbers of objects, by id: those that come again are not described again. It keeps them alive, as
+        another object could have the same id.
+    """
+    if isinstance(value, _PLAIN):
+        yield repr(value.item() if isinstance(value, np.generic) else value)
+    elif depth > DEEPEST:
+        yield _full_name(type(value))
+    elif id(value) in seen:
+        yield f"again {seen[id(value)][0]}"
+    else:
+        if not isinstance(value, _SHARED):
+            seen[id(value)] = (len(seen), value)
+        core, used = _parts(value)
+        for part in (type(value).__name__, *core, *chain.from_iterable(used.items())):
+            yield from _words(part, seen, depth + 1)
 
 
 _Parts = tuple[list[Any], dict[str, Any]]
@@ -150,9 +140,9 @@ def _content(value: Any) -> list[Any] | None:
         case list() | tuple():
             return [len(value), *value]
         case set() | frozenset():
-            return sorted(hash_of(_Walk().tokens(entry)) for entry in value)
+            return sorted(map(hash_of, value))
         case Mapping():
-            return [part for item in value.items() for part in item]
+            return list(chain.from_iterable(value.items()))
         case CodeType():
             return [value.co_code, getattr(value, "co_exceptiontable", b""), value.co_names, value.co_consts]
     return _content_of_exudyn(value) if type(value).__module__.partition(".")[0] == "exudyn" else None

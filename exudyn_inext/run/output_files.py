@@ -82,29 +82,27 @@ class ResumedOutputs:
     def __init__(self, settings: Any, sensors: Sequence[Any]) -> None:
         solution = settings.solution
         of_solution = [solution_file(solution)] if solution.file.write else []
-        self._solution_exists = any(path.is_file() for path in of_solution)
-        of_sensors = [path for _, path in sensor_files(solution, sensors) if path.is_file()]
-        self._sensors_exist = bool(of_sensors)
-        if self._solution_exists and solution.file.binary:
+        self._solution = [path for path in of_solution if path.is_file()]
+        self._sensors = [path for _, path in sensor_files(solution, sensors) if path.is_file()]
+        if self._solution and solution.file.binary:
             raise InputError(
-                f"solution.file.binary: '{of_solution[0]}' cannot be continued, as Exudyn does not append to "
-                "binary solution files: choose another solution.file.name for the rest of the run, or text."
+                f"solution.file.binary: '{self._solution[0]}' cannot be continued, as Exudyn does not append "
+                "to binary solution files: choose another solution.file.name for the rest of the run, or "
+                "text."
             )
-        existing = of_solution if self._solution_exists else []
-        self._files = list(dict.fromkeys([*existing, *of_sensors]))
 
     def cut(self, time: float) -> None:
         """Cut what a killed run has written after `time` [s], and footers, off the files."""
-        for path in self._files:
+        for path in dict.fromkeys([*self._solution, *self._sensors]):
             cut_rows_after(path, time)
 
     def settings(self, solution: Any) -> Iterator[tuple[Any, str, Any]]:
         """What Exudyn has to be told: (part of the settings, name, value)."""
         yield solution.sensors, "append", True
         yield solution.file, "writeInitialValues", False
-        if self._sensors_exist:
+        if self._sensors:
             yield solution.sensors, "writeHeader", False
-        if self._solution_exists:
+        if self._solution:
             yield solution.file, "append", True
             yield solution.file, "writeHeader", False
 

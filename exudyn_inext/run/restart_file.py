@@ -20,6 +20,7 @@ from .output_files import written_aside
 
 FORMAT, VERSION = "exudyn_inext restart", 7
 _HEADER, _DATA = "header", "data"
+_EMPTY = zlib.compress(b"{}")  # data of older versions
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +42,8 @@ def write_restart(name: str | Path, restart: Restart) -> None:
     """
     path = Path(name)
     header = np.array(json.dumps({"format": FORMAT, "version": VERSION}))
-    contents: dict[str, Any] = {_HEADER: header, _DATA: _as_bytes(restart.header), **restart.arrays}
+    data = np.frombuffer(zlib.compress(json.dumps(restart.header).encode()), dtype=np.uint8)
+    contents: dict[str, Any] = {_HEADER: header, _DATA: data, **restart.arrays}
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with written_aside(path) as file:
@@ -64,7 +66,7 @@ def read_restart(name: str | Path) -> Restart:
         with open(name, "rb") as file, np.load(file, allow_pickle=False) as archive:
             arrays = {key: archive[key] for key in archive.files}
         header = json.loads(str(arrays.pop(_HEADER)))
-        data = _from_bytes(arrays.pop(_DATA, _as_bytes({})))  # older versions have none
+        data = json.loads(zlib.decompress(arrays.pop(_DATA, _EMPTY)))
     except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile, zlib.error) as error:
         raise InputError(f"restart file '{name}' is damaged, or is none ({error}): {remedy}") from error
     if not isinstance(header, Mapping) or header.get("format") != FORMAT:
@@ -74,15 +76,7 @@ def read_restart(name: str | Path) -> Restart:
             f"restart file '{name}' is of version {header.get('version')}, this package reads version "
             f"{VERSION}: continue with the package that wrote it, or {remedy}"
         )
-    return Restart(data, arrays)
-
-
-def _as_bytes(data: dict[str, Any]) -> Array:
-    return np.frombuffer(zlib.compress(json.dumps(data).encode()), dtype=np.uint8)
-
-
-def _from_bytes(array: Array) -> dict[str, Any]:
-    return dict(json.loads(zlib.decompress(array.tobytes())))
+    return Restart(dict(data), arrays)
 
 
 def packed(prefix: str, memory: Mapping[str, Any]) -> dict[str, Array]:

@@ -10,7 +10,7 @@ import numpy as np
 from ...arrays import Array
 from ...cable.link import Motion
 from ...items.link_items import read_moving_coordinate
-from ...scene.links import MovingCoordinate, Rod, motion_along
+from ...scene.links import MovingCoordinate, Rod, in_space
 from ...scene.model import HeldCoordinate
 from ..scene import Constraint, read_constraint
 
@@ -128,20 +128,21 @@ class SteppedReader:
     def _changed(self, number: int, data: dict[str, Any], found: Constraint, last: _Known | None) -> _Changed:
         """What becomes of a constraint that asks for something else than when it was read last."""
         if isinstance(found, MovingCoordinate) and data["offsetUserFunction"]:
-            return self._in_space(found), None
-        if self._step is None and number not in self._restored:
-            return found, None
+            return in_space(found, self._reference(found.node).size // 2), None
+        if self._step is None:
+            if number not in self._restored:
+                return found, None
+            last = _Known(_asked(found, data), found, None)
         if isinstance(found, Rod):
             return self._changed_rod(found, last)
         return self._changed_coordinate(number, data, found, last)
 
     def _changed_rod(self, rod: Rod, last: _Known | None) -> _Changed:
         """Its end moves, if nothing else has changed."""
-        before = _asked_of_rod(rod) if self._step is None else last and last.asked
-        if rod.point is None or before is None or before[:2] != (rod.nodes, rod.length):
+        if rod.point is None or last is None or last.asked[:2] != (rod.nodes, rod.length):
             return rod if self._violation(rod) <= FULFILLED else None, None
         dim = self._reference(rod.nodes[0]).size // 2
-        way = self._aimed(last, np.array(before[2][:dim]), rod.point[:dim])
+        way = self._aimed(last, np.array(last.asked[2][:dim]), rod.point[:dim])
         return replace(rod, motion=way.motion), way
 
     def _changed_coordinate(
@@ -168,13 +169,6 @@ class SteppedReader:
             way.aim(target, *self._step)
         return way
 
-    def _in_space(self, moving: MovingCoordinate) -> MovingCoordinate:
-        """With a motion of the whole position."""
-        dim = self._reference(moving.node).size // 2
-        if moving.motion.at(0.0).shape[1] == dim:
-            return moving
-        return replace(moving, motion=motion_along(moving.motion, moving.axis, dim))
-
     def _violation(self, rod: Rod) -> float:
         """Of the distance, at present [m]."""
         ends: Sequence[Any] = [self._mbs.GetNodeOutput(node, _Output.Position) for node in rod.nodes]
@@ -191,10 +185,6 @@ class SteppedReader:
 def _asked(found: Constraint, data: dict[str, Any]) -> tuple[Any, ...]:
     """What a constraint asks for: equal, if it is the same."""
     if isinstance(found, Rod):
-        return _asked_of_rod(found)
+        return found.nodes, found.length, None if found.point is None else tuple(found.point.tolist())
     functions = [data[name] and data[name]["function"] for name in _OFFSET_FUNCTIONS]
     return *functions, float(data["offset"])
-
-
-def _asked_of_rod(rod: Rod) -> tuple[Any, ...]:
-    return rod.nodes, rod.length, None if rod.point is None else tuple(rod.point.tolist())

@@ -1,6 +1,7 @@
 """Runs that follow what user functions change between two steps of the time loop."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -26,48 +27,39 @@ from .limit import StepLimit
 from .log import ChangeLog
 
 
+@dataclass(eq=False)
 class ChangeFollower:
     """Looks after the runs of a scene whose parameters may change.
 
-    Args:
-        mbs: the system.   scene: what it contains, read by `reader`.   log: of its changes.
-        builder: of other runs.   limit: of their steps.   sensors: data of all of them.
-        stored: what `stored` gave to the restart file that the run goes on from; empty without one.
+    mbs: the system.   scene: what it contains, read by `reader`.   log: of its changes.
+    builder: of other runs.   limit: of their steps.   sensors: data of all of them.
+    moves: whether something has moved through the last step.
     """
 
-    def __init__(
-        self,
-        mbs: Any,
-        scene: Scene,
-        reader: SteppedReader,
-        log: ChangeLog,
-        builder: RunBuilder,
-        limit: StepLimit,
-        sensors: Sequence[Any],
-        stored: Mapping[str, Any],
-    ) -> None:
-        self._mbs = mbs
-        self._scene = scene
-        self._reader = reader
-        self._log = log
-        self._builder = builder
-        self._limit = limit
-        self._sensors = sensors
-        self._reader.nodes = frozenset(node for cable in self._scene.cables for node in cable.item.nodes)
-        self._moves = bool(stored.get("moves"))  # whether something has, through the last step
+    mbs: Any
+    scene: Scene
+    reader: SteppedReader
+    log: ChangeLog
+    builder: RunBuilder
+    limit: StepLimit
+    sensors: Sequence[Any]
+    moves: bool = False
+
+    def __post_init__(self) -> None:
+        self.reader.nodes = frozenset(node for cable in self.scene.cables for node in cable.item.nodes)
         self._figures: dict[str, float] = {}
 
     @property
     def has_news(self) -> bool:
         """Whether something has changed since the last step, or must stop."""
-        return self._moves or self._log.is_pending
+        return self.moves or self.log.is_pending
 
     def stored(self) -> dict[str, Any]:
         """All that has been changed so far, as JSON has it, for a restart file; empty if nothing has."""
-        if not self._log.changed:
+        if not self.log.changed:
             return {}
-        parts = self._log, self._limit, self._reader
-        return {"moves": self._moves} | {key: value for part in parts for key, value in part.memory().items()}
+        parts = self.log, self.limit, self.reader
+        return {"moves": self.moves} | {key: value for part in parts for key, value in part.memory().items()}
 
     def figures(self) -> dict[str, float]:
         """Extremes of runs that others have taken over from; see `Run.figures`."""
@@ -80,17 +72,17 @@ class ChangeFollower:
             SceneError: a run cannot follow a change.
             StepSizeError: it brings the stability limit below the step.
         """
-        changed = self._log.take()
-        self._reader.begin_step(time, end)
-        self._log.is_paused = True
+        changed = self.log.take()
+        self.reader.begin_step(time, end)
+        self.log.is_paused = True
         try:
-            with state_kept(self._mbs):
-                self._mbs.systemData.SetTime(time)
+            with state_kept(self.mbs):
+                self.mbs.systemData.SetTime(time)
                 runs = self._followed(runs, changed, time, end)
         finally:
-            self._log.is_paused = False
+            self.log.is_paused = False
         coupled = [run for run in runs if isinstance(run, CoupledRun)]
-        self._moves = self._reader.moves or any(run.approaches for run in coupled)
+        self.moves = self.reader.moves or any(run.approaches for run in coupled)
         return runs
 
     def require_all_seen(self, runs: Sequence[Run]) -> None:
@@ -99,11 +91,11 @@ class ChangeFollower:
         Raises:
             SceneError: it does not.
         """
-        if self._log.is_pending:  # after the last step
+        if self.log.is_pending:  # after the last step
             return
-        scene, alone = read_scene(self._mbs, self._reader), _alone(runs)
+        scene, alone = read_scene(self.mbs, self.reader), _alone(runs)
         loads = [CableLoads(cable).constant for cable in scene.cables] if alone else []
-        is_same = same_cables(self._scene, scene) and not (alone and scene.foreign)
+        is_same = same_cables(self.scene, scene) and not (alone and scene.foreign)
         if not (is_same and all(map(np.array_equal, (run.loads.constant for run in alone), loads))):
             raise SceneError(
                 "supports, loads or properties of a cable were changed during the run without its notice: "
@@ -115,27 +107,23 @@ class ChangeFollower:
     def _followed(
         self, runs: Sequence[Run], changed: Sequence[Parameter], time: float, end: float
     ) -> Sequence[Run]:
-        own = self._scene.own_constraints
-        asked = max((demand(self._mbs, runs, own, key) for key in changed), default=None)
+        own = self.scene.own_constraints
+        asked = max((demand(self.mbs, runs, own, key) for key in changed), default=None)
         if asked is not None:
-            forget_evaluators(self._sensors)
+            forget_evaluators(self.sensors)
         if asked is None or asked < Demand.READ:
-            stiffer = self._limit.stiffer(self._mbs, changed)
-            if stiffer:
-                self._limit.look_again(runs, time, stiffer)
-            if self._moves or stiffer or asked == Demand.MOVE:
+            is_stiffer = self.limit.follow_stiffness(self.mbs, runs, changed, time)
+            if self.moves or is_stiffer or asked == Demand.MOVE:
                 _go_on(runs, time, end, asked == Demand.MOVE)
             return runs
-        before, scene = self._scene, read_scene(self._mbs, self._reader)
-        self._scene = scene
-        same_items = same_cables(before, self._scene) and sorted(before.foreign) == sorted(
-            self._scene.foreign
-        )
+        before, scene = self.scene, read_scene(self.mbs, self.reader)
+        self.scene = scene
+        same_items = same_cables(before, self.scene) and sorted(before.foreign) == sorted(self.scene.foreign)
         if asked < Demand.BUILD and same_items and _take_loads(runs, scene):
             _go_on(runs, time, end, has_changed=True)
             return runs
-        new = self._builder.build(scene, time, state_of(self._mbs), end)
-        self._limit.take_over(runs, new, time, changed)
+        new = self.builder.build(scene, time, state_of(self.mbs), end)
+        self.limit.take_over(runs, new, time, changed)
         for run in new:
             run.start(time)
         self._figures = worst_figures([*runs, self])
