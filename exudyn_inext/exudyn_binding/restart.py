@@ -72,10 +72,7 @@ class Restarts:
 
     def clock(self, grid: TimeGrid) -> LoopClock | None:
         """Of Exudyn's loop in the run that is continued; None: there is none."""
-        if self.found is None:
-            return None
-        step = self.found.header["loopStep"]
-        return LoopClock(grid.start, step, grid.first, self._end, grid.loop_steps)
+        return LoopClock(grid, self.found.header["loopStep"], self._end) if self.found else None
 
     @property
     def time(self) -> float:

@@ -1,6 +1,7 @@
 """What an mbs contains, as far as the explicit solver is concerned."""
 
-from collections.abc import Callable, Container, Iterable
+from collections import defaultdict
+from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -23,6 +24,7 @@ from ..scene.links import MovingCoordinate, Rod, links_of_motions
 from ..scene.model import CableInScene, CableItem, CableLoad, HeldCoordinate, Scene
 
 _HARMLESS = {"Ground"}
+_KINDS = (HeldCoordinate, MovingCoordinate, Rod)
 Constraint = HeldCoordinate | MovingCoordinate | Rod
 
 
@@ -30,37 +32,16 @@ Constraint = HeldCoordinate | MovingCoordinate | Rod
 class Contents:
     """The objects of an mbs by number, sorted.
 
-    names: of the cables.
+    names: of the cables.   constraints: that may be supports and links of them.
     enforcing: constraints by which cables keep their length under other solvers.
     others: descriptions for messages.
     """
 
     items: dict[int, CableItem] = field(default_factory=dict)
     names: dict[int, str] = field(default_factory=dict)
-    held: dict[int, HeldCoordinate] = field(default_factory=dict)
-    moving: dict[int, MovingCoordinate] = field(default_factory=dict)
-    rods: dict[int, Rod] = field(default_factory=dict)
+    constraints: dict[int, Constraint] = field(default_factory=dict)
     enforcing: list[int] = field(default_factory=list)
     others: list[str] = field(default_factory=list)
-
-    def add(self, number: int, constraint: Constraint) -> None:
-        """A constraint to those of its kind."""
-        if isinstance(constraint, Rod):
-            self.rods[number] = constraint
-        elif isinstance(constraint, MovingCoordinate):
-            self.moving[number] = constraint
-        else:
-            self.held[number] = constraint
-
-
-@dataclass(eq=False)
-class _OnOne:
-    """What acts on one cable: its supports, links and loads."""
-
-    held: list[HeldCoordinate] = field(default_factory=list)
-    moving: list[MovingCoordinate] = field(default_factory=list)
-    rods: list[Rod] = field(default_factory=list)
-    loads: list[CableLoad] = field(default_factory=list)
 
 
 def require_assembled(mbs: Any) -> None:
@@ -88,17 +69,25 @@ def read_scene(mbs: Any, read: Callable[..., Constraint | None] = read_constrain
     cable_of = {node: number for number, item in contents.items.items() for node in item.nodes}
     loads, other_loads = _read_loads(mbs, cable_of, elements_by_nodes(contents.items))
     foreign = [*contents.others, *_foreign_nodes(mbs, cable_of), *other_loads]
-    held_elsewhere = {number: held for number, held in contents.held.items() if held.node not in cable_of}
-    foreign += _take_foreign_constraints(mbs, contents, cable_of)
-    on_each = _on_each_cable(contents, loads, cable_of)
+    elsewhere = _take_foreign_constraints(contents.constraints, cable_of)
+    foreign += [described(mbs.GetObject(number), number) for number in elsewhere]
+    held = {number: it for number, it in elsewhere.items() if isinstance(it, HeldCoordinate)}
     if mbs.NumberOfGeneralContacts():
         foreign.append("a general contact")
+    constraints_on, loads_on = defaultdict(list), defaultdict(list)
+    for constraint in contents.constraints.values():
+        constraints_on[cable_of[constraint.nodes[0]]].append(constraint)
+    for load in loads:
+        loads_on[load.cable if isinstance(load, ElementWeight) else cable_of[load.node]].append(load)
     return Scene(
-        cables=[_cable_in_scene(mbs, number, contents, on_each[number]) for number in contents.items],
+        cables=[
+            _cable_in_scene(mbs, number, contents, constraints_on[number], loads_on[number])
+            for number in contents.items
+        ],
         foreign=foreign,
-        own_constraints=frozenset([*contents.held, *contents.moving, *contents.rods, *contents.enforcing]),
+        own_constraints=frozenset([*contents.constraints, *contents.enforcing]),
         enforcing=contents.enforcing,
-        held=held_elsewhere,
+        held=held,
     )
 
 
@@ -130,7 +119,7 @@ def _contents(mbs: Any, read: Callable[..., Constraint | None]) -> Contents:
             contents.items[number] = item
             contents.names[number] = data["name"]
         elif (constraint := read(mbs, number, data)) is not None:
-            contents.add(number, constraint)
+            contents.constraints[number] = constraint
         elif belongs_to_a_cable(data):
             contents.enforcing.append(number)
         elif _does_something(data):
@@ -144,40 +133,21 @@ def _does_something(data: dict[str, Any]) -> bool:
     return not is_harmless and bool(data.get("activeConnector", True))
 
 
-def _take_foreign_constraints(mbs: Any, contents: Contents, cable_of: dict[int, int]) -> list[str]:
-    """Remove constraints that do not act on one cable alone; returns what they are.
+def _take_foreign_constraints(
+    constraints: dict[int, Constraint], cable_of: dict[int, int]
+) -> dict[int, Constraint]:
+    """Remove constraints that do not act on one cable alone; returns them, one kind after the other.
 
     cable_of: number of the cable that a node belongs to.
     """
 
-    def is_on_one(nodes: Iterable[int]) -> bool:
-        cables = {cable_of.get(node) for node in nodes}
+    def is_on_one(constraint: Constraint) -> bool:
+        cables = {cable_of.get(node) for node in constraint.nodes}
         return len(cables) == 1 and None not in cables
 
-    foreign = [number for number, held in contents.held.items() if not is_on_one([held.node])]
-    foreign += [number for number, moving in contents.moving.items() if not is_on_one([moving.node])]
-    foreign += [number for number, rod in contents.rods.items() if not is_on_one(rod.nodes)]
-    for number in foreign:
-        for kind in (contents.held, contents.moving, contents.rods):
-            kind.pop(number, None)
-    return [described(mbs.GetObject(number), number) for number in foreign]
-
-
-def _on_each_cable(
-    contents: Contents, loads: Iterable[CableLoad], cable_of: dict[int, int]
-) -> dict[int, _OnOne]:
-    """What acts on each cable; foreign constraints and loads have been taken out."""
-    on_each = {number: _OnOne() for number in contents.items}
-    for held in contents.held.values():
-        on_each[cable_of[held.node]].held.append(held)
-    for moving in contents.moving.values():
-        on_each[cable_of[moving.node]].moving.append(moving)
-    for rod in contents.rods.values():
-        on_each[cable_of[rod.nodes[0]]].rods.append(rod)
-    for load in loads:
-        cable = load.cable if isinstance(load, ElementWeight) else cable_of[load.node]
-        on_each[cable].loads.append(load)
-    return on_each
+    foreign = [number for number, constraint in constraints.items() if not is_on_one(constraint)]
+    foreign.sort(key=lambda number: _KINDS.index(type(constraints[number])))
+    return {number: constraints.pop(number) for number in foreign}
 
 
 def read_held_coordinate(mbs: Any, data: dict[str, Any]) -> HeldCoordinate | None:
@@ -226,12 +196,17 @@ def _foreign_nodes(mbs: Any, on_cables: Container[int]) -> list[str]:
     return foreign
 
 
-def _cable_in_scene(mbs: Any, number: int, contents: Contents, on_it: _OnOne) -> CableInScene:
+def _cable_in_scene(
+    mbs: Any, number: int, contents: Contents, constraints: Sequence[Constraint], loads: list[CableLoad]
+) -> CableInScene:
     name, item = contents.names[number], contents.items[number]
     places = {node: place for place, node in enumerate(item.nodes)}
-    fixed, links = _supports(item, on_it.held, places, name)
-    links += links_of_motions(on_it.moving, places, item.cable.dimension)
-    for rod in on_it.rods:
+    held = [it for it in constraints if isinstance(it, HeldCoordinate)]
+    moving = [it for it in constraints if isinstance(it, MovingCoordinate)]
+    rods = [it for it in constraints if isinstance(it, Rod)]
+    fixed, links = _supports(item, held, places, name)
+    links += links_of_motions(moving, places, item.cable.dimension)
+    for rod in rods:
         links += rod.links([places[node] for node in rod.nodes], item.cable.dimension)
     indices = np.array(mbs.systemData.GetObjectLTGODE2(number))
     if item.cable.closed:
@@ -240,8 +215,8 @@ def _cable_in_scene(mbs: Any, number: int, contents: Contents, on_it: _OnOne) ->
         cable=replace(item.cable, fixed=fixed, links=tuple(links)),
         item=item,
         indices=indices,
-        loads=on_it.loads,
-        moving=on_it.moving,
+        loads=loads,
+        moving=moving,
         number=number,
         name=name,
     )

@@ -54,6 +54,10 @@ class MovingCoordinate:
     motion: Motion
     name: str
 
+    @property
+    def nodes(self) -> tuple[int, ...]:
+        return (self.node,)
+
 
 def links_of_motions(moving: list[MovingCoordinate], places: dict[int, int], dim: int) -> list[Link]:
     """The links of moving coordinates on a cable; places: node number -> index on the cable."""

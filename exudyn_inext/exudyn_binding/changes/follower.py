@@ -74,13 +74,9 @@ class ChangeFollower:
         """
         changed = self.log.take()
         self.reader.begin_step(time, end)
-        self.log.is_paused = True
-        try:
-            with state_kept(self.mbs):
-                self.mbs.systemData.SetTime(time)
-                runs = self._followed(runs, changed, time, end)
-        finally:
-            self.log.is_paused = False
+        with state_kept(self.mbs):
+            self.mbs.systemData.SetTime(time)
+            runs = self._followed(runs, changed, time, end)
         coupled = [run for run in runs if isinstance(run, CoupledRun)]
         self.moves = self.reader.moves or any(run.approaches for run in coupled)
         return runs
@@ -108,17 +104,17 @@ class ChangeFollower:
         self, runs: Sequence[Run], changed: Sequence[Parameter], time: float, end: float
     ) -> Sequence[Run]:
         own = self.scene.own_constraints
-        asked = max((demand(self.mbs, runs, own, key) for key in changed), default=None)
-        if asked is not None:
+        asked = max((demand(self.mbs, runs, own, key) for key in changed), default=Demand.EVALUATE)
+        if changed:
             forget_evaluators(self.sensors)
-        if asked is None or asked < Demand.READ:
+        if asked < Demand.READ:
             is_stiffer = self.limit.follow_stiffness(self.mbs, runs, changed, time)
             if self.moves or is_stiffer or asked == Demand.MOVE:
                 _go_on(runs, time, end, asked == Demand.MOVE)
             return runs
         before, scene = self.scene, read_scene(self.mbs, self.reader)
         self.scene = scene
-        same_items = same_cables(before, self.scene) and sorted(before.foreign) == sorted(self.scene.foreign)
+        same_items = same_cables(before, scene) and sorted(before.foreign) == sorted(scene.foreign)
         if asked < Demand.BUILD and same_items and _take_loads(runs, scene):
             _go_on(runs, time, end, has_changed=True)
             return runs

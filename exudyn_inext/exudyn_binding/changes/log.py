@@ -34,11 +34,9 @@ class ChangeLog:
     changed: parameters that have been set to another value.
     refusal: what was raised by the last call that a run cannot follow; that call was not made.
     is_followed: whether the run looks at changes between its steps; if not, they are refused.
-    is_paused: whether calls are not noted at present.
     """
 
     is_followed = True
-    is_paused = False
 
     def __init__(self, mbs: Any) -> None:
         self.mbs = mbs
@@ -155,7 +153,7 @@ def _set_methods(methods: Mapping[str, Any]) -> None:
 
 
 def _log_of(mbs: Any) -> ChangeLog | None:
-    return next((log for log in _LISTENING if log.mbs is mbs and not log.is_paused), None)
+    return next((log for log in _LISTENING if log.mbs is mbs), None)
 
 
 def _is_same(x: Any, y: Any) -> bool:
