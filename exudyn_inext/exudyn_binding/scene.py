@@ -1,6 +1,7 @@
 """What an mbs contains, as far as the explicit solver is concerned."""
 
-from collections.abc import Container, Iterable
+from collections import defaultdict
+from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -23,50 +24,24 @@ from ..scene.links import MovingCoordinate, Rod, links_of_motions
 from ..scene.model import CableInScene, CableItem, CableLoad, HeldCoordinate, Scene
 
 _HARMLESS = {"Ground"}
+_KINDS = (HeldCoordinate, MovingCoordinate, Rod)
+Constraint = HeldCoordinate | MovingCoordinate | Rod
 
 
 @dataclass(eq=False)
 class Contents:
     """The objects of an mbs by number, sorted.
 
-    names: of the cables.
+    names: of the cables.   constraints: that may be supports and links of them.
     enforcing: constraints by which cables keep their length under other solvers.
     others: descriptions for messages.
     """
 
     items: dict[int, CableItem] = field(default_factory=dict)
     names: dict[int, str] = field(default_factory=dict)
-    held: dict[int, "HeldCoordinate"] = field(default_factory=dict)
-    moving: dict[int, MovingCoordinate] = field(default_factory=dict)
-    rods: dict[int, Rod] = field(default_factory=dict)
+    constraints: dict[int, Constraint] = field(default_factory=dict)
     enforcing: list[int] = field(default_factory=list)
     others: list[str] = field(default_factory=list)
-
-
-class ConstraintReader:
-    """How native constraints become supports and links of cables; None if they are something else.
-
-    number, data: of the object.
-    """
-
-    def held(self, mbs: Any, number: int, data: dict[str, Any]) -> HeldCoordinate | None:
-        return read_held_coordinate(mbs, data)
-
-    def moving(self, mbs: Any, number: int, data: dict[str, Any]) -> MovingCoordinate | None:
-        return read_moving_coordinate(mbs, number, data)
-
-    def rod(self, mbs: Any, number: int, data: dict[str, Any]) -> Rod | None:
-        return read_rod(mbs, data)
-
-
-@dataclass(eq=False)
-class _OnOne:
-    """What acts on one cable: its supports, links and loads."""
-
-    held: list[HeldCoordinate] = field(default_factory=list)
-    moving: list[MovingCoordinate] = field(default_factory=list)
-    rods: list[Rod] = field(default_factory=list)
-    loads: list[CableLoad] = field(default_factory=list)
 
 
 def require_assembled(mbs: Any) -> None:
@@ -79,23 +54,40 @@ def require_assembled(mbs: Any) -> None:
     raise SceneError("mbs is not assembled: call mbs.Assemble() before it is solved or evaluated.")
 
 
-def read_scene(mbs: Any, reader: ConstraintReader | None = None) -> Scene:
-    """Inextensible cables of an assembled mbs, and what else there is.   reader: of its constraints."""
-    contents = _contents(mbs, reader or ConstraintReader())
+def read_constraint(mbs: Any, number: int, data: dict[str, Any]) -> Constraint | None:
+    """A native constraint that becomes a support or link of a cable; None if it is something else.
+
+    number, data: of the object.
+    """
+    held = read_held_coordinate(mbs, data)
+    return held or read_moving_coordinate(mbs, number, data) or read_rod(mbs, data)
+
+
+def read_scene(mbs: Any, read: Callable[..., Constraint | None] = read_constraint) -> Scene:
+    """Inextensible cables of an assembled mbs, and what else there is.   read: its constraints."""
+    contents = _contents(mbs, read)
     cable_of = {node: number for number, item in contents.items.items() for node in item.nodes}
     loads, other_loads = _read_loads(mbs, cable_of, elements_by_nodes(contents.items))
     foreign = [*contents.others, *_foreign_nodes(mbs, cable_of), *other_loads]
-    held_elsewhere = {number: held for number, held in contents.held.items() if held.node not in cable_of}
-    foreign += _take_foreign_constraints(mbs, contents, cable_of)
-    on_each = _on_each_cable(contents, loads, cable_of)
+    elsewhere = _take_foreign_constraints(contents.constraints, cable_of)
+    foreign += [described(mbs.GetObject(number), number) for number in elsewhere]
+    held = {number: it for number, it in elsewhere.items() if isinstance(it, HeldCoordinate)}
     if mbs.NumberOfGeneralContacts():
         foreign.append("a general contact")
+    constraints_on, loads_on = defaultdict(list), defaultdict(list)
+    for constraint in contents.constraints.values():
+        constraints_on[cable_of[constraint.nodes[0]]].append(constraint)
+    for load in loads:
+        loads_on[load.cable if isinstance(load, ElementWeight) else cable_of[load.node]].append(load)
     return Scene(
-        cables=[_cable_in_scene(mbs, number, contents, on_each[number]) for number in contents.items],
+        cables=[
+            _cable_in_scene(mbs, number, contents, constraints_on[number], loads_on[number])
+            for number in contents.items
+        ],
         foreign=foreign,
-        own_constraints=frozenset([*contents.held, *contents.moving, *contents.rods, *contents.enforcing]),
+        own_constraints=frozenset([*contents.constraints, *contents.enforcing]),
         enforcing=contents.enforcing,
-        held=held_elsewhere,
+        held=held,
     )
 
 
@@ -118,7 +110,7 @@ def read_cables(mbs: Any, who: str) -> list[CableInScene]:
     return scene.cables
 
 
-def _contents(mbs: Any, reader: ConstraintReader) -> Contents:
+def _contents(mbs: Any, read: Callable[..., Constraint | None]) -> Contents:
     contents = Contents()
     for number in range(mbs.systemData.NumberOfObjects()):
         data = mbs.GetObject(number)
@@ -126,12 +118,8 @@ def _contents(mbs: Any, reader: ConstraintReader) -> Contents:
         if item is not None:
             contents.items[number] = item
             contents.names[number] = data["name"]
-        elif (held := reader.held(mbs, number, data)) is not None:
-            contents.held[number] = held
-        elif (moving := reader.moving(mbs, number, data)) is not None:
-            contents.moving[number] = moving
-        elif (rod := reader.rod(mbs, number, data)) is not None:
-            contents.rods[number] = rod
+        elif (constraint := read(mbs, number, data)) is not None:
+            contents.constraints[number] = constraint
         elif belongs_to_a_cable(data):
             contents.enforcing.append(number)
         elif _does_something(data):
@@ -145,40 +133,21 @@ def _does_something(data: dict[str, Any]) -> bool:
     return not is_harmless and bool(data.get("activeConnector", True))
 
 
-def _take_foreign_constraints(mbs: Any, contents: Contents, cable_of: dict[int, int]) -> list[str]:
-    """Remove constraints that do not act on one cable alone; returns what they are.
+def _take_foreign_constraints(
+    constraints: dict[int, Constraint], cable_of: dict[int, int]
+) -> dict[int, Constraint]:
+    """Remove constraints that do not act on one cable alone; returns them, one kind after the other.
 
     cable_of: number of the cable that a node belongs to.
     """
 
-    def is_on_one(nodes: Iterable[int]) -> bool:
-        cables = {cable_of.get(node) for node in nodes}
+    def is_on_one(constraint: Constraint) -> bool:
+        cables = {cable_of.get(node) for node in constraint.nodes}
         return len(cables) == 1 and None not in cables
 
-    foreign = [number for number, held in contents.held.items() if not is_on_one([held.node])]
-    foreign += [number for number, moving in contents.moving.items() if not is_on_one([moving.node])]
-    foreign += [number for number, rod in contents.rods.items() if not is_on_one(rod.nodes)]
-    for number in foreign:
-        for kind in (contents.held, contents.moving, contents.rods):
-            kind.pop(number, None)
-    return [described(mbs.GetObject(number), number) for number in foreign]
-
-
-def _on_each_cable(
-    contents: Contents, loads: Iterable[CableLoad], cable_of: dict[int, int]
-) -> dict[int, _OnOne]:
-    """What acts on each cable; foreign constraints and loads have been taken out."""
-    on_each = {number: _OnOne() for number in contents.items}
-    for held in contents.held.values():
-        on_each[cable_of[held.node]].held.append(held)
-    for moving in contents.moving.values():
-        on_each[cable_of[moving.node]].moving.append(moving)
-    for rod in contents.rods.values():
-        on_each[cable_of[rod.nodes[0]]].rods.append(rod)
-    for load in loads:
-        cable = load.cable if isinstance(load, ElementWeight) else cable_of[load.node]
-        on_each[cable].loads.append(load)
-    return on_each
+    foreign = [number for number, constraint in constraints.items() if not is_on_one(constraint)]
+    foreign.sort(key=lambda number: _KINDS.index(type(constraints[number])))
+    return {number: constraints.pop(number) for number in foreign}
 
 
 def read_held_coordinate(mbs: Any, data: dict[str, Any]) -> HeldCoordinate | None:
@@ -227,12 +196,17 @@ def _foreign_nodes(mbs: Any, on_cables: Container[int]) -> list[str]:
     return foreign
 
 
-def _cable_in_scene(mbs: Any, number: int, contents: Contents, on_it: _OnOne) -> CableInScene:
+def _cable_in_scene(
+    mbs: Any, number: int, contents: Contents, constraints: Sequence[Constraint], loads: list[CableLoad]
+) -> CableInScene:
     name, item = contents.names[number], contents.items[number]
     places = {node: place for place, node in enumerate(item.nodes)}
-    fixed, links = _supports(item, on_it.held, places, name)
-    links += links_of_motions(on_it.moving, places, item.cable.dimension)
-    for rod in on_it.rods:
+    held = [it for it in constraints if isinstance(it, HeldCoordinate)]
+    moving = [it for it in constraints if isinstance(it, MovingCoordinate)]
+    rods = [it for it in constraints if isinstance(it, Rod)]
+    fixed, links = _supports(item, held, places, name)
+    links += links_of_motions(moving, places, item.cable.dimension)
+    for rod in rods:
         links += rod.links([places[node] for node in rod.nodes], item.cable.dimension)
     indices = np.array(mbs.systemData.GetObjectLTGODE2(number))
     if item.cable.closed:
@@ -241,8 +215,8 @@ def _cable_in_scene(mbs: Any, number: int, contents: Contents, on_it: _OnOne) ->
         cable=replace(item.cable, fixed=fixed, links=tuple(links)),
         item=item,
         indices=indices,
-        loads=on_it.loads,
-        moving=on_it.moving,
+        loads=loads,
+        moving=moving,
         number=number,
         name=name,
     )

@@ -1,23 +1,70 @@
 """Which runs move a scene: the cheapest way that is valid for what it contains."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence, Set
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
 from typing import Any
 
+from ..checks import LARGEST
 from ..errors import InputError, SceneError
+from ..items.parameters import Parameter
 from ..native.coupled_scene import CoupledCable, CoupledScene
+from ..native.surroundings import switched_off
 from ..run.cable_run import CableRun, Start
 from ..run.coupled_run import CoupledRun
 from ..run.run import Run
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import USUAL_SCALING, StepSizeBounds, step_bounds
 from ..scene.model import CableInScene, Scene
+from .mbs_state import State, initial_state
 from .scene import initial_states
 
 
 def needs_coupling(scene: Scene) -> bool:
     """Whether there are other items than cables, all moved together by one right-hand side of Exudyn."""
     return bool(scene.foreign) or not scene.cables
+
+
+@dataclass(eq=False)
+class RunBuilder:
+    """Makes the runs of a scene: at the start, and again when it has changed.
+
+    mbs: assembled.   changed: parameters, in the course of the run; such constraints become joints.
+    explicit: settings.   scaling: step that scales the mass [s]; 0 without mass scaling.
+    stack: at its end, cables that were switched off for coupled scenes are switched on again.
+    """
+
+    mbs: Any
+    changed: Set[Parameter]
+    explicit: ExplicitSettings
+    scaling: float
+    stack: ExitStack
+    _is_switched_off: bool = False
+
+    def take_step(self, explicit: ExplicitSettings, h: float) -> None:
+        """Build later runs for steps of h [s], with these settings."""
+        self.explicit = explicit
+        self.scaling = h if explicit.massScaling else 0.0
+
+    def build(
+        self, scene: Scene, time: float, state: State | None = None, end: float | None = None
+    ) -> Sequence[Run]:
+        """Runs that begin at `time` [s] in a state; None: the initial configuration.
+
+        In a given state, constraints that were switched on may be violated by any velocity.   end: of the
+        step in which they are to be fulfilled [s]; None: they are.
+        """
+        if not self._is_switched_off and needs_coupling(scene):  # by kernels, and not by Exudyn as well
+            self.stack.enter_context(switched_off(self.mbs, *scene.evaluated_by_kernels))
+            self._is_switched_off = True
+        changed = {key.number for key in self.changed if key.kind == "Object"}
+        held = {number: held for number, held in scene.held.items() if number not in changed}
+        scene, explicit = replace(scene, held=held), self.explicit
+        if state is None:
+            return runs_of_scene(self.mbs, scene, time, self.scaling, explicit, end)
+        with initial_state(self.mbs, state):
+            lenient = replace(explicit, startTolerance=LARGEST)
+            return runs_of_scene(self.mbs, scene, time, self.scaling, lenient, end)
 
 
 def runs_of_cables(

@@ -11,8 +11,7 @@ import exudyn
 from ..errors import SceneError
 from ..native.surroundings import state_kept
 from ..run.loop_clock import LoopClock
-from ..run.output_files import require_writable_outputs
-from ..run.resumed_outputs import ResumedOutputs
+from ..run.output_files import ResumedOutputs, require_writable_outputs
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import (
     choose_step,
@@ -21,20 +20,19 @@ from ..run.step_choice import (
 from ..run.time_grid import TimeGrid
 from .arguments import explicit_settings, simulation_settings
 from .cable_forces import forget_evaluators
-from .changes.builder import RunBuilder
 from .changes.constraints import SteppedReader
 from .changes.follower import ChangeFollower
 from .changes.limit import StepLimit
 from .changes.log import ChangeLog, listening
-from .changes.stored import restore_changes, restore_limit
 from .compile_notice import compile_notice
 from .empty_sensors import warn_of_empty_sensors
 from .first_row import first_row
+from .mbs_state import initial_state
 from .observed import observed_derivatives
 from .output_grid import time_grid
 from .restart import Restarts
 from .scene import read_scene, require_assembled
-from .scene_runs import bounds_if_scaled, needs_coupling
+from .scene_runs import RunBuilder, bounds_if_scaled, needs_coupling
 from .time_loop import ExplicitTimeLoop, is_watched, warn_of_findings, worst_figures
 
 
@@ -122,7 +120,8 @@ def SolveExplicit(
     if restarts.found:
         explicit = replace(explicit, massScaling=restarts.mass_scaling)
     if restarts.changes:
-        restore_changes(restarts.changes, log, reader)
+        log.restore(restarts.changes)
+        reader.restore(restarts.changes)
         scene = read_scene(mbs, reader)
     coupled = needs_coupling(scene)
     with ExitStack() as stack:
@@ -131,9 +130,9 @@ def SolveExplicit(
             outputs = ResumedOutputs(settings, sensors) if restarts.found else None
             given = None if explicit.stepSize is None else time_grid(mbs, settings, explicit.stepSize)
             scaling = (restarts.step or given.h) if given and explicit.massScaling else 0.0
-            builder = RunBuilder(mbs, log, explicit, scaling, stack)
+            builder = RunBuilder(mbs, log.changed, explicit, scaling, stack)
             if restarts.changes:
-                runs = builder.build_after_changes(scene, restarts)
+                runs = builder.build(scene, restarts.time, restarts.state)
             else:
                 runs = builder.build(scene, start)
             log.is_followed = is_watched(mbs, runs)
@@ -147,7 +146,8 @@ def SolveExplicit(
             builder.take_step(explicit, grid.h)
             observed = observed_derivatives(settings, sensors)
             limit = StepLimit(grid.h, bounds.stability_limit, explicit)
-            restore_limit(restarts.changes, limit)
+            if restarts.changes:
+                limit.restore(restarts.changes)
             moves = bool(restarts.changes.get("moves"))
             changes = ChangeFollower(mbs, scene, reader, log, builder, limit, sensors, moves)
             restarts.changes_so_far = changes.stored
@@ -155,7 +155,7 @@ def SolveExplicit(
         try:
             shown: AbstractContextManager[None] = nullcontext()
             if restarts.found:
-                shown = restarts.initial_state()
+                shown = initial_state(mbs, restarts.state)
             elif loop.shows_accelerations:
                 shown = first_row(mbs, runs, start)
             if outputs is not None:

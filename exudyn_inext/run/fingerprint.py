@@ -15,6 +15,7 @@ import sysconfig
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import is_dataclass
 from functools import lru_cache, partial
+from itertools import chain, filterfalse
 from pathlib import Path
 from types import BuiltinFunctionType, CodeType, FunctionType, MethodType, ModuleType, SimpleNamespace
 from typing import Any
@@ -24,6 +25,7 @@ import numpy as np
 LONGEST = 80  # characters of a value that is shown as it is
 DEEPEST = 60  # objects within objects; what lies deeper goes by the name of its type
 
+_SHARED = (tuple, frozenset, CodeType)  # constants, which a compiler may share or not
 _PLAIN = (bool, int, float, complex, str, bytes, type(None), type(Ellipsis), np.number, np.bool_)
 _DATA_OF_PACKAGES = {"numpy", "scipy"}
 _PACKAGE = Path(__file__).parents[1]
@@ -36,13 +38,13 @@ def text_of(value: Any) -> str:
         shown = repr(value.tolist() if isinstance(value, np.ndarray | np.generic) else value)
         if len(shown) <= LONGEST:
             return shown
-    return f"{_name_of(value)} {hash_of(_Walk().tokens(value))}"
+    return f"{_name_of(value)} {hash_of(value)}"
 
 
 def texts_of_function(name: str, function: Callable[..., Any]) -> dict[str, str]:
     """A user function of that name as texts: one of its code, and one of each value that it uses."""
     core, used = _parts(function)
-    own = f"{_name_of(function)} {hash_of(_Walk().each(core))}"
+    own = f"{_name_of(function)} {hash_of(*core)}"
     return {name: own} | {f"'{what}' in {name}": text_of(value) for what, value in used.items()}
 
 
@@ -61,11 +63,11 @@ def _strings(code: CodeType) -> Iterator[str]:
             yield from _strings(constant)
 
 
-def hash_of(tokens: Iterator[str]) -> str:
+def hash_of(*values: Any) -> str:
     """16 digits."""
-    digest = hashlib.sha256()
-    for token in tokens:
-        digest.update(token.encode("utf-8", "surrogatepass") + b"\0")
+    digest, seen = hashlib.sha256(), dict[int, tuple[int, Any]]()
+    for word in chain.from_iterable(_words(value, seen) for value in values):
+        digest.update(word.encode("utf-8", "surrogatepass") + b"\0")
     return digest.hexdigest()[:16]
 
 
@@ -84,114 +86,78 @@ def _name_of(value: Any) -> str:
     return f"{getattr(named, '__qualname__', '?')}"
 
 
-class _Walk:
-    """What a value consists of, as words; objects that come again are not described again."""
+def _words(value: Any, seen: dict[int, tuple[int, Any]], depth: int = 0) -> Iterator[str]:
+    """What a value consists of.
 
-    def __init__(self) -> None:
-        self._seen: dict[int, tuple[int, Any]] = {}  # kept alive, as another object could have the same id
-        self._depth = 0
-
-    def each(self, values: Any) -> Iterator[str]:
-        for value in values:
-            yield from self.tokens(value)
-
-    def tokens(self, value: Any) -> Iterator[str]:
-        """Words of the value."""
-        if isinstance(value, _PLAIN):
-            yield repr(value.item() if isinstance(value, np.generic) else value)
-        elif isinstance(value, CodeType):
-            yield from self._of_code(value)
-        elif isinstance(value, frozenset):
-            yield from sorted(hash_of(_Walk().tokens(entry)) for entry in value)
-        elif self._depth > DEEPEST:
-            yield _full_name(type(value))
-        elif id(value) in self._seen:
-            yield f"again {self._seen[id(value)][0]}"
-        else:
-            if not isinstance(value, tuple):  # constants, which a compiler may share or not
-                self._seen[id(value)] = (len(self._seen), value)
-            self._depth += 1
-            yield from self._of_reference(value)
-            self._depth -= 1
-
-    def _of_reference(self, value: Any) -> Iterator[str]:
-        yield type(value).__name__
-        if isinstance(value, np.ndarray):
-            yield from self._of_array(value)
-        elif isinstance(value, list | tuple):
-            yield str(len(value))
-            yield from self.each(value)
-        elif isinstance(value, Mapping):
-            for key, entry in value.items():
-                yield from self.each((key, entry))
-        elif isinstance(value, set):
-            yield from sorted(hash_of(_Walk().tokens(entry)) for entry in value)
-        else:
-            yield from self._of_object(value)
-
-    def _of_array(self, array: np.ndarray) -> Iterator[str]:
-        yield f"{array.shape} {array.dtype.str}"
-        if array.dtype.hasobject:
-            yield from self.each(array.ravel().tolist())
-        else:
-            yield hashlib.sha256(np.ascontiguousarray(array).tobytes()).hexdigest()
-
-    def _of_object(self, value: Any) -> Iterator[str]:
-        data = _data_of_exudyn(value)
-        if data is not None:
-            yield from self.tokens(data)
-            return
+    seen: numbers of objects, by id: those that come again are not described again. It keeps them alive, as
+        another object could have the same id.
+    """
+    if isinstance(value, _PLAIN):
+        yield repr(value.item() if isinstance(value, np.generic) else value)
+    elif depth > DEEPEST:
+        yield _full_name(type(value))
+    elif id(value) in seen:
+        yield f"again {seen[id(value)][0]}"
+    else:
+        if not isinstance(value, _SHARED):
+            seen[id(value)] = (len(seen), value)
         core, used = _parts(value)
-        yield from self.each(core)
-        for name, entry in used.items():
-            yield name
-            yield from self.tokens(entry)
-
-    def _of_code(self, code: CodeType) -> Iterator[str]:
-        yield code.co_code.hex() + getattr(code, "co_exceptiontable", b"").hex()
-        yield " ".join(code.co_names)
-        yield from self.each(code.co_consts)
+        for part in (type(value).__name__, *core, *chain.from_iterable(used.items())):
+            yield from _words(part, seen, depth + 1)
 
 
-def _data_of_exudyn(value: Any) -> Any:
-    """Numbers of a list, matrix, section, index or choice of Exudyn's; None of anything else."""
-    if type(value).__module__.partition(".")[0] != "exudyn":
-        return None
-    if hasattr(value, "GetPythonObject"):
-        return value.GetPythonObject()
-    if type(value).__name__ == "BeamSection":
-        return value.GetDictionary()
-    if hasattr(value, "__index__"):
-        return int(value)
-    return None
+_Parts = tuple[list[Any], dict[str, Any]]
 
 
-def _parts(value: Any) -> tuple[list[Any], dict[str, Any]]:
-    """What a function or an object is, and the values that it uses, by names."""
+def _parts(value: Any) -> _Parts:
+    """What a value is, and other values that it uses, by names."""
     value = getattr(value, "py_func", value)  # behind a compiled function
-    if isinstance(value, FunctionType):
-        return _parts_of_function(value)
-    if isinstance(value, MethodType):
-        core, used = _parts(value.__func__)
-        owner, attributes = _parts(value.__self__)
-        return [*core, *owner], used | attributes
-    if isinstance(value, partial):
-        core, used = _parts(value.func)
-        arguments = {f"argument {k}": argument for k, argument in enumerate(value.args)}
-        return [*core, len(value.args)], used | arguments | value.keywords
-    if isinstance(value, type):
-        return _parts_of_class(value)
-    if isinstance(value, enum.Enum | ModuleType | BuiltinFunctionType):
-        return [_full_name(value), getattr(value, "value", None)], {}
-    return _parts_of_instance(value)
+    match value:
+        case FunctionType():
+            return _parts_of_function(value)
+        case MethodType():
+            (core, used), (owner, attributes) = _parts(value.__func__), _parts(value.__self__)
+            return [*core, *owner], used | attributes
+        case partial():
+            core, used = _parts(value.func)
+            arguments = {f"argument {k}": argument for k, argument in enumerate(value.args)}
+            return [*core, len(value.args)], used | arguments | value.keywords
+        case type():
+            return [_full_name(value)], dict(_of_class(value))
+        case enum.Enum() | ModuleType() | BuiltinFunctionType():
+            return [_full_name(value), getattr(value, "value", None)], {}
+    content = _content(value)
+    return _parts_of_instance(value) if content is None else (content, {})
 
 
-def _full_name(value: Any) -> str:
-    name = getattr(value, "__qualname__", None) or getattr(value, "__name__", None) or str(type(value))
-    return f"{getattr(value, '__module__', '')}.{name}"
+def _content(value: Any) -> list[Any] | None:
+    """What is in a container, in code, or in an object of Exudyn's; None for anything else."""
+    match value:
+        case np.ndarray():
+            is_plain = not value.dtype.hasobject
+            data = hashlib.sha256(value.tobytes()).hexdigest() if is_plain else value.ravel().tolist()
+            return [value.shape, value.dtype.str, data]
+        case list() | tuple():
+            return [len(value), *value]
+        case set() | frozenset():
+            return sorted(map(hash_of, value))
+        case Mapping():
+            return list(chain.from_iterable(value.items()))
+        case CodeType():
+            return [value.co_code, getattr(value, "co_exceptiontable", b""), value.co_names, value.co_consts]
+    return _content_of_exudyn(value) if type(value).__module__.partition(".")[0] == "exudyn" else None
 
 
-def _parts_of_function(function: FunctionType) -> tuple[list[Any], dict[str, Any]]:
+def _content_of_exudyn(value: Any) -> list[Any] | None:
+    """Numbers of a list, matrix, section, index or choice of Exudyn's; None of anything else."""
+    if hasattr(value, "GetPythonObject"):
+        return [value.GetPythonObject()]
+    if type(value).__name__ == "BeamSection":
+        return [value.GetDictionary()]
+    return [int(value)] if hasattr(value, "__index__") else None
+
+
+def _parts_of_function(function: FunctionType) -> _Parts:
     code, used = function.__code__, dict(_closure(function))
     parameters = code.co_varnames[: code.co_argcount]
     defaults = function.__defaults__ or ()
@@ -200,6 +166,35 @@ def _parts_of_function(function: FunctionType) -> tuple[list[Any], dict[str, Any
     if _is_installed(code.co_filename):
         return [_full_name(function)], used
     return [code], used | dict(_globals(function, code))
+
+
+def _parts_of_instance(value: Any) -> _Parts:
+    kind = type(value)
+    has_data = not _is_of_installed(kind) or is_dataclass(value) or isinstance(value, SimpleNamespace)
+    if not has_data and kind.__module__.partition(".")[0] not in _DATA_OF_PACKAGES:
+        return [_full_name(kind)], {}
+    slots = (slot for base in kind.__mro__ for slot in _slots(base))
+    of_slots = {slot: getattr(value, slot) for slot in slots if hasattr(value, slot)}
+    return [kind, str(getattr(value, "__name__", ""))], of_slots | getattr(value, "__dict__", {})
+
+
+def _slots(kind: type) -> tuple[str, ...]:
+    slots = vars(kind).get("__slots__", ())
+    return tuple(slot for slot in ((slots,) if isinstance(slots, str) else slots) if slot not in _IMPLICIT)
+
+
+def _of_class(kind: type) -> Iterator[tuple[str, Any]]:
+    """Methods and data of the classes that are the user's; functions of properties and static methods."""
+    for base in filterfalse(_is_of_installed, reversed(kind.__mro__)):
+        for name, entry in vars(base).items():
+            if name not in _IMPLICIT:
+                function = getattr(entry, "fget", None) or getattr(entry, "__func__", entry)
+                yield f"{base.__qualname__}.{name}", function
+
+
+def _full_name(value: Any) -> str:
+    name = getattr(value, "__qualname__", None) or getattr(value, "__name__", None) or str(type(value))
+    return f"{getattr(value, '__module__', '')}.{name}"
 
 
 def _closure(function: FunctionType) -> Iterator[tuple[str, Any]]:
@@ -226,48 +221,12 @@ def _globals(function: FunctionType, code: CodeType) -> Iterator[tuple[str, Any]
             yield from _globals(function, constant)
 
 
-def _parts_of_class(value: type) -> tuple[list[Any], dict[str, Any]]:
-    """Methods and data of the classes that are the user's."""
-    used: dict[str, Any] = {}
-    for base in reversed(value.__mro__):
-        if not _is_of_installed(base):
-            own = {name: entry for name, entry in vars(base).items() if name not in _IMPLICIT}
-            used |= {f"{base.__qualname__}.{name}": _bare(entry) for name, entry in own.items()}
-    return [_full_name(value)], used
-
-
-def _bare(entry: Any) -> Any:
-    """The function behind a property, a class method or a static method; all else as it is."""
-    return getattr(entry, "fget", None) or getattr(entry, "__func__", entry)
-
-
-def _parts_of_instance(value: Any) -> tuple[list[Any], dict[str, Any]]:
-    kind = type(value)
-    has_data = not _is_of_installed(kind) or is_dataclass(value) or isinstance(value, SimpleNamespace)
-    if not has_data and kind.__module__.partition(".")[0] not in _DATA_OF_PACKAGES:
-        return [_full_name(kind)], {}
-    slots = (slot for base in kind.__mro__ for slot in _slots(base))
-    of_slots = {slot: getattr(value, slot) for slot in slots if hasattr(value, slot)}
-    return [kind, str(getattr(value, "__name__", ""))], of_slots | getattr(value, "__dict__", {})
-
-
-def _slots(kind: type) -> tuple[str, ...]:
-    slots = vars(kind).get("__slots__", ())
-    return tuple(slot for slot in ((slots,) if isinstance(slots, str) else slots) if slot not in _IMPLICIT)
-
-
 def _is_of_installed(value: Any) -> bool:
     """Whether a class or module does not stand in a file of the user's."""
     if isinstance(value, type):
-        return _is_installed_module(value.__module__)
+        module = sys.modules.get(value.__module__)
+        return module is not None and value.__module__ != "__main__" and _is_of_installed(module)
     return _is_installed(getattr(value, "__file__", None) or "<frozen>")
-
-
-def _is_installed_module(name: str) -> bool:
-    module = sys.modules.get(name)
-    if module is None or name == "__main__":
-        return False
-    return _is_of_installed(module)
 
 
 @lru_cache(maxsize=1024)

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from .time_grid import TimeGrid
+
 _ROUND_OFF = 1e-10  # of times, in Exudyn [s]
 
 StepFunction = Callable[[Any, Any, Any], bool]
@@ -20,26 +22,24 @@ StepFunction = Callable[[Any, Any, Any], bool]
 class LoopClock:
     """Times of a loop that goes on.
 
-    start: of the whole run [s].   step: of the loop [s].   done: steps that have been taken.
-    end: of the whole run [s].   steps: of the whole run.
+    grid: of the whole run; its `first` step is the one that the loop begins with.
+    step: of the loop [s].   end: of the whole run [s].
     """
 
-    start: float
+    grid: TimeGrid
     step: float
-    done: int
     end: float
-    steps: int
 
     def time(self, steps: int) -> float:
         """Exudyn's time after that many steps of the whole run [s], to the last bit."""
-        return min(self.start + steps * self.step, self.end)
+        return min(self.grid.start + steps * self.step, self.end)
 
     def settings(self, time_integration: Any) -> Iterator[tuple[Any, str, Any]]:
         """What Exudyn has to be told: (part of the settings, name, value)."""
-        remaining, now = self.steps - self.done, self.time(self.done)
+        remaining, now = self.grid.loop_steps - self.grid.first, self.time(self.grid.first)
         yield time_integration, "numberOfSteps", remaining
         yield time_integration, "startTime", now
-        yield time_integration, "endTime", _end_of(now, self.time(self.done + 1), remaining)
+        yield time_integration, "endTime", _end_of(now, self.time(self.grid.first + 1), remaining)
 
     def continued(self, function: StepFunction, solution: Any) -> StepFunction:
         """The function, which sets Exudyn's clock when it is called first.
@@ -60,19 +60,19 @@ class LoopClock:
         return take_step
 
     def _set(self, solver: Any, solution: Any) -> None:
-        solver.it.startTime, solver.it.endTime = self.start, self.end
+        solver.it.startTime, solver.it.endTime = self.grid.start, self.end
         solver.it.currentStepSize = solver.it.maxStepSize = self.step
-        solver.it.currentStepIndex += self.done
+        solver.it.currentStepIndex += self.grid.first
         solver.output.lastSolutionWritten = self._due(solution.file.writePeriod)
         solver.output.lastSensorsWritten = self._due(solution.sensors.writePeriod)
 
     def _due(self, period: float) -> float:
         """When the next row is due that is written every `period` [s]; what Exudyn calls the last time."""
-        now = self.time(self.done)
+        now = self.time(self.grid.first)
         if period <= self.step:
             return now
-        rows = math.floor((now - self.start + _ROUND_OFF) / period)
-        return self.start + (rows + 1) * period
+        rows = math.floor((now - self.grid.start + _ROUND_OFF) / period)
+        return self.grid.start + (rows + 1) * period
 
 
 def _end_of(start: float, after_a_step: float, steps: int) -> float:

@@ -5,8 +5,8 @@ meanwhile leaves the last complete one; its parts carry checksums.
 """
 
 import json
-import os
 import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,9 +16,11 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InputError
+from .output_files import written_aside
 
-FORMAT, VERSION = "exudyn_inext restart", 6
-_HEADER = "header"
+FORMAT, VERSION = "exudyn_inext restart", 7
+_HEADER, _DATA = "header", "data"
+_EMPTY = zlib.compress(b"{}")  # data of older versions
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,23 +41,18 @@ def write_restart(name: str | Path, restart: Restart) -> None:
         InputError: the folder cannot be written to.
     """
     path = Path(name)
-    aside = path.with_name(f"{path.name}.{os.getpid()}.part")
-    header = json.dumps({"format": FORMAT, "version": VERSION, **restart.header})
-    contents: dict[str, Any] = {_HEADER: np.array(header), **restart.arrays}
+    header = np.array(json.dumps({"format": FORMAT, "version": VERSION}))
+    data = np.frombuffer(zlib.compress(json.dumps(restart.header).encode()), dtype=np.uint8)
+    contents: dict[str, Any] = {_HEADER: header, _DATA: data, **restart.arrays}
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        with open(aside, "wb") as file:
+        with written_aside(path) as file:
             np.savez(file, **contents)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(aside, path)
     except OSError as error:
         raise InputError(
             f"restart file '{path}' cannot be written ({error.strerror}): choose another "
             "solution.restart.name, or switch solution.restart.write off."
         ) from error
-    finally:
-        aside.unlink(missing_ok=True)
 
 
 def read_restart(name: str | Path) -> Restart:
@@ -69,7 +66,8 @@ def read_restart(name: str | Path) -> Restart:
         with open(name, "rb") as file, np.load(file, allow_pickle=False) as archive:
             arrays = {key: archive[key] for key in archive.files}
         header = json.loads(str(arrays.pop(_HEADER)))
-    except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile) as error:
+        data = json.loads(zlib.decompress(arrays.pop(_DATA, _EMPTY)))
+    except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile, zlib.error) as error:
         raise InputError(f"restart file '{name}' is damaged, or is none ({error}): {remedy}") from error
     if not isinstance(header, Mapping) or header.get("format") != FORMAT:
         raise InputError(f"restart file '{name}' is not of the format '{FORMAT}': {remedy}")
@@ -78,7 +76,7 @@ def read_restart(name: str | Path) -> Restart:
             f"restart file '{name}' is of version {header.get('version')}, this package reads version "
             f"{VERSION}: continue with the package that wrote it, or {remedy}"
         )
-    return Restart(dict(header), arrays)
+    return Restart(dict(data), arrays)
 
 
 def packed(prefix: str, memory: Mapping[str, Any]) -> dict[str, Array]:

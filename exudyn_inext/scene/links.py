@@ -54,24 +54,28 @@ class MovingCoordinate:
     motion: Motion
     name: str
 
+    @property
+    def nodes(self) -> tuple[int, ...]:
+        return (self.node,)
+
 
 def links_of_motions(moving: list[MovingCoordinate], places: dict[int, int], dim: int) -> list[Link]:
     """The links of moving coordinates on a cable; places: node number -> index on the cable."""
     links: list[Link] = []
-    in_space: dict[int, Motion] = {}
+    motions: dict[int, Motion] = {}
     for coordinate in moving:
-        motion = coordinate.motion
-        if motion.at(0.0).shape[1] != dim:
-            motion = motion_along(motion, coordinate.axis, dim)
-        motion = in_space.setdefault(id(coordinate.motion), motion)
+        motion = motions.setdefault(id(coordinate.motion), in_space(coordinate, dim).motion)
         links += prescribed(places[coordinate.node], motion, [coordinate.axis])
     return links
 
 
-def motion_along(motion: Motion, axis: int, dim: int) -> Motion:
-    """The scalar motion as one along an axis of space."""
-    direction = np.eye(dim)[axis]
-    return replace(motion, at=lambda t: np.multiply.outer(motion.at(t)[:, 0], direction))
+def in_space(coordinate: MovingCoordinate, dim: int) -> MovingCoordinate:
+    """The same one, with the motion of its whole position (dim,)."""
+    motion, direction = coordinate.motion, np.eye(dim)[coordinate.axis]
+    if motion.at(0.0).shape[1] == dim:
+        return coordinate
+    along = replace(motion, at=lambda t: np.multiply.outer(motion.at(t)[:, 0], direction))
+    return replace(coordinate, motion=along)
 
 
 def require_smooth_motions(moving: list[MovingCoordinate], time: float) -> None:

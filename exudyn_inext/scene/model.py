@@ -106,3 +106,7 @@ class HeldCoordinate:
 
     node: int
     coordinate: int
+
+    @property
+    def nodes(self) -> tuple[int, ...]:
+        return (self.node,)

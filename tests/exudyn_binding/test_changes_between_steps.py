@@ -10,6 +10,8 @@ from exudyn.itemInterface import (
     DistanceConstraint,
     LoadCoordinate,
     LoadForceVector,
+    LoadMassProportional,
+    MarkerBodyMass,
     MarkerBodyPosition,
     MarkerNodeCoordinate,
     MarkerNodePosition,
@@ -27,6 +29,7 @@ from exudyn_inext import (
     AddPointMass,
     CableShape,
     CreateCableForceSensor,
+    CreateCompanionCables,
     CreateInextensibleCable,
     ExplicitSettings,
     InextensibleCable,
@@ -252,6 +255,26 @@ def moving_end_of_a_hanger(model):
     return lambda t: model.mbs.SetMarkerParameter(marker, "localPosition", [0.3 * t, 0.5 * t**2, 0])
 
 
+def weight(model):
+    """On companions: kernels evaluate it, also among others."""
+    markers = [
+        model.mbs.AddMarker(MarkerBodyMass(bodyNumber=companion))
+        for companion in CreateCompanionCables(model.mbs, model.cable)
+    ]
+    loads = [model.mbs.AddLoad(LoadMassProportional(markerNumber=m, loadVector=[0, 0, 0])) for m in markers]
+
+    def change(t):
+        for load in loads:
+            model.mbs.SetLoadParameter(load, "loadVector", [9.0 * (t > 0.2), 0, 0])
+
+    return change
+
+
+def weight_beside_a_mass(model):
+    model.mass_point([0, 1, 0])
+    return weight(model)
+
+
 def release_beside_a_mass(model):
     node, _ = model.mass_point([1.8, -0.4, 0])
     spring = SpringDamper(
@@ -364,6 +387,13 @@ def test_a_pre_step_function_changes_the_motion_as_under_the_implicit_solver(kin
 def test_a_post_step_function_does_so_too(kind):
     ours, native = (moved(kind, is_native, "SetPostStepUserFunction") for is_native in (False, True))
     assert deviation(ours.motion, native.motion) < 0.01
+
+
+def test_a_weight_that_changes_acts_alone_and_among_others():
+    alone, beside = moved(weight, False).motion, moved(weight_beside_a_mass, False).motion[:, :2]
+    without = moved(lambda model: lambda t: None, False).motion
+    assert deviation(beside, alone) < 1e-3
+    assert deviation(without, alone) > 0.05
 
 
 @pytest.mark.parametrize("integrator", ["Zhai", "RK4"])

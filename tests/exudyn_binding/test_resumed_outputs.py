@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from exudyn_inext import InputError
-from exudyn_inext.run.resumed_outputs import cut_rows_after
+from exudyn_inext.run.output_files import cut_rows_after
 from tests.exudyn_binding.written_run import FILES, run
 
 ROOT = Path(__file__).parents[2]

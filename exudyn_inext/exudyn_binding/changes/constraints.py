@@ -1,6 +1,6 @@
 """Constraints of cables that are switched on, moved or changed during a run."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -8,23 +8,68 @@ import exudyn
 import numpy as np
 
 from ...arrays import Array
-from ...scene.links import MovingCoordinate, Rod, motion_along
+from ...cable.link import Motion
+from ...items.link_items import read_moving_coordinate
+from ...scene.links import MovingCoordinate, Rod, in_space
 from ...scene.model import HeldCoordinate
-from ..scene import ConstraintReader
-from .stepped_motion import Way
+from ..scene import Constraint, read_constraint
 
 FULFILLED = 1e-9  # violation [m, -] that needs no motion to be removed
 _Output = exudyn.OutputVariableType
+_OFFSET_FUNCTIONS = ("offsetUserFunction", "offsetUserFunction_t")
 
 
-class _Moved(NamedTuple):
-    """What became of a constraint that was changed.   target: what it asks for -> point (dim,) [m]."""
+class _Way:
+    """Of a point that is told where to be at the end of each step: it gets there along a straight line.
 
-    way: Way
-    target: Callable[[Any], Array]
+    A function of the user that gives positions step by step gives no velocities; those of the straight lines
+    between them are those that a cable needs.
+    """
+
+    def __init__(self, point: Array) -> None:
+        """point: (dim,) where it is [m]."""
+        self._values = np.zeros((3, len(point)))
+        self._values[0] = point
+        self._end = 0.0
+        self.motion = Motion(self.at, is_pure=False, is_smooth=False)
+
+    @property
+    def moves(self) -> bool:
+        return bool(self._values[1].any())
+
+    def aim(self, point: Array, time: float, end: float) -> None:
+        """Be at `point` (dim,) [m] at the time `end` [s] of the step from `time` [s]."""
+        self._values[1] = (point - self._values[0]) / (end - time)
+        self._values[0] = point
+        self._end = end
+
+    def stop(self) -> None:
+        """Stay there."""
+        self._values[1] = 0.0
+
+    def at(self, t: float) -> Array:
+        """(3, dim) p, p_t, p_tt at t [s], within the step or later."""
+        values = self._values.copy()
+        values[0] -= max(self._end - t, 0.0) * values[1]
+        return values
 
 
-class SteppedReader(ConstraintReader):
+class _Known(NamedTuple):
+    """A constraint as it was read last: the same object, as long as it asks for the same.
+
+    asked: what it asks for.   constraint: of a cable; None: it has become a joint.
+    way: along which it moves; None: it is as it was built.
+    """
+
+    asked: Any
+    constraint: Constraint | None
+    way: _Way | None
+
+
+_Changed = tuple[Constraint | None, _Way | None]
+
+
+class SteppedReader:
     """Reads the constraints during a run: those that have changed are fulfilled at the end of the step.
 
     A coordinate, or the fixed end of a rod, moves to its new place. A rod that gets another length, and
@@ -37,148 +82,96 @@ class SteppedReader(ConstraintReader):
     def __init__(self, mbs: Any) -> None:
         self.nodes: frozenset[int] = frozenset()
         self._mbs = mbs
-        self._moved: dict[int, _Moved] = {}
-        self._joints: set[int] = set()
-        self._last: dict[int, Any] = {}  # what each active constraint asked for
-        self._with_functions: dict[int, tuple[Any, MovingCoordinate]] = {}
+        self._known: dict[int, _Known] = {}
         self._step: tuple[float, float] | None = None
         self._restored: set[int] = set()  # had been moved before a restart file was written
 
     @property
     def moves(self) -> bool:
         """Whether something has moved through the last step."""
-        return any(moved.way.moves for moved in self._moved.values())
+        return any(known.way.moves for known in self._known.values() if known.way)
 
     def begin_step(self, time: float, end: float) -> None:
         """Until something else is read, all rests; what is read now is fulfilled at `end` [s]."""
         self._step = time, end
-        for moved in self._moved.values():
-            moved.way.stop()
+        for known in self._known.values():
+            if known.way:
+                known.way.stop()
 
     def memory(self) -> dict[str, Any]:
         """Which constraints have been changed, as plain data."""
-        return {"moved": sorted(self._moved), "joints": sorted(self._joints)}
+        known = sorted(self._known.items())
+        return {
+            "moved": [number for number, it in known if it.way],
+            "joints": [number for number, it in known if it.constraint is None],
+        }
 
     def restore(self, memory: Mapping[str, Any]) -> None:
         """Before the first reading of a run that continues: the `memory` of the run before."""
-        self._restored, self._joints = set(memory["moved"]), set(memory["joints"])
+        self._restored = set(memory["moved"])
+        self._known = {number: _Known(None, None, None) for number in memory["joints"]}
 
-    def held(self, mbs: Any, number: int, data: dict[str, Any]) -> HeldCoordinate | None:
-        if data["objectType"] == "ConnectorCoordinate":
-            self._follow_coordinate(number, data)
-        return None if number in self._moved or number in self._joints else super().held(mbs, number, data)
-
-    def moving(self, mbs: Any, number: int, data: dict[str, Any]) -> MovingCoordinate | None:
-        if number in self._joints:
+    def __call__(self, mbs: Any, number: int, data: dict[str, Any]) -> Constraint | None:
+        """See `read_constraint`."""
+        last = self._known.get(number)
+        if last is not None and last.constraint is None:
             return None
-        if number in self._moved:
-            moving = super().moving(mbs, number, _with_offset(data))
-            return moving and replace(moving, motion=self._moved[number].way.motion)
-        moving = super().moving(mbs, number, data)
-        return self._the_same(number, moving, data) if moving and data["offsetUserFunction"] else moving
-
-    def rod(self, mbs: Any, number: int, data: dict[str, Any]) -> Rod | None:
-        rod = super().rod(mbs, number, data)
-        if rod is None and data["objectType"] == "ConnectorDistance":
-            self._forget(number)
-        if rod is None:
+        found = read_constraint(mbs, number, data)
+        if found is None:
+            self._known.pop(number, None)
             return None
-        self._follow_rod(number, rod)
-        if number in self._joints:
-            return None
-        return replace(rod, motion=self._moved[number].way.motion) if number in self._moved else rod
+        asked = _asked(found, data)
+        if last is None or last.asked != asked:
+            last = self._known[number] = _Known(asked, *self._changed(number, data, found, last))
+        return last.constraint
 
-    def _forget(self, number: int) -> None:
-        self._last.pop(number, None)
-        self._moved.pop(number, None)
+    def _changed(self, number: int, data: dict[str, Any], found: Constraint, last: _Known | None) -> _Changed:
+        """What becomes of a constraint that asks for something else than when it was read last."""
+        if isinstance(found, MovingCoordinate) and data["offsetUserFunction"]:
+            return in_space(found, self._reference(found.node).size // 2), None
+        if self._step is None:
+            if number not in self._restored:
+                return found, None
+            last = _Known(_asked(found, data), found, None)
+        if isinstance(found, Rod):
+            return self._changed_rod(found, last)
+        return self._changed_coordinate(number, data, found, last)
 
-    def _the_same(self, number: int, moving: MovingCoordinate, data: dict[str, Any]) -> MovingCoordinate:
-        """A coordinate with user functions, whose motion remains the same object as long as they do."""
-        functions = [data[name] and data[name]["function"] for name in _OFFSET_FUNCTIONS]
-        asked, last = (*functions, data["offset"]), self._with_functions.get(number)
-        if last is not None and last[0] == asked:
-            return last[1]
-        dim = self._reference(moving.node).size // 2
-        if moving.motion.at(0.0).shape[1] != dim:
-            moving = replace(moving, motion=motion_along(moving.motion, moving.axis, dim))
-        self._with_functions[number] = asked, moving
-        return moving
+    def _changed_rod(self, rod: Rod, last: _Known | None) -> _Changed:
+        """Its end moves, if nothing else has changed."""
+        if rod.point is None or last is None or last.asked[:2] != (rod.nodes, rod.length):
+            return rod if self._violation(rod) <= FULFILLED else None, None
+        dim = self._reference(rod.nodes[0]).size // 2
+        way = self._aimed(last, np.array(last.asked[2][:dim]), rod.point[:dim])
+        return replace(rod, motion=way.motion), way
 
-    def _follow_coordinate(self, number: int, data: dict[str, Any]) -> None:
-        if not data["activeConnector"] or data["offsetUserFunction"]:
-            self._forget(number)
-            return
-        offset = float(data["offset"])
-        if self._step is None and number in self._restored:
-            moving = super().moving(self._mbs, number, _with_offset(data))
-            assert moving is not None
-            self._moved[number] = self._moved_to(moving.node, moving.axis, offset)
-        if self._is_news(number, offset):
-            self._move_coordinate(number, data, offset)
+    def _changed_coordinate(
+        self, number: int, data: dict[str, Any], found: HeldCoordinate | MovingCoordinate, last: _Known | None
+    ) -> _Changed:
+        """It moves there from where it is."""
+        if self._step is not None and found.node not in self.nodes:
+            return found, None
+        movable = read_moving_coordinate(self._mbs, number, data | {"offset": 1.0})
+        if movable is None:  # a slope, or in an unusual form
+            assert isinstance(found, HeldCoordinate)
+            violation = abs(self._displacement(found.node)[found.coordinate])
+            return found if violation <= FULFILLED else None, None
+        reference, axis = self._reference(movable.node), movable.axis
+        along, offset = np.eye(reference.size // 2)[axis], float(data["offset"])
+        present = offset if self._step is None else self._displacement(movable.node)[axis]
+        way = self._aimed(last, (reference[axis] + present) * along, (reference[axis] + offset) * along)
+        return replace(movable, motion=way.motion), way
 
-    def _is_news(self, number: int, asked: Any) -> bool:
-        """Whether a constraint asks for something that it did not ask for when it was read last."""
-        last = self._last.get(number)
-        self._last[number] = asked
-        return self._step is not None and last != asked and number not in self._joints
-
-    def _move_coordinate(self, number: int, data: dict[str, Any], offset: float) -> None:
-        moving = super().moving(self._mbs, number, _with_offset(data))
-        if number not in self._moved:
-            held = super().held(self._mbs, number, data | {"offset": 0.0})
-            if held is None or held.node not in self.nodes:
-                return
-            if moving is None:  # a slope, or in an unusual form
-                place = self._displacement(held.node)[held.coordinate]
-                if abs(place - offset) > FULFILLED:
-                    self._joints.add(number)
-                return
-            present = self._displacement(moving.node)[moving.axis]
-            self._moved[number] = self._moved_to(moving.node, moving.axis, present)
-        self._aim(number, offset)
-
-    def _moved_to(self, node: int, axis: int, offset: float) -> _Moved:
-        """A coordinate that is at an offset [m] from its reference value."""
-        reference = self._reference(node)
-        along = np.eye(reference.size // 2)[axis]
-
-        def target(offset: float) -> Array:
-            return (reference[axis] + offset) * along
-
-        return _Moved(Way(target(offset)), target)
-
-    def _follow_rod(self, number: int, rod: Rod) -> None:
-        point = None if rod.point is None else tuple(rod.point.tolist())
-        last = self._last.get(number)
-        if self._step is None and number in self._restored:
-            self._moved[number] = self._end_at(rod.nodes[0], point)
-        if not self._is_news(number, (rod.nodes, rod.length, point)):
-            return
-        if last is not None and last[:2] == (rod.nodes, rod.length):
-            if number not in self._moved:
-                self._moved[number] = self._end_at(rod.nodes[0], last[2])
-            self._aim(number, point)
-        elif self._violation(rod) > FULFILLED:
-            self._moved.pop(number, None)
-            self._joints.add(number)
-
-    def _end_at(self, node: int, point: Any) -> _Moved:
-        """The fixed end (3,) of a rod to a node."""
-        dim = self._reference(node).size // 2
-
-        def target(end: Any) -> Array:
-            return np.array(end[:dim])
-
-        return _Moved(Way(target(point)), target)
-
-    def _aim(self, number: int, asked: Any) -> None:
-        assert self._step is not None
-        way, target = self._moved[number]
-        way.aim(target(asked), *self._step)
+    def _aimed(self, last: _Known | None, start: Array, target: Array) -> _Way:
+        """The way of a point so far, or from `start`, on to its target (dim,) [m]."""
+        way = (last and last.way) or _Way(start)
+        if self._step is not None:
+            way.aim(target, *self._step)
+        return way
 
     def _violation(self, rod: Rod) -> float:
         """Of the distance, at present [m]."""
-        ends = [self._mbs.GetNodeOutput(node, _Output.Position) for node in rod.nodes]
+        ends: Sequence[Any] = [self._mbs.GetNodeOutput(node, _Output.Position) for node in rod.nodes]
         other = rod.point if rod.point is not None else ends[1]
         return abs(float(np.linalg.norm(ends[0] - other)) - rod.length)
 
@@ -189,9 +182,9 @@ class SteppedReader(ConstraintReader):
         return np.array(self._mbs.GetNodeOutput(node, _Output.Coordinates))
 
 
-_OFFSET_FUNCTIONS = ("offsetUserFunction", "offsetUserFunction_t")
-
-
-def _with_offset(data: dict[str, Any]) -> dict[str, Any]:
-    """The same constraint, recognised as one that moves."""
-    return data | {"offset": 1.0}
+def _asked(found: Constraint, data: dict[str, Any]) -> tuple[Any, ...]:
+    """What a constraint asks for: equal, if it is the same."""
+    if isinstance(found, Rod):
+        return found.nodes, found.length, None if found.point is None else tuple(found.point.tolist())
+    functions = [data[name] and data[name]["function"] for name in _OFFSET_FUNCTIONS]
+    return *functions, float(data["offset"])

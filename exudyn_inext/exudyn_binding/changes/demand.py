@@ -1,24 +1,28 @@
-"""What a changed parameter asks of a run."""
+"""What a changed parameter asks of a run, and whether runs can go on with a scene that was read again."""
 
 from collections.abc import Collection, Sequence
+from dataclasses import fields, is_dataclass
 from enum import IntEnum
 from typing import Any
 
 import exudyn
+import numpy as np
 from exudyn.exudynCPP import ObjectIndex
 
+from ...cable.link import Motion
 from ...items.parameters import Parameter
+from ...loads.weight import ElementWeight
 from ...run.coupled_run import CoupledRun
 from ...run.run import Run
+from ...scene.model import CableInScene, Scene
 
 _JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
 _PLACES = ("offset", "distance")
 
 
 class Demand(IntEnum):
-    """Nothing; an evaluation by Exudyn; joints that move; the scene read again; runs built again."""
+    """An evaluation by Exudyn; joints that move; the scene read again; runs built again."""
 
-    NOTHING = 0
     EVALUATE = 1
     MOVE = 2
     READ = 3
@@ -34,14 +38,13 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
         mbs: the system.   runs: of it.   own: objects that belong to a cable.   key: what has changed.
     """
     if key.kind == "Node":
-        return Demand.NOTHING  # initial values
+        return Demand.EVALUATE  # initial values
     coupled = [run for run in runs if isinstance(run, CoupledRun)]
-    if not coupled:
+    if not coupled or key.kind == "Marker":
         return Demand.READ
     if key.kind == "Load":
-        return Demand.EVALUATE
-    if key.kind == "Marker":
-        return Demand.READ
+        is_weight = mbs.GetLoad(key.number)["loadType"] == "MassProportional"
+        return Demand.READ if is_weight else Demand.EVALUATE
     kind = mbs.GetObject(key.number)["objectType"]
     if kind == "Ground":
         return Demand.READ
@@ -50,3 +53,34 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
         return Demand.BUILD if not is_joint else Demand.READ if key.number in own else Demand.MOVE
     is_connector = kind.startswith(("Connector", "Contact"))
     return Demand.EVALUATE if is_connector else Demand.BUILD
+
+
+def same_cables(one: Scene, other: Scene) -> bool:
+    """Whether cables, their supports and links are of the same structure."""
+    cables = ([cable.cable for cable in scene.cables] for scene in (one, other))
+    return one.own_constraints == other.own_constraints and _same(*cables)
+
+
+def same_weights(run: CoupledRun, scene: Scene) -> bool:
+    """Whether the loads that the kernels of cables among others evaluate are those of the scene."""
+    known = [_weights(part.scene_cable) for part in run.cable_runs]
+    return _same(known, [_weights(cable) for cable in scene.cables])
+
+
+def _weights(cable: CableInScene) -> list[Any]:
+    return [(w.elements, w.constant, w.function) for w in cable.loads if isinstance(w, ElementWeight)]
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two parts of cables are equal; what moves must be the same object."""
+    if one is other:
+        return True
+    if isinstance(one, Motion):
+        return one.rests and other.rests and np.array_equal(one.at(0.0), other.at(0.0))
+    if isinstance(one, list | tuple):
+        return len(one) == len(other) and all(map(_same, one, other))
+    if is_dataclass(one):
+        return type(one) is type(other) and all(
+            _same(getattr(one, f.name), getattr(other, f.name)) for f in fields(one)
+        )
+    return bool(np.array_equal(one, other))

@@ -1,7 +1,8 @@
 """The step of a run after a change."""
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,39 +19,45 @@ GROWTH = 1.1  # of a stiffness or damping since the limit was looked at, that ca
 NOTICEABLE = 0.98  # share of the limit before the change: above it, the motion is to blame
 
 
+@dataclass(eq=False)
 class StepLimit:
     """Watches the stability limit of runs whose scene changes.
 
-    h: step of the integrator [s].   last: limit when it was looked at last [s].
-    seen: size of each stiffness that has changed, when the limit was looked at.
+    h: step of the integrator [s].   last: limit when it was looked at last [s].   explicit: settings.
     """
 
-    def __init__(self, h: float, last: float, explicit: ExplicitSettings) -> None:
-        self._h = h
-        self._last = last
-        self._explicit = explicit
-        self.seen: dict[Parameter, float] = {}
+    h: float
+    last: float
+    explicit: ExplicitSettings
 
-    def stiffer(self, mbs: Any, changed: Sequence[Parameter]) -> list[Parameter]:
-        """Those parameters of connectors that are now much larger than when the limit was looked at."""
-        grown = []
-        for key in filter(_is_of_stiffness, changed):
-            size = float(np.abs(key.value(mbs)).max())
-            if size > GROWTH * self.seen.get(key, 0.0):
-                grown.append(key)
-                self.seen[key] = size
-        return grown
+    def __post_init__(self) -> None:
+        self._seen: dict[Parameter, float] = {}  # size of each stiffness, when the limit was looked at
 
-    def look_again(self, runs: Sequence[Run], time: float, changed: Sequence[Parameter]) -> None:
-        """The same runs, with another stiffness around them. They must begin again.
+    def memory(self) -> dict[str, Any]:
+        """At which stiffnesses the limit has been looked at, as plain data."""
+        return {"seen": [[*key, size] for key, size in self._seen.items()]}
+
+    def restore(self, memory: Mapping[str, Any]) -> None:
+        """Let the limit be looked at when it would have been without an interruption."""
+        self._seen = {Parameter(*names): size for *names, size in memory["seen"]}
+
+    def follow_stiffness(
+        self, mbs: Any, runs: Sequence[Run], changed: Sequence[Parameter], time: float
+    ) -> bool:
+        """Whether the runs must begin again, as something around them has become much stiffer.
 
         Raises:
             StepSizeError: the change has brought the limit below the step.
         """
-        for run in runs:
-            if isinstance(run, CoupledRun):
-                run.forget_rates(time)
-        self._require_stable(step_bounds(runs, time, self._explicit), self._last, time, changed)
+        sizes = {key: float(np.abs(key.value(mbs)).max()) for key in filter(_is_of_stiffness, changed)}
+        grown = {key: size for key, size in sizes.items() if size > GROWTH * self._seen.get(key, 0.0)}
+        self._seen |= grown
+        if grown:
+            for run in runs:
+                if isinstance(run, CoupledRun):
+                    run.forget_rates(time)
+            self._require_stable(step_bounds(runs, time, self.explicit), self.last, time, list(grown))
+        return bool(grown)
 
     def take_over(
         self, before: Sequence[Run], runs: Sequence[Run], time: float, changed: Sequence[Parameter]
@@ -61,28 +68,28 @@ class StepLimit:
             StepSizeError: the change has brought the limit below the step.
             SceneError: steps that adapt, among other items.
         """
-        bounds = step_bounds(runs, time, self._explicit)
-        follow_frequencies(runs, bounds, self._explicit)
+        bounds = step_bounds(runs, time, self.explicit)
+        follow_frequencies(runs, bounds, self.explicit)
         _pass_on_steps(before, runs)
         for run in runs:
-            run.set_step(run.control.present or self._h)
-        if self._explicit.adaptiveStep:
+            run.set_step(run.control.present or self.h)
+        if self.explicit.adaptiveStep:
             return
-        last = self._last
-        if self._h > bounds.stability_limit and all(isinstance(run, CableRun) for run in before):
-            last = step_bounds(before, time, self._explicit).stability_limit
+        last = self.last
+        if self.h > bounds.stability_limit and all(isinstance(run, CableRun) for run in before):
+            last = step_bounds(before, time, self.explicit).stability_limit
         self._require_stable(bounds, last, time, changed)
 
     def _require_stable(
         self, bounds: StepSizeBounds, last: float, time: float, changed: Sequence[Parameter]
     ) -> None:
-        self._last = bounds.stability_limit
-        error = step_above_limit(self._h, bounds, self._explicit.integrator)
+        self.last = bounds.stability_limit
+        error = step_above_limit(self.h, bounds, self.explicit.integrator)
         if error is None or bounds.stability_limit > NOTICEABLE * last:
             return
         cause = ", ".join(map(str, changed))
         said = StepSizeError(f"after the change of {cause} at t = {time:.6g} s: {error}")
-        if not self._explicit.allowUnstableStep:
+        if not self.explicit.allowUnstableStep:
             raise said
         warnings.warn(str(said), stacklevel=2)
 

@@ -5,7 +5,7 @@ name the line that has called them. What is called by methods that were bound be
 `ChangeFollower.require_all_seen`.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import wraps
 from threading import Lock
@@ -14,11 +14,13 @@ from typing import Any
 import exudyn
 import numpy as np
 
-from ...errors import SceneError
+from ...errors import InputError, SceneError
 from ...items.cable_data import find_cable_item
-from ...items.parameters import KINDS, METHODS, Parameter
+from ...items.parameters import KINDS, Parameter
 
 _CONNECTIONS = {"nodeNumber", "nodeNumbers", "bodyNumber", "objectNumber", "markerNumbers"}
+_SETTERS = {f"Set{kind}Parameter": kind for kind in KINDS}
+_FUNCTION = "function"  # in place of one, which a file cannot hold
 _REMEDY = "build all items before the run, and switch them by activeConnector"
 _OF_MBS = (
     *(f"{what}{kind}" for what in ("Add", "Delete", "Modify") for kind in (*KINDS, "Sensor")),
@@ -29,18 +31,16 @@ _OF_MBS = (
 class ChangeLog:
     """What has been changed in an mbs since its run began.
 
-    first: of each changed parameter, its value before the run.
+    changed: parameters that have been set to another value.
     refusal: what was raised by the last call that a run cannot follow; that call was not made.
     is_followed: whether the run looks at changes between its steps; if not, they are refused.
-    is_paused: whether calls are not noted at present.
     """
 
     is_followed = True
-    is_paused = False
 
     def __init__(self, mbs: Any) -> None:
         self.mbs = mbs
-        self.first: dict[Parameter, Any] = {}
+        self.changed: set[Parameter] = set()
         self.refusal: SceneError = SceneError("")
         self._before: dict[Parameter, Any] = {}  # values when the log was taken last
 
@@ -60,20 +60,43 @@ class ChangeLog:
         before, self._before = self._before, {}
         return [key for key, value in before.items() if not _is_same(value, key.value(self.mbs))]
 
-    def set(self, key: Parameter, value: Any, call: Callable[[], None]) -> None:
-        """Make the call that sets a parameter, and note it.
+    def memory(self) -> dict[str, Any]:
+        """Present values of what has been changed, as JSON has it."""
+        return {"parameters": [[*key, _as_data(key.value(self.mbs))] for key in sorted(self.changed)]}
+
+    def restore(self, memory: Mapping[str, Any]) -> None:
+        """Set the parameters of mbs to what they were when a file was written.
 
         Raises:
-            SceneError: a run cannot follow that change; the call is not made.
+            InputError: a function had been replaced.
         """
+        for *names, value in memory["parameters"]:
+            key = Parameter(*names)
+            if value == _FUNCTION:
+                raise InputError(
+                    f"restart file: {key} was replaced by another function before the file was written, "
+                    "which a file cannot hold: let one function tell the cases apart, or start anew."
+                )
+            self.changed.add(key)
+            key.set(self.mbs, value)
+
+    def note(self, method: str, given: Sequence[Any]) -> None:
+        """A method of mbs is about to be called.
+
+        Raises:
+            SceneError: a run cannot follow that change; the call must not be made.
+        """
+        if method not in _SETTERS:
+            self.refuse(f"mbs.{method} was called", _REMEDY)
+        number, name, value = given
+        key = Parameter(_SETTERS[method], int(number), name)
         if key.name == "name" or key.name.startswith("V"):
-            return call()
+            return
         before = key.value(self.mbs)
         if not _is_same(before, value):
             self._require_possible(key)
-        call()
         self._before.setdefault(key, before)
-        self.first.setdefault(key, before)
+        self.changed.add(key)
 
     def _require_possible(self, key: Parameter) -> None:
         if key.name in _CONNECTIONS or (key.kind, key.name) == ("Node", "referenceCoordinates"):
@@ -130,7 +153,7 @@ def _set_methods(methods: Mapping[str, Any]) -> None:
 
 
 def _log_of(mbs: Any) -> ChangeLog | None:
-    return next((log for log in _LISTENING if log.mbs is mbs and not log.is_paused), None)
+    return next((log for log in _LISTENING if log.mbs is mbs), None)
 
 
 def _is_same(x: Any, y: Any) -> bool:
@@ -141,35 +164,31 @@ def _is_same(x: Any, y: Any) -> bool:
         return False
 
 
-def _setter(kind: str, original: Callable[..., None]) -> Callable[..., None]:
-    """`original` sets a parameter of an item of that kind."""
-    names = (f"{kind.lower()}Number", "parameterName", "value")
+def _as_data(value: Any) -> Any:
+    """Numbers, lists of them, or text; the index of an item is its number."""
+    if callable(value):
+        return _FUNCTION
+    if isinstance(value, str):
+        return value
+    numbers = np.asarray(value)
+    return int(value) if numbers.dtype == object and numbers.ndim == 0 else numbers.tolist()
+
+
+def _noted(name: str) -> Callable[..., Any]:
+    """The method of mbs of that name, told to the log before it is called."""
+    original = getattr(exudyn.MainSystem, name)
+    names = (f"{_SETTERS[name].lower()}Number", "parameterName", "value") if name in _SETTERS else ()
 
     @wraps(original)
-    def set_parameter(self: Any, *args: Any, **kwargs: Any) -> None:
+    def call(self: Any, *args: Any, **kwargs: Any) -> Any:
         log = _log_of(self)
-        given = [*args, *(kwargs[name] for name in names if name in kwargs)]
-        if log is None or len(given) != len(names):
-            return original(self, *args, **kwargs)
-        number, name, value = given
-        log.set(Parameter(kind, int(number), name), value, lambda: original(self, *args, **kwargs))
-
-    return set_parameter
-
-
-def _refused(name: str, original: Callable[..., Any]) -> Callable[..., Any]:
-    """`original` makes it necessary to assemble mbs again, or does so."""
-
-    @wraps(original)
-    def change_items(self: Any, *args: Any, **kwargs: Any) -> Any:
-        log = _log_of(self)
-        if log is not None:
-            log.refuse(f"mbs.{name} was called", _REMEDY)
+        given = [*args, *(kwargs[key] for key in names if key in kwargs)]
+        if log is not None and (not names or len(given) == len(names)):
+            log.note(name, given)
         return original(self, *args, **kwargs)
 
-    return change_items
+    return call
 
 
-_WRAPPED = {f"Set{kind}Parameter": _setter(kind, METHODS[f"Set{kind}Parameter"]) for kind in KINDS}
-_WRAPPED |= {name: _refused(name, getattr(exudyn.MainSystem, name)) for name in _OF_MBS}
+_WRAPPED = {name: _noted(name) for name in (*_SETTERS, *_OF_MBS)}
 _ORIGINAL = {name: vars(exudyn.MainSystem)[name] for name in _WRAPPED}

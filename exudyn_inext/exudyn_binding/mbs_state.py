@@ -1,0 +1,38 @@
+"""The state of an mbs, and runs that begin in another one than the initial configuration."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import exudyn
+import numpy as np
+
+from ..arrays import Array
+
+State = Mapping[str, Array]
+INITIAL = exudyn.ConfigurationType.Initial
+_PARTS = ("ODE2", "ODE2_t", "ODE1", "AE", "Data", "ODE2_tt")  # as of GetSystemState, and accelerations
+
+
+def state_of(mbs: Any, configuration: Any = exudyn.ConfigurationType.Current) -> dict[str, Array]:
+    """Coordinates and their derivatives, by names."""
+    data = mbs.systemData
+    parts = [*data.GetSystemState(configuration), data.GetODE2Coordinates_tt(configuration)]
+    return {name: np.array(part) for name, part in zip(_PARTS, parts, strict=True)}
+
+
+@contextmanager
+def initial_state(mbs: Any, state: State) -> Iterator[None]:
+    """Runs, ours and Exudyn's, begin from the initial configuration: meanwhile it is that state."""
+    before = state_of(mbs, INITIAL)
+    _set_initial(mbs, state)
+    try:
+        yield
+    finally:
+        _set_initial(mbs, before)
+
+
+def _set_initial(mbs: Any, state: State) -> None:
+    *parts, accelerations = (state[name] for name in _PARTS)
+    mbs.systemData.SetSystemState(parts, INITIAL)
+    mbs.systemData.SetODE2Coordinates_tt(accelerations, INITIAL)
