@@ -1,64 +1,45 @@
-"""What is advised, and why, in sentences."""
+"""Why something is advised, in sentences."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
-from .pilot import CONVENTIONAL, Choice
-from .search import Search, Tried
+from .pilot import Pilot
 from .stretch import Tension, axial_period
-
-
-@dataclass(frozen=True)
-class Advice:
-    """A choice, what it is expected to give, and the reasons.
-
-    error: in units of what is observed.   seconds: CPU time.   extrapolated: whether both are not measured.
-    """
-
-    choice: Choice
-    error: float
-    seconds: float
-    extrapolated: bool
-    reasons: tuple[str, ...]
+from .survey import Search
 
 
 def convergence_sentence(search: Search) -> str:
     """How good the judge is."""
-    survey = search.survey
-    numbers = ", ".join(str(pilot.choice.elements) for pilot in survey.pilots)
+    numbers = ", ".join(str(pilot.choice.elements) for pilot in search.meshes)
     return (
-        f"Pilots with {numbers} elements converge with order {survey.order:.1f}; the finest one is good to "
-        f"{survey.uncertainty:.1g}."
+        f"Pilots with {numbers} elements converge with order {search.order:.1f}; the finest one is good to "
+        f"{search.uncertainty:.1g}."
     )
 
 
-def choice_sentence(tried: Tried, tolerance: float) -> str:
+def choice_sentence(pilot: Pilot, tolerance: float) -> str:
     """The best one."""
     return (
-        f"{tried.pilot.choice.label}: error {tried.error:.2g} (tolerance {tolerance:g}), "
-        f"{tried.pilot.seconds:.2g} s of CPU time, both measured."
+        f"{pilot.choice.label}: error {pilot.error:.2g} (tolerance {tolerance:g}), "
+        f"{pilot.seconds:.2g} s of CPU time, both measured."
     )
 
 
-def rival_sentence(rivals: Sequence[Tried], best: Tried | None, tolerance: float) -> str:
+def rival_sentence(rivals: Sequence[Pilot], best: Pilot | None, tolerance: float) -> str:
     """How the conventional cable does."""
-    good = [one for one in rivals if one.works and one.error <= tolerance]
-    closest = min(rivals, key=lambda one: one.error)
+    good = [pilot for pilot in rivals if pilot.works and pilot.error <= tolerance]
+    closest = min(rivals, key=lambda pilot: pilot.error)
     if not closest.works:
-        return f"No conventional run reached its end: {closest.pilot.failure}"
+        return f"No conventional run reached its end: {closest.failure}"
     if not good:
         return (
             f"No conventional run was both accurate enough and worth its time; the most accurate one, "
-            f"{closest.pilot.choice.label}, has an error of {closest.error:.2g} after "
-            f"{closest.pilot.seconds:.2g} s."
+            f"{closest.choice.label}, has an error of {closest.error:.2g} after {closest.seconds:.2g} s."
         )
-    cheapest = min(good, key=lambda one: one.pilot.seconds)
-    said = (
-        f"The cheapest conventional run, {cheapest.pilot.choice.label}, takes {cheapest.pilot.seconds:.2g} s"
-    )
+    cheapest = min(good, key=lambda pilot: pilot.seconds)
+    said = f"The cheapest conventional run, {cheapest.choice.label}, takes {cheapest.seconds:.2g} s"
     if best is None:
         return said + "."
-    return f"{said}, {cheapest.pilot.seconds / best.pilot.seconds:.2g} times the best inextensible one."
+    return f"{said}, {cheapest.seconds / best.seconds:.2g} times the best inextensible one."
 
 
 def stretch_sentence(tension: Tension, axial_stiffness: float, error: float, tolerance: float) -> str:
@@ -74,8 +55,3 @@ def stretch_sentence(tension: Tension, axial_stiffness: float, error: float, tol
         said + "within the tolerance. Loads that change within the axial period of "
         f"{period:.1g} s would still need a conventional cable."
     )
-
-
-def is_conventional(tried: Tried) -> bool:
-    """Whether it ran with native cables."""
-    return tried.pilot.choice.formulation == CONVENTIONAL

@@ -25,6 +25,10 @@ class Choice:
     mass_scaling: float = 0.0
 
     @property
+    def is_conventional(self) -> bool:
+        return self.formulation == CONVENTIONAL
+
+    @property
     def label(self) -> str:
         """In short, for tables and messages."""
         theta = f", theta = {self.mass_scaling:g}" if self.mass_scaling else ""
@@ -33,11 +37,12 @@ class Choice:
         )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Pilot:
     """What a run gave.   values: (T, m) observed, at the same times in all runs.   seconds: CPU time.
 
     steps: taken.   failure: why it did not reach its end; empty if it did.
+    error: inclusive of the uncertainty of what it was compared with; infinite until then.
     """
 
     choice: Choice
@@ -45,6 +50,11 @@ class Pilot:
     seconds: float
     steps: int
     failure: str = ""
+    error: float = float("inf")
+
+    @property
+    def works(self) -> bool:
+        return not self.failure
 
     def distance(self, other: "Pilot") -> float:
         """Largest |difference| of what was observed."""

@@ -1,7 +1,7 @@
 """Solutions on finer and finer meshes, until the finest one can judge the others."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ..errors import InputError, SceneError
 from .convergence import observed_order, remaining_error
@@ -13,24 +13,43 @@ SHARE_OF_TOLERANCE = 0.2  # the finest solution is that much better than what it
 CAUTION = 3.0  # the finest meshes count as of no higher order, which luck may feign
 
 
-@dataclass(frozen=True, eq=False)
-class Survey:
-    """Pilots of one integrator on finer and finer meshes.
+@dataclass(eq=False)
+class Search:
+    """All that was tried, and what the finest mesh says of it.
 
-    order: observed.   uncertainty: error of the last one.   failed: those that did not reach their end.
+    tolerance: in units of what is observed.
+    meshes: pilots of one integrator on finer and finer meshes; the last one judges.
+    order: observed.   uncertainty: error of the last mesh.   tried: all pilots.
     """
 
-    pilots: list[Pilot]
+    tolerance: float
+    meshes: list[Pilot]
     order: float
     uncertainty: float
-    failed: Sequence[Pilot] = ()
+    tried: list[Pilot] = field(default_factory=list)
 
     @property
     def finest(self) -> Pilot:
-        return self.pilots[-1]
+        return self.meshes[-1]
+
+    @property
+    def good(self) -> list[Pilot]:
+        """Those within the tolerance."""
+        return [pilot for pilot in self.tried if pilot.works and pilot.error <= self.tolerance]
+
+    @property
+    def best(self) -> Pilot | None:
+        """The cheapest one within the tolerance, or None."""
+        return min(self.good, key=lambda pilot: pilot.seconds, default=None)
+
+    def judge(self, pilot: Pilot) -> None:
+        """Add a pilot, compared with the finest solution."""
+        if pilot.works:
+            pilot.error = self.uncertainty + pilot.distance(self.finest)
+        self.tried.append(pilot)
 
 
-def survey_meshes(problem: Problem, tolerance: float, numbers: Sequence[int], budget: float) -> Survey:
+def survey_meshes(problem: Problem, tolerance: float, numbers: Sequence[int], budget: float) -> Search:
     """Refine until the finest solution is good to a fifth of the tolerance, or the budget is used up.
 
     Args:
@@ -44,18 +63,19 @@ def survey_meshes(problem: Problem, tolerance: float, numbers: Sequence[int], bu
     """
     pilots: list[Pilot] = []
     failed: list[Pilot] = []
-    spent, refused = 0.0, ""
+    refused = ""
     found: tuple[float, float] | None = None  # order and uncertainty
     for elements in numbers:
         try:
-            limit = problem.step_limit(elements, INTEGRATOR)
+            step = min(SHARE_OF_LIMIT * problem.step_limit(elements, INTEGRATOR), problem.period)
         except InputError as error:
             refused = str(error)
             continue
-        if len(pilots) >= 3 and spent + _seconds_of_next(pilots, elements, problem, limit) > budget:
+        choice = Choice(INEXTENSIBLE, INTEGRATOR, elements, step)
+        spent = sum(pilot.seconds for pilot in pilots + failed)
+        if len(pilots) >= 3 and spent + _expected_seconds(pilots[-1], choice, problem) > budget:
             break
-        pilot = problem.run(Choice(INEXTENSIBLE, INTEGRATOR, elements, _step(problem, limit)))
-        spent += pilot.seconds
+        pilot = problem.run(choice)
         if pilot.failure:
             failed.append(pilot)
             refused = pilot.failure
@@ -71,38 +91,40 @@ def survey_meshes(problem: Problem, tolerance: float, numbers: Sequence[int], bu
         )
     if found is None:
         raise SceneError(_not_converged(pilots))
-    return Survey(pilots, *found, failed)
+    search = Search(tolerance, pilots, *found)
+    for pilot in pilots + failed:
+        search.judge(pilot)
+    return search
 
 
-def _step(problem: Problem, limit: float) -> float:
-    return min(SHARE_OF_LIMIT * limit, problem.period)
-
-
-def _seconds_of_next(pilots: Sequence[Pilot], elements: int, problem: Problem, limit: float) -> float:
-    last = pilots[-1]
-    steps = problem.end_time / _step(problem, limit)
-    return last.seconds * steps / last.steps * elements / last.choice.elements
+def _expected_seconds(last: Pilot, choice: Choice, problem: Problem) -> float:
+    steps = problem.end_time / choice.step_size
+    return last.seconds * steps / last.steps * choice.elements / last.choice.elements
 
 
 def _convergence(pilots: Sequence[Pilot]) -> tuple[float, float] | None:
     """Order and error of the last pilot; None if the last three do not converge."""
     if len(pilots) < 3:
         return None
-    numbers = [pilot.choice.elements for pilot in pilots[-3:]]
-    coarse, middle, fine = pilots[-3:]
-    differences = coarse.distance(middle), middle.distance(fine)
+    numbers, differences = _last_three(pilots)
     order = observed_order(numbers, differences)
     if order is None:
         return None
     return order, remaining_error(numbers[1], numbers[2], differences[1], min(order, CAUTION))
 
 
-def _not_converged(pilots: Sequence[Pilot]) -> str:
+def _last_three(pilots: Sequence[Pilot]) -> tuple[list[int], tuple[float, float]]:
+    """Their numbers of elements, and the distances between them."""
     coarse, middle, fine = pilots[-3:]
     numbers = [pilot.choice.elements for pilot in (coarse, middle, fine)]
+    return numbers, (coarse.distance(middle), middle.distance(fine))
+
+
+def _not_converged(pilots: Sequence[Pilot]) -> str:
+    numbers, differences = _last_three(pilots)
     return (
         f"solutions with {numbers[0]}, {numbers[1]} and {numbers[2]} elements do not converge: they differ "
-        f"by {coarse.distance(middle):.2g} and {middle.distance(fine):.2g}. The motion may depend on the "
+        f"by {differences[0]:.2g} and {differences[1]:.2g}. The motion may depend on the "
         "smallest disturbances: shorten endTime, observe something less sensitive, or give finer "
         "numbersOfElements and a larger pilotBudget."
     )

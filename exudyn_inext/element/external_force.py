@@ -1,26 +1,9 @@
-"""Consistent nodal forces of distributed and concentrated loads, Eq. (17)."""
-
-from collections.abc import Callable
+"""Consistent nodal forces of uniform and concentrated loads, Eq. (17)."""
 
 import numpy as np
 
 from ..arrays import Array
-from .shape_functions import quadrature, shape_functions
-
-
-def distributed_force(load: Callable[[Array], Array], start: float, length: float) -> Array:
-    """int S f dx over one element.
-
-    Args:
-        load: f(x): arc lengths (g,) [m] to force densities (g, dim) [N/m].
-        start: arc length of the element's left end [m].
-        length: element length l [m].
-
-    Returns:
-        (4, dim) [N, Nm, N, Nm]. Exact for f up to degree 4 in x.
-    """
-    xi, weight = quadrature(length)
-    return np.einsum("ag,gi,g->ai", shape_functions(xi, length), load(start + length * xi), weight)
+from .shape_functions import shape_functions
 
 
 def uniform_force(length: float) -> Array:

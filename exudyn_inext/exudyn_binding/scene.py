@@ -17,7 +17,7 @@ from ..items.attach.markers import REMEDY, unsuitable_markers
 from ..items.cable_data import belongs_to_a_cable, find_cable_item
 from ..items.cable_item import supports_of_flags
 from ..items.element_weights import Elements, elements_by_nodes, put_together, read_weight
-from ..items.link_items import read_moving_coordinate, read_rod
+from ..items.link_items import read_held_coordinate, read_moving_coordinate, read_rod
 from ..items.load_items import read_load
 from ..loads.weight import ElementWeight
 from ..scene.links import MovingCoordinate, Rod, links_of_motions
@@ -148,26 +148,6 @@ def _take_foreign_constraints(
     foreign = [number for number, constraint in constraints.items() if not is_on_one(constraint)]
     foreign.sort(key=lambda number: _KINDS.index(type(constraints[number])))
     return {number: constraints.pop(number) for number in foreign}
-
-
-def read_held_coordinate(mbs: Any, data: dict[str, Any]) -> HeldCoordinate | None:
-    """A CoordinateConstraint that holds a nodal coordinate to ground, or None if it is not one."""
-    plain = (
-        data["objectType"] == "ConnectorCoordinate"
-        and data["activeConnector"]
-        and not data["velocityLevel"]
-        and data["offset"] == 0.0
-        and not data["offsetUserFunction"]
-    )
-    if not plain:
-        return None
-    markers = [mbs.GetMarker(number) for number in data["markerNumbers"]]
-    if any(marker["markerType"] != "NodeCoordinate" for marker in markers):
-        return None
-    moving = [m for m in markers if mbs.GetNode(m["nodeNumber"])["nodeType"] != "PointGround"]
-    if len(moving) != 1:
-        return None
-    return HeldCoordinate(int(moving[0]["nodeNumber"]), int(moving[0]["coordinate"]))
 
 
 def _read_loads(mbs: Any, on_cables: Container[int], elements: Elements) -> tuple[list[CableLoad], list[str]]:

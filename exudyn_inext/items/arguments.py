@@ -26,6 +26,11 @@ def node_number(given: Any) -> int:
     return _item_number(given, exudyn.exudynCPP.NodeIndex)
 
 
+def sensor_number(given: Any) -> int:
+    """The number of a sensor, given as an integer or Exudyn's index; -1 if it is no number of a sensor."""
+    return _item_number(given, exudyn.exudynCPP.SensorIndex)
+
+
 def _item_number(given: Any, index_type: Any) -> int:
     is_integer = isinstance(given, Integral) and not isinstance(given, bool)
     if not (is_integer or isinstance(given, index_type)):

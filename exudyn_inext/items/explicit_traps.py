@@ -6,6 +6,7 @@ from typing import Any
 from ..errors import ExplicitTrapWarning
 from .arguments import require_system
 from .cable_data import belongs_to_a_cable, find_cable_item
+from .on_ground import markers_of
 
 _WRONG_COUPLING = (
     "native explicit solvers solve for all accelerations and then set the held ones to zero, which is wrong "
@@ -75,13 +76,12 @@ def _held_nodes(mbs: Any, data: dict[str, Any], owners: dict[int, str]) -> list[
     """The trap, if `data` is a CoordinateConstraint on a node of a cable.   owners: node -> cable."""
     if data["objectType"] != "ConnectorCoordinate" or not data["activeConnector"]:
         return []
-    markers = [mbs.GetMarker(number) for number in data["markerNumbers"]]
     return [
         f"the CoordinateConstraint '{data['name']}' holds coordinate {marker['coordinate']} of node "
         f"{int(marker['nodeNumber'])} of the ANCF cable '{owners[int(marker['nodeNumber'])]}': "
         f"{_WRONG_COUPLING}. Hold the node by a stiff spring (CartesianSpringDamper, 1e5 N/m), by "
         "groundConstraintsStart/End of a cable with enforcement='penaltyMass', or use an implicit solver or "
         "SolveExplicit."
-        for marker in markers
+        for marker in markers_of(mbs, data)
         if marker["markerType"] == "NodeCoordinate" and int(marker["nodeNumber"]) in owners
     ]

@@ -8,9 +8,10 @@ from ..arrays import Array
 from ..cable.link import Motion, rest
 from ..constraints.motion import motion_of
 from ..scene.links import MovingCoordinate, Rod
+from ..scene.model import HeldCoordinate
+from .on_ground import markers_of, node_marker_to_ground, point_on_ground
 
 _POSITION_MARKERS = {"NodePosition", "NodeRigid"}
-_BODY_MARKERS = {"BodyPosition", "BodyRigid"}
 
 
 def read_rod(mbs: Any, data: dict[str, Any]) -> Rod | None:
@@ -19,9 +20,8 @@ def read_rod(mbs: Any, data: dict[str, Any]) -> Rod | None:
         return None
     nodes: list[int] = []
     points: list[Array] = []
-    for number in data["markerNumbers"]:
-        marker = mbs.GetMarker(number)
-        point = _fixed_point(mbs, marker)
+    for marker in markers_of(mbs, data):
+        point = point_on_ground(mbs, marker)
         if point is not None:
             points.append(point)
         elif marker["markerType"] in _POSITION_MARKERS:
@@ -33,41 +33,33 @@ def read_rod(mbs: Any, data: dict[str, Any]) -> Rod | None:
     return Rod(tuple(nodes), points[0] if points else None, float(data["distance"]), f"'{data['name']}'")
 
 
-def _fixed_point(mbs: Any, marker: dict[str, Any]) -> Array | None:
-    """(3,) position of a marker on ground, or None."""
-    if marker["markerType"] in _POSITION_MARKERS:
-        node = mbs.GetNode(marker["nodeNumber"])
-        return np.array(node["referenceCoordinates"]) if node["nodeType"] == "PointGround" else None
-    if marker["markerType"] in _BODY_MARKERS:
-        body = mbs.GetObject(marker["bodyNumber"])
-        if body["objectType"] == "Ground":
-            offset = np.array(body["referenceRotation"]) @ np.array(marker["localPosition"])
-            return np.array(body["referencePosition"]) + offset
-    return None
+def _coordinate_to_ground(mbs: Any, data: dict[str, Any], is_moved: bool) -> HeldCoordinate | None:
+    """What a CoordinateConstraint ties to the ground, with an offset or without; or None."""
+    if data["objectType"] != "ConnectorCoordinate" or data["velocityLevel"]:
+        return None
+    if bool(data["offset"] != 0.0 or data["offsetUserFunction"]) != is_moved:
+        return None
+    marker = node_marker_to_ground(mbs, data)
+    if marker is None or marker["markerType"] != "NodeCoordinate":
+        return None
+    return HeldCoordinate(int(marker["nodeNumber"]), int(marker["coordinate"]))
+
+
+def read_held_coordinate(mbs: Any, data: dict[str, Any]) -> HeldCoordinate | None:
+    """A CoordinateConstraint that holds a nodal coordinate to ground, or None if it is not one."""
+    return _coordinate_to_ground(mbs, data, is_moved=False)
 
 
 def read_moving_coordinate(mbs: Any, number: int, data: dict[str, Any]) -> MovingCoordinate | None:
     """A CoordinateConstraint to ground whose offset is given, by a user function or constant; or None."""
-    known = (
-        data["objectType"] == "ConnectorCoordinate"
-        and data["activeConnector"]
-        and not data["velocityLevel"]
-        and data["factor1"] == 1.0
-        and (data["offset"] != 0.0 or data["offsetUserFunction"])
-    )
-    if not known:
+    tied = _coordinate_to_ground(mbs, data, is_moved=True)
+    if tied is None or data["factor1"] != 1.0 or point_on_ground(mbs, markers_of(mbs, data)[0]) is None:
         return None
-    ground, marker = (mbs.GetMarker(number) for number in data["markerNumbers"])
-    if any(m["markerType"] != "NodeCoordinate" for m in (ground, marker)):
+    reference = np.array(mbs.GetNode(tied.node)["referenceCoordinates"])
+    if tied.coordinate >= len(reference) // 2:
         return None
-    if mbs.GetNode(ground["nodeNumber"])["nodeType"] != "PointGround":
-        return None
-    node, axis = int(marker["nodeNumber"]), int(marker["coordinate"])
-    reference = np.array(mbs.GetNode(node)["referenceCoordinates"])
-    if axis >= len(reference) // 2:
-        return None
-    motion = _motion(mbs, number, data, float(reference[axis]))
-    return MovingCoordinate(node, axis, motion, f"'{data['name']}'")
+    motion = _motion(mbs, number, data, float(reference[tied.coordinate]))
+    return MovingCoordinate(tied.node, tied.coordinate, motion, f"'{data['name']}'")
 
 
 def _motion(mbs: Any, number: int, data: dict[str, Any], reference: float) -> Motion:

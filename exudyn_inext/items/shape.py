@@ -203,27 +203,26 @@ def _element_count(number: Any) -> int:
     return require_integer("numberOfElements", number, 1, LARGEST_NUMBER_OF_ITEMS)
 
 
-def _vectors(name: str, values: Any) -> Array:
-    """(..., 3) from (..., 2) or (..., 3)."""
+_SHAPES = {1: "one point with 2 or 3 components", 2: "one row of 2 or 3 numbers a node"}
+
+
+def _vectors(name: str, values: Any, ndim: int) -> Array:
+    """(..., 3) from (..., 2) or (..., 3) with that number of axes."""
     array = require_finite_array(name, values)
-    if array.ndim == 0 or array.shape[-1] not in (2, 3):
-        raise InputError(f"{name} has shape {array.shape}: needs 2 or 3 components a point.")
+    if array.ndim != ndim:
+        raise InputError(f"{name} has shape {array.shape}: needs {_SHAPES[ndim]}.")
     missing = 3 - array.shape[-1]
+    if missing not in (0, 1):
+        raise InputError(f"{name} has shape {array.shape}: needs 2 or 3 components a point.")
     return np.concatenate([array, np.zeros((*array.shape[:-1], missing))], axis=-1)
 
 
 def _point(name: str, values: Any) -> Array:
-    array = require_finite_array(name, values)
-    if array.ndim != 1:
-        raise InputError(f"{name} has shape {array.shape}: needs one point with 2 or 3 components.")
-    return _vectors(name, array)
+    return _vectors(name, values, 1)
 
 
 def _rows(name: str, values: Any) -> Array:
-    array = require_finite_array(name, values)
-    if array.ndim != 2:
-        raise InputError(f"{name} has shape {array.shape}: needs one row of 2 or 3 numbers a node.")
-    return _vectors(name, array)
+    return _vectors(name, values, 2)
 
 
 def _check_unit_slopes(slopes: Array) -> None:

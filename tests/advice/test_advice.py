@@ -2,7 +2,6 @@
 
 from exudyn_inext.advice.advice import rival_sentence, stretch_sentence
 from exudyn_inext.advice.pilot import CONVENTIONAL, Choice, Pilot
-from exudyn_inext.advice.search import Tried
 from exudyn_inext.advice.stretch import Tension
 
 TENSION = Tension(rms=5.0, largest=20.0, length=1.0, mass_per_length=0.1)
@@ -10,7 +9,7 @@ TENSION = Tension(rms=5.0, largest=20.0, length=1.0, mass_per_length=0.1)
 
 def native(error, seconds=2.0, failure=""):
     choice = Choice(CONVENTIONAL, "generalizedAlpha", 8, 1e-3)
-    return Tried(Pilot(choice, None, seconds, 100, failure), error)
+    return Pilot(choice, None, seconds, 100, failure, error)
 
 
 def test_the_cheapest_rival_within_the_tolerance_is_compared():

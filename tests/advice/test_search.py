@@ -9,11 +9,10 @@ from exudyn_inext.advice.pilot import INEXTENSIBLE, Choice
 from exudyn_inext.advice.search import (
     FAMILIES,
     FINEST_EXTRAPOLATION,
-    Tried,
     expected_error,
     extrapolated,
     most_accurate,
-    search_inextensible,
+    try_families,
 )
 from exudyn_inext.advice.survey import survey_meshes
 from exudyn_inext.errors import InputError, SceneError
@@ -27,17 +26,19 @@ def surveyed(problem, tolerance, numbers=NUMBERS, budget=20.0):
 
 
 def searched(problem, tolerance, **survey):
-    return search_inextensible(problem, surveyed(problem, tolerance, **survey), tolerance)
+    search = surveyed(problem, tolerance, **survey)
+    try_families(problem, search)
+    return search
 
 
 def all_choices(problem, survey):
     """All families on all meshes of the survey, and its own."""
-    numbers = [pilot.choice.elements for pilot in survey.pilots]
+    numbers = [pilot.choice.elements for pilot in survey.meshes]
     families = [
         Choice(INEXTENSIBLE, name, n, min(share * problem.step_limit(n, name), problem.period), theta)
         for n, (name, theta, share) in product(numbers, FAMILIES)
     ]
-    return families + [pilot.choice for pilot in survey.pilots]
+    return families + [pilot.choice for pilot in survey.meshes]
 
 
 @pytest.mark.parametrize("mesh", [0.2, 1.0, 30.0])
@@ -47,35 +48,33 @@ def all_choices(problem, survey):
 def test_the_best_is_the_cheapest_of_all_families_within_the_tolerance(mesh, step, costs, tolerance):
     problem = Analytic(mesh, step, costs=costs)
     search = searched(problem, tolerance)
-    survey = search.survey
-    within = [c for c in all_choices(problem, survey) if problem.error(c) + survey.uncertainty <= tolerance]
+    within = [c for c in all_choices(problem, search) if problem.error(c) + search.uncertainty <= tolerance]
     cheapest = min(map(problem.seconds, within))
-    assert problem.error(search.best.pilot.choice) <= tolerance
-    assert search.best.pilot.seconds <= 1.02 * cheapest
+    assert problem.error(search.best.choice) <= tolerance
+    assert search.best.seconds <= 1.02 * cheapest
 
 
 def test_what_cannot_be_cheaper_is_not_run():
     problem = Analytic(mesh=0.2)
     search = searched(problem, 1e-3)
-    assert len(problem.runs) < len(all_choices(problem, search.survey))
+    assert len(problem.runs) < len(all_choices(problem, search))
 
 
 @pytest.mark.parametrize(("mesh", "step"), [(1.0, 40.0), (10.0, 1.0), (0.1, 400.0)])
 def test_uncertainty_and_errors_bound_the_true_ones(mesh, step):
     problem = Analytic(mesh, step)
     search = searched(problem, 1e-3)
-    survey = search.survey
-    true = problem.error(survey.finest.choice)
-    assert true <= survey.uncertainty <= 0.2 * 1e-3
+    true = problem.error(search.finest.choice)
+    assert true <= search.uncertainty <= 0.2 * 1e-3
     for tried in search.tried:
-        true = problem.error(tried.pilot.choice)
-        assert true <= tried.error <= true + 2.0 * survey.uncertainty
+        true = problem.error(tried.choice)
+        assert true <= tried.error <= true + 2.0 * search.uncertainty
 
 
 def test_a_mesh_that_is_hopeless_is_run_but_once():
     problem = Analytic(mesh=30.0)
     search = searched(problem, 1e-3)
-    hopeless = {t.pilot.choice.elements for t in search.tried if t.error > 5.0 * search.tolerance}
+    hopeless = {t.choice.elements for t in search.tried if t.error > 5.0 * search.tolerance}
     assert len(hopeless) >= 3
     assert [c.elements for c in problem.runs if c.elements in hopeless] == sorted(hopeless)
 
@@ -89,8 +88,8 @@ def test_the_survey_ends_with_the_mesh_that_is_good_enough_and_not_later():
 def test_the_survey_ends_with_its_budget():
     problem = Analytic()
     full, short = surveyed(problem, 1e-5), surveyed(problem, 1e-5, budget=0.02)
-    assert 3 <= len(short.pilots) < len(full.pilots)
-    assert sum(pilot.seconds for pilot in short.pilots) <= 0.02
+    assert 3 <= len(short.meshes) < len(full.meshes)
+    assert sum(pilot.seconds for pilot in short.meshes) <= 0.02
 
 
 @pytest.mark.parametrize("tolerance", [2e-4, 5e-5])
@@ -101,7 +100,7 @@ def test_error_and_seconds_of_an_extrapolated_mesh_are_near_the_true_ones(tolera
     assert choice.elements > 8 and choice.step_size < problem.step_limit(choice.elements, "RATTLE")
     true, expected = problem.error(choice), expected_error(survey, choice)
     assert true <= expected <= tolerance and expected < 5.0 * true
-    seconds = predicted_seconds(survey.pilots, choice, problem.end_time)
+    seconds = predicted_seconds(survey.meshes, choice, problem.end_time)
     assert seconds == pytest.approx(problem.seconds(choice), rel=0.02)
 
 
@@ -140,21 +139,20 @@ def test_candidates_that_fail_are_kept_and_not_chosen():
     search = searched(problem, 1e-3)
     failed = [tried for tried in search.tried if not tried.works]
     assert failed and all(tried.error == float("inf") for tried in failed)
-    assert search.best.pilot.choice.integrator == "RATTLE" and search.best.works
+    assert search.best.choice.integrator == "RATTLE" and search.best.works
     assert most_accurate(search.tried, 1e9).works
 
 
 def test_surveyed_meshes_that_fail_are_kept_and_left_out():
     problem = Analytic(failing=lambda c: c.elements == 6)
     search = searched(problem, 1e-2)
-    assert [pilot.choice.elements for pilot in search.survey.failed] == [6]
-    assert 6 not in [pilot.choice.elements for pilot in search.survey.pilots]
-    assert [tried.pilot.choice.elements for tried in search.tried if not tried.works] == [6]
+    assert [pilot.choice.elements for pilot in search.tried if pilot.failure] == [6]
+    assert 6 not in [pilot.choice.elements for pilot in search.meshes]
 
 
 def test_numbers_that_cannot_be_built_are_left_out_until_too_few_are_left():
     even = Analytic(buildable=lambda n: n % 8 == 0)
-    assert [pilot.choice.elements for pilot in surveyed(even, 1e-2).pilots] == [8, 16, 24]
+    assert [pilot.choice.elements for pilot in surveyed(even, 1e-2).meshes] == [8, 16, 24]
     with pytest.raises(InputError, match=r"only 2 of numbersOfElements = \(7, 8, 9, 16\).*9 elements cannot"):
         surveyed(even, 1e-2, numbers=(7, 8, 9, 16))
 
@@ -177,11 +175,12 @@ def test_solutions_that_do_not_converge_are_refused_with_their_distances():
 def test_the_most_accurate_run_within_a_budget():
     problem = Analytic()
     tried = searched(problem, 1e-4).tried
-    seconds = sorted(one.pilot.seconds for one in tried)
+    seconds = sorted(one.seconds for one in tried)
     middle = seconds[len(seconds) // 2]
     found = most_accurate(tried, middle)
-    assert found.pilot.seconds <= middle
-    assert found.error == min(one.error for one in tried if one.pilot.seconds <= middle)
+    assert found.seconds <= middle
+    assert found.error == min(one.error for one in tried if one.seconds <= middle)
     assert most_accurate(tried, 0.5 * seconds[0]) is None
-    broken = Tried(problem.run(tried[0].pilot.choice), 0.0)
+    broken = problem.run(tried[0].choice)
+    broken.error = 0.0
     assert most_accurate([broken], 1e9) is broken

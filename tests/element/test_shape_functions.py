@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_inext.element.external_force import distributed_force, point_force
+from exudyn_inext.element.external_force import point_force, uniform_force
 from exudyn_inext.element.shape_functions import (
     first_derivatives,
     quadrature,
@@ -58,19 +58,9 @@ def test_quadrature_is_exact_to_degree_seven(length):
         assert weight @ (xi * length) ** degree == pytest.approx(length ** (degree + 1) / (degree + 1))
 
 
-def test_distributed_force_of_a_cubic_load_is_the_integral_of_a_polynomial():
-    start, length = 0.7, 1.3
-    coefficients = np.array([[1.0, -2.0, 0.5, 3.0], [0.0, 4.0, -1.0, 0.25]])
-
-    def load(x):
-        return np.stack([np.polynomial.Polynomial(row)(x) for row in coefficients], axis=1)
-
-    shift = np.polynomial.Polynomial([start, 1.0])
-    expected = [
-        [(shape * np.polynomial.Polynomial(row)(shift)).integ()(length) for row in coefficients]
-        for shape in hermite(length)
-    ]
-    np.testing.assert_allclose(distributed_force(load, start, length), expected, rtol=1e-12)
+def test_force_of_a_uniform_load_is_the_integral_of_the_shape_functions():
+    expected = [shape.integ()(1.3) for shape in hermite(1.3)]
+    np.testing.assert_allclose(uniform_force(1.3), expected, rtol=1e-12)
 
 
 def test_point_force_is_the_shape_functions_times_the_force():

@@ -13,9 +13,8 @@ from numpy.polynomial.legendre import Legendre
 from exudyn_inext.cable.cable import Section
 from exudyn_inext.cable.linked_cable import cable_system
 from exudyn_inext.cable.section_forces import SolvedState, section_forces
-from exudyn_inext.loads.distributed import distributed_load
 from exudyn_inext.system import index_reduced_rates
-from tests.cables import State, straight_cable
+from tests.cables import State, hermite, straight_cable
 from tests.known_answers.vibrations import natural_frequencies, sampled_frequency
 from tests.moving import move
 
@@ -62,6 +61,15 @@ def test_run_of_rattle_stays_straight_under_its_tension_and_turns_by_the_angle_o
     known_answer(f"whirling cable in {dim}D: centrifugal tension after two turns", error)
 
 
+def centrifugal_force(cable):
+    """(n, 2, 2) of the density rho_A omega^2 x along x."""
+    force = np.zeros(cable.reference.shape)
+    for k, length in enumerate(cable.element_lengths):
+        density = RHO * OMEGA**2 * np.polynomial.Polynomial([cable.reference[k, 0, 0], 1.0])
+        force[k : k + 2, :, 0] += np.reshape([(p * density).integ()(length) for p in hermite(length)], (2, 2))
+    return force
+
+
 def vibrations(number, stiffness):
     """(3,) w out of the plane, and modes (3, n, 2) of z and its slope.
 
@@ -69,8 +77,7 @@ def vibrations(number, stiffness):
     alike, so that a planar cable will do.
     """
     cable = whirling(number, 2, stiffness).cable
-    load = distributed_load(cable, lambda x: np.outer(RHO * OMEGA**2 * x, [1.0, 0.0]))
-    found, modes = natural_frequencies(cable, load)
+    found, modes = natural_frequencies(cable, centrifugal_force(cable))
     return found[:3], modes[:3, :, :, 1]
 
 

@@ -1,13 +1,13 @@
 """Generalised forces have the resultant, the moment and the virtual work of their loads."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from exudyn_inext.cable.attached import PointMass
 from exudyn_inext.cable.cable import Section
-from exudyn_inext.errors import InputError
-from exudyn_inext.loads.distributed import distributed_load
 from exudyn_inext.loads.gravity import gravity_force
-from exudyn_inext.loads.point import point_load
 from tests.cables import DIMENSIONS, MEASURES, hermite, planar_pendulum, random_state, straight_cable
 
 pytestmark = pytest.mark.kernel
@@ -19,6 +19,12 @@ def moment(cable, force):
     """z component of the moment about the origin, in the reference configuration."""
     q = cable.reference
     return (q[..., 0] * force[..., 1] - q[..., 1] * force[..., 0]).sum()
+
+
+def point_weight(cable, force, arc_length):
+    """Weight of a unit mass at an arc length, in the gravity `force`."""
+    massless = replace(cable.section, mass_per_length=0.0)
+    return gravity_force(replace(cable, section=massless, point_masses=(PointMass(arc_length, 1.0),)), force)
 
 
 def position(cable, arc_length):
@@ -50,29 +56,12 @@ def test_gravity_of_one_element_is_the_textbook_load_vector():
     np.testing.assert_allclose(force, -30.0 * np.array([[1.0, 1 / 3], [1.0, -1 / 3]]), rtol=1e-12)
 
 
-def test_linearly_growing_load_on_one_element_is_the_textbook_load_vector():
-    length, peak = 2.0, 5.0
-    cable = straight_cable(1, 2, length=length)
-    force = distributed_load(cable, lambda x: np.stack([0 * x, peak * x / length], axis=1))
-    expected = peak * length * np.array([[3 / 20, length / 30], [7 / 20, -length / 20]])
-    np.testing.assert_allclose(force[..., 1], expected, rtol=1e-12)
-    np.testing.assert_allclose(force[..., 0], 0.0, atol=1e-14)
-
-
-def test_linearly_growing_load_on_unequal_elements_has_its_resultant_and_moment():
-    cable = straight_cable(3, 2, length=3.0, element_lengths=np.array([0.5, 1.5, 1.0]))
-    cable.reference[:, 0, 0] = [0.0, 0.5, 2.0, 3.0]
-    force = distributed_load(cable, lambda x: np.stack([0 * x, 2.0 * x], axis=1))
-    assert force[:, 0, 1].sum() == pytest.approx(9.0, rel=1e-12)
-    assert moment(cable, force) == pytest.approx(18.0, rel=1e-12)
-
-
 @both_dimensions
 @pytest.mark.parametrize("share", [0.0, 0.2, 0.5, 0.81, 1.0])
-def test_point_load_has_its_force_and_moment(dim, share):
+def test_weight_of_a_point_mass_has_its_force_and_moment(dim, share):
     cable = random_state(52, 5, dim, MEASURES[0]).cable
     force = np.array([2.0, -3.0, 0.7])[:dim]
-    generalised = point_load(cable, force, share * cable.length)
+    generalised = point_weight(cable, force, share * cable.length)
     np.testing.assert_allclose(generalised[:, 0].sum(axis=0), force, rtol=1e-12)
     at = position(cable, share * cable.length)
     expected = at[0] * force[1] - at[1] * force[0]
@@ -80,21 +69,21 @@ def test_point_load_has_its_force_and_moment(dim, share):
 
 
 @both_dimensions
-def test_point_load_does_the_work_of_its_force(dim):
+def test_weight_of_a_point_mass_does_the_work_of_its_force(dim):
     state = random_state(53, 4, dim, MEASURES[0])
     cable, force = state.cable, np.arange(1.0, dim + 1)
     ends = np.cumsum(cable.element_lengths)
     for k, length in enumerate(cable.element_lengths):
         shape = np.array([p(0.3 * length) for p in hermite(length)])
         velocity = shape @ np.concatenate([state.v[k], state.v[k + 1]])
-        generalised = point_load(cable, force, ends[k] - 0.7 * length)
+        generalised = point_weight(cable, force, ends[k] - 0.7 * length)
         assert (generalised * state.v).sum() == pytest.approx(force @ velocity, rel=1e-10)
 
 
-def test_point_load_at_a_node_acts_on_its_position_only():
+def test_weight_of_a_point_mass_at_a_node_acts_on_its_position_only():
     cable = straight_cable(4, 2)
     for node in range(5):
-        generalised = point_load(cable, (2.0, -1.0), float(node))
+        generalised = point_weight(cable, (2.0, -1.0), float(node))
         expected = np.zeros((5, 2, 2))
         expected[node, 0] = (2.0, -1.0)
         np.testing.assert_allclose(generalised, expected, atol=1e-14)
@@ -103,13 +92,6 @@ def test_point_load_at_a_node_acts_on_its_position_only():
 def test_the_end_of_the_cable_is_on_it_whatever_its_elements_add_up_to():
     cable = straight_cable(6, 2, length=1.0)
     assert cable.length < 1.0  # by round-off
-    generalised = point_load(cable, (2.0, -1.0), 1.0)
+    generalised = point_weight(cable, (2.0, -1.0), 1.0)
     np.testing.assert_array_equal(generalised[-1, 0], (2.0, -1.0))
     np.testing.assert_allclose(generalised[-1, 1], 0.0, atol=1e-14)
-
-
-@pytest.mark.parametrize("arc_length", [-0.1, 4.0001, float("nan"), float("inf")])
-def test_arc_length_off_the_cable_is_refused_with_value_and_limits(arc_length):
-    with pytest.raises(InputError, match=r"arc length = .* from 0 to 4\.0 m") as refusal:
-        point_load(straight_cable(4, 2), (0.0, 1.0), arc_length)
-    assert repr(arc_length) in str(refusal.value)

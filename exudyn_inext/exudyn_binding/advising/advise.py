@@ -1,28 +1,18 @@
 """Advise: model, mesh, integrator and step for a wanted accuracy, from pilot runs of the user's scene."""
 
-from collections.abc import Sequence
-from functools import cached_property
 from typing import Any
 
-from ...advice.advice import (
-    Advice,
-    choice_sentence,
-    convergence_sentence,
-    is_conventional,
-    rival_sentence,
-    stretch_sentence,
-)
+from ...advice.advice import choice_sentence, convergence_sentence, rival_sentence, stretch_sentence
 from ...advice.cost import predicted_seconds
-from ...advice.pilot import INEXTENSIBLE, Choice
-from ...advice.rivals import LENIENCE, climb, judge_by_themselves, judge_rivals
-from ...advice.search import Tried, expected_error, extrapolated, most_accurate, search_inextensible
+from ...advice.pilot import Pilot
+from ...advice.rivals import LENIENCE, climb, judge_by_themselves
+from ...advice.search import expected_error, extrapolated, most_accurate, try_families
 from ...advice.stretch import stretch_error
 from ...advice.survey import survey_meshes
 from ...checks import require_positive
 from ...errors import InputError
-from ...run.settings import ExplicitSettings
 from .advice_settings import MOST_SAMPLES, SAMPLES, AdviceSettings, require_builder
-from .pilot_runs import Build, PilotRuns
+from .pilot_runs import Build, PilotRuns, explicit_settings
 
 
 def Advise(
@@ -75,7 +65,7 @@ def Advise(
 
 
 class _Session:
-    """One piece of advice."""
+    """One piece of advice: all that was tried, and the reasons so far."""
 
     def __init__(
         self, build: Build, tolerance: float, end_time: float, budget: float, settings: AdviceSettings
@@ -89,142 +79,119 @@ class _Session:
             )
         self._problem = PilotRuns(build, settings.buildConventional, end_time, period)
         numbers, cost = settings.numbersOfElements, settings.pilotBudget
-        self._survey = survey_meshes(self._problem, tolerance, numbers, cost)
-        self._search = search_inextensible(self._problem, self._survey, tolerance)
+        self._search = survey_meshes(self._problem, tolerance, numbers, cost)
+        try_families(self._problem, self._search)
+        self._reasons = [convergence_sentence(self._search)]
 
     def result(self) -> dict[str, Any]:
         """See `Advise`."""
-        advice = self._advice()
-        choice = advice.choice
-        explicit = _explicit_settings(choice) if choice.formulation == INEXTENSIBLE else None
+        stretches = self._add_stretch()
+        rivals = self._add_rivals(stretches)
+        advised = self._search.best
+        if advised is None and stretches:
+            advised = self._closest(rivals)
+        if advised is None:
+            advised = self._extrapolated()
+        advised = self._within_budget(advised) or advised
+        choice, tried = advised.choice, self._search.tried
+        is_extrapolated = advised not in tried
+        if is_extrapolated:
+            said = f"{choice.label}: error and CPU time are extrapolated from coarser meshes."
+        else:
+            said = choice_sentence(advised, self._tolerance)
+        explicit = None if choice.is_conventional else explicit_settings(choice)
+        constraints = self._problem.length_constraints
         return {
             "formulation": choice.formulation,
             "dimension": self._problem.dimension,
             "numberOfElements": choice.elements,
-            "numberOfLengthConstraints": self._problem.length_constraints[choice.elements]
-            if explicit
-            else None,
+            "numberOfLengthConstraints": constraints[choice.elements] if explicit else None,
             "integrator": choice.integrator,
             "stepSize": choice.step_size,
             "stabilizationRate": explicit.stabilizationRate if explicit else None,
             "massScaling": choice.mass_scaling,
             "explicitSettings": explicit,
-            "predictedError": advice.error,
-            "predictedSeconds": advice.seconds,
-            "extrapolated": advice.extrapolated,
-            "meetsTolerance": advice.error <= self._tolerance,
-            "meetsBudget": advice.seconds <= self._budget,
-            "reasons": list(advice.reasons),
-            "tried": [_row(tried) for tried in self._tried],
-            "pilotSeconds": sum(tried.pilot.seconds for tried in self._tried),
+            "predictedError": advised.error,
+            "predictedSeconds": advised.seconds,
+            "extrapolated": is_extrapolated,
+            "meetsTolerance": advised.error <= self._tolerance,
+            "meetsBudget": advised.seconds <= self._budget,
+            "reasons": [said, *self._reasons],
+            "tried": [_row(pilot) for pilot in tried],
+            "pilotSeconds": sum(pilot.seconds for pilot in tried),
         }
 
-    @cached_property
-    def _rivals(self) -> list[Tried]:
+    def _add_stretch(self) -> bool:
+        """Whether stretch moves the sensor by more than the tolerance: an error of all inextensible runs."""
+        stiffness, search = self._settings.axialStiffness, self._search
+        if stiffness is None:
+            return False
+        tension = self._problem.tension(search.meshes[0].choice)
+        error = stretch_error(tension, stiffness, search.finest.values)
+        self._reasons.append(stretch_sentence(tension, stiffness, error, self._tolerance))
+        stretches = error > self._tolerance
+        if stretches:
+            for pilot in search.tried:
+                pilot.error += error
+        return stretches
+
+    def _add_rivals(self, stretches: bool) -> list[Pilot]:
+        """Conventional runs, among what was tried."""
         if self._settings.buildConventional is None:
             return []
-        best = None if self._stretches else self._search.best
-        most = LENIENCE * best.pilot.seconds if best else self._settings.pilotBudget
-        pilots = climb(self._problem, self._survey, most)
-        if self._stretches:
-            return judge_by_themselves(pilots)
-        judge_rivals(self._search, pilots)
-        return [tried for tried in self._search.tried if is_conventional(tried)]
-
-    @cached_property
-    def _tried(self) -> list[Tried]:
-        """All that was run; where cables stretch, that is an error of the inextensible ones."""
-        if not (self._stretch and self._stretches):
-            return self._search.tried
-        return [*(Tried(t.pilot, t.error + self._stretch[0]) for t in self._search.tried), *self._rivals]
-
-    @cached_property
-    def _stretch(self) -> tuple[float, str] | None:
-        """What stretch moves the sensor by, and the sentence on it."""
-        stiffness = self._settings.axialStiffness
-        if stiffness is None:
-            return None
-        tension = self._problem.tension(self._survey.pilots[0].choice)
-        error = stretch_error(tension, stiffness, self._survey.finest.values)
-        return error, stretch_sentence(tension, stiffness, error, self._tolerance)
-
-    @property
-    def _stretches(self) -> bool:
-        return self._stretch is not None and self._stretch[0] > self._tolerance
-
-    def _advice(self) -> Advice:
-        reasons = [convergence_sentence(self._search)]
-        if self._stretch:
-            reasons.append(self._stretch[1])
-        rivals = self._rivals
+        search = self._search
+        best = search.best
+        most = LENIENCE * best.seconds if best else self._settings.pilotBudget
+        rivals = climb(self._problem, [pilot.choice.elements for pilot in search.meshes], most)
+        if stretches:
+            rivals = judge_by_themselves(rivals)
+            search.tried += rivals
+        else:
+            for pilot in rivals:
+                search.judge(pilot)
         if rivals:
-            own = [] if self._stretches else [t for t in self._search.good if not is_conventional(t)]
-            best = min(own, key=_seconds, default=None)
-            reasons.append(rival_sentence(rivals, best, self._tolerance))
-        best = self._best_conventional(rivals) if self._stretches else self._search.best
-        if best is None and not self._stretches:
-            return self._extrapolated(reasons)
-        if best is None:
-            best = self._closest(reasons)
-        return self._measured(self._within_budget(best.pilot.seconds, reasons) or best, reasons)
+            self._reasons.append(rival_sentence(rivals, best, self._tolerance))
+        return rivals
 
-    def _best_conventional(self, rivals: Sequence[Tried]) -> Tried | None:
-        good = [one for one in rivals if one.works and one.error <= self._tolerance]
-        return min(good, key=_seconds, default=None)
-
-    def _closest(self, reasons: list[str]) -> Tried:
+    def _closest(self, rivals: list[Pilot]) -> Pilot:
         """Where cables stretch and no conventional run was good enough, or none could be built."""
-        reasons.append(
+        self._reasons.append(
             "No conventional run within the tolerance was found"
             + (": give buildConventional." if self._settings.buildConventional is None else ".")
         )
-        return min(self._rivals or self._tried, key=lambda one: one.error)
+        return min(rivals or self._search.tried, key=lambda pilot: pilot.error)
 
-    def _within_budget(self, seconds: float, reasons: list[str]) -> Tried | None:
-        """What replaces a run of that CPU time [s]; None if that is within the budget, or no pilot is."""
-        if seconds <= self._budget:
+    def _within_budget(self, advised: Pilot) -> Pilot | None:
+        """What replaces a run; None if that is within the budget, or no pilot is."""
+        if advised.seconds <= self._budget:
             return None
-        found = most_accurate(self._tried, self._budget)
+        found = most_accurate(self._search.tried, self._budget)
         if found is None:
-            reasons.append(f"No pilot took less than the budget of {self._budget:g} s.")
+            self._reasons.append(f"No pilot took less than the budget of {self._budget:g} s.")
             return None
-        reasons.append(
-            f"The tolerance needs {seconds:.2g} s, more than the budget of {self._budget:g} s: "
+        self._reasons.append(
+            f"The tolerance needs {advised.seconds:.2g} s, more than the budget of {self._budget:g} s: "
             "the most accurate run within the budget is advised."
         )
         return found
 
-    def _extrapolated(self, reasons: list[str]) -> Advice:
-        choice = extrapolated(self._problem, self._survey, self._tolerance)
+    def _extrapolated(self) -> Pilot:
+        """What a run on a finer mesh is expected to give."""
+        search = self._search
+        choice = extrapolated(self._problem, search, self._tolerance)
         if choice is None:
             raise InputError(
-                f"tolerance = {self._tolerance:g}: the pilots resolve {self._survey.uncertainty:.2g} at best "
-                f"({self._survey.finest.choice.label}), too far from it to extrapolate: give a larger "
+                f"tolerance = {self._tolerance:g}: the pilots resolve {search.uncertainty:.2g} at best "
+                f"({search.finest.choice.label}), too far from it to extrapolate: give a larger "
                 "pilotBudget, finer numbersOfElements, or a larger tolerance."
             )
-        seconds = predicted_seconds(self._survey.pilots, choice, self._problem.end_time)
-        affordable = self._within_budget(seconds, reasons)
-        if affordable:
-            return self._measured(affordable, reasons)
-        error = expected_error(self._survey, choice)
-        reasons.insert(0, f"{choice.label}: error and CPU time are extrapolated from coarser meshes.")
-        return Advice(choice, error, seconds, True, tuple(reasons))
-
-    def _measured(self, best: Tried, reasons: list[str]) -> Advice:
-        reasons.insert(0, choice_sentence(best, self._tolerance))
-        return Advice(best.pilot.choice, best.error, best.pilot.seconds, False, tuple(reasons))
+        seconds = predicted_seconds(search.meshes, choice, self._problem.end_time)
+        steps = round(self._problem.end_time / choice.step_size)
+        error = expected_error(search, choice)
+        return Pilot(choice, search.finest.values, seconds, steps, error=error)
 
 
-def _seconds(tried: Tried) -> float:
-    return tried.pilot.seconds
-
-
-def _explicit_settings(choice: Choice) -> ExplicitSettings:
-    return ExplicitSettings(choice.integrator, stepSize=choice.step_size, massScaling=choice.mass_scaling)
-
-
-def _row(tried: Tried) -> dict[str, Any]:
-    pilot = tried.pilot
+def _row(pilot: Pilot) -> dict[str, Any]:
     return {
         "label": pilot.choice.label,
         "formulation": pilot.choice.formulation,
@@ -233,6 +200,6 @@ def _row(tried: Tried) -> dict[str, Any]:
         "stepSize": pilot.choice.step_size,
         "massScaling": pilot.choice.mass_scaling,
         "seconds": pilot.seconds,
-        "error": tried.error,
+        "error": pilot.error,
         "failure": pilot.failure,
     }

@@ -5,7 +5,6 @@ import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
-from numbers import Integral
 from typing import Any
 
 import exudyn
@@ -15,6 +14,7 @@ from ...advice.pilot import CONVENTIONAL, Choice, Pilot
 from ...advice.stretch import Tension
 from ...arrays import Array
 from ...errors import DivergenceError, InputError, SceneError, StepSizeError
+from ...items.arguments import sensor_number
 from ...run.settings import ExplicitSettings
 from ..cable_forces import CableForces
 from ..quiet import quiet_settings, silence
@@ -87,10 +87,7 @@ class PilotRuns:
         if choice.formulation == CONVENTIONAL:
             return self._run_conventional(choice)
         mbs, sensor = _built("build", self._build, choice.elements)
-        explicit = ExplicitSettings(
-            choice.integrator, stepSize=choice.step_size, massScaling=choice.mass_scaling
-        )
-        settings = _settings(self.end_time, self.period)
+        settings, explicit = _settings(self.end_time, self.period), explicit_settings(choice)
         start = time.process_time()
         try:
             with warnings.catch_warnings():
@@ -133,13 +130,12 @@ class PilotRuns:
     def tension(self, choice: Choice) -> Tension:
         """Largest one along all cables, or compression, at some times of a run."""
         mbs, _ = _built("build", self._build, choice.elements)
-        explicit = ExplicitSettings(choice.integrator, stepSize=choice.step_size)
         cables = read_scene(mbs).cables
         times, found = np.linspace(0.0, self.end_time, LOOKS_AT_TENSION + 1), []
         for start, end in pairwise(times):
             settings = _settings(float(end), float(end - start))
             settings.timeIntegration.startTime = float(start)
-            SolveExplicit(mbs, settings, explicit)
+            SolveExplicit(mbs, settings, explicit_settings(choice))
             _go_on_from_here(mbs)
             found.append(max(float(np.abs(_tension(mbs, cable.number)).max()) for cable in cables))
         section = cables[0].cable.section
@@ -149,6 +145,11 @@ class PilotRuns:
             length=sum(cable.cable.length for cable in cables),
             mass_per_length=section.mass_per_length,
         )
+
+
+def explicit_settings(choice: Choice) -> ExplicitSettings:
+    """Of a run with that choice."""
+    return ExplicitSettings(choice.integrator, stepSize=choice.step_size, massScaling=choice.mass_scaling)
 
 
 def _tension(mbs: Any, cable: int) -> Array:
@@ -169,20 +170,12 @@ def _built(name: str, build: Build | None, elements: int) -> tuple[Any, int]:
     mbs, sensor = built
     require_assembled(mbs)
     number = int(mbs.systemData.NumberOfSensors())
-    if not (_is_number(sensor, number) and mbs.GetSensor(int(sensor))["storeInternal"]):
+    if not (0 <= sensor_number(sensor) < number and mbs.GetSensor(int(sensor))["storeInternal"]):
         raise InputError(
             f"{name}({elements}) returned the sensor {sensor!r}: must be the number of a sensor of mbs, "
             f"which has {number}, with storeInternal=True."
         )
     return mbs, int(sensor)
-
-
-def _is_number(sensor: Any, sensors: int) -> bool:
-    """Whether it is the number of one of so many sensors."""
-    is_integer = isinstance(sensor, Integral | exudyn.exudynCPP.SensorIndex) and not isinstance(
-        sensor, bool | np.bool_
-    )
-    return is_integer and 0 <= int(sensor) < sensors
 
 
 def _settings(end_time: float, step: float) -> Any:

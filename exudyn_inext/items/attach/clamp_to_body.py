@@ -44,17 +44,17 @@ def add_clamp(mbs: Any, frame: BodyFrame, node: int, direction: Array, dim: int)
 
 def _user_functions(frame: BodyFrame, across: Array, dim: int) -> tuple[Any, Any]:
     """c (dim - 1,), and its Jacobian with respect to the coordinates of the body and of the node."""
-    size, rotation = len(frame.coordinates), frame.rotation
+    size, pose = len(frame.coordinates), frame.pose
     slopes = slice(size + dim, size + 2 * dim)
 
     def derivatives(q: Any) -> tuple[Array, Array]:
         q = np.asarray(q)
-        orientation, rates = rotation(q[:size])  # type: ignore[misc]
-        directions = (across @ orientation.T)[:, :dim]
+        _, rotation, angular = pose(q[:size])  # type: ignore[misc]
+        slope = rotation[:dim].T @ q[slopes]  # in the body's frame
         jacobian = np.zeros((dim - 1, size + 2 * dim))
-        jacobian[:, slopes] = directions
-        jacobian[:, :size] = np.einsum("nij,kj,i->kn", rates[:, :dim], across, q[slopes])
-        return directions @ q[slopes], jacobian
+        jacobian[:, :size] = np.cross(across, slope) @ angular
+        jacobian[:, slopes] = across @ rotation[:dim].T
+        return across @ slope, jacobian
 
     def clamp_user_function(mbs, t, itemNumber, q, q_t, velocityLevel):
         value, jacobian = derivatives(q)

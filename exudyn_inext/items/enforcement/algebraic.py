@@ -28,12 +28,13 @@ from ...errors import RedundantConstraintError
 from ...loads.gravity import gravity_force
 from ...scene.model import CableItem
 from .coordinates import Coordinates
+from .protocol import Enforcement
 from .start_of_run import StartOfRun, refuse_weights
 from .supports import REASON, are_independent, refuse_redundant_supports
 
 
 @dataclass(frozen=True)
-class Algebraic:
+class Algebraic(Enforcement):
     """Constraints (18), (19) as a CoordinateVectorConstraint, with multipliers of Exudyn.
 
     Forces that are linear in the coordinates are constant matrices of the object; `product` and bending
@@ -43,7 +44,6 @@ class Algebraic:
     """
 
     name: ClassVar[str] = "algebraic"
-    supports_are_objects: ClassVar[bool] = True
 
     def require_independent(self, item: CableItem, held: np.ndarray) -> None:
         """J J^T of all rows with the coordinates that are free is regular; see `Enforcement`.

@@ -11,13 +11,14 @@ from ...errors import InputError
 from ...loads.gravity import gravity_force
 from ...scene.model import CableItem
 from .coordinates import Coordinates
+from .protocol import Enforcement
 from .start_of_run import StartOfRun, refuse_weights, warn_of_traps
 
 LIMITS = 1e2, 1e6  # of the penalty: constraints too soft; mass matrix too badly conditioned
 
 
 @dataclass(frozen=True)
-class PenaltyMass:
+class PenaltyMass(Enforcement):
     """Bayo's penalty formulation in the user functions of the cable's object, supports included.
 
     (M + k C_q^T C_q) a = F + k C_q^T (gamma - 2 z C' - z^2 C) takes the place of M a = F. Loads and
@@ -54,9 +55,6 @@ class PenaltyMass:
             )
         require_positive("stabilizationRate", self.stabilizationRate)
 
-    def require_independent(self, item: CableItem, held: np.ndarray) -> None:
-        """Penalties may depend on each other."""
-
     def object_parameters(self, item: CableItem) -> dict[str, Any]:
         cable, coordinates = item.cable, Coordinates(item.cable)
         system = build_penalty_system(cable, item.held, float(self.penalty), float(self.stabilizationRate))
@@ -77,9 +75,6 @@ class PenaltyMass:
             "forceUserFunction": penalty_force_user_function,
             "massMatrixUserFunction": penalty_mass_user_function,
         }
-
-    def add_constraints(self, mbs: Any, number: int, item: CableItem, held: np.ndarray) -> list[int]:
-        return []
 
 
 ENFORCEMENT = PenaltyMass

@@ -3,30 +3,22 @@
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-
 from ...errors import EnforcementError
 from ...scene.model import CableItem
+from .protocol import Enforcement
 
 
 @dataclass(frozen=True)
-class Projection:
+class Projection(Enforcement):
     """Index reduction in SolveExplicit; any native solver stops with an error."""
 
     name: ClassVar[str] = "projection"
-    supports_are_objects: ClassVar[bool] = True
-
-    def require_independent(self, item: CableItem, held: np.ndarray) -> None:
-        """SolveExplicit looks at its start."""
 
     def object_parameters(self, item: CableItem) -> dict[str, Any]:
         return {
             "forceUserFunction": _refusing_user_function,
             "massMatrixUserFunction": _refusing_user_function,
         }
-
-    def add_constraints(self, mbs: Any, number: int, item: CableItem, held: np.ndarray) -> list[int]:
-        return []
 
 
 def _refusing_user_function(mbs, t, itemNumber, q, q_t):

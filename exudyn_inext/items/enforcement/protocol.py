@@ -1,13 +1,13 @@
 """What a way of enforcement offers."""
 
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ...scene.model import CableItem
 
 
-class Enforcement(Protocol):
+class Enforcement:
     """How the object of a cable, and constraints beside it, enforce inextensibility in native solvers.
 
     name: what the user writes.
@@ -15,7 +15,7 @@ class Enforcement(Protocol):
     """
 
     name: ClassVar[str]
-    supports_are_objects: ClassVar[bool]
+    supports_are_objects: ClassVar[bool] = True
 
     def require_independent(self, item: CableItem, held: np.ndarray) -> None:
         """RedundantConstraintError if native solvers would meet constraints that depend on each other.
@@ -25,9 +25,11 @@ class Enforcement(Protocol):
 
     def object_parameters(self, item: CableItem) -> dict[str, Any]:
         """Matrices and user functions of the ObjectGenericODE2."""
+        raise NotImplementedError
 
     def add_constraints(self, mbs: Any, number: int, item: CableItem, held: np.ndarray) -> list[int]:
         """Add what belongs beside object `number`; returns the numbers of the added objects.
 
         held: (n, 2, dim) coordinates that supports at the ends hold.
         """
+        return []

@@ -9,6 +9,7 @@ from ...cable.cable import Cable
 from ...cable.constraint_rows import ConstraintRows, constraint_jacobian
 from ...errors import RedundantConstraintError
 from ...scene.model import CableItem
+from ..on_ground import node_marker_to_ground
 from .coordinates import Coordinates
 
 PIVOT_TOLERANCE = 1e-12  # smallest eigenvalue of rows of length 1 that do not depend on each other
@@ -55,21 +56,11 @@ def refuse_redundant_supports(item: CableItem, rows: ConstraintRows) -> Callable
 def _grounded_coordinates(mbs: Any, data: dict[str, Any], item: CableItem) -> tuple[int, list[int]] | None:
     """Place of a node of the cable and its coordinates that an object holds to the ground, or None."""
     kind = data["objectType"]
-    if kind not in ("ConnectorCoordinate", *_HOLDS_POSITIONS) or not data["activeConnector"]:
+    marker = node_marker_to_ground(mbs, data) if kind in ("ConnectorCoordinate", *_HOLDS_POSITIONS) else None
+    if marker is None or int(marker["nodeNumber"]) not in item.nodes:
         return None
-    markers = [mbs.GetMarker(number) for number in data["markerNumbers"]]
-    on_cable = [marker for marker in markers if int(marker.get("nodeNumber", -1)) in item.nodes]
-    if len(on_cable) != 1 or not all(marker in on_cable or _rests(mbs, marker) for marker in markers):
-        return None
-    place = item.nodes.index(int(on_cable[0]["nodeNumber"]))
+    place = item.nodes.index(int(marker["nodeNumber"]))
     if kind not in _HOLDS_POSITIONS:
-        return place, [on_cable[0]["coordinate"]]
+        return place, [marker["coordinate"]]
     axes = data.get("constrainedAxes", [1, 1, 1])[: item.cable.dimension]
     return place, [axis for axis, is_held in enumerate(axes) if is_held]
-
-
-def _rests(mbs: Any, marker: dict[str, Any]) -> bool:
-    """Whether a marker is on the ground."""
-    if "bodyNumber" in marker:
-        return bool(mbs.GetObject(marker["bodyNumber"])["objectType"] == "Ground")
-    return bool(mbs.GetNode(marker["nodeNumber"])["nodeType"] == "PointGround")

@@ -19,9 +19,9 @@ from exudyn.utilities import RigidBodyInertia
 from exudyn_inext import AddPointMass, AttachToBody, CableShape, CreateCompanionCables, InputError
 from exudyn_inext.items.attach.body_frame import (
     BodyFrame,
-    rotation_in_plane,
-    rotation_of_angles,
-    rotation_of_quaternion,
+    pose_in_plane,
+    pose_of_angles,
+    pose_of_quaternion,
 )
 from exudyn_inext.items.attach.clamp_to_body import _user_functions, directions_across
 from tests.exudyn_binding.items import SECTION, native_cable, solve_native, trajectory
@@ -164,16 +164,16 @@ def test_body_hangs_at_the_last_node_as_at_a_native_cable(new_mbs, add_pendulum,
 
 
 @pytest.mark.parametrize(
-    ("rotation", "coordinates", "dim"),
+    ("pose", "coordinates", "dim"),
     [
-        (rotation_in_plane, [0.3, 0.2, 0.7], 2),
-        (rotation_of_angles, [0.3, 0.2, 0.1, 0.5, -0.4, 0.9], 3),
-        (rotation_of_angles, [0.3, 0.2, 0.1, 0.5, -0.4, 0.9], 2),
-        (rotation_of_quaternion, [0.3, 0.2, 0.1, 0.8, -0.3, 0.5, 0.4], 3),
+        (pose_in_plane, [0.3, 0.2, 0.7], 2),
+        (pose_of_angles, [0.3, 0.2, 0.1, 0.5, -0.4, 0.9], 3),
+        (pose_of_angles, [0.3, 0.2, 0.1, 0.5, -0.4, 0.9], 2),
+        (pose_of_quaternion, [0.3, 0.2, 0.1, 0.8, -0.3, 0.5, 0.4], 3),
     ],
 )
-def test_jacobian_of_the_clamp_is_its_derivative(mbs, rotation, coordinates, dim):
-    frame = BodyFrame(0, "body", np.zeros(3), 0, np.array(coordinates), rotation)
+def test_jacobian_of_the_clamp_is_its_derivative(mbs, pose, coordinates, dim):
+    frame = BodyFrame(0, "body", 0, np.array(coordinates), pose)
     across = directions_across(
         np.array([0.6, 0.0, 0.8][:: 1 if dim == 3 else -1]) * [1, 1, dim - 2], frame, dim
     )
@@ -196,8 +196,8 @@ def test_rotation_of_a_body_is_that_of_exudyn(mbs, node_type):
     inertia = RigidBodyInertia(mass=MASS, inertiaTensor=INERTIA * np.eye(3))
     body = mbs.CreateRigidBody(inertia=inertia, referenceRotationMatrix=oblique(), nodeType=AXES[node_type])
     coordinates = np.array(mbs.GetNode(mbs.GetObject(body)["nodeNumber"])["referenceCoordinates"])
-    rotation = {"Rxyz": rotation_of_angles, "EulerParameters": rotation_of_quaternion}[node_type]
-    np.testing.assert_allclose(rotation(coordinates)[0], oblique(), atol=1e-12)
+    pose = {"Rxyz": pose_of_angles, "EulerParameters": pose_of_quaternion}[node_type]
+    np.testing.assert_allclose(pose(coordinates)[1], oblique(), atol=1e-12)
 
 
 @pytest.mark.parametrize(("kind", "held"), [("hinge", [1, 1, 0, 0]), ("clamp", [1, 1, 1, 1])])

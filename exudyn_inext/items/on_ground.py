@@ -1,0 +1,32 @@
+"""What native markers and connectors tie to the ground."""
+
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+
+
+def point_on_ground(mbs: Any, marker: dict[str, Any]) -> Array | None:
+    """(3,) position of a marker on the ground, or None if it moves."""
+    if "nodeNumber" in marker:
+        node = mbs.GetNode(marker["nodeNumber"])
+        return np.array(node["referenceCoordinates"]) if node["nodeType"] == "PointGround" else None
+    body = mbs.GetObject(marker["bodyNumber"]) if "bodyNumber" in marker else None
+    if body is None or body["objectType"] != "Ground":
+        return None
+    offset = np.array(body["referenceRotation"]) @ np.array(marker.get("localPosition", np.zeros(3)))
+    return np.array(body["referencePosition"]) + offset
+
+
+def markers_of(mbs: Any, data: dict[str, Any]) -> list[dict[str, Any]]:
+    """Of a connector."""
+    return [mbs.GetMarker(number) for number in data["markerNumbers"]]
+
+
+def node_marker_to_ground(mbs: Any, data: dict[str, Any]) -> dict[str, Any] | None:
+    """The marker on a node that a connector ties to the ground, or None if it ties something else."""
+    if not data["activeConnector"]:
+        return None
+    moving = [marker for marker in markers_of(mbs, data) if point_on_ground(mbs, marker) is None]
+    return moving[0] if len(moving) == 1 and "nodeNumber" in moving[0] else None
