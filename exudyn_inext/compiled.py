@@ -1,8 +1,11 @@
 """How numerical kernels are compiled, and the cache of their machine code.
 
-`kernel` makes an entry point, `inlined` a part of kernels, `optional` one that many cables do not have,
-`dispatched` a protocol. Where all loops over a `lowered.local_array` are unrolled it has no aliases and is
-kept in registers: a long body of such a loop belongs into a function of its own, or the loop stays.
+`kernel` makes an entry point, `inlined` a part of kernels, `inlined_kernel` what is both, `optional` a part
+that many cables do not have, `dispatched` a protocol. Parts are optimised in the kernels that contain them
+only; a kernel that others call is optimised before, too: that pays for long ones that several call.
+
+Where all loops over a `lowered.local_array` are unrolled it has no aliases and is kept in registers: a long
+body of such a loop belongs into a function of its own, or the loop stays.
 """
 
 from collections.abc import Callable
@@ -19,12 +22,26 @@ from .lowered import (
     WITHOUT_COUNTS,
     WITHOUT_ENTRY,
     CompiledPart,
+    KernelCompiler,
+    PartAndKernel,
+    PartCompiler,
     name_cached_files,
 )
 
 _ARITHMETIC = {"error_model": "numpy", "fastmath": FAST_MATH, "nogil": True}
-OPTIONS: dict[str, Any] = {**_ARITHMETIC, **WITHOUT_COUNTS, **WITHOUT_C_ENTRY}
-_OF_PARTS: dict[str, Any] = {"forceinline": True, **_ARITHMETIC, **WITHOUT_COUNTS, **WITHOUT_ENTRY}
+OPTIONS: dict[str, Any] = {
+    "pipeline_class": KernelCompiler,
+    **_ARITHMETIC,
+    **WITHOUT_COUNTS,
+    **WITHOUT_C_ENTRY,
+}
+_OF_PARTS: dict[str, Any] = {
+    "pipeline_class": PartCompiler,
+    "forceinline": True,
+    **_ARITHMETIC,
+    **WITHOUT_COUNTS,
+    **WITHOUT_ENTRY,
+}
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -76,9 +93,13 @@ def inlined(function: _Function) -> _Function:
     return compiled
 
 
-def inlined_step(function: _Function) -> _Function:
-    """As `inlined`, for parts of schemes: they take steps from Python, too, and are compiled there."""
-    return numba.njit(forceinline=True, **OPTIONS)(function)
+def inlined_kernel(function: _Function) -> _Function:
+    """As `inlined`; called from Python, it is a `kernel`."""
+    compiled = kernel(function)
+    if not numba.config.DISABLE_JIT:
+        part = inlined(function)
+        compiled.__class__, compiled.part = PartAndKernel, part  # type: ignore[attr-defined]
+    return compiled
 
 
 @inlined

@@ -14,7 +14,10 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
+from numba._dynfunc import make_function
 from numba.core import cgutils, event, types
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 from numba.core.types.containers import UniTuple
@@ -74,11 +77,56 @@ class Compilation(event.Listener):
             self.seconds += time.perf_counter() - self._start
 
 
+class KernelCompiler(Compiler):
+    """Lets the parts of a new kernel find their constants, as Numba does for a kernel from the cache."""
+
+    def compile_extra(self, func: Any) -> Any:
+        result = super().compile_extra(func)
+        for environment in result._find_referenced_environments():
+            result.library.codegen.set_env(environment.env_name, environment)
+        return result
+
+
+class PartLibrary(JITCodeLibrary):
+    """Code of a part: kernels that contain it optimise and translate it; on its own it is never run."""
+
+    def _optimize_final_module(self) -> None:
+        pass
+
+    def _finalize_final_module(self) -> None:
+        self._finalized = True
+
+
+class PartCompiler(Compiler):
+    """Compiles into a `PartLibrary`."""
+
+    def __init__(self, typing: Any, target: Any, _library: Any, *others: Any) -> None:
+        super().__init__(typing, target, PartLibrary(target.codegen(), "part"), *others)
+        self.state.targetctx.get_executable = _no_executable
+
+
+def _no_executable(library: Any, description: Any, environment: Any) -> Any:
+    """What stands for a part where Numba keeps a function that Python can call."""
+    return make_function(description.lookup_module(), description.qualname, "", 0, environment, (library,))
+
+
 class CompiledPart(CPUDispatcher):
     """A compiled function without an entry for Python, where it runs as plain Python."""
 
     def __call__(self, *arguments: Any) -> Any:
         return self.py_func(*arguments)
+
+
+class PartAndKernel(CPUDispatcher):
+    """A compiled function with an entry for Python; what kernels contain is its `part`."""
+
+    part: CompiledPart
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        return self.part.get_call_template(args, kws)
+
+    def get_overload(self, sig: Any) -> Any:
+        return self.part.get_overload(sig)
 
 
 def set_multiple(places: tuple[int, ...], y: Any, factor: float, x: Any) -> None:

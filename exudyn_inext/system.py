@@ -99,12 +99,17 @@ def gauge(system, external, q, v, a, force, gauges):
     raise NotImplementedError(f"no energy balance for {type(system).__name__}")
 
 
-def implements(protocol: Any, system_type: type) -> Callable[[Any], Any]:
-    """Register the decorated kernel as `protocol` for systems of `system_type`."""
+def implements(
+    protocol: Any, system_type: type, compiled: Callable[[Any], Any] = kernel
+) -> Callable[[Any], Any]:
+    """Register the decorated function as `protocol` for systems of `system_type`.
+
+    compiled: `inlined_kernel` saves time to compile where few kernels call the protocol.
+    """
 
     def register(function: Any) -> Any:
-        compiled = kernel(function)
-        protocol.register(system_type)(compiled)
-        return compiled
+        implementation = compiled(function)
+        protocol.register(system_type)(implementation)
+        return implementation
 
     return register

@@ -10,7 +10,7 @@ import pytest
 from numba.core.errors import TypingError
 
 import exudyn_inext
-from exudyn_inext.compiled import kernel
+from exudyn_inext.compiled import inlined, inlined_kernel, kernel
 from exudyn_inext.lowered import set_multiple, subtract_multiple
 
 pytestmark = pytest.mark.kernel
@@ -44,6 +44,60 @@ def test_rows_with_gaps_are_no_rows():
     if hasattr(subtract, "py_func"):
         with pytest.raises(TypingError):
             subtract((0, 0, 0), columns)
+
+
+@inlined
+def positive(x):
+    if x <= 0.0:
+        raise ValueError("not positive")
+    return x
+
+
+@inlined_kernel
+def inverse(x):
+    return 1.0 / positive(x)
+
+
+@kernel
+def difference_of_inverses(x, y):
+    return inverse(x) - inverse(y)
+
+
+def test_a_part_works_in_kernels_and_from_python():
+    assert difference_of_inverses(2.0, 4.0) == 0.25
+    assert inverse(2.0) == 0.5 and positive(2.0) == 2.0
+    for function in (inverse, positive):
+        with pytest.raises(ValueError, match="not positive"):
+            function(-2.0)
+    with pytest.raises(ValueError, match="not positive"):
+        difference_of_inverses(2.0, -4.0)
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
+def test_a_part_is_translated_in_kernels_only():
+    difference_of_inverses(2.0, 4.0)
+    inverse(2.0)
+    for part in (positive, inverse.part):
+        for result in part.overloads.values():
+            assert not result.library.get_pointer_to_function(result.fndesc.llvm_func_name)
+    for result in inverse.overloads.values():
+        assert result.library.get_pointer_to_function(result.fndesc.llvm_func_name)
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
+def test_a_part_may_print(capfd):
+    """It needs the environment of the function then, which the kernel has to bring along."""
+
+    @inlined
+    def show(x):
+        print("here", x)
+
+    @kernel
+    def call(x):
+        show(x)
+
+    call(3)
+    assert capfd.readouterr().out == "here 3\n"
 
 
 def test_only_one_module_takes_something_from_inside_numba():

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import inlined, kernel
+from ..compiled import inlined, inlined_kernel, kernel
 from ..element.inextensibility import length_gradient
 from ..lowered import local_array
 from ..system import accelerate_and_project
@@ -167,7 +167,7 @@ def _no_tension(system: Any) -> tuple[Array, Array, Array]:
     return np.zeros(len(chain.nodes)), np.zeros(len(chain.elements)), np.zeros(links)
 
 
-@kernel
+@inlined_kernel
 def _set_tension(system, acceleration, momentum, tension):
     """`tension` behind the last evaluation of `system`, which gave this acceleration (n, 2, dim).
 
@@ -201,7 +201,7 @@ def _degrees_of_freedom(system, number_of_links):
     return number
 
 
-@kernel
+@inlined_kernel
 def _scatter(x):
     """x (n, 2, dim): numbers between -1 and 1 without a pattern, always the same: every mode has a share."""
     place = 0.0
@@ -212,7 +212,7 @@ def _scatter(x):
                 place += 1.0
 
 
-@kernel
+@inlined_kernel
 def _largest_at_state(system, q, tension, memory, diagonal, off_diagonal):
     """w_max^2 [rad^2/s^2] where `system` was evaluated last; 0 if nothing can move, NaN if it is not found.
 

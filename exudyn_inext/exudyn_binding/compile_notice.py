@@ -26,4 +26,4 @@ def compile_notice(settings: Any) -> Iterator[None]:
 def _announce() -> None:
     folder = compiled.CACHE_FOLDER
     kept = f"once: they are kept in {folder}" if folder else "in each process: no cache can be written to"
-    print(f"exudyn_inext: compiling kernels, which takes some 20 s, {kept}", flush=True)
+    print(f"exudyn_inext: compiling kernels, which takes some 15 s, {kept}", flush=True)

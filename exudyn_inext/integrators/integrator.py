@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import dispatched, inlined_step
+from ..compiled import dispatched, inlined_kernel
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ def record(scheme: Any, system: Any, loads: Any, state: Any, h: float, steps: in
     advance.dispatch(type(scheme))(scheme, system, loads, state, h, steps, history)
 
 
-@inlined_step
+@inlined_kernel
 def count_work(loads, step, q):
     """Add the work of each pattern in a step to q, by the trapezoidal rule."""
     pattern, factor, work = loads.pattern, loads.factor, loads.work
@@ -107,7 +107,7 @@ def count_work(loads, step, q):
         work[p, PROJECTION], work[p, FACTOR] = projection, now
 
 
-@inlined_step
+@inlined_kernel
 def store(history, loads, step, steps, q, v, a):
     """Keep q, v, a after step number `step` if it ends an interval of `steps` steps; count work."""
     count_work(loads, step, q)
@@ -119,7 +119,7 @@ def store(history, loads, step, steps, q, v, a):
             history[interval, 2, i] = a[i]
 
 
-@inlined_step
+@inlined_kernel
 def external_force(loads, step, stage, external):
     """external = F at the given stage of the given step.   external: (n_external,) output."""
     constant, pattern, factor = loads.constant, loads.pattern, loads.factor

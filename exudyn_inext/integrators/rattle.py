@@ -17,7 +17,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..checks import require_integer, require_positive
-from ..compiled import inlined_step, kernel
+from ..compiled import inlined_kernel, kernel
 from ..system import accelerate_and_project, correct_position, implements
 from .integrator import Integrator, advance, allocate_state, external_force, store
 
@@ -79,7 +79,7 @@ def resume(system, external, state):
     accelerate_and_project(system, external, state.q, state.v, 0.0, state.v_half, state.correction)
 
 
-@inlined_step
+@inlined_kernel
 def _drift(h, q, v, a, v_half):
     """v_(n+1/2) and q_(n+1) before the position constraints act."""
     for i in range(len(q)):
@@ -87,14 +87,14 @@ def _drift(h, q, v, a, v_half):
         q[i] += h * v_half[i]
 
 
-@inlined_step
+@inlined_kernel
 def _add_correction(h, correction, q, v_half):
     for i in range(len(q)):
         q[i] += correction[i]
         v_half[i] += correction[i] / h
 
 
-@implements(advance, Rattle)
+@implements(advance, Rattle, inlined_kernel)
 def advance_rattle(scheme, system, loads, state, h, steps, history):
     """Arguments: see `advance`."""
     q, v, a, v_half = state.q, state.v, state.a, state.v_half

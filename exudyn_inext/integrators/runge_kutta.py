@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from ..arrays import Array
 from ..checks import require_choice
-from ..compiled import inlined_step, kernel
+from ..compiled import inlined_kernel, kernel
 from ..system import implements, index_reduced_rates
 from .integrator import Integrator, advance, allocate_state, external_force, store
 
@@ -53,7 +53,7 @@ def start(system, external, state):
     index_reduced_rates(system, external, state.q, state.v, state.a, state.rate)
 
 
-@inlined_step
+@inlined_kernel
 def _next_stage(h, stage, x, rate, x_sum, x_stage):
     """Where to evaluate next: along the last rate, or, at the end, along the weighted sum."""
     for i in range(len(x)):
@@ -63,7 +63,7 @@ def _next_stage(h, stage, x, rate, x_sum, x_stage):
         x_stage[i] = x_sum[i] if stage == 3 else x[i] + h * ABSCISSAE[stage] * rate[i]
 
 
-@implements(advance, RungeKutta4)
+@implements(advance, RungeKutta4, inlined_kernel)
 def advance_runge_kutta(scheme, system, loads, state, h, steps, history):
     """Arguments: see `advance`."""
     q, v, a, rate = state.q, state.v, state.a, state.rate

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from ..arrays import Array
 from ..checks import require_finite, require_flag
-from ..compiled import inlined_step, kernel
+from ..compiled import inlined_kernel, kernel
 from ..system import implements, index_reduced_rates
 from .integrator import Integrator, advance, allocate_state, external_force, store
 
@@ -77,7 +77,7 @@ def change_step(state: ZhaiState, ratio: float) -> None:
     state.a_previous[:] = state.a - ratio * (state.a - state.a_previous)
 
 
-@inlined_step
+@inlined_kernel
 def _predict(scheme, h, q, v, a, a_previous, rate, q_start, v_start):
     """Phase I, Eqs. (31), (32); what the corrector needs of q_n and v_n is kept."""
     for i in range(len(q)):
@@ -88,7 +88,7 @@ def _predict(scheme, h, q, v, a, a_previous, rate, q_start, v_start):
         a_previous[i] = a[i]
 
 
-@inlined_step
+@inlined_kernel
 def _correct(scheme, h, q, v, a_predicted, a_start, q_start, v_start):
     """Phase III, Eqs. (33), (34), from the predicted acceleration."""
     gamma = scheme.gamma_newmark
@@ -98,7 +98,7 @@ def _correct(scheme, h, q, v, a_predicted, a_start, q_start, v_start):
         v[i] = v_start[i] + h * ((1.0 - gamma) * a_start[i] + gamma * a_predicted[i])
 
 
-@implements(advance, Zhai)
+@implements(advance, Zhai, inlined_kernel)
 def advance_zhai(scheme, system, loads, state, h, steps, history):
     """Arguments: see `advance`."""
     q, v, a, a_previous, rate = state.q, state.v, state.a, state.a_previous, state.rate
