@@ -87,9 +87,10 @@ class CoupledScene:
         groups = in_few_chains([cable.system for cable in cables])
         self.cable_systems = [system for _, alike in groups for system in alike]
         others = [Part(masses.system, self.map.slices[-1]), *self._first_order_states()]
-        of_cables = zip(self.cable_systems, self.map.slices, strict=False)
-        parts = [*(Part(system, dofs) for system, dofs in of_cables), *others]
-        wholes = [*_wholes(groups, self.map.slices), *others]
+        of_cables = list(_parts_of_cables(groups, self.map.slices))
+        parts = [*of_cables, *others]
+        evaluated = [part.whole or part for part in of_cables]
+        wholes = [*{id(whole): whole for whole in evaluated}.values(), *others]
         self.joints = read_joints(mbs, own_constraints.union(self.held.numbers))
         rows = JointRows(self.joints, quaternions, parts, self.map)
         loads = [cable.loads for cable in cables]
@@ -195,7 +196,7 @@ class CoupledScene:
 
     def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
         """As `solve_cable`, where the scene has been evaluated at (t, q, v)."""
-        part, dofs = self.system.parts[cable]
+        part, dofs, _ = self.system.parts[cable]
         size = dofs.stop - dofs.start
         a, rate = np.zeros(size), np.zeros(size)
         force = self._cables[cable].loads.at(t).copy()
@@ -205,12 +206,14 @@ class CoupledScene:
         return a
 
 
-def _wholes(groups: Sequence[Systems], slices: Sequence[slice]) -> Iterator[Part]:
-    """Cables that are evaluated at once.   slices: of the cables."""
+def _parts_of_cables(groups: Sequence[Systems], slices: Sequence[slice]) -> Iterator[Part]:
+    """One for each cable, with what it is evaluated in.   slices: of the cables."""
     done = 0
-    for whole, alike in groups:
-        yield Part(whole, slice(slices[done].start, slices[done + len(alike) - 1].stop))
+    for system, alike in groups:
+        places = slices[done : done + len(alike)]
         done += len(alike)
+        whole = Part(system, slice(places[0].start, places[-1].stop)) if len(alike) > 1 else None
+        yield from (Part(own, dofs, whole) for own, dofs in zip(alike, places, strict=True))
 
 
 def _require_mass(mbs: Any, missing: np.ndarray) -> None:

@@ -15,10 +15,14 @@ from .joints import JointBlock, JointSolve, JointTerms
 
 
 class Part(NamedTuple):
-    """One part.   system: its equations.   dofs: its place in the coupled vectors."""
+    """One part.   system: its equations.   dofs: its place in the coupled vectors.
+
+    whole: the part that it is evaluated in, with others; None: alone.
+    """
 
     system: Any
     dofs: slice
+    whole: "Part | None" = None
 
 
 class _Resolved(NamedTuple):
@@ -33,7 +37,9 @@ class _Resolved(NamedTuple):
 
 def _resolve(part: Part) -> _Resolved:
     protocols = index_reduced_rates, accelerate_and_project, correct_position
-    return _Resolved(*part, *(protocol.dispatch(type(part.system)) for protocol in protocols))
+    return _Resolved(
+        part.system, part.dofs, *(protocol.dispatch(type(part.system)) for protocol in protocols)
+    )
 
 
 class Surroundings(Protocol):

@@ -8,9 +8,9 @@ Two rows are coupled in S if they meet on a part. In the order of Cuthill and Mc
 narrow for trees and chains of parts, as wide as a side for nets.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -21,7 +21,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from ..arrays import Array
 from ..compiled import kernel
 from ..errors import RedundantConstraintError
-from .parts import respond
+from .parts import respond, respond_in_chain
 
 PIVOT_TOLERANCE = 1e-10  # of a pivot of S, relative to its diagonal entry
 
@@ -31,13 +31,15 @@ class JointBlock:
 
     Args:
         system: of the part.   dofs: its place in the coupled vectors.   rows: (k,) which rows.
+        whole: see `Part`.
 
     Attributes:
         jacobian: (k, n_dof), set by whoever knows the joints.   response: (k, n_dof) A^-1 J^T.
     """
 
-    def __init__(self, system: Any, dofs: slice, rows: np.ndarray) -> None:
+    def __init__(self, system: Any, dofs: slice, rows: np.ndarray, whole: Any = None) -> None:
         self.system = system
+        self.whole = whole
         self.dofs = dofs
         self.rows = rows
         self.jacobian: Array = np.zeros((len(rows), dofs.stop - dofs.start))
@@ -84,11 +86,26 @@ class JointSolve:
         size = sum(block.jacobian.size for block in blocks)
         self._jacobian, self._response = np.zeros(size), np.zeros(size)
         _share(blocks, self._jacobian, self._response)
-        self._responders = [respond.dispatch(type(block.system)) for block in blocks]
+        self._responders = list(self._responders_of(blocks))
         self._order = _order_of_band(self._rows, len(names))
         self._rows = self._rows._replace(place=np.argsort(self._order)[self._rows.row])
         self._schur: Array = np.zeros((_width_of_band(self._rows), len(names)), order="F")
         self._factor = self._schur
+
+    def _responders_of(self, blocks: Sequence[JointBlock]) -> Iterator[tuple[Any, tuple[Any, ...]]]:
+        """What sets the responses, with its arguments: one call for all blocks of a whole."""
+        begin = 0
+        for _, together in groupby(blocks, key=lambda block: id(block.whole or block)):
+            alike = list(together)
+            end = begin + sum(len(block.rows) for block in alike)
+            whole, block = alike[0].whole, alike[0]
+            if whole is None:
+                yield respond.dispatch(type(block.system)), (block.system, block.jacobian, block.response)
+            else:
+                rows, own = self._rows, slice(begin, end)
+                entries = rows.first[own], rows.width[own], rows.dof[own] - whole.dofs.start
+                yield respond_in_chain, (whole.system, *entries, self._jacobian, self._response)
+            begin = end
 
     def factorise(self) -> None:
         """S of the present Jacobians; the parts are factorised.
@@ -96,8 +113,8 @@ class JointSolve:
         Raises:
             RedundantConstraintError: names the first row that depends on others.
         """
-        for block, respond_as in zip(self._blocks, self._responders, strict=True):
-            respond_as(block.system, block.jacobian, block.response)
+        for respond_as, arguments in self._responders:
+            respond_as(*arguments)
         _find_nonzeros(self._rows, self._jacobian)
         _set_schur(self._rows, self._jacobian, self._response, self._schur)
         self._factor, info = lapack.dpbtrf(self._schur, lower=1)
