@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
+from llvmlite.binding import Linkage
 from numba._dynfunc import make_function
 from numba.core import cgutils, event, types
 from numba.core.codegen import JITCodeLibrary
@@ -77,8 +78,29 @@ class Compilation(event.Listener):
             self.seconds += time.perf_counter() - self._start
 
 
+class KernelLibrary(JITCodeLibrary):
+    """Code of a kernel, with copies of its own of all that it contains.
+
+    Otherwise kernels would share one of their copies, whichever was loaded first; and these differ in bits.
+    """
+
+    def _optimize_final_module(self) -> None:
+        for function in self._final_module.functions:
+            if function.linkage == Linkage.linkonce_odr and not function.is_declaration:
+                function.linkage = Linkage.internal
+        super()._optimize_final_module()
+
+
 class KernelCompiler(Compiler):
-    """Lets the parts of a new kernel find their constants, as Numba does for a kernel from the cache."""
+    """Compiles into a `KernelLibrary`, which can be stored.
+
+    It lets the parts of a new kernel find their constants, as Numba does for a kernel from the cache.
+    """
+
+    def __init__(self, typing: Any, target: Any, _library: Any, *others: Any) -> None:
+        library = KernelLibrary(target.codegen(), "kernel")
+        library.enable_object_caching()
+        super().__init__(typing, target, library, *others)
 
     def compile_extra(self, func: Any) -> Any:
         result = super().compile_extra(func)

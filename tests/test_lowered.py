@@ -7,6 +7,7 @@ from pathlib import Path
 import numba
 import numpy as np
 import pytest
+from llvmlite.binding import Linkage
 from numba.core.errors import TypingError
 
 import exudyn_inext
@@ -98,6 +99,25 @@ def test_a_part_may_print(capfd):
 
     call(3)
     assert capfd.readouterr().out == "here 3\n"
+
+
+def test_a_kernel_has_copies_of_its_own_of_what_it_contains():
+    """Otherwise it would run the copy of another kernel, if that was loaded before, and give other bits."""
+
+    @numba.njit
+    def fibonacci(n):  # that no compiler dissolves in its caller
+        return n if n < 2 else fibonacci(n - 1) + fibonacci(n - 2)
+
+    @kernel
+    def call(n):
+        return fibonacci(n) + fibonacci(n + 1)
+
+    assert call(10) == 144
+    if numba.config.DISABLE_JIT:
+        return
+    (compiled,) = call.overloads.values()
+    linkages = {function.linkage for function in compiled.library.get_defined_functions()}
+    assert Linkage.linkonce_odr not in linkages and Linkage.external in linkages
 
 
 def test_only_one_module_takes_something_from_inside_numba():
