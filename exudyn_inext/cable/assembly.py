@@ -115,8 +115,7 @@ def set_violations(axes, nodes, elements, q, set_targets, parameter):
         value = 0.5 * contract(axes, e, gradient) - element.reference_length
         element.constraint[VALUE] = value
         set_targets(parameter, element)
-        if element.reference_length > 0.0:  # not between two cables
-            of_group += value / element.reference_length
+        of_group += value * element.per_length
         if nodes[k + 1].ends_group:
             worst = max(worst, abs(of_group))
             of_group = 0.0

@@ -77,6 +77,7 @@ def build_chain(cable: Cable, implicit: ImplicitBending = EXPLICIT) -> Chain:
     if cable.length_constraints > 0:
         elements["slope_gram"] = forms_of_mesh(_in_differences(slope_gram_matrix), lengths)
     elements["reference_length"] = cable.constrained_lengths()
+    elements["per_length"] = 1.0 / elements["reference_length"]
     chain = Chain(tuple(range(dim)), nodes, elements)
     set_mass(chain, cable, implicit)
     return chain

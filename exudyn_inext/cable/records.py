@@ -67,6 +67,7 @@ def element_type(
     drag: table of the drag, empty without drag.   drag_law: its coefficients and the flow.
     slope_gram: slope Gram matrix in difference coordinates; zero without length constraint.
     reference_length: int |r_x|^2 dx in the reference configuration [m].
+    per_length: its inverse [1/m]; 0 between two cables.
     gradient: length constraint Jacobian on r_left, s_left, r_right, s_right, supports taken out.
     constraint: value [m], rate [m/s], gamma [m/s^2] of the element's share of (19).
     target: right-hand sides of the length constraint, one for each column of Eq. (29).
@@ -85,6 +86,7 @@ def element_type(
             ("drag_law", NUMBER, (2, 3) if dragged else (0, 3)),
             ("slope_gram", NUMBER, (3, 3)),
             ("reference_length", NUMBER),
+            ("per_length", NUMBER),
             ("gradient", NUMBER, (4, dim)),
             ("constraint", NUMBER, (3,)),
             ("target", NUMBER, (2,)),
