@@ -1,8 +1,9 @@
 """How numerical kernels are compiled, and the cache of their machine code.
 
-`kernel` makes an entry point, `inlined` a part of kernels, `inlined_kernel` what is both, `optional` a part
-that many cables do not have, `dispatched` a protocol. Parts are optimised in the kernels that contain them
-only; a kernel that others call is optimised before, too: that pays for long ones that several call.
+`kernel` makes an entry point, `inlined` a part of kernels, `inlined_kernel` and `called_kernel` what is both,
+`optional` a part that many cables do not have, `dispatched` a protocol. Parts are optimised in the kernels
+that contain them only; a kernel that others call is optimised before, too: that pays for long ones that
+several call.
 
 Where all loops over a `lowered.local_array` are unrolled it has no aliases and is kept in registers: a long
 body of such a loop belongs into a function of its own, or the loop stays.
@@ -21,6 +22,7 @@ from .lowered import (
     WITHOUT_C_ENTRY,
     WITHOUT_COUNTS,
     WITHOUT_ENTRY,
+    CalledPartCompiler,
     CompiledPart,
     KernelCompiler,
     PartAndKernel,
@@ -42,6 +44,7 @@ _OF_PARTS: dict[str, Any] = {
     **WITHOUT_COUNTS,
     **WITHOUT_ENTRY,
 }
+_OF_CALLED_PARTS: dict[str, Any] = {**_OF_PARTS, "pipeline_class": CalledPartCompiler, "forceinline": False}
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -95,9 +98,19 @@ def inlined(function: _Function) -> _Function:
 
 def inlined_kernel(function: _Function) -> _Function:
     """As `inlined`; called from Python, it is a `kernel`."""
+    return _part_and_kernel(function, _OF_PARTS)
+
+
+def called_kernel(function: _Function) -> _Function:
+    """As `inlined_kernel`, but kernels call it as it is: it gives the same bits within others as alone."""
+    return _part_and_kernel(function, _OF_CALLED_PARTS)
+
+
+def _part_and_kernel(function: _Function, options: dict[str, Any]) -> _Function:
     compiled = kernel(function)
     if not numba.config.DISABLE_JIT:
-        part = inlined(function)
+        part = numba.njit(**options)(function)
+        part.__class__ = CompiledPart
         compiled.__class__, compiled.part = PartAndKernel, part  # type: ignore[attr-defined]
     return compiled
 

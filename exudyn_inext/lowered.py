@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, suppress
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from llvmlite import ir
@@ -119,12 +119,30 @@ class PartLibrary(JITCodeLibrary):
         self._finalized = True
 
 
+class CalledLibrary(PartLibrary):
+    """Code of a part that kernels call and do not dissolve: it gives the same bits in all of them."""
+
+    def add_ir_module(self, ir_module: Any) -> None:
+        for function in ir_module.functions:
+            if function.blocks:
+                function.attributes.add("noinline")
+        super().add_ir_module(ir_module)
+
+
 class PartCompiler(Compiler):
     """Compiles into a `PartLibrary`."""
 
+    library: ClassVar[type[PartLibrary]] = PartLibrary
+
     def __init__(self, typing: Any, target: Any, _library: Any, *others: Any) -> None:
-        super().__init__(typing, target, PartLibrary(target.codegen(), "part"), *others)
+        super().__init__(typing, target, self.library(target.codegen(), "part"), *others)
         self.state.targetctx.get_executable = _no_executable
+
+
+class CalledPartCompiler(PartCompiler):
+    """Compiles into a `CalledLibrary`."""
+
+    library = CalledLibrary
 
 
 def _no_executable(library: Any, description: Any, environment: Any) -> Any:

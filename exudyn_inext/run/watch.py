@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array, record_type
-from ..compiled import inlined, kernel
+from ..compiled import called_kernel, inlined, kernel
 from ..integrators.integrator import FACTOR, FIRST, LAST, PROJECTION, SUM, LoadHistory, advance
 from ..system import AGITATION, ELASTIC, KINETIC, POWER, VIOLATION, gauge
 
@@ -410,7 +410,7 @@ def judge_after_work(watch, state, constant, work, scatter, steps, duration):
     return _judge(watch, state, steps, duration)
 
 
-@kernel
+@called_kernel
 def record_watched(scheme, system, loads, state, h, steps, history, watch):
     """Advance through intervals of `steps` steps each, as long as all is well.
 
