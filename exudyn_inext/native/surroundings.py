@@ -86,6 +86,8 @@ class NativeSurroundings:
         self._cables = list(coordinates.slices[: len(loads)])
         self._dofs = [part.dofs for part in wholes]
         self._of_wholes = [_those_within(part.dofs, self._cables) for part in wholes]
+        is_steady = not any(len(of_cable.pattern) for of_cable in loads)
+        self._steady = self._joined([of_cable.constant for of_cable in loads]) if is_steady else None
         self._masses = masses
         self._rows = rows
         self._held = held
@@ -123,10 +125,13 @@ class NativeSurroundings:
             gather(residual, self._coordinates.of_forces, forces)
         else:
             gather_and_follow(path, q, residual, self._coordinates.of_forces, forces)
-        given = [loads.at(t) for loads in self._loads]
-        if self._has_histories:
-            self._add_histories(q, given, path)
-        result = [_joined(given[which]) for which in self._of_wholes if which.stop > which.start]
+        if self._steady is not None:
+            result = [force.copy() for force in self._steady]
+        else:
+            given = [loads.at(t) for loads in self._loads]
+            if self._has_histories:
+                self._add_histories(q, given, path)
+            result = self._joined(given)
         for force, dofs in zip(result, self._dofs, strict=False):
             force[: dofs.stop - dofs.start] += forces[dofs]
         self._masses.update(q[self._bodies])
@@ -134,6 +139,13 @@ class NativeSurroundings:
         if first:
             result.append(residual[second : second + first])
         return result
+
+    def _joined(self, given: Sequence[Array]) -> list[Array]:
+        """Copies for each whole: of one cable with its motions, of several, which have none, side by side.
+
+        given: of each cable.
+        """
+        return [np.concatenate(given[which]) for which in self._of_wholes if which.stop > which.start]
 
     def _add_histories(self, q: Array, given: Sequence[Array], path: Array | None) -> None:
         """Set the forces that vary, and count their work.   given: of each cable's own loads, at present."""
@@ -234,11 +246,6 @@ def _those_within(dofs: slice, cables: Sequence[slice]) -> slice:
     """Which of the cables lie in a whole, all by their coordinates."""
     inside = [k for k, own in enumerate(cables) if dofs.start <= own.start < own.stop <= dofs.stop]
     return slice(inside[0], inside[-1] + 1) if inside else slice(0, 0)
-
-
-def _joined(forces: Sequence[Array]) -> Array:
-    """A copy: of one cable with its motions, of several, which have none, one after the other."""
-    return forces[0].copy() if len(forces) == 1 else np.concatenate(forces)
 
 
 def evaluator(mbs: Any) -> Any:
