@@ -160,8 +160,23 @@ def _bounds_and_scaling(
         wanted, _ = largest_step(bounds, explicit.stepSafety)
         if not theta or wanted >= NEARLY * step:
             break
-        step = wanted
+        step = _for_its_own_mass(wanted, step, theta, bounds)
     return bounds, explicit
+
+
+def _for_its_own_mass(wanted: float, step: float, theta: float, bounds: StepSizeBounds) -> float:
+    """The step that is as large as its own scaled mass allows [s], as if all of w_max came from bending.
+
+    With w^2 = w_0^2 / (1 + theta h^2 w_0^2) for the frequency w_0 of the mass as it is.
+
+    Args:
+        wanted: what the mass for `step` allows [s].   theta: of the mass scaling.   bounds: for `step`.
+    """
+    product = wanted * bounds.largest_frequency
+    as_it_is = 1.0 / bounds.largest_frequency**2 - theta * step**2 if product > 0.0 else 0.0
+    if as_it_is <= 0.0 or theta * product**2 >= 1.0:
+        return wanted
+    return min(wanted, product * math.sqrt(as_it_is / (1.0 - theta * product**2)))
 
 
 def _mass_scaling(cables: Sequence[CableRun], step: float, explicit: ExplicitSettings) -> float:

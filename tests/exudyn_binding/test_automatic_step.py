@@ -6,7 +6,8 @@ import pytest
 from exudyn.beams import GenerateBeamElementsAlongLine
 from exudyn.itemInterface import LoadForceVector, MarkerNodePosition, ObjectANCFCable2D
 
-from exudyn_inext import InextensibleCable, SolveEquilibrium
+from exudyn_inext import AttachToBody, CreateInextensibleCable, InextensibleCable, SolveEquilibrium
+from exudyn_inext.run.coupled_run import CoupledRun
 from reference_models.model import quiet_settings, silence
 
 END, PERIOD = 1.0, 0.01
@@ -154,3 +155,27 @@ def test_rk4_says_what_bending_damping_does_to_its_step(swing):
     section = InextensibleCable(massPerLength=0.1, bendingStiffness=1.0, bendingDamping=0.02)
     with pytest.warns(UserWarning, match=r"damping .* bounds the step .* under RK4"):
         swing(section, 8, CLAMPED, end=1e-4, integrator="RK4")
+
+
+def test_among_bodies_the_step_is_what_its_own_scaled_mass_allows(new_mbs, solve, monkeypatch):
+    looks = []
+    look = CoupledRun.largest_frequency
+    monkeypatch.setattr(CoupledRun, "largest_frequency", lambda run, t: looks.append(t) or look(run, t))
+
+    def scene():
+        mbs = new_mbs()
+        stiff = InextensibleCable(massPerLength=0.05, bendingStiffness=0.05)
+        cable = CreateInextensibleCable(
+            mbs, [0, 0, 0], [1, 0, 0], 10, stiff, [0, -9.81, 0], [True, True, False, False]
+        )
+        body = mbs.CreateMassPoint(mass=0.5, referencePosition=[1, 0, 0], gravity=[0, -9.81, 0])
+        AttachToBody(mbs, cable, "end", body)
+        mbs.Assemble()
+        return mbs
+
+    report = solve(scene(), 0.1)
+    assert report["decidedBy"] == "bending" and report["massScaling"] > 0.0 and len(looks) <= 3
+    step, theta = report["stepSize"], report["massScaling"]
+    again = solve(scene(), 0.1, stepSize=step, massScaling=theta)
+    allowed = again["bounds"].safety * again["bounds"].stability_limit
+    assert 0.97 * allowed < step < 1.03 * allowed
