@@ -22,3 +22,11 @@ def record_type(fields: Any) -> np.dtype[Any]:
     array: kernels take time to recognise a new one.
     """
     return np.dtype((np.record, np.dtype(fields, align=True)))
+
+
+def collected(kind: np.dtype[Any], records: Any) -> Any:
+    """An array of these records of one type."""
+    result = np.zeros(len(records), kind)
+    for k, record in enumerate(records):
+        result[k] = record
+    return result

@@ -13,6 +13,8 @@ from hypothesis import settings
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator
 
+from exudyn_inext.native.coupled_scene import CoupledScene
+
 settings.register_profile("repeatable", derandomize=True, max_examples=20, deadline=None, database=None)
 settings.load_profile("repeatable")
 
@@ -30,6 +32,12 @@ def a_clock_that_jumps(monkeypatch):
         return clock() + late
 
     monkeypatch.setattr(time, "process_time", jumping)
+
+
+@pytest.fixture
+def by_exudyn(monkeypatch):
+    """Exudyn evaluates its items, although they have compiled forms."""
+    monkeypatch.setattr(CoupledScene, "compiled", lambda *_: "this test")
 
 
 @pytest.fixture

@@ -2,6 +2,7 @@
 
 import struct
 import warnings
+from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import chain
@@ -63,6 +64,8 @@ class ExplicitTimeLoop:
         self._places = [as_slice(run.indices) for run in runs]
         self._computed = grid.first  # steps of the loop
         self._ahead: tuple[int, Array] = (0, np.zeros((0, ACCELERATIONS, 0)))  # first step and its states
+        self._reactions: deque[Array] = deque()  # after the steps that have been computed, if they are shown
+        self._last_reactions: Array | None = None
         for run in runs:
             run.set_step(grid.h)
             run.start(grid.start)
@@ -94,6 +97,7 @@ class ExplicitTimeLoop:
     def _plain_user_function(self) -> Any:
         next_state = chain.from_iterable(self._blocks_of_states()).__next__
         set_q, *set_others = self._setters()[: self._observed]
+        reactions, set_reactions = self._reactions, self._data.SetAECoordinates
 
         def take_step_of_positions(solver: Any, mbs: Any, settings: Any) -> bool:
             set_q(next_state())
@@ -104,6 +108,8 @@ class ExplicitTimeLoop:
             set_q(q)
             for put, values in zip(set_others, others, strict=True):
                 put(values)
+            if reactions:
+                set_reactions(reactions.popleft())
             return True
 
         return take_step if set_others else take_step_of_positions
@@ -126,6 +132,8 @@ class ExplicitTimeLoop:
             state = states[min(taken, len(states)) - 1]
             for put, values in zip(self._setters()[1:], state[1:].tolist(), strict=True):
                 put(values)
+        if self._last_reactions is not None and taken == len(states):
+            self._data.SetAECoordinates(self._last_reactions)
 
     def _watched_user_function(self) -> Any:
         plain = self._plain_user_function()
@@ -198,9 +206,21 @@ class ExplicitTimeLoop:
             if good and not run.looks_ahead and (self._shows_forces or self._takes_last_step):
                 time = self.grid.time(self._computed + 1)
                 history[0, 2] = run.accelerations(time, np.zeros(self._data.AEsize()))
+            elif good:
+                self._complete(run, history[:good])
             states[:, :, places] = history
         self._computed += intervals
         return states, good
+
+    def _complete(self, run: Run, history: Array) -> None:
+        """Accelerations and reactions in the states that somebody looks at, and in the last one."""
+        first = 0 if self._shows_forces else len(history) - 1
+        times = np.array([self.grid.time(self._computed + 1 + k) for k in range(first, len(history))])
+        reactions = run.complete(times, history[first:])
+        if reactions is not None:
+            self._last_reactions = reactions[-1]
+            if self._shows_forces:
+                self._reactions.extend(reactions)
 
     @property
     def _takes_last_step(self) -> bool:

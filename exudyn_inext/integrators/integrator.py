@@ -139,6 +139,11 @@ def allocate_state(state_type: Any, n_dof: int, n_external: int) -> Any:
     return state_type(*[np.zeros(sizes.get(field, n_dof)) for field in state_type._fields])
 
 
+def remembered(state: Any) -> dict[str, Array]:
+    """Arrays of a state that the next steps depend on, by names."""
+    return {name: array for name, array in state._asdict().items() if name != "external"}
+
+
 def no_loads(n_dof: int, stages: int) -> LoadHistory:
     """The load history of one free step."""
     return LoadHistory(np.zeros(n_dof), np.zeros((0, n_dof)), np.zeros((1, stages, 0)))

@@ -24,6 +24,7 @@ _CONSTANT_MASS = {
     "Mass1D",
     "Rotor1D",
 }
+_CENTRE_OF_MASS = {"centerOfMass", "physicsCenterOfMass"}  # names in Exudyn's versions
 _NOT_ADDITIVE = {"RigidBodyRotVecLG", "RigidBodyRotVecDataLG"}
 
 
@@ -126,7 +127,7 @@ def _has_constant_mass(data: dict[str, Any]) -> bool:
     if data["objectType"] == "GenericODE2":
         return not data["massMatrixUserFunction"]
     if data["objectType"] == "RigidBody2D":
-        return not np.any(data.get("physicsCenterOfMass", 0.0))
+        return not any(np.any(data[name]) for name in _CENTRE_OF_MASS & data.keys())
     return data["objectType"] in _CONSTANT_MASS
 
 

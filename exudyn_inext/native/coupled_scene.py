@@ -11,19 +11,22 @@ from ..arrays import Array
 from ..cable.many_cables import Systems, in_few_chains
 from ..errors import SceneError
 from ..run.cable_loads import CableLoads
+from ..run.compiled_scene import CompiledScene
 from ..run.joined_scene import OpenContacts
 from ..scene.bodies import BodiesSystem, MassBlock
 from ..scene.coupled_system import CoupledSystem, Part
 from ..scene.model import HeldCoordinate
 from ..system import index_reduced_rates
 from .bodies import BodyMasses, SystemMass, read_bodies, read_quaternions
+from .compiled_form import compiled_form, require_agreement
 from .contact_rates import open_contacts
 from .coordinates import CoordinateMap, PartCoordinates
 from .friction_check import FrictionCheck
 from .held import HeldCoordinates, holders
 from .joint_items import read_joints
 from .joint_rows import JointRows
-from .surroundings import DataCoordinates, NativeSurroundings, evaluator
+from .known.unknown import Unknown
+from .surroundings import DataCoordinates, NativeSurroundings, evaluator, state_kept
 
 _NONE: Mapping[int, HeldCoordinate] = {}
 
@@ -69,13 +72,13 @@ class CoupledScene:
         Raises:
             SceneError: coordinates without mass, or a joint that is not supported.
         """
-        self._mbs = mbs
-        self._cables = cables
-        self._own_constraints, self._held = own_constraints, held
+        self.mbs = mbs
+        self.cables = cables
+        self.elsewhere, self._held = own_constraints, held
         solver = evaluator(mbs)
         on_cables = np.concatenate([np.zeros(0, int), *(cable.indices for cable in cables)])
         total = SystemMass(mbs, solver)
-        bodies = read_bodies(mbs, [cable.number for cable in cables], on_cables, total)
+        self.bodies = bodies = read_bodies(mbs, [cable.number for cable in cables], on_cables, total)
         quaternions = read_quaternions(mbs)
         by_place = holders(mbs, held)
         self._masses = masses = BodyMasses(mbs, bodies, quaternions, zeta, total, by_place)
@@ -84,7 +87,7 @@ class CoupledScene:
         places.append(PartCoordinates(masses.coordinates, np.zeros(len(masses.coordinates))))
         self.map = CoordinateMap(mbs.systemData.ODE2Size(), places)
         _require_mass(mbs, np.setdiff1d(self.map.missing(), masses.held))
-        groups = in_few_chains([cable.system for cable in cables])
+        self.groups = groups = in_few_chains([cable.system for cable in cables])
         self.cable_systems = [system for _, alike in groups for system in alike]
         others = [Part(masses.system, self.map.slices[-1]), *self._first_order_states()]
         of_cables = list(_parts_of_cables(groups, self.map.slices))
@@ -99,13 +102,38 @@ class CoupledScene:
 
     def take_hold(self, v: Array, tolerance: float) -> None:
         """Stop the held coordinates at the start; see `HeldCoordinates`.   v: (n,) of all parts, in place."""
-        bodies = self.system.parts[len(self._cables)].dofs
+        bodies = self.system.parts[len(self.cables)].dofs
         self.held.take_hold(v[bodies], tolerance)
 
     @property
     def size(self) -> int:
         """Number of coordinates of all parts."""
         return self.system.parts[-1].dofs.stop
+
+    @property
+    def forces(self) -> Array:
+        """See `EvaluatedScene`."""
+        return self.surroundings.varying_forces
+
+    def count_work_in(self, path: Array) -> None:
+        """See `EvaluatedScene`; `NativeSurroundings` is told of it in each step."""
+
+    def kinetic_energy(self, q: Array, v: Array) -> float:
+        """See `EvaluatedScene`."""
+        return self._masses.system.kinetic_energy(v[self.map.slices[-1]])
+
+    def violation(self, t: float, q: Array) -> float:
+        """See `EvaluatedScene`."""
+        return float(np.abs(self.surroundings.violations(t, q)).max())
+
+    def power_of_joints(self) -> float:
+        """See `EvaluatedScene`."""
+        return float(self.system.multipliers @ self.system.drift)
+
+    @property
+    def body_system(self) -> BodiesSystem:
+        """The equations of all bodies."""
+        return self._masses.system
 
     @property
     def bodies_of_variable_mass(self) -> int:
@@ -123,11 +151,11 @@ class CoupledScene:
 
     @property
     def has_bodies(self) -> bool:
-        return len(self.map.indices) > sum(len(cable.indices) for cable in self._cables)
+        return len(self.map.indices) > sum(len(cable.indices) for cable in self.cables)
 
     def _first_order_states(self) -> list[Part]:
         """y of y' = f as velocities of unit masses: every scheme then integrates them as it does v."""
-        number = self._mbs.systemData.ODE1Size()
+        number = self.mbs.systemData.ODE1Size()
         if not number:
             return []
         start = len(self.map.indices)
@@ -142,23 +170,23 @@ class CoupledScene:
     @cached_property
     def friction(self) -> FrictionCheck:
         """Whether friction of cables on circles obeys Coulomb's law."""
-        return FrictionCheck(self._mbs)
+        return FrictionCheck(self.mbs)
 
     def open_contacts(self) -> OpenContacts | None:
         """Contacts that are open in the present state of mbs, if there are any."""
-        return open_contacts(self._mbs, self.map, self.size)
+        return open_contacts(self.mbs, self.map, self.size)
 
     @property
     def remembered(self) -> DataCoordinates | None:
         """What contact and friction remember in mbs, if there are any."""
-        data = self._mbs.systemData
+        data = self.mbs.systemData
         return DataCoordinates(data) if data.DataSize() else None
 
     def coordinate_name(self, index: int) -> str:
         """The node that has a coordinate, by its place in the system vector."""
-        data = self._mbs.systemData
+        data = self.mbs.systemData
         nodes = [k for k in range(data.NumberOfNodes()) if index in data.GetNodeLTGODE2(k)]
-        return f"node {nodes[0]} '{self._mbs.GetNode(nodes[0])['name']}'" if nodes else f"coordinate {index}"
+        return f"node {nodes[0]} '{self.mbs.GetNode(nodes[0])['name']}'" if nodes else f"coordinate {index}"
 
     def require_finite(self, v: Array) -> None:
         """Raise SceneError, which names the node, unless all velocities v (n,) are finite."""
@@ -172,17 +200,40 @@ class CoupledScene:
 
     def with_systems(self, systems: Sequence[Any]) -> "CoupledScene":
         """The same scene, whose cables have other equations."""
-        cables = [c._replace(system=system) for c, system in zip(self._cables, systems, strict=True)]
-        return CoupledScene(self._mbs, cables, self._own_constraints, self.system.zeta, self._held)
+        cables = [c._replace(system=system) for c, system in zip(self.cables, systems, strict=True)]
+        return CoupledScene(self.mbs, cables, self.elsewhere, self.system.zeta, self._held)
 
     def state(self, configuration: Any = exudyn.ConfigurationType.Current) -> tuple[Array, Array]:
         """q and v (n,) of all parts in a configuration of mbs."""
-        data, number = self._mbs.systemData, len(self.map.indices)
+        data, number = self.mbs.systemData, len(self.map.indices)
         q, v = np.zeros(self.size), np.zeros(self.size)
         q[:number] = np.asarray(data.GetODE2Coordinates(configuration))[self.map.indices] + self.map.reference
         v[:number] = np.asarray(data.GetODE2Coordinates_t(configuration))[self.map.indices]
         v[number:] = data.GetODE1Coordinates(configuration)
         return q, v
+
+    def compiled(self, t: float, q: Array, v: Array) -> CompiledScene | str:
+        """See `JoinedScene`."""
+        try:
+            with state_kept(self.mbs):
+                return compiled_form(self, t, q, v)
+        except Unknown as why:
+            return str(why)
+        finally:
+            self.surroundings.forget()
+
+    def require_agreement(self, form: CompiledScene, t: float, q: Array, v: Array) -> None:
+        """See `JoinedScene`."""
+        try:
+            with state_kept(self.mbs):
+                require_agreement(self, form, t, q, v)
+        except Unknown as where:
+            raise SceneError(
+                f"an item was changed during the run without its notice: {where}. The motion is not that of "
+                "the present items: change them by mbs.SetObjectParameter etc., called by name."
+            ) from None
+        finally:
+            self.surroundings.forget()
 
     def solve_cable(self, cable: int, t: float, q: Array, v: Array) -> Array:
         """Accelerations (n_dof,) of one cable among all others, whose system then holds its multipliers.
@@ -199,7 +250,7 @@ class CoupledScene:
         part, dofs, _ = self.system.parts[cable]
         size = dofs.stop - dofs.start
         a, rate = np.zeros(size), np.zeros(size)
-        force = self._cables[cable].loads.at(t).copy()
+        force = self.cables[cable].loads.at(t).copy()
         force[:size] += self.surroundings.native_forces[dofs]
         force[:size] -= self.system.solve.joint_force(self.system.multipliers, dofs)
         index_reduced_rates(part, force, q[dofs], v[dofs], a, rate)

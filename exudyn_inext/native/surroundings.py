@@ -13,7 +13,7 @@ from ..compiled import kernel
 from ..errors import DivergenceError
 from ..items.parameters import set_unnoted
 from ..run.cable_loads import CableLoads
-from ..run.path_work import follow, gather, gather_and_follow
+from ..scene.path_work import follow, gather, gather_and_follow
 from ..scene.coupled_system import Part
 from ..scene.joints import JointBlock, JointTerms
 from .bodies import BodyMasses
@@ -212,6 +212,10 @@ class NativeSurroundings:
         """Leave the state at t in mbs, with the Lagrange multipliers of all algebraic equations."""
         self._set_state(t, state.q, state.v)
         self._data.SetAECoordinates(multipliers)
+
+    def equations(self, rows: Array) -> Array:
+        """Of all algebraic equations, from those of the joints (m,)."""
+        return self._rows.equations(rows, self._data.AEsize())
 
     def all_multipliers(self, multipliers: Array, a: Array) -> Array:
         """Of all algebraic equations, for the state that was evaluated last.

@@ -99,7 +99,7 @@ class CableLoads:
         """(n_external,) external force and motions at `time`; not to be written to."""
         if not len(self.pattern):
             return self.constant
-        forces: Array = self.constant + (self._factors([time]) @ self.pattern)[0]
+        forces: Array = self.constant + (self.factors([time]) @ self.pattern)[0]
         return forces
 
     def sample(self, piece: Piece, stages: Sequence[float]) -> LoadHistory:
@@ -108,9 +108,9 @@ class CableLoads:
         if not len(self.pattern):
             return LoadHistory(self.constant, self.pattern, np.zeros(shape))
         times = piece.times(stages).ravel().tolist()
-        return LoadHistory(self.constant, self.pattern, self._factors(times).reshape(shape))
+        return LoadHistory(self.constant, self.pattern, self.factors(times).reshape(shape))
 
-    def _factors(self, times: list[float]) -> Array:
+    def factors(self, times: list[float]) -> Array:
         """(T, P) of all load histories and motions."""
         columns = [self._components(load, times) for load in self._histories]
         columns += [np.array([motion.at(t).ravel() for t in times]) for motion in self._motions]

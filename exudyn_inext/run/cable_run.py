@@ -15,7 +15,7 @@ from ..cable.chain import set_mass
 from ..cable.frequency import FrequencyTracker, largest_frequency
 from ..cable.implicit_bending import EXPLICIT, ImplicitBending
 from ..cable.linked_cable import LinkedCableSystem, cable_system
-from ..integrators.integrator import Integrator
+from ..integrators.integrator import Integrator, remembered
 from ..integrators.linear_stability import frequency_limit
 from ..scene.links import require_smooth_motions
 from ..scene.model import CableInScene
@@ -165,6 +165,9 @@ class CableRun(PacedRun):
         finally:
             self.set_step(self.control.present)
 
+    def complete(self, times: Array, history: Array) -> None:
+        """See `Run.complete`."""
+
     def accelerations(self, time: float, multipliers: Array) -> Array:
         """(n_dof,) of the present state, by the mass as it is.
 
@@ -240,7 +243,7 @@ class CableRun(PacedRun):
             place: records["foresight"] for place, records in zip(places, self._records(), strict=False)
         }
         return {
-            "state": self.state._asdict(),
+            "state": remembered(self.state),
             "foresight": foresight,
             "watch": self.watch.memory(),
             "control": self.control.memory() | {"vibration": self._tracker.vibration},

@@ -1,6 +1,6 @@
 """Cables, bodies and joints of a scene, moved together: one right-hand side call for each evaluation."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from functools import cached_property
 from typing import Any
@@ -12,24 +12,24 @@ from ..cable.cable import Cable
 from ..cable.linked_cable import cable_system
 from ..compiled import plain
 from ..errors import DivergenceError, RedundantConstraintError
-from ..integrators.integrator import Integrator, LoadHistory, advance
+from ..integrators.integrator import Integrator, LoadHistory, advance, remembered
 from ..integrators.linear_stability import frequency_limit
 from ..scene.closed_contacts import rates_in_contact
 from ..scene.small_vibrations import FastestRates, fastest_rates
 from ..system import accelerate_and_project, index_reduced_rates
 from .cable_run import CableRun, Start
+from .compiled_scene import CompiledScene, Steps
 from .consistent_start import StartCorrection, agree
 from .coupled_start import consistent_start
 from .coupled_watch import LENIENCE, CoupledWatch
 from .divergence import explanation
-from .joined_scene import JoinedScene, OpenContacts
+from .joined_scene import EvaluatedScene, JoinedScene, OpenContacts
 from .kept_state import Elsewhere, KeptState
 from .paced_run import PacedRun
 from .step_control import Piece, StepControl
 from .time_grid import TimeGrid
 
 FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
-_NOTHING, _TIME = np.zeros(1), np.ones((1, 1))  # the load of a coupled system is the time
 
 
 class CoupledRun(PacedRun):
@@ -75,7 +75,13 @@ class CoupledRun(PacedRun):
         self.control = StepControl(rejects=start.rejects)
         self._unsolvable = ""  # what was said of joints that could not be solved for
         self._output = np.zeros((1, 3, scene.size))
-        self.watch = CoupledWatch(scene, cable_runs, self.state, integrator, scheme, start.energy_tolerance)
+        form = "a joint is being moved" if end_of_step else scene.compiled(start.time, *self.state[:2])
+        self._form, self._why_not = (None, form) if isinstance(form, str) else (form, "")
+        external = np.zeros(len(self._form.loads.constant) if self._form else 1)
+        self.state = self.state._replace(external=external)
+        evaluated: EvaluatedScene = self._form or scene
+        tolerance = start.energy_tolerance
+        self.watch = CoupledWatch(evaluated, scene, cable_runs, self.state, integrator, scheme, tolerance)
         if scene.friction.is_needed:
             self.watch.after_each_step.append(scene.friction.look)
 
@@ -121,7 +127,32 @@ class CoupledRun(PacedRun):
     def _rates_at(self, time: float) -> FastestRates:
         """Of the present state."""
         with self._without_implicit_damping():
-            return fastest_rates(self._scene.system, time, self.state.q, self.state.v)
+            return fastest_rates(*self._system_at(time), self.state.q, self.state.v)
+
+    def _system_at(self, time: float) -> tuple[Any, Array]:
+        """What takes the steps, and the external force that it is given."""
+        if self._form:
+            return self._form.system, self._form.loads.at(time)
+        return self._scene.system, np.array([time])
+
+    def _begin_by(self, function: Callable[..., None], time: float) -> None:
+        """Begin with a function of the integrator, of (system, external, state)."""
+        begin = function if self._form else plain(function)
+        begin(*self._system_at(time), self.state)
+
+    def leave_kernels(self, why: str, time: float) -> None:
+        """Let Exudyn evaluate its items from the present state on, at `time` [s]."""
+        if self._form is None:
+            return
+        self._form, self._why_not = None, why
+        self.watch.evaluate_by(self._scene)
+        self._scene.surroundings.forget()
+        self._begin_by(self.integrator.resume, time)
+
+    def require_same_items(self, time: float) -> None:
+        """Raise SceneError if Exudyn's items are not those that have moved the scene."""
+        if self._form:
+            self._scene.require_agreement(self._form, time, self.state.q, self.state.v)
 
     @contextmanager
     def _without_implicit_damping(self) -> Iterator[None]:
@@ -162,7 +193,8 @@ class CoupledRun(PacedRun):
         needs = ["one right-hand side of Exudyn"]
         needs += [f"the mass of {bodies} bodies"] if bodies else ["no mass (all constant, inverted once)"]
         needs += [f"the Jacobians of {joints} joints"] if joints else ["no Jacobian (no joints)"]
-        return f"each evaluation takes {', '.join(needs)}, as mbs contains {self._why}"
+        said = f"each evaluation takes {', '.join(needs)}, as mbs contains {self._why}"
+        return f"{said}; Exudyn evaluates them because of {self._why_not}"
 
     def damping_ratio(self, frequency: float) -> float:
         """Strongest damping [1/s], as a share of that frequency."""
@@ -224,8 +256,7 @@ class CoupledRun(PacedRun):
         self._scene.forget()
         for run in self._runs:
             run.forget()
-        begin = plain(self.integrator.start)
-        begin(self._scene.system, np.array([time]), self.state)
+        self._begin_by(self.integrator.start, time)
         for run in self._runs:
             run.require_independence()
         self.watch.open(time, self.state)
@@ -234,7 +265,7 @@ class CoupledRun(PacedRun):
         """Arrays that the next steps depend on; see `CableRun.memory`."""
         cables = {str(k): run.memory()["foresight"] for k, run in enumerate(self._runs)}
         return {
-            "state": self.state._asdict(),
+            "state": remembered(self.state),
             "scene": self._scene.memory(),
             "cables": cables,
             "watch": self.watch.memory(),
@@ -247,21 +278,36 @@ class CoupledRun(PacedRun):
         if self.control.present:
             self.set_step(self.control.present)
         self._scene.surroundings.forget()
-        self._scene.surroundings.forces(time, self.state.q, self.state.v)
-        plain(self.integrator.resume)(self._scene.system, np.array([time]), self.state)
+        if not self._form:
+            self._scene.surroundings.forces(time, self.state.q, self.state.v)
+        self._begin_by(self.integrator.resume, time)
         self.watch.resume()
 
     def record(self, grid: TimeGrid, first: int, history: Array) -> int:
-        """See `CableRun.record`; mbs is left in the state at the end."""
+        """See `CableRun.record`; where Exudyn evaluates its items, mbs is left in the state at the end."""
         surroundings = self._scene.surroundings
         surroundings.forget()
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges
             good = self.advance(grid, first, history)
         history[:good, 0] -= self.reference
-        if good:
+        if good and not self._form:
             multipliers = surroundings.all_multipliers(self._scene.system.multipliers, self.state.a)
             surroundings.show(grid.time(first + good), self.state, multipliers)
         return good
+
+    def complete(self, times: Array, history: Array) -> Array | None:
+        """See `Run.complete`."""
+        if not self._form:
+            return None
+        history[:, 0] += self.reference
+        rows = self._form.evaluate(self.cables, times, history)
+        history[:, 0] -= self.reference
+        return np.stack([self._scene.surroundings.equations(row) for row in rows])
+
+    @property
+    def looks_ahead(self) -> bool:  # type: ignore[override]
+        """See `PacedRun`."""
+        return self._form is not None
 
     @property
     def elsewhere(self) -> Elsewhere | None:  # type: ignore[override]
@@ -287,36 +333,50 @@ class CoupledRun(PacedRun):
 
     def start_scheme(self, time: float) -> None:
         """See `PacedRun.start_scheme`."""
-        plain(self.integrator.start)(self._scene.system, np.array([time]), self.state)
+        self._begin_by(self.integrator.start, time)
 
     def watch_on(self, time: float) -> None:
         """See `PacedRun.watch_on`."""
         self.watch.go_on(time, self.state)
 
     def take(self, piece: Piece, history: Array) -> int:
-        """See `PacedRun.take`; all steps, or none."""
+        """See `PacedRun.take`; where Exudyn evaluates its items, all steps or none."""
+        times = piece.times(self.integrator.stages)
         self._kept.keep()
-        if not self._goes_well(piece):
-            self.trouble = self.integrator.trouble(self.scheme, self.watch.watch.kept)
-            with self.watch.finding_kept():
-                self._kept.restore()
-            return 0
-        for place, values in enumerate((self.state.q, self.state.v, self.state.a)):
-            history[0, place] = values[: len(self.indices)]
+        done = kept = 0
+        while done < piece.steps:
+            end = min(done + self.watch.steps_ahead, piece.steps)
+            if not self._goes_well(piece, times[done:end], done, history):
+                self.trouble = self.integrator.trouble(self.scheme, self.watch.watch.kept)
+                with self.watch.finding_kept():
+                    self._kept.restore()
+                return kept
+            done = end
+            if self._form and done < piece.steps:
+                self._kept.keep()
+                kept = done
+        if not self._form:
+            for place, values in enumerate((self.state.q, self.state.v, self.state.a)):
+                history[0, place] = values[: len(self.indices)]
         return piece.steps
 
-    def _goes_well(self, piece: Piece) -> bool:
-        """Take the steps; returns whether all is well."""
-        times = piece.times(self.integrator.stages)
-        done, self._unsolvable = 0, ""
+    def _goes_well(self, piece: Piece, times: Array, done: int, history: Array) -> bool:
+        """Take steps of a piece, of which some are done; returns whether all is well.
+
+        times: (steps, stages) of their evaluations [s].
+        """
+        self._unsolvable, end = "", done + len(times)
+        is_judged = not piece.is_whole and end == piece.steps
         try:
-            while done < piece.steps:
-                end = min(done + self.watch.steps_ahead, piece.steps)
-                self._take_steps(piece, times[done:end], done)
-                is_judged = not piece.is_whole and end == piece.steps
-                if not self.watch.is_well_at(piece.time(end), piece.h, self.state, is_judged):
-                    return False
-                done = end
+            if self._form:
+                once, where = self.watch.has_one_evaluation, (done, history, piece.in_interval)
+                steps = Steps(self.scheme, piece.h, times, once, *where)
+                self._form.take(steps, self.state, self.watch.path, self.watch.before)
+                self._scene.system.multipliers = self._form.multipliers
+            else:
+                self._take_steps(piece, times, done)
+            self.watch.count(len(times))
+            return self.watch.is_well_at(piece.time(end), piece.h, self.state, is_judged)
         except (DivergenceError, RedundantConstraintError) as error:
             self._unsolvable = str(error) if isinstance(error, RedundantConstraintError) else ""
             self.watch.give_up(self.state)
@@ -326,26 +386,25 @@ class CoupledRun(PacedRun):
                 raise
             self.watch.give_up(self.state)
             return False
-        return True
 
     def _take_steps(self, piece: Piece, times: Array, done: int) -> None:
         """Steps of a piece, of which some are done.   times: (steps, stages) of their evaluations [s]."""
         take_step = plain(advance.dispatch(type(self.scheme)))
         system, state, watch = self._scene.system, self.state, self.watch
+        nothing, the_time = np.zeros(len(state.external)), np.eye(1, len(state.external))
         surroundings, last = self._scene.surroundings, done + len(times)
         surroundings.path, surroundings.settles = watch.path_of_evaluations, watch.has_one_evaluation
         try:
             for number, factors in enumerate(times[:, np.newaxis, :, np.newaxis], done + 1):
                 if number == last:
                     watch.look(state)
-                loads = LoadHistory(_NOTHING, _TIME, factors)
+                loads = LoadHistory(nothing, the_time, factors)
                 take_step(self.scheme, system, loads, state, piece.h, 1, self._output)
                 surroundings.finish_step(piece.time(number), state.q, state.v)
                 for call in watch.after_each_step:
                     call()
         finally:
             surroundings.path, surroundings.settles = None, False
-        watch.count(len(times))
 
     @property
     def finding(self) -> str:  # type: ignore[override]

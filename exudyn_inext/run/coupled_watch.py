@@ -16,8 +16,8 @@ from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit
 from ..system import AGITATION, KINETIC, POWER, VIOLATION, gauge
 from .cable_run import CableRun
-from .joined_scene import JoinedScene
-from .path_work import LACK, SCALE, SUMS, WAY, begin_path, build_path, expect_energy, follow, take_sums
+from .joined_scene import EvaluatedScene, JoinedScene
+from ..scene.path_work import LACK, SCALE, SUMS, WAY, begin_path, build_path, expect_energy, follow, take_sums
 from .run_watch import RunWatch
 from .watch import (
     LACK_OF_WORK,
@@ -49,9 +49,10 @@ class CoupledWatch(RunWatch):
     """Keeps the account of a coupled scene.
 
     Args:
-        scene: the scene.   runs: of its cables.   state: of the integrator, whose steps follow a scheme.
+        evaluated: the scene, by whom evaluates its steps.   scene: the scene.   runs: of its cables.   state: of the integrator, whose steps follow a scheme.
         energy_tolerance: see `ExplicitSettings.energyTolerance`.
 
+    path: memory of the work of whole steps.   before: (2, n) q and a at the start of the last step.
     path_of_evaluations: for `NativeSurroundings.path` during steps; a lack of work within a step shows in it.
     has_one_evaluation: each step.
     after_each_step: what to call then.
@@ -62,6 +63,7 @@ class CoupledWatch(RunWatch):
 
     def __init__(
         self,
+        evaluated: EvaluatedScene,
         scene: JoinedScene,
         runs: Sequence[CableRun],
         state: Any,
@@ -70,7 +72,6 @@ class CoupledWatch(RunWatch):
         energy_tolerance: float,
     ) -> None:
         self._scene = scene
-        self._surroundings = scene.surroundings
         self._runs = runs
         self._bodies = scene.system.parts[len(runs)]
         tolerance = LENIENCE * energy_tolerance
@@ -81,25 +82,31 @@ class CoupledWatch(RunWatch):
             self._gravity[dofs] = run.loads.constant[: dofs.stop - dofs.start]
         self._energy_tolerance = energy_tolerance
         self._limit = frequency_limit(integrator, scheme, growth=GROWTH)
-        self._before = np.zeros((2, len(state.q)))  # q and a at the start of the last step
+        self.before = np.zeros((2, len(state.q)))  # q and a at the start of the last step
         self._is_due = False  # a look at its frequency
-        self._path = build_path(len(scene.map.indices))  # the work of all but gravity
-        self.path_of_evaluations = self._path
+        self.path = build_path(len(scene.map.indices))  # the work of all but gravity
+        self.path_of_evaluations = self.path
         self._changes = np.zeros(1)  # of masses since the last inspection, see `count_changes`
         self.after_each_step: list[Callable[[], None]] = []
         self.has_one_evaluation = integrator.evaluations(scheme) == 1
         if not self.has_one_evaluation:
-            self.path_of_evaluations = self._path.copy()
-            self.after_each_step += [partial(follow, self._path, state.q, self._surroundings.varying_forces)]
+            self.path_of_evaluations = self.path.copy()
+            self.after_each_step += [partial(follow, self.path, state.q, scene.forces)]
         self._lacks = self.path_of_evaluations[SUMS]  # sums that tell of them, see `build_path`
         if scene.bodies_of_variable_mass:
-            way = self._path[WAY, self._bodies.dofs]
+            way = self.path[WAY, self._bodies.dofs]
             self.after_each_step += [partial(self._bodies.system.count_changes, way, self._changes)]
+        self.evaluate_by(evaluated)
         self._scale = 1.0  # of violated joints [m, -]
         self._step = 0.0  # last one [s]
         self._last = np.zeros(2)  # inspection: its time [s], and the square of the velocities then
         self._calm = 0.0  # largest square of velocities that calls for no other one
         self._counts = np.zeros(2, int)  # of steps since then, and until the next one at most
+
+    def evaluate_by(self, evaluated: EvaluatedScene) -> None:
+        """Ask this form of the scene from now on."""
+        self._evaluated = evaluated
+        evaluated.count_work_in(self.path_of_evaluations)
 
     @property
     def _steps(self) -> int:
@@ -124,8 +131,8 @@ class CoupledWatch(RunWatch):
     def _begin_work(self, t: float, state: Any) -> Any:
         """Count work from a state on; returns the forces of Exudyn's items in it."""
         self._set_gauges(t, state)
-        forces = self._surroundings.varying_forces
-        for path in (self._path, self.path_of_evaluations):
+        forces = self._evaluated.forces
+        for path in (self.path, self.path_of_evaluations):
             begin_path(path, state.q, forces)
         self._bodies.system.begin_changes()
         self._changes[:] = 0.0
@@ -170,7 +177,7 @@ class CoupledWatch(RunWatch):
 
     def look(self, state: Any) -> None:
         """Remember the state before the last step that is taken now."""
-        self._before[0], self._before[1] = state.q, state.a
+        self.before[0], self.before[1] = state.q, state.a
 
     def _excess(self, t: float, h: float, state: Any) -> float:
         """Largest frequency of the last step's motion over that up to which it is stable; 0 if it is quiet.
@@ -178,7 +185,7 @@ class CoupledWatch(RunWatch):
         With the change a of accelerations along the way x, w^2 = -(a . M a) / (a . M x) is a mean over the
         vibrations, by their energies -a . M x / 2, and so at most the square of their largest frequency.
         """
-        way, change = state.q - self._before[0], (h / self._limit) ** 2 * (state.a - self._before[1])
+        way, change = state.q - self.before[0], (h / self._limit) ** 2 * (state.a - self.before[1])
         of_way, of_change, of_sum = (
             self._kinetic_energy(t, state, velocity) for velocity in (way, change, way + change)
         )
@@ -196,7 +203,7 @@ class CoupledWatch(RunWatch):
 
     def memory(self) -> dict[str, Any]:
         """Arrays that the next inspections depend on, by names."""
-        path = {"path": self._path, "lacks": self.path_of_evaluations, "changes": self._changes}
+        path = {"path": self.path, "lacks": self.path_of_evaluations, "changes": self._changes}
         masses = {"masses": self._bodies.system.masses_before()}
         return super().memory() | path | masses | {"last": self._last, "steps": self._counts}
 
@@ -212,7 +219,7 @@ class CoupledWatch(RunWatch):
         self._calm = CALM * float(self._last[1])
 
     def _judge(self, watch: Watch, h: float, duration: float, state: Any) -> int:
-        work, scatter = take_sums(self._path)
+        work, scatter = take_sums(self.path)
         take_sums(self.path_of_evaluations)
         work += 0.5 * float(self._changes[0]) / h**2
         self._changes[:] = 0.0
@@ -220,8 +227,8 @@ class CoupledWatch(RunWatch):
 
     def _kinetic_energy(self, t: float, state: Any, v: Array) -> float:
         """Of velocities v (n,) in the present configuration [J]."""
-        bodies, gauges = self._bodies, np.zeros(5)
-        total = float(bodies.system.kinetic_energy(v[bodies.dofs]))
+        gauges = np.zeros(5)
+        total = self._evaluated.kinetic_energy(state.q, v)
         for run, dofs in zip(self._runs, self._scene.map.slices, strict=False):
             force, rates = np.zeros(dofs.stop - dofs.start), v[dofs]
             gauge.dispatch(type(run.system))(
@@ -235,7 +242,7 @@ class CoupledWatch(RunWatch):
         total[:] = 0.0
         for cable, (run, dofs) in enumerate(zip(self._runs, self._scene.map.slices, strict=False)):
             if len(run.loads.pattern) and self._scene.joints:
-                self._scene.set_multipliers(cable, t, state.q, state.v)  # its own solve knows no joints
+                self._evaluated.set_multipliers(cable, t, state.q, state.v)  # its own solve knows no joints
             mine, force = np.zeros(5), np.zeros(dofs.stop - dofs.start)
             gauge.dispatch(type(run.system))(
                 run.system, run.loads.at(t), state.q[dofs], state.v[dofs], state.a[dofs], force, mine
@@ -244,9 +251,8 @@ class CoupledWatch(RunWatch):
             total += mine
             total[VIOLATION] = worst
         if self._scene.joints:
-            worst_of_joints = np.abs(self._surroundings.violations(t, state.q)).max() / self._scale
+            worst_of_joints = self._evaluated.violation(t, state.q) / self._scale
             total[VIOLATION] = np.maximum(total[VIOLATION], worst_of_joints)
-        bodies = self._bodies
-        total[KINETIC] += bodies.system.kinetic_energy(state.v[bodies.dofs])
-        total[AGITATION] += bodies.system.kinetic_energy(state.a[bodies.dofs])
-        total[POWER] += self._scene.system.multipliers @ self._scene.system.drift
+        total[KINETIC] += self._evaluated.kinetic_energy(state.q, state.v)
+        total[AGITATION] += self._evaluated.kinetic_energy(state.q, state.a)
+        total[POWER] += self._evaluated.power_of_joints()

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 from ..arrays import Array
 from ..scene.closed_contacts import ClosedContacts
 from ..scene.coupled_system import CoupledSystem
+from .compiled_scene import CompiledScene
 from .kept_state import Elsewhere
 
 
@@ -41,7 +42,35 @@ class Friction(Protocol):
         """At the end of a step."""
 
 
-class JoinedScene(Protocol):
+class EvaluatedScene(Protocol):
+    """A scene by whom evaluates it: Exudyn, or compiled code.
+
+    forces: (n,) all but gravity on the coordinates at the last evaluation [N, Nm].
+    """
+
+    @property
+    def forces(self) -> Array: ...
+
+    def count_work_in(self, path: Array) -> None:
+        """Count the work of the forces there, in the steps to come; see `scene.path_work`."""
+
+    def kinetic_energy(self, q: Array, v: Array) -> float:
+        """Of the bodies, with velocities v (n,) at q (n,), the state of the last evaluation [J]."""
+
+    def violation(self, t: float, q: Array) -> float:
+        """Largest violation of a joint [m, -]."""
+
+    def power_of_joints(self) -> float:
+        """Of those that move, at the last evaluation [W]."""
+
+    def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
+        """Accelerations of a cable, whose system then holds its multipliers.
+
+        The scene has been evaluated at (t, q, v).
+        """
+
+
+class JoinedScene(EvaluatedScene, Protocol):
     """Parts in one order: cables, bodies, first order states.
 
     system: all of it.   map: places of the coordinates (`indices`, `reference`, `slices`).   size: how many.
@@ -95,11 +124,11 @@ class JoinedScene(Protocol):
     def coordinate_name(self, index: int) -> str:
         """Whose coordinate it is, by its place in the system vector."""
 
-    def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
-        """Accelerations of a cable, whose system then holds its multipliers.
+    def compiled(self, t: float, q: Array, v: Array) -> CompiledScene | str:
+        """The same scene in compiled code, or why there is none; (q, v) is a state at t [s]."""
 
-        The scene has been evaluated at (t, q, v).
-        """
+    def require_agreement(self, form: CompiledScene, t: float, q: Array, v: Array) -> None:
+        """Raise SceneError if that form is another scene by now; (q, v) is a state at t [s]."""
 
     def memory(self) -> dict[str, Any]:
         """What earlier steps taught joints and bodies, by names."""

@@ -53,6 +53,17 @@ class Run(Protocol):
 
     def record(self, grid: TimeGrid, first: int, history: Array) -> int: ...
 
+    def complete(self, times: Array, history: Array) -> Array | None:
+        """Set accelerations of states that have been recorded; None if they are those of the scheme.
+
+        Args:
+            times: (k,) of the states [s].
+            history: (k, 3, n) displacements and velocities, and output: accelerations.
+
+        Returns:
+            (k, m) multipliers of all algebraic equations of Exudyn.
+        """
+
     def accelerations(self, time: float, multipliers: Array) -> Array: ...
 
     def verdict(self, time: float, h: float) -> str: ...

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from ..integrators.integrator import remembered
 from .watch import (
     ALL_IS_WELL,
     CONSTRAINTS,
@@ -80,7 +81,7 @@ class RunWatch:
     def memory(self) -> dict[str, Any]:
         """Arrays that the next inspections depend on, by names."""
         names = ("account", "position", "work", "kept_work", "gauges")
-        return {name: getattr(self.watch, name) for name in names} | {"kept": self.watch.kept._asdict()}
+        return {name: getattr(self.watch, name) for name in names} | {"kept": remembered(self.watch.kept)}
 
     @property
     def found(self) -> str:

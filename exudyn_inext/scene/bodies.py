@@ -141,6 +141,24 @@ class BodiesSystem:
         """What earlier steps taught: (B,) for each size of blocks."""
         return {str(number): s.foresight for number, s in enumerate(self._stacks)}
 
+    def share_foresight(self, first: np.ndarray, memory: Array) -> bool:
+        """Keep what steps teach in this memory (B,) of bodies whose coordinates begin there.
+
+        Returns:
+            False if the first of them are not the quaternions, one block each.
+        """
+        stacks = [s for s in self._stacks if (s.blocks.quaternion >= 0).any()]
+        wanted = [s.blocks.dofs[:, 0] for s in stacks]
+        number = sum(map(len, wanted))
+        if not np.array_equal(np.concatenate([np.zeros(0), *wanted]), first[:number]):
+            return False
+        done = 0
+        for s in stacks:
+            own = memory[done : done + len(s.foresight)]
+            own[:] = s.foresight
+            s.foresight, done = own, done + len(own)
+        return True
+
     def forget(self) -> None:
         """What earlier steps taught does not hold any more."""
         for foresight in self.memory().values():
@@ -156,6 +174,11 @@ class BodiesSystem:
         """b = -zeta c - p . v leads to the manifold; zeta = 0 to that of the velocities."""
         for s in self._stacks:
             _aim_at_velocities(s.blocks.dofs, s.normal, v, zeta, s.target)
+
+    def project(self, v: Array) -> None:
+        """Velocities v (n,), in place, onto those that keep unit quaternions."""
+        self.aim_at_velocities(v, 0.0)
+        v += self.levered(len(v))
 
     def violation(self, q: Array, learning: float) -> float:
         """Largest |c|; b = -c, which also teaches the next steps."""

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from ..arrays import Array
 from .coupled_system import CoupledSystem
 from .joints import JointBlock, JointTerms
@@ -66,6 +68,6 @@ def rates_in_contact(
     surroundings = system.surroundings
     system.surroundings = _InContact(system, contacts, q)
     try:
-        return fastest_rates(system, t, q, v)
+        return fastest_rates(system, np.array([t]), q, v)
     finally:
         system.surroundings = surroundings

@@ -120,7 +120,7 @@ class JointSolve:
         self._factor, info = lapack.dpbtrf(self._schur, lower=1)
         squares = self._factor[0] * self._factor[0]
         if info or not (squares > PIVOT_TOLERANCE * self._schur[0]).all():
-            raise _dependent_row(_dense(self._schur, self._order), self._names)
+            raise dependent_row(_dense(self._schur, self._order), self._names)
 
     def times_jacobian(self, x: Array) -> Array:
         """J x (m,).   x: (n,)."""
@@ -235,7 +235,7 @@ def _dense(band: Array, order: np.ndarray) -> Array:
     return np.tril(sorted_[np.ix_(back, back)])
 
 
-def _dependent_row(schur: Array, names: Sequence[str]) -> RedundantConstraintError:
+def dependent_row(schur: Array, names: Sequence[str]) -> RedundantConstraintError:
     """What is said where S, of which the lower triangle is set, is not positive definite."""
     if not np.isfinite(schur).all():
         return RedundantConstraintError(

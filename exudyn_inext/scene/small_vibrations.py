@@ -5,14 +5,13 @@ differences of the system's own right-hand side: whatever acts on the parts take
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigs
 
 from ..arrays import Array
 from ..system import accelerate_and_project, index_reduced_rates
-from .coupled_system import CoupledSystem
 
 STEP = 1e-6  # of the differences [m, -, m/s, 1/s]
 ACCURACY = 1e-3
@@ -36,23 +35,25 @@ class FastestRates(NamedTuple):
     damping: float
 
 
-def fastest_rates(system: CoupledSystem, t: float, q: Array, v: Array) -> FastestRates:
-    """Of small motions about the configuration q (n,), at the time t [s].
+def fastest_rates(system: Any, external: Array, q: Array, v: Array) -> FastestRates:
+    """Of small motions about the configuration q (n,).   external: of the system, at present.
 
     The velocities v (n,) count where they pull cables tight, as in bodies that spin about each other;
     gyroscopic forces, which change with small velocities, do not. Friction that jumps where a velocity
     changes its sign has no rate: it makes no motion grow.
     """
-    external, rest = np.array([t]), np.zeros(len(q))
+    rest = np.zeros(len(q))
+    evaluate = index_reduced_rates.dispatch(type(system))
+    project = accelerate_and_project.dispatch(type(system))
 
     def acceleration(at: Array, rates: Array) -> Array:
         result, rate = np.zeros(len(q)), np.zeros(len(q))
-        index_reduced_rates(system, external, at, rates, result, rate)
+        evaluate(system, external, at, rates, result, rate)
         return result
 
     def projected(v: Array) -> Array:
         result, memory = np.zeros(len(q)), np.zeros(len(q))
-        accelerate_and_project(system, external, q, v, 0.0, memory, result)
+        project(system, external, q, v, 0.0, memory, result)
         return result
 
     offset = projected(rest)  # moving supports

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_inext.run.path_work import (
+from exudyn_inext.scene.path_work import (
     LACK,
     SUMS,
     begin_path,

@@ -129,7 +129,7 @@ def test_a_run_whose_joint_opens_is_stopped_before_it_is_handed_out(mbs, whirl, 
 
 
 def test_joints_that_cannot_be_solved_for_in_mid_run_leave_the_last_good_output(
-    whirl, mbs, monkeypatch, fault
+    by_exudyn, whirl, mbs, monkeypatch, fault
 ):
     factorise, calls = JointSolve.factorise, []
 

@@ -89,6 +89,10 @@ class ChangeFollower:
         """
         if self.log.is_pending:  # after the last step
             return
+        time = self.mbs.systemData.GetTime()
+        for run in runs:
+            if isinstance(run, CoupledRun):
+                run.require_same_items(time)
         scene, alone = read_scene(self.mbs, self.reader), _alone(runs)
         loads = [CableLoads(cable).constant for cable in scene.cables] if alone else []
         is_same = same_cables(self.scene, scene) and not (alone and scene.foreign)
@@ -103,6 +107,10 @@ class ChangeFollower:
     def _followed(
         self, runs: Sequence[Run], changed: Sequence[Parameter], time: float, end: float
     ) -> Sequence[Run]:
+        if changed:
+            for run in runs:
+                if isinstance(run, CoupledRun):
+                    run.leave_kernels("items were changed during the run", time)
         own = self.scene.own_constraints
         asked = max((demand(self.mbs, runs, own, key) for key in changed), default=Demand.EVALUATE)
         if changed:

@@ -3,13 +3,21 @@
 c_k = t_k . r_x = 0 for the directions t_k = A(q_body) b_k across the cable: one in the plane, two in space.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from exudyn.itemInterface import CoordinateVectorConstraint, MarkerNodeCoordinates
 
 from ...arrays import Array
 from .body_frame import BodyFrame
+
+
+class Clamp(NamedTuple):
+    """What a constraint with these user functions does.   body_node, node: numbers.   across: (k, 3) b_k."""
+
+    body_node: int
+    node: int
+    across: Array
 
 
 def directions_across(direction: Array, frame: BodyFrame, dim: int) -> Array:
@@ -30,7 +38,9 @@ def directions_across(direction: Array, frame: BodyFrame, dim: int) -> Array:
 def add_clamp(mbs: Any, frame: BodyFrame, node: int, direction: Array, dim: int) -> dict[str, list[int]]:
     """Markers and constraint that keep the slope of a cable's node along `direction` of a body."""
     markers = [int(mbs.AddMarker(MarkerNodeCoordinates(nodeNumber=n))) for n in (frame.node, node)]
-    value, jacobian = _user_functions(frame, directions_across(direction, frame, dim), dim)
+    across = directions_across(direction, frame, dim)
+    value, jacobian = _user_functions(frame, across, dim)
+    value.clamp = Clamp(int(frame.node or 0), node, across)
     constraint = mbs.AddObject(
         CoordinateVectorConstraint(
             markerNumbers=markers,

@@ -1,0 +1,1 @@
+"""Bodies, springs, joints and loads among cables in compiled code: records of what Exudyn's items are."""

@@ -1,0 +1,155 @@
+"""Points of bodies, of cables and of the ground: where they are, how they move, and their Jacobians."""
+
+import numpy as np
+
+from ..arrays import record_type
+from ..compiled import inlined
+
+FIXED, ON_BODY, ON_CABLE, FRAME_OF_CABLE, COORDINATE = range(5)
+MOST = 12  # coordinates of a point: those of two nodes in space
+
+POINT = record_type(
+    [
+        ("kind", np.int64),
+        ("body", np.int64),  # its number among the bodies
+        ("first", np.int64),  # coordinate among all of the scene
+        ("width", np.int64),  # number of coordinates
+        ("dimension", np.int64),  # of a cable
+        ("local", np.float64, (3,)),  # position in the frame of a body; what is added to a coordinate
+        ("weights", np.float64, (4,)),  # of positions and slopes of a cable's nodes
+        ("x", np.float64, (3, 3)),  # position, velocity, and acceleration with that of the coordinates zero
+        ("orientation", np.float64, (3, 3)),
+        ("spin", np.float64, (3,)),  # angular velocity
+        ("spin_rate", np.float64, (3,)),  # its rate, with accelerations of the coordinates zero
+        ("along", np.float64, (3, MOST)),  # of the velocity by those of the coordinates
+        ("about", np.float64, (3, MOST)),  # of the angular velocity
+    ]
+)
+"""A point with its frame; all in the global frame."""
+
+
+@inlined
+def cross(a, b, i):
+    """Component i of a x b."""
+    j, k = (i + 1) % 3, (i + 2) % 3
+    return a[j] * b[k] - a[k] * b[j]
+
+
+@inlined
+def _place_on_body(point, body, q):
+    turn, dim = body.orientation, body.translations
+    for i in range(3):
+        arm = 0.0
+        for j in range(3):
+            point.orientation[i, j] = turn[i, j]
+            arm += turn[i, j] * point.local[j]
+        point.x[2, i] = arm  # until `_move_on_body` sets it
+        point.x[0, i] = arm + body.reference[i] + (q[body.first + i] if i < dim else 0.0)
+    arm = point.x[2]
+    for k in range(body.rotations):
+        for i in range(3):
+            about = 0.0
+            for j in range(3):
+                about += turn[i, j] * body.rates[j, k]
+            point.about[i, dim + k] = about
+        for i in range(3):
+            j, m = (i + 1) % 3, (i + 2) % 3
+            point.along[i, dim + k] = point.about[j, dim + k] * arm[m] - point.about[m, dim + k] * arm[j]
+
+
+@inlined
+def _move_on_body(point, body, v):
+    """Velocity and w x (w x r) + w_t x r."""
+    turn = body.orientation
+    for i in range(3):
+        spin, rate, velocity = 0.0, 0.0, 0.0
+        for j in range(3):
+            spin += turn[i, j] * body.spin[j]
+            rate += turn[i, j] * body.bias[j]
+        for k in range(point.width):
+            velocity += point.along[i, k] * v[point.first + k]
+        point.spin[i], point.spin_rate[i], point.x[1, i] = spin, rate, velocity
+    x, y, z = 0.0, 0.0, 0.0
+    for j in range(3):
+        x += turn[0, j] * point.local[j]
+        y += turn[1, j] * point.local[j]
+        z += turn[2, j] * point.local[j]
+    arm, spin, rate = (x, y, z), point.spin, point.spin_rate
+    along = spin[0] * x + spin[1] * y + spin[2] * z
+    square = spin[0] ** 2 + spin[1] ** 2 + spin[2] ** 2
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        point.x[2, i] = spin[i] * along - square * arm[i] + rate[j] * arm[k] - rate[k] * arm[j]
+
+
+@inlined
+def _combine(point, q, order):
+    """Weighted sum of the coordinates (or of their velocities) of a point on a cable."""
+    dim = point.dimension
+    for i in range(dim):
+        total = 0.0
+        for k in range(4):
+            if k * dim < point.width:
+                total += point.weights[k] * q[point.first + k * dim + i]
+        point.x[order, i] = total
+
+
+@inlined
+def _place_frame(point, q):
+    """The frame of a planar cable at a node follows the slope."""
+    x, y = q[point.first + 2], q[point.first + 3]
+    square = x * x + y * y
+    norm = np.sqrt(square)
+    turn = point.orientation
+    turn[0, 0], turn[0, 1], turn[1, 0], turn[1, 1] = x / norm, -y / norm, y / norm, x / norm
+    point.about[2, 2], point.about[2, 3] = -y / square, x / square
+
+
+@inlined
+def _move_frame(point, q, v):
+    """w = s x s_t / s^2 and its rate with s_tt = 0."""
+    x, y = q[point.first + 2], q[point.first + 3]
+    u, w = v[point.first + 2], v[point.first + 3]
+    square = x * x + y * y
+    point.spin[2] = (x * w - y * u) / square
+    point.spin_rate[2] = -2.0 * point.spin[2] * (x * u + y * w) / square
+
+
+@inlined
+def place_points(points, bodies, q):
+    """Positions, orientations and Jacobians at q (n,); the bodies are placed."""
+    for p in range(len(points)):
+        point = points[p]
+        if point.kind == ON_BODY:
+            _place_on_body(point, bodies[point.body], q)
+        elif point.kind == COORDINATE:
+            point.x[0, 0] = q[point.first] + point.local[0]
+        elif point.kind != FIXED:
+            _combine(point, q, 0)
+            if point.kind == FRAME_OF_CABLE:
+                _place_frame(point, q)
+
+
+@inlined
+def move_points(points, bodies, q, v):
+    """Velocities at v (n,), and what accelerations are with those of the coordinates zero."""
+    for p in range(len(points)):
+        point = points[p]
+        if point.kind == ON_BODY:
+            _move_on_body(point, bodies[point.body], v)
+        elif point.kind == COORDINATE:
+            point.x[1, 0] = v[point.first]
+        elif point.kind != FIXED:
+            _combine(point, v, 1)
+            if point.kind == FRAME_OF_CABLE:
+                _move_frame(point, q, v)
+
+
+@inlined
+def add_wrench(point, wrench, sign, force):
+    """Add the generalised force of a force and a torque, wrench (6,), times the sign.   force: (n,)."""
+    for k in range(point.width):
+        total = 0.0
+        for i in range(3):
+            total += point.along[i, k] * wrench[i] + point.about[i, k] * wrench[3 + i]
+        force[point.first + k] += sign * total

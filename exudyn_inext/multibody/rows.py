@@ -1,0 +1,145 @@
+"""Equations of joints between two points, c(x_0, x_1) = 0: all joints are made of four kinds of them.
+
+With the distance d = x_1 - x_0 and axes e_0 and e_1 that are fixed to the points' frames:
+
+    DIFFERENCE  c = f x_1i - x_0i - o        one coordinate in the global frame
+    ALONG       c = (x_1 - f x_0) . e_s - o  along an axis of one of both; f = 0: x_1 is a slope
+    ACROSS      c = e_0 . e_1                axes at a right angle
+    DISTANCE    c = |d| - o
+"""
+
+import numpy as np
+
+from ..arrays import record_type
+from ..compiled import inlined
+from .points import cross
+
+DIFFERENCE, ALONG, ACROSS, DISTANCE = range(4)
+
+ROW = record_type(
+    [
+        ("kind", np.int64),
+        ("points", np.int64, (2,)),
+        ("entry", np.int64, (2,)),  # of each point, see `joints`; -1 for one that is fixed
+        ("component", np.int64),  # i of DIFFERENCE, s of ALONG
+        ("axes", np.float64, (2, 3)),  # e_0 and e_1 in their frames
+        ("factor", np.float64),  # f
+        ("offset", np.float64),  # o
+        ("e", np.float64, (2, 3)),  # e_0 and e_1 at present
+        ("d", np.float64, (3,)),  # distance at present
+    ]
+)
+
+
+@inlined
+def _turn_axis(row, point, side):
+    for i in range(3):
+        total = 0.0
+        for j in range(3):
+            total += point.orientation[i, j] * row.axes[side, j]
+        row.e[side, i] = total
+
+
+@inlined
+def _set_distance(row, one, other):
+    factor = row.factor if row.kind == ALONG else 1.0
+    for i in range(3):
+        row.d[i] = other.x[0, i] - factor * one.x[0, i]
+
+
+@inlined
+def _dot(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@inlined
+def row_value(row, one, other):
+    """c, with the axes and the distance at present."""
+    if row.kind == DIFFERENCE:
+        i = row.component
+        return row.factor * other.x[0, i] - one.x[0, i] - row.offset
+    if row.kind == ACROSS:
+        _turn_axis(row, one, 0)
+        _turn_axis(row, other, 1)
+        return _dot(row.e[0], row.e[1])
+    _set_distance(row, one, other)
+    if row.kind == DISTANCE:
+        return np.sqrt(_dot(row.d, row.d)) - row.offset
+    side = row.component
+    _turn_axis(row, one if side == 0 else other, side)
+    return _dot(row.d, row.e[side]) - row.offset
+
+
+@inlined
+def row_derivative(row, side, sign, velocity, spin):
+    """Rate of c if one point moves.
+
+    Args:
+        row: evaluated.   side: 0 or 1, which point.   sign: -f or -1 and 1: of its position in d.
+        velocity, spin: (3,).
+    """
+    if row.kind == DIFFERENCE:
+        return (row.factor if side == 1 else -1.0) * velocity[row.component]
+    if row.kind == ACROSS:
+        total = 0.0
+        for i in range(3):
+            total += cross(spin, row.e[side], i) * row.e[1 - side, i]
+        return total
+    if row.kind == DISTANCE:
+        return sign * _dot(velocity, row.d) / np.sqrt(_dot(row.d, row.d))
+    total = sign * _dot(velocity, row.e[row.component])
+    if side == row.component:
+        for i in range(3):
+            total += row.d[i] * cross(spin, row.e[side], i)
+    return total
+
+
+@inlined
+def add_row_jacobian(row, side, point, jacobian, start):
+    """Add dc/dq (width,) of one point to jacobian[start:]; the row is evaluated."""
+    sign = 1.0
+    if side == 0:
+        sign = -row.factor if row.kind == ALONG else -1.0
+    for k in range(point.width):
+        jacobian[start + k] += row_derivative(row, side, sign, point.along[:, k], point.about[:, k])
+
+
+@inlined
+def _axis_rates(e, point, i):
+    """Components i of e_t = w x e and e_tt = w_t x e + w x (w x e)."""
+    spin, along = point.spin, 0.0
+    for j in range(3):
+        along += spin[j] * e[j]
+    square = _dot(spin, spin)
+    return cross(spin, e, i), cross(point.spin_rate, e, i) + spin[i] * along - square * e[i]
+
+
+@inlined
+def row_gamma(row, one, other):
+    """-c_tt with accelerations of the coordinates zero, Eq. (27); the row is evaluated."""
+    total = 0.0
+    if row.kind == DIFFERENCE:
+        i = row.component
+        return one.x[2, i] - row.factor * other.x[2, i]
+    if row.kind == ACROSS:
+        for i in range(3):
+            rate, change = _axis_rates(row.e[0], one, i)
+            other_rate, other_change = _axis_rates(row.e[1], other, i)
+            total += change * row.e[1, i] + 2.0 * rate * other_rate + row.e[0, i] * other_change
+        return -total
+    factor = row.factor if row.kind == ALONG else 1.0
+    if row.kind == ALONG:
+        side = row.component
+        for i in range(3):
+            rate, change = _axis_rates(row.e[side], one if side == 0 else other, i)
+            velocity = other.x[1, i] - factor * one.x[1, i]
+            acceleration = other.x[2, i] - factor * one.x[2, i]
+            total += acceleration * row.e[side, i] + 2.0 * velocity * rate + row.d[i] * change
+        return -total
+    square, speed, along = _dot(row.d, row.d), 0.0, 0.0
+    for i in range(3):
+        velocity = other.x[1, i] - one.x[1, i]
+        total += row.d[i] * (other.x[2, i] - one.x[2, i])
+        speed += velocity * velocity
+        along += row.d[i] * velocity
+    return -(total + speed - along * along / square) / np.sqrt(square)

@@ -1,0 +1,338 @@
+"""Cables, bodies, springs, joints and loads as one compiled `system` of the integrators, as `CoupledSystem`.
+
+The external force is followed by functions of time: (n_cables + F,) numbers, those of the cables as their
+own system takes them.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+from ..compiled import called_kernel, inlined, kernel
+from ..integrators.integrator import LoadHistory, advance, external_force
+from ..scene.path_work import follow
+from ..system import accelerate_and_project, correct_position, implements, index_reduced_rates
+from .bodies import (
+    accelerate_body,
+    add_lever,
+    aim_at_acceleration,
+    aim_at_place,
+    aim_at_velocity,
+    move_body,
+    place_body,
+    set_normal,
+    twice_energy,
+)
+from .cables import respond_with_cables
+from .connectors import add_connectors
+from .joints import (
+    Joints,
+    apply_joints,
+    factorise_joints,
+    keep_multipliers,
+    respond_with_bodies,
+    set_jacobian,
+    set_rates,
+    set_values,
+    subtract_forces,
+)
+from .loads import add_loads
+from .points import move_points, place_points
+
+NOT_COUNTED, EACH, ALL_BUT_FIRST = range(3)  # evaluations whose work is counted
+MODE, EVALUATION = range(2)
+
+
+class Items(NamedTuple):
+    """All but the cables: records, and memory.
+
+    bodies, points, connectors, loads: records.   joints: see `Joints`.
+    force: (n,) what connectors and loads do to all coordinates [N, Nm].
+    predicted: (n,) velocities at which they act.
+    path: memory of their work, see `scene.path_work`.   counting: (2,) MODE and EVALUATION: in which
+        evaluations it is counted, and the number of the present one in its step.
+    """
+
+    bodies: Any
+    points: Any
+    connectors: Any
+    loads: Any
+    joints: Joints
+    force: Array
+    predicted: Array
+    path: Array
+    counting: np.ndarray
+
+
+class SceneSystem(NamedTuple):
+    """cables: the system of all cables, or `NoCables`.   cable_dofs: their number of coordinates.
+
+    cable_force: (n_cables,) memory.   zeta: stabilisation rate of the joints [1/s].
+    """
+
+    cables: Any
+    cable_dofs: int
+    cable_force: Array
+    items: Items
+    zeta: float
+
+
+@inlined
+def _count_work(items, q):
+    counting = items.counting
+    is_first = counting[EVALUATION] == 0
+    counting[EVALUATION] += 1
+    if counting[MODE] == EACH or (counting[MODE] == ALL_BUT_FIRST and not is_first):
+        follow(items.path, q, items.force)
+
+
+@called_kernel
+def act(items, functions, q, v):
+    """Place all items at q (n,); forces at the velocities v (n,).   functions: (F,) of time."""
+    for b in range(len(items.bodies)):
+        body = items.bodies[b]
+        place_body(body, q)
+        set_normal(body)
+        move_body(body, q, v)
+    place_points(items.points, items.bodies, q)
+    move_points(items.points, items.bodies, q, v)
+    for i in range(len(items.force)):
+        items.force[i] = 0.0
+    add_connectors(items.connectors, items.points, items.force)
+    add_loads(items.loads, items.points, functions, items.force)
+    _count_work(items, q)
+
+
+@called_kernel
+def hold(items, q, v):
+    """Jacobian and gamma of the joints at (q, v), after `act`, and the responses of bodies."""
+    for b in range(len(items.bodies)):
+        move_body(items.bodies[b], q, v)
+    move_points(items.points, items.bodies, q, v)
+    set_values(items.joints, items.points)
+    set_jacobian(items.joints, items.points)
+    respond_with_bodies(items.joints, items.bodies)
+
+
+@inlined
+def _set_cable_force(system, external):
+    """What the cables' own system takes."""
+    force = system.cable_force
+    for i in range(len(force)):
+        force[i] = external[i]
+    for i in range(system.cable_dofs):
+        force[i] += system.items.force[i]
+
+
+@called_kernel
+def accelerate_bodies(items, v, zeta, acceleration):
+    """Those of the bodies, after `act`, without joints.   v, acceleration: (n,)."""
+    for b in range(len(items.bodies)):
+        body = items.bodies[b]
+        aim_at_acceleration(body, v[body.first :], zeta)
+        accelerate_body(body, items.force[body.first :], acceleration[body.first :])
+
+
+@called_kernel
+def _project_bodies(items, v, zeta, x):
+    """x += what leads the rates v of quaternions to the manifold.   v, x: (n,)."""
+    for b in range(len(items.bodies)):
+        body = items.bodies[b]
+        aim_at_velocity(body, v[body.first :], zeta)
+        add_lever(body, x[body.first :])
+
+
+@called_kernel
+def _join_accelerations(joints, zeta, learned, v, acceleration):
+    """Factorised: J a = gamma - zeta J v, and that share of what earlier steps taught.   v: (n,)."""
+    factorise_joints(joints)
+    set_rates(joints, v)
+    for r in range(len(joints.rows)):
+        joints.target[r] = joints.gamma[r] + learned * joints.foresight[r] - zeta * joints.rate[r]
+    apply_joints(joints, acceleration)
+    keep_multipliers(joints)
+
+
+@called_kernel
+def _join(joints, share, x):
+    """J x = -share c."""
+    for r in range(len(joints.rows)):
+        joints.target[r] = -share * joints.value[r]
+    apply_joints(joints, x)
+
+
+@implements(index_reduced_rates, SceneSystem)
+def scene_rates(system, external, q, v, acceleration, rate):
+    """Eq. (30). Arguments: see `index_reduced_rates`."""
+    items, number, zeta = system.items, system.cable_dofs, system.zeta
+    act(items, external[len(system.cable_force) :], q, v)
+    _set_cable_force(system, external)
+    index_reduced_rates(
+        system.cables, system.cable_force, q[:number], v[:number], acceleration[:number], rate[:number]
+    )
+    for i in range(number, len(q)):
+        rate[i] = v[i]
+    accelerate_bodies(items, v, zeta, acceleration)
+    _project_bodies(items, v, zeta, rate)
+    if len(items.joints.rows) > 0:
+        hold(items, q, v)
+        respond_with_cables(system.cables, items.joints)
+        _join_accelerations(items.joints, zeta, 0.0, v, acceleration)
+        _join(items.joints, zeta, rate)
+
+
+@implements(accelerate_and_project, SceneSystem)
+def accelerate_and_project_scene(system, external, q, v, duration, acceleration, end_velocity):
+    """Arguments: see `accelerate_and_project`."""
+    items, number = system.items, system.cable_dofs
+    predicted = items.predicted
+    for i in range(len(q)):
+        predicted[i] = v[i] + duration * acceleration[i]
+    act(items, external[len(system.cable_force) :], q, predicted)
+    _set_cable_force(system, external)
+    accelerate_and_project(
+        system.cables,
+        system.cable_force,
+        q[:number],
+        v[:number],
+        duration,
+        acceleration[:number],
+        end_velocity[:number],
+    )
+    accelerate_bodies(items, v, 0.0, acceleration)
+    for i in range(number, len(q)):
+        end_velocity[i] = v[i] + duration * acceleration[i]
+    _project_bodies(items, end_velocity, 0.0, end_velocity)
+    if len(items.joints.rows) > 0:
+        hold(items, q, v)
+        respond_with_cables(system.cables, items.joints)
+        _join_accelerations(items.joints, 0.0, 1.0, v, acceleration)
+        _join(items.joints, 0.0, end_velocity)
+
+
+@called_kernel
+def _correct_items(items, q, learning, correction):
+    """Largest violation, which teaches the next steps; corrections of quaternions alone."""
+    joints, worst = items.joints, 0.0
+    for b in range(len(items.bodies)):
+        body = items.bodies[b]
+        place_body(body, q)
+        violation = aim_at_place(body, q, learning)
+        if not violation <= worst:
+            worst = violation
+        for i in range(body.translations + body.rotations):
+            correction[body.first + i] = 0.0
+        add_lever(body, correction[body.first :])
+    place_points(items.points, items.bodies, q)
+    set_values(joints, items.points)
+    for r in range(len(joints.value)):
+        joints.foresight[r] -= learning * joints.value[r]
+        if not abs(joints.value[r]) <= worst:  # keeps a NaN
+            worst = abs(joints.value[r])
+    return worst
+
+
+@implements(correct_position, SceneSystem)
+def correct_scene_position(system, external, q, tolerance, learning, correction):
+    """Arguments: see `correct_position`."""
+    items, number = system.items, system.cable_dofs
+    worst = _correct_items(items, q, learning, correction)
+    if number > 0:
+        own = external[: len(system.cable_force)]
+        violation = correct_position(
+            system.cables, own, q[:number], tolerance, learning, correction[:number]
+        )
+        if violation < tolerance:
+            for i in range(number):
+                correction[i] = 0.0
+        if not violation <= worst:
+            worst = violation
+    if len(items.joints.rows) > 0 and not worst < tolerance:
+        _join(items.joints, 1.0, correction)
+    return worst
+
+
+@kernel
+def bodies_energy(bodies, q, v):
+    """Kinetic energy [J] of velocities v (n,) at q (n,)."""
+    total = 0.0
+    for b in range(len(bodies)):
+        body = bodies[b]
+        place_body(body, q)
+        total += twice_energy(body, v[body.first :])
+    return 0.5 * total
+
+
+@kernel
+def joint_violation(items, q):
+    """Largest |c| at q (n,)."""
+    for b in range(len(items.bodies)):
+        place_body(items.bodies[b], q)
+    place_points(items.points, items.bodies, q)
+    set_values(items.joints, items.points)
+    worst = 0.0
+    for r in range(len(items.joints.value)):
+        if not abs(items.joints.value[r]) <= worst:
+            worst = abs(items.joints.value[r])
+    return worst
+
+
+@kernel
+def times_jacobian(joints, v, result):
+    """J v (m,), after `hold`.   v: (n,)."""
+    set_rates(joints, v)
+    for r in range(len(result)):
+        result[r] = joints.rate[r]
+
+
+@kernel
+def subtract_joint_forces(joints, force):
+    """force -= J^T nu (n,), with the multipliers of the last evaluation."""
+    subtract_forces(joints, force)
+
+
+@kernel
+def take_steps(scheme, system, loads, state, h, done, in_interval, history, total, before):
+    """Steps of h [s], one for each row of the load history.
+
+    Args:
+        scheme, system, state: see `integrators.integrator.advance`.   loads: history of all steps.
+        done: number of steps since the beginning of the history.   in_interval: steps in one of it.
+        history: (intervals, 3, n) output, at the ends of intervals.
+        total: memory of the work of whole steps, see `scene.path_work`; counted where not each evaluation is.
+        before: (2, n) output: q and a before the last step.
+
+    It ends before them if a joint depends on others.
+    """
+    items, steps = system.items, loads.factor.shape[0]
+    for step in range(steps):
+        if step == steps - 1:
+            for i in range(len(state.q)):
+                before[0, i], before[1, i] = state.q[i], state.a[i]
+        items.counting[EVALUATION] = 0
+        one = LoadHistory(loads.constant, loads.pattern, loads.factor[step : step + 1], loads.work)
+        interval = (done + step) // in_interval
+        advance(scheme, system, one, state, h, 1, history[interval : interval + 1])
+        if items.counting[MODE] == ALL_BUT_FIRST:
+            follow(total, state.q, items.force)
+        if len(items.joints.rows) > 0 and items.joints.dependent[0] >= 0:
+            break
+
+
+@kernel
+def evaluate_states(system, loads, history, multipliers, external, rate):
+    """Accelerations and multipliers of states, neither stabilised nor with what earlier steps taught.
+
+    Args:
+        system: that has taken no steps.   loads: history, one row a state.
+        history: (k, 3, n) coordinates and velocities, and output: accelerations.
+        multipliers: (k, m) output.   external, rate: memory.
+    """
+    joints = system.items.joints
+    for k in range(len(history)):
+        q, v, a = history[k, 0], history[k, 1], history[k, 2]
+        external_force(loads, k, 0, external)
+        accelerate_and_project(system, external, q, v, 0.0, a, rate)
+        for r in range(len(joints.rows)):
+            multipliers[k, r] = joints.multipliers[r]

@@ -1,0 +1,131 @@
+"""The compiled form of a scene, compared with what Exudyn says of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..multibody.build import build_scene
+from ..multibody.cables import NoCables
+from ..multibody.scene import accelerate_bodies, act, hold, times_jacobian
+from ..run.compiled_scene import CompiledScene, SceneLoads
+from ..scene.bodies import bodies_rates
+from .known.scene import read_known_items
+from .known.unknown import Unknown
+
+if TYPE_CHECKING:
+    from .coupled_scene import CoupledScene
+
+WIDEST_BAND = 64  # of joints: beyond, LAPACK's solve is the faster one
+TOLERANCE = 1e-9  # of forces, accelerations, joints and their rates, relative
+OF_DIFFERENCES = 1e-4  # of second derivatives, which Exudyn's side finds by differences
+SMALLEST = 1e-6  # scale of forces and accelerations
+STATES = 3  # random ones, besides the first
+WAY, SPEED = 0.01, 1.0  # of random states [m, -] from the first one, and [m/s, 1/s]
+
+
+def compiled_form(scene: CoupledScene, t: float, q: Array, v: Array) -> CompiledScene:
+    """The same scene in compiled code, which agrees with it about the state (q, v) at t [s].
+
+    Args:
+        scene: that Exudyn evaluates, in the state (q, v) of all parts.
+
+    Raises:
+        Unknown: there is none; the message says of what, or where they differ.
+    """
+    places = scene.map.slices[:-1]
+    loads = [cable.loads for cable in scene.cables]
+    if len(scene.groups) > 1:
+        raise Unknown("cables of several kinds")
+    if len(scene.held.numbers):
+        raise Unknown("held coordinates")
+    if any(of_cable.has_histories or not of_cable.known_ahead for of_cable in loads):
+        raise Unknown("weights or supports of cables that follow user functions")
+    on_cables = places[-1].stop if places else 0
+    scene.surroundings.forces(t, q, v)  # mbs is in this state, too
+    elsewhere = scene.elsewhere.union(cable.number for cable in scene.cables)
+    known = read_known_items(scene.mbs, scene.bodies, scene.joints, scene.map, on_cables, elsewhere, q)
+    if len(known.rows) != len(scene.system.foresight):
+        raise Unknown("equations of joints")
+    cables = scene.groups[0][0] if scene.groups else NoCables()
+    acting = SceneLoads(loads, known.functions)
+    external = sum(len(of_cable.constant) for of_cable in loads)
+    native = scene.system
+    system = build_scene(cables, external, places, known, scene.size, native.zeta, native.foresight)
+    if not scene.body_system.share_foresight(known.bodies["first"] - on_cables, known.bodies["foresight"]):
+        raise Unknown("bodies that share coordinates")
+    if system.items.joints.schur.shape[1] > WIDEST_BAND:
+        raise Unknown("joints that couple many others")
+    own = [(place, c.system, c.loads) for place, c in zip(places, scene.cables, strict=True)]
+    form = CompiledScene(system, acting, own, scene.surroundings.joints)
+    require_agreement(scene, form, t, q, v)
+    return form
+
+
+def require_agreement(scene: CoupledScene, form: CompiledScene, t: float, q: Array, v: Array) -> None:
+    """Compare forces, masses and joints with Exudyn's, at (q, v) and at random states near to it.
+
+    Raises:
+        Unknown: they differ; the message says where.
+    """
+    random = np.random.default_rng(1)
+    for number in range(1 + STATES):
+        at, rates = q.copy(), v.copy()
+        if number:
+            at += WAY * random.uniform(-1.0, 1.0, len(q))
+            rates += SPEED * random.uniform(-1.0, 1.0, len(q))
+        _normalise(form.system.items.bodies, at)
+        scene.surroundings.forces(t, at, rates)
+        scene.body_system.project(rates[scene.map.slices[-1]])
+        _compare_parts(scene, form, t, at, rates)
+        if scene.joints:
+            _compare_joints(scene, form, t, at, rates)
+
+
+def _normalise(bodies: Any, q: Array) -> None:
+    """Quaternions in q (n,) to the norm of one, in place."""
+    turning = bodies[bodies["rotations"] == 4]
+    places = (turning["first"] + turning["translations"])[:, np.newaxis] + np.arange(4)
+    p = q[places] + turning["reference"][:, 3:]
+    q[places] += p / np.linalg.norm(p, axis=1, keepdims=True) - p
+
+
+def _compare_parts(scene: CoupledScene, form: CompiledScene, t: float, q: Array, v: Array) -> None:
+    """Forces on the cables, and accelerations of the bodies without joints."""
+    given = scene.surroundings.forces(t, q, v)
+    bodies, items, number = scene.map.slices[-1], form.system.items, form.system.cable_dofs
+    wanted, found, rate = np.zeros((3, len(q)))
+    bodies_rates(scene.body_system, given[-1], q[bodies], v[bodies], wanted[bodies], rate[bodies])
+    act(items, form.loads.at(t)[len(form.system.cable_force) :], q, v)
+    accelerate_bodies(items, v, scene.system.zeta, found)
+    wanted[:number], found[:number] = scene.surroundings.native_forces[:number], items.force[:number]
+    for dofs in scene.map.slices:
+        scale = float(np.abs(wanted[dofs]).max(initial=SMALLEST))
+        wrong = np.flatnonzero(~(np.abs(wanted - found)[dofs] <= TOLERANCE * scale))
+        if len(wrong):
+            where = scene.coordinate_name(scene.map.indices[dofs][wrong[0]])
+            raise Unknown(f"{where}, on which Exudyn's forces are others")
+
+
+def _compare_joints(scene: CoupledScene, form: CompiledScene, t: float, q: Array, v: Array) -> None:
+    """Values, rates and second derivatives along the motion."""
+    terms, items = scene.surroundings.constrain(t, q, v), form.system.items
+    joints, size = items.joints, max(1.0, float(np.abs(q).max()))
+    hold(items, q, v)
+    rates = np.zeros(len(joints.value))
+    times_jacobian(joints, v, rates)
+    wanted_rates, speed = np.zeros(len(rates)), max(1.0, float(np.abs(v).max()))
+    for block in scene.surroundings.blocks:
+        wanted_rates[block.rows] += block.jacobian @ v[block.dofs]
+    compared = (
+        (terms.value, joints.value, TOLERANCE * size),
+        (wanted_rates, rates, TOLERANCE * size * speed),
+        (terms.gamma, joints.gamma, OF_DIFFERENCES * size * speed**2),
+        (terms.drift, np.zeros(len(rates)), TOLERANCE),
+    )
+    for wanted, found, tolerance in compared:
+        wrong = np.flatnonzero(~(np.abs(wanted - found) <= tolerance))
+        if len(wrong):
+            raise Unknown(f"{scene.surroundings.joints[wrong[0]]} which Exudyn evaluates otherwise")

@@ -1,0 +1,82 @@
+"""Spring-dampers as records."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ...items.arguments import described
+from ...multibody.connectors import CARTESIAN, CONNECTOR, SIX, SPRING
+from .points import Place, PointReader
+from .unknown import Unknown, require_no_functions
+
+
+def read_connector(data: dict[str, Any], number: int, reader: PointReader) -> Any:
+    """The record of an object; Unknown if it has no compiled form."""
+    name = described(data, number)
+    if data["objectType"] not in _READERS:
+        raise Unknown(name)
+    require_no_functions(data, name)
+    if data.get("nodeNumber", -1) not in (-1, None) and int(data["nodeNumber"]) >= 0:
+        raise Unknown(f"{name} with a node of its own")
+    record = np.zeros(1, CONNECTOR)[0]
+    places = [reader.marker(k) for k in data["markerNumbers"]]
+    record.points[:] = [place.point for place in places]
+    for frame in ("frame_before", "frame_after", "frame_of_other"):
+        getattr(record, frame)[:] = np.eye(3)
+    _READERS[data["objectType"]](data, name, places, record)
+    return record
+
+
+def _spring(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
+    record.kind = SPRING
+    record.stiffness[0, 0], record.damping[0, 0] = data["stiffness"], data["damping"]
+    record.offset[0], record.rate_offset[0] = data["referenceLength"], data["velocityOffset"]
+    record.force[0] = data["force"]
+
+
+def _cartesian(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
+    record.kind = CARTESIAN
+    for i in range(3):
+        record.stiffness[i, i], record.damping[i, i] = data["stiffness"][i], data["damping"][i]
+        record.offset[i] = data["offset"][i]
+
+
+def _coordinate(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
+    record.kind = CARTESIAN
+    record.stiffness[0, 0], record.damping[0, 0] = data["stiffness"], data["damping"]
+    record.offset[0] = data["offset"]
+
+
+def _set_frames(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
+    if not all(place.has_frame for place in places):
+        raise Unknown(f"{name} between markers without frames")
+    record.kind = SIX
+    record.frame_after[:] = places[0].turn
+    record.frame_of_other[:] = places[1].turn @ data["rotationMarker1"]
+
+
+def _rigid_body(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
+    if data.get("useIntrinsicFormulation") or data.get("intrinsicFormulation"):
+        raise Unknown(f"{name} with the intrinsic formulation")
+    _set_frames(data, name, places, record)
+    record.frame_before[:] = data["rotationMarker0"]
+    record.stiffness[:], record.damping[:] = data["stiffness"], data["damping"]
+    record.offset[:] = data["offset"]
+
+
+def _torsional(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
+    _set_frames(data, name, places, record)
+    record.frame_after[:] = places[0].turn @ data["rotationMarker0"]
+    record.stiffness[5, 5], record.damping[5, 5] = data["stiffness"], data["damping"]
+    record.offset[5], record.rate_offset[5] = data["offset"], data["velocityOffset"]
+    record.force[5] = data["torque"]
+
+
+_READERS: dict[str, Callable[..., None]] = {
+    "ConnectorSpringDamper": _spring,
+    "ConnectorCartesianSpringDamper": _cartesian,
+    "ConnectorCoordinateSpringDamper": _coordinate,
+    "ConnectorRigidBodySpringDamper": _rigid_body,
+    "ConnectorTorsionalSpringDamper": _torsional,
+}

@@ -1,0 +1,156 @@
+"""Joints and constraints as rows."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...arrays import Array, collected
+from ...multibody.rows import ACROSS, ALONG, DIFFERENCE, DISTANCE, ROW
+from ..joint_items import JointItem
+from .points import Place, PointReader
+from .unknown import Unknown, require_no_functions
+
+X, Y, Z = range(3)
+
+
+@dataclass(frozen=True, eq=False)
+class _Joint:
+    """Both markers of a joint, and its axes in the frames of the points.
+
+    places: of the markers.   axes: (2, 3, 3), columns x, y, z of both.
+    """
+
+    places: tuple[Place, Place]
+    axes: Array
+
+    def row(self, kind: int, **fields: Any) -> Any:
+        row = np.zeros(1, ROW)[0]
+        row.kind, row.factor = kind, fields.get("factor", 1.0)
+        row.points[:] = [place.point for place in self.places]
+        row.entry[:] = -1
+        for name in ("component", "offset"):
+            setattr(row, name, fields.get(name, 0))
+        row.axes[:] = fields.get("axes", np.zeros((2, 3)))
+        return row
+
+    def difference(self, i: int) -> Any:
+        return self.row(DIFFERENCE, component=i)
+
+    def along(self, side: int, i: int) -> Any:
+        """The distance along axis i of one side."""
+        return self.row(ALONG, component=side, axes=self.axes[:, :, i])
+
+    def across(self, i: int, j: int) -> Any:
+        """Axis i of the first and axis j of the second side at a right angle."""
+        return self.row(ACROSS, axes=np.array([self.axes[0][:, i], self.axes[1][:, j]]))
+
+
+def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader) -> Any:
+    """(m,) records, in the order of the joints; Unknown if one has no compiled form."""
+    rows: list[Any] = []
+    for joint in joints:
+        data = mbs.GetObject(joint.number)
+        read = _READERS.get(data["objectType"])
+        if read is None:
+            raise Unknown(joint.name)
+        if data.get("alternativeConstraints"):
+            raise Unknown(f"{joint.name} with alternative constraints")
+        of_joint = read(mbs, data, joint.name, reader)
+        rows += [of_joint[k] for k in joint.active]
+    return collected(ROW, rows)
+
+
+def _joint(data: dict[str, Any], name: str, reader: PointReader, has_frames: bool = True) -> _Joint:
+    require_no_functions(data, name)
+    places = tuple(reader.marker(number) for number in data["markerNumbers"])
+    if has_frames and not all(place.has_frame for place in places):
+        raise Unknown(f"{name} between markers without frames")
+    axes = [place.turn @ data.get(f"rotationMarker{k}", np.eye(3)) for k, place in enumerate(places)]
+    return _Joint(places, np.array(axes))  # type: ignore[arg-type]
+
+
+def _spherical(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+    joint = _joint(data, name, reader, has_frames=False)
+    return [joint.difference(i) for i in range(3)]
+
+
+def _revolute_z(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+    joint = _joint(data, name, reader)
+    return [*(joint.difference(i) for i in range(3)), joint.across(Z, X), joint.across(Z, Y)]
+
+
+def _prismatic_x(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+    joint = _joint(data, name, reader)
+    rows = [joint.along(0, Y), joint.along(0, Z)]
+    return [*rows, joint.across(Z, Y), joint.across(Z, X), joint.across(X, Y)]
+
+
+def _generic(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+    joint = _joint(data, name, reader)
+    locked = np.asarray(data["constrainedAxes"], dtype=bool)
+    holds_all = locked[:3].all()
+    rows = [joint.difference(i) if holds_all else joint.along(0, i) for i in range(3)]
+    axes = np.flatnonzero(locked[3:]).tolist()
+    free = [i for i in range(3) if i not in axes]
+    turns: list[Any] = [joint.across(X, X)] * 3  # those that are free are not taken
+    if len(axes) == 3:
+        turns = [joint.across(Z, Y), joint.across(Z, X), joint.across(X, Y)]
+    elif len(axes) == 2:
+        for axis in axes:
+            turns[axis] = joint.across(free[0], axis)
+    elif len(axes) == 1:
+        turns[axes[0]] = joint.across(free[0], free[1])
+    return rows + turns
+
+
+def _revolute_2d(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+    joint = _joint(data, name, reader, has_frames=False)
+    return [joint.difference(i) for i in range(2)]
+
+
+def _prismatic_2d(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+    joint = _joint(data, name, reader)
+    along, normal = np.asarray(data["axisMarker0"]), np.asarray(data["normalMarker1"])
+    axes = np.array([joint.axes[0] @ along, joint.axes[1] @ normal])
+    return [joint.row(ALONG, component=1, axes=axes), joint.row(ACROSS, axes=axes)]
+
+
+def _distance(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+    joint = _joint(data, name, reader, has_frames=False)
+    return [joint.row(DISTANCE, offset=data["distance"])]
+
+
+def _coordinate(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+    joint = _joint(data, name, reader, has_frames=False)
+    factor = data.get("factor1", data.get("factorValue1", 1.0))
+    return [joint.row(DIFFERENCE, factor=factor, offset=data["offset"])]
+
+
+def _clamp(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+    """A slope that follows a body, see `items.attach.clamp_to_body`."""
+    function = data["constraintUserFunction"]
+    clamp = getattr(function["function"], "clamp", None) if function else None
+    if clamp is None:
+        raise Unknown(name)
+    body, slope = reader.body_of_node(clamp.body_node), reader.slope(clamp.node)
+    joint = _Joint((body, slope), np.zeros((2, 3, 3)))
+    rows = []
+    for across in clamp.across:
+        axes = np.array([across, np.zeros(3)])
+        rows.append(joint.row(ALONG, component=0, factor=0.0, axes=axes))
+    return rows
+
+
+_READERS: dict[str, Callable[..., list[Any]]] = {
+    "JointSpherical": _spherical,
+    "JointRevoluteZ": _revolute_z,
+    "JointPrismaticX": _prismatic_x,
+    "JointGeneric": _generic,
+    "JointRevolute2D": _revolute_2d,
+    "JointPrismatic2D": _prismatic_2d,
+    "ConnectorDistance": _distance,
+    "ConnectorCoordinate": _coordinate,
+    "ConnectorCoordinateVector": _clamp,
+}

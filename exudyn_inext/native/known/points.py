@@ -1,0 +1,198 @@
+"""Markers as points: of the ground, of bodies, of cables."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...arrays import Array, collected
+from ...element.shape_functions import shape_functions
+from ...items.arguments import described
+from ...items.attach.inert import is_inert_cable
+from ...multibody.points import COORDINATE, FIXED, FRAME_OF_CABLE, ON_BODY, ON_CABLE, POINT
+from ..coordinates import CoordinateMap
+from .unknown import Unknown
+
+
+class Place(NamedTuple):
+    """A marker.   point: its number.   turn: (3, 3) its frame in that of the point.
+
+    has_frame: whether it has an orientation.
+    """
+
+    point: int
+    turn: Array
+    has_frame: bool = False
+
+
+_ALONG = np.eye(3)
+
+
+class PointReader:
+    """Makes one record for each marker that is asked for.
+
+    Args:
+        mbs: assembled.   coordinates: of the scene.   on_cables: how many lie on cables, the first ones.
+        bodies: records.   of_bodies: number of the record by that of the object.
+    """
+
+    def __init__(
+        self, mbs: Any, coordinates: CoordinateMap, on_cables: int, bodies: Any, of_bodies: dict[int, int]
+    ) -> None:
+        self._mbs = mbs
+        self._coordinates = coordinates
+        self._on_cables = on_cables
+        self._bodies = bodies
+        self._of_bodies = of_bodies
+        self._of_nodes = {int(body["first"]): number for number, body in enumerate(bodies)}
+        self._points: list[Any] = []
+        self._known: dict[Any, Place] = {}
+
+    @property
+    def records(self) -> Any:
+        """(P,)"""
+        return collected(POINT, self._points)
+
+    def marker(self, number: int) -> Place:
+        """The place of a marker; Unknown if it has no compiled form."""
+        if number not in self._known:
+            self._known[number] = self._read(int(number))
+        return self._known[number]
+
+    def _read(self, number: int) -> Place:
+        data = self._mbs.GetMarker(number)
+        kind = data["markerType"]
+        if kind in ("BodyPosition", "BodyRigid"):
+            turn = np.array(data["localHT"])[:3, :3] if "localHT" in data else np.eye(3)
+            local = np.asarray(data["localPosition"], dtype=float)
+            return self._on_object(int(data["bodyNumber"]), local, kind == "BodyRigid", turn)
+        if kind in ("NodePosition", "NodeRigid"):
+            return self._on_node(int(data["nodeNumber"]), kind == "NodeRigid")
+        if kind == "NodeCoordinate":
+            return self.coordinate(int(data["nodeNumber"]), int(data["coordinate"]))
+        if kind == "BodyMass":
+            return self.centre_of_mass(int(data["bodyNumber"]))
+        raise Unknown(f"marker {number} '{data['name']}' ({kind})")
+
+    def _add(self, point: Any, turn: Array = _ALONG, has_frame: bool = False) -> Place:
+        self._points.append(point)
+        return Place(len(self._points) - 1, turn, has_frame)
+
+    def fixed(self, position: Array, orientation: Array = _ALONG, has_frame: bool = True) -> Place:
+        """A point of the ground."""
+        point = _new(FIXED)
+        point.x[0], point.orientation[:] = position, orientation
+        return self._add(point, has_frame=has_frame)
+
+    def _on_object(self, number: int, local: Array, has_frame: bool, turn: Array) -> Place:
+        data = self._mbs.GetObject(number)
+        if data["objectType"] == "Ground":
+            orientation = np.asarray(data["referenceRotation"], dtype=float)
+            position = np.asarray(data["referencePosition"]) + orientation @ local
+            place = self.fixed(position, orientation, has_frame)
+            return place._replace(turn=turn)
+        if number in self._of_bodies:
+            return self.on_body(self._of_bodies[number], local, has_frame)._replace(turn=turn)
+        if is_inert_cable(data) and not has_frame and not local[1:].any():
+            return self._on_element(data, float(local[0]))
+        raise Unknown(f"a marker on {described(data, number)}")
+
+    def on_body(self, body: int, local: Array, has_frame: bool = True) -> Place:
+        """A point of a body.   body: number of its record.   local: (3,) in its frame."""
+        record = self._bodies[body]
+        translations, rotations = int(record.translations), int(record.rotations)
+        if has_frame and not rotations:
+            raise Unknown("a marker with a frame on a mass point")
+        point = _new(ON_BODY, int(record.first), translations + rotations)
+        point.body = body
+        point.local[:] = local
+        point.along[:, :translations] = np.eye(3)[:, :translations]
+        return self._add(point, has_frame=has_frame)
+
+    def centre_of_mass(self, number: int) -> Place:
+        """That of a body, from its mass matrix."""
+        if number not in self._of_bodies:
+            raise Unknown(f"a marker on the mass of object {number}")
+        mass = self._bodies[self._of_bodies[number]].mass
+        local = np.array([mass[1, 5], -mass[0, 5], mass[0, 4]]) / mass[0, 0]
+        return self.on_body(self._of_bodies[number], local, has_frame=False)
+
+    def is_on_cable(self, number: int) -> bool:
+        """Whether a marker lies on a companion of a cable."""
+        marker = self._mbs.GetMarker(number)
+        return "bodyNumber" in marker and is_inert_cable(self._mbs.GetObject(int(marker["bodyNumber"])))
+
+    def mass(self, number: int) -> float:
+        """Of a body [kg]."""
+        return float(self._bodies[self._of_bodies[number]].mass[0, 0])
+
+    def _of_node(self, number: int) -> tuple[list[int], dict[str, Any]]:
+        return self._mbs.systemData.GetNodeLTGODE2(number), self._mbs.GetNode(number)
+
+    def _on_node(self, number: int, has_frame: bool) -> Place:
+        places, node = self._of_node(number)
+        if not len(places):
+            return self.fixed(np.asarray(node["referenceCoordinates"], dtype=float), has_frame=has_frame)
+        first = self._coordinates.place(places[0])
+        if first in self._of_nodes:
+            return self.on_body(self._of_nodes[first], np.zeros(3), has_frame)
+        if not 0 <= first < self._on_cables:
+            raise Unknown(f"a marker on node {number} '{node['name']}' ({node['nodeType']})")
+        dim = len(places) // 2
+        if not has_frame:
+            return self._weighted(first, dim, [1.0])
+        if dim == 3:
+            raise Unknown(f"a marker with a frame on node {number} '{node['name']}'")
+        point = _new(FRAME_OF_CABLE, first, 2 * dim)
+        point.dimension, point.weights[0] = dim, 1.0
+        point.along[:dim, :dim] = np.eye(dim)
+        return self._add(point, has_frame=True)
+
+    def body_of_node(self, number: int) -> Place:
+        """The body on a node, with its frame."""
+        return self._on_node(number, has_frame=True)
+
+    def slope(self, number: int) -> Place:
+        """The slope of a cable's node."""
+        places, node = self._of_node(number)
+        first = self._coordinates.place(places[0])
+        if not 0 <= first < self._on_cables:
+            raise Unknown(f"the slope of node {number} '{node['name']}'")
+        dim = len(places) // 2
+        return self._weighted(first + dim, dim, [1.0])
+
+    def _on_element(self, data: dict[str, Any], x: float) -> Place:
+        (left, _), (right, _) = (self._of_node(int(number)) for number in data["nodeNumbers"])
+        first, last = self._coordinates.place(left[0]), self._coordinates.place(right[0])
+        dim = len(left) // 2
+        if last != first + 2 * dim or not 0 <= first < self._on_cables:
+            raise Unknown(f"a marker on the last element of a closed cable ('{data['name']}')")
+        length = float(data["length"])
+        return self._weighted(first, dim, shape_functions(x / length, length).tolist())
+
+    def _weighted(self, first: int, dim: int, weights: list[float]) -> Place:
+        point = _new(ON_CABLE, first, len(weights) * dim)
+        point.dimension = dim
+        for k, weight in enumerate(weights):
+            point.weights[k] = weight
+            point.along[:dim, k * dim : (k + 1) * dim] = weight * np.eye(dim)
+        return self._add(point)
+
+    def coordinate(self, number: int, which: int) -> Place:
+        """A coordinate of a node, without its reference value."""
+        places, node = self._of_node(number)
+        if not len(places):
+            return self.fixed(np.zeros(3), has_frame=False)
+        place = self._coordinates.place(places[which])
+        if place < 0:
+            raise Unknown(f"coordinate {which} of node {number} '{node['name']}', which is held")
+        point = _new(COORDINATE, place, 1)
+        point.local[0] = -self._coordinates.reference[place]
+        point.along[0, 0] = 1.0
+        return self._add(point)
+
+
+def _new(kind: int, first: int = 0, width: int = 0) -> Any:
+    point = np.zeros(1, POINT)[0]
+    point.kind, point.first, point.width = kind, first, width
+    point.orientation[:] = np.eye(3)
+    return point

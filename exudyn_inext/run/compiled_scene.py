@@ -1,0 +1,189 @@
+"""A scene of which all items have compiled forms: many steps in one call."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+from ..cable.cable import Cable
+from ..cable.linked_cable import cable_system
+from ..cable.many_cables import in_few_chains
+from ..integrators.integrator import NO_WORK, LoadHistory
+from ..multibody.build import FunctionOfTime, copied
+from ..multibody.scene import (
+    ALL_BUT_FIRST,
+    EACH,
+    MODE,
+    NOT_COUNTED,
+    SceneSystem,
+    bodies_energy,
+    evaluate_states,
+    joint_violation,
+    subtract_joint_forces,
+    take_steps,
+)
+from ..scene.joints import dependent_row
+from ..system import index_reduced_rates
+from .cable_loads import CableLoads
+
+
+class SceneLoads:
+    """What acts on the cables of a scene, with functions of time behind it; see `CableLoads`."""
+
+    def __init__(self, loads: Sequence[CableLoads], functions: Sequence[FunctionOfTime]) -> None:
+        self._loads, self._functions = loads, functions
+        parts = [of_cable.constant for of_cable in loads]
+        self.constant: Array = np.concatenate([*parts, np.zeros(3 * len(functions))])
+        rows = sum(len(of_cable.pattern) for of_cable in loads) + 3 * len(functions)
+        self.pattern = np.zeros((rows, len(self.constant)))
+        row = column = 0
+        for of_cable in loads:
+            rows, columns = of_cable.pattern.shape
+            self.pattern[row : row + rows, column : column + columns] = of_cable.pattern
+            row, column = row + rows, column + columns
+        self.pattern[row:, column:] = np.eye(3 * len(functions))
+
+    def at(self, t: float) -> Array:
+        """(n_external,) at t [s]."""
+        return self.constant + self.factors([t])[0] @ self.pattern
+
+    def factors(self, times: list[float]) -> Array:
+        """(T, P) of all that depends on the time."""
+        columns = [loads.factors(times) for loads in self._loads if len(loads.pattern)]
+        columns += [np.stack([load.values(t) for t in times]) for load in self._functions]
+        return np.concatenate(columns, axis=1) if columns else np.zeros((len(times), 0))
+
+    def sample(self, times: Array) -> LoadHistory:
+        """History of steps.   times: (steps, stages) [s]."""
+        shape = (*times.shape, len(self.pattern))
+        factors = self.factors(times.ravel().tolist()) if len(self.pattern) else np.zeros(0)
+        return LoadHistory(self.constant, self.pattern, factors.reshape(shape), NO_WORK)
+
+
+class Steps(NamedTuple):
+    """Steps of h [s] by a scheme.   times: (steps, stages) of their evaluations [s].
+
+    have_one_evaluation: each of them.   done: number of steps in the history before.
+    history: (intervals, 3, n) output: total coordinates, velocities, accelerations at the ends of intervals.
+    in_interval: steps in one of these.
+    """
+
+    scheme: Any
+    h: float
+    times: Array
+    have_one_evaluation: bool
+    done: int
+    history: Array
+    in_interval: int
+
+
+class CompiledScene:
+    """The compiled system of a scene, and its loads; `scene` is the same one, evaluated by Exudyn.
+
+    Args:
+        system: of all.   loads: of the cables, and functions of time.   cables: place, and system of each.
+        names: of the rows of joints, for messages.
+
+    forces: (n,) what the items did to the coordinates at the last evaluation [N, Nm].
+    multipliers: (m,) of the joints there.
+    """
+
+    def __init__(
+        self,
+        system: SceneSystem,
+        loads: SceneLoads,
+        cables: Sequence[tuple[slice, Any, CableLoads]],
+        names: Sequence[str],
+    ) -> None:
+        self.system = system
+        self.loads = loads
+        self._cables = cables
+        self._names = names
+        self._unscaled: SceneSystem | None = None
+        self.forces = system.items.force
+        self.multipliers = system.items.joints.multipliers
+
+    def count_work_in(self, path: Array) -> None:
+        """Count the work of the items' forces there, see `scene.path_work`."""
+        items = self.system.items._replace(path=path)
+        self.system = self.system._replace(items=items)
+
+    def take(self, steps: Steps, state: Any, work: Array, before: Array) -> None:
+        """Take steps.
+
+        Args:
+            steps: which.   state: of the integrator.   work: memory of that of whole steps.
+            before: (2, n) output: q and a before the last step.
+
+        Raises:
+            RedundantConstraintError: names a joint that depends on others.
+        """
+        counting, loads = self.system.items.counting, self.loads.sample(steps.times)
+        counting[MODE] = EACH if steps.have_one_evaluation else ALL_BUT_FIRST
+        where = steps.done, steps.in_interval, steps.history
+        take_steps(steps.scheme, self.system, loads, state, steps.h, *where, work, before)
+        counting[MODE] = NOT_COUNTED
+        joints = self.system.items.joints
+        if len(joints.rows) and joints.dependent[0] >= 0:
+            raise dependent_row(_dense(joints.schur, joints.place), self._names)
+
+    def evaluate(self, cables: Sequence[Cable], times: Array, history: Array) -> Array:
+        """Accelerations of states, by the mass as it is; see `evaluate_states`.
+
+        Args:
+            cables: of the scene.   times: (k,) [s].
+            history: (k, 3, n) total coordinates, velocities, and output: accelerations.
+
+        Returns:
+            (k, m) multipliers of the joints.
+        """
+        if self._unscaled is None:
+            self._unscaled = self._without_scaling(cables)
+        multipliers = np.zeros((len(times), len(self.multipliers)))
+        memory = np.zeros(len(self.loads.constant)), np.zeros(history.shape[2])
+        loads = self.loads.sample(times[:, np.newaxis])
+        evaluate_states(self._unscaled, loads, history, multipliers, *memory)
+        return multipliers
+
+    def _without_scaling(self, cables: Sequence[Cable]) -> SceneSystem:
+        """The same system in memory of its own, with the cables' mass as it is."""
+        groups = in_few_chains([cable_system(cable, self.system.zeta) for cable in cables])
+        system = groups[0][0] if groups else self.system.cables
+        own = self.system._replace(cables=system, items=copied(self.system.items))
+        own.items.joints.foresight[:] = 0.0
+        own.items.bodies["foresight"] = 0.0
+        return own
+
+    def kinetic_energy(self, q: Array, v: Array) -> float:
+        """Of the bodies [J]."""
+        return float(bodies_energy(self.system.items.bodies, q, v))
+
+    def violation(self, t: float, q: Array) -> float:
+        """Largest |c| of the joints [m, -]."""
+        return float(joint_violation(self.system.items, q))
+
+    def power_of_joints(self) -> float:
+        """None of them moves."""
+        return 0.0
+
+    def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
+        """See `JoinedScene.set_multipliers`."""
+        dofs, system, loads = self._cables[cable]
+        size = dofs.stop - dofs.start
+        force, (a, rate), items = loads.at(t).copy(), np.zeros((2, size)), self.system.items
+        total = items.force.copy()
+        subtract_joint_forces(items.joints, total)
+        force[:size] += total[dofs]
+        index_reduced_rates.dispatch(type(system))(system, force, q[dofs], v[dofs], a, rate)
+        return a
+
+
+def _dense(band: Array, place: np.ndarray) -> Array:
+    """Lower triangle of S, its rows as they are numbered, from its band."""
+    size = len(place)
+    total = np.zeros((size, size))
+    for j, column in enumerate(band):
+        for d, value in enumerate(column[: size - j]):
+            total[j + d, j] = total[j, j + d] = value
+    return np.tril(total[np.ix_(place, place)])
