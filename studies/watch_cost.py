@@ -147,6 +147,8 @@ def _blind(watch: Any) -> Any:
         open=watch.open,
         looks_at_phase=False,
         path_of_evaluations=None,
+        path=watch.path,
+        before=watch.before,
         has_one_evaluation=True,
         after_each_step=(),
         steps_ahead=STEPS_OF_AN_OUTPUT,

@@ -37,7 +37,7 @@ def a_clock_that_jumps(monkeypatch):
 @pytest.fixture
 def by_exudyn(monkeypatch):
     """Exudyn evaluates its items, although they have compiled forms."""
-    monkeypatch.setattr(CoupledScene, "compiled", lambda *_: "this test")
+    monkeypatch.setattr(CoupledScene, "compiled", lambda *_: (None, "this test"))
 
 
 @pytest.fixture

@@ -15,7 +15,18 @@ from exudyn_inext import CreateInextensibleCable
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-INNER = ("element", "cable", "constraints", "loads", "integrators", "scene", "run", "statics", "advice")
+INNER = (
+    "element",
+    "cable",
+    "constraints",
+    "loads",
+    "integrators",
+    "scene",
+    "multibody",
+    "run",
+    "statics",
+    "advice",
+)
 DOCUMENTS = [
     ROOT / "README.md",
     ROOT / "CHANGELOG.md",

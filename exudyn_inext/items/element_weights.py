@@ -15,7 +15,8 @@ from ..errors import SceneError
 from ..loads.weight import ElementWeight
 from ..scene.model import CableItem
 from .attach.inert import is_inert_cable
-from .load_items import history_of, is_of_time_alone
+from .functions_of_time import is_of_time_alone
+from .load_items import history_of
 
 _MASSES = ("mass", "massPerLength")  # parameters of objects
 
@@ -51,7 +52,7 @@ def read_weight(mbs: Any, number: int, elements: Elements) -> ElementWeight | No
         constant=np.asarray(value, dtype=float),
         function=user_function["function"] if user_function else None,
         history=history_of(mbs, user_function, value),
-        is_pure=is_of_time_alone(user_function),
+        is_pure=is_of_time_alone(mbs, user_function),
     )
 
 

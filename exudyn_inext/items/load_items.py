@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..loads.nodal import NodalLoad
+from .functions_of_time import is_of_time_alone
 
 _POSITION_MARKERS = {"NodePosition", "NodeRigid"}
 
@@ -28,13 +29,8 @@ def read_load(mbs: Any, number: int) -> NodalLoad | None:
         coordinates=coordinates,
         constant=np.atleast_1d(np.asarray(value, dtype=float)),
         history=history_of(mbs, user_function, value),
-        is_pure=is_of_time_alone(user_function),
+        is_pure=is_of_time_alone(mbs, user_function),
     )
-
-
-def is_of_time_alone(user_function: Any) -> bool:
-    """Whether a load has a user function that says so of itself."""
-    return bool(user_function) and getattr(user_function["function"], "dependsOnTimeOnly", False) is True
 
 
 def history_of(mbs: Any, user_function: Any, value: Any) -> Callable[[float], Any] | None:

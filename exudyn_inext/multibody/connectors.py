@@ -1,8 +1,8 @@
 """Springs and dampers between two points: a force and a torque on both.
 
-    SPRING     along the distance, k (L - L_0) + d (L_t - v_0) + f
-    CARTESIAN  in the global frame, K (d - o) + D d_t
-    SIX        in the frame of the first point: distances and angles about x, y and z
+SPRING     along the distance, k (L - L_0) + d (L_t - v_0) + f
+CARTESIAN  in the global frame, K (d - o) + D d_t
+SIX        in the frame of the first point: distances and angles about x, y and z
 """
 
 import numpy as np
@@ -64,9 +64,7 @@ def _stretch_in_frame(connector, one, other):
             connector.rate[i] += frame[j, i] * (other.x[1, j] - one.x[1, j])
             connector.rate[3 + i] += frame[j, i] * (other.spin[j] - one.spin[j])
     connector.stretch[3] = np.arctan2(-relative[1, 2], relative[2, 2])
-    connector.stretch[4] = np.arctan2(
-        relative[0, 2], np.sqrt(abs(1.0 - relative[0, 2] ** 2))
-    )
+    connector.stretch[4] = np.arctan2(relative[0, 2], np.sqrt(abs(1.0 - relative[0, 2] ** 2)))
     connector.stretch[5] = np.arctan2(-relative[0, 1], relative[0, 0])
 
 

@@ -6,12 +6,14 @@ from ..arrays import record_type
 from ..compiled import inlined
 from .points import add_wrench
 
+NONE = -1  # no function
+
 LOAD = record_type(
     [
         ("point", np.int64),
         ("is_torque", np.int64),
         ("is_fixed_to_body", np.int64),  # whether it turns with the frame of its point
-        ("function", np.int64),  # place of its components among the functions of time, or -1
+        ("function", np.int64),  # place of its components among the functions of time, or NONE
         ("constant", np.float64, (3,)),  # components, if there is no function
         ("wrench", np.float64, (6,)),
     ]

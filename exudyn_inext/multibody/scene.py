@@ -240,9 +240,7 @@ def correct_scene_position(system, external, q, tolerance, learning, correction)
     worst = _correct_items(items, q, learning, correction)
     if number > 0:
         own = external[: len(system.cable_force)]
-        violation = correct_position(
-            system.cables, own, q[:number], tolerance, learning, correction[:number]
-        )
+        violation = correct_position(system.cables, own, q[:number], tolerance, learning, correction[:number])
         if violation < tolerance:
             for i in range(number):
                 correction[i] = 0.0

@@ -13,7 +13,7 @@ from ..multibody.scene import accelerate_bodies, act, hold, times_jacobian
 from ..run.compiled_scene import CompiledScene, SceneLoads
 from ..scene.bodies import bodies_rates
 from .known.scene import read_known_items
-from .known.unknown import Unknown
+from .known.unknown import UnknownItemError
 
 if TYPE_CHECKING:
     from .coupled_scene import CoupledScene
@@ -33,33 +33,35 @@ def compiled_form(scene: CoupledScene, t: float, q: Array, v: Array) -> Compiled
         scene: that Exudyn evaluates, in the state (q, v) of all parts.
 
     Raises:
-        Unknown: there is none; the message says of what, or where they differ.
+        UnknownItemError: there is none; the message says of what, or where they differ.
     """
     places = scene.map.slices[:-1]
     loads = [cable.loads for cable in scene.cables]
     if len(scene.groups) > 1:
-        raise Unknown("cables of several kinds")
+        raise UnknownItemError("cables of several kinds")
     if len(scene.held.numbers):
-        raise Unknown("held coordinates")
+        raise UnknownItemError("held coordinates")
     if any(of_cable.has_histories or not of_cable.known_ahead for of_cable in loads):
-        raise Unknown("weights or supports of cables that follow user functions")
+        raise UnknownItemError("weights or supports of cables that follow user functions")
     on_cables = places[-1].stop if places else 0
     scene.surroundings.forces(t, q, v)  # mbs is in this state, too
     elsewhere = scene.elsewhere.union(cable.number for cable in scene.cables)
-    known = read_known_items(scene.mbs, scene.bodies, scene.joints, scene.map, on_cables, elsewhere, q)
+    known, numbers = read_known_items(
+        scene.mbs, scene.bodies, scene.joints, scene.map, on_cables, elsewhere, q
+    )
     if len(known.rows) != len(scene.system.foresight):
-        raise Unknown("equations of joints")
+        raise UnknownItemError("equations of joints")
     cables = scene.groups[0][0] if scene.groups else NoCables()
     acting = SceneLoads(loads, known.functions)
     external = sum(len(of_cable.constant) for of_cable in loads)
     native = scene.system
     system = build_scene(cables, external, places, known, scene.size, native.zeta, native.foresight)
     if not scene.body_system.share_foresight(known.bodies["first"] - on_cables, known.bodies["foresight"]):
-        raise Unknown("bodies that share coordinates")
+        raise UnknownItemError("bodies that share coordinates")
     if system.items.joints.schur.shape[1] > WIDEST_BAND:
-        raise Unknown("joints that couple many others")
+        raise UnknownItemError("joints that couple many others")
     own = [(place, c.system, c.loads) for place, c in zip(places, scene.cables, strict=True)]
-    form = CompiledScene(system, acting, own, scene.surroundings.joints)
+    form = CompiledScene(system, acting, own, scene.surroundings.joints, numbers.read_again)
     require_agreement(scene, form, t, q, v)
     return form
 
@@ -68,7 +70,7 @@ def require_agreement(scene: CoupledScene, form: CompiledScene, t: float, q: Arr
     """Compare forces, masses and joints with Exudyn's, at (q, v) and at random states near to it.
 
     Raises:
-        Unknown: they differ; the message says where.
+        UnknownItemError: they differ; the message says where.
     """
     random = np.random.default_rng(1)
     for number in range(1 + STATES):
@@ -106,7 +108,7 @@ def _compare_parts(scene: CoupledScene, form: CompiledScene, t: float, q: Array,
         wrong = np.flatnonzero(~(np.abs(wanted - found)[dofs] <= TOLERANCE * scale))
         if len(wrong):
             where = scene.coordinate_name(scene.map.indices[dofs][wrong[0]])
-            raise Unknown(f"{where}, on which Exudyn's forces are others")
+            raise UnknownItemError(f"{where}, on which Exudyn's forces are others")
 
 
 def _compare_joints(scene: CoupledScene, form: CompiledScene, t: float, q: Array, v: Array) -> None:
@@ -128,4 +130,4 @@ def _compare_joints(scene: CoupledScene, form: CompiledScene, t: float, q: Array
     for wanted, found, tolerance in compared:
         wrong = np.flatnonzero(~(np.abs(wanted - found) <= tolerance))
         if len(wrong):
-            raise Unknown(f"{scene.surroundings.joints[wrong[0]]} which Exudyn evaluates otherwise")
+            raise UnknownItemError(f"{scene.surroundings.joints[wrong[0]]} which Exudyn evaluates otherwise")

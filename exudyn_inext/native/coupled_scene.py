@@ -25,7 +25,7 @@ from .friction_check import FrictionCheck
 from .held import HeldCoordinates, holders
 from .joint_items import read_joints
 from .joint_rows import JointRows
-from .known.unknown import Unknown
+from .known.unknown import UnknownItemError
 from .surroundings import DataCoordinates, NativeSurroundings, evaluator, state_kept
 
 _NONE: Mapping[int, HeldCoordinate] = {}
@@ -212,22 +212,22 @@ class CoupledScene:
         v[number:] = data.GetODE1Coordinates(configuration)
         return q, v
 
-    def compiled(self, t: float, q: Array, v: Array) -> CompiledScene | str:
+    def compiled(self, t: float, q: Array, v: Array) -> tuple[CompiledScene | None, str]:
         """See `JoinedScene`."""
         try:
             with state_kept(self.mbs):
-                return compiled_form(self, t, q, v)
-        except Unknown as why:
-            return str(why)
+                return compiled_form(self, t, q, v), ""
+        except UnknownItemError as why:
+            return None, str(why)
         finally:
             self.surroundings.forget()
 
     def require_agreement(self, form: CompiledScene, t: float, q: Array, v: Array) -> None:
-        """See `JoinedScene`."""
+        """See `JoinedScene`: SceneError if that form is another scene by now."""
         try:
             with state_kept(self.mbs):
                 require_agreement(self, form, t, q, v)
-        except Unknown as where:
+        except UnknownItemError as where:
             raise SceneError(
                 f"an item was changed during the run without its notice: {where}. The motion is not that of "
                 "the present items: change them by mbs.SetObjectParameter etc., called by name."

@@ -13,9 +13,9 @@ from ..compiled import kernel
 from ..errors import DivergenceError
 from ..items.parameters import set_unnoted
 from ..run.cable_loads import CableLoads
-from ..scene.path_work import follow, gather, gather_and_follow
 from ..scene.coupled_system import Part
 from ..scene.joints import JointBlock, JointTerms
+from ..scene.path_work import follow, gather, gather_and_follow
 from .bodies import BodyMasses
 from .coordinates import CoordinateMap
 from .held import HeldCoordinates

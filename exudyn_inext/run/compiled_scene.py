@@ -1,6 +1,6 @@
 """A scene of which all items have compiled forms: many steps in one call."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -84,6 +84,7 @@ class CompiledScene:
     Args:
         system: of all.   loads: of the cables, and functions of time.   cables: place, and system of each.
         names: of the rows of joints, for messages.
+        read_again: (kind, number, connectors, loads): brings the records of an item up to date, if it can.
 
     forces: (n,) what the items did to the coordinates at the last evaluation [N, Nm].
     multipliers: (m,) of the joints there.
@@ -95,11 +96,13 @@ class CompiledScene:
         loads: SceneLoads,
         cables: Sequence[tuple[slice, Any, CableLoads]],
         names: Sequence[str],
+        read_again: Callable[[str, int, Any, Any], bool],
     ) -> None:
         self.system = system
         self.loads = loads
         self._cables = cables
         self._names = names
+        self._read_again = read_again
         self._unscaled: SceneSystem | None = None
         self.forces = system.items.force
         self.multipliers = system.items.joints.multipliers
@@ -108,6 +111,12 @@ class CompiledScene:
         """Count the work of the items' forces there, see `scene.path_work`."""
         items = self.system.items._replace(path=path)
         self.system = self.system._replace(items=items)
+
+    def take_over(self, kind: str, number: int) -> bool:
+        """Whether the changed item, 'Load' or 'Object', is now what it is in Exudyn."""
+        self._unscaled = None
+        items = self.system.items
+        return self._read_again(kind, number, items.connectors, items.loads)
 
     def take(self, steps: Steps, state: Any, work: Array, before: Array) -> None:
         """Take steps.

@@ -75,8 +75,10 @@ class CoupledRun(PacedRun):
         self.control = StepControl(rejects=start.rejects)
         self._unsolvable = ""  # what was said of joints that could not be solved for
         self._output = np.zeros((1, 3, scene.size))
-        form = "a joint is being moved" if end_of_step else scene.compiled(start.time, *self.state[:2])
-        self._form, self._why_not = (None, form) if isinstance(form, str) else (form, "")
+        self._form: CompiledScene | None = None
+        self._why_not = "joints that are being moved" if self.approaches else ""
+        if not self._why_not:
+            self._form, self._why_not = scene.compiled(start.time, self.state.q, self.state.v)
         external = np.zeros(len(self._form.loads.constant) if self._form else 1)
         self.state = self.state._replace(external=external)
         evaluated: EvaluatedScene = self._form or scene
@@ -148,6 +150,16 @@ class CoupledRun(PacedRun):
         self.watch.evaluate_by(self._scene)
         self._scene.surroundings.forget()
         self._begin_by(self.integrator.resume, time)
+
+    def take_over(self, changed: Sequence[tuple[str, int]], is_simple: bool, time: float) -> None:
+        """Go on from the present state, at `time` [s], with items that were changed.
+
+        changed: kinds and numbers of them.   is_simple: whether they are loads and springs only.
+        """
+        if self._form is None:
+            return
+        if not is_simple or not all(self._form.take_over(*item) for item in changed):
+            self.leave_kernels("items that were changed during the run", time)
 
     def require_same_items(self, time: float) -> None:
         """Raise SceneError if Exudyn's items are not those that have moved the scene."""

@@ -14,10 +14,10 @@ import numpy as np
 from ..arrays import Array
 from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit
+from ..scene.path_work import LACK, SCALE, SUMS, WAY, begin_path, build_path, expect_energy, follow, take_sums
 from ..system import AGITATION, KINETIC, POWER, VIOLATION, gauge
 from .cable_run import CableRun
 from .joined_scene import EvaluatedScene, JoinedScene
-from ..scene.path_work import LACK, SCALE, SUMS, WAY, begin_path, build_path, expect_energy, follow, take_sums
 from .run_watch import RunWatch
 from .watch import (
     LACK_OF_WORK,
@@ -49,7 +49,8 @@ class CoupledWatch(RunWatch):
     """Keeps the account of a coupled scene.
 
     Args:
-        evaluated: the scene, by whom evaluates its steps.   scene: the scene.   runs: of its cables.   state: of the integrator, whose steps follow a scheme.
+        evaluated: the scene, by whom evaluates its steps.   scene: the scene.   runs: of its cables.
+        state: of the integrator, whose steps follow a scheme.
         energy_tolerance: see `ExplicitSettings.energyTolerance`.
 
     path: memory of the work of whole steps.   before: (2, n) q and a at the start of the last step.

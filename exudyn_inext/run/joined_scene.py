@@ -124,8 +124,8 @@ class JoinedScene(EvaluatedScene, Protocol):
     def coordinate_name(self, index: int) -> str:
         """Whose coordinate it is, by its place in the system vector."""
 
-    def compiled(self, t: float, q: Array, v: Array) -> CompiledScene | str:
-        """The same scene in compiled code, or why there is none; (q, v) is a state at t [s]."""
+    def compiled(self, t: float, q: Array, v: Array) -> tuple[CompiledScene | None, str]:
+        """The same scene in compiled code, or None and why there is none; (q, v) is a state at t [s]."""
 
     def require_agreement(self, form: CompiledScene, t: float, q: Array, v: Array) -> None:
         """Raise SceneError if that form is another scene by now; (q, v) is a state at t [s]."""

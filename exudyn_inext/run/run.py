@@ -21,7 +21,9 @@ class Run(Protocol):
     watch: Any
     indices: np.ndarray
     reference: Array
-    looks_ahead: bool
+
+    @property
+    def looks_ahead(self) -> bool: ...
 
     @property
     def finding(self) -> str: ...

@@ -98,9 +98,15 @@ def no_spring(mbs, point):
 
 
 @pytest.mark.parametrize("size", [None, 1e-4], ids=["automatic", "given"])
-@pytest.mark.parametrize("add", [nowhere, no_spring])
-def test_forces_that_are_not_finite_are_no_licence_for_any_step(beside_a_cable, add, size, fault):
-    with pytest.raises(SceneError, match=r"largest frequency of .* nan rad/s.*check the .*no step is known"):
+@pytest.mark.parametrize(
+    ("add", "said"),
+    [
+        (nowhere, r"the user function of load 0 .* returned \[nan\] at t = 0 s"),
+        (no_spring, r"largest frequency of .* nan rad/s.*check the .*no step is known"),
+    ],
+)
+def test_forces_that_are_not_finite_are_no_licence_for_any_step(beside_a_cable, add, said, size, fault):
+    with pytest.raises(SceneError, match=said):
         beside_a_cable(add, stepSize=size)
     fault("forces that are not finite at the start", "refused, no step is known to be stable")
 

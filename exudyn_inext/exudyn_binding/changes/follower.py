@@ -107,14 +107,14 @@ class ChangeFollower:
     def _followed(
         self, runs: Sequence[Run], changed: Sequence[Parameter], time: float, end: float
     ) -> Sequence[Run]:
-        if changed:
-            for run in runs:
-                if isinstance(run, CoupledRun):
-                    run.leave_kernels("items were changed during the run", time)
         own = self.scene.own_constraints
         asked = max((demand(self.mbs, runs, own, key) for key in changed), default=Demand.EVALUATE)
         if changed:
             forget_evaluators(self.sensors)
+            items = [(key.kind, key.number) for key in changed if key.kind != "Node"]
+            for run in runs:
+                if isinstance(run, CoupledRun):
+                    run.take_over(items, asked == Demand.EVALUATE, time)
         if asked < Demand.READ:
             is_stiffer = self.limit.follow_stiffness(self.mbs, runs, changed, time)
             if self.moves or is_stiffer or asked == Demand.MOVE:

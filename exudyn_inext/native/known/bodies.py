@@ -10,7 +10,7 @@ from ...items.arguments import described
 from ...multibody.bodies import BODY, move_body, place_body
 from ..bodies import Body
 from ..coordinates import CoordinateMap
-from .unknown import Unknown, require_no_functions
+from .unknown import UnknownItemError, require_no_functions
 
 # node type -> numbers of translations and rotations
 _COORDINATES = {
@@ -38,14 +38,14 @@ def read_body_records(mbs: Any, bodies: Sequence[Body], coordinates: CoordinateM
         mbs: in the configuration q (n,).   bodies: all objects with mass but the cables.
 
     Raises:
-        Unknown: one has no compiled form.
+        UnknownItemError: one has no compiled form.
     """
     records = np.zeros(len(bodies), BODY)
     for record, body in zip(records, bodies, strict=True):
         _read_body(mbs, body, coordinates, q, record)
     firsts = set(records["first"].tolist())
     if len(firsts) < len(bodies):
-        raise Unknown("two bodies lie on one node")
+        raise UnknownItemError("two bodies lie on one node")
     return records[np.argsort(records["rotations"] != 4, kind="stable")]
 
 
@@ -53,31 +53,32 @@ def _read_body(mbs: Any, body: Body, coordinates: CoordinateMap, q: Array, recor
     data = mbs.GetObject(body.number)
     name = described(data, body.number)
     if data["objectType"] not in _OBJECTS:
-        raise Unknown(name)
+        raise UnknownItemError(name)
     require_no_functions(data, name)
     node = mbs.GetNode(data["nodeNumber"])
     if node["nodeType"] not in _COORDINATES:
-        raise Unknown(f"{name} on a node {node['nodeType']}")
+        raise UnknownItemError(f"{name} on a node {node['nodeType']}")
     kind = _COORDINATES[node["nodeType"]]
     places = [coordinates.place(c) for c in body.coordinates.tolist()]
     if places != list(range(places[0], places[0] + sum(kind))) or places[0] < 0:
-        raise Unknown(f"{name} has coordinates that are held")
+        raise UnknownItemError(f"{name} has coordinates that are held")
     reference = np.asarray(node["referenceCoordinates"], dtype=float)
     record.first = places[0]
     record.translations, record.rotations = kind
     record.reference[: kind[0]] = reference[: kind[0]]
     record.reference[3 : 3 + kind[1]] = reference[kind[0] :][: kind[1]]
     record.orientation[:] = np.eye(3)
+    record.rates[2, 0] = record.inverse_rates[0, 2] = 1.0  # in the plane
     place_body(record, q)
     move_body(record, q, np.zeros(len(q)))
     free = _FREE[kind]
     if not (body.has_constant_mass or body.tells_mass):
-        raise Unknown(f"{name}, of which Exudyn does not tell the mass")
+        raise UnknownItemError(f"{name}, of which Exudyn does not tell the mass")
     mass = body.initial_mass if body.has_constant_mass else body.mass(mbs)
     record.mass[:] = mass_in_frame(record, mass)
     own = record.mass[np.ix_(free, free)]
     if not np.linalg.cond(own) < 1e15:
-        raise Unknown(f"{name} has no mass in one direction")
+        raise UnknownItemError(f"{name} has no mass in one direction")
     record.inverse[np.ix_(free, free)] = np.linalg.inv(own)
 
 
@@ -87,9 +88,8 @@ def mass_in_frame(record: Any, mass: Array) -> Array:
     moves = np.zeros((translations + rotations, 6))
     moves[:translations, :3] = record.orientation[:translations]
     moves[translations:, 3:] = record.inverse_rates[:rotations]
-    if rotations == 1:
-        moves[translations, 3:] = [0.0, 0.0, 1.0]
     result: Array = moves.T @ mass @ moves
+    if translations == 2:  # what the static moments do out of the plane, for centrifugal forces within
+        result[2, 3] = result[3, 2] = -result[0, 5]
+        result[2, 4] = result[4, 2] = -result[1, 5]
     return result
-
-

@@ -8,17 +8,17 @@ import numpy as np
 from ...items.arguments import described
 from ...multibody.connectors import CARTESIAN, CONNECTOR, SIX, SPRING
 from .points import Place, PointReader
-from .unknown import Unknown, require_no_functions
+from .unknown import UnknownItemError, require_no_functions
 
 
 def read_connector(data: dict[str, Any], number: int, reader: PointReader) -> Any:
-    """The record of an object; Unknown if it has no compiled form."""
+    """The record of an object; UnknownItemError if it has no compiled form."""
     name = described(data, number)
     if data["objectType"] not in _READERS:
-        raise Unknown(name)
+        raise UnknownItemError(name)
     require_no_functions(data, name)
     if data.get("nodeNumber", -1) not in (-1, None) and int(data["nodeNumber"]) >= 0:
-        raise Unknown(f"{name} with a node of its own")
+        raise UnknownItemError(f"{name} with a node of its own")
     record = np.zeros(1, CONNECTOR)[0]
     places = [reader.marker(k) for k in data["markerNumbers"]]
     record.points[:] = [place.point for place in places]
@@ -50,7 +50,7 @@ def _coordinate(data: dict[str, Any], name: str, places: list[Place], record: An
 
 def _set_frames(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
     if not all(place.has_frame for place in places):
-        raise Unknown(f"{name} between markers without frames")
+        raise UnknownItemError(f"{name} between markers without frames")
     record.kind = SIX
     record.frame_after[:] = places[0].turn
     record.frame_of_other[:] = places[1].turn @ data["rotationMarker1"]
@@ -58,7 +58,7 @@ def _set_frames(data: dict[str, Any], name: str, places: list[Place], record: An
 
 def _rigid_body(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
     if data.get("useIntrinsicFormulation") or data.get("intrinsicFormulation"):
-        raise Unknown(f"{name} with the intrinsic formulation")
+        raise UnknownItemError(f"{name} with the intrinsic formulation")
     _set_frames(data, name, places, record)
     record.frame_before[:] = data["rotationMarker0"]
     record.stiffness[:], record.damping[:] = data["stiffness"], data["damping"]

@@ -10,7 +10,7 @@ from ...arrays import Array, collected
 from ...multibody.rows import ACROSS, ALONG, DIFFERENCE, DISTANCE, ROW
 from ..joint_items import JointItem
 from .points import Place, PointReader
-from .unknown import Unknown, require_no_functions
+from .unknown import UnknownItemError, require_no_functions
 
 X, Y, Z = range(3)
 
@@ -48,15 +48,15 @@ class _Joint:
 
 
 def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader) -> Any:
-    """(m,) records, in the order of the joints; Unknown if one has no compiled form."""
+    """(m,) records, in the order of the joints; UnknownItemError if one has no compiled form."""
     rows: list[Any] = []
     for joint in joints:
         data = mbs.GetObject(joint.number)
         read = _READERS.get(data["objectType"])
         if read is None:
-            raise Unknown(joint.name)
+            raise UnknownItemError(joint.name)
         if data.get("alternativeConstraints"):
-            raise Unknown(f"{joint.name} with alternative constraints")
+            raise UnknownItemError(f"{joint.name} with alternative constraints")
         of_joint = read(mbs, data, joint.name, reader)
         rows += [of_joint[k] for k in joint.active]
     return collected(ROW, rows)
@@ -66,7 +66,7 @@ def _joint(data: dict[str, Any], name: str, reader: PointReader, has_frames: boo
     require_no_functions(data, name)
     places = tuple(reader.marker(number) for number in data["markerNumbers"])
     if has_frames and not all(place.has_frame for place in places):
-        raise Unknown(f"{name} between markers without frames")
+        raise UnknownItemError(f"{name} between markers without frames")
     axes = [place.turn @ data.get(f"rotationMarker{k}", np.eye(3)) for k, place in enumerate(places)]
     return _Joint(places, np.array(axes))  # type: ignore[arg-type]
 
@@ -133,7 +133,7 @@ def _clamp(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> li
     function = data["constraintUserFunction"]
     clamp = getattr(function["function"], "clamp", None) if function else None
     if clamp is None:
-        raise Unknown(name)
+        raise UnknownItemError(name)
     body, slope = reader.body_of_node(clamp.body_node), reader.slope(clamp.node)
     joint = _Joint((body, slope), np.zeros((2, 3, 3)))
     rows = []

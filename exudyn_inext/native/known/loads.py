@@ -1,17 +1,18 @@
 """Loads as records, and their functions of time."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ...arrays import Array, collected
+from ...arrays import Array
 from ...errors import SceneError
-from ...items.load_items import history_of, is_of_time_alone
-from ...multibody.loads import LOAD
+from ...items.functions_of_time import is_of_time_alone
+from ...items.load_items import history_of
+from ...multibody.loads import LOAD, NONE
 from .points import Place, PointReader
-from .unknown import Unknown
+from .unknown import UnknownItemError
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,50 +37,50 @@ class LoadFunction:
         return result
 
 
-def read_loads(mbs: Any, reader: PointReader) -> tuple[Any, Sequence[LoadFunction]]:
-    """All loads but weights of cables; Unknown if one has no compiled form."""
-    records, functions = [], []
-    for number in range(mbs.systemData.NumberOfLoads()):
-        data = mbs.GetLoad(number)
-        if data["loadType"] == "MassProportional" and reader.is_on_cable(int(data["markerNumber"])):
-            continue  # a weight of the cable's own
-        name = f"load {number} '{data['name']}' ({data['loadType']})"
-        record, scale = _read(data, name, mbs, reader)
-        value = data["load"] if data["loadType"] == "Coordinate" else data["loadVector"]
-        user_function = data.get("loadVectorUserFunction") or data.get("loadUserFunction")
-        components = scale * np.atleast_1d(np.asarray(value, dtype=float))
-        record.function = -1
-        record.constant[: len(components)] = components
-        if user_function:
-            if not is_of_time_alone(user_function):
-                raise Unknown(
-                    f"{name} has a user function that may depend on the state; if it does not, set its "
-                    "attribute dependsOnTimeOnly = True"
-                )
-            at = history_of(mbs, user_function, value)
-            assert at is not None
-            record.function = 3 * len(functions)
-            functions.append(LoadFunction(name, at, scale, len(components)))
-        records.append(record)
-    return collected(LOAD, records), functions
+def read_load(mbs: Any, number: int, reader: PointReader) -> tuple[Any, LoadFunction | None] | None:
+    """The record of a load, and its function of time; None for a weight of a cable's own.
+
+    Raises:
+        UnknownItemError: it has no compiled form.
+    """
+    data = mbs.GetLoad(number)
+    if data["loadType"] == "MassProportional" and reader.is_on_cable(int(data["markerNumber"])):
+        return None
+    name = f"load {number} '{data['name']}' ({data['loadType']})"
+    record, scale = _placed(data, name, mbs, reader)
+    value = data["load"] if data["loadType"] == "Coordinate" else data["loadVector"]
+    components = scale * np.atleast_1d(np.asarray(value, dtype=float))
+    record.function = NONE
+    record.constant[: len(components)] = components
+    user_function = data.get("loadVectorUserFunction") or data.get("loadUserFunction")
+    if not user_function:
+        return record, None
+    if not is_of_time_alone(mbs, user_function):
+        raise UnknownItemError(
+            f"{name}, whose user function may depend on the state (if it does not: dependsOnTimeOnly = True)"
+        )
+    at = history_of(mbs, user_function, value)
+    assert at is not None
+    return record, LoadFunction(name, at, scale, len(components))
 
 
-def _read(data: dict[str, Any], name: str, mbs: Any, reader: PointReader) -> tuple[Any, float]:
+def _placed(data: dict[str, Any], name: str, mbs: Any, reader: PointReader) -> tuple[Any, float]:
+    """A record without values, and what to multiply these with."""
     record = np.zeros(1, LOAD)[0]
     kind, scale = data["loadType"], 1.0
     marker = mbs.GetMarker(data["markerNumber"])
     place: Place = reader.marker(int(data["markerNumber"]))
     if kind == "TorqueVector" and not place.has_frame:
-        raise Unknown(f"{name} on a marker without a frame")
+        raise UnknownItemError(f"{name} on a marker without a frame")
     if kind == "MassProportional":
         if marker["markerType"] != "BodyMass":
-            raise Unknown(name)
+            raise UnknownItemError(name)
         scale = reader.mass(int(marker["bodyNumber"]))
     elif kind not in ("ForceVector", "TorqueVector", "Coordinate"):
-        raise Unknown(name)
+        raise UnknownItemError(name)
     if data.get("bodyFixed"):
         if not np.array_equal(place.turn, np.eye(3)):
-            raise Unknown(f"{name} in the frame of a marker that is turned")
+            raise UnknownItemError(f"{name} in the frame of a marker that is turned")
         record.is_fixed_to_body = 1
     record.point, record.is_torque = place.point, int(kind == "TorqueVector")
     return record, scale

@@ -10,7 +10,7 @@ from ...items.arguments import described
 from ...items.attach.inert import is_inert_cable
 from ...multibody.points import COORDINATE, FIXED, FRAME_OF_CABLE, ON_BODY, ON_CABLE, POINT
 from ..coordinates import CoordinateMap
-from .unknown import Unknown
+from .unknown import UnknownItemError
 
 
 class Place(NamedTuple):
@@ -52,8 +52,12 @@ class PointReader:
         """(P,)"""
         return collected(POINT, self._points)
 
+    @property
+    def number_of_points(self) -> int:
+        return len(self._points)
+
     def marker(self, number: int) -> Place:
-        """The place of a marker; Unknown if it has no compiled form."""
+        """The place of a marker; UnknownItemError if it has no compiled form."""
         if number not in self._known:
             self._known[number] = self._read(int(number))
         return self._known[number]
@@ -71,7 +75,7 @@ class PointReader:
             return self.coordinate(int(data["nodeNumber"]), int(data["coordinate"]))
         if kind == "BodyMass":
             return self.centre_of_mass(int(data["bodyNumber"]))
-        raise Unknown(f"marker {number} '{data['name']}' ({kind})")
+        raise UnknownItemError(f"marker {number} '{data['name']}' ({kind})")
 
     def _add(self, point: Any, turn: Array = _ALONG, has_frame: bool = False) -> Place:
         self._points.append(point)
@@ -94,14 +98,18 @@ class PointReader:
             return self.on_body(self._of_bodies[number], local, has_frame)._replace(turn=turn)
         if is_inert_cable(data) and not has_frame and not local[1:].any():
             return self._on_element(data, float(local[0]))
-        raise Unknown(f"a marker on {described(data, number)}")
+        raise UnknownItemError(f"a marker on {described(data, number)}")
 
     def on_body(self, body: int, local: Array, has_frame: bool = True) -> Place:
-        """A point of a body.   body: number of its record.   local: (3,) in its frame."""
+        """A point of a body.   body: number of its record.   local: (3,) in its frame.
+
+        Raises:
+            UnknownItemError: a mass point has no frame.
+        """
         record = self._bodies[body]
         translations, rotations = int(record.translations), int(record.rotations)
         if has_frame and not rotations:
-            raise Unknown("a marker with a frame on a mass point")
+            raise UnknownItemError("a marker with a frame on a mass point")
         point = _new(ON_BODY, int(record.first), translations + rotations)
         point.body = body
         point.local[:] = local
@@ -109,9 +117,9 @@ class PointReader:
         return self._add(point, has_frame=has_frame)
 
     def centre_of_mass(self, number: int) -> Place:
-        """That of a body, from its mass matrix."""
+        """That of a body, from its mass matrix; UnknownItemError if the object is none."""
         if number not in self._of_bodies:
-            raise Unknown(f"a marker on the mass of object {number}")
+            raise UnknownItemError(f"a marker on the mass of object {number}")
         mass = self._bodies[self._of_bodies[number]].mass
         local = np.array([mass[1, 5], -mass[0, 5], mass[0, 4]]) / mass[0, 0]
         return self.on_body(self._of_bodies[number], local, has_frame=False)
@@ -136,12 +144,12 @@ class PointReader:
         if first in self._of_nodes:
             return self.on_body(self._of_nodes[first], np.zeros(3), has_frame)
         if not 0 <= first < self._on_cables:
-            raise Unknown(f"a marker on node {number} '{node['name']}' ({node['nodeType']})")
+            raise UnknownItemError(f"a marker on node {number} '{node['name']}' ({node['nodeType']})")
         dim = len(places) // 2
         if not has_frame:
             return self._weighted(first, dim, [1.0])
         if dim == 3:
-            raise Unknown(f"a marker with a frame on node {number} '{node['name']}'")
+            raise UnknownItemError(f"a marker with a frame on node {number} '{node['name']}'")
         point = _new(FRAME_OF_CABLE, first, 2 * dim)
         point.dimension, point.weights[0] = dim, 1.0
         point.along[:dim, :dim] = np.eye(dim)
@@ -152,11 +160,11 @@ class PointReader:
         return self._on_node(number, has_frame=True)
 
     def slope(self, number: int) -> Place:
-        """The slope of a cable's node."""
+        """The slope of a cable's node; UnknownItemError on another one."""
         places, node = self._of_node(number)
         first = self._coordinates.place(places[0])
         if not 0 <= first < self._on_cables:
-            raise Unknown(f"the slope of node {number} '{node['name']}'")
+            raise UnknownItemError(f"the slope of node {number} '{node['name']}'")
         dim = len(places) // 2
         return self._weighted(first + dim, dim, [1.0])
 
@@ -165,7 +173,7 @@ class PointReader:
         first, last = self._coordinates.place(left[0]), self._coordinates.place(right[0])
         dim = len(left) // 2
         if last != first + 2 * dim or not 0 <= first < self._on_cables:
-            raise Unknown(f"a marker on the last element of a closed cable ('{data['name']}')")
+            raise UnknownItemError(f"a marker on the last element of a closed cable ('{data['name']}')")
         length = float(data["length"])
         return self._weighted(first, dim, shape_functions(x / length, length).tolist())
 
@@ -178,13 +186,13 @@ class PointReader:
         return self._add(point)
 
     def coordinate(self, number: int, which: int) -> Place:
-        """A coordinate of a node, without its reference value."""
+        """A coordinate of a node, without its reference value; UnknownItemError if it is held."""
         places, node = self._of_node(number)
         if not len(places):
             return self.fixed(np.zeros(3), has_frame=False)
         place = self._coordinates.place(places[which])
         if place < 0:
-            raise Unknown(f"coordinate {which} of node {number} '{node['name']}', which is held")
+            raise UnknownItemError(f"coordinate {which} of node {number} '{node['name']}', which is held")
         point = _new(COORDINATE, place, 1)
         point.local[0] = -self._coordinates.reference[place]
         point.along[0, 0] = 1.0

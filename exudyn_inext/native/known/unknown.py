@@ -3,11 +3,11 @@
 from typing import Any
 
 
-class Unknown(Exception):
+class UnknownItemError(Exception):
     """An item has no compiled form; the message names it."""
 
 
 def require_no_functions(data: dict[str, Any], name: str) -> None:
-    """Raise Unknown if an item has a user function."""
+    """Raise UnknownItemErrorItemError if an item has a user function."""
     if any(isinstance(value, dict) for key, value in data.items() if "UserFunction" in key and key[0] != "V"):
-        raise Unknown(f"{name} has a user function")
+        raise UnknownItemError(f"{name} has a user function")

@@ -1,0 +1,110 @@
+"""Whether a user function f(mbs, t, ...) depends on nothing but the time."""
+
+import builtins
+import dis
+from types import CodeType, FunctionType, ModuleType
+from typing import Any
+
+import numpy as np
+
+_TRUSTED = {"numpy", "math", "cmath", "scipy"}
+_OF_STATE = {"open", "input", "eval", "exec", "compile", "globals", "vars", "id", "hash", "next"}
+_BUILTINS = set(dir(builtins)) - _OF_STATE
+_NUMBERS = (int, float, complex, bool, str, type(None), np.generic)
+_OF_CHANCE = {"random", "rvs", "default_rng"}
+_STORING = {"append", "extend", "insert", "pop", "remove", "clear", "update", "setdefault", "add", "fill"}
+_DEEPEST = 8  # functions that call each other
+
+
+def is_of_time_alone(mbs: Any, user_function: Any) -> bool:
+    """Whether a user function, as Exudyn gives it, says so of itself, or can be seen to be.
+
+    That is where its code never reads its first argument, and else only data, functions of NumPy, SciPy
+    and math, and Python functions of which this is true, stores nothing outside, and draws no random
+    numbers. Data may be changed by functions between the steps of Exudyn's loop, after which loads are
+    asked again, but not by sensors.
+    """
+    if not user_function:
+        return False
+    function = user_function["function"]
+    declared = getattr(function, "dependsOnTimeOnly", None)
+    if declared is not None:
+        return declared is True
+    if not isinstance(function, FunctionType) or _has_sensor_functions(mbs):
+        return False
+    code = function.__code__
+    return code.co_argcount > 0 and not _reads(code, code.co_varnames[0]) and _is_pure(function, 0)
+
+
+def _has_sensor_functions(mbs: Any) -> bool:
+    sensors = (mbs.GetSensor(k) for k in range(mbs.systemData.NumberOfSensors()))
+    return any(sensor["sensorType"] == "UserFunction" for sensor in sensors)
+
+
+def _reads(code: CodeType, name: str) -> bool:
+    """Whether the code, or a function within it, reads this variable of its own."""
+    if name in code.co_cellvars:
+        return True
+    loads = (i.argval for i in dis.get_instructions(code) if i.opname.startswith("LOAD_FAST"))
+    return any(name in value if isinstance(value, tuple) else name == value for value in loads)
+
+
+def _is_pure(function: FunctionType, depth: int) -> bool:
+    """Whether it reads only data and pure functions, and stores nothing outside."""
+    try:
+        cells = [cell.cell_contents for cell in function.__closure__ or ()]
+    except ValueError:  # one that is not filled yet
+        return False
+    known = {**vars(builtins), **function.__globals__}
+    known |= dict(zip(function.__code__.co_freevars, cells, strict=True))
+    return all(_is_pure_code(code, known, depth) for code in _all_codes(function.__code__))
+
+
+def _all_codes(code: CodeType) -> list[CodeType]:
+    """The code, and what is defined within it."""
+    inner = [const for const in code.co_consts if isinstance(const, CodeType)]
+    return [code, *(found for const in inner for found in _all_codes(const))]
+
+
+def _is_pure_code(code: CodeType, known: dict[str, Any], depth: int) -> bool:
+    stores, reads_lists = False, False
+    for instruction in dis.get_instructions(code):
+        operation, name = instruction.opname, instruction.argval
+        if operation in ("STORE_GLOBAL", "STORE_ATTR", "DELETE_GLOBAL", "IMPORT_NAME", "IMPORT_FROM"):
+            return False
+        if operation == "STORE_DEREF" and name in code.co_freevars:
+            return False
+        if operation in ("LOAD_ATTR", "LOAD_METHOD") and name in _OF_CHANCE:
+            return False
+        stores |= operation == "STORE_SUBSCR" or name in _STORING
+        is_outer = operation in ("LOAD_GLOBAL", "LOAD_NAME")
+        is_outer |= operation in ("LOAD_DEREF", "LOAD_CLASSDEREF") and name in code.co_freevars
+        if is_outer and name in known:
+            if not _is_pure_value(name, known[name], depth):
+                return False
+            reads_lists |= isinstance(known[name], list | dict | np.ndarray)
+    return not (stores and reads_lists)
+
+
+def _is_pure_value(name: str, value: Any, depth: int) -> bool:
+    """Whether a value that code reads from outside depends on nothing else."""
+    if isinstance(value, ModuleType):
+        return value.__name__.split(".")[0] in _TRUSTED
+    module = getattr(value, "__module__", None) or type(value).__module__
+    if _is_data(value):
+        return True
+    if str(module).split(".")[0] in _TRUSTED:
+        return not isinstance(value, np.ndarray)
+    if isinstance(value, FunctionType):
+        return depth < _DEEPEST and _is_pure(value, depth + 1)
+    return name in _BUILTINS and value is getattr(builtins, name, None)
+
+
+def _is_data(value: Any) -> bool:
+    if isinstance(value, list | tuple):
+        return all(map(_is_data, value))
+    if isinstance(value, dict):
+        return all(_is_data(key) and _is_data(one) for key, one in value.items())
+    if isinstance(value, np.ndarray):
+        return value.dtype.kind in "biufc"
+    return isinstance(value, _NUMBERS)

@@ -1,0 +1,146 @@
+"""Which user functions depend on the time alone."""
+
+import math
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.itemInterface import MarkerNodePosition, NodePoint, SensorUserFunction
+from exudyn.utilities import SmoothStep
+
+from exudyn_inext.items.functions_of_time import is_of_time_alone
+
+AMPLITUDE, TABLE, TARGET = 2.0, np.linspace(0.0, 1.0, 5), {"mbs": exudyn}
+
+
+def sine(mbs, t, load):
+    return [AMPLITUDE * math.sin(t), 0, load[2]]
+
+
+def from_a_table(mbs, t, load):
+    values = [AMPLITUDE * value for value in TABLE]
+    return [np.interp(t, TABLE, values) + in_an_array(None, t, load)[0], 0, 0]
+
+
+def in_an_array(mbs, t, load):
+    force = np.zeros(3)
+    force[0] = sine(mbs=None, t=t, load=load)[0]
+    return force.tolist()
+
+
+def stepwise(mbs, t, load):
+    return [SmoothStep(t, 0.0, 1.0, 0.0, 5.0), 0, 0]
+
+
+def following(mbs, t, load):
+    return [mbs.GetNodeOutput(0, exudyn.OutputVariableType.Position)[0], 0, 0]
+
+
+def asking_within(mbs, t, load):
+    return [value(mbs) for value in (str, str, str)]
+
+
+def through_a_global(_, t, load):
+    return [exudyn.sys["force"], 0, 0]
+
+
+def of_a_dict(_, t, load):
+    return [TARGET["mbs"].sys["force"], 0, 0]
+
+
+def random(mbs, t, load):
+    return [np.random.rand(), 0, 0]
+
+
+def importing(mbs, t, load):
+    import time
+
+    return [time.time(), 0, 0]
+
+
+def counting(mbs, t, load):
+    global AMPLITUDE
+    AMPLITUDE += 1.0
+    return [AMPLITUDE, 0, 0]
+
+
+def remembering(mbs, t, load):
+    TABLE[0] = t
+    return [TABLE[1], 0, 0]
+
+
+def caller_of_one(mbs, t, load):
+    return following(None, t, load)
+
+
+def closure(given):
+    return lambda mbs, t, load: [given * t, 0, 0]
+
+
+def memory():
+    count = 0
+
+    def function(mbs, t, load):
+        nonlocal count
+        count += 1
+        return [count, 0, 0]
+
+    return function
+
+
+PURE = [sine, from_a_table, in_an_array, stepwise, closure(3.0)]
+OTHERS = [
+    following,
+    asking_within,
+    through_a_global,
+    of_a_dict,
+    random,
+    importing,
+    counting,
+    remembering,
+    memory(),
+    closure(exudyn),
+    math.sin,
+    None,
+]
+
+
+@pytest.fixture
+def mbs():
+    return exudyn.SystemContainer().AddSystem()
+
+
+def as_given(function):
+    return {"function": function}
+
+
+@pytest.mark.parametrize("function", PURE)
+def test_functions_of_the_time(mbs, function):
+    assert is_of_time_alone(mbs, as_given(function))
+
+
+@pytest.mark.parametrize("function", OTHERS)
+def test_functions_that_may_depend_on_more(mbs, function):
+    assert not is_of_time_alone(mbs, as_given(function))
+
+
+def test_no_function(mbs):
+    assert not is_of_time_alone(mbs, 0)
+
+
+@pytest.mark.parametrize("declared", [True, False])
+def test_what_a_function_says_of_itself_counts(mbs, declared):
+    function = closure(2.0)
+    function.dependsOnTimeOnly = declared
+    assert is_of_time_alone(mbs, as_given(function)) is declared
+
+
+def test_sensors_with_functions_may_change_what_others_read(mbs):
+    marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=mbs.AddNode(NodePoint())))
+    assert marker is not None
+    mbs.AddSensor(
+        SensorUserFunction(
+            sensorNumbers=[], sensorUserFunction=lambda mbs, t, s, f, c: [t], storeInternal=True
+        )
+    )
+    assert not is_of_time_alone(mbs, as_given(sine))

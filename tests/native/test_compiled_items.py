@@ -1,0 +1,389 @@
+"""Every kind of item that has a compiled form moves as Exudyn's own evaluation of it says."""
+
+from dataclasses import replace
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.itemInterface import (
+    CartesianSpringDamper,
+    CoordinateConstraint,
+    CoordinateSpringDamper,
+    DistanceConstraint,
+    LoadCoordinate,
+    LoadForceVector,
+    LoadMassProportional,
+    LoadTorqueVector,
+    MarkerBodyMass,
+    MarkerBodyPosition,
+    MarkerBodyRigid,
+    MarkerNodeCoordinate,
+    MarkerNodePosition,
+    MarkerNodeRigid,
+    NodePointGround,
+    NodeRigidBody2D,
+    ObjectRigidBody2D,
+    PrismaticJoint2D,
+    RevoluteJoint2D,
+    RigidBodySpringDamper,
+    SphericalJoint,
+    SpringDamper,
+    TorsionalSpringDamper,
+)
+from exudyn.utilities import InertiaCuboid, RotationMatrixZ, RotXYZ2RotationMatrix
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from exudyn_inext import (
+    AttachToBody,
+    CreateInextensibleCable,
+    ExplicitSettings,
+    InextensibleCable,
+    MarkerOnCable,
+    Rattle,
+    SolveExplicit,
+)
+from exudyn_inext.native.coupled_scene import CoupledScene
+from reference_models.model import quiet_settings, silence
+
+STEP = {"RATTLE": 2e-4, "Zhai": 2e-4, "RK4": 5e-5}
+STEPS = 100
+TOLERANCE = 1e-10  # of coordinates after all steps, relative to the largest one
+every_integrator = pytest.mark.parametrize("integrator", list(STEP))
+
+
+class Builder:
+    """A cable and bodies around it, at random places, to which an item is added.
+
+    cable: what CreateInextensibleCable returned.   bodies: numbers of objects.   nodes: of these.
+    """
+
+    def __init__(self, seed: int, dimension: int) -> None:
+        self.random = np.random.default_rng(seed)
+        self.container = exudyn.SystemContainer()
+        self.mbs = self.container.AddSystem()
+        self.dimension = dimension
+        self.ground = self.mbs.CreateGround(
+            referencePosition=[0.2, 0.4, 0.0], referenceRotationMatrix=RotationMatrixZ(0.3)
+        )
+        self.cable = CreateInextensibleCable(
+            self.mbs,
+            beamTemplate=InextensibleCable(massPerLength=0.2, bendingStiffness=0.01),
+            positionStart=[0, 0, 0],
+            positionEnd=[1.2, 0, 0],
+            numberOfElements=4,
+            gravity=[0, -9.81, 0],
+            groundConstraintsStart=[True] * dimension + [False] * dimension,
+            dimension=dimension,
+        )
+        self.bodies, self.nodes = [], []
+        for _ in range(2):
+            number, node = self._planar_body() if dimension == 2 else self._body()
+            self.bodies.append(number)
+            self.nodes.append(node)
+
+    def vector(self, size=1.0):
+        values = size * self.random.uniform(-1.0, 1.0, 3)
+        values[self.dimension :] = 0.0
+        return values
+
+    def _planar_body(self):
+        node = self.mbs.AddNode(
+            NodeRigidBody2D(
+                referenceCoordinates=[*self.vector()[:2], self.random.uniform(-1, 1)],
+                initialVelocities=[*self.vector()[:2], 1.0],
+            )
+        )
+        offset = self.vector(0.05)[:2]
+        body = ObjectRigidBody2D(nodeNumber=node, mass=0.3, inertia=0.01, centerOfMass=offset)
+        return self.mbs.AddObject(body), node
+
+    def _body(self):
+        kinds = exudyn.NodeType.RotationEulerParameters, exudyn.NodeType.RotationRxyz
+        inertia = InertiaCuboid(300, [0.1, 0.15, 0.07]).Translated(self.vector(0.05))
+        made = self.mbs.CreateRigidBody(
+            inertia=inertia,
+            nodeType=kinds[len(self.bodies)],
+            referencePosition=self.vector(),
+            referenceRotationMatrix=RotXYZ2RotationMatrix(self.vector()),
+            initialVelocity=self.vector(),
+            initialAngularVelocity=self.vector(2.0),
+            returnDict=True,
+        )
+        return made["bodyNumber"], made["nodeNumber"]
+
+    def rigid(self, which, local=None):
+        """A marker with a frame on a body or, for None, on the ground."""
+        body = self.ground if which is None else self.bodies[which]
+        local = self.vector(0.1) if local is None else local
+        return self.mbs.AddMarker(MarkerBodyRigid(bodyNumber=body, localPosition=local))
+
+    def position(self, which):
+        body = self.ground if which is None else self.bodies[which]
+        return self.mbs.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=self.vector(0.1)))
+
+    def on_cable(self):
+        return MarkerOnCable(self.mbs, self.cable, float(self.random.uniform(0.1, 1.2)))
+
+    def coordinate(self, node, which):
+        return self.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=which))
+
+    def place(self, number):
+        """Reference position of a body, and its frame."""
+        kinds = exudyn.OutputVariableType.Position, exudyn.OutputVariableType.RotationMatrix
+        configuration = exudyn.ConfigurationType.Reference
+        position, frame = (
+            self.mbs.GetObjectOutputBody(number, kind, [0, 0, 0], configuration) for kind in kinds
+        )
+        return np.array(position), np.array(frame).reshape(3, 3)
+
+
+def spring(b):
+    pairs = [(b.position(0), b.position(1)), (b.on_cable(), b.position(0)), (b.position(None), b.on_cable())]
+    for pair in pairs:
+        b.mbs.AddObject(
+            SpringDamper(markerNumbers=list(pair), stiffness=40, damping=0.3, referenceLength=0.4, force=0.7)
+        )
+
+
+def cartesian_spring(b):
+    for pair in [(b.position(0), b.position(1)), (b.on_cable(), b.position(1))]:
+        options = {"stiffness": [40, 30, 20], "damping": [0.3, 0.2, 0.1], "offset": [0.1, 0.2, 0]}
+        b.mbs.AddObject(CartesianSpringDamper(markerNumbers=list(pair), **options))
+
+
+def rigid_body_spring(b):
+    turn = RotationMatrixZ(0.2)
+    for pair in [(b.rigid(0), b.rigid(1)), (b.rigid(1), b.rigid(None))]:
+        b.mbs.AddObject(
+            RigidBodySpringDamper(
+                markerNumbers=list(pair),
+                stiffness=np.diag([40, 30, 20, 0.4, 0.3, 0.5]) + 0.05,
+                damping=np.diag([0.2, 0.1, 0.3, 0.02, 0.03, 0.01]),
+                offset=[0.1, 0, 0, 0.05, 0, 0.1],
+                rotationMarker0=turn.tolist(),
+                rotationMarker1=turn.T.tolist(),
+            )
+        )
+
+
+def torsional_spring(b):
+    frames = {
+        "rotationMarker0": RotationMatrixZ(0.2).tolist(),
+        "rotationMarker1": RotationMatrixZ(-0.1).tolist(),
+    }
+    law = {"stiffness": 0.6, "damping": 0.02, "offset": 0.1, "velocityOffset": 0.3, "torque": 0.05}
+    for pair in [(b.rigid(0), b.rigid(1)), (b.rigid(None), b.rigid(1))]:
+        b.mbs.AddObject(TorsionalSpringDamper(markerNumbers=list(pair), **frames, **law))
+
+
+def torsional_spring_at_a_node(b):
+    """In the plane, a node of a cable has a frame."""
+    if b.dimension == 2:
+        tip = b.mbs.AddMarker(MarkerNodeRigid(nodeNumber=b.cable["nodes"][-1]))
+        b.mbs.AddObject(TorsionalSpringDamper(markerNumbers=[b.rigid(0), tip], stiffness=0.3, damping=0.01))
+        hinge = {"stiffness": np.diag([9, 8, 0, 0, 0, 0.2]), "damping": 0.01 * np.eye(6)}
+        b.mbs.AddObject(RigidBodySpringDamper(markerNumbers=[tip, b.rigid(1)], **hinge))
+
+
+def coordinate_spring(b):
+    ground = b.coordinate(b.mbs.AddNode(NodePointGround()), 0)
+    tip = b.cable["nodes"][-1]
+    for pair in [(ground, b.coordinate(tip, 1)), (b.coordinate(tip, 0), b.coordinate(b.nodes[0], 0))]:
+        b.mbs.AddObject(
+            CoordinateSpringDamper(markerNumbers=list(pair), stiffness=30, damping=0.2, offset=0.1)
+        )
+
+
+def forces(b):
+    def pull(mbs, t, load):
+        return [3.0 * np.sin(20 * t), load[1], 0]
+
+    for marker in (b.position(0), b.on_cable()):
+        b.mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=b.vector(3.0)))
+        b.mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=[0, 2, 0], loadVectorUserFunction=pull))
+    b.mbs.AddLoad(LoadForceVector(markerNumber=b.rigid(1), loadVector=b.vector(3.0), bodyFixed=True))
+
+
+def torques(b):
+    for body, fixed in [(0, False), (1, True), (1, False)]:
+        torque = b.vector(0.1) if b.dimension == 3 else [0, 0, 0.1]
+        b.mbs.AddLoad(LoadTorqueVector(markerNumber=b.rigid(body), loadVector=torque, bodyFixed=fixed))
+
+
+def weights(b):
+    for body in b.bodies:
+        mass = b.mbs.AddMarker(MarkerBodyMass(bodyNumber=body))
+        b.mbs.AddLoad(LoadMassProportional(markerNumber=mass, loadVector=b.vector(9.81)))
+
+
+def coordinate_loads(b):
+    for node in (b.nodes[0], b.cable["nodes"][2]):
+        b.mbs.AddLoad(LoadCoordinate(markerNumber=b.coordinate(node, 1), load=0.8))
+
+
+def mass_points(b):
+    create = b.mbs.CreateMassPoint
+    for _ in range(2):
+        point = create(mass=0.1, referencePosition=b.vector(), gravity=[0, -9.81, 0], returnDict=True)
+        pair = b.on_cable(), b.mbs.AddMarker(MarkerNodePosition(nodeNumber=point["nodeNumber"]))
+        b.mbs.AddObject(
+            SpringDamper(markerNumbers=list(pair), stiffness=30, damping=0.1, referenceLength=0.4)
+        )
+
+
+def joined(b, constrained):
+    """The cable's end on the first body, where that is."""
+    position, frame = b.place(b.bodies[0])
+    end = np.array([1.2, 0.0, 0.0])
+    local = frame.T @ (end - position)
+    pair = (
+        b.mbs.AddMarker(MarkerNodePosition(nodeNumber=b.cable["nodes"][-1])),
+        b.mbs.AddMarker(MarkerBodyPosition(bodyNumber=b.bodies[0], localPosition=local)),
+    )
+    b.mbs.AddObject(SphericalJoint(markerNumbers=list(pair), constrainedAxes=constrained))
+
+
+def spherical_joint(b):
+    joined(b, [1, 1, b.dimension - 2])
+    if b.dimension == 3:
+        between(b, b.mbs.CreateSphericalJoint)
+
+
+def between(b, create, **options):
+    """A joint between both bodies, and one between the second one and ground."""
+    for pair in ([b.bodies[0], b.bodies[1]], [b.ground, b.bodies[1]]):
+        create(itemNumbers=pair, position=b.vector(), **options)
+        if b.random.uniform() < 0.5:
+            break
+
+
+def revolute_joint(b):
+    if b.dimension == 3:
+        between(b, b.mbs.CreateRevoluteJoint, axis=b.vector())
+
+
+def prismatic_joint(b):
+    if b.dimension == 3:
+        between(b, b.mbs.CreatePrismaticJoint, axis=b.vector())
+
+
+def generic_joint(b):
+    if b.dimension == 2:
+        axes = [[1, 1, 0, 0, 0, 0], [1, 0, 0, 0, 0, 1], [0, 1, 0, 0, 0, 0], [1, 1, 0, 0, 0, 1]]
+        choice = axes[b.random.integers(len(axes))]
+    else:
+        choice = b.random.integers(0, 2, 6).tolist()
+        choice[0] |= not any(choice)
+    turn = RotationMatrixZ(0.4) if b.dimension == 2 else RotXYZ2RotationMatrix(b.vector())
+    create = {"position": b.vector(), "rotationMatrixAxes": turn, "constrainedAxes": choice}
+    b.mbs.CreateGenericJoint(itemNumbers=b.bodies, **create)
+
+
+def planar_joints(b):
+    if b.dimension == 2:
+        (one, turn), (other, other_turn) = map(b.place, b.bodies)
+        point = b.vector()
+        pair = b.rigid(0, turn.T @ (point - one)), b.rigid(1, other_turn.T @ (point - other))
+        b.mbs.AddObject(RevoluteJoint2D(markerNumbers=list(pair)))
+
+
+def planar_slider(b):
+    if b.dimension == 2:
+        (one, turn), (_, other_turn) = map(b.place, b.bodies)
+        axis = RotationMatrixZ(0.3)[:, 0]
+        pair = b.rigid(0, turn.T @ (b.place(b.bodies[1])[0] - one)), b.rigid(1, np.zeros(3))
+        axes = {"axisMarker0": turn.T @ axis, "normalMarker1": other_turn.T @ [-axis[1], axis[0], 0]}
+        held = bool(b.random.uniform() < 0.5)
+        b.mbs.AddObject(PrismaticJoint2D(markerNumbers=list(pair), constrainRotation=held, **axes))
+
+
+def distances(b):
+    pairs = [[b.bodies[0], b.bodies[1]], [b.ground, b.bodies[1]]]
+    for pair in pairs:
+        b.mbs.CreateDistanceConstraint(itemNumbers=pair, localPosition0=b.vector(0.1))
+    tip, node = b.cable["nodes"][-1], b.nodes[0]
+    markers = [b.mbs.AddMarker(MarkerNodePosition(nodeNumber=n)) for n in (tip, node)]
+    distance = float(np.linalg.norm(b.place(b.bodies[0])[0] - [1.2, 0, 0]))
+    b.mbs.AddObject(DistanceConstraint(markerNumbers=markers, distance=distance))
+
+
+def coordinate_constraints(b):
+    tip = b.coordinate(b.cable["nodes"][-1], 1)
+    pair = [b.coordinate(b.nodes[0], 1), tip]
+    b.mbs.AddObject(CoordinateConstraint(markerNumbers=list(pair), factor1=0.5))
+
+
+def clamp(b):
+    position, frame = b.place(b.bodies[0])
+    local = frame.T @ (np.array([1.2, 0.0, 0.0]) - position)
+    AttachToBody(b.mbs, b.cable, "end", b.bodies[0], local.tolist(), kind="clamp")
+
+
+KINDS = [
+    spring,
+    cartesian_spring,
+    rigid_body_spring,
+    torsional_spring,
+    torsional_spring_at_a_node,
+    coordinate_spring,
+    forces,
+    torques,
+    weights,
+    coordinate_loads,
+    mass_points,
+    spherical_joint,
+    revolute_joint,
+    prismatic_joint,
+    generic_joint,
+    planar_joints,
+    planar_slider,
+    distances,
+    coordinate_constraints,
+    clamp,
+]
+
+
+def moved(build, integrator, compiled):
+    """Coordinates and multipliers after the steps, and the path that they took."""
+    mbs = build()
+    mbs.Assemble()
+    explicit = ExplicitSettings(integrator, stepSize=STEP[integrator], startTolerance=100.0)
+    if integrator == "RATTLE":
+        explicit = replace(explicit, massScaling=0.3, scheme=Rattle(tolerance=1e-13))
+    form = CoupledScene.compiled
+    if not compiled:
+        CoupledScene.compiled = lambda *_: (None, "this test")
+    try:
+        with silence():
+            report = SolveExplicit(mbs, quiet_settings(STEPS * STEP[integrator], 2), explicit)
+    finally:
+        CoupledScene.compiled = form
+    data = mbs.systemData
+    return np.array(data.GetODE2Coordinates()), np.array(data.GetAECoordinates()), report["path"]
+
+
+def require_the_same(build, integrator, tolerance=TOLERANCE):
+    ours, our_forces, path = moved(build, integrator, compiled=True)
+    theirs, their_forces, _ = moved(build, integrator, compiled=False)
+    assert "in one compiled call" in path, path
+    scale = np.abs(theirs).max()
+    np.testing.assert_allclose(ours, theirs, atol=tolerance * scale, rtol=0)
+    if len(their_forces):
+        scale = max(1.0, np.abs(their_forces).max())
+        np.testing.assert_allclose(our_forces, their_forces, atol=1e-4 * scale, rtol=0)
+    return theirs
+
+
+@pytest.mark.filterwarnings("ignore:.*velocit")
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_kind_moves_as_exudyn_says(kind, dimension):
+    def build():
+        builder = Builder(len(kind.__name__), dimension)
+        kind(builder)
+        build.containers.append(builder.container)
+        return builder.mbs
+
+    build.containers = []
+    require_the_same(build, "RATTLE")
