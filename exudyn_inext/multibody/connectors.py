@@ -22,9 +22,7 @@ CONNECTOR = record_type(
         ("offset", np.float64, (6,)),
         ("rate_offset", np.float64, (6,)),
         ("force", np.float64, (6,)),  # constant, in the frame of the law
-        ("frame_before", np.float64, (3, 3)),  # A_0 = before A after
-        ("frame_after", np.float64, (3, 3)),
-        ("frame_of_other", np.float64, (3, 3)),  # A_1 = A frame_of_other
+        ("turns", np.float64, (2, 3, 3)),  # of the law's frames in those of both points
         ("wrench", np.float64, (6,)),
         ("stretch", np.float64, (6,)),
         ("rate", np.float64, (6,)),
@@ -46,9 +44,8 @@ def _multiply(left, right, result, transposed):
 @inlined
 def _set_frames(connector, one, other):
     frame = connector.frame
-    _multiply(one.orientation, connector.frame_after, frame[2], False)
-    _multiply(connector.frame_before, frame[2], frame[0], False)
-    _multiply(other.orientation, connector.frame_of_other, frame[1], False)
+    _multiply(one.orientation, connector.turns[0], frame[0], False)
+    _multiply(other.orientation, connector.turns[1], frame[1], False)
     _multiply(frame[0], frame[1], frame[2], True)
 
 

@@ -22,8 +22,6 @@ def read_connector(data: dict[str, Any], number: int, reader: PointReader) -> An
     record = np.zeros(1, CONNECTOR)[0]
     places = [reader.marker(k) for k in data["markerNumbers"]]
     record.points[:] = [place.point for place in places]
-    for frame in ("frame_before", "frame_after", "frame_of_other"):
-        getattr(record, frame)[:] = np.eye(3)
     _READERS[data["objectType"]](data, name, places, record)
     return record
 
@@ -52,22 +50,20 @@ def _set_frames(data: dict[str, Any], name: str, places: list[Place], record: An
     if not all(place.has_frame for place in places):
         raise UnknownItemError(f"{name} between markers without frames")
     record.kind = SIX
-    record.frame_after[:] = places[0].turn
-    record.frame_of_other[:] = places[1].turn @ data["rotationMarker1"]
+    for k, place in enumerate(places):
+        record.turns[k] = place.turn @ data[f"rotationMarker{k}"]
 
 
 def _rigid_body(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
     if data.get("useIntrinsicFormulation") or data.get("intrinsicFormulation"):
         raise UnknownItemError(f"{name} with the intrinsic formulation")
     _set_frames(data, name, places, record)
-    record.frame_before[:] = data["rotationMarker0"]
     record.stiffness[:], record.damping[:] = data["stiffness"], data["damping"]
     record.offset[:] = data["offset"]
 
 
 def _torsional(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
     _set_frames(data, name, places, record)
-    record.frame_after[:] = places[0].turn @ data["rotationMarker0"]
     record.stiffness[5, 5], record.damping[5, 5] = data["stiffness"], data["damping"]
     record.offset[5], record.rate_offset[5] = data["offset"], data["velocityOffset"]
     record.force[5] = data["torque"]

@@ -45,7 +45,7 @@ class PointReader:
         self._of_bodies = of_bodies
         self._of_nodes = {int(body["first"]): number for number, body in enumerate(bodies)}
         self._points: list[Any] = []
-        self._known: dict[Any, Place] = {}
+        self._known: dict[int, Place] = {}
 
     @property
     def records(self) -> Any:
@@ -58,9 +58,10 @@ class PointReader:
 
     def marker(self, number: int) -> Place:
         """The place of a marker; UnknownItemError if it has no compiled form."""
-        if number not in self._known:
-            self._known[number] = self._read(int(number))
-        return self._known[number]
+        key = int(number)
+        if key not in self._known:
+            self._known[key] = self._read(key)
+        return self._known[key]
 
     def _read(self, number: int) -> Place:
         data = self._mbs.GetMarker(number)
