@@ -181,6 +181,15 @@ def subtract_forces(joints, x):
             x[dof + i] -= joints.jacobian[first + i] * force
 
 
+def effect_of_joints(joints: Joints, size: int) -> Array:
+    """(size,) what joints took off the accelerations at the last evaluation."""
+    result = np.zeros(size)
+    for e, (first, width, dof) in enumerate(zip(joints.first, joints.width, joints.dof, strict=True)):
+        nu = joints.multipliers[joints.row[e]]
+        result[dof : dof + width] += joints.response[first : first + width] * nu
+    return result
+
+
 @inlined
 def _substitute(factor, x):
     """x = S^-1 x, in the order of the band."""

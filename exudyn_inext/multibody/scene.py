@@ -277,14 +277,6 @@ def joint_violation(items, q):
 
 
 @kernel
-def times_jacobian(joints, v, result):
-    """J v (m,), after `hold`.   v: (n,)."""
-    set_rates(joints, v)
-    for r in range(len(result)):
-        result[r] = joints.rate[r]
-
-
-@kernel
 def subtract_joint_forces(joints, force):
     """force -= J^T nu (n,), with the multipliers of the last evaluation."""
     subtract_forces(joints, force)

@@ -9,7 +9,8 @@ import numpy as np
 from ..arrays import Array
 from ..multibody.build import build_scene
 from ..multibody.cables import NoCables
-from ..multibody.scene import accelerate_bodies, act, hold, times_jacobian
+from ..multibody.joints import effect_of_joints
+from ..multibody.scene import accelerate_and_project_scene
 from ..run.compiled_scene import CompiledScene, SceneLoads
 from ..scene.bodies import bodies_rates
 from .known.scene import read_known_items
@@ -100,8 +101,8 @@ def _compare_parts(scene: CoupledScene, form: CompiledScene, t: float, q: Array,
     bodies, items, number = scene.map.slices[-1], form.system.items, form.system.cable_dofs
     wanted, found, rate = np.zeros((3, len(q)))
     bodies_rates(scene.body_system, given[-1], q[bodies], v[bodies], wanted[bodies], rate[bodies])
-    act(items, form.loads.at(t)[len(form.system.cable_force) :], q, v)
-    accelerate_bodies(items, v, scene.system.zeta, found)
+    accelerate_and_project_scene(form.system, form.loads.at(t), q, v, 0.0, found, rate)
+    found += effect_of_joints(items.joints, len(q))
     wanted[:number], found[:number] = scene.surroundings.native_forces[:number], items.force[:number]
     for dofs in scene.map.slices:
         scale = float(np.abs(wanted[dofs]).max(initial=SMALLEST))
@@ -112,18 +113,15 @@ def _compare_parts(scene: CoupledScene, form: CompiledScene, t: float, q: Array,
 
 
 def _compare_joints(scene: CoupledScene, form: CompiledScene, t: float, q: Array, v: Array) -> None:
-    """Values, rates and second derivatives along the motion."""
-    terms, items = scene.surroundings.constrain(t, q, v), form.system.items
-    joints, size = items.joints, max(1.0, float(np.abs(q).max()))
-    hold(items, q, v)
+    """Values, rates and second derivatives along the motion, as `_compare_parts` has left them."""
+    terms, joints = scene.surroundings.constrain(t, q, v), form.system.items.joints
+    size, speed = max(1.0, float(np.abs(q).max())), max(1.0, float(np.abs(v).max()))
     rates = np.zeros(len(joints.value))
-    times_jacobian(joints, v, rates)
-    wanted_rates, speed = np.zeros(len(rates)), max(1.0, float(np.abs(v).max()))
     for block in scene.surroundings.blocks:
-        wanted_rates[block.rows] += block.jacobian @ v[block.dofs]
+        rates[block.rows] += block.jacobian @ v[block.dofs]
     compared = (
         (terms.value, joints.value, TOLERANCE * size),
-        (wanted_rates, rates, TOLERANCE * size * speed),
+        (rates, joints.rate, TOLERANCE * size * speed),
         (terms.gamma, joints.gamma, OF_DIFFERENCES * size * speed**2),
         (terms.drift, np.zeros(len(rates)), TOLERANCE),
     )

@@ -9,6 +9,7 @@ from ..arrays import Array
 from ..cable.cable import Cable
 from ..cable.linked_cable import cable_system
 from ..cable.many_cables import in_few_chains
+from ..compiled import plain
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied
 from ..multibody.scene import (
@@ -26,6 +27,8 @@ from ..multibody.scene import (
 from ..scene.joints import dependent_row
 from ..system import index_reduced_rates
 from .cable_loads import CableLoads
+
+FEW = 50  # states
 
 
 class SceneLoads:
@@ -152,7 +155,8 @@ class CompiledScene:
         multipliers = np.zeros((len(times), len(self.multipliers)))
         memory = np.zeros(len(self.loads.constant)), np.zeros(history.shape[2])
         loads = self.loads.sample(times[:, np.newaxis])
-        evaluate_states(self._unscaled, loads, history, multipliers, *memory)
+        evaluate = evaluate_states if len(times) > FEW else plain(evaluate_states)  # it takes long to compile
+        evaluate(self._unscaled, loads, history, multipliers, *memory)
         return multipliers
 
     def _without_scaling(self, cables: Sequence[Cable]) -> SceneSystem:

@@ -139,8 +139,7 @@ class CoupledRun(PacedRun):
 
     def _begin_by(self, function: Callable[..., None], time: float) -> None:
         """Begin with a function of the integrator, of (system, external, state)."""
-        begin = function if self._form else plain(function)
-        begin(*self._system_at(time), self.state)
+        plain(function)(*self._system_at(time), self.state)
 
     def leave_kernels(self, why: str, time: float) -> None:
         """Let Exudyn evaluate its items from the present state on, at `time` [s]."""

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigs
 
 from ..arrays import Array
-from ..system import accelerate_and_project, index_reduced_rates
+from ..system import accelerate_and_project
 
 STEP = 1e-6  # of the differences [m, -, m/s, 1/s]
 ACCURACY = 1e-3
@@ -43,17 +43,16 @@ def fastest_rates(system: Any, external: Array, q: Array, v: Array) -> FastestRa
     changes its sign has no rate: it makes no motion grow.
     """
     rest = np.zeros(len(q))
-    evaluate = index_reduced_rates.dispatch(type(system))
-    project = accelerate_and_project.dispatch(type(system))
+    evaluate = accelerate_and_project.dispatch(type(system))
 
     def acceleration(at: Array, rates: Array) -> Array:
         result, rate = np.zeros(len(q)), np.zeros(len(q))
-        evaluate(system, external, at, rates, result, rate)
+        evaluate(system, external, at, rates, 0.0, result, rate)
         return result
 
     def projected(v: Array) -> Array:
         result, memory = np.zeros(len(q)), np.zeros(len(q))
-        project(system, external, q, v, 0.0, memory, result)
+        evaluate(system, external, q, v, 0.0, memory, result)
         return result
 
     offset = projected(rest)  # moving supports
