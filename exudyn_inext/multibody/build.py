@@ -9,6 +9,7 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..arrays import Array
+from ..scene.joints import FEW
 from .joints import NONE, Joints
 from .points import FIXED
 from .scene import Items, SceneSystem
@@ -65,28 +66,23 @@ def _build_joints(places: Sequence[slice], known: KnownItems, foresight: Array) 
     sizes = [place.stop - place.start for place in places]
     sizes += (bodies["translations"] + bodies["rotations"]).tolist()
     order = np.argsort(starts, kind="stable")
-    entries: dict[tuple[int, int], list[int]] = {}  # owner and row -> its coordinates, from begin to stop
-    for r, row in enumerate(rows):
-        for k in row.points.tolist():
-            point = known.points[k]
-            if point.kind == FIXED:
-                continue
-            owner = int(order[np.searchsorted(starts[order], point.first, side="right") - 1])
-            begin = int(point.first) - int(starts[owner])
-            of_entry = entries.setdefault((owner, r), [begin, begin + int(point.width)])
-            of_entry[0] = min(of_entry[0], begin)
-            of_entry[1] = max(of_entry[1], begin + int(point.width))
-    keys = sorted(entries)
+    owner_of = order[np.searchsorted(starts[order], known.points["first"], side="right") - 1].tolist()
+    begin, width_of = known.points["first"].tolist(), known.points["width"].tolist()
+    moves = (known.points["kind"] != FIXED).tolist()
+    spans: dict[tuple[int, int], tuple[int, int]] = {}  # owner and row -> its coordinates, from and to
+    for r, pair in enumerate(rows["points"].tolist()):
+        for k in filter(moves.__getitem__, pair):
+            first, end = spans.get((owner_of[k], r), (begin[k], begin[k] + width_of[k]))
+            spans[owner_of[k], r] = min(first, begin[k]), max(end, begin[k] + width_of[k])
+    keys = sorted(spans)
     owners = np.array([owner for owner, _ in keys], dtype=np.int64)
     numbers = {key: e for e, key in enumerate(keys)}
-    for r, row in enumerate(rows):
-        for side, k in enumerate(row.points.tolist()):
-            point = known.points[k]
-            if point.kind != FIXED:
-                owner = int(order[np.searchsorted(starts[order], point.first, side="right") - 1])
-                row.entry[side] = numbers[owner, r]
+    rows["entry"] = [
+        [numbers.get((owner_of[k], r), NONE) if moves[k] else NONE for k in pair]
+        for r, pair in enumerate(rows["points"].tolist())
+    ] or np.zeros((0, 2))
     width = np.array([sizes[owner] for owner in owners], dtype=np.int64)
-    ranges = np.array([entries[key] for key in keys], dtype=np.int64).reshape(-1, 2)
+    ranges = np.array([spans[key] for key in keys], dtype=np.int64).reshape(-1, 2) - starts[owners, None]
     on_cables = int(np.count_nonzero(owners < len(places)))
     row_of = np.array([r for _, r in keys], dtype=np.int64)
     place, width_of_band = _places_in_band(owners, row_of, number)
@@ -121,8 +117,8 @@ def _build_joints(places: Sequence[slice], known: KnownItems, foresight: Array) 
 
 def _places_in_band(owners: np.ndarray, rows: np.ndarray, number: int) -> tuple[np.ndarray, int]:
     """(m,) of the rows in an order in which S is a narrow band, and how wide its lower half is."""
-    if not number:
-        return np.zeros(0, dtype=np.int64), 1
+    if number <= FEW:
+        return np.arange(number), max(number, 1)
     size = int(owners.max(initial=-1)) + 1
     meets = coo_array((np.ones(len(rows)), (rows, owners)), shape=(number, size))
     order = reverse_cuthill_mckee(csr_array(meets @ meets.T), symmetric_mode=True)

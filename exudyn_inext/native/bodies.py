@@ -8,7 +8,6 @@ import exudyn
 import numpy as np
 from exudyn.exudynCPP import ObjectIndex
 from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import connected_components
 
 from ..arrays import Array
 from ..errors import SceneError
@@ -162,14 +161,17 @@ def _coordinates_of(bodies: Sequence[Body]) -> np.ndarray:
 
 
 def _groups(bodies: Sequence[Body]) -> list[list[Body]]:
-    """Bodies that share coordinates."""
-    entries = [(k, c) for k, body in enumerate(bodies) for c in body.coordinates]
-    if not entries:
-        return []
-    rows, columns = np.transpose(entries)
-    incidence = coo_array((np.ones(len(rows)), (rows, columns)))
-    count, labels = connected_components(incidence @ incidence.T, directed=False)
-    return [[bodies[k] for k in np.flatnonzero(labels == label).tolist()] for label in range(count)]
+    """Bodies that share coordinates, directly or through others."""
+    groups: list[tuple[list[Body], set[int]]] = []
+    owner: dict[int, tuple[list[Body], set[int]]] = {}
+    for body in bodies:
+        group: tuple[list[Body], set[int]] = ([body], set(body.coordinates.tolist()))
+        for other in {id(owner[c]): owner[c] for c in group[1] if c in owner}.values():
+            group = (other[0] + group[0], other[1] | group[1])
+            groups = [one for one in groups if one is not other]
+        groups.append(group)
+        owner.update(dict.fromkeys(group[1], group))
+    return [own for own, _ in groups]
 
 
 def _assembled(bodies: Sequence[Body], size: int) -> csr_array:
@@ -210,13 +212,16 @@ class BodyMasses:
         of_constant = _coordinates_of([body for group in constant for body in group])
         self.held = np.intersect1d(of_constant, np.array(sorted(holdable), dtype=int))
         self.coordinates = np.setdiff1d(_coordinates_of(bodies), self.held)
-        initial = _assembled(bodies, mbs.systemData.ODE2Size())
-        self.held_mass = initial[np.ix_(self.held, self.held)].toarray()
-        self.coupling = initial[np.ix_(self.held, self.coordinates)].toarray()
+        self.held_mass = np.zeros((len(self.held), len(self.held)))
+        self.coupling = np.zeros((len(self.held), len(self.coordinates)))
+        if len(self.held):
+            initial = _assembled(bodies, mbs.systemData.ODE2Size())
+            self.held_mass[:] = initial[np.ix_(self.held, self.held)].toarray()
+            self.coupling[:] = initial[np.ix_(self.held, self.coordinates)].toarray()
         self._needs_total = not all(body.tells_mass for group in variable for body in group)
         sizes = sorted({len(self._dofs_of(group)) for group in variable})
         self._stacks = [self._stack(size, variable, quaternions) for size in sizes]
-        blocks = [MassBlock(dofs, self._part_of(initial, dofs)) for dofs in map(self._dofs_of, constant)]
+        blocks = [MassBlock(self._dofs_of(group), self._initial_mass(group)) for group in constant]
         variables = [stack.blocks for stack in self._stacks]
         self.system = BodiesSystem(len(self.coordinates), blocks, variables, zeta)
 
@@ -271,8 +276,12 @@ class BodyMasses:
                 mass[places] += body.mass(self._mbs)
         return masses
 
-    def _part_of(self, total: csr_array, dofs: np.ndarray) -> Array:
-        """(k, k) block of a mass matrix of all items.   dofs: (k,)."""
-        places = self.coordinates[dofs]
-        part: Array = total[np.ix_(places, places)].toarray()
-        return part
+    def _initial_mass(self, group: Sequence[Body]) -> Array:
+        """(k, k) of the coordinates of a group that are not held."""
+        dofs = self._dofs_of(group)
+        total: Array = np.zeros((len(dofs), len(dofs)))
+        for body in group:
+            free = np.flatnonzero(~np.isin(body.coordinates, self.held))
+            places = np.searchsorted(dofs, self._local(body.coordinates[free]))
+            total[np.ix_(places, places)] += body.initial_mass[np.ix_(free, free)]
+        return total

@@ -74,7 +74,7 @@ class CoupledScene:
         """
         self.mbs = mbs
         self.cables = cables
-        self.elsewhere, self._held = own_constraints, held
+        self.elsewhere = own_constraints
         solver = evaluator(mbs)
         on_cables = np.concatenate([np.zeros(0, int), *(cable.indices for cable in cables)])
         total = SystemMass(mbs, solver)
@@ -197,11 +197,6 @@ class CoupledScene:
                 f"an initial velocity of {where} is {v[bad[0]]:g}, no finite number: correct its initial "
                 "values."
             )
-
-    def with_systems(self, systems: Sequence[Any]) -> "CoupledScene":
-        """The same scene, whose cables have other equations."""
-        cables = [c._replace(system=system) for c, system in zip(self.cables, systems, strict=True)]
-        return CoupledScene(self.mbs, cables, self.elsewhere, self.system.zeta, self._held)
 
     def state(self, configuration: Any = exudyn.ConfigurationType.Current) -> tuple[Array, Array]:
         """q and v (n,) of all parts in a configuration of mbs."""

@@ -163,7 +163,7 @@ class CableRun(PacedRun):
         try:
             yield
         finally:
-            self.set_step(self.control.present)
+            set_mass(self.system.chain, self.scene_cable.cable, self._implicit)
 
     def complete(self, times: Array, history: Array) -> None:
         """See `Run.complete`."""
@@ -193,6 +193,12 @@ class CableRun(PacedRun):
     def has_implicit_bending(self) -> bool:
         """Whether the system depends on the step."""
         return self._theta > 0.0 or self._lag > 0.0
+
+    @property
+    def _implicit(self) -> ImplicitBending:
+        """What is in the matrix on the left at present."""
+        h = self.control.present or self._likely_step
+        return ImplicitBending(self._theta * h**2, self._lag * self.control.present)
 
     def scale_mass(self, theta: float, h: float) -> None:
         """Make that share of bending implicit, for steps of h [s] as long as no other ones are taken."""
@@ -356,7 +362,5 @@ class CableRun(PacedRun):
 
     def require_independence(self) -> None:
         """RedundantConstraintError if constraints depend on each other; at the latest evaluation."""
-        h, lag = self.control.present or self._likely_step, self._lag * self.control.present
-        implicit = ImplicitBending(self._theta * h**2, lag)
-        masses = element_masses(self.scene_cable.cable, implicit)
+        masses = element_masses(self.scene_cable.cable, self._implicit)
         require_independent(self.scene_cable, self.system, masses)

@@ -9,7 +9,6 @@ import numpy as np
 
 from ..arrays import Array
 from ..cable.cable import Cable
-from ..cable.linked_cable import cable_system
 from ..compiled import plain
 from ..errors import DivergenceError, RedundantConstraintError
 from ..integrators.integrator import Integrator, LoadHistory, advance, remembered
@@ -91,11 +90,18 @@ class CoupledRun(PacedRun):
         """Onto all constraints: impulses at the start meet the mass as it is, without scaling."""
         scene, state = self._scene, self.state
         scene.take_hold(state.v, start.tolerance)
-        if any(run.is_scaled for run in self._runs):
-            scene = scene.with_systems([cable_system(cable, start.zeta) for cable in self.cables])
-        self.start_correction = consistent_start(
-            scene.system, self.cables, start.time, state.q, state.v, start.tolerance
-        )
+        with self._mass_as_it_is():
+            self.start_correction = consistent_start(
+                scene.system, self.cables, start.time, state.q, state.v, start.tolerance
+            )
+
+    @contextmanager
+    def _mass_as_it_is(self) -> Iterator[None]:
+        """Nothing of the cables' bending is in the matrix on the left."""
+        with ExitStack() as stack:
+            for run in self._runs:
+                stack.enter_context(run.mass_as_it_is())
+            yield
 
     @property
     def name(self) -> str:
@@ -249,9 +255,7 @@ class CoupledRun(PacedRun):
         arguments = self._scene.system, np.array([time]), state.q, state.v
         surroundings = self._scene.surroundings
         surroundings.forget()
-        with ExitStack() as stack:
-            for run in self._runs:
-                stack.enter_context(run.mass_as_it_is())
+        with self._mass_as_it_is():
             if self.integrator.stabilised:
                 accelerate_and_project(*arguments, 0.0, a, rest)
             else:

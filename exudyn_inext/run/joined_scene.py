@@ -115,9 +115,6 @@ class JoinedScene(EvaluatedScene, Protocol):
     def take_hold(self, v: Array, tolerance: float) -> None:
         """Stop the held coordinates at the start; v (n,) in place."""
 
-    def with_systems(self, systems: Sequence[Any]) -> "JoinedScene":
-        """The same scene, whose cables have other equations."""
-
     def open_contacts(self) -> OpenContacts | None:
         """Contacts that are open at present, if there are any."""
 

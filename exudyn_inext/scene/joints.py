@@ -23,6 +23,7 @@ from ..compiled import kernel
 from ..errors import RedundantConstraintError
 from .parts import respond, respond_in_chain
 
+FEW = 8  # rows whose order does not matter
 PIVOT_TOLERANCE = 1e-10  # of a pivot of S, relative to its diagonal entry
 
 
@@ -153,9 +154,9 @@ def _rows_of(blocks: Sequence[JointBlock]) -> _Rows:
 
 
 def _order_of_band(rows: _Rows, number: int) -> np.ndarray:
-    """The rows in an order in which S is a narrow band."""
-    if not number:
-        return np.zeros(0, dtype=np.int64)
+    """The rows in an order in which S is a narrow band; few rows as they are."""
+    if number <= FEW:
+        return np.arange(number)
     of_entry = np.searchsorted(rows.end, np.arange(len(rows.row)), side="right")
     meets = coo_array((np.ones(len(rows.row)), (rows.row, of_entry)), shape=(number, len(rows.end) + 1))
     return np.asarray(reverse_cuthill_mckee(csr_array(meets @ meets.T), symmetric_mode=True), dtype=np.int64)
