@@ -1,12 +1,13 @@
 """Which runs move a scene: the cheapest way that is valid for what it contains."""
 
-from collections.abc import Callable, Sequence, Set
-from contextlib import ExitStack
+import warnings
+from collections.abc import Callable, Mapping, Sequence, Set
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
 from ..checks import LARGEST
-from ..errors import InputError, SceneError
+from ..errors import InextensibleError, InputError, SceneError
 from ..items.parameters import Parameter
 from ..native.coupled_scene import CoupledCable, CoupledScene
 from ..native.surroundings import switched_off
@@ -15,7 +16,7 @@ from ..run.coupled_run import CoupledRun
 from ..run.run import Run
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import USUAL_SCALING, StepSizeBounds, step_bounds
-from ..scene.model import CableInScene, Scene
+from ..scene.model import CableInScene, HeldCoordinate, Scene
 from .mbs_state import State, initial_state
 from .scene import initial_states
 
@@ -111,10 +112,19 @@ def runs_of_scene(
         CoupledCable(run.scene_cable.number, run.indices, run.reference, run.system, run.loads)
         for run in runs
     ]
-    zeta, held = explicit.stabilizationRate, scene.held
-    joined = CoupledScene(mbs, cables, scene.own_constraints, zeta, held)
     start, why = Start.at(time, h, explicit), _shortened(scene.foreign)
-    return [CoupledRun(joined, runs, explicit.method, start, why, end_of_step)]
+
+    def coupled_run(held: Mapping[int, HeldCoordinate]) -> CoupledRun:
+        joined = CoupledScene(mbs, cables, scene.own_constraints, explicit.stabilizationRate, held)
+        return CoupledRun(joined, runs, explicit.method, start, why, end_of_step)
+
+    if scene.held and end_of_step is None:  # compiled forms take them as joints
+        with suppress(InextensibleError, UserWarning), warnings.catch_warnings():
+            warnings.simplefilter("error", UserWarning)  # whatever is to be said, the other run says
+            run = coupled_run({})
+            if run.looks_ahead:
+                return [run]
+    return [coupled_run(scene.held)]
 
 
 def bounds_if_scaled(

@@ -95,7 +95,7 @@ class CoupledScene:
         evaluated = [part.whole or part for part in of_cables]
         wholes = [*{id(whole): whole for whole in evaluated}.values(), *others]
         self.joints = read_joints(mbs, own_constraints.union(self.held.numbers))
-        rows = JointRows(self.joints, quaternions, parts, self.map)
+        rows = JointRows(self.joints, quaternions, parts, self.map, masses.held)
         loads = [cable.loads for cable in cables]
         self.surroundings = NativeSurroundings(mbs, solver, wholes, self.map, loads, masses, rows, self.held)
         self.system = CoupledSystem(parts, self.surroundings, zeta, wholes)

@@ -21,6 +21,10 @@ class JointRows:
     """Values c(q, t) from Exudyn for all algebraic equations at once, Jacobians joint by joint.
 
     names: (m,) of the rows.   blocks: Jacobian by parts, overwritten at each evaluation.
+    on_held: (k, m) its transpose for coordinates that lie in no part.
+
+    Args:
+        held: (k,) places of these in the system vector.
     """
 
     def __init__(
@@ -29,6 +33,7 @@ class JointRows:
         quaternions: Sequence[Quaternion],
         parts: Sequence[Part],
         coordinates: CoordinateMap,
+        held: np.ndarray,
     ) -> None:
         self.names = [f"{joint.name}, equation {k}," for joint in joints for k in joint.active]
         self.follows_time = any(joint.follows_time for joint in joints)
@@ -47,6 +52,10 @@ class JointRows:
                 for part, columns, at in met
             ]
             for own, met in zip(rows, places, strict=True)
+        ]
+        self.on_held: Array = np.zeros((len(held), len(self.names)))
+        self._held = [
+            (own, *_common(joint.coordinates, held)) for own, joint in zip(rows, joints, strict=True)
         ]
         of_nodes = [[coordinates.place(c) for c in q.coordinates] for q in quaternions]
         self._quaternions = np.array(of_nodes, dtype=int).reshape(-1, 4)
@@ -72,12 +81,16 @@ class JointRows:
 
     def update_jacobian(self, mbs: Any, q: Array) -> None:
         """`blocks` in the current configuration of mbs, which is q (n,)."""
-        for joint, targets in zip(self._joints, self._targets, strict=True):
+        for joint, targets, (own, columns_held, held) in zip(
+            self._joints, self._targets, self._held, strict=True
+        ):
             if joint.is_linear and self._is_set:
                 continue
             jacobian = joint.jacobian(mbs)
             for block, places, columns in targets:
                 block.jacobian[places] = jacobian[:, columns]
+            if len(held):
+                self.on_held[np.ix_(held, own)] = jacobian[:, columns_held].T
         self._is_set = True
 
     def _moved(self, q: Array, v: Array, duration: float) -> Array:
@@ -105,6 +118,12 @@ class JointRows:
         if self.follows_time:
             drift = (value_at(t + STEP, q) - value_at(t - STEP, q)) / (2.0 * STEP)
         return JointTerms(value, drift, gamma)
+
+
+def _common(coordinates: np.ndarray, held: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where those that are held stand in both."""
+    _, columns, places = np.intersect1d(coordinates, held, return_indices=True)
+    return columns, places
 
 
 def _blocks(

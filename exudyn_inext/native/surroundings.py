@@ -224,7 +224,8 @@ class NativeSurroundings:
             multipliers: (m,) of the joints.   a: (n,) accelerations of all parts.
         """
         result = self._rows.equations(multipliers, self._data.AEsize())
-        result[self._held.rows] = self._held.reactions(self._forces_on_held, a[self._bodies])
+        on_held = self._forces_on_held - self._rows.on_held @ multipliers
+        result[self._held.rows] = self._held.reactions(on_held, a[self._bodies])
         return result
 
     def _set_positions(self, t: float, q: Array) -> None:

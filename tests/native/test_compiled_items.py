@@ -491,3 +491,31 @@ def test_a_change_that_nobody_was_told_of_is_an_error(fault):
     with pytest.raises(SceneError, match=r"changed during the run without its notice: node .*by name"):
         run(builder)
     fault("a spring changed behind the run's back", "the run ends with an error that names the node")
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+def test_a_rail_carries_the_weight_of_its_slider_and_the_pull_of_the_cable(compiled):
+    """The rail is a constraint of one coordinate; the slider hangs from the cable's end."""
+
+    def build():
+        builder = Builder(4, 2)
+        mbs = builder.mbs
+        point = mbs.CreateMassPoint(
+            mass=0.3, referencePosition=[1.2, 0, 0], gravity=[0, -9.81, 0], returnDict=True
+        )
+        node = point["nodeNumber"]
+        ground = builder.coordinate(mbs.AddNode(NodePointGround()), 0)
+        tip = mbs.AddMarker(MarkerNodePosition(nodeNumber=builder.cable["nodes"][-1]))
+        pair = [tip, mbs.AddMarker(MarkerNodePosition(nodeNumber=node))]
+        mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, builder.coordinate(node, 1)]))
+        mbs.AddObject(SphericalJoint(markerNumbers=pair, constrainedAxes=[1, 1, 0]))
+        containers.append(builder.container)
+        return mbs
+
+    containers = []
+    q, forces, path = moved(build, "RATTLE", compiled)
+    assert ("in one compiled call" in path) is compiled
+    rail, pull = forces[-4], forces[-2]
+    assert pull != pytest.approx(0.0, abs=1e-3)
+    assert rail + pull == pytest.approx(-0.3 * 9.81, abs=1e-9)
+    assert q[-2] == pytest.approx(0.0, abs=1e-12)
