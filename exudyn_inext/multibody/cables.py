@@ -1,7 +1,7 @@
-"""What joints ask of the cables of a scene: their responses, dispatched on their system's type."""
+"""The cables of a scene as one system, and what joints ask of them: responses, dispatched on its type."""
 
 from functools import singledispatch
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..cable.chain import Chain
 from ..cable.index_reduction import CableSystem
@@ -17,13 +17,26 @@ class NoCables(NamedTuple):
     size: int = 0
 
 
+class TwoKinds(NamedTuple):
+    """Cables of two kinds, one after the other, each of which may be several; it is not nested.
+
+    dofs, external: of the first one, numbers of coordinates and of what it takes as external force.
+    """
+
+    first: Any
+    second: Any
+    dofs: int
+    external: int
+
+
 @dispatched
 @singledispatch
-def respond_with_cables(system, joints):
-    """A^-1 J^T of all entries on cables, see `joints.Joints`.
+def respond_with_cables(system, joints, start, end, offset):
+    """A^-1 J^T of entries on cables, see `joints.Joints`.
 
     Args:
-        system: of all cables, factorised.   joints: with their Jacobian.
+        system: of the cables, factorised.   joints: with their Jacobian.   start, end: which entries.
+        offset: first coordinate of the system.
 
     Raises:
         NotImplementedError: no such responses for the type of `system`.
@@ -32,35 +45,35 @@ def respond_with_cables(system, joints):
 
 
 @implements(respond_with_cables, CableSystem)
-def respond_with_chain(system, joints):
+def respond_with_chain(system, joints, start, end, offset):
     """Each row lies on one cable of the chain. Arguments: see `respond_with_cables`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     size = 2 * len(axes)
-    for e in range(joints.on_cables):
-        left, number = joints.dof[e] // size, joints.width[e] // size
+    for e in range(start, end):
+        left, number = (joints.dof[e] - offset) // size, joints.width[e] // size
         alone = Chain(axes, nodes[left : left + number], elements[left : left + number - 1])
         shape = (number, 2, len(axes))
-        first, end = joints.first[e], joints.first[e] + joints.width[e]
+        first, last = joints.first[e], joints.first[e] + joints.width[e]
         constrained_inverse(
             CableSystem(alone, system.zeta),
-            joints.jacobian[first:end].reshape(shape),
-            joints.response[first:end].reshape(shape),
+            joints.jacobian[first:last].reshape(shape),
+            joints.response[first:last].reshape(shape),
         )
 
 
 @implements(respond_with_cables, LinkedCableSystem)
-def respond_with_linked_cable(system, joints):
+def respond_with_linked_cable(system, joints, start, end, offset):
     """Arguments: see `respond_with_cables`."""
     shape = (len(system.chain.nodes), 2, len(system.chain.axes))
-    for e in range(joints.on_cables):
-        first, end = joints.first[e], joints.first[e] + joints.width[e]
+    for e in range(start, end):
+        first, last = joints.first[e], joints.first[e] + joints.width[e]
         constrained_inverse(
-            system, joints.jacobian[first:end].reshape(shape), joints.response[first:end].reshape(shape)
+            system, joints.jacobian[first:last].reshape(shape), joints.response[first:last].reshape(shape)
         )
 
 
 @implements(respond_with_cables, NoCables)
-def respond_with_none(system, joints):
+def respond_with_none(system, joints, start, end, offset):
     """There are no entries on cables."""
 
 
@@ -78,3 +91,48 @@ def accelerate_none(system, external, q, v, duration, acceleration, end_velocity
 def correct_none(system, external, q, tolerance, learning, correction):
     """Nothing is violated."""
     return 0.0
+
+
+@implements(respond_with_cables, TwoKinds)
+def respond_with_two_kinds(system, joints, start, end, offset):
+    """Arguments: see `respond_with_cables`."""
+    middle = start
+    while middle < end and joints.dof[middle] < offset + system.dofs:
+        middle += 1
+    respond_with_cables(system.first, joints, start, middle, offset)
+    respond_with_cables(system.second, joints, middle, end, offset + system.dofs)
+
+
+@implements(index_reduced_rates, TwoKinds)
+def rates_of_two_kinds(system, external, q, v, acceleration, rate):
+    """Arguments: see `index_reduced_rates`."""
+    n, m = system.dofs, system.external
+    index_reduced_rates(system.first, external[:m], q[:n], v[:n], acceleration[:n], rate[:n])
+    index_reduced_rates(system.second, external[m:], q[n:], v[n:], acceleration[n:], rate[n:])
+
+
+@implements(accelerate_and_project, TwoKinds)
+def accelerate_two_kinds(system, external, q, v, duration, acceleration, end_velocity):
+    """Arguments: see `accelerate_and_project`."""
+    n, m, h = system.dofs, system.external, duration
+    accelerate_and_project(system.first, external[:m], q[:n], v[:n], h, acceleration[:n], end_velocity[:n])
+    accelerate_and_project(system.second, external[m:], q[n:], v[n:], h, acceleration[n:], end_velocity[n:])
+
+
+@implements(correct_position, TwoKinds)
+def correct_two_kinds(system, external, q, tolerance, learning, correction):
+    """Arguments: see `correct_position`."""
+    n, m, worst = system.dofs, system.external, 0.0
+    for second in range(2):
+        if second == 0:
+            here = correction[:n]
+            violation = correct_position(system.first, external[:m], q[:n], tolerance, learning, here)
+        else:
+            here = correction[n:]
+            violation = correct_position(system.second, external[m:], q[n:], tolerance, learning, here)
+        if violation < tolerance:
+            for i in range(len(here)):
+                here[i] = 0.0
+        if not violation <= worst:  # keeps a NaN
+            worst = violation
+    return worst

@@ -177,7 +177,7 @@ def scene_rates(system, external, q, v, acceleration, rate):
     _project_bodies(items, v, zeta, rate)
     if len(items.joints.rows) > 0:
         hold(items, q, v)
-        respond_with_cables(system.cables, items.joints)
+        respond_with_cables(system.cables, items.joints, 0, items.joints.on_cables, 0)
         _join_accelerations(items.joints, zeta, 0.0, v, acceleration)
         _join(items.joints, zeta, rate)
 
@@ -206,7 +206,7 @@ def accelerate_and_project_scene(system, external, q, v, duration, acceleration,
     _project_bodies(items, end_velocity, 0.0, end_velocity)
     if len(items.joints.rows) > 0:
         hold(items, q, v)
-        respond_with_cables(system.cables, items.joints)
+        respond_with_cables(system.cables, items.joints, 0, items.joints.on_cables, 0)
         _join_accelerations(items.joints, 0.0, 1.0, v, acceleration)
         _join(items.joints, 0.0, end_velocity)
 

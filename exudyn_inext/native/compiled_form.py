@@ -8,10 +8,9 @@ import numpy as np
 
 from ..arrays import Array
 from ..multibody.build import build_scene
-from ..multibody.cables import NoCables
 from ..multibody.joints import effect_of_joints
 from ..multibody.scene import accelerate_and_project_scene
-from ..run.compiled_scene import CompiledScene, SceneLoads
+from ..run.compiled_scene import CompiledScene, SceneLoads, cables_of_kinds
 from ..scene.bodies import bodies_rates
 from .known.scene import read_known_items
 from .known.unknown import UnknownItemError
@@ -19,6 +18,7 @@ from .known.unknown import UnknownItemError
 if TYPE_CHECKING:
     from .coupled_scene import CoupledScene
 
+MOST_KINDS = 2  # of cables
 WIDEST_BAND = 64  # of joints: beyond, LAPACK's solve is the faster one
 TOLERANCE = 1e-9  # of forces, accelerations, joints and their rates, relative
 OF_DIFFERENCES = 1e-4  # of second derivatives, which Exudyn's side finds by differences
@@ -38,8 +38,8 @@ def compiled_form(scene: CoupledScene, t: float, q: Array, v: Array) -> Compiled
     """
     places = scene.map.slices[:-1]
     loads = [cable.loads for cable in scene.cables]
-    if len(scene.groups) > 1:
-        raise UnknownItemError("cables of several kinds")
+    if len(scene.groups) > MOST_KINDS:
+        raise UnknownItemError(f"cables of more than {MOST_KINDS} kinds")
     if len(scene.held.numbers):
         raise UnknownItemError("held coordinates")
     if any(of_cable.has_histories or not of_cable.known_ahead for of_cable in loads):
@@ -52,7 +52,7 @@ def compiled_form(scene: CoupledScene, t: float, q: Array, v: Array) -> Compiled
     )
     if len(known.rows) != len(scene.system.foresight):
         raise UnknownItemError("equations of joints")
-    cables = scene.groups[0][0] if scene.groups else NoCables()
+    cables = cables_of_kinds(scene.groups, loads)
     acting = SceneLoads(loads, known.functions)
     external = sum(len(of_cable.constant) for of_cable in loads)
     native = scene.system

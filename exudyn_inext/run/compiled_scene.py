@@ -8,10 +8,11 @@ import numpy as np
 from ..arrays import Array
 from ..cable.cable import Cable
 from ..cable.linked_cable import cable_system
-from ..cable.many_cables import in_few_chains
+from ..cable.many_cables import Systems, in_few_chains
 from ..compiled import plain
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied
+from ..multibody.cables import NoCables, TwoKinds
 from ..multibody.scene import (
     ALL_BUT_FIRST,
     EACH,
@@ -62,6 +63,16 @@ class SceneLoads:
         shape = (*times.shape, len(self.pattern))
         factors = self.factors(times.ravel().tolist()) if len(self.pattern) else np.zeros(0)
         return LoadHistory(self.constant, self.pattern, factors.reshape(shape), NO_WORK)
+
+
+def cables_of_kinds(groups: Sequence[Systems], loads: Sequence[CableLoads]) -> Any:
+    """The system of all cables.   groups: at most two, see `in_few_chains`.   loads: of each cable."""
+    systems = [system for system, _ in groups]
+    if len(systems) < 2:
+        return systems[0] if systems else NoCables()
+    chain, of_first = systems[0].chain, loads[: len(groups[0][1])]
+    external = sum(len(one.constant) for one in of_first)
+    return TwoKinds(systems[0], systems[1], len(chain.nodes) * 2 * len(chain.axes), external)
 
 
 class Steps(NamedTuple):
@@ -162,7 +173,7 @@ class CompiledScene:
     def _without_scaling(self, cables: Sequence[Cable]) -> SceneSystem:
         """The same system in memory of its own, with the cables' mass as it is."""
         groups = in_few_chains([cable_system(cable, self.system.zeta) for cable in cables])
-        system = groups[0][0] if groups else self.system.cables
+        system = cables_of_kinds(groups, [loads for _, _, loads in self._cables])
         own = self.system._replace(cables=system, items=copied(self.system.items))
         own.items.joints.foresight[:] = 0.0
         own.items.bodies["foresight"] = 0.0

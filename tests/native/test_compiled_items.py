@@ -519,3 +519,40 @@ def test_a_rail_carries_the_weight_of_its_slider_and_the_pull_of_the_cable(compi
     assert pull != pytest.approx(0.0, abs=1e-3)
     assert rail + pull == pytest.approx(-0.3 * 9.81, abs=1e-9)
     assert q[-2] == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("damping", [0.0, 1e-4], ids=["a hanger", "damped"])
+def test_cables_of_two_kinds_move_as_exudyn_says(damping):
+    """Two plain ones, which form one chain, and one with a link, or with damping."""
+
+    def build():
+        builder = Builder(4, 2)
+        mbs, others = builder.mbs, []
+        for y, template in ((0.5, 0.0), (1.0, damping)):
+            others.append(
+                CreateInextensibleCable(
+                    mbs,
+                    beamTemplate=InextensibleCable(0.2, 0.01, bendingDamping=template),
+                    positionStart=[0, y, 0],
+                    positionEnd=[1, y, 0],
+                    numberOfElements=3,
+                    gravity=[0, -9.81, 0],
+                    groundConstraintsStart=[True, True, False, False],
+                )
+            )
+        ends = [builder.cable["nodes"][-1], *(cable["nodes"][-1] for cable in others)]
+        markers = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in ends]
+        mbs.AddObject(SpringDamper(markerNumbers=markers[:2], stiffness=20, referenceLength=0.5))
+        mbs.AddObject(DistanceConstraint(markerNumbers=markers[1:], distance=0.5))
+        if not damping:
+            hook = mbs.AddNode(NodePointGround(referenceCoordinates=[0.66, 1.5, 0]))
+            pair = [mbs.AddMarker(MarkerNodePosition(nodeNumber=n)) for n in (others[1]["nodes"][2], hook)]
+            mbs.AddObject(DistanceConstraint(markerNumbers=pair, distance=float(np.hypot(2 / 3 - 0.66, 0.5))))
+        containers.append(builder.container)
+        return mbs
+
+    containers = []
+    ours, _, path = moved(build, "RATTLE", True)
+    theirs, _, _ = moved(build, "RATTLE", False)
+    assert "in one compiled call" in path
+    np.testing.assert_allclose(ours, theirs, atol=1e-11)
