@@ -18,8 +18,8 @@ from .scene import Items, SceneSystem
 class FunctionOfTime(Protocol):
     """Three numbers that depend on the time alone."""
 
-    def values(self, t: float) -> Array:
-        """(3,) at t [s]."""
+    def values(self, times: Sequence[float]) -> Array:
+        """(T, 3) at these times [s]."""
 
 
 @dataclass(frozen=True, eq=False)

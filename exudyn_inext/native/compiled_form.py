@@ -79,6 +79,8 @@ def require_agreement(scene: CoupledScene, form: CompiledScene, t: float, q: Arr
         if number:
             at += WAY * random.uniform(-1.0, 1.0, len(q))
             rates += SPEED * random.uniform(-1.0, 1.0, len(q))
+            scene.map.repeat(at)
+            scene.map.repeat(rates)
         _normalise(form.system.items.bodies, at)
         scene.surroundings.forces(t, at, rates)
         scene.body_system.project(rates[scene.map.slices[-1]])
@@ -102,10 +104,11 @@ def _compare_parts(scene: CoupledScene, form: CompiledScene, t: float, q: Array,
     wanted, found, rate = np.zeros((3, len(q)))
     bodies_rates(scene.body_system, given[-1], q[bodies], v[bodies], wanted[bodies], rate[bodies])
     accelerate_and_project_scene(form.system, form.loads.at(t), q, v, 0.0, found, rate)
-    found += effect_of_joints(items.joints, len(q))
+    of_joints = effect_of_joints(items.joints, len(q))
+    found += of_joints
     wanted[:number], found[:number] = scene.surroundings.native_forces[:number], items.force[:number]
     for dofs in scene.map.slices:
-        scale = float(np.abs(wanted[dofs]).max(initial=SMALLEST))
+        scale = max(float(np.abs(x[dofs]).max(initial=SMALLEST)) for x in (wanted, of_joints))
         wrong = np.flatnonzero(~(np.abs(wanted - found)[dofs] <= TOLERANCE * scale))
         if len(wrong):
             where = scene.coordinate_name(scene.map.indices[dofs][wrong[0]])

@@ -55,6 +55,11 @@ class CoordinateMap:
         self._vector[self.indices] = v
         return self._vector.tolist()
 
+    def repeat(self, x: Array) -> None:
+        """Give coordinates that stand twice the values that they have in their first place, in x (n,)."""
+        again = np.flatnonzero(self.of_forces < 0)
+        x[again] = x[self._first[self.indices[again]]]
+
     def places(self, coordinates: np.ndarray) -> list[tuple[int, np.ndarray, np.ndarray]]:
         """(part, which of `coordinates` lie in it, their places there), for each part that is met."""
         at = self._first[coordinates]

@@ -55,7 +55,7 @@ class SceneLoads:
     def factors(self, times: list[float]) -> Array:
         """(T, P) of all that depends on the time."""
         columns = [loads.factors(times) for loads in self._loads if len(loads.pattern)]
-        columns += [np.stack([load.values(t) for t in times]) for load in self._functions]
+        columns += [load.values(times) for load in self._functions]
         return np.concatenate(columns, axis=1) if columns else np.zeros((len(times), 0))
 
     def sample(self, times: Array) -> LoadHistory:

@@ -15,7 +15,7 @@ from ..system import accelerate_and_project
 
 STEP = 1e-6  # of the differences [m, -, m/s, 1/s]
 ACCURACY = 1e-3
-LARGEST_BASIS = 40
+LARGEST_BASIS = 24
 NEGLIGIBLE = 1e-6  # damping over the frequency: less is round-off, and bounds no step
 DENSE = 4  # coordinates up to which the matrix is built
 MOST_STEPS = (

@@ -29,12 +29,15 @@ class Twin:
     """How the twin of an example is solved, and for how long: fine enough to be converged.
 
     end_time, step: [s].   axial: stiffness [N].   refinement: elements for each one of the example.
+    newton, linear_solver: see `Implicit`.
     """
 
     end_time: float
     step: float
     axial: float
     refinement: int = 2
+    newton: str = "modified"
+    linear_solver: str = "sparse"
 
     def arguments(self, example):
         """Of the example's build."""
@@ -42,7 +45,7 @@ class Twin:
 
     def settings(self):
         """Of Exudyn's implicit solver."""
-        solver = Implicit(self.step, linear_solver="sparse", spectral_radius=0.6)
+        solver = Implicit(self.step, self.newton, self.linear_solver, spectral_radius=0.6)
         return simulation_settings(solver, self.end_time)
 
 

@@ -53,6 +53,9 @@ STEP, STEPS = 5e-5, 100
 TOLERANCE = 1e-10  # of coordinates after all steps, relative to the largest one
 OF_JOINTS = 1e-9  # with joints, whose second derivatives Exudyn's side finds by differences
 OFF_UNITY = {"RATTLE": 3e-9, "RK4": 5e-8, "Zhai": 3e-6}  # where quaternions are not quite of unit norm
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:.*velocit", "ignore:.*rotationMarker.*deprecated", "ignore:.*the energy has grown"
+)
 every_integrator = pytest.mark.parametrize("integrator", list(OFF_UNITY))
 
 
@@ -392,7 +395,6 @@ def require_the_same(kinds, seed, dimension, integrator="RATTLE", tolerance=None
         np.testing.assert_allclose(our_forces, their_forces, atol=1e-4 * scale, rtol=0)
 
 
-@pytest.mark.filterwarnings("ignore:.*velocit", "ignore:.*rotationMarker.*deprecated")
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_kind_moves_as_exudyn_says(kind, dimension):
@@ -410,7 +412,6 @@ def test_many_kinds_together_move_as_exudyn_says(integrator, dimension):
     require_the_same(kinds, 7, dimension, integrator, OFF_UNITY[integrator])
 
 
-@pytest.mark.filterwarnings("ignore:.*velocit", "ignore:.*rotationMarker.*deprecated")
 @given(seed=st.integers(0, 1000), kinds=st.sets(st.sampled_from(range(len(WITHOUT_JOINTS)))))
 def test_random_scenes_move_as_exudyn_says(seed, kinds):
     """One kind of joint, which may close loops with the cable and ground, and any others."""

@@ -67,7 +67,7 @@ def test_scene_cost_takes_each_path_and_names_it(run_quick):
 
 def test_a_step_costs_what_a_longer_run_takes_longer_and_the_rest_is_the_start():
     contents = joined_scenes.Contents(springs=1)
-    few, many = scene_cost.SHORT, scene_cost.LONG
+    few, many = scene_cost._lengths(contents)
     taken = [(spell + few * 20e-6, spell + many * 20e-6) for spell in (2e-3, 1e-3, 3e-3)]
     row = scene_cost._row("springs", contents, "1 of 3: some path, as mbs contains a spring", taken)
     assert row["microseconds"] == pytest.approx(20.0) and row["startMilliseconds"] == pytest.approx(2.0)

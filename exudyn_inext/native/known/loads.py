@@ -1,6 +1,6 @@
 """Loads as records, and their functions of time."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,17 +24,30 @@ class LoadFunction:
     scale: float
     number: int
 
-    def values(self, t: float) -> Array:
-        """(3,) at t [s]; SceneError if they are no finite numbers."""
-        given = np.atleast_1d(np.asarray(self.at(t), dtype=float))
-        if given.shape != (self.number,) or not np.isfinite(given).all():
-            raise SceneError(
-                f"the user function of {self.name} returned {given.tolist()} at t = {t:g} s: must return "
-                f"{self.number} finite number(s)."
-            )
-        result = np.zeros(3)
-        result[: self.number] = self.scale * given
+    def values(self, times: Sequence[float]) -> Array:
+        """(T, 3) at these times [s]; SceneError if they are no finite numbers."""
+        rows = [self.at(t) for t in times]
+        try:
+            given = np.array(rows, dtype=float).reshape(len(rows), -1)
+        except (TypeError, ValueError):
+            given = np.zeros((0, 0))
+        if given.shape != (len(rows), self.number) or not np.isfinite(given).all():
+            self._name_the_first_bad(rows, times)
+        result = np.zeros((len(rows), 3))
+        result[:, : self.number] = self.scale * given
         return result
+
+    def _name_the_first_bad(self, rows: Sequence[Any], times: Sequence[float]) -> None:
+        for row, t in zip(rows, times, strict=True):
+            try:
+                values = np.ravel(np.asarray(row, dtype=float))
+            except (TypeError, ValueError):
+                values = np.zeros(0)
+            if len(values) != self.number or not np.isfinite(values).all():
+                raise SceneError(
+                    f"the user function of {self.name} returned {row!r} at t = {t:g} s: must return "
+                    f"{self.number} finite number(s)."
+                )
 
 
 def read_load(mbs: Any, number: int, reader: PointReader) -> tuple[Any, LoadFunction | None] | None:
