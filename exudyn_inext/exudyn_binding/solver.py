@@ -72,8 +72,9 @@ def SolveExplicit(
     gets another place is fulfilled at the end of the step. Items cannot be added, nor connected otherwise.
 
     Many of Exudyn's steps are computed in one compiled call where no user function sees the states in
-    between. A user function of a load that depends on the time alone may say so by an attribute,
-    function.dependsOnTimeOnly = True, in order not to stand in the way.
+    between. A user function of a load that depends on the time alone does not stand in the way: if that
+    can be seen from its code (it uses neither its mbs nor other objects), or if it says so by an
+    attribute, function.dependsOnTimeOnly = True.
 
     Args:
         mbs: assembled system; its inextensible cables start from the initial configuration.

@@ -1,4 +1,4 @@
-"""ExplicitStepper: the cables of an mbs, step by step, for hardware in the loop and co-simulation."""
+"""ExplicitStepper: an mbs with cables, step by step, for hardware in the loop and co-simulation."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,24 +11,29 @@ from ..arrays import Array
 from ..checks import require_finite, require_integer, require_positive
 from ..errors import InputError, SceneError
 from ..items.arguments import node_number
+from ..native.surroundings import state_kept, switched_off
+from ..run.cable_run import CableRun
+from ..run.coupled_run import CoupledRun
 from ..run.divergence import divergence
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import MOST_DURATION, choose_step, require_fixed_steps, warn_of_damping
-from ..run.stepped_cable import SteppedCable
+from ..run.stepped_run import SteppedRun
 from ..run.time_grid import TimeGrid, steps_of_interval
 from .arguments import explicit_settings
-from .scene import read_cables, require_assembled
-from .scene_runs import runs_of_cables
+from .scene import read_scene, require_assembled
+from .scene_runs import needs_coupling, runs_of_cables, runs_of_scene
 
 MOST_STEPS = 1_000_000_000  # in one call
 _SHOWN = (exudyn.ConfigurationType.Current, exudyn.ConfigurationType.Visualization)
 
 
 class ExplicitStepper:
-    """Moves the inextensible cables of an mbs by a given number of steps at a time.
+    """Moves an mbs with inextensible cables by a given number of steps at a time.
 
     Everything is allocated here; `Step` is one compiled call for each cable, keeps no memory and
     gives the states of `SolveExplicit`, bit by bit. The mbs is left alone until `WriteToSystem`.
+    Among bodies, springs, joints and loads, all of which must have compiled forms, it is a few calls for
+    the whole scene.
 
     Without a stepSize, the step is that of a run of SolveExplicit over `duration` with outputs at each
     `interval`. Where the motion turns out to be too fast for it, each step becomes two of half the size: from
@@ -50,7 +55,7 @@ class ExplicitStepper:
         startCorrections: of each cable: how far its initial state was from its constraints.
 
     Raises:
-        SceneError: mbs not assembled, without a cable, or with items that are not supported.
+        SceneError: mbs not assembled, without a cable, or with items that only Exudyn can evaluate.
         StepSizeError: the step is above the stability limit.
         RedundantConstraintError: constraints that depend on each other.
 
@@ -81,7 +86,7 @@ class ExplicitStepper:
         duration = require_positive("duration", duration)
         require_assembled(mbs)
         given = steps_of_interval(interval, explicit.stepSize, MOST_STEPS)[1] if explicit.stepSize else 0.0
-        runs = runs_of_cables(mbs, read_cables(mbs, "ExplicitStepper"), start, given, explicit)
+        runs = _runs(mbs, start, given, explicit)
         if not runs:
             raise SceneError(
                 "mbs has no inextensible cable to step: add one with CreateInextensibleCable, or use "
@@ -96,8 +101,9 @@ class ExplicitStepper:
         self.startCorrections = [run.start_correction for run in runs]
         self._mbs = mbs
         self._start_time = start
-        self._cables = [SteppedCable(run) for run in runs]
-        self._cable_of_node = {node: cable for cable in self._cables for node in cable.nodes}
+        self._runs = [SteppedRun(run) for run in runs]
+        self._cables = [cable for run in self._runs for cable in run.cables]
+        self._run_of_node = {node: run for run in self._runs for node in run.nodes}
         self._taken = 0  # steps
         self._error: Exception = InputError("the stepper has not been started: call Start() before Step().")
         self._is_ready = False
@@ -115,8 +121,8 @@ class ExplicitStepper:
         """
         self._taken = 0
         self._is_ready = False
-        for cable in self._cables:
-            cable.start(self._start_time, self.stepSize)
+        for run in self._runs:
+            run.start(self._start_time, self.stepSize)
         self._is_ready = True
 
     def Step(self, n: int = 1) -> None:
@@ -135,15 +141,15 @@ class ExplicitStepper:
         most = MOST_STEPS // self._substeps
         steps = require_integer("n", n, 1, most, ", the steps of one call") * self._substeps
         grid = TimeGrid(self._start_time, 1, steps, self.stepSize, before=self._taken)
-        if not all([cable.step(grid) for cable in self._cables]):
+        if not all([run.step(grid) for run in self._runs]):
             self._stop(grid.time(1))
         self._taken += steps
 
     def _stop(self, end: float) -> None:
         """Back to the last good state of all cables, in a call that should have got to `end` [s]; raises."""
-        verdicts = [cable.verdict(self.time, self.stepSize) for cable in self._cables]
-        for cable in self._cables:
-            cable.restore()
+        verdicts = [run.verdict(self.time, self.stepSize) for run in self._runs]
+        for run in self._runs:
+            run.restore()
         self._is_ready = False
         self._error = divergence(
             list(filter(None, verdicts)),
@@ -182,19 +188,21 @@ class ExplicitStepper:
         of the scheme.
 
         Args:
-            node: node number.   force: (3,) components; z must be zero for a planar cable.
+            node: node number, of a cable or a body.   force: (3,) components; z must be zero for one that
+                moves in the plane.
 
         Raises:
-            InputError: not a node of a cable, or not a force that the cable can take.
+            InputError: not such a node, or not a force that it can take.
         """
         number = node_number(node)
-        cable = self._cable_of_node.get(number)
-        if cable is None:
+        run = self._run_of_node.get(number)
+        if run is None:
+            others = " or body" if isinstance(self._runs[0].run, CoupledRun) else ""
             raise InputError(
-                f"node = {node!r} is on no inextensible cable: their nodes lie between "
-                f"{min(self._cable_of_node)} and {max(self._cable_of_node)}."
+                f"node = {node!r} is on no inextensible cable{others}: their nodes lie between "
+                f"{min(self._run_of_node)} and {max(self._run_of_node)}."
             )
-        cable.set_force(number, force)
+        run.set_force(number, force)
 
     def WriteToSystem(self) -> None:
         """Write coordinates, velocities, accelerations and the time to the current state of the mbs.
@@ -203,11 +211,23 @@ class ExplicitStepper:
         """
         data = self._mbs.systemData
         states = np.zeros((3, data.ODE2Size()))
-        for cable in self._cables:
-            cable.write(states)
+        for run in self._runs:
+            run.write(states)
         displacements, velocities, accelerations = states.tolist()
         for configuration in _SHOWN:
             data.SetODE2Coordinates(displacements, configuration)
             data.SetODE2Coordinates_t(velocities, configuration)
             data.SetODE2Coordinates_tt(accelerations, configuration)
             data.SetTime(self.time, configuration)
+
+
+def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> Sequence[CableRun | CoupledRun]:
+    """One for each cable, or one for cables, bodies and joints together; see `runs_of_scene`."""
+    scene = read_scene(mbs)
+    if not scene.cables or not needs_coupling(scene):
+        return runs_of_cables(mbs, scene.cables, time, h, explicit)
+    with switched_off(mbs, *scene.evaluated_by_kernels), state_kept(mbs):
+        runs: Sequence[Any] = runs_of_scene(mbs, scene, time, h, explicit)
+    for run in runs:
+        run.require_compiled_form("ExplicitStepper")
+    return runs

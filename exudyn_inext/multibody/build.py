@@ -52,9 +52,9 @@ def build_scene(
     """
     joints = _build_joints(places, known, foresight)
     path, counting = np.zeros((5, max(size, 7))), np.zeros(2, np.int64)
-    forces = np.zeros((2, size))
+    force, given, predicted = np.zeros((3, size))
     records = known.bodies, known.points, known.connectors, known.loads
-    items = Items(*records, joints, forces[0], forces[1], path, counting)
+    items = Items(*records, joints, force, given, predicted, path, counting)
     number = places[-1].stop if places else 0
     return SceneSystem(cables, number, np.zeros(external), items, zeta)
 

@@ -48,7 +48,7 @@ class Items(NamedTuple):
     """All but the cables: records, and memory.
 
     bodies, points, connectors, loads: records.   joints: see `Joints`.
-    force: (n,) what connectors and loads do to all coordinates [N, Nm].
+    force: (n,) what connectors and loads do to all coordinates [N, Nm].   given: (n,) what others do.
     predicted: (n,) velocities at which they act.
     path: memory of their work, see `scene.path_work`.   counting: (2,) MODE and EVALUATION: in which
         evaluations it is counted, and the number of the present one in its step.
@@ -60,6 +60,7 @@ class Items(NamedTuple):
     loads: Any
     joints: Joints
     force: Array
+    given: Array
     predicted: Array
     path: Array
     counting: np.ndarray
@@ -98,7 +99,7 @@ def act(items, functions, q, v):
     place_points(items.points, items.bodies, q)
     move_points(items.points, items.bodies, q, v)
     for i in range(len(items.force)):
-        items.force[i] = 0.0
+        items.force[i] = items.given[i]
     add_connectors(items.connectors, items.points, items.force)
     add_loads(items.loads, items.points, functions, items.force)
     _count_work(items, q)

@@ -111,6 +111,18 @@ class CoupledScene:
         return self.system.parts[-1].dofs.stop
 
     @property
+    def places_of_nodes(self) -> dict[int, tuple[int, int]]:
+        """First coordinate of each node of cables and bodies, and the dimension of its space."""
+        data, found = self.mbs.systemData, {}
+        for number in range(data.NumberOfNodes()):
+            own = data.GetNodeLTGODE2(number)
+            place = self.map.place(own[0]) if len(own) else -1
+            if place >= 0:
+                kind = self.mbs.GetNode(number)["nodeType"]
+                found[number] = place, 2 if "2D" in kind else 3
+        return found
+
+    @property
     def forces(self) -> Array:
         """See `EvaluatedScene`."""
         return self.surroundings.varying_forces

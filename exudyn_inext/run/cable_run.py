@@ -165,6 +165,22 @@ class CableRun(PacedRun):
         finally:
             set_mass(self.system.chain, self.scene_cable.cable, self._implicit)
 
+    @property
+    def places_of_cables(self) -> list[tuple[slice, tuple[int, ...]]]:
+        """Its coordinates in the state, and their shape."""
+        return [(slice(0, self.state.q.size), self.scene_cable.cable.reference.shape)]
+
+    @property
+    def places_of_nodes(self) -> dict[int, tuple[int, int]]:
+        """First coordinate of each node, and the dimension of space."""
+        dim = self.scene_cable.cable.dimension
+        return {node: (2 * dim * k, dim) for k, node in enumerate(self.scene_cable.item.nodes)}
+
+    @property
+    def settable_forces(self) -> Array:
+        """(n_external,) constant part of the external force, which may be changed between steps."""
+        return self.loads.constant
+
     def complete(self, times: Array, history: Array) -> None:
         """See `Run.complete`."""
 

@@ -101,7 +101,7 @@ class CompiledScene:
         read_again: (kind, number, connectors, loads): brings the records of an item up to date, if it can.
 
     forces: (n,) what the items did to the coordinates at the last evaluation [N, Nm].
-    multipliers: (m,) of the joints there.
+    multipliers: (m,) of the joints there.   given: (n,) forces that others set, besides those of the items.
     """
 
     def __init__(
@@ -120,6 +120,7 @@ class CompiledScene:
         self._unscaled: SceneSystem | None = None
         self.forces = system.items.force
         self.multipliers = system.items.joints.multipliers
+        self.given = system.items.given
 
     def count_work_in(self, path: Array) -> None:
         """Count the work of the items' forces there, see `scene.path_work`."""

@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Array
 from ..cable.cable import Cable
 from ..compiled import plain
-from ..errors import DivergenceError, RedundantConstraintError
+from ..errors import DivergenceError, RedundantConstraintError, SceneError
 from ..integrators.integrator import Integrator, LoadHistory, advance, remembered
 from ..integrators.linear_stability import frequency_limit
 from ..scene.closed_contacts import rates_in_contact
@@ -309,6 +309,31 @@ class CoupledRun(PacedRun):
             multipliers = surroundings.all_multipliers(self._scene.system.multipliers, self.state.a)
             surroundings.show(grid.time(first + good), self.state, multipliers)
         return good
+
+    @property
+    def places_of_cables(self) -> list[tuple[slice, tuple[int, ...]]]:
+        """See `CableRun.places_of_cables`."""
+        places = zip(self._scene.map.slices, self.cables, strict=False)
+        return [(dofs, cable.reference.shape) for dofs, cable in places]
+
+    @property
+    def places_of_nodes(self) -> dict[int, tuple[int, int]]:
+        """See `CableRun.places_of_nodes`; of cables and bodies."""
+        return self._scene.places_of_nodes
+
+    def require_compiled_form(self, who: str) -> None:
+        """Raise SceneError if Exudyn evaluates the scene.   who: asks, for messages."""
+        if self._form is None:
+            raise SceneError(
+                f"{who} needs compiled forms of all items, and Exudyn evaluates this scene because of "
+                f"{self._why_not}: use SolveExplicit, or leave that item out."
+            )
+
+    @property
+    def settable_forces(self) -> Array:
+        """(n,) forces that act besides those of the items, and may be changed between steps."""
+        assert self._form is not None
+        return self._form.given
 
     def complete(self, times: Array, history: Array) -> Array | None:
         """See `Run.complete`."""

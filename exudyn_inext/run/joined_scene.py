@@ -76,6 +76,7 @@ class JoinedScene(EvaluatedScene, Protocol):
     system: all of it.   map: places of the coordinates (`indices`, `reference`, `slices`).   size: how many.
     surroundings: forces and joints.   joints: that couple the parts.
     held: coordinates that belong to no part.
+    places_of_nodes: first coordinate of each node of cables and bodies, and the dimension of its space.
     cable_systems: of the cables.   friction: of it.   remembered: what contacts remember, if there are any.
     initial_state: q and v (size,) at the start.   bodies_of_variable_mass: how many there are.
     """
@@ -96,6 +97,9 @@ class JoinedScene(EvaluatedScene, Protocol):
 
     @property
     def initial_state(self) -> tuple[Array, Array]: ...
+
+    @property
+    def places_of_nodes(self) -> dict[int, tuple[int, int]]: ...
 
     @property
     def friction(self) -> Friction: ...

@@ -262,7 +262,11 @@ def test_a_number_of_steps_that_is_none_is_refused(twin, n):
         (-1, [0.0, 0.0, 0.5], "z component 0.5 N.*dimension=3"),
         (-1, [0.0, np.nan, 0.0], "3 finite numbers"),
         (-1, [0.0, 1.0], "3 finite numbers"),
-        (None, [0.0, 1.0, 0.0], r"node = 99 is on no inextensible cable: their nodes lie between 0 and 5"),
+        (
+            None,
+            [0.0, 1.0, 0.0],
+            r"node = 99 is on no inextensible cable: their nodes lie between 0 and 5",
+        ),
     ],
 )
 def test_a_force_that_cannot_act_is_refused(twin, place, force, message):

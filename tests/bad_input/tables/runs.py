@@ -6,7 +6,14 @@ from typing import Any
 
 import exudyn
 import numpy as np
-from exudyn.itemInterface import LoadForceVector, MarkerNodePosition, NodePointGround, SensorNode
+from exudyn.itemInterface import (
+    LoadForceVector,
+    MarkerNodePosition,
+    Node1D,
+    NodePointGround,
+    Rotor1D,
+    SensorNode,
+)
 
 from exudyn_inext import (
     DivergenceError,
@@ -245,6 +252,15 @@ def body_beside() -> Any:
     return scene
 
 
+def rotor_beside() -> Any:
+    """A cable, and an item that has no compiled form."""
+    scene = loose_pendulum()
+    node = scene.mbs.AddNode(Node1D(referenceCoordinates=[0.0]))
+    scene.mbs.AddObject(Rotor1D(nodeNumber=node, inertia=1.0, name="axle"))
+    scene.mbs.Assemble()
+    return scene
+
+
 def falling_cable() -> Any:
     """Nothing holds it: it has no equilibrium."""
     return pendulum(groundConstraintsStart=None)
@@ -427,9 +443,9 @@ STEPPER = [
     Row(
         ExplicitStepper,
         {"mbs": MBS},
-        r"ExplicitStepper deals with .*'stone' \(MassPoint\).*SolveExplicit takes",
+        r"ExplicitStepper needs compiled forms .* because of object \d 'axle' \(Rotor1D\): use SolveExplicit",
         SceneError,
-        scene=body_beside,
+        scene=rotor_beside,
     ),
 ]
 

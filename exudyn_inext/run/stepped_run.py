@@ -1,8 +1,8 @@
-"""One cable of a stepper: memory that is allocated once, and forces that are set in place."""
+"""A run of a stepper: memory that is allocated once, and forces that are set in place."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import isfinite
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,28 +10,35 @@ from ..arrays import Array
 from ..checks import LARGEST
 from ..errors import InputError
 from .cable_run import CableRun
+from .coupled_run import CoupledRun
 from .kept_state import KeptState
 from .time_grid import TimeGrid
 
 _SEQUENCES = (Sequence, np.ndarray)
 
 
-class SteppedCable:
-    """A `CableRun` that is advanced without allocation.
+class StateOfCable(NamedTuple):
+    """Views of the present state.   q, v: (n, 2, dim)."""
 
-    run: the cable.   nodes: node number -> place along the cable.
-    q, v: (n, 2, dim) views of the present state.
+    q: Array
+    v: Array
+
+
+class SteppedRun:
+    """A run of a cable, or of a coupled scene in compiled code, that is advanced without allocation.
+
+    run: of it.   cables: their states.
+    nodes: first coordinate of each node that takes forces, and the dimension of its space.
     """
 
-    def __init__(self, run: CableRun) -> None:
-        shape = run.scene_cable.cable.reference.shape
+    def __init__(self, run: CableRun | CoupledRun) -> None:
         self.run = run
-        self.nodes = {node: place for place, node in enumerate(run.scene_cable.item.nodes)}
-        self.q: Array = run.state.q.reshape(shape)
-        self.v: Array = run.state.v.reshape(shape)
-        self._without_forces = run.loads.constant.copy()
+        self.nodes: Mapping[int, tuple[int, int]] = run.places_of_nodes
+        self.cables = [_view(run.state, *place) for place in run.places_of_cables]
+        self._forces = run.settable_forces
+        self._without = self._forces.copy()
         self._initial = KeptState(run.memory())
-        self._present, self._before = (np.zeros((1, 3, run.state.q.size)) for _ in range(2))
+        self._present, self._before = (np.zeros((1, 3, len(run.indices))) for _ in range(2))
 
     def start(self, time: float, h: float) -> None:
         """Back to the initial state, for steps of h [s]; see `CableRun.start`."""
@@ -59,18 +66,16 @@ class SteppedCable:
 
     def set_force(self, node: int, force: Sequence[float]) -> None:
         """Set the force (3,) [N] on a node, in place of the last one; InputError if it is none."""
-        dim = self.q.shape[2]
-        first = self.nodes[node] * 2 * dim
+        first, dim = self.nodes[node]
         if not _are_three_numbers(force):
             raise InputError(f"force = {force!r} on node {node}: must be 3 finite numbers [N].")
         if dim == 2 and force[2] != 0.0:
             raise InputError(
-                f"force on node {node} has the z component {force[2]:g} N, but its cable is planar: create "
-                "the cable with dimension=3."
+                f"force on node {node} has the z component {force[2]:g} N, but it moves in the plane: create "
+                "the cable with dimension=3, or another body."
             )
-        constant = self.run.loads.constant
         for i in range(dim):
-            constant[first + i] = self._without_forces[first + i] + force[i]
+            self._forces[first + i] = self._without[first + i] + force[i]
 
     def write(self, states: Array) -> None:
         """Displacements, velocities, accelerations into the system's (3, n_ode2)."""
@@ -78,6 +83,10 @@ class SteppedCable:
         states[0, indices] = state.q - self.run.reference
         states[1, indices] = state.v
         states[2, indices] = state.a
+
+
+def _view(state: Any, dofs: slice, shape: tuple[int, ...]) -> StateOfCable:
+    return StateOfCable(state.q[dofs].reshape(shape), state.v[dofs].reshape(shape))
 
 
 def _are_three_numbers(force: Any) -> bool:
