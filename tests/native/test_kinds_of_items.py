@@ -60,6 +60,15 @@ def planar_body_on_a_hinge(mbs):
     return node
 
 
+def planar_body_off_its_centre(mbs):
+    """Its mass depends on the configuration."""
+    node = mbs.AddNode(NodeRigidBody2D(referenceCoordinates=[1, 0, 0.5], initialVelocities=[0, 1, 9]))
+    body = ObjectRigidBody2D(mass=2, inertia=0.1, centerOfMass=[0.1, 0.05], nodeNumber=node)
+    centre = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.AddObject(body)))
+    mbs.AddLoad(LoadForceVector(markerNumber=centre, loadVector=[0, -19.62, 0]))
+    return node
+
+
 def rigid(mbs, inertia, **options):
     return mbs.CreateRigidBody(inertia=inertia, returnDict=True, **options)
 
@@ -129,11 +138,17 @@ def matrices_and_a_user_function(mbs):
 ITEMS = [
     kinematic_tree,
     planar_body_on_a_hinge,
+    planar_body_off_its_centre,
     body_on_a_torsional_spring,
     body_on_a_generic_joint,
     disc_that_rolls_by_penalty,
     matrices_and_a_user_function,
 ]
+
+
+@pytest.mark.parametrize("add", ITEMS, ids=lambda add: add.__name__)
+def test_it_moves_so_by_exudyns_own_evaluation(by_exudyn, new_mbs, add_pendulum, solve, add):
+    test_it_moves_as_under_the_implicit_solver(new_mbs, add_pendulum, solve, add)
 
 
 @pytest.mark.parametrize("add", ITEMS, ids=lambda add: add.__name__)

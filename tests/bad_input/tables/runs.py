@@ -443,7 +443,7 @@ STEPPER = [
     Row(
         ExplicitStepper,
         {"mbs": MBS},
-        r"ExplicitStepper needs compiled forms .* because of object \d 'axle' \(RotationalMass1D\): use SolveExplicit",
+        r"ExplicitStepper needs compiled forms .* because of object \d .axle. \(Rotat.*\): use SolveExplicit",
         SceneError,
         scene=rotor_beside,
     ),
