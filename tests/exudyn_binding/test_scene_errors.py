@@ -18,7 +18,13 @@ from exudyn.itemInterface import (
 )
 from exudyn.utilities import InertiaCuboid
 
-from exudyn_inext import ExplicitStepper, RedundantConstraintError, SceneError, SolveEquilibrium
+from exudyn_inext import (
+    ExplicitSettings,
+    RedundantConstraintError,
+    SceneError,
+    SolveEnsemble,
+    SolveEquilibrium,
+)
 from reference_models.model import quiet_settings, silence
 
 
@@ -89,7 +95,7 @@ FOREIGN = [
     (torque, r"load 0 'twist' \(TorqueVector\)"),
 ]
 CABLES_ONLY = {
-    "ExplicitStepper": lambda mbs: ExplicitStepper(mbs, stepSize=1e-3),
+    "SolveEnsemble": lambda mbs: SolveEnsemble([mbs], quiet_settings(0.01, 1), ExplicitSettings()),
     "SolveEquilibrium": SolveEquilibrium,
 }
 
@@ -108,7 +114,7 @@ def test_all_foreign_items_are_named_at_once(mbs, add_pendulum, contents):
     spring(mbs, node)
     offset_constraint(mbs, node)
     mbs.Assemble()
-    refused(mbs, CABLES_ONLY["ExplicitStepper"], contents, "'hook'.*'pulled'")
+    refused(mbs, CABLES_ONLY["SolveEquilibrium"], contents, "'hook'.*'pulled'")
 
 
 INCONSISTENT = [
