@@ -37,7 +37,7 @@ from .harness.timing import in_turn
 STEP = 5e-4
 SETTINGS = ExplicitSettings("RATTLE", stepSize=STEP, massScaling=0.3)
 SHORT, LONG = 50, 250  # steps
-SOME, MANY = 8, 40  # times as many steps, where steps are compiled: among others, and of a cable alone
+SOME, MANY = 3, 40  # times as many steps, where steps are compiled: among others, and of a cable alone
 NUMBERS = (1, 2, 4, 8)
 ELEMENTS = (10, 20, 50, 100, 200)
 MICRO, MILLI = 1e6, 1e3

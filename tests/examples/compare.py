@@ -70,6 +70,10 @@ class Native:
 
     twin: Twin
 
+    @property
+    def step(self):
+        return self.twin.step
+
     def __str__(self):
         twin = self.twin
         return f"h = {twin.step:g} s, {twin.refinement} x, {twin.newton}, {twin.linear_solver}"
@@ -85,12 +89,16 @@ class Native:
 
 def cheapest(candidates, example, converged, end_time):
     """For each bound: (CPU time, error, which) of the cheapest candidate within it."""
-    found = []
+    found, enough = [], 0.0
     for candidate in candidates:
+        if candidate.step < enough:
+            continue
         try:
             error = disagreement(candidate.run(example, end_time), converged)
             if error < max(BOUNDS):
                 found.append((candidate.time(example, end_time, 1), error, candidate))
+            if error < min(BOUNDS):
+                enough = max(enough, candidate.step / 2)  # less than half of it costs too much
         except (exudyn.ExudynError, InextensibleError, AssertionError):
             continue  # did not converge, unstable, or Exudyn halved its steps
     best = []
