@@ -11,6 +11,7 @@ _TRUSTED = {"numpy", "math", "cmath", "scipy"}
 _OF_STATE = {"open", "input", "eval", "exec", "compile", "globals", "vars", "id", "hash", "next"}
 _BUILTINS = set(dir(builtins)) - _OF_STATE
 _NUMBERS = (int, float, complex, bool, str, type(None), np.generic)
+_CONTAINERS = (list, dict, set, np.ndarray)
 _OF_CHANCE = {"random", "rvs", "default_rng"}
 _STORING = {"append", "extend", "insert", "pop", "remove", "clear", "update", "setdefault", "add", "fill"}
 _DEEPEST = 8  # functions that call each other
@@ -21,8 +22,8 @@ def is_of_time_alone(mbs: Any, user_function: Any) -> bool:
 
     That is where its code never reads its first argument, and else only data, functions of NumPy, SciPy
     and math, and Python functions of which this is true, stores nothing outside, and draws no random
-    numbers. Data may be changed by functions between the steps of Exudyn's loop, after which loads are
-    asked again, but not by sensors.
+    numbers. The data must not be such that another function of the same module stores it: that one may be
+    called by a sensor, by a key that is pressed, by a thread.
     """
     if not user_function:
         return False
@@ -57,7 +58,36 @@ def _is_pure(function: FunctionType, depth: int) -> bool:
         return False
     known = {**vars(builtins), **function.__globals__}
     known |= dict(zip(function.__code__.co_freevars, cells, strict=True))
-    return all(_is_pure_code(code, known, depth) for code in _all_codes(function.__code__))
+    codes = _all_codes(function.__code__)
+    data = {name for code in codes for name in _outer_names(code) if _is_data(known.get(name))}
+    if data and data & _stored_in(function.__globals__):
+        return False
+    return all(_is_pure_code(code, known, depth) for code in codes)
+
+
+def _stored_in(module: dict[str, Any]) -> set[str]:
+    """Names of a module's data that its functions assign, or that those read that store into something."""
+    names: set[str] = set()
+    for value in list(module.values()):
+        members = list(vars(value).values()) if isinstance(value, type) else [value]
+        for function in members:
+            if isinstance(function, FunctionType) and function.__globals__ is module:
+                for code in _all_codes(function.__code__):
+                    names |= _stored_by(code, module)
+    return names
+
+
+def _stored_by(code: CodeType, module: dict[str, Any]) -> set[str]:
+    """Of one function: what it assigns; all lists and the like that it reads, if it stores into anything."""
+    instructions = list(dis.get_instructions(code))
+    stored = {i.argval for i in instructions if i.opname in ("STORE_GLOBAL", "DELETE_GLOBAL")}
+    if any(i.opname == "STORE_SUBSCR" or i.argval in _STORING for i in instructions):
+        stored |= {name for name in _outer_names(code) if isinstance(module.get(name), _CONTAINERS)}
+    return stored
+
+
+def _outer_names(code: CodeType) -> set[str]:
+    return {i.argval for i in dis.get_instructions(code) if i.opname in ("LOAD_GLOBAL", "LOAD_NAME")}
 
 
 def _all_codes(code: CodeType) -> list[CodeType]:

@@ -11,6 +11,7 @@ from exudyn.utilities import SmoothStep
 from exudyn_inext.items.functions_of_time import is_of_time_alone
 
 AMPLITUDE, TABLE, TARGET = 2.0, np.linspace(0.0, 1.0, 5), {"mbs": exudyn}
+COUNT, MEMORY, WANTED = 2.0, np.zeros(3), {"force": 0.0}
 
 
 def sine(mbs, t, load):
@@ -59,14 +60,26 @@ def importing(mbs, t, load):
 
 
 def counting(mbs, t, load):
-    global AMPLITUDE
-    AMPLITUDE += 1.0
-    return [AMPLITUDE, 0, 0]
+    global COUNT
+    COUNT += 1.0
+    return [COUNT, 0, 0]
+
+
+def of_a_count(mbs, t, load):
+    return [COUNT, 0, 0]
 
 
 def remembering(mbs, t, load):
-    TABLE[0] = t
-    return [TABLE[1], 0, 0]
+    MEMORY[0] = t
+    return [MEMORY[1], 0, 0]
+
+
+def when_a_key_is_pressed(key, action, mods):
+    WANTED["force"] = 5.0
+
+
+def as_wanted(mbs, t, load):
+    return [WANTED["force"], 0, 0]
 
 
 def caller_of_one(mbs, t, load):
@@ -97,7 +110,9 @@ OTHERS = [
     random,
     importing,
     counting,
+    of_a_count,
     remembering,
+    as_wanted,
     memory(),
     closure(exudyn),
     math.sin,
