@@ -199,7 +199,7 @@ class ExplicitTimeLoop:
         self._write_restart()
         intervals = self._intervals(self._computed)
         states = np.zeros((intervals, 3, len(self._written[0])))
-        good = intervals
+        good, self._last_reactions = intervals, None
         for run, places in zip(self.runs, self._places, strict=True):
             history = np.empty((intervals, 3, len(run.indices)))
             good = min(good, run.record(self.grid, self._computed, history))

@@ -557,3 +557,26 @@ def test_cables_of_two_kinds_move_as_exudyn_says(damping):
     theirs, _, _ = moved(build, "RATTLE", False)
     assert "in one compiled call" in path
     np.testing.assert_allclose(ours, theirs, atol=1e-11)
+
+
+def test_reactions_at_the_end_are_those_of_the_form_that_took_the_last_steps(by_exudyn, monkeypatch):
+    """A spring is switched off half way, so that Exudyn evaluates what follows."""
+
+    def release(mbs, spring, load, t):
+        if t > 0.05:
+            mbs.SetObjectParameter(spring, "activeConnector", False)
+
+    def with_a_joint():
+        builder = hanging(release)
+        spherical_joint(builder)
+        builder.mbs.Assemble()
+        return builder
+
+    found = []
+    for _ in range(2):
+        builder = with_a_joint()
+        run(builder, ExplicitSettings(stepSize=1e-3, massScaling=0.3, startTolerance=100.0))
+        found.append(np.array(builder.mbs.systemData.GetAECoordinates()))
+        monkeypatch.undo()
+    assert np.abs(found[0]).max() > 0.1
+    np.testing.assert_allclose(found[1], found[0], atol=1e-5 * np.abs(found[0]).max())
