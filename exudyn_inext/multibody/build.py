@@ -5,11 +5,9 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..arrays import Array
-from ..scene.joints import FEW
+from ..scene.joints import order_of_band
 from .joints import NONE, Joints
 from .points import FIXED
 from .scene import Items, SceneSystem
@@ -116,13 +114,8 @@ def _build_joints(places: Sequence[slice], known: KnownItems, foresight: Array) 
 
 
 def _places_in_band(owners: np.ndarray, rows: np.ndarray, number: int) -> tuple[np.ndarray, int]:
-    """(m,) of the rows in an order in which S is a narrow band, and how wide its lower half is."""
-    if number <= FEW:
-        return np.arange(number), max(number, 1)
-    size = int(owners.max(initial=-1)) + 1
-    meets = coo_array((np.ones(len(rows)), (rows, owners)), shape=(number, size))
-    order = reverse_cuthill_mckee(csr_array(meets @ meets.T), symmetric_mode=True)
-    place = np.argsort(order).astype(np.int64)
+    """(m,) of the rows in the band, and how wide its lower half is."""
+    place = np.argsort(order_of_band(rows, owners, number))
     spans = [np.ptp(place[rows[owners == owner]]) for owner in np.unique(owners)]
     return place, int(max(spans, default=0)) + 1
 

@@ -7,7 +7,7 @@ from ..cable.chain import Chain
 from ..cable.index_reduction import CableSystem
 from ..cable.linear_response import constrained_inverse
 from ..cable.linked_cable import LinkedCableSystem
-from ..compiled import dispatched
+from ..compiled import dispatched, inlined
 from ..system import accelerate_and_project, correct_position, implements, index_reduced_rates
 
 
@@ -72,6 +72,14 @@ def respond_with_linked_cable(system, joints, start, end, offset):
         )
 
 
+@inlined
+def clear_if_fulfilled(violation, tolerance, correction):
+    """Where a violation is below the tolerance, `correct_position` has not set the correction."""
+    if violation < tolerance:
+        for i in range(len(correction)):
+            correction[i] = 0.0
+
+
 @implements(respond_with_cables, NoCables)
 def respond_with_none(system, joints, start, end, offset):
     """There are no entries on cables."""
@@ -122,17 +130,9 @@ def accelerate_two_kinds(system, external, q, v, duration, acceleration, end_vel
 @implements(correct_position, TwoKinds)
 def correct_two_kinds(system, external, q, tolerance, learning, correction):
     """Arguments: see `correct_position`."""
-    n, m, worst = system.dofs, system.external, 0.0
-    for second in range(2):
-        if second == 0:
-            here = correction[:n]
-            violation = correct_position(system.first, external[:m], q[:n], tolerance, learning, here)
-        else:
-            here = correction[n:]
-            violation = correct_position(system.second, external[m:], q[n:], tolerance, learning, here)
-        if violation < tolerance:
-            for i in range(len(here)):
-                here[i] = 0.0
-        if not violation <= worst:  # keeps a NaN
-            worst = violation
-    return worst
+    n, m = system.dofs, system.external
+    one = correct_position(system.first, external[:m], q[:n], tolerance, learning, correction[:n])
+    other = correct_position(system.second, external[m:], q[n:], tolerance, learning, correction[n:])
+    clear_if_fulfilled(one, tolerance, correction[:n])
+    clear_if_fulfilled(other, tolerance, correction[n:])
+    return other if not other <= one else one  # keeps a NaN

@@ -67,6 +67,15 @@ def set_values(joints, points):
 
 
 @inlined
+def largest_value(joints, worst):
+    """Largest |c|, or that number if it is larger; keeps a NaN."""
+    for r in range(len(joints.value)):
+        if not abs(joints.value[r]) <= worst:
+            worst = abs(joints.value[r])
+    return worst
+
+
+@inlined
 def set_jacobian(joints, points):
     """J and gamma of all rows, after `set_values`; the points are placed and move."""
     rows = joints.rows

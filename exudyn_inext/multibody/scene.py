@@ -24,13 +24,14 @@ from .bodies import (
     set_normal,
     twice_energy,
 )
-from .cables import respond_with_cables
+from .cables import clear_if_fulfilled, respond_with_cables
 from .connectors import add_connectors
 from .joints import (
     Joints,
     apply_joints,
     factorise_joints,
     keep_multipliers,
+    largest_value,
     respond_with_bodies,
     set_jacobian,
     set_rates,
@@ -229,9 +230,7 @@ def _correct_items(items, q, learning, correction):
     set_values(joints, items.points)
     for r in range(len(joints.value)):
         joints.foresight[r] -= learning * joints.value[r]
-        if not abs(joints.value[r]) <= worst:  # keeps a NaN
-            worst = abs(joints.value[r])
-    return worst
+    return largest_value(joints, worst)
 
 
 @implements(correct_position, SceneSystem)
@@ -239,14 +238,11 @@ def correct_scene_position(system, external, q, tolerance, learning, correction)
     """Arguments: see `correct_position`."""
     items, number = system.items, system.cable_dofs
     worst = _correct_items(items, q, learning, correction)
-    if number > 0:
-        own = external[: len(system.cable_force)]
-        violation = correct_position(system.cables, own, q[:number], tolerance, learning, correction[:number])
-        if violation < tolerance:
-            for i in range(number):
-                correction[i] = 0.0
-        if not violation <= worst:
-            worst = violation
+    own = external[: len(system.cable_force)]
+    violation = correct_position(system.cables, own, q[:number], tolerance, learning, correction[:number])
+    clear_if_fulfilled(violation, tolerance, correction[:number])
+    if not violation <= worst:  # keeps a NaN
+        worst = violation
     if len(items.joints.rows) > 0 and not worst < tolerance:
         _join(items.joints, 1.0, correction)
     return worst
@@ -270,11 +266,7 @@ def joint_violation(items, q):
         place_body(items.bodies[b], q)
     place_points(items.points, items.bodies, q)
     set_values(items.joints, items.points)
-    worst = 0.0
-    for r in range(len(items.joints.value)):
-        if not abs(items.joints.value[r]) <= worst:
-            worst = abs(items.joints.value[r])
-    return worst
+    return largest_value(items.joints, 0.0)
 
 
 @kernel

@@ -21,9 +21,12 @@ def _at_rest(motion: Motion, dim: int) -> Array:
     return motion.at(0.0).ravel() if motion.rests else np.zeros(3 * dim)
 
 
-def _as_rows(returned: list[Any], times: list[float], load: CableLoad) -> Array:
-    """(T, m) what a user function returned, all of it numbers; SceneError at the first that is not."""
-    number = len(load.constant)
+def as_rows(returned: list[Any], times: Sequence[float], number: int, name: str) -> Array:
+    """(T, number) what a user function returned at these times [s]; name: of its load, for messages.
+
+    Raises:
+        SceneError: names the first that is not so many finite numbers.
+    """
     try:
         values = np.array(returned).reshape(len(times), -1)
     except (TypeError, ValueError, OverflowError):
@@ -34,7 +37,7 @@ def _as_rows(returned: list[Any], times: list[float], load: CableLoad) -> Array:
     for row, value, t in zip(rows, returned, times, strict=True):
         if row.shape != (number,) or not np.isfinite(row).all():
             raise SceneError(
-                f"the user function of the load on {load.place} returned {value!r} at "
+                f"the user function of {name} returned {value!r} at "
                 f"t = {t:g} s: must return {number} finite number(s)."
             )
     return np.stack(rows)
@@ -125,7 +128,8 @@ class CableLoads:
         if load.history is None:
             values = np.tile(load.constant, (len(times), 1))
         else:
-            values = _as_rows([load.history(t) for t in times], times, load)
+            returned, name = [load.history(t) for t in times], f"the load on {load.place}"
+            values = as_rows(returned, times, len(load.constant), name)
         for component, column in enumerate(values.T):
             if not load.is_in_space(component, self._dimension) and column.any():
                 value = column[np.flatnonzero(column)[0]]

@@ -88,7 +88,9 @@ class JointSolve:
         self._jacobian, self._response = np.zeros(size), np.zeros(size)
         _share(blocks, self._jacobian, self._response)
         self._responders = list(self._responders_of(blocks))
-        self._order = _order_of_band(self._rows, len(names))
+        entries = np.arange(len(self._rows.row))
+        owner = np.searchsorted(self._rows.end, entries, side="right")
+        self._order = order_of_band(self._rows.row, owner, len(names))
         self._rows = self._rows._replace(place=np.argsort(self._order)[self._rows.row])
         self._schur: Array = np.zeros((_width_of_band(self._rows), len(names)), order="F")
         self._factor = self._schur
@@ -153,12 +155,14 @@ def _rows_of(blocks: Sequence[JointBlock]) -> _Rows:
     return _Rows(first, width, row, dof, ends, place=row, begin=np.zeros_like(row), stop=width.copy())
 
 
-def _order_of_band(rows: _Rows, number: int) -> np.ndarray:
-    """The rows in an order in which S is a narrow band; few rows as they are."""
+def order_of_band(row: np.ndarray, owner: np.ndarray, number: int) -> np.ndarray:
+    """Rows in an order in which S is a narrow band; few of them as they are.
+
+    row, owner: (E,) of all entries, two of which meet if one part owns both.   number: of rows.
+    """
     if number <= FEW:
         return np.arange(number)
-    of_entry = np.searchsorted(rows.end, np.arange(len(rows.row)), side="right")
-    meets = coo_array((np.ones(len(rows.row)), (rows.row, of_entry)), shape=(number, len(rows.end) + 1))
+    meets = coo_array((np.ones(len(row)), (row, owner)), shape=(number, int(owner.max(initial=-1)) + 1))
     return np.asarray(reverse_cuthill_mckee(csr_array(meets @ meets.T), symmetric_mode=True), dtype=np.int64)
 
 

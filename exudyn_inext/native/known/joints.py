@@ -57,7 +57,7 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader) -> Any
             raise UnknownItemError(joint.name)
         if data.get("alternativeConstraints"):
             raise UnknownItemError(f"{joint.name} with alternative constraints")
-        of_joint = read(mbs, data, joint.name, reader)
+        of_joint = read(data, joint.name, reader)
         rows += [of_joint[k] for k in joint.active]
     return collected(ROW, rows)
 
@@ -71,23 +71,23 @@ def _joint(data: dict[str, Any], name: str, reader: PointReader, has_frames: boo
     return _Joint(places, np.array(axes))  # type: ignore[arg-type]
 
 
-def _spherical(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+def _spherical(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
     joint = _joint(data, name, reader, has_frames=False)
     return [joint.difference(i) for i in range(3)]
 
 
-def _revolute_z(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+def _revolute_z(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
     joint = _joint(data, name, reader)
     return [*(joint.difference(i) for i in range(3)), joint.across(Z, X), joint.across(Z, Y)]
 
 
-def _prismatic_x(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+def _prismatic_x(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
     joint = _joint(data, name, reader)
     rows = [joint.along(0, Y), joint.along(0, Z)]
     return [*rows, joint.across(Z, Y), joint.across(Z, X), joint.across(X, Y)]
 
 
-def _generic(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+def _generic(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
     joint = _joint(data, name, reader)
     locked = np.asarray(data["constrainedAxes"], dtype=bool)
     holds_all = locked[:3].all()
@@ -105,30 +105,30 @@ def _generic(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> 
     return rows + turns
 
 
-def _revolute_2d(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+def _revolute_2d(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
     joint = _joint(data, name, reader, has_frames=False)
     return [joint.difference(i) for i in range(2)]
 
 
-def _prismatic_2d(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+def _prismatic_2d(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
     joint = _joint(data, name, reader)
     along, normal = np.asarray(data["axisMarker0"]), np.asarray(data["normalMarker1"])
     axes = np.array([joint.axes[0] @ along, joint.axes[1] @ normal])
     return [joint.row(ALONG, component=1, axes=axes), joint.row(ACROSS, axes=axes)]
 
 
-def _distance(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+def _distance(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
     joint = _joint(data, name, reader, has_frames=False)
     return [joint.row(DISTANCE, offset=data["distance"])]
 
 
-def _coordinate(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+def _coordinate(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
     joint = _joint(data, name, reader, has_frames=False)
     factor = data.get("factor1", data.get("factorValue1", 1.0))
     return [joint.row(DIFFERENCE, factor=factor, offset=data["offset"])]
 
 
-def _clamp(mbs: Any, data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+def _clamp(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
     """A slope that follows a body, see `items.attach.clamp_to_body`."""
     function = data["constraintUserFunction"]
     clamp = getattr(function["function"], "clamp", None) if function else None

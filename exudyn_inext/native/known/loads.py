@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Array
-from ...errors import SceneError
 from ...items.functions_of_time import is_of_time_alone
 from ...items.load_items import history_of
 from ...multibody.loads import LOAD, NONE
+from ...run.cable_loads import as_rows
 from .points import Place, PointReader
 from .unknown import UnknownItemError
 
@@ -26,28 +26,10 @@ class LoadFunction:
 
     def values(self, times: Sequence[float]) -> Array:
         """(T, 3) at these times [s]; SceneError if they are no finite numbers."""
-        rows = [self.at(t) for t in times]
-        try:
-            given = np.array(rows, dtype=float).reshape(len(rows), -1)
-        except (TypeError, ValueError):
-            given = np.zeros((0, 0))
-        if given.shape != (len(rows), self.number) or not np.isfinite(given).all():
-            self._name_the_first_bad(rows, times)
-        result = np.zeros((len(rows), 3))
+        given = as_rows([self.at(t) for t in times], times, self.number, self.name)
+        result = np.zeros((len(given), 3))
         result[:, : self.number] = self.scale * given
         return result
-
-    def _name_the_first_bad(self, rows: Sequence[Any], times: Sequence[float]) -> None:
-        for row, t in zip(rows, times, strict=True):
-            try:
-                values = np.ravel(np.asarray(row, dtype=float))
-            except (TypeError, ValueError):
-                values = np.zeros(0)
-            if len(values) != self.number or not np.isfinite(values).all():
-                raise SceneError(
-                    f"the user function of {self.name} returned {row!r} at t = {t:g} s: must return "
-                    f"{self.number} finite number(s)."
-                )
 
 
 def read_load(mbs: Any, number: int, reader: PointReader) -> tuple[Any, LoadFunction | None] | None:
