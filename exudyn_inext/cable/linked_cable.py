@@ -3,7 +3,7 @@
 The external force is followed by the motions of the anchors: (n_dof + 3 dim M,) numbers, p, p_t, p_tt each.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..compiled import inlined, optional
 from ..system import (
@@ -67,6 +67,14 @@ def cable_system(
     if not all_links(cable):
         return CableSystem(chain, zeta)
     return LinkedCableSystem(chain, build_border(cable), zeta, cable.closed)
+
+
+def memory_of(system: CableSystem | LinkedCableSystem) -> dict[str, Any]:
+    """What earlier steps taught the constraints, by the records that hold them; arrays of the system."""
+    records = {"nodes": system.chain.nodes, "elements": system.chain.elements}
+    if isinstance(system, LinkedCableSystem):
+        records["links"] = system.border.links
+    return {name: held["foresight"] for name, held in records.items()}
 
 
 @inlined

@@ -14,7 +14,7 @@ from ..cable.cable import Cable
 from ..cable.chain import set_mass
 from ..cable.frequency import FrequencyTracker, largest_frequency
 from ..cable.implicit_bending import EXPLICIT, ImplicitBending
-from ..cable.linked_cable import LinkedCableSystem, cable_system
+from ..cable.linked_cable import cable_system, memory_of
 from ..integrators.integrator import Integrator, remembered
 from ..integrators.linear_stability import frequency_limit
 from ..scene.links import require_smooth_motions
@@ -260,13 +260,9 @@ class CableRun(PacedRun):
 
     def memory(self) -> dict[str, Any]:
         """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
-        places = ("nodes", "elements", "links")
-        foresight = {
-            place: records["foresight"] for place, records in zip(places, self._records(), strict=False)
-        }
         return {
             "state": remembered(self.state),
-            "foresight": foresight,
+            "foresight": memory_of(self.system),
             "watch": self.watch.memory(),
             "control": self.control.memory() | {"vibration": self._tracker.vibration},
         }
@@ -279,8 +275,8 @@ class CableRun(PacedRun):
 
     def forget(self) -> None:
         """What earlier steps taught the constraints does not hold any more."""
-        for records in self._records():
-            records["foresight"] = 0.0
+        for foresight in memory_of(self.system).values():
+            foresight[:] = 0.0
 
     def take(self, piece: Piece, history: Array) -> int:
         """See `PacedRun.take`: in one compiled call."""
@@ -369,12 +365,6 @@ class CableRun(PacedRun):
             return math.nan
         limit = frequency_limit(self.integrator, self.scheme, self.damping_ratio(frequency))
         return limit / frequency if frequency > 0.0 else math.inf
-
-    def _records(self) -> list[Any]:
-        """Everything that holds constraints."""
-        chain = self.system.chain
-        links = [self.system.border.links] if isinstance(self.system, LinkedCableSystem) else []
-        return [chain.nodes, chain.elements, *links]
 
     def require_independence(self) -> None:
         """RedundantConstraintError if constraints depend on each other; at the latest evaluation."""

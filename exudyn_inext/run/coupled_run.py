@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..cable.cable import Cable
+from ..cable.linked_cable import memory_of
 from ..compiled import plain
 from ..errors import DivergenceError, RedundantConstraintError, SceneError
 from ..integrators.integrator import Integrator, LoadHistory, advance, remembered
@@ -278,7 +279,7 @@ class CoupledRun(PacedRun):
 
     def memory(self) -> dict[str, Any]:
         """Arrays that the next steps depend on; see `CableRun.memory`."""
-        cables = {str(k): run.memory()["foresight"] for k, run in enumerate(self._runs)}
+        cables = {str(k): memory_of(system) for k, (system, _) in enumerate(self._scene.groups)}
         return {
             "state": remembered(self.state),
             "scene": self._scene.memory(),

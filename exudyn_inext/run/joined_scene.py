@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from ..arrays import Array
+from ..cable.many_cables import Systems
 from ..scene.closed_contacts import ClosedContacts
 from ..scene.coupled_system import CoupledSystem
 from .compiled_scene import CompiledScene
@@ -77,7 +78,8 @@ class JoinedScene(EvaluatedScene, Protocol):
     surroundings: forces and joints.   joints: that couple the parts.
     held: coordinates that belong to no part.
     places_of_nodes: first coordinate of each node of cables and bodies, and the dimension of its space.
-    cable_systems: of the cables.   friction: of it.   remembered: what contacts remember, if there are any.
+    cable_systems: of the cables.   groups: of those that share records.   friction: of it.
+    remembered: what contacts remember, if there are any.
     initial_state: q and v (size,) at the start.   bodies_of_variable_mass: how many there are.
     """
 
@@ -88,6 +90,9 @@ class JoinedScene(EvaluatedScene, Protocol):
 
     @property
     def cable_systems(self) -> Sequence[Any]: ...
+
+    @property
+    def groups(self) -> Sequence[Systems]: ...
 
     @property
     def joints(self) -> Sequence[Any]: ...
