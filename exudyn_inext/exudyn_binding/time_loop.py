@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arrays import Array, as_slice
 from ..errors import DivergenceError
-from ..run.divergence import divergence
+from ..run.divergence import divergence, listed
 from ..run.run import Run
 from ..run.time_grid import TimeGrid
 from .observed import ACCELERATIONS, POSITIONS
@@ -86,7 +86,7 @@ class ExplicitTimeLoop:
     @property
     def path(self) -> str:
         """Which way the steps are computed, and why."""
-        names = ", ".join(run.name for run in self.runs)
+        names = listed([run.name for run in self.runs])
         if self._is_watched:
             reasons = [run.reason for run in self.runs if not run.looks_ahead]
             reasons = list(dict.fromkeys(reasons)) or ["pre- or post-step user functions may look at it"]

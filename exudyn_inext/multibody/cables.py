@@ -32,10 +32,10 @@ class TwoKinds(NamedTuple):
 @dispatched
 @singledispatch
 def respond_with_cables(system, joints, start, end, offset):
-    """A^-1 J^T of entries on cables, see `joints.Joints`.
+    """A^-1 J^T of what the solve holds of cables, see `joints.Holds`.
 
     Args:
-        system: of the cables, factorised.   joints: with their Jacobian.   start, end: which entries.
+        system: of the cables, factorised.   joints: with their Jacobian.   start, end: which holds.
         offset: first coordinate of the system.
 
     Raises:
@@ -46,18 +46,20 @@ def respond_with_cables(system, joints, start, end, offset):
 
 @implements(respond_with_cables, CableSystem)
 def respond_with_chain(system, joints, start, end, offset):
-    """Each row lies on one cable of the chain. Arguments: see `respond_with_cables`."""
+    """Each hold lies on one cable of the chain. Arguments: see `respond_with_cables`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     size = 2 * len(axes)
-    for e in range(start, end):
-        left, number = (joints.dof[e] - offset) // size, joints.width[e] // size
+    entries, holds = joints.entries, joints.holds
+    for h in range(start, end):
+        e = holds.entry[h]
+        left, number = (entries.dof[e] - offset) // size, entries.width[e] // size
         alone = Chain(axes, nodes[left : left + number], elements[left : left + number - 1])
         shape = (number, 2, len(axes))
-        first, last = joints.first[e], joints.first[e] + joints.width[e]
+        first, last = entries.first[e], entries.first[e] + entries.width[e]
         constrained_inverse(
             CableSystem(alone, system.zeta),
-            joints.jacobian[first:last].reshape(shape),
-            joints.response[first:last].reshape(shape),
+            entries.jacobian[first:last].reshape(shape),
+            entries.response[first:last].reshape(shape),
         )
 
 
@@ -65,10 +67,12 @@ def respond_with_chain(system, joints, start, end, offset):
 def respond_with_linked_cable(system, joints, start, end, offset):
     """Arguments: see `respond_with_cables`."""
     shape = (len(system.chain.nodes), 2, len(system.chain.axes))
-    for e in range(start, end):
-        first, last = joints.first[e], joints.first[e] + joints.width[e]
+    entries, holds = joints.entries, joints.holds
+    for h in range(start, end):
+        e = holds.entry[h]
+        first, last = entries.first[e], entries.first[e] + entries.width[e]
         constrained_inverse(
-            system, joints.jacobian[first:last].reshape(shape), joints.response[first:last].reshape(shape)
+            system, entries.jacobian[first:last].reshape(shape), entries.response[first:last].reshape(shape)
         )
 
 
@@ -82,7 +86,7 @@ def clear_if_fulfilled(violation, tolerance, correction):
 
 @implements(respond_with_cables, NoCables)
 def respond_with_none(system, joints, start, end, offset):
-    """There are no entries on cables."""
+    """There are no holds on cables."""
 
 
 @implements(index_reduced_rates, NoCables)
@@ -105,7 +109,7 @@ def correct_none(system, external, q, tolerance, learning, correction):
 def respond_with_two_kinds(system, joints, start, end, offset):
     """Arguments: see `respond_with_cables`."""
     middle = start
-    while middle < end and joints.dof[middle] < offset + system.dofs:
+    while middle < end and joints.entries.dof[joints.holds.entry[middle]] < offset + system.dofs:
         middle += 1
     respond_with_cables(system.first, joints, start, middle, offset)
     respond_with_cables(system.second, joints, middle, end, offset + system.dofs)

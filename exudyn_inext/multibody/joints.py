@@ -1,7 +1,22 @@
-"""The solve of all rows of joints among cables and bodies: S = J A^-1 J^T as a band, as in `scene.joints`.
+"""The solve of all rows of joints among cables and bodies.
 
-An entry is what a row holds of one cable or body: its part of J, and A^-1 J^T there. Entries of one cable or
-body follow each other, those of cables first.
+With A the saddle-point matrices of all parts, side by side, and J the Jacobian of the joints,
+
+    [A J^T; J 0] [y; nu] = [f; b]:    S nu = J A^-1 f - b,  S = J A^-1 J^T,  y = A^-1 f - A^-1 J^T nu.
+
+Where three or more parts meet in a knot (see `knots`), the place u of the knot is the unknown, in place of
+the forces of its joints. With what a part holds split into k at knots and r in other rows, C = J A^-1 J^T of
+that part, and phi the forces on its knots,
+
+    phi = W (J_k y_0 - o - u - C_kr nu),  W = (C_kk + e I)^-1,  sum of phi over a knot = 0,
+
+so that each part adds [-W, W C_kr; C_rk W, C_rr - C_rk W C_kr] to the matrix of (-u, nu): what the sweep of C
+over k gives. o is what the joints ask of the points of a knot. C_kk of a straight cable is singular, since
+its ends cannot come apart; so knots yield a little, by e.
+
+An entry is what a row has of one cable or body: its part of J, and A^-1 J^T there. What the solve holds of
+a part are entries of rows, and of knots, by one row that has the same Jacobian. Those of one part follow each
+other, those of cables first, and in each part those at knots first.
 """
 
 from typing import Any, NamedTuple
@@ -10,50 +25,97 @@ import numpy as np
 
 from ..arrays import Array
 from ..compiled import inlined
-from ..scene.joints import PIVOT_TOLERANCE
 from .bodies import respond_body
 from .rows import add_row_jacobian, row_gamma, row_value
+from .sparse_factor import SparseFactor, eliminate_column, substitute
 
 NONE = -1
+PIVOT_TOLERANCE = 1e-10  # of a pivot of a row, relative to its diagonal entry
+YIELD = 1e-8  # of a knot, relative to the mean of its compliances, until a second pass
 
 
-class Joints(NamedTuple):
-    """m rows with E entries.
+class Entries(NamedTuple):
+    """E entries of J.
 
-    rows: (m,) records.   first, width: (E,) where an entry begins in `jacobian` and `response`, and how long
-        it is.   row: (E,) of an entry.   dof: (E,) its first coordinate.   begin, stop: (E,) outside of which
-        its Jacobian is zero.   body: (E,) its number, or NONE on a cable.   end: after the entries of each
-        cable or body.   on_cables: number of entries on cables.
-    place: (m,) of the rows in the band.
-    jacobian, response: J and A^-1 J^T, entry by entry.
-    schur, factor: (m, width) S[place + k, place] and its Cholesky factor.
-    value, gamma, multipliers: (m,) c, see `rows.row_gamma`, nu.   foresight: (m,) see `CoupledSystem`.
-    rate, target, sorted: (m,) J v, and memory of a solve.
-    dependent: (1,) the place of a row that is not independent of the others, or NONE.
+    first, width: (E,) where an entry begins in `jacobian` and `response`, and how long it is.
+    row: (E,).   dof: (E,) first coordinate of its part.   begin, stop: (E,) outside of which it is zero.
+    jacobian, response: J and A^-1 J^T, one after the other; the latter where the solve holds it.
     """
 
-    rows: Any
     first: np.ndarray
     width: np.ndarray
     row: np.ndarray
     dof: np.ndarray
     begin: np.ndarray
     stop: np.ndarray
-    body: np.ndarray
-    end: np.ndarray
-    on_cables: int
-    place: np.ndarray
     jacobian: Array
     response: Array
-    schur: Array
-    factor: Array
+
+
+class Holds(NamedTuple):
+    """H of them, of P parts.
+
+    entry: (H,).   sign: (H,) 1, or -1 for the opposite of the entry.   place: (H,) of its unknown, or NONE.
+    member: (H,) of a knot, or NONE.   body: (H,) whose entry it is, or NONE on a cable.
+    end: (P,) after the holds of each part.   at_knots: (P,) how many of them.
+    square: (P,) where the part's square begins in `local` and `into`.
+    local: C of each part, swept.   into: where that goes in the factor, or NONE.
+    rate, force: (H,) J y and phi of a solve.
+    on_cables: number of holds on cables.
+    """
+
+    entry: np.ndarray
+    sign: Array
+    place: np.ndarray
+    member: np.ndarray
+    body: np.ndarray
+    end: np.ndarray
+    at_knots: np.ndarray
+    square: np.ndarray
+    local: Array
+    into: np.ndarray
+    rate: Array
+    force: Array
+    on_cables: int
+
+
+class Members(NamedTuple):
+    """Those of all knots, see `knots.Member`.   offset, force: o, and what a branch pulls with, then."""
+
+    hold: np.ndarray
+    row: np.ndarray
+    sign: Array
+    parent: np.ndarray
+    offset: Array
+    force: Array
+
+
+class Joints(NamedTuple):
+    """m rows.
+
+    rows: (m,) records.   place: (m,) of their multipliers among the unknowns, or NONE: of a knot.
+    factor: of S.   is_row: (n,) whether an unknown is a multiplier.   diagonal: (n,) of S.
+    value, gamma, multipliers: (m,) c, see `rows.row_gamma`, nu.   foresight: (m,) see `CoupledSystem`.
+    rate, target: (m,) J v, and memory of a solve.   unknowns, solved: (n,), (m,) memory.
+    dependent: (1,) a row that is not independent of the others, or NONE.
+    """
+
+    rows: Any
+    entries: Entries
+    holds: Holds
+    members: Members
+    place: np.ndarray
+    factor: SparseFactor
+    is_row: np.ndarray
+    diagonal: Array
     value: Array
     gamma: Array
     multipliers: Array
     foresight: Array
     rate: Array
     target: Array
-    sorted: Array
+    unknowns: Array
+    solved: Array
     dependent: np.ndarray
 
 
@@ -78,136 +140,259 @@ def largest_value(joints, worst):
 @inlined
 def set_jacobian(joints, points):
     """J and gamma of all rows, after `set_values`; the points are placed and move."""
-    rows = joints.rows
-    for e in range(len(joints.first)):
-        for i in range(joints.first[e] + joints.begin[e], joints.first[e] + joints.stop[e]):
-            joints.jacobian[i] = 0.0
+    rows, entries = joints.rows, joints.entries
+    for e in range(len(entries.first)):
+        for i in range(entries.first[e] + entries.begin[e], entries.first[e] + entries.stop[e]):
+            entries.jacobian[i] = 0.0
     for r in range(len(rows)):
         row = rows[r]
         joints.gamma[r] = row_gamma(row, points[row.points[0]], points[row.points[1]])
         for side in range(2):
             if row.entry[side] >= 0:
                 point, entry = points[row.points[side]], row.entry[side]
-                start = joints.first[entry] + point.first - joints.dof[entry]
-                add_row_jacobian(row, side, point, joints.jacobian, start)
+                start = entries.first[entry] + point.first - entries.dof[entry]
+                add_row_jacobian(row, side, point, entries.jacobian, start)
 
 
 @inlined
 def respond_with_bodies(joints, bodies):
-    """A^-1 J^T of all entries on bodies."""
-    for e in range(joints.on_cables, len(joints.first)):
-        first = joints.first[e]
-        end = first + joints.width[e]
-        respond_body(bodies[joints.body[e]], joints.jacobian[first:end], joints.response[first:end])
+    """A^-1 J^T of all that the solve holds of bodies."""
+    entries, holds = joints.entries, joints.holds
+    for h in range(holds.on_cables, len(holds.entry)):
+        e = holds.entry[h]
+        first, end = entries.first[e], entries.first[e] + entries.width[e]
+        respond_body(bodies[holds.body[h]], entries.jacobian[first:end], entries.response[first:end])
+
+
+@inlined
+def _set_compliance(entries, holds, begin, end, local):
+    """C of one part, its lower half; both halves if it has knots."""
+    for g in range(begin, end):
+        one = holds.entry[g]
+        for h in range(begin, g + 1):
+            response, total = entries.first[holds.entry[h]], 0.0
+            for i in range(entries.begin[one], entries.stop[one]):
+                total += entries.jacobian[entries.first[one] + i] * entries.response[response + i]
+            local[g - begin, h - begin] = total * holds.sign[g] * holds.sign[h]
+            local[h - begin, g - begin] = local[g - begin, h - begin]
+
+
+@inlined
+def _sweep(local, knots):
+    """The sweep over the first unknowns, which yield; both halves are set.
+
+    J. H. Goodnight, A Tutorial on the SWEEP Operator, The American Statistician 33 (1979) 149-158.
+    """
+    size, mean = len(local), 0.0
+    for k in range(knots):
+        mean += local[k, k] / knots
+    for k in range(knots):
+        local[k, k] += YIELD * mean
+    for k in range(knots):
+        inverse = 1.0 / local[k, k]
+        for i in range(size):
+            multiple = local[i, k] * inverse
+            if i != k:
+                for j in range(size):
+                    if j != k:
+                        local[i, j] -= multiple * local[k, j]
+        for i in range(size):
+            local[i, k] *= inverse
+            local[k, i] = local[i, k]
+        local[k, k] = -inverse
+
+
+@inlined
+def _set_matrix(joints):
+    """S, part by part."""
+    holds, values, begin = joints.holds, joints.factor.values, 0
+    for i in range(len(values)):
+        values[i] = 0.0
+    for p in range(len(holds.end)):
+        size, first = holds.end[p] - begin, holds.square[p]
+        local = holds.local[first : first + size * size].reshape((size, size))
+        _set_compliance(joints.entries, holds, begin, holds.end[p], local)
+        if holds.at_knots[p] > 0:
+            _sweep(local, holds.at_knots[p])
+        for i in range(size):
+            for j in range(size):
+                into = holds.into[first + i * size + j]
+                if into >= 0:
+                    values[into] += local[i, j]
+        begin = holds.end[p]
 
 
 @inlined
 def factorise_joints(joints):
     """S and its factor; the responses are set."""
-    _set_schur(joints)
-    schur, factor = joints.schur, joints.factor
-    size, width = schur.shape
-    joints.dependent[0] = NONE
-    for j in range(size):
-        most = min(width, size - j)
-        for d in range(most):
-            factor[j, d] = schur[j, d]
-        for k in range(max(0, j - width + 1), j):
-            share = factor[k, j - k]
-            for d in range(min(width - (j - k), size - j)):
-                factor[j, d] -= share * factor[k, j - k + d]
-        if not factor[j, 0] > PIVOT_TOLERANCE * schur[j, 0]:
-            if joints.dependent[0] == NONE:
-                joints.dependent[0] = j
-            factor[j, 0] = np.nan
-        pivot = np.sqrt(factor[j, 0])
-        factor[j, 0] = pivot
-        for d in range(1, most):
-            factor[j, d] /= pivot
-
-
-@inlined
-def _set_schur(joints):
-    schur, start = joints.schur, 0
-    for j in range(schur.shape[0]):
-        for d in range(schur.shape[1]):
-            schur[j, d] = 0.0
-    for end in joints.end:
-        for e in range(start, end):
-            place = joints.place[joints.row[e]]
-            for f in range(start, end):
-                other = joints.place[joints.row[f]]
-                if other <= place:
-                    total = 0.0
-                    for i in range(joints.begin[e], joints.stop[e]):
-                        total += joints.jacobian[joints.first[e] + i] * joints.response[joints.first[f] + i]
-                    schur[other, place - other] += total
-        start = end
+    _set_matrix(joints)
+    factor, dependent = joints.factor, NONE
+    for j in range(len(joints.diagonal)):
+        joints.diagonal[j] = factor.values[factor.start[j]]
+    for j in range(len(joints.diagonal)):
+        pivot = factor.values[factor.start[j]]
+        if joints.is_row[j]:
+            if not pivot > PIVOT_TOLERANCE * joints.diagonal[j] and dependent == NONE:
+                dependent = j
+        elif not pivot < 0.0 and dependent == NONE:
+            dependent = j
+        if dependent != NONE:
+            factor.values[factor.start[j]] = np.nan
+        eliminate_column(factor, j)
+    joints.dependent[0] = dependent
 
 
 @inlined
 def set_rates(joints, v):
     """J v of all rows.   v: (n,)."""
+    entries = joints.entries
     for r in range(len(joints.rate)):
         joints.rate[r] = 0.0
-    for e in range(len(joints.first)):
-        first, dof = joints.first[e], joints.dof[e]
-        for i in range(joints.begin[e], joints.stop[e]):
-            joints.rate[joints.row[e]] += joints.jacobian[first + i] * v[dof + i]
+    for e in range(len(entries.first)):
+        first, dof = entries.first[e], entries.dof[e]
+        for i in range(entries.begin[e], entries.stop[e]):
+            joints.rate[entries.row[e]] += entries.jacobian[first + i] * v[dof + i]
 
 
 @inlined
-def apply_joints(joints, x):
-    """x -= A^-1 J^T nu, such that J x is the target; nu is left in `sorted`.   x: (n,)."""
-    nu = joints.sorted
-    for r in range(len(nu)):
-        nu[joints.place[r]] = -joints.target[r]
-    for e in range(len(joints.first)):
-        total, first, dof = 0.0, joints.first[e], joints.dof[e]
-        for i in range(joints.begin[e], joints.stop[e]):
-            total += joints.jacobian[first + i] * x[dof + i]
-        nu[joints.place[joints.row[e]]] += total
-    _substitute(joints.factor, nu)
-    for e in range(len(joints.first)):
-        force, first, dof = nu[joints.place[joints.row[e]]], joints.first[e], joints.dof[e]
-        for i in range(joints.width[e]):
-            x[dof + i] -= joints.response[first + i] * force
+def _set_held_rates(joints, x):
+    """J x of all holds, less what the joints ask of the points of knots."""
+    entries, holds, members = joints.entries, joints.holds, joints.members
+    for m in range(len(members.row)):
+        parent, row = members.parent[m], members.row[m]
+        offset = members.offset[parent] if parent >= 0 else 0.0
+        if row >= 0:
+            offset += members.sign[m] * joints.target[row]
+        members.offset[m] = offset
+    for h in range(len(holds.entry)):
+        e, total = holds.entry[h], 0.0
+        first, dof = entries.first[e], entries.dof[e]
+        for i in range(entries.begin[e], entries.stop[e]):
+            total += entries.jacobian[first + i] * x[dof + i]
+        holds.rate[h] = holds.sign[h] * total
+        if holds.member[h] >= 0:
+            holds.rate[h] -= members.offset[holds.member[h]]
+
+
+@inlined
+def _add_part(joints, begin, end, local, knots):
+    """What one part adds to the right-hand side."""
+    holds, x = joints.holds, joints.unknowns
+    for h in range(begin, end):
+        place, total = holds.place[h], 0.0
+        for k in range(knots):
+            total -= local[h - begin, k] * holds.rate[begin + k]
+        if h - begin >= knots:
+            x[place] += holds.rate[h] + total
+        else:
+            holds.force[h] = total
+            if place >= 0:
+                x[place] += total
+
+
+@inlined
+def _set_forces(joints, begin, end, local, knots):
+    """Of all holds of one part, after the solve."""
+    holds, x = joints.holds, joints.unknowns
+    for h in range(begin, end):
+        if h - begin >= knots:
+            holds.force[h] = x[holds.place[h]]
+            continue
+        for g in range(begin, end):
+            if holds.place[g] >= 0:
+                holds.force[h] -= local[h - begin, g - begin] * x[holds.place[g]]
+
+
+@inlined
+def _branch_forces(joints):
+    """Multipliers of the joints of knots; at a root the force is what is left."""
+    holds, members = joints.holds, joints.members
+    for m in range(len(members.row)):
+        members.force[m] = holds.force[members.hold[m]]
+    for m in range(len(members.row) - 1, -1, -1):
+        if members.parent[m] >= 0:
+            members.force[members.parent[m]] += members.force[m]
+        if members.row[m] >= 0:
+            joints.solved[members.row[m]] += members.sign[m] * members.force[m]
+        else:
+            holds.force[members.hold[m]] -= members.force[m]
+
+
+@inlined
+def _solve_for_forces(joints, x):
+    """phi of all holds, and nu added to `solved`, such that J x would be the target."""
+    holds, unknowns = joints.holds, joints.unknowns
+    _set_held_rates(joints, x)
+    for j in range(len(unknowns)):
+        unknowns[j] = 0.0
+    for r in range(len(joints.place)):
+        if joints.place[r] >= 0:
+            unknowns[joints.place[r]] = -joints.target[r]
+    begin = 0
+    for p in range(len(holds.end)):
+        size, first = holds.end[p] - begin, holds.square[p]
+        local = holds.local[first : first + size * size].reshape((size, size))
+        _add_part(joints, begin, holds.end[p], local, holds.at_knots[p])
+        begin = holds.end[p]
+    substitute(joints.factor, unknowns)
+    begin = 0
+    for p in range(len(holds.end)):
+        size, first = holds.end[p] - begin, holds.square[p]
+        local = holds.local[first : first + size * size].reshape((size, size))
+        _set_forces(joints, begin, holds.end[p], local, holds.at_knots[p])
+        begin = holds.end[p]
+    for r in range(len(joints.place)):
+        if joints.place[r] >= 0:
+            joints.solved[r] += unknowns[joints.place[r]]
+    _branch_forces(joints)
+
+
+@inlined
+def apply_joints(joints, x, refines):
+    """x -= A^-1 J^T nu, such that J x is the target; nu is left in `solved`.
+
+    Args:
+        x: (n,).   refines: whether a second pass makes up for knots that yield.
+    """
+    entries, holds = joints.entries, joints.holds
+    for r in range(len(joints.solved)):
+        joints.solved[r] = 0.0
+    for _ in range(2 if refines and len(joints.members.row) > 0 else 1):
+        _solve_for_forces(joints, x)
+        for h in range(len(holds.entry)):
+            e, force = holds.entry[h], holds.sign[h] * holds.force[h]
+            first, dof = entries.first[e], entries.dof[e]
+            for i in range(entries.width[e]):
+                x[dof + i] -= entries.response[first + i] * force
 
 
 @inlined
 def keep_multipliers(joints):
     """Those of the solve just made."""
     for r in range(len(joints.multipliers)):
-        joints.multipliers[r] = joints.sorted[joints.place[r]]
+        joints.multipliers[r] = joints.solved[r]
 
 
 @inlined
 def subtract_forces(joints, x):
     """x -= J^T nu.   x: (n,)."""
-    for e in range(len(joints.first)):
-        force, first, dof = joints.multipliers[joints.row[e]], joints.first[e], joints.dof[e]
-        for i in range(joints.begin[e], joints.stop[e]):
-            x[dof + i] -= joints.jacobian[first + i] * force
+    entries = joints.entries
+    for e in range(len(entries.first)):
+        force, first, dof = joints.multipliers[entries.row[e]], entries.first[e], entries.dof[e]
+        for i in range(entries.begin[e], entries.stop[e]):
+            x[dof + i] -= entries.jacobian[first + i] * force
 
 
 def effect_of_joints(joints: Joints, size: int) -> Array:
-    """(size,) what joints took off the accelerations at the last evaluation."""
+    """(size,) what joints took off the accelerations at the last evaluation, by their multipliers."""
+    entries, holds, members = joints.entries, joints.holds, joints.members
+    force = np.where(holds.member < 0, joints.multipliers[entries.row[holds.entry]], 0.0)
+    pull = np.where(members.row < 0, 0.0, members.sign * joints.multipliers[members.row])
+    np.add.at(force, members.hold, pull)
+    is_child = members.parent >= 0
+    np.add.at(force, members.hold[members.parent[is_child]], -pull[is_child])
     result = np.zeros(size)
-    for e, (first, width, dof) in enumerate(zip(joints.first, joints.width, joints.dof, strict=True)):
-        nu = joints.multipliers[joints.row[e]]
-        result[dof : dof + width] += joints.response[first : first + width] * nu
+    for e, share in zip(holds.entry, holds.sign * force, strict=True):
+        first, width, dof = entries.first[e], entries.width[e], entries.dof[e]
+        result[dof : dof + width] += entries.response[first : first + width] * share
     return result
-
-
-@inlined
-def _substitute(factor, x):
-    """x = S^-1 x, in the order of the band."""
-    size, width = factor.shape
-    for j in range(size):
-        x[j] /= factor[j, 0]
-        for d in range(1, min(width, size - j)):
-            x[j + d] -= factor[j, d] * x[j]
-    for j in range(size - 1, -1, -1):
-        for d in range(1, min(width, size - j)):
-            x[j] -= factor[j, d] * x[j + d]
-        x[j] /= factor[j, 0]

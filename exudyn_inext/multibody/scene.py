@@ -152,16 +152,16 @@ def _join_accelerations(joints, zeta, learned, v, acceleration):
     set_rates(joints, v)
     for r in range(len(joints.rows)):
         joints.target[r] = joints.gamma[r] + learned * joints.foresight[r] - zeta * joints.rate[r]
-    apply_joints(joints, acceleration)
+    apply_joints(joints, acceleration, True)
     keep_multipliers(joints)
 
 
 @called_kernel
-def _join(joints, share, x):
-    """J x = -share c."""
+def _join(joints, share, x, refines):
+    """J x = -share c; see `apply_joints`."""
     for r in range(len(joints.rows)):
         joints.target[r] = -share * joints.value[r]
-    apply_joints(joints, x)
+    apply_joints(joints, x, refines)
 
 
 @implements(index_reduced_rates, SceneSystem)
@@ -179,9 +179,9 @@ def scene_rates(system, external, q, v, acceleration, rate):
     _project_bodies(items, v, zeta, rate)
     if len(items.joints.rows) > 0:
         hold(items, q, v)
-        respond_with_cables(system.cables, items.joints, 0, items.joints.on_cables, 0)
+        respond_with_cables(system.cables, items.joints, 0, items.joints.holds.on_cables, 0)
         _join_accelerations(items.joints, zeta, 0.0, v, acceleration)
-        _join(items.joints, zeta, rate)
+        _join(items.joints, zeta, rate, True)
 
 
 @implements(accelerate_and_project, SceneSystem)
@@ -208,9 +208,9 @@ def accelerate_and_project_scene(system, external, q, v, duration, acceleration,
     _project_bodies(items, end_velocity, 0.0, end_velocity)
     if len(items.joints.rows) > 0:
         hold(items, q, v)
-        respond_with_cables(system.cables, items.joints, 0, items.joints.on_cables, 0)
+        respond_with_cables(system.cables, items.joints, 0, items.joints.holds.on_cables, 0)
         _join_accelerations(items.joints, 0.0, 1.0, v, acceleration)
-        _join(items.joints, 0.0, end_velocity)
+        _join(items.joints, 0.0, end_velocity, True)
 
 
 @called_kernel
@@ -244,7 +244,7 @@ def correct_scene_position(system, external, q, tolerance, learning, correction)
     if not violation <= worst:  # keeps a NaN
         worst = violation
     if len(items.joints.rows) > 0 and not worst < tolerance:
-        _join(items.joints, 1.0, correction)
+        _join(items.joints, 1.0, correction, False)
     return worst
 
 

@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from .coupled_scene import CoupledScene
 
 MOST_KINDS = 2  # of cables
-MOST_WORK = 1e7  # rows of joints times the square of their band: beyond, LAPACK's solve is the faster one
 TOLERANCE = 1e-9  # of forces, accelerations, joints and their rates, relative
 OF_DIFFERENCES = 1e-4  # of second derivatives, which Exudyn's side finds by differences
 SMALLEST = 1e-6  # scale of forces and accelerations
@@ -59,9 +58,6 @@ def compiled_form(scene: CoupledScene, t: float, q: Array, v: Array) -> Compiled
     system = build_scene(cables, external, places, known, scene.size, native.zeta, native.foresight)
     if not scene.body_system.share_foresight(known.bodies["first"] - on_cables, known.bodies["foresight"]):
         raise UnknownItemError("bodies that share coordinates")
-    rows, width = system.items.joints.schur.shape
-    if rows * width**2 > MOST_WORK:
-        raise UnknownItemError("joints that couple many others")
     own = [(place, c.system, c.loads) for place, c in zip(places, scene.cables, strict=True)]
     form = CompiledScene(system, acting, own, scene.surroundings.joints, numbers.read_again)
     require_agreement(scene, form, t, q, v)

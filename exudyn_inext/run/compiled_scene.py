@@ -10,9 +10,11 @@ from ..cable.cable import Cable
 from ..cable.linked_cable import cable_system
 from ..cable.many_cables import Systems, in_few_chains
 from ..compiled import plain
+from ..errors import RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied
 from ..multibody.cables import NoCables, TwoKinds
+from ..multibody.joints import Joints
 from ..multibody.scene import (
     ALL_BUT_FIRST,
     EACH,
@@ -25,7 +27,7 @@ from ..multibody.scene import (
     subtract_joint_forces,
     take_steps,
 )
-from ..scene.joints import dependent_row
+from ..scene.joints import NOT_FINITE, dependent_row, not_independent
 from ..system import index_reduced_rates
 from .cable_loads import CableLoads
 
@@ -150,7 +152,7 @@ class CompiledScene:
         counting[MODE] = NOT_COUNTED
         joints = self.system.items.joints
         if len(joints.rows) and joints.dependent[0] >= 0:
-            raise dependent_row(_dense(joints.schur, joints.place), self._names)
+            raise _dependent(joints, self._names)
 
     def evaluate(self, cables: Sequence[Cable], times: Array, history: Array) -> Array:
         """Accelerations of states, by the mass as it is; see `evaluate_states`.
@@ -204,11 +206,16 @@ class CompiledScene:
         return a
 
 
-def _dense(band: Array, place: np.ndarray) -> Array:
-    """Lower triangle of S, its rows as they are numbered, from its band."""
-    size = len(place)
-    total = np.zeros((size, size))
-    for j, column in enumerate(band):
-        for d, value in enumerate(column[: size - j]):
-            total[j + d, j] = total[j, j + d] = value
-    return np.tril(total[np.ix_(place, place)])
+def _dependent(joints: Joints, names: Sequence[str]) -> RedundantConstraintError:
+    """What is said of joints that depend on each other."""
+    if len(joints.members.row):
+        row = np.flatnonzero(joints.place == joints.dependent[0])
+        is_finite = len(row) and np.isfinite(joints.diagonal).all()
+        return not_independent(names[row[0]]) if is_finite else RedundantConstraintError(NOT_FINITE)
+    holds, total, begin = joints.holds, np.zeros((len(joints.rows), len(joints.rows))), 0
+    row_of = joints.entries.row[holds.entry]
+    for end, first in zip(holds.end, holds.square, strict=True):
+        own, size = row_of[begin:end], end - begin
+        total[np.ix_(own, own)] += holds.local[first : first + size**2].reshape(size, size)
+        begin = end
+    return dependent_row(np.tril(total), names)

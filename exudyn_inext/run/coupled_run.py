@@ -22,7 +22,7 @@ from .compiled_scene import CompiledScene, Steps
 from .consistent_start import StartCorrection, agree
 from .coupled_start import consistent_start
 from .coupled_watch import LENIENCE, CoupledWatch
-from .divergence import explanation
+from .divergence import explanation, listed
 from .joined_scene import EvaluatedScene, JoinedScene, OpenContacts
 from .kept_state import Elsewhere, KeptState
 from .paced_run import PacedRun
@@ -106,7 +106,7 @@ class CoupledRun(PacedRun):
 
     @property
     def name(self) -> str:
-        cables = ", ".join(run.name for run in self._runs)
+        cables = listed([run.name for run in self._runs])
         joints = len(self._scene.joints)
         others = [f"{joints} joint(s)"] if joints else []
         others += ["bodies"] if self._scene.has_bodies else []

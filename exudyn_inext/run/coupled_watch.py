@@ -5,9 +5,9 @@ that depends on the configuration changes the energy, too: the forces of Exudyn 
 to the momentum, of which the kinetic energy takes one half.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit
 from ..scene.path_work import LACK, SCALE, SUMS, WAY, begin_path, build_path, expect_energy, follow, take_sums
 from ..system import AGITATION, KINETIC, POWER, VIOLATION, gauge
+from .cable_loads import CableLoads
 from .cable_run import CableRun
 from .joined_scene import EvaluatedScene, JoinedScene
 from .run_watch import RunWatch
@@ -43,6 +44,18 @@ LENIENCE = 10.0  # of the energy: forces that jump, as those of contact do, have
 ROUND_OFF = 1e-10  # of the energy, relative to the forces times the extent
 STEPS_BETWEEN_LOOKS = 8  # at the frequency of a step, which is looked at more often after an inspection
 GROWTH = 0.1  # of a vibration in a step [-], that is unstable
+
+
+class _Together(NamedTuple):
+    """Cables that share records.   system: of all.   dofs: their place.   loads: of each."""
+
+    system: Any
+    dofs: slice
+    loads: Sequence[CableLoads]
+
+    def external(self, t: float) -> Array:
+        """As the system takes it, at t [s]."""
+        return np.concatenate([loads.at(t) for loads in self.loads])
 
 
 class CoupledWatch(RunWatch):
@@ -74,6 +87,7 @@ class CoupledWatch(RunWatch):
     ) -> None:
         self._scene = scene
         self._runs = runs
+        self._together = list(_groups(scene, runs))
         self._bodies = scene.system.parts[len(runs)]
         tolerance = LENIENCE * energy_tolerance
         most = VIOLENT * tolerance if integrator.stabilised else np.inf
@@ -230,23 +244,28 @@ class CoupledWatch(RunWatch):
         """Of velocities v (n,) in the present configuration [J]."""
         gauges = np.zeros(5)
         total = self._evaluated.kinetic_energy(state.q, v)
-        for run, dofs in zip(self._runs, self._scene.map.slices, strict=False):
+        for system, dofs, external in self._groups_at(t):
             force, rates = np.zeros(dofs.stop - dofs.start), v[dofs]
-            gauge.dispatch(type(run.system))(
-                run.system, run.loads.at(t), state.q[dofs], rates, rates, force, gauges
-            )
+            gauge.dispatch(type(system))(system, external, state.q[dofs], rates, rates, force, gauges)
             total += gauges[AGITATION]  # the mass alone; what bending adds to it is in KINETIC
         return total
+
+    def _groups_at(self, t: float) -> Iterator[tuple[Any, slice, Array]]:
+        """System, place and external force of cables that share records, at t [s]."""
+        for one in self._together:
+            yield one.system, one.dofs, one.external(t)
 
     def _set_gauges(self, t: float, state: Any) -> None:
         total = self.watch.gauges_now
         total[:] = 0.0
-        for cable, (run, dofs) in enumerate(zip(self._runs, self._scene.map.slices, strict=False)):
-            if len(run.loads.pattern) and self._scene.joints:
-                self._evaluated.set_multipliers(cable, t, state.q, state.v)  # its own solve knows no joints
+        if self._scene.joints:
+            for cable, run in enumerate(self._runs):
+                if len(run.loads.pattern):  # its own solve knows no joints
+                    self._evaluated.set_multipliers(cable, t, state.q, state.v)
+        for system, dofs, external in self._groups_at(t):
             mine, force = np.zeros(5), np.zeros(dofs.stop - dofs.start)
-            gauge.dispatch(type(run.system))(
-                run.system, run.loads.at(t), state.q[dofs], state.v[dofs], state.a[dofs], force, mine
+            gauge.dispatch(type(system))(
+                system, external, state.q[dofs], state.v[dofs], state.a[dofs], force, mine
             )
             worst = np.maximum(total[VIOLATION], mine[VIOLATION])
             total += mine
@@ -257,3 +276,12 @@ class CoupledWatch(RunWatch):
         total[KINETIC] += self._evaluated.kinetic_energy(state.q, state.v)
         total[AGITATION] += self._evaluated.kinetic_energy(state.q, state.a)
         total[POWER] += self._evaluated.power_of_joints()
+
+
+def _groups(scene: JoinedScene, runs: Sequence[CableRun]) -> Iterator[_Together]:
+    done = 0
+    for system, alike in scene.groups:
+        end = done + len(alike)
+        dofs = slice(scene.map.slices[done].start, scene.map.slices[end - 1].stop)
+        yield _Together(system, dofs, [run.loads for run in runs[done:end]])
+        done = end

@@ -11,6 +11,16 @@ GIVEN_UP = (
 )
 
 
+FEW = 6  # cables that are all named
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names of cables, of many the first and the last one."""
+    if len(names) <= FEW:
+        return ", ".join(names)
+    return f"{len(names)} cables ({names[0]} to {names[-1]})"
+
+
 def divergence(verdicts: Sequence[str], time: float, what_is_left: str) -> DivergenceError:
     """The error of a run that went wrong before `time` [s].
 

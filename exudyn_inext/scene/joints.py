@@ -240,18 +240,26 @@ def _dense(band: Array, order: np.ndarray) -> Array:
     return np.tril(sorted_[np.ix_(back, back)])
 
 
+NOT_FINITE = (
+    "the Jacobian of the joints is not finite: the run has diverged, or a joint is singular in the present "
+    "configuration; reduce stepSize."
+)
+
+
 def dependent_row(schur: Array, names: Sequence[str]) -> RedundantConstraintError:
     """What is said where S, of which the lower triangle is set, is not positive definite."""
     if not np.isfinite(schur).all():
-        return RedundantConstraintError(
-            "the Jacobian of the joints is not finite: the run has diverged, or a joint is singular in the "
-            "present configuration; reduce stepSize."
-        )
+        return RedundantConstraintError(NOT_FINITE)
     factor, info = lapack.dpotrf(schur, lower=1)
     if info == 0:
         diagonal = factor.diagonal()
         info = int(np.argmin(diagonal * diagonal / schur.diagonal())) + 1
+    return not_independent(names[info - 1])
+
+
+def not_independent(name: str) -> RedundantConstraintError:
+    """What is said of a row."""
     return RedundantConstraintError(
-        f"{names[info - 1]} is not independent of the other constraints in the present configuration: remove "
+        f"{name} is not independent of the other constraints in the present configuration: remove "
         "it, or free the axes that other joints hold already."
     )

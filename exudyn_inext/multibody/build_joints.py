@@ -1,0 +1,221 @@
+"""From the records of joints to what their solve needs: entries, knots, the order of elimination."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+from .joints import Entries, Holds, Joints, Members
+from .knots import GROUND, NONE, Member, Point, Tie, find_knots
+from .points import COORDINATE, FIXED
+from .rows import DIFFERENCE
+from .sparse_factor import build_factor, find_order, places_of
+
+
+class _Hold(NamedTuple):
+    """Sorted by owners, those at knots first.   unknown: its number, or NONE."""
+
+    owner: int
+    is_row: bool
+    entry: int
+    sign: int
+    unknown: int
+    member: int
+
+
+def build_joints(places: Sequence[slice], bodies: Any, points: Any, rows: Any, foresight: Array) -> Joints:
+    """The rows of all joints.
+
+    Args:
+        places: of each cable among the coordinates.   bodies, points, rows: records.
+        foresight: (m,) memory, see `CoupledSystem`.
+
+    It sets `entry` of the rows.
+    """
+    owners = _owners_of_points(places, bodies, points)
+    entries, numbers = _build_entries(places, bodies, points, rows, owners)
+    knots = [knot for component in range(3) for knot in find_knots(*_ties(points, rows, owners, component))]
+    tied = {member.row for knot in knots for member in knot}
+    free = [number for number, knot in enumerate(knots) if knot[0].row == NONE]
+    alone = [row for row in range(len(rows)) if row not in tied]
+    unknown_of_knot = {number: unknown for unknown, number in enumerate(free)}
+    unknown_of_row = {row: unknown for unknown, row in enumerate(alone, len(free))}
+    found = sorted(_find_holds(knots, numbers, unknown_of_knot, unknown_of_row))
+    unknowns = len(free) + len(alone)
+    pairs = _pairs(found, unknowns)
+    place = find_order(pairs, unknowns)
+    factor = build_factor(place[pairs], unknowns)
+    is_row = np.zeros(unknowns, dtype=bool)
+    is_row[place[len(free) :]] = True
+    vectors, of_unknowns = np.zeros((6, len(rows))), np.zeros((2, unknowns))
+    place_of_row = np.full(len(rows), NONE)
+    place_of_row[alone] = place[len(free) :]
+    return Joints(
+        rows=rows,
+        entries=entries,
+        holds=_build_holds(found, np.append(place, NONE), factor, len(places)),
+        members=_build_members(knots, found),
+        place=place_of_row,
+        factor=factor,
+        is_row=is_row,
+        diagonal=of_unknowns[0],
+        value=vectors[0],
+        gamma=vectors[1],
+        multipliers=vectors[2],
+        foresight=foresight,
+        rate=vectors[3],
+        target=vectors[4],
+        unknowns=of_unknowns[1],
+        solved=vectors[5],
+        dependent=np.full(1, NONE),
+    )
+
+
+def _owners_of_points(places: Sequence[slice], bodies: Any, points: Any) -> list[int]:
+    """Cable, or body after the cables, of each point; GROUND of those that do not move."""
+    starts = np.array([place.start for place in places] + bodies["first"].tolist(), dtype=np.int64)
+    order = np.argsort(starts, kind="stable")
+    found = order[np.searchsorted(starts[order], points["first"], side="right") - 1] if len(order) else []
+    return np.where(points["kind"] == FIXED, GROUND, found).tolist() if len(points) else []
+
+
+def _build_entries(
+    places: Sequence[slice], bodies: Any, points: Any, rows: Any, owners: Sequence[int]
+) -> tuple[Entries, dict[tuple[int, int], int]]:
+    """All entries, by owners; and their numbers by owner and row."""
+    starts = np.array([place.start for place in places] + bodies["first"].tolist(), dtype=np.int64)
+    sizes = [place.stop - place.start for place in places]
+    sizes += (bodies["translations"] + bodies["rotations"]).tolist()
+    begin, width_of = points["first"].tolist(), points["width"].tolist()
+    spans: dict[tuple[int, int], tuple[int, int]] = {}  # owner and row -> its coordinates, from and to
+    for r, pair in enumerate(rows["points"].tolist()):
+        for k in pair:
+            if owners[k] != GROUND:
+                first, end = spans.get((owners[k], r), (begin[k], begin[k] + width_of[k]))
+                spans[owners[k], r] = min(first, begin[k]), max(end, begin[k] + width_of[k])
+    keys = sorted(spans)
+    numbers = {key: e for e, key in enumerate(keys)}
+    rows["entry"] = [
+        [numbers.get((owners[k], r), NONE) for k in pair] for r, pair in enumerate(rows["points"].tolist())
+    ] or np.zeros((0, 2))
+    owner = np.array([owner for owner, _ in keys], dtype=np.int64)
+    width = np.array([sizes[owner] for owner in owner], dtype=np.int64)
+    ranges = np.array([spans[key] for key in keys], dtype=np.int64).reshape(-1, 2) - starts[owner, None]
+    memory = np.zeros((2, int(width.sum())))
+    entries = Entries(
+        first=np.cumsum(width) - width,
+        width=width,
+        row=np.array([r for _, r in keys], dtype=np.int64),
+        dof=starts[owner],
+        begin=ranges[:, 0].copy(),
+        stop=ranges[:, 1].copy(),
+        jacobian=memory[0],
+        response=memory[1],
+    )
+    return entries, numbers
+
+
+def _ties(points: Any, rows: Any, owners: Sequence[int], component: int) -> tuple[list[Tie], set[Point]]:
+    """Rows that hold one component of two points together; and points whose coordinates others hold, too."""
+    begin, end = points["first"].tolist(), (points["first"] + points["width"]).tolist()
+    is_tie = (rows["kind"] == DIFFERENCE) & (rows["factor"] == 1.0) & (rows["offset"] == 0.0)
+    is_tie &= ~(points["kind"][rows["points"]] == COORDINATE).any(axis=1)
+    pairs = rows["points"].tolist()
+    others = {k for r in np.flatnonzero(~is_tie).tolist() for k in pairs[r] if owners[k] != GROUND}
+    held = {coordinate for k in others for coordinate in range(begin[k], end[k])}
+    names = [
+        (owner, (begin[k], end[k], point["weights"].tobytes(), point["local"].tobytes()))
+        for k, (owner, point) in enumerate(zip(owners, points, strict=True))
+    ]
+    mine = np.flatnonzero(is_tie & (rows["component"] == component)).tolist()
+    ties = [Tie(r, (names[pairs[r][0]], names[pairs[r][1]])) for r in mine]
+    of_ties = {k for r in mine for k in pairs[r] if owners[k] != GROUND}
+    return ties, {names[k] for k in of_ties if not held.isdisjoint(range(begin[k], end[k]))}
+
+
+def _find_holds(
+    knots: Sequence[Sequence[Member]],
+    numbers: dict[tuple[int, int], int],
+    unknown_of_knot: dict[int, int],
+    unknown_of_row: dict[int, int],
+) -> Iterator[_Hold]:
+    """All of them.   numbers: of entries, by owner and row."""
+    member = 0
+    for number, knot in enumerate(knots):
+        unknown = unknown_of_knot.get(number, NONE)
+        for one in knot:
+            entry = numbers[one.owner, one.source]
+            yield _Hold(one.owner, False, entry, one.side, unknown, member)
+            member += 1
+    for (owner, row), entry in numbers.items():
+        if row in unknown_of_row:
+            yield _Hold(owner, True, entry, 1, unknown_of_row[row], NONE)
+
+
+def _parts(holds: Sequence[_Hold]) -> np.ndarray:
+    """(P,) after the holds of each owner."""
+    return np.flatnonzero(np.diff([hold.owner for hold in holds], append=-2)) + 1
+
+
+def _pairs(holds: Sequence[_Hold], unknowns: int) -> np.ndarray:
+    """(Q, 2) of unknowns that meet on a part, each once, and each with itself."""
+    unknown = np.array([hold.unknown for hold in holds], dtype=np.int64)
+    keys, begin = [np.arange(unknowns) * (unknowns + 1)], 0
+    for end in _parts(holds).tolist():
+        own = unknown[begin:end]
+        own = np.unique(own[own >= 0])
+        one, other = np.tril_indices(len(own))
+        keys.append(own[other] * unknowns + own[one])
+        begin = end
+    return np.stack(np.divmod(np.unique(np.concatenate(keys)), max(unknowns, 1)), axis=1)
+
+
+def _build_holds(holds: Sequence[_Hold], place: np.ndarray, factor: Any, cables: int) -> Holds:
+    """place: of each unknown, NONE at the end.   cables: how many owners are cables."""
+    owner, is_row, entry, sign, unknown, member = np.array(holds, dtype=np.int64).reshape(-1, 6).T.copy()
+    at, ends = place[unknown], _parts(holds)
+    sizes = np.diff(ends, prepend=0)
+    square = np.cumsum(sizes**2) - sizes**2
+    begins = (ends - sizes).tolist()
+    own = [np.broadcast_arrays(at[a:b, None], at[None, a:b]) for a, b in zip(begins, ends, strict=True)]
+    rows, columns = (
+        np.concatenate([np.zeros(0, np.int64), *(pair[side].ravel() for pair in own)]) for side in range(2)
+    )
+    into, goes = np.full(len(rows), NONE), (rows >= columns) & (columns >= 0)
+    into[goes] = places_of(factor, columns[goes], rows[goes])
+    at_knots = [int((is_row[end - size : end] == 0).sum()) for end, size in zip(ends, sizes, strict=True)]
+    memory = np.zeros((2, len(holds)))
+    return Holds(
+        entry=entry,
+        sign=sign.astype(float),
+        place=at,
+        member=member,
+        body=np.where(owner < cables, NONE, owner - cables),
+        end=ends,
+        at_knots=np.array(at_knots, dtype=np.int64),
+        square=square,
+        local=np.zeros(len(into)),
+        into=into,
+        rate=memory[0],
+        force=memory[1],
+        on_cables=int(np.count_nonzero(owner < cables)),
+    )
+
+
+def _build_members(knots: Sequence[Sequence[Member]], holds: Sequence[_Hold]) -> Members:
+    hold_of = {hold.member: number for number, hold in enumerate(holds)}
+    members, parents = [], []
+    for knot in knots:
+        done = len(members)
+        parents += [NONE if one.parent == NONE else done + one.parent for one in knot]
+        members += knot
+    memory = np.zeros((2, len(members)))
+    return Members(
+        hold=np.array([hold_of[number] for number in range(len(members))], dtype=np.int64),
+        row=np.array([one.row for one in members], dtype=np.int64),
+        sign=np.array([one.sign for one in members], dtype=float),
+        parent=np.array(parents, dtype=np.int64),
+        offset=memory[0],
+        force=memory[1],
+    )
