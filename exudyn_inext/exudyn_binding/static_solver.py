@@ -1,6 +1,6 @@
-"""SolveEquilibrium: the stable static equilibrium of the inextensible cables of an mbs."""
+"""SolveEquilibrium: the stable static equilibrium of a scene with inextensible cables."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
 
@@ -9,14 +9,19 @@ import numpy as np
 
 from ..arrays import Array
 from ..cable.cable import Cable
+from ..cable.linked_cable import cable_system
 from ..checks import require_finite, require_integer, require_positive
 from ..constraints.prescribed_motion import KIND
 from ..errors import EquilibriumError, InputError, SceneError
+from ..native.coupled_scene import CoupledCable, CoupledScene
+from ..native.static_scene import StaticScene, require_held, write_state
+from ..native.surroundings import state_kept, switched_off
 from ..run.cable_loads import CableLoads
-from ..scene.model import CableInScene
-from ..statics import Equilibrium, Potential, StaticOptions, find_equilibrium
+from ..scene.model import CableInScene, Scene
+from ..statics import Equilibrium, JoinedPotential, Potential, StaticOptions, find_equilibrium
 from .arguments import simulation_settings
-from .scene import initial_state, read_cables, require_assembled
+from .scene import initial_state, read_scene, require_assembled
+from .scene_runs import needs_coupling
 
 REACH_TOLERANCE = 1e-9
 MOST_ITERATIONS = 1_000_000
@@ -50,11 +55,13 @@ class StaticSettings:
 def SolveEquilibrium(
     mbs: Any, simulationSettings: Any = None, staticSettings: StaticSettings | None = None
 ) -> dict[str, Any]:
-    """Static equilibrium of a scene of inextensible cables; the counterpart of mbs.SolveStatic.
+    """Static equilibrium of a scene with inextensible cables; the counterpart of mbs.SolveStatic.
 
     The search runs downhill on the constraints from the initial configuration, which need not fulfil them,
     to a stable equilibrium, and writes it into mbs as the initial and the present state, at rest: a
-    following SolveExplicit starts from it, after loads were changed, for example.
+    following SolveExplicit starts from it, after loads were changed, for example. Bodies, springs, joints,
+    torques and contact, which Exudyn evaluates, come to rest together with the cables; Lagrange multipliers
+    of the joints go into mbs, too, so that sensors show their forces.
 
     Args:
         mbs: assembled system.
@@ -65,11 +72,13 @@ def SolveEquilibrium(
     Returns:
         dict with 'success', 'residual' [N], 'violation' of constraints [-, m], 'iterations',
         'smallestEigenvalue' of the constrained Hessian over the mass [1/s^2] (its root is the lowest
-        natural frequency), each the worst of all cables, and 'cables' (the same for each one).
+        natural frequency), each the worst of all cables, and 'cables' (the same for each one, with its
+        'coordinates'); among bodies and joints the figures are those of the whole scene. A body that is free
+        to turn about an axis has an eigenvalue of zero there, within round-off.
 
     Raises:
-        SceneError: mbs not assembled, contains what is not supported, or supports farther apart than
-            the cable between them is long.
+        SceneError: mbs not assembled, contains what is not supported, supports farther apart than
+            the cable between them is long, or something that nothing connects to the ground.
         EquilibriumError: no stable equilibrium within reach; mbs is unchanged, the error's `report` has
             the figures and the last coordinates.
 
@@ -82,14 +91,18 @@ def SolveEquilibrium(
     static = _static_settings(staticSettings)
     require_assembled(mbs)
     time = require_finite("timeIntegration.startTime", settings.timeIntegration.startTime, "s")
-    cables = read_cables(mbs, "SolveEquilibrium")
-    if not cables:
+    scene = read_scene(mbs)
+    if not scene.cables:
         raise SceneError("mbs has no inextensible cable: use mbs.SolveStatic for native items.")
+    if needs_coupling(scene):
+        return _solve_scene(mbs, scene, time, static)
+    cables = scene.cables
     found = [_solve_cable(mbs, cable, time, static) for cable in cables]
     report = _report(cables, found)
     failed = [(c, e) for c, e in zip(cables, found, strict=True) if not e.converged]
     if failed:
-        raise EquilibriumError(_failure(*failed[0]), report | {"success": False})
+        cable, equilibrium = failed[0]
+        raise EquilibriumError(_failure(f"cable '{cable.name}'", equilibrium), report | {"success": False})
     for cable, equilibrium in zip(cables, found, strict=True):
         _write(mbs, cable, equilibrium.q)
     return report
@@ -112,6 +125,48 @@ def _solve_cable(mbs: Any, scene_cable: CableInScene, time: float, static: Stati
         equilibrium = find_equilibrium(Potential(cable, external * step / static.loadSteps, time), q, options)
         q = equilibrium.q
     return equilibrium
+
+
+def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) -> dict[str, Any]:
+    """All of a scene at once; arguments: see `_solve_cable`."""
+    if static.loadSteps > 1:
+        raise InputError(
+            f"loadSteps = {static.loadSteps!r}: among bodies, springs and joints the loads are applied at "
+            "once; set it to 1, and start nearer to the equilibrium."
+        )
+    unloaded = [cable.among_others for cable in scene.cables]  # Exudyn evaluates the loads
+    for cable in unloaded:
+        _require_still_fluid(cable)
+        _require_reach(cable.cable, time, cable)
+    with state_kept(mbs), switched_off(mbs, *scene.evaluated_by_kernels):
+        loads = [CableLoads(cable) for cable in unloaded]
+        parts = [_coupled(cable, own) for cable, own in zip(unloaded, loads, strict=True)]
+        joined = CoupledScene(mbs, parts, scene.own_constraints, 0.0, scene.held)
+        require_held(joined, [bool(cable.cable.fixed.any() or cable.cable.links) for cable in unloaded])
+        others = StaticScene(joined, time)
+        potentials = [
+            Potential(cable.cable, own.at(time)[: cable.cable.reference.size], time)
+            for cable, own in zip(unloaded, loads, strict=True)
+        ]
+        start, _ = joined.initial_state
+        options = StaticOptions(static.tolerance, static.maxIterations)
+        equilibrium = find_equilibrium(JoinedPotential(potentials, others, start), start, options)
+        q = equilibrium.q
+        reactions = others.reactions(q, equilibrium.multipliers[-len(others.values(q)) or len(q) :])
+    of_cables = [
+        replace(equilibrium, q=q[dofs].reshape(cable.cable.reference.shape))
+        for cable, dofs in zip(scene.cables, joined.map.slices, strict=False)
+    ]
+    report = _report(scene.cables, of_cables)
+    if not equilibrium.converged:
+        raise EquilibriumError(_failure("the scene", equilibrium), report | {"success": False})
+    write_state(joined, q, reactions)
+    return report
+
+
+def _coupled(cable: CableInScene, loads: CableLoads) -> CoupledCable:
+    system, reference = cable_system(cable.cable, 0.0), cable.cable.reference.ravel()
+    return CoupledCable(cable.number, cable.indices, reference, system, loads)
 
 
 def _require_still_fluid(scene_cable: CableInScene) -> None:
@@ -145,9 +200,9 @@ def _report(cables: list[CableInScene], found: list[Equilibrium]) -> dict[str, A
     }
 
 
-def _failure(cable: CableInScene, equilibrium: Equilibrium) -> str:
+def _failure(what: str, equilibrium: Equilibrium) -> str:
     return (
-        f"cable '{cable.name}': {equilibrium.message} after {equilibrium.iterations} iterations (unbalanced "
+        f"{what}: {equilibrium.message} after {equilibrium.iterations} iterations (unbalanced "
         f"force {equilibrium.residual:.3g} N, violation of constraints {equilibrium.violation:.3g}, smallest "
         f"eigenvalue {equilibrium.smallest_eigenvalue:.3g} 1/s^2): add supports, start nearer to the "
         "equilibrium, or use more loadSteps or maxIterations. mbs is unchanged; the error's report has the "

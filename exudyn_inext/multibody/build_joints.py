@@ -205,7 +205,8 @@ def _build_holds(holds: Sequence[_Hold], place: np.ndarray, factor: Any, cables:
 
 def _build_members(knots: Sequence[Sequence[Member]], holds: Sequence[_Hold]) -> Members:
     hold_of = {hold.member: number for number, hold in enumerate(holds)}
-    members, parents = [], []
+    members: list[Member] = []
+    parents: list[int] = []
     for knot in knots:
         done = len(members)
         parents += [NONE if one.parent == NONE else done + one.parent for one in knot]
@@ -214,7 +215,7 @@ def _build_members(knots: Sequence[Sequence[Member]], holds: Sequence[_Hold]) ->
     return Members(
         hold=np.array([hold_of[number] for number in range(len(members))], dtype=np.int64),
         row=np.array([one.row for one in members], dtype=np.int64),
-        sign=np.array([one.sign for one in members], dtype=float),
+        sign=np.array([one.sign for one in members], dtype=np.float64),
         parent=np.array(parents, dtype=np.int64),
         offset=memory[0],
         force=memory[1],

@@ -100,6 +100,11 @@ class CoupledScene:
         self.surroundings = NativeSurroundings(mbs, solver, wholes, self.map, loads, masses, rows, self.held)
         self.system = CoupledSystem(parts, self.surroundings, zeta, wholes)
 
+    @property
+    def held_places(self) -> np.ndarray:
+        """Of coordinates that belong to no part, in the system vector."""
+        return self._masses.held
+
     def take_hold(self, v: Array, tolerance: float) -> None:
         """Stop the held coordinates at the start; see `HeldCoordinates`.   v: (n,) of all parts, in place."""
         bodies = self.system.parts[len(self.cables)].dofs

@@ -189,6 +189,12 @@ class NativeSurroundings:
         terms = self._rows.terms(self._values_of_mbs, t, q, v)
         return terms if self.approach is None else self.approach.applied(terms, t)
 
+    def jacobian(self, t: float, q: Array) -> Sequence[JointBlock]:
+        """Of the joints at (t, q), by parts, overwritten at the next evaluation."""
+        self._set_positions(t, q)
+        self._rows.update_jacobian(self._mbs, q)
+        return self.blocks
+
     def finish_step(self, t: float, q: Array, v: Array) -> None:
         """The next step starts from what contact and friction remember at the end of this one.
 

@@ -99,6 +99,13 @@ class BodiesSystem:
             twice += float(np.einsum("bi,bij,bj->", rates, s.mass, rates))
         return 0.5 * twice
 
+    @property
+    def mass(self) -> csr_array:
+        """(n, n) at present."""
+        total = csr_array(self._constant_mass)
+        blocks = [MassBlock(*one) for s in self._stacks for one in zip(s.blocks.dofs, s.mass, strict=True)]
+        return csr_array(total + csr_array(_matrix_of_blocks(total.shape[0], blocks)))
+
     def begin_changes(self) -> None:
         """Count changes from the masses at present on."""
         for s in self._stacks:

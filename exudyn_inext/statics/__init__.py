@@ -1,7 +1,15 @@
-"""Static equilibrium of a cable on its constraint manifold, and whether it is stable."""
+"""Static equilibrium of cables and scenes on their constraint manifold, and whether it is stable."""
 
 from .equilibrium import Equilibrium, StaticOptions, find_equilibrium
+from .joined_potential import JoinedPotential
 from .potential import Potential
 from .stability import smallest_eigenvalue
 
-__all__ = ["Equilibrium", "Potential", "StaticOptions", "find_equilibrium", "smallest_eigenvalue"]
+__all__ = [
+    "Equilibrium",
+    "JoinedPotential",
+    "Potential",
+    "StaticOptions",
+    "find_equilibrium",
+    "smallest_eigenvalue",
+]

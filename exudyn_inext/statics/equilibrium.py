@@ -1,4 +1,4 @@
-"""Static equilibrium of a cable: a minimum of the potential energy on the constraint manifold.
+"""Static equilibrium: a minimum of the potential energy on the constraint manifold.
 
 Newton's method on the manifold: a step along it, found from the Hessian of the Lagrangian, is followed by
 a projection onto the constraints; the energy must fall. Where the Hessian is not positive along the step,
@@ -14,12 +14,12 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from ..arrays import Array
-from .feasible import bowed, cautious, feasible
-from .potential import Potential
+from .feasible import cautious, feasible
 from .saddle_point import factorise, solve
 from .stability import smallest_eigenvalue
+from .static_system import StaticSystem
 
-LARGEST_EXCURSION = 100.0  # of a node, in lengths of the cable: no equilibrium there
+LARGEST_EXCURSION = 100.0  # of a coordinate, in lengths of the longest cable: no equilibrium there
 RESOLUTION = 1e-10  # gain of energy that round-off hides, relative
 SHIFTS = (1.0, 10.0)  # of an indefinite Hessian, in units of the loads' own [-]
 _ARMIJO = 1e-4
@@ -41,13 +41,15 @@ class StaticOptions:
 class Equilibrium:
     """What the search found.
 
-    q: (n, 2, dim) last state.   converged: whether it is a stable equilibrium.   message: why not.
-    residual: largest force that is not balanced [N], moments over the element length.
+    q: last state.   multipliers: (m,) of the constraints.
+    converged: whether it is a stable equilibrium.   message: why not.
+    residual: largest force that is not balanced [N], moments over a length.
     violation: largest violation of a constraint [-, m].   iterations: steps taken.
     smallest_eigenvalue: of the constrained Hessian over the mass: the lowest frequency squared [1/s^2].
     """
 
     q: Array
+    multipliers: Array
     converged: bool
     message: str
     residual: float
@@ -56,7 +58,7 @@ class Equilibrium:
     smallest_eigenvalue: float
 
 
-def _step(potential: Potential, q: Array, multipliers: Array, shift: float) -> tuple[Array, Array, float]:
+def _step(potential: StaticSystem, q: Array, multipliers: Array, shift: float) -> tuple[Array, Array, float]:
     """A descent direction along the constraints, new multipliers, and the energy's slope along it."""
     jacobian, force = potential.jacobian(q), potential.force(q)
     exact = potential.hessian(q, multipliers)
@@ -76,41 +78,40 @@ def _step(potential: Potential, q: Array, multipliers: Array, shift: float) -> t
 
 
 def _line_search(
-    potential: Potential, q: Array, direction: Array, slope: float, feasibility: float
+    potential: StaticSystem, q: Array, direction: Array, slope: float, feasibility: float
 ) -> Array | None:
     """The next state on the constraints with less energy; None if there is none along the step.
 
     Close to the equilibrium, where round-off hides the gain of energy, Newton's step is trusted.
     """
     step = direction.reshape(q.shape)
-    size = cautious(step)
-    energy = potential.energy(q)
-    is_resolved = -slope > RESOLUTION * (abs(energy) + potential.largest_load * potential.cable.length)
+    size = cautious(potential, step)
+    is_resolved = -slope > RESOLUTION * potential.scale_of_energy(q)
     for _ in range(30):
         trial, left = feasible(potential, q + size * step, feasibility)
-        falls = not is_resolved or potential.energy(trial) <= energy + _ARMIJO * size * slope
+        falls = not is_resolved or potential.fall(q, trial) >= -_ARMIJO * size * slope
         if left <= 1e3 * feasibility and falls:
             return trial
         size *= 0.5
     return None
 
 
-def find_equilibrium(potential: Potential, start: Array, options: StaticOptions) -> Equilibrium:
+def find_equilibrium(potential: StaticSystem, start: Array, options: StaticOptions) -> Equilibrium:
     """The stable equilibrium that lies downhill of `start`.
 
     Args:
-        potential: cable, loads, constraints.
-        start: (n, 2, dim) coordinates, not necessarily on the constraints.
+        potential: what moves, its loads and constraints.
+        start: coordinates, not necessarily on the constraints.
         options: tolerances.
     """
     potential.turn_with(start)
     q, violation = feasible(potential, start, options.feasibility)
     if violation > 1e3 * options.feasibility:
-        q, violation = feasible(potential, bowed(potential, start), options.feasibility)
+        q, violation = feasible(potential, potential.bowed(start), options.feasibility)
     if violation > 1e3 * options.feasibility:
-        return Equilibrium(q, False, "the constraints cannot be met", np.inf, violation, 0, np.nan)
-    multipliers = np.zeros(potential.jacobian(q).shape[0])
-    shift = potential.largest_load / (potential.cable.section.mass_per_length * potential.cable.length**2)
+        nothing = np.zeros(0)
+        return Equilibrium(q, nothing, False, "the constraints cannot be met", np.inf, violation, 0, np.nan)
+    multipliers, shift = np.zeros(potential.jacobian(q).shape[0]), potential.shift
     limit = options.tolerance * potential.largest_load
     message, eigenvalue, residual = "", np.nan, np.inf
     iterations = 0
@@ -123,7 +124,7 @@ def find_equilibrium(potential: Potential, start: Array, options: StaticOptions)
             potential.size(potential.force(q) - potential.jacobian(q).T @ multipliers),
         )
         following = None
-        is_stalled = -slope < RESOLUTION**2 * potential.largest_load * potential.cable.length
+        is_stalled = -slope < RESOLUTION**2 * potential.largest_load * potential.length
         if residual > limit and slope < 0.0 and not (is_stalled and residual > 0.5 * previous):
             following = _line_search(potential, q, direction, slope, options.feasibility)
         if following is None:
@@ -132,27 +133,27 @@ def find_equilibrium(potential: Potential, start: Array, options: StaticOptions)
         if following is None:
             break
         q = following
-        if np.abs(q).max() > LARGEST_EXCURSION * potential.cable.length:
-            message = "the cable runs away: its loads are not balanced by anything that holds it"
+        if np.abs(q).max() > LARGEST_EXCURSION * potential.length:
+            message = "it runs away: its loads are not balanced by anything that holds it"
             break
-    converged = residual <= 1e3 * limit and eigenvalue > 0.0 and not message
+    converged = residual <= 1e3 * limit and eigenvalue > potential.indifferent and not message
     if not converged and not message:
         message = "no stable equilibrium within reach"
     violation = float(np.abs(potential.values(q)).max(initial=0.0))
-    return Equilibrium(q, converged, message, residual, violation, iterations, eigenvalue)
+    return Equilibrium(q, multipliers, converged, message, residual, violation, iterations, eigenvalue)
 
 
 def _escape(
-    potential: Potential, q: Array, worst: Array, eigenvalue: float, options: StaticOptions
+    potential: StaticSystem, q: Array, worst: Array, eigenvalue: float, options: StaticOptions
 ) -> Array | None:
     """A state with less energy beside an unstable equilibrium; None if it is stable."""
-    if not eigenvalue < 0.0:
+    if not eigenvalue < potential.indifferent:
         return None
-    direction = worst / max(float(np.abs(worst.reshape(q.shape)[:, 1]).max()), 1e-300)
+    direction = worst / max(potential.turn(worst.reshape(q.shape)), 1e-300)
     trials = []
     for size in (0.1, -0.1, 0.01, -0.01):
         trial, left = feasible(potential, q + size * direction.reshape(q.shape), options.feasibility)
         if left <= 1e3 * options.feasibility:
-            trials.append((potential.energy(trial), trial))
-    energy, best = min(trials, key=lambda pair: pair[0], default=(np.inf, q))
-    return best if energy < potential.energy(q) else None
+            trials.append((potential.fall(q, trial), trial))
+    fall, best = max(trials, key=lambda pair: pair[0], default=(0.0, q))
+    return best if fall > 0.0 else None

@@ -18,6 +18,8 @@ from ..element.forms import forms_of_mesh
 from ..element.inertia import mass_matrix
 from ..element.inextensibility import slope_gram_matrix
 
+BOW = 0.3  # slope at the ends of the sag that a taut start is given [-]
+
 
 class Potential:
     """Energy, forces and Hessians of one cable under given loads, and its constraints at a time."""
@@ -38,7 +40,19 @@ class Potential:
         self.metric = self.mass + smoothing / section.bending_stiffness * self._stiffness
         lengths = np.ones(cable.reference.shape)
         lengths[:, 1] = 1.0 / float(cable.element_lengths.mean())
-        self._scale = lengths.ravel()
+        self.scale = lengths.ravel()  # of forces: moments count over the element length
+
+    indifferent = 0.0  # see `StaticSystem`
+
+    @property
+    def length(self) -> float:
+        """Of the cable [m]."""
+        return self.cable.length
+
+    @property
+    def shift(self) -> float:
+        """Of an indefinite Hessian, by the mass [1/s^2]."""
+        return self.largest_load / (self.cable.section.mass_per_length * self.cable.length**2)
 
     def turn_with(self, q: Array) -> None:
         """The slopes at both ends of a ring are joined transverse to the first one, which may turn."""
@@ -51,11 +65,27 @@ class Potential:
         """Bending energy less the work of the loads [J]."""
         return float(elastic_energy(self._chain, q)) - float(np.sum(self._external * q))
 
+    def fall(self, q: Array, trial: Array) -> float:
+        """How much lower the energy is at `trial` [J]."""
+        return self.energy(q) - self.energy(trial)
+
+    def scale_of_energy(self, q: Array) -> float:
+        """[J]"""
+        return abs(self.energy(q)) + self.largest_load * self.length
+
+    def turn(self, step: Array) -> float:
+        """Largest change of a slope in a step (n, 2, dim)."""
+        return float(np.abs(step[:, 1]).max())
+
     def force(self, q: Array) -> Array:
         """(n_dof,) elastic and external force."""
         force = self._external.copy()
         add_elastic_force(self._chain, q, force)
         return force.ravel()
+
+    @property
+    def number_of_constraints(self) -> int:
+        return sum(constraint.number for constraint in self._constraints)
 
     def values(self, q: Array) -> Array:
         """(m,) all constraints."""
@@ -99,7 +129,7 @@ class Potential:
 
     def size(self, force: Array) -> float:
         """Largest component [N], moments over the element length."""
-        return float(np.abs(force * self._scale).max(initial=0.0))
+        return float(np.abs(force * self.scale).max(initial=0.0))
 
     @property
     def total_force(self) -> Array:
@@ -112,3 +142,18 @@ class Potential:
         """Of the external forces [N], and of bending to a radius of the cable's length."""
         section = self.cable.section
         return self.size(self._external.ravel()) + section.bending_stiffness / self.cable.length**2
+
+    def bowed(self, q: Array) -> Array:
+        """q with a sag towards the loads, or anywhere: on a straight line no step makes a cable longer."""
+        arc = np.append(0.0, np.cumsum(self.cable.element_lengths)) * np.pi / self.cable.length
+        chord = q[-1, 0] - q[0, 0]
+        chord = chord / max(float(np.linalg.norm(chord)), 1e-300)
+        candidates = np.stack([self.total_force, *np.eye(q.shape[2])])
+        across = candidates - np.outer(candidates @ chord, chord)
+        sizes = np.linalg.norm(across, axis=1)
+        chosen = 0 if sizes[0] > 1e-6 * self.largest_load else 1 + int(np.argmax(sizes[1:]))
+        sag = BOW * self.cable.length / np.pi * across[chosen] / sizes[chosen]
+        result = q.copy()
+        result[:, 0] += np.outer(np.sin(arc), sag)
+        result[:, 1] += np.outer(np.cos(arc), sag * np.pi / self.cable.length)
+        return result

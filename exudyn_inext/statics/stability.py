@@ -4,14 +4,14 @@ import numpy as np
 from scipy.linalg import eigh
 
 from ..arrays import Array
-from .potential import Potential
 from .saddle_point import factorise, solve
+from .static_system import StaticSystem
 
 LANCZOS_STEPS = 60
 NEGLIGIBLE = 1e-10  # of the inverse eigenvalues: round-off of those that are infinite
 
 
-def smallest_eigenvalue(potential: Potential, q: Array, multipliers: Array) -> tuple[float, Array]:
+def smallest_eigenvalue(potential: StaticSystem, q: Array, multipliers: Array) -> tuple[float, Array]:
     """Of the Hessian on the constraints' null space, over the mass [1/s^2], and its vector (n_dof,).
 
     Lanczos iteration with the inverse, orthogonalised: if some eigenvalues are negative, the one nearest

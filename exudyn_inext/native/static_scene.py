@@ -1,0 +1,168 @@
+"""What Exudyn's items do to a scene at rest, for the search for its equilibrium."""
+
+import exudyn
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+
+from ..arrays import Array
+from ..errors import SceneError
+from ..items.arguments import described
+from .bodies import read_quaternions
+from .coupled_scene import CoupledScene
+
+_ROTATIONS = {"RigidBody2D": 2, "Point2DSlope1": 2, "PointSlope1": 3, "PointSlope12": 3, "PointSlope23": 3}
+"""Where the rotations, or slopes, of a node begin."""
+
+
+class StaticScene:
+    """See `statics.joined_potential.Others`.
+
+    Args:
+        scene: evaluated by Exudyn.   t: at which loads and joints are taken [s].
+    """
+
+    def __init__(self, scene: CoupledScene, t: float) -> None:
+        self._scene, self._time = scene, t
+        self._rest = np.zeros(scene.size)
+        mbs = scene.mbs
+        if mbs.systemData.ODE1Size():
+            raise SceneError("mbs has states of first order, whose rest is not searched for: remove them.")
+        scene.surroundings.settles = True
+        self.force(scene.initial_state[0])
+        self.mass = scene.body_system.mass
+        bodies = scene.map.slices[-1]
+        self.varying = _varying(scene, np.arange(bodies.start, bodies.stop))
+        quaternions = read_quaternions(mbs)
+        places = [[scene.map.place(c) for c in one.coordinates] for one in quaternions]
+        self.quaternions = np.array(places, dtype=int).reshape(-1, 4)
+        self.references = np.array([one.reference for one in quaternions]).reshape(-1, 4)
+        self.turning = _turning(scene, bodies.start)
+
+    def force(self, q: Array) -> Array:
+        """See `Others`."""
+        self._scene.surroundings.forces(self._time, q, self._rest)
+        return self._scene.surroundings.native_forces.copy()
+
+    def values(self, q: Array) -> Array:
+        """See `Others`."""
+        if not self._scene.joints:
+            return np.zeros(0)
+        return self._scene.surroundings.violations(self._time, q)
+
+    def jacobian(self, q: Array) -> csr_array:
+        """See `Others`."""
+        surroundings, size = self._scene.surroundings, (len(self._scene.surroundings.joints), len(q))
+        rows, columns, values = [np.zeros(0, int)], [np.zeros(0, int)], [np.zeros(0)]
+        for block in surroundings.jacobian(self._time, q) if self._scene.joints else ():
+            at = np.nonzero(block.jacobian)
+            rows.append(block.rows[at[0]])
+            columns.append(block.dofs.start + at[1])
+            values.append(block.jacobian[at])
+        places = np.concatenate(rows), np.concatenate(columns)
+        return csr_array(coo_array((np.concatenate(values), places), size))
+
+    def reactions(self, q: Array, nu: Array) -> Array:
+        """Of all algebraic equations in Exudyn's order.   nu: (m,) of the joints."""
+        self.force(q)
+        return self._scene.surroundings.all_multipliers(nu, self._rest)
+
+    def node_of(self, place: int) -> str:
+        """The node that has a coordinate of the scene."""
+        return self._scene.coordinate_name(self._scene.map.indices[place])
+
+
+def _varying(scene: CoupledScene, bodies: np.ndarray) -> np.ndarray:
+    """Coordinates that forces of items, or Jacobians of joints, depend on."""
+    mbs, data = scene.mbs, scene.mbs.systemData
+    if mbs.NumberOfGeneralContacts():
+        return np.arange(len(scene.map.indices))
+    linear = {joint.number for joint in scene.joints if joint.is_linear}
+    left_out = linear | {cable.number for cable in scene.cables} | scene.elsewhere
+    found = [bodies]
+    for number in range(data.NumberOfObjects()):
+        if number not in left_out and mbs.GetObject(number).get("activeConnector"):
+            found.append(np.array(data.GetObjectLTGODE2(number), dtype=int))
+            found[-1] = np.array([scene.map.place(c) for c in found[-1]], dtype=int)
+    for number in range(data.NumberOfLoads()):
+        load = mbs.GetLoad(number)
+        if load["loadType"] == "TorqueVector" or load.get("bodyFixed"):
+            found.append(_coordinates_of_marker(scene, int(load["markerNumber"])))
+    together = np.unique(np.concatenate(found))
+    return together[together >= 0]
+
+
+def _coordinates_of_marker(scene: CoupledScene, number: int) -> np.ndarray:
+    marker, data = scene.mbs.GetMarker(number), scene.mbs.systemData
+    if "nodeNumber" in marker:
+        own = data.GetNodeLTGODE2(int(marker["nodeNumber"]))
+    else:
+        own = data.GetObjectLTGODE2(int(marker["bodyNumber"])) if "bodyNumber" in marker else []
+    return np.array([scene.map.place(c) for c in own], dtype=int)
+
+
+def _turning(scene: CoupledScene, first: int) -> np.ndarray:
+    """Places, from `first` on, that turn bodies or their nodes."""
+    data, found = scene.mbs.systemData, []
+    for number in range(data.NumberOfNodes()):
+        kind = scene.mbs.GetNode(number)["nodeType"]
+        begin = _ROTATIONS.get(kind, 3 if kind.startswith("RigidBody") else None)
+        own = data.GetNodeLTGODE2(number)[begin:] if begin is not None else []
+        found += [place for place in map(scene.map.place, own) if place >= first]
+    return np.array(found, dtype=int)
+
+
+def require_held(scene: CoupledScene, cables_held: list[bool]) -> None:
+    """Raise SceneError, which names a cable or body, if nothing connects it to the ground.
+
+    cables_held: of each cable, whether it has supports.
+    """
+    mbs, data = scene.mbs, scene.mbs.systemData
+    if mbs.NumberOfGeneralContacts():
+        return
+    owners = [(cable.number, set(cable.indices.tolist())) for cable in scene.cables]
+    owners += [(body.number, set(body.coordinates.tolist())) for body in scene.bodies]
+    group = list(range(len(owners) + 1))  # the last one is the ground
+
+    def root(k: int) -> int:
+        while group[k] != k:
+            k = group[k]
+        return k
+
+    owner_of = {place: k for k, (_, places) in enumerate(owners) for place in sorted(places)}
+    ties = [{k, len(owners)} for k, is_held in enumerate(cables_held) if is_held]
+    ties += [{owner_of[p], len(owners)} for p in scene.held_places.tolist() if p in owner_of]
+    own = {number for number, _ in owners}
+    for number in range(data.NumberOfObjects()):
+        if number in own or not mbs.GetObject(number).get("activeConnector"):
+            continue
+        met = {owner_of[place] for place in data.GetObjectLTGODE2(number) if place in owner_of}
+        ties.append(met if len(met) > 1 else met | {len(owners)})
+    for tie in ties:
+        first, *others = sorted(tie)
+        for other in others:
+            group[root(other)] = root(first)
+    for k, (number, _) in enumerate(owners):
+        if root(k) != root(len(owners)):
+            name = described(mbs.GetObject(number), number)
+            raise SceneError(
+                f"nothing connects {name} to the ground, so that it has no equilibrium of its own: add a "
+                "support, a joint or a spring, or let SolveExplicit move it."
+            )
+
+
+def write_state(scene: CoupledScene, q: Array, reactions: Array) -> None:
+    """q (n,) of the scene as initial and present state of mbs, at rest, and the reactions of joints."""
+    data = scene.mbs.systemData
+    displacements = np.array(scene.map.displacements(q[: len(scene.map.indices)]))
+    rest = np.zeros(len(displacements)).tolist()
+    for configuration in (exudyn.ConfigurationType.Initial, exudyn.ConfigurationType.Current):
+        system = np.array(data.GetODE2Coordinates(configuration))
+        system[scene.map.indices] = displacements[scene.map.indices]
+        data.SetODE2Coordinates(system.tolist(), configuration)
+        data.SetODE2Coordinates_t(rest, configuration)
+    data.SetAECoordinates(reactions.tolist())
+    for number in range(data.NumberOfNodes()):
+        places = np.array(data.GetNodeLTGODE2(number), dtype=int)
+        if len(places) and len(scene.mbs.GetNode(number).get("initialVelocities", [])) == len(places):
+            scene.mbs.SetNodeParameter(number, "initialCoordinates", system[places].tolist())
+            scene.mbs.SetNodeParameter(number, "initialVelocities", [0.0] * len(places))

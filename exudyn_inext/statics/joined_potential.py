@@ -1,0 +1,195 @@
+"""Cables, bodies, springs and joints of a scene at rest, as one system of the search for an equilibrium.
+
+Cables know their energy and its derivatives. Of other items only forces are known: the energy falls by the
+work that they do along a step, and what they add to the Hessian is found by differences of
+
+    G(q) = J(q)^T nu - F(q)
+
+over those coordinates on which it depends.
+"""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+from scipy.sparse import block_diag, csc_array, csr_array, vstack
+
+from ..arrays import Array
+from .potential import Potential
+
+STEP = 1e-6  # of differences [m, -]
+SHARE = 1e-9  # of the usual shift, by which all Hessians are made regular: bodies may be free to turn
+INDIFFERENT = -1e-6  # eigenvalue, relative to the usual shift
+
+
+class Others(Protocol):
+    """All but the cables, and the joints; coordinates are those of the scene, cables first.
+
+    mass: (b, b) of the bodies, whose coordinates come last.   varying: coordinates that F or J depend on.
+    quaternions: (Q, 4) places of Euler parameters.   references: (Q, 4) added to these.
+    turning: (k,) places of coordinates that turn bodies.
+    """
+
+    mass: csr_array
+    varying: np.ndarray
+    quaternions: np.ndarray
+    references: Array
+    turning: np.ndarray
+
+    def force(self, q: Array) -> Array:
+        """F (n,) of all items but the cables, and of these items on the cables, at rest."""
+
+    def values(self, q: Array) -> Array:
+        """c (m,) of the joints."""
+
+    def jacobian(self, q: Array) -> csr_array:
+        """J (m, n)."""
+
+
+class JoinedPotential:
+    """See `StaticSystem`; states are (n,).
+
+    Args:
+        cables: of the scene.   others: all other items.   start: (n,) where the search begins.
+    """
+
+    def __init__(self, cables: Sequence[Potential], others: Others, start: Array) -> None:
+        self._cables, self._others = cables, others
+        sizes = [cable.cable.reference.size for cable in cables]
+        ends = np.cumsum([0, *sizes])
+        self._places = [slice(a, b) for a, b in pairwise(ends.tolist())]
+        self._bodies = slice(int(ends[-1]), len(start))
+        self.length = max(cable.length for cable in cables)
+        self.mass = csr_array(block_diag([*(cable.mass for cable in cables), others.mass]))
+        self.metric = csr_array(block_diag([*(cable.metric for cable in cables), others.mass]))
+        self._scale = np.ones(len(start))
+        for cable, place in zip(cables, self._places, strict=True):
+            self._scale[place] = cable.scale
+        self._scale[others.turning] = 1.0 / self.length
+        loads = [cable.largest_load for cable in cables]
+        self.largest_load = max(*loads, self.size(others.force(start)))
+        heaviest = max(load / cable.shift for load, cable in zip(loads, cables, strict=True))
+        self.shift = self.largest_load / heaviest
+        self.indifferent = INDIFFERENT * self.shift
+
+    def _parts(self, q: Array) -> list[tuple[Potential, Array]]:
+        shapes = [cable.cable.reference.shape for cable in self._cables]
+        return [
+            (cable, q[place].reshape(shape))
+            for cable, place, shape in zip(self._cables, self._places, shapes, strict=True)
+        ]
+
+    def turn_with(self, q: Array) -> None:
+        """See `StaticSystem`."""
+        for cable, own in self._parts(q):
+            cable.turn_with(own)
+
+    def fall(self, q: Array, trial: Array) -> float:
+        """See `StaticSystem`; other items by the trapezoidal rule."""
+        pairs = zip(self._parts(q), self._parts(trial), strict=True)
+        of_cables = sum(cable.fall(before, after) for (cable, before), (_, after) in pairs)
+        mean = 0.5 * (self._others.force(q) + self._others.force(trial))
+        return float(of_cables + mean @ (trial - q))
+
+    def scale_of_energy(self, q: Array) -> float:
+        """See `StaticSystem`."""
+        return (
+            sum(cable.scale_of_energy(own) for cable, own in self._parts(q)) + self.largest_load * self.length
+        )
+
+    def turn(self, step: Array) -> float:
+        """See `StaticSystem`."""
+        of_cables = [cable.turn(own) for cable, own in self._parts(step)]
+        return max(*of_cables, float(np.abs(step[self._others.turning]).max(initial=0.0)))
+
+    def bowed(self, q: Array) -> Array:
+        """See `StaticSystem`."""
+        return np.concatenate([*(cable.bowed(own).ravel() for cable, own in self._parts(q)), q[self._bodies]])
+
+    def force(self, q: Array) -> Array:
+        """See `StaticSystem`."""
+        total = self._others.force(q).copy()
+        for (cable, own), place in zip(self._parts(q), self._places, strict=True):
+            total[place] += cable.force(own)
+        return total
+
+    def size(self, force: Array) -> float:
+        """See `StaticSystem`."""
+        return float(np.abs(force * self._scale).max(initial=0.0))
+
+    def _euler_parameters(self, q: Array) -> Array:
+        """(Q, 4)"""
+        return q[self._others.quaternions] + self._others.references
+
+    def values(self, q: Array) -> Array:
+        """Of the cables, the Euler parameters, the joints."""
+        norms = 0.5 * ((self._euler_parameters(q) ** 2).sum(axis=1) - 1.0)
+        return np.concatenate(
+            [*(cable.values(own) for cable, own in self._parts(q)), norms, self._others.values(q)]
+        )
+
+    def jacobian(self, q: Array) -> csr_array:
+        """See `StaticSystem`."""
+        places, size = self._others.quaternions, len(q)
+        of_cables = block_diag([cable.jacobian(own) for cable, own in self._parts(q)])
+        of_cables = _widened(of_cables, size)
+        rows = np.repeat(np.arange(len(places)), 4)
+        norms = csr_array((self._euler_parameters(q).ravel(), (rows, places.ravel())), (len(places), size))
+        return csr_array(vstack([of_cables, norms, self._others.jacobian(q)]))
+
+    def hessian(self, q: Array, multipliers: Array) -> csr_array:
+        """See `StaticSystem`; slightly regular."""
+        first, blocks = 0, []
+        for cable, own in self._parts(q):
+            number = len(cable.values(own))
+            blocks.append(cable.hessian(own, multipliers[first : first + number]))
+            first += number
+        rest = len(q) - self._bodies.start
+        total = csr_array(block_diag([*blocks, csr_array((rest, rest))]))
+        places = self._others.quaternions
+        of_norms = np.repeat(multipliers[first : first + len(places)], 4)
+        total += csr_array((of_norms, (places.ravel(), places.ravel())), total.shape)
+        total += self._of_others(q, multipliers[first + len(places) :])
+        return csr_array(total + SHARE * self.shift * self.mass)
+
+    def _of_others(self, q: Array, nu: Array) -> csr_array:
+        """Derivatives of G, by central differences."""
+        varying = self._others.varying
+
+        def out_of_balance(at: Array) -> Array:
+            force: Array = self._others.jacobian(at).T @ nu - self._others.force(at)
+            return force
+
+        columns = []
+        for place in varying:
+            moved = q.copy()
+            moved[place] += STEP
+            after = out_of_balance(moved)
+            moved[place] -= 2.0 * STEP
+            columns.append(csc_array((after - out_of_balance(moved))[:, np.newaxis] / (2.0 * STEP)))
+        spread = csr_array(
+            (np.ones(len(varying)), (np.arange(len(varying)), varying)), (len(varying), len(q))
+        )
+        if not columns:
+            return csr_array((len(q), len(q)))
+        indptr = np.cumsum([0, *(column.nnz for column in columns)])
+        rows = np.concatenate([column.indices for column in columns])
+        values = np.concatenate([column.data for column in columns])
+        return csr_array(csc_array((values, rows, indptr), (len(q), len(varying))) @ spread)
+
+    def convex_model(self, multipliers: Array, shift: float) -> csr_array:
+        """See `StaticSystem`."""
+        first, blocks = 0, []
+        for cable in self._cables:
+            number = cable.number_of_constraints
+            blocks.append(cable.convex_model(multipliers[first : first + number], shift))
+            first += number
+        return csr_array(block_diag([*blocks, shift * self._others.mass]))
+
+
+def _widened(matrix: csr_array, size: int) -> csr_array:
+    """The same with columns of zeros behind."""
+    found = csr_array(matrix)
+    found.resize((found.shape[0], size))
+    return found

@@ -1,0 +1,63 @@
+"""What the search for an equilibrium knows of what it moves: a cable, or a whole scene."""
+
+from typing import Protocol
+
+from scipy.sparse import csr_array
+
+from ..arrays import Array
+
+
+class StaticSystem(Protocol):
+    """Energy or work, forces, Hessians and constraints; states are arrays of n coordinates of any shape.
+
+    length: of the longest cable [m].   largest_load: [N].
+    shift: of an indefinite Hessian, by the mass [1/s^2].
+    mass: (n, n).   metric: (n, n) by which the way back to the constraints is the shortest one.
+    indifferent: eigenvalue, at most 0, above which an equilibrium counts as stable [1/s^2].
+    """
+
+    mass: csr_array
+    metric: csr_array
+    indifferent: float
+
+    @property
+    def length(self) -> float: ...
+
+    @property
+    def largest_load(self) -> float: ...
+
+    @property
+    def shift(self) -> float: ...
+
+    def turn_with(self, q: Array) -> None:
+        """Constraints may follow the configuration from one step to the next."""
+
+    def fall(self, q: Array, trial: Array) -> float:
+        """How much lower the energy is at `trial` than at q [J]."""
+
+    def scale_of_energy(self, q: Array) -> float:
+        """Relative to which round-off hides a gain [J]."""
+
+    def turn(self, step: Array) -> float:
+        """Largest change of a slope, and angle of a body, in a step."""
+
+    def bowed(self, q: Array) -> Array:
+        """q with sagging cables."""
+
+    def force(self, q: Array) -> Array:
+        """(n,) of all but the constraints."""
+
+    def size(self, force: Array) -> float:
+        """Largest component of a force [N], moments over a length."""
+
+    def values(self, q: Array) -> Array:
+        """(m,) of the constraints."""
+
+    def jacobian(self, q: Array) -> csr_array:
+        """(m, n)"""
+
+    def hessian(self, q: Array, multipliers: Array) -> csr_array:
+        """(n, n) of the Lagrangian."""
+
+    def convex_model(self, multipliers: Array, shift: float) -> csr_array:
+        """(n, n) positive definite, near to the Hessian."""

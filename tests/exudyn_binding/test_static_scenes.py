@@ -1,0 +1,371 @@
+"""SolveEquilibrium among bodies, springs, joints, torques and contact, beside native twins."""
+
+from itertools import pairwise
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.beams import GenerateBeamElementsAlongLine
+from exudyn.itemInterface import (
+    CartesianSpringDamper,
+    CoordinateConstraint,
+    DistanceConstraint,
+    LoadForceVector,
+    LoadTorqueVector,
+    MarkerBodyPosition,
+    MarkerBodyRigid,
+    MarkerNodeCoordinate,
+    MarkerNodePosition,
+    MarkerNodeRigid,
+    ObjectANCFCable,
+    ObjectANCFCable2D,
+    RevoluteJoint2D,
+    SphericalJoint,
+    TorsionalSpringDamper,
+)
+from exudyn.utilities import InertiaCuboid
+
+from exudyn_inext import (
+    CreateCompanionCables,
+    CreateInextensibleCable,
+    EquilibriumError,
+    InextensibleCable,
+    InputError,
+    SceneError,
+    SolveEquilibrium,
+    SolveExplicit,
+    StaticSettings,
+)
+from exudyn_inext.element.shape_functions import shape_functions
+from reference_models.model import quiet_settings, silence
+from tests.items.attach.contact import Circle, add_frictionless_contact
+
+MASS, BENDING, AXIAL = 0.2, 0.05, 1e6  # per length [kg/m], [N m^2], of native cables [N]
+SIZE = 1e-4  # of what a finer mesh and a stretch of 1e-6 may change [m]
+ELEMENTS, FINER = 16, 4  # of each cable, and how many native ones lie in each
+
+
+class Builder:
+    """A scene of inextensible, or of native cables."""
+
+    def __init__(self, native=False, dimension=3):
+        self.container = exudyn.SystemContainer()
+        self.mbs = self.container.AddSystem()
+        self.native, self.dimension = native, dimension
+        self.gravity = [0, 0, -9.81] if dimension == 3 else [0, -9.81, 0]
+        self.ground = self.mbs.CreateGround()
+        self.cables = []
+
+    def cable(self, start, end, elements=ELEMENTS, pinned=(), clamped=(), gravity=None):
+        """Nodes of a straight cable; `pinned` and `clamped` name its ends, 'Start' and 'End'."""
+        number = elements * (FINER if self.native else 1)
+        line = {"positionStart": start, "positionEnd": end, "numberOfElements": number}
+        line["gravity"] = self.gravity if gravity is None else gravity
+        for name in ("Start", "End"):
+            flags = [name in pinned or name in clamped] * self.dimension
+            line[f"groundConstraints{name}"] = flags + [name in clamped] * self.dimension
+        names = {"massPerLength": MASS, "bendingStiffness": BENDING}
+        if self.native:
+            kind = ObjectANCFCable if self.dimension == 3 else ObjectANCFCable2D
+            with silence():
+                made = GenerateBeamElementsAlongLine(
+                    self.mbs, beamTemplate=kind(**names, axialStiffness=AXIAL), **line
+                )
+        else:
+            made = CreateInextensibleCable(
+                self.mbs, beamTemplate=InextensibleCable(**names), dimension=self.dimension, **line
+            )
+        self.made = made
+        nodes = [int(node) for node in made["nodes"]]
+        self.cables.append(nodes)
+        return nodes
+
+    def at(self, node):
+        return self.mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+
+    def on(self, body, local=(0.0, 0.0, 0.0), rigid=False):
+        kind = MarkerBodyRigid if rigid else MarkerBodyPosition
+        return self.mbs.AddMarker(kind(bodyNumber=body, localPosition=list(local)))
+
+    def tie(self, *markers):
+        axes = [1] * self.dimension + [0] * (3 - self.dimension)
+        self.mbs.AddObject(SphericalJoint(markerNumbers=list(markers), constrainedAxes=axes))
+
+    def body(self, position, node="EulerParameters"):
+        kind = getattr(exudyn.NodeType, f"Rotation{node}")
+        inertia = InertiaCuboid(400, [0.2, 0.15, 0.1])
+        return self.mbs.CreateRigidBody(
+            inertia=inertia, referencePosition=position, gravity=self.gravity, nodeType=kind
+        )
+
+
+def platform(b):
+    """A body on three cables, pushed aside off its centre, and held by a spring."""
+    body = b.body([0, 0, -1])
+    for angle in (0.3, 2.3, 4.4):
+        local = [0.1 * np.cos(angle), 0.1 * np.sin(angle), 0.0]
+        nodes = b.cable([0.6 * np.cos(angle), 0.6 * np.sin(angle), 0.0], [*local[:2], -1.0], pinned=["Start"])
+        b.tie(b.on(body, local), b.at(nodes[-1]))
+    b.mbs.AddLoad(LoadForceVector(markerNumber=b.on(body, [0.0, 0.05, 0.0]), loadVector=[8.0, 3.0, 0.0]))
+    b.mbs.CreateSpringDamper(
+        itemNumbers=[b.ground, body], localPosition0=[1.0, 0.0, -1.2], referenceLength=0.5, stiffness=30
+    )
+
+
+def swing(b):
+    """Mass points between cables, which meet in one of them, and a spring to the ground."""
+    first = b.cable([0, 0, 0], [1, 0, 0], pinned=["Start"])
+    second = b.cable([1, 0, 0], [1.7, 0.5, 0.2])
+    third = b.cable([1, 0, 0], [1.2, -0.6, 0.1])
+    points = [
+        b.mbs.CreateMassPoint(mass=mass, referencePosition=place, gravity=b.gravity)
+        for mass, place in ((0.3, [1, 0, 0]), (0.2, [1.2, -0.6, 0.1]))
+    ]
+    b.tie(b.at(first[-1]), b.at(second[0]))
+    b.tie(b.at(third[0]), b.at(first[-1]))
+    b.tie(b.on(points[0]), b.at(first[-1]))
+    b.tie(b.on(points[1]), b.at(third[-1]))
+    ends = [b.on(b.ground, [1.5, 0.4, 0.3]), b.at(second[-1])]
+    b.mbs.AddObject(CartesianSpringDamper(markerNumbers=ends, stiffness=[50] * 3, damping=[0] * 3))
+
+
+def rod(b):
+    """A body that turns by angles, on a cable, a rod and a spring."""
+    body = b.body([0.5, 0.0, -0.5], node="Rxyz")
+    nodes = b.cable([0, 0, 0], [0.4, 0.0, -0.5], pinned=["Start"])
+    b.tie(b.at(nodes[-1]), b.on(body, [-0.1, 0, 0]))
+    ends = [b.on(b.ground, [1.0, 0.2, 0.0]), b.on(body, [0.1, 0, 0])]
+    length = float(np.linalg.norm([0.4, 0.2, 0.5]))
+    b.mbs.AddObject(DistanceConstraint(markerNumbers=ends, distance=length))
+    b.mbs.CreateSpringDamper(
+        itemNumbers=[b.ground, body],
+        localPosition0=[0.5, -1.0, -0.4],
+        localPosition1=[0.0, -0.05, 0.05],
+        referenceLength=0.4,
+        stiffness=40,
+    )
+
+
+def planar_crank(b):
+    """A planar body with an off-centre weight on the end of a clamped cable, and a torsional spring."""
+    nodes = b.cable([0, 0, 0], [0.8, 0, 0], clamped=["Start"])
+    body = b.mbs.CreateRigidBody(
+        inertia=InertiaCuboid(200, [0.2, 0.1, 0.05]),
+        referencePosition=[0.9, 0, 0],
+        gravity=b.gravity,
+        create2D=True,
+    )
+    b.mbs.AddObject(RevoluteJoint2D(markerNumbers=[b.at(nodes[-1]), b.on(body, [-0.1, 0.0, 0.0])]))
+    pair = [b.on(b.ground, rigid=True), b.on(body, rigid=True)]
+    b.mbs.AddObject(TorsionalSpringDamper(markerNumbers=pair, stiffness=0.4, offset=0.3))
+    b.mbs.AddLoad(LoadTorqueVector(markerNumber=b.on(body, rigid=True), loadVector=[0, 0, 0.1]))
+
+
+def moment(b):
+    """A moment at the end of a planar cantilever under gravity."""
+    nodes = b.cable([0, 0, 0], [1, 0, 0], clamped=["Start"])
+    marker = b.mbs.AddMarker(MarkerNodeRigid(nodeNumber=nodes[-1]))
+    b.mbs.AddLoad(LoadTorqueVector(markerNumber=marker, loadVector=[0, 0, 0.2]))
+
+
+def halves(b):
+    """One node of a cable follows another one by half."""
+    nodes = b.cable([0, 0, 0], [1, 0, 0], pinned=["Start"])
+    other = b.cable([0, -0.5, 0], [1, -0.5, 0], pinned=["Start"])
+    pair = [b.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=n[-1], coordinate=0)) for n in (nodes, other)]
+    b.mbs.AddObject(CoordinateConstraint(markerNumbers=pair, factor1=0.5))
+    b.mbs.AddLoad(LoadForceVector(markerNumber=b.at(other[-1]), loadVector=[4.0, 0.0, 0.0]))
+
+
+def over_a_wheel(b):
+    """A cantilever that lies on a circle, found by Exudyn's contact."""
+    ground = b.mbs.CreateGround(referencePosition=[0.6, -0.3, 0])
+    b.cable([0, 0, 0], [1, 0, 0], 24, clamped=["Start"])
+    elements = b.made["elements"] if b.native else CreateCompanionCables(b.mbs, b.made)
+    add_frictionless_contact(b.mbs, elements, Circle(0.1, 2e3, 0.0, 0.0), ground)
+
+
+SCENES = {
+    "platform": (platform, 3),
+    "swing": (swing, 3),
+    "rod": (rod, 3),
+    "crank": (planar_crank, 2),
+    "moment": (moment, 2),
+    "halves": (halves, 2),
+    "wheel": (over_a_wheel, 2),
+}
+
+
+TURNING = {"platform", "rod"}  # of which the native static solver diverges, whatever it starts from
+
+
+def built(scene, native=False):
+    build, dimension = SCENES[scene]
+    builder = Builder(native, dimension)
+    build(builder)
+    builder.mbs.Assemble()
+    return builder
+
+
+def totals(mbs):
+    """Coordinates with their reference values, node by node."""
+    data, found = mbs.systemData, {}
+    displacements = np.array(data.GetODE2Coordinates())
+    for number in range(data.NumberOfNodes()):
+        if len(own := data.GetNodeLTGODE2(number)):
+            found[number] = displacements[own] + mbs.GetNode(number)["referenceCoordinates"]
+    return found
+
+
+def finer(nodes, state):
+    """Coordinates of FINER times as many elements, by the shape functions."""
+    found = [state[nodes[0]]]
+    for left, right in pairwise(nodes):
+        ends = np.array([state[left], state[right]]).reshape(4, -1)
+        length = np.linalg.norm(ends[2] - ends[0])
+        for x in np.arange(1, FINER + 1) / FINER:
+            slope = (shape_functions(x + 1e-6, length) - shape_functions(x - 1e-6, length)) / (2e-6 * length)
+            found.append(np.concatenate([shape_functions(x, length) @ ends, slope @ ends]))
+    return found
+
+
+def pairs_of_nodes(ours, native):
+    """Nodes of both that stand for the same."""
+    for own, theirs in zip(ours.cables, native.cables, strict=True):
+        yield from zip(own, theirs[::FINER], strict=True)
+    others = [sorted(set(totals(b.mbs)).difference(*b.cables)) for b in (ours, native)]
+    yield from zip(*others, strict=True)
+
+
+def begin_with(native, ours):
+    """Let the native twin begin where ours is."""
+    state, data = totals(ours.mbs), native.mbs.systemData
+    places = {theirs: state[own] for own, theirs in pairs_of_nodes(ours, native)}
+    for own, theirs in zip(ours.cables, native.cables, strict=True):
+        places.update(zip(theirs, finer(own, state), strict=True))
+    initial = np.array(data.GetODE2Coordinates(exudyn.ConfigurationType.Initial))
+    for node, total in places.items():
+        initial[data.GetNodeLTGODE2(node)] = total - native.mbs.GetNode(node)["referenceCoordinates"]
+    data.SetODE2Coordinates(initial.tolist(), exudyn.ConfigurationType.Initial)
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_native_twins_stay_where_it_ends(scene):
+    """By statics; where that does not converge, by a dynamic run from there."""
+    ours, native = built(scene), built(scene, native=True)
+    report = SolveEquilibrium(ours.mbs)
+    assert report["success"] and report["iterations"] < 60
+    found, before = totals(ours.mbs), totals(built(scene).mbs)
+    assert max(np.abs(found[node] - at).max() for node, at in before.items()) > 0.02
+    begin_with(native, ours)
+    with silence():
+        settings = quiet_settings(0.2, 200)
+        settings.linearSolver.solverType = exudyn.LinearSolverType.EigenSparse
+        if scene in TURNING:
+            settings.timeIntegration.generalizedAlpha.spectralRadius = 0.5
+            native.mbs.SolveDynamic(settings)
+        else:
+            settings.staticSolver.newton.relativeTolerance = 1e-9
+            settings.staticSolver.numberOfLoadSteps = 1
+            native.mbs.SolveStatic(settings)
+    expected = totals(native.mbs)
+    for own, theirs in pairs_of_nodes(ours, native):
+        dim = ours.dimension
+        np.testing.assert_allclose(found[own][:dim], expected[theirs][:dim], atol=SIZE)
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_a_run_from_there_stays_at_rest(scene):
+    builder = built(scene)
+    SolveEquilibrium(builder.mbs)
+    before = totals(builder.mbs)
+    with silence():
+        SolveExplicit(builder.mbs, quiet_settings(0.2, 2))
+    after = totals(builder.mbs)
+    assert max(np.abs(after[n] - at).max() for n, at in before.items()) < 1e-7
+
+
+def test_a_moment_rolls_a_cantilever_up_to_a_circle():
+    builder = Builder(dimension=2)
+    nodes = builder.cable([0, 0, 0], [1, 0, 0], clamped=["Start"], gravity=[0, 0, 0])
+    marker = builder.mbs.AddMarker(MarkerNodeRigid(nodeNumber=nodes[-1]))
+    builder.mbs.AddLoad(LoadTorqueVector(markerNumber=marker, loadVector=[0, 0, 2.0 * np.pi * BENDING]))
+    builder.mbs.Assemble()
+    SolveEquilibrium(builder.mbs)
+    found = totals(builder.mbs)
+    np.testing.assert_allclose(found[nodes[-1]][:2], 0.0, atol=1e-4)
+    np.testing.assert_allclose(found[nodes[8]][:2], [0.0, 1.0 / np.pi], atol=1e-4)
+
+
+def hanging_ball():
+    """A body that hangs by one point, free to turn about the vertical."""
+    b = Builder()
+    body = b.body([1.1, 0, 0])
+    nodes = b.cable([0, 0, 0], [1, 0, 0], pinned=["Start"])
+    b.tie(b.at(nodes[-1]), b.on(body, [-0.1, 0, 0]))
+    return b, body
+
+
+def test_what_is_free_to_turn_comes_to_rest_below():
+    builder, body = hanging_ball()
+    builder.mbs.Assemble()
+    SolveEquilibrium(builder.mbs)
+    position = builder.mbs.GetObjectOutputBody(body, exudyn.OutputVariableType.Position)
+    np.testing.assert_allclose(position, [0, 0, -1.1], atol=1e-8)
+
+
+def test_sensors_show_the_forces_of_joints():
+    builder, body = hanging_ball()
+    mbs = builder.mbs
+    joints = [n for n in range(mbs.systemData.NumberOfObjects()) if "Joint" in mbs.GetObject(n)["objectType"]]
+    mbs.Assemble()
+    SolveEquilibrium(mbs)
+    force = np.array(mbs.GetObjectOutput(joints[0], exudyn.OutputVariableType.Force))
+    weight = 400 * 0.2 * 0.15 * 0.1 * 9.81
+    np.testing.assert_allclose(np.linalg.norm(force), weight, rtol=1e-9)
+    mass = mbs.GetObject(body)["mass"]
+    np.testing.assert_allclose(mass * 9.81, weight)
+
+
+def test_it_holds_after_a_new_assembly_and_an_equilibrium_needs_no_search():
+    builder = built("platform")
+    SolveEquilibrium(builder.mbs)
+    before = totals(builder.mbs)
+    builder.mbs.Assemble()
+    assert SolveEquilibrium(builder.mbs)["iterations"] <= 2
+    after = totals(builder.mbs)
+    assert max(np.abs(after[n] - at).max() for n, at in before.items()) < 1e-9
+
+
+def test_a_body_that_nothing_holds_is_named_and_nothing_changes():
+    builder = Builder()
+    builder.cable([0, 0, 0], [1, 0, 0], pinned=["Start"])
+    body = builder.body([0, 0, 1])
+    other = builder.body([0, 0, 2])
+    builder.tie(builder.on(body), builder.on(other))
+    builder.mbs.Assemble()
+    before = totals(builder.mbs)
+    with pytest.raises(SceneError, match=r"nothing connects object \d+ .*RigidBody.* to the ground"):
+        SolveEquilibrium(builder.mbs)
+    assert all((totals(builder.mbs)[n] == at).all() for n, at in before.items())
+
+
+def test_a_body_that_runs_away_leaves_the_mbs_as_it_was():
+    builder = Builder(dimension=2)
+    nodes = builder.cable([0, 0, 0], [1, 0, 0], pinned=["Start"])
+    point = builder.mbs.CreateMassPoint(mass=1.0, referencePosition=[2, 0, 0], gravity=builder.gravity)
+    ends = [builder.at(nodes[-1]), builder.on(point)]
+    builder.mbs.AddObject(CartesianSpringDamper(markerNumbers=ends, stiffness=[5, 0, 5], damping=[0] * 3))
+    builder.mbs.Assemble()
+    before = totals(builder.mbs)
+    with pytest.raises(EquilibriumError, match=r"the scene: .*after .* iterations") as refusal:
+        SolveEquilibrium(builder.mbs)
+    assert refusal.value.report["success"] is False
+    assert all((totals(builder.mbs)[n] == at).all() for n, at in before.items())
+
+
+def test_load_steps_are_refused_among_bodies():
+    builder = built("swing")
+    with pytest.raises(InputError, match=r"loadSteps = 3: among bodies.*set it to 1"):
+        SolveEquilibrium(builder.mbs, staticSettings=StaticSettings(loadSteps=3))
+    SolveEquilibrium(builder.mbs, staticSettings=StaticSettings(loadSteps=1))
