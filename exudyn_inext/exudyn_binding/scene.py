@@ -74,6 +74,9 @@ def read_scene(mbs: Any, read: Callable[..., Constraint | None] = read_constrain
     held = {number: it for number, it in elsewhere.items() if isinstance(it, HeldCoordinate)}
     if mbs.NumberOfGeneralContacts():
         foreign.append("a general contact")
+    if foreign:
+        links = _take_links(contents, cable_of)
+        foreign += [described(mbs.GetObject(number), number) for number in links]
     constraints_on, loads_on = defaultdict(list), defaultdict(list)
     for constraint in contents.constraints.values():
         constraints_on[cable_of[constraint.nodes[0]]].append(constraint)
@@ -148,6 +151,30 @@ def _take_foreign_constraints(
     foreign = [number for number, constraint in constraints.items() if not is_on_one(constraint)]
     foreign.sort(key=lambda number: _KINDS.index(type(constraints[number])))
     return {number: constraints.pop(number) for number in foreign}
+
+
+def _take_links(contents: Contents, cable_of: dict[int, int]) -> dict[int, Constraint]:
+    """Remove rods, and what holds positions in part, if several cables have them; returns them.
+
+    Among other items they are joints: a cable with links of its own shares its records with no other one.
+    """
+    held: defaultdict[int, set[int]] = defaultdict(set)  # coordinates of each node
+    for constraint in contents.constraints.values():
+        if isinstance(constraint, HeldCoordinate):
+            held[constraint.node].add(constraint.coordinate)
+
+    def is_link(constraint: Constraint) -> bool:
+        if not isinstance(constraint, HeldCoordinate):
+            return isinstance(constraint, Rod)
+        position = set(range(contents.items[cable_of[constraint.node]].cable.dimension))
+        return constraint.coordinate in position and not position <= held[constraint.node]
+
+    links = {number: one for number, one in contents.constraints.items() if is_link(one)}
+    if len({cable_of[one.nodes[0]] for one in links.values()}) < 2:
+        return {}
+    for number in links:
+        del contents.constraints[number]
+    return links
 
 
 def _read_loads(mbs: Any, on_cables: Container[int], elements: Elements) -> tuple[list[CableLoad], list[str]]:
