@@ -35,9 +35,9 @@ def memory_of(scene: str, elements: int, steps: int) -> Row:
 
 
 def _long_cable(scene: str, elements: str, steps: str) -> Row:
-    row: Row = {"libraries": _peak()}
+    row: Row = {"libraries": peak_memory()}
     model = build(load_scene(scene), int(elements))
-    row["model"] = _peak()
+    row["model"] = peak_memory()
     start = time.perf_counter()
     stepper = ExplicitStepper(model.mbs, ExplicitSettings(stepSize=2e-3, massScaling=0.3))
     stepper.Start()
@@ -46,10 +46,10 @@ def _long_cable(scene: str, elements: str, steps: str) -> Row:
     start = time.perf_counter()
     stepper.Step(int(steps))
     row["stepSeconds"] = (time.perf_counter() - start) / int(steps)
-    return row | {"peak": _peak()}
+    return row | {"peak": peak_memory()}
 
 
-def _peak() -> int:
+def peak_memory() -> int:
     """Largest resident memory so far [bytes].
 
     Linux hands what getrusage tells down from parent to child; its status file counts from the start.
