@@ -36,7 +36,7 @@ GRAVITY = [0.0, 0.0, -9.81]
 SECTION = {"massPerLength": 0.2, "bendingStiffness": 2e-3}
 SIDE, SAG = 0.25, 0.15  # of a mesh [m], of the net over its size
 PERIOD = 0.01  # of outputs [s]
-STEP, STEPS = 5e-4, (4, 24)  # of large nets [s]; of the short and the long run
+STEP, STEPS = 5e-4, (4, 104)  # of large nets [s]; of the short and the long run
 LARGE_ELEMENTS = 6
 
 
