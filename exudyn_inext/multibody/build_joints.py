@@ -120,6 +120,7 @@ def _ties(points: Any, rows: Any, owners: Sequence[int], component: int) -> tupl
     """Rows that hold one component of two points together; and points whose coordinates others hold, too."""
     begin, end = points["first"].tolist(), (points["first"] + points["width"]).tolist()
     is_tie = (rows["kind"] == DIFFERENCE) & (rows["factor"] == 1.0) & (rows["offset"] == 0.0)
+    is_tie &= rows["function"] < 0
     is_tie &= ~(points["kind"][rows["points"]] == COORDINATE).any(axis=1)
     pairs = rows["points"].tolist()
     others = {k for r in np.flatnonzero(~is_tie).tolist() for k in pairs[r] if owners[k] != GROUND}

@@ -24,9 +24,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import inlined
+from ..compiled import inlined, kernel
 from .bodies import respond_body
-from .rows import add_row_jacobian, row_gamma, row_value
+from .rows import add_row_jacobian, move_rows, row_gamma, row_value
 from .sparse_factor import SparseFactor, eliminate_column, substitute
 
 NONE = -1
@@ -96,7 +96,7 @@ class Joints(NamedTuple):
     rows: (m,) records.   place: (m,) of their multipliers among the unknowns, or NONE: of a knot.
     factor: of S.   is_row: (n,) whether an unknown is a multiplier.   diagonal: (n,) of S.
     value, gamma, multipliers: (m,) c, see `rows.row_gamma`, nu.   foresight: (m,) see `CoupledSystem`.
-    rate, target: (m,) J v, and memory of a solve.   unknowns, solved: (n,), (m,) memory.
+    rate, target: (m,) c_t, and memory of a solve.   unknowns, solved: (n,), (m,) memory.
     dependent: (1,) a row that is not independent of the others, or NONE.
     """
 
@@ -244,10 +244,10 @@ def factorise_joints(joints):
 
 @inlined
 def set_rates(joints, v):
-    """J v of all rows.   v: (n,)."""
+    """c_t = J v - o_t of all rows.   v: (n,)."""
     entries = joints.entries
     for r in range(len(joints.rate)):
-        joints.rate[r] = 0.0
+        joints.rate[r] = -joints.rows[r].drift[0]
     for e in range(len(entries.first)):
         first, dof = entries.first[e], entries.dof[e]
         for i in range(entries.begin[e], entries.stop[e]):
@@ -364,6 +364,15 @@ def apply_joints(joints, x, refines):
             first, dof = entries.first[e], entries.dof[e]
             for i in range(entries.width[e]):
                 x[dof + i] -= entries.response[first + i] * force
+
+
+@kernel
+def power_of_offsets(joints):
+    """What joints that move do [W], by the multipliers of the last evaluation."""
+    power = 0.0
+    for r in range(len(joints.rows)):
+        power -= joints.multipliers[r] * joints.rows[r].drift[0]
+    return power
 
 
 @inlined

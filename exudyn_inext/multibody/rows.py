@@ -6,6 +6,8 @@ With the distance d = x_1 - x_0 and axes e_0 and e_1 that are fixed to the point
     ALONG       c = (x_1 - f x_0) . e_s - o  along an axis of one of both; f = 0: x_1 is a slope
     ACROSS      c = e_0 . e_1                axes at a right angle
     DISTANCE    c = |d| - o
+
+o may follow a function of time: c_t = -o_t where nothing else moves.
 """
 
 import numpy as np
@@ -24,11 +26,25 @@ ROW = record_type(
         ("component", np.int64),  # i of DIFFERENCE, s of ALONG
         ("axes", np.float64, (2, 3)),  # e_0 and e_1 in their frames
         ("factor", np.float64),  # f
-        ("offset", np.float64),  # o
+        ("offset", np.float64),  # o, at present
+        ("rest", np.float64),  # o without what follows the time
+        ("function", np.int64),  # place of what follows the time, and its derivatives, or -1
+        ("drift", np.float64, (2,)),  # o_t and o_tt
         ("e", np.float64, (2, 3)),  # e_0 and e_1 at present
         ("d", np.float64, (3,)),  # distance at present
     ]
 )
+
+
+@inlined
+def move_rows(rows, functions):
+    """Offsets at present.   functions: (F,) values of functions of time."""
+    for r in range(len(rows)):
+        place = rows[r].function
+        if place >= 0:
+            rows[r].offset = rows[r].rest + functions[place]
+            rows[r].drift[0] = functions[place + 1]
+            rows[r].drift[1] = functions[place + 2]
 
 
 @inlined
@@ -117,6 +133,12 @@ def _axis_rates(e, point, i):
 @inlined
 def row_gamma(row, one, other):
     """-c_tt with accelerations of the coordinates zero, Eq. (27); the row is evaluated."""
+    return _gamma_at_rest(row, one, other) + row.drift[1]
+
+
+@inlined
+def _gamma_at_rest(row, one, other):
+    """That of an offset that does not change."""
     total = 0.0
     if row.kind == DIFFERENCE:
         i = row.component

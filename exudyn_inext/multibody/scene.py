@@ -40,6 +40,7 @@ from .joints import (
 )
 from .loads import add_loads
 from .points import move_points, place_points
+from .rows import move_rows
 
 NOT_COUNTED, EACH, ALL_BUT_FIRST = range(3)  # evaluations whose work is counted
 MODE, EVALUATION = range(2)
@@ -103,6 +104,7 @@ def act(items, functions, q, v):
         items.force[i] = items.given[i]
     add_connectors(items.connectors, items.points, items.force)
     add_loads(items.loads, items.points, functions, items.force)
+    move_rows(items.joints.rows, functions)
     _count_work(items, q)
 
 
@@ -157,10 +159,10 @@ def _join_accelerations(joints, zeta, learned, v, acceleration):
 
 
 @called_kernel
-def _join(joints, share, x, refines):
-    """J x = -share c; see `apply_joints`."""
+def _join(joints, share, moving, x, refines):
+    """J x = -share c + moving o_t; see `apply_joints`."""
     for r in range(len(joints.rows)):
-        joints.target[r] = -share * joints.value[r]
+        joints.target[r] = -share * joints.value[r] + moving * joints.rows[r].drift[0]
     apply_joints(joints, x, refines)
 
 
@@ -181,7 +183,7 @@ def scene_rates(system, external, q, v, acceleration, rate):
         hold(items, q, v)
         respond_with_cables(system.cables, items.joints, 0, items.joints.holds.on_cables, 0)
         _join_accelerations(items.joints, zeta, 0.0, v, acceleration)
-        _join(items.joints, zeta, rate, True)
+        _join(items.joints, zeta, 1.0, rate, True)
 
 
 @implements(accelerate_and_project, SceneSystem)
@@ -210,11 +212,11 @@ def accelerate_and_project_scene(system, external, q, v, duration, acceleration,
         hold(items, q, v)
         respond_with_cables(system.cables, items.joints, 0, items.joints.holds.on_cables, 0)
         _join_accelerations(items.joints, 0.0, 1.0, v, acceleration)
-        _join(items.joints, 0.0, end_velocity, True)
+        _join(items.joints, 0.0, 1.0, end_velocity, True)
 
 
 @called_kernel
-def _correct_items(items, q, learning, correction):
+def _correct_items(items, functions, q, learning, correction):
     """Largest violation, which teaches the next steps; corrections of quaternions alone."""
     joints, worst = items.joints, 0.0
     for b in range(len(items.bodies)):
@@ -227,6 +229,7 @@ def _correct_items(items, q, learning, correction):
             correction[body.first + i] = 0.0
         add_lever(body, correction[body.first :])
     place_points(items.points, items.bodies, q)
+    move_rows(joints.rows, functions)
     set_values(joints, items.points)
     for r in range(len(joints.value)):
         joints.foresight[r] -= learning * joints.value[r]
@@ -237,14 +240,14 @@ def _correct_items(items, q, learning, correction):
 def correct_scene_position(system, external, q, tolerance, learning, correction):
     """Arguments: see `correct_position`."""
     items, number = system.items, system.cable_dofs
-    worst = _correct_items(items, q, learning, correction)
-    own = external[: len(system.cable_force)]
+    own, functions = external[: len(system.cable_force)], external[len(system.cable_force) :]
+    worst = _correct_items(items, functions, q, learning, correction)
     violation = correct_position(system.cables, own, q[:number], tolerance, learning, correction[:number])
     clear_if_fulfilled(violation, tolerance, correction[:number])
     if not violation <= worst:  # keeps a NaN
         worst = violation
     if len(items.joints.rows) > 0 and not worst < tolerance:
-        _join(items.joints, 1.0, correction, False)
+        _join(items.joints, 1.0, 0.0, correction, False)
     return worst
 
 
@@ -260,8 +263,9 @@ def bodies_energy(bodies, q, v):
 
 
 @kernel
-def joint_violation(items, q):
-    """Largest |c| at q (n,)."""
+def joint_violation(items, functions, q):
+    """Largest |c| at q (n,).   functions: (F,) of time."""
+    move_rows(items.joints.rows, functions)
     for b in range(len(items.bodies)):
         place_body(items.bodies[b], q)
     place_points(items.points, items.bodies, q)

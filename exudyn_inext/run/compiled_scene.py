@@ -14,7 +14,7 @@ from ..errors import RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied
 from ..multibody.cables import NoCables, TwoKinds
-from ..multibody.joints import Joints
+from ..multibody.joints import Joints, power_of_offsets
 from ..multibody.scene import (
     ALL_BUT_FIRST,
     EACH,
@@ -188,11 +188,12 @@ class CompiledScene:
 
     def violation(self, t: float, q: Array) -> float:
         """Largest |c| of the joints [m, -]."""
-        return float(joint_violation(self.system.items, q))
+        functions = self.loads.at(t)[len(self.system.cable_force) :]
+        return float(joint_violation(self.system.items, functions, q))
 
     def power_of_joints(self) -> float:
-        """None of them moves."""
-        return 0.0
+        """See `EvaluatedScene`."""
+        return float(power_of_offsets(self.system.items.joints))
 
     def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
         """See `JoinedScene.set_multipliers`."""

@@ -326,6 +326,26 @@ def coordinate_constraints(b):
     b.mbs.AddObject(CoordinateConstraint(markerNumbers=list(pair), factor1=0.5))
 
 
+def driven(b):
+    """Coordinates that follow functions of time: one with its rate, one that another body shares."""
+    ground = b.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=b.mbs.AddNode(NodePointGround()), coordinate=0))
+
+    def moving(mbs, t, itemNumber, lOffset):
+        return lOffset + 0.1 * np.sin(9.0 * t)
+
+    def at_a_rate(mbs, t, itemNumber, lOffset):
+        return 0.9 * np.cos(9.0 * t)
+
+    pair = [ground, b.coordinate(b.nodes[0], 1)]
+    b.mbs.AddObject(
+        CoordinateConstraint(
+            markerNumbers=pair, offset=0.02, offsetUserFunction=moving, offsetUserFunction_t=at_a_rate
+        )
+    )
+    pair = [b.coordinate(b.nodes[1], 0), b.coordinate(b.cable["nodes"][-1], 0)]
+    b.mbs.AddObject(CoordinateConstraint(markerNumbers=pair, factor1=0.5, offsetUserFunction=moving))
+
+
 def clamp(b):
     position, frame = b.place(b.bodies[0])
     local = frame.T @ (np.array([1.2, 0.0, 0.0]) - position)
@@ -399,6 +419,45 @@ def require_the_same(kinds, seed, dimension, integrator="RATTLE", tolerance=None
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_kind_moves_as_exudyn_says(kind, dimension):
     require_the_same([kind], len(kind.__name__), dimension)
+
+
+@every_integrator
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_what_is_driven_moves_as_exudyn_says(integrator, dimension):
+    """Exudyn's side finds rates of offsets by differences."""
+    require_the_same([driven, spring], 5, dimension, integrator, max(1e-7, OFF_UNITY[integrator]))
+
+
+@pytest.mark.parametrize("integrator", ["RATTLE", "Zhai"])
+def test_work_of_what_is_driven_is_in_the_energy(integrator):
+    """A body is shaken, which shakes a cable; it follows the function."""
+    builder = Builder(3, 2)
+    mbs, node = builder.mbs, builder.nodes[0]
+    driven(builder)
+    mbs.Assemble()
+    settings = quiet_settings(0.5, 20)
+    with silence():
+        report = SolveExplicit(mbs, settings, ExplicitSettings(integrator, stepSize=1e-4, startTolerance=100.0))
+    assert "in one compiled call" in report["path"]
+    assert abs(report["drift"]["energyGain"]) + abs(report["drift"]["energyLoss"]) < 1e-3
+    place = mbs.GetNodeOutput(node, exudyn.OutputVariableType.Coordinates)[1]
+    assert abs(place - 0.02 - 0.1 * np.sin(4.5)) < 1e-8
+
+
+def test_a_drive_that_depends_on_the_state_stays_with_exudyn():
+    builder = Builder(3, 2)
+    mbs = builder.mbs
+    ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+
+    def by_sensor(mbs, t, itemNumber, lOffset):
+        return 0.1 * mbs.systemData.GetTime()
+
+    pair = [ground, builder.coordinate(builder.nodes[0], 1)]
+    mbs.AddObject(CoordinateConstraint(markerNumbers=pair, offsetUserFunction=by_sensor))
+    mbs.Assemble()
+    with silence():
+        report = SolveExplicit(mbs, quiet_settings(0.01, 1), ExplicitSettings(startTolerance=100.0))
+    assert "whose user function may depend on the state" in report["path"]
 
 
 WITHOUT_JOINTS = KINDS[: KINDS.index(spherical_joint)]

@@ -2,17 +2,21 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ...arrays import Array, collected
+from ...constraints.motion import motion_of
+from ...items.functions_of_time import is_of_time_alone
 from ...multibody.rows import ACROSS, ALONG, DIFFERENCE, DISTANCE, ROW
 from ..joint_items import JointItem
 from .points import Place, PointReader
 from .unknown import UnknownItemError, require_no_functions
 
 X, Y, Z = range(3)
+_OFFSET_FUNCTIONS = ("offsetUserFunction", "offsetUserFunction_t")
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +34,7 @@ class _Joint:
         row.kind, row.factor = kind, fields.get("factor", 1.0)
         row.points[:] = [place.point for place in self.places]
         row.entry[:] = -1
+        row.function = -1
         for name in ("component", "offset"):
             setattr(row, name, fields.get(name, 0))
         row.axes[:] = fields.get("axes", np.zeros((2, 3)))
@@ -47,9 +52,25 @@ class _Joint:
         return self.row(ACROSS, axes=np.array([self.axes[0][:, i], self.axes[1][:, j]]))
 
 
-def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader) -> Any:
-    """(m,) records, in the order of the joints; UnknownItemError if one has no compiled form."""
+@dataclass(frozen=True, eq=False)
+class OffsetFunction:
+    """An offset that is a function of time.   at: t [s] -> (3, 1) with its derivatives."""
+
+    at: Callable[[float], Array]
+
+    def values(self, times: Sequence[float]) -> Array:
+        """(T, 3) at these times [s]."""
+        return np.array([self.at(t)[:, 0] for t in times]).reshape(-1, 3)
+
+
+def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader) -> tuple[Any, list[OffsetFunction]]:
+    """(m,) records, in the order of the joints, and functions of time that their offsets are.
+
+    Raises:
+        UnknownItemError: one has no compiled form.
+    """
     rows: list[Any] = []
+    functions: list[OffsetFunction] = []
     for joint in joints:
         data = mbs.GetObject(joint.number)
         read = _READERS.get(data["objectType"])
@@ -57,9 +78,31 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader) -> Any
             raise UnknownItemError(joint.name)
         if data.get("alternativeConstraints"):
             raise UnknownItemError(f"{joint.name} with alternative constraints")
-        of_joint = read(data, joint.name, reader)
-        rows += [of_joint[k] for k in joint.active]
-    return collected(ROW, rows)
+        of_joint = [read(data, joint.name, reader)[k] for k in joint.active]
+        if data.get("offsetUserFunction"):
+            of_joint[0].function, of_joint[0].rest = 3 * len(functions), 0.0
+            functions.append(_offset_function(mbs, joint, data))
+        rows += of_joint
+    return collected(ROW, rows), functions
+
+
+def _offset_function(mbs: Any, joint: JointItem, data: dict[str, Any]) -> OffsetFunction:
+    """UnknownItemError if it may depend on the state."""
+    given = [data[key] for key in _OFFSET_FUNCTIONS]
+    if not all(is_of_time_alone(mbs, one) for one in given if one):
+        raise UnknownItemError(
+            f"{joint.name}, whose user function may depend on the state (if not: dependsOnTimeOnly = True)"
+        )
+    number, offset = joint.number, float(data["offset"])
+    value, rate = (
+        partial(_called, one["function"], mbs, number, offset) if one else None for one in given
+    )
+    assert value is not None
+    return OffsetFunction(motion_of(value, rate).at)
+
+
+def _called(function: Any, mbs: Any, number: int, offset: float, t: float) -> Any:
+    return function(mbs, t, number, offset)
 
 
 def _joint(data: dict[str, Any], name: str, reader: PointReader, has_frames: bool = True) -> _Joint:
@@ -123,7 +166,7 @@ def _distance(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]
 
 
 def _coordinate(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
-    joint = _joint(data, name, reader, has_frames=False)
+    joint = _joint({**data, **dict.fromkeys(_OFFSET_FUNCTIONS, 0)}, name, reader, has_frames=False)
     factor = data.get("factor1", data.get("factorValue1", 1.0))
     return [joint.row(DIFFERENCE, factor=factor, offset=data["offset"])]
 

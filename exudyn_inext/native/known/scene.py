@@ -5,7 +5,7 @@ from typing import Any
 
 from ...arrays import Array, collected
 from ...items.attach.inert import is_inert_cable
-from ...multibody.build import KnownItems
+from ...multibody.build import FunctionOfTime, KnownItems
 from ...multibody.connectors import CONNECTOR
 from ...multibody.loads import LOAD, NONE
 from ..bodies import Body
@@ -14,7 +14,7 @@ from ..joint_items import JointItem
 from .bodies import read_body_records
 from .connectors import read_connector
 from .joints import read_rows
-from .loads import LoadFunction, read_load
+from .loads import read_load
 from .points import PointReader
 from .unknown import UnknownItemError
 
@@ -46,9 +46,9 @@ def read_known_items(
     order = {int(first): number for number, first in enumerate(records["first"])}
     of_bodies = {body.number: order[first] for body, first in zip(bodies, firsts, strict=True)}
     reader = PointReader(mbs, coordinates, on_cables, records, of_bodies)
-    rows = read_rows(mbs, joints, reader)
+    rows, offsets = read_rows(mbs, joints, reader)
     done = {*of_bodies, *elsewhere, *(joint.number for joint in joints)}
-    items = KnownNumbers(mbs, reader)
+    items = KnownNumbers(mbs, reader, offsets)
     for number in range(mbs.systemData.NumberOfObjects()):
         if number not in done:
             items.add_object(number)
@@ -61,14 +61,15 @@ def read_known_items(
 class KnownNumbers:
     """Connectors and loads as records, by their numbers, so that they can be read again.
 
-    connectors, loads: records, in the order in which they were added.   functions: of time, of the loads.
+    connectors, loads: records, in the order in which they were added.   functions: of time, to which those of
+    the loads are added.
     """
 
-    def __init__(self, mbs: Any, reader: PointReader) -> None:
+    def __init__(self, mbs: Any, reader: PointReader, functions: Sequence[FunctionOfTime]) -> None:
         self._mbs, self._reader = mbs, reader
         self.connectors: list[Any] = []
         self.loads: list[Any] = []
-        self.functions: list[LoadFunction] = []
+        self.functions = list(functions)
         self._places: dict[tuple[str, int], int] = {}  # of kind and number
 
     def add_object(self, number: int) -> None:
