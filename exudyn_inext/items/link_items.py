@@ -9,6 +9,7 @@ from ..cable.link import Motion, rest
 from ..constraints.motion import motion_of
 from ..scene.links import MovingCoordinate, Rod
 from ..scene.model import HeldCoordinate
+from .functions_of_time import is_of_time_alone
 from .on_ground import markers_of, node_marker_to_ground, point_on_ground
 
 _POSITION_MARKERS = {"NodePosition", "NodeRigid"}
@@ -70,9 +71,10 @@ def _motion(mbs: Any, number: int, data: dict[str, Any], reference: float) -> Mo
     function = data["offsetUserFunction"]["function"]
     if hasattr(function, "motion"):
         return function.motion
-    rate = data["offsetUserFunction_t"]["function"] if data["offsetUserFunction_t"] else None
+    given = data["offsetUserFunction"], data["offsetUserFunction_t"]
+    rate = given[1]["function"] if given[1] else None
     return motion_of(
         lambda t: reference + function(mbs, t, number, offset),
         None if rate is None else lambda t: rate(mbs, t, number, offset),
-        is_pure=False,
+        is_pure=all(is_of_time_alone(mbs, one) for one in given if one),
     )

@@ -26,7 +26,7 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import inlined, kernel
 from .bodies import respond_body
-from .rows import add_row_jacobian, move_rows, row_gamma, row_value
+from .rows import add_row_jacobian, row_gamma, row_value
 from .sparse_factor import SparseFactor, eliminate_column, substitute
 
 NONE = -1

@@ -437,7 +437,9 @@ def test_work_of_what_is_driven_is_in_the_energy(integrator):
     mbs.Assemble()
     settings = quiet_settings(0.5, 20)
     with silence():
-        report = SolveExplicit(mbs, settings, ExplicitSettings(integrator, stepSize=1e-4, startTolerance=100.0))
+        report = SolveExplicit(
+            mbs, settings, ExplicitSettings(integrator, stepSize=1e-4, startTolerance=100.0)
+        )
     assert "in one compiled call" in report["path"]
     assert abs(report["drift"]["energyGain"]) + abs(report["drift"]["energyLoss"]) < 1e-3
     place = mbs.GetNodeOutput(node, exudyn.OutputVariableType.Coordinates)[1]

@@ -94,9 +94,7 @@ def _offset_function(mbs: Any, joint: JointItem, data: dict[str, Any]) -> Offset
             f"{joint.name}, whose user function may depend on the state (if not: dependsOnTimeOnly = True)"
         )
     number, offset = joint.number, float(data["offset"])
-    value, rate = (
-        partial(_called, one["function"], mbs, number, offset) if one else None for one in given
-    )
+    value, rate = (partial(_called, one["function"], mbs, number, offset) if one else None for one in given)
     assert value is not None
     return OffsetFunction(motion_of(value, rate).at)
 
