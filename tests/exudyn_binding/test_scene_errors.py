@@ -20,6 +20,7 @@ from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import (
     ExplicitSettings,
+    InextensibleError,
     RedundantConstraintError,
     SceneError,
     SolveEnsemble,
@@ -96,7 +97,6 @@ FOREIGN = [
 ]
 CABLES_ONLY = {
     "SolveEnsemble": lambda mbs: SolveEnsemble([mbs], quiet_settings(0.01, 1), ExplicitSettings()),
-    "SolveEquilibrium": SolveEquilibrium,
 }
 
 
@@ -114,7 +114,27 @@ def test_all_foreign_items_are_named_at_once(mbs, add_pendulum, contents):
     spring(mbs, node)
     offset_constraint(mbs, node)
     mbs.Assemble()
-    refused(mbs, CABLES_ONLY["SolveEquilibrium"], contents, "'hook'.*'pulled'")
+    refused(mbs, CABLES_ONLY["SolveEnsemble"], contents, "'hook'.*'pulled'")
+
+
+AT_REST = {  # what statics says; nothing: it finds the equilibrium
+    "rigid_body": "nothing connects object .* to the ground",
+    "mass_point": "nothing connects object .* to the ground",
+    "foreign_load": "nothing connects object .* to the ground",
+    "torque": "no stable equilibrium within reach",  # more than the weight can balance
+}
+
+
+@pytest.mark.parametrize(("add", "message"), FOREIGN, ids=lambda value: getattr(value, "__name__", ""))
+def test_statics_takes_other_items_and_names_what_nothing_holds(mbs, add_pendulum, contents, add, message):
+    cable = add_pendulum(mbs)
+    add(mbs, int(cable["nodes"][4]))
+    mbs.Assemble()
+    said = AT_REST.get(add.__name__)
+    if said:
+        refused(mbs, SolveEquilibrium, contents, said, InextensibleError)
+    else:
+        assert SolveEquilibrium(mbs)["success"]
 
 
 INCONSISTENT = [
