@@ -131,9 +131,12 @@ class CompiledScene:
 
     def take_over(self, kind: str, number: int) -> bool:
         """Whether the changed item, 'Load' or 'Object', is now what it is in Exudyn."""
-        self._unscaled = None
         items = self.system.items
-        return self._read_again(kind, number, items.connectors, items.loads)
+        is_known = self._read_again(kind, number, items.connectors, items.loads)
+        if self._unscaled is not None:
+            self._unscaled.items.connectors[...] = items.connectors
+            self._unscaled.items.loads[...] = items.loads
+        return is_known
 
     def take(self, steps: Steps, state: Any, work: Array, before: Array) -> None:
         """Take steps.
