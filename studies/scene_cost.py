@@ -17,7 +17,7 @@ Protocol
 
 What is left out
     Contact, user functions that cost time of their own, and spatial cables (`kernel`: about 1.6 times the
-    planar ones). Nets, whose joints are a wide band. Items that Exudyn evaluates, as contact, or springs
+    planar ones). Nets (`coupled`). Items that Exudyn evaluates, as contact, or springs
     with user functions.
 """
 

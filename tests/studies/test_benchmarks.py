@@ -56,6 +56,15 @@ def test_kernel_compares_steps_with_native_evaluations_and_counts_operations(run
     assert operations["2D, Zhai", 20] < operations["2D, RATTLE", 20] < operations["3D, RATTLE", 20]
 
 
+def test_coupled_finds_the_cheapest_runs_and_steps_of_large_nets(run_quick):
+    rows = run_quick("coupled")
+    assert {row["formulation"] for row in rows["large"]} == {"inextensible", "native"}
+    for row in rows["best"]:
+        own = [r for r in rows["candidate"] if r["formulation"] == row["formulation"]]
+        assert row["error"] < row["bound"] and row["label"] in {r["label"] for r in own}
+    assert {row["choice"] for row in rows["best"]} == {"tuned", "default"}
+
+
 def test_scene_cost_takes_each_path_and_names_it(run_quick):
     rows = run_quick("scene_cost")["cost"]
     paths = {row["label"]: row["path"] for row in rows}
