@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arrays import Array
 from .joints import Entries, Holds, Joints, Members
-from .knots import GROUND, NONE, Member, Point, Tie, find_knots
+from .knots import FEWEST, GROUND, NONE, Member, Tie, find_knots
 from .points import COORDINATE, FIXED
 from .rows import DIFFERENCE
 from .sparse_factor import build_factor, find_order, places_of
@@ -35,7 +35,7 @@ def build_joints(places: Sequence[slice], bodies: Any, points: Any, rows: Any, f
     """
     owners = _owners_of_points(places, bodies, points)
     entries, numbers = _build_entries(places, bodies, points, rows, owners)
-    knots = [knot for component in range(3) for knot in find_knots(*_ties(points, rows, owners, component))]
+    knots = _knots_of(points, rows, owners)
     tied = {member.row for knot in knots for member in knot}
     free = [number for number, knot in enumerate(knots) if knot[0].row == NONE]
     alone = [row for row in range(len(rows)) if row not in tied]
@@ -116,12 +116,14 @@ def _build_entries(
     return entries, numbers
 
 
-def _ties(points: Any, rows: Any, owners: Sequence[int], component: int) -> tuple[list[Tie], set[Point]]:
-    """Rows that hold one component of two points together; and points whose coordinates others hold, too."""
-    begin, end = points["first"].tolist(), (points["first"] + points["width"]).tolist()
+def _knots_of(points: Any, rows: Any, owners: Sequence[int]) -> list[list[Member]]:
+    """Rows that hold one component of points together, but of points whose coordinates others hold, too."""
     is_tie = (rows["kind"] == DIFFERENCE) & (rows["factor"] == 1.0) & (rows["offset"] == 0.0)
     is_tie &= rows["function"] < 0
     is_tie &= ~(points["kind"][rows["points"]] == COORDINATE).any(axis=1)
+    if np.count_nonzero(is_tie) < FEWEST - 1:
+        return []
+    begin, end = points["first"].tolist(), (points["first"] + points["width"]).tolist()
     pairs = rows["points"].tolist()
     others = {k for r in np.flatnonzero(~is_tie).tolist() for k in pairs[r] if owners[k] != GROUND}
     held = {coordinate for k in others for coordinate in range(begin[k], end[k])}
@@ -129,10 +131,14 @@ def _ties(points: Any, rows: Any, owners: Sequence[int], component: int) -> tupl
         (owner, (begin[k], end[k], point["weights"].tobytes(), point["local"].tobytes()))
         for k, (owner, point) in enumerate(zip(owners, points, strict=True))
     ]
-    mine = np.flatnonzero(is_tie & (rows["component"] == component)).tolist()
-    ties = [Tie(r, (names[pairs[r][0]], names[pairs[r][1]])) for r in mine]
-    of_ties = {k for r in mine for k in pairs[r] if owners[k] != GROUND}
-    return ties, {names[k] for k in of_ties if not held.isdisjoint(range(begin[k], end[k]))}
+    found: list[list[Member]] = []
+    for component in range(3):
+        mine = np.flatnonzero(is_tie & (rows["component"] == component)).tolist()
+        ties = [Tie(r, (names[pairs[r][0]], names[pairs[r][1]])) for r in mine]
+        of_ties = {k for r in mine for k in pairs[r] if owners[k] != GROUND}
+        taken = {names[k] for k in of_ties if not held.isdisjoint(range(begin[k], end[k]))}
+        found += find_knots(ties, taken)
+    return found
 
 
 def _find_holds(
@@ -183,7 +189,8 @@ def _build_holds(holds: Sequence[_Hold], place: np.ndarray, factor: Any, cables:
     rows, columns = (
         np.concatenate([np.zeros(0, np.int64), *(pair[side].ravel() for pair in own)]) for side in range(2)
     )
-    into, goes = np.full(len(rows), NONE), (rows >= columns) & (columns >= 0)
+    into, goes = np.full(len(rows), NONE), np.minimum(rows, columns) >= 0
+    rows, columns = np.maximum(rows, columns), np.minimum(rows, columns)
     into[goes] = places_of(factor, columns[goes], rows[goes])
     at_knots = [int((is_row[end - size : end] == 0).sum()) for end, size in zip(ends, sizes, strict=True)]
     memory = np.zeros((2, len(holds)))

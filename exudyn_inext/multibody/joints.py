@@ -59,7 +59,7 @@ class Holds(NamedTuple):
     member: (H,) of a knot, or NONE.   body: (H,) whose entry it is, or NONE on a cable.
     end: (P,) after the holds of each part.   at_knots: (P,) how many of them.
     square: (P,) where the part's square begins in `local` and `into`.
-    local: C of each part, swept.   into: where that goes in the factor, or NONE.
+    local: C of each part, swept.   into: where its lower half goes in the factor, or NONE.
     rate, force: (H,) J y and phi of a solve.
     on_cables: number of holds on cables.
     """
@@ -166,7 +166,7 @@ def respond_with_bodies(joints, bodies):
 
 @inlined
 def _set_compliance(entries, holds, begin, end, local):
-    """C of one part, its lower half; both halves if it has knots."""
+    """C of one part, its lower half."""
     for g in range(begin, end):
         one = holds.entry[g]
         for h in range(begin, g + 1):
@@ -174,20 +174,28 @@ def _set_compliance(entries, holds, begin, end, local):
             for i in range(entries.begin[one], entries.stop[one]):
                 total += entries.jacobian[entries.first[one] + i] * entries.response[response + i]
             local[g - begin, h - begin] = total * holds.sign[g] * holds.sign[h]
-            local[h - begin, g - begin] = local[g - begin, h - begin]
 
 
 @inlined
-def _sweep(local, knots):
-    """The sweep over the first unknowns, which yield; both halves are set.
-
-    J. H. Goodnight, A Tutorial on the SWEEP Operator, The American Statistician 33 (1979) 149-158.
-    """
-    size, mean = len(local), 0.0
+def _let_yield(local, knots):
+    """The first unknowns yield.   local: its lower half is set; output: both."""
+    mean = 0.0
+    for i in range(len(local)):
+        for j in range(i):
+            local[j, i] = local[i, j]
     for k in range(knots):
         mean += local[k, k] / knots
     for k in range(knots):
         local[k, k] += YIELD * mean
+
+
+@inlined
+def _sweep(local, knots):
+    """The sweep over the first unknowns.
+
+    J. H. Goodnight, A Tutorial on the SWEEP Operator, The American Statistician 33 (1979) 149-158.
+    """
+    size = len(local)
     for k in range(knots):
         inverse = 1.0 / local[k, k]
         for i in range(size):
@@ -213,9 +221,10 @@ def _set_matrix(joints):
         local = holds.local[first : first + size * size].reshape((size, size))
         _set_compliance(joints.entries, holds, begin, holds.end[p], local)
         if holds.at_knots[p] > 0:
+            _let_yield(local, holds.at_knots[p])
             _sweep(local, holds.at_knots[p])
         for i in range(size):
-            for j in range(size):
+            for j in range(i + 1):
                 into = holds.into[first + i * size + j]
                 if into >= 0:
                     values[into] += local[i, j]
@@ -275,9 +284,8 @@ def _set_held_rates(joints, x):
 
 
 @inlined
-def _add_part(joints, begin, end, local, knots):
-    """What one part adds to the right-hand side."""
-    holds, x = joints.holds, joints.unknowns
+def _add_knots(holds, begin, end, local, knots, x):
+    """What one part with knots adds to the right-hand side."""
     for h in range(begin, end):
         place, total = holds.place[h], 0.0
         for k in range(knots):
@@ -291,13 +299,9 @@ def _add_part(joints, begin, end, local, knots):
 
 
 @inlined
-def _set_forces(joints, begin, end, local, knots):
-    """Of all holds of one part, after the solve."""
-    holds, x = joints.holds, joints.unknowns
-    for h in range(begin, end):
-        if h - begin >= knots:
-            holds.force[h] = x[holds.place[h]]
-            continue
+def _set_forces_on_knots(holds, begin, end, local, knots, x):
+    """Of one part, after the solve."""
+    for h in range(begin, begin + knots):
         for g in range(begin, end):
             if holds.place[g] >= 0:
                 holds.force[h] -= local[h - begin, g - begin] * x[holds.place[g]]
@@ -319,28 +323,39 @@ def _branch_forces(joints):
 
 
 @inlined
-def _solve_for_forces(joints, x):
-    """phi of all holds, and nu added to `solved`, such that J x would be the target."""
-    holds, unknowns = joints.holds, joints.unknowns
-    _set_held_rates(joints, x)
+def _set_right_hand_side(joints):
+    """Of all unknowns, from what the solve holds of the parts."""
+    holds, unknowns, begin = joints.holds, joints.unknowns, 0
     for j in range(len(unknowns)):
         unknowns[j] = 0.0
     for r in range(len(joints.place)):
         if joints.place[r] >= 0:
             unknowns[joints.place[r]] = -joints.target[r]
-    begin = 0
     for p in range(len(holds.end)):
-        size, first = holds.end[p] - begin, holds.square[p]
-        local = holds.local[first : first + size * size].reshape((size, size))
-        _add_part(joints, begin, holds.end[p], local, holds.at_knots[p])
-        begin = holds.end[p]
-    substitute(joints.factor, unknowns)
-    begin = 0
+        end, knots = holds.end[p], holds.at_knots[p]
+        if knots > 0:
+            size, first = end - begin, holds.square[p]
+            local = holds.local[first : first + size * size].reshape((size, size))
+            _add_knots(holds, begin, end, local, knots, unknowns)
+        else:
+            for h in range(begin, end):
+                unknowns[holds.place[h]] += holds.rate[h]
+        begin = end
+
+
+@inlined
+def _set_forces(joints):
+    """phi of all holds, and nu added to `solved`."""
+    holds, unknowns, begin = joints.holds, joints.unknowns, 0
     for p in range(len(holds.end)):
-        size, first = holds.end[p] - begin, holds.square[p]
-        local = holds.local[first : first + size * size].reshape((size, size))
-        _set_forces(joints, begin, holds.end[p], local, holds.at_knots[p])
-        begin = holds.end[p]
+        end, knots = holds.end[p], holds.at_knots[p]
+        if knots > 0:
+            size, first = end - begin, holds.square[p]
+            local = holds.local[first : first + size * size].reshape((size, size))
+            _set_forces_on_knots(holds, begin, end, local, knots, unknowns)
+        for h in range(begin + knots, end):
+            holds.force[h] = unknowns[holds.place[h]]
+        begin = end
     for r in range(len(joints.place)):
         if joints.place[r] >= 0:
             joints.solved[r] += unknowns[joints.place[r]]
@@ -358,7 +373,10 @@ def apply_joints(joints, x, refines):
     for r in range(len(joints.solved)):
         joints.solved[r] = 0.0
     for _ in range(2 if refines and len(joints.members.row) > 0 else 1):
-        _solve_for_forces(joints, x)
+        _set_held_rates(joints, x)
+        _set_right_hand_side(joints)
+        substitute(joints.factor, joints.unknowns)
+        _set_forces(joints)
         for h in range(len(holds.entry)):
             e, force = holds.entry[h], holds.sign[h] * holds.force[h]
             first, dof = entries.first[e], entries.dof[e]

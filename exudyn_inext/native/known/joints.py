@@ -78,7 +78,8 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader) -> tup
             raise UnknownItemError(joint.name)
         if data.get("alternativeConstraints"):
             raise UnknownItemError(f"{joint.name} with alternative constraints")
-        of_joint = [read(data, joint.name, reader)[k] for k in joint.active]
+        found = read(data, joint.name, reader)
+        of_joint = [found[k] for k in joint.active]
         if data.get("offsetUserFunction"):
             of_joint[0].function, of_joint[0].rest = 3 * len(functions), 0.0
             functions.append(_offset_function(mbs, joint, data))
