@@ -6,7 +6,7 @@ from functools import partial
 import exudyn
 import numpy as np
 import pytest
-from exudyn.itemInterface import MarkerBodyPosition, MarkerNodePosition, SphericalJoint
+from exudyn.itemInterface import LoadForceVector, MarkerBodyPosition, MarkerNodePosition, SphericalJoint
 from exudyn.utilities import InertiaSphere
 
 from exudyn_inext import (
@@ -155,3 +155,30 @@ def test_knots_move_as_exudyn_says(scene, integrator, by_exudyn, monkeypatch):
     assert knots[0] == number
     np.testing.assert_allclose(ours, theirs, rtol=0, atol=TOLERANCE * np.abs(theirs).max())
     np.testing.assert_allclose(our_forces, their_forces, rtol=0, atol=1e-4 * np.abs(their_forces).max())
+
+
+def swung(integrator, h):
+    """Coordinates of a tree whose last twig a force swings, a function of time."""
+    knots = tree(3)
+    marker = knots.mbs.AddMarker(MarkerNodePosition(nodeNumber=knots.ends[0.6, -0.7, 0.0][0]))
+
+    def force(mbs, t, load):
+        return [0.0, 0.0, 0.3 * np.sin(20.0 * t)]
+
+    knots.mbs.AddLoad(
+        LoadForceVector(markerNumber=marker, loadVector=[0, 0, 0], loadVectorUserFunction=force)
+    )
+    knots.mbs.Assemble()
+    explicit = ExplicitSettings(integrator, stepSize=h)
+    if integrator == "RATTLE":
+        explicit = replace(explicit, scheme=Rattle(tolerance=1e-13))
+    with silence():
+        SolveExplicit(knots.mbs, quiet_settings(0.05, 1), explicit)
+    return np.array(knots.mbs.systemData.GetODE2Coordinates())
+
+
+@pytest.mark.parametrize(("integrator", "order"), [("RATTLE", 2), ("Zhai", 2), ("RK4", 4)])
+def test_schemes_have_their_orders_among_knots(integrator, order):
+    coarse, middle, fine = (swung(integrator, h) for h in (2e-4, 1e-4, 5e-5))
+    observed = np.log2(np.abs(coarse - middle).max() / np.abs(middle - fine).max())
+    assert abs(observed - order) < 0.2
