@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
 
-import exudyn
 import numpy as np
 
 from ..arrays import Array
@@ -14,7 +13,7 @@ from ..checks import require_finite, require_integer, require_positive
 from ..constraints.prescribed_motion import KIND
 from ..errors import EquilibriumError, InputError, SceneError
 from ..native.coupled_scene import CoupledCable, CoupledScene
-from ..native.static_scene import StaticScene, require_held, write_state
+from ..native.static_scene import StaticScene, require_held, rest_at
 from ..native.surroundings import state_kept, switched_off
 from ..run.cable_loads import CableLoads
 from ..scene.model import CableInScene, Scene
@@ -102,9 +101,12 @@ def SolveEquilibrium(
     failed = [(c, e) for c, e in zip(cables, found, strict=True) if not e.converged]
     if failed:
         cable, equilibrium = failed[0]
-        raise EquilibriumError(_failure(f"cable '{cable.name}'", equilibrium), report | {"success": False})
+        said = _failure(f"cable '{cable.name}'", equilibrium, "loadSteps or maxIterations")
+        raise EquilibriumError(said, report | {"success": False})
+    displacements = np.zeros(mbs.systemData.ODE2Size())
     for cable, equilibrium in zip(cables, found, strict=True):
-        _write(mbs, cable, equilibrium.q)
+        displacements[cable.indices] = (equilibrium.q - cable.cable.reference).ravel()
+    rest_at(mbs, displacements)
     return report
 
 
@@ -159,8 +161,10 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
     ]
     report = _report(scene.cables, of_cables)
     if not equilibrium.converged:
-        raise EquilibriumError(_failure("the scene", equilibrium), report | {"success": False})
-    write_state(joined, q, reactions)
+        said = _failure("the scene", equilibrium, "maxIterations")
+        raise EquilibriumError(said, report | {"success": False})
+    rest_at(mbs, joined.displacements(q))
+    mbs.systemData.SetAECoordinates(reactions.tolist())
     return report
 
 
@@ -200,34 +204,14 @@ def _report(cables: list[CableInScene], found: list[Equilibrium]) -> dict[str, A
     }
 
 
-def _failure(what: str, equilibrium: Equilibrium) -> str:
+def _failure(what: str, equilibrium: Equilibrium, more: str) -> str:
     return (
         f"{what}: {equilibrium.message} after {equilibrium.iterations} iterations (unbalanced "
         f"force {equilibrium.residual:.3g} N, violation of constraints {equilibrium.violation:.3g}, smallest "
         f"eigenvalue {equilibrium.smallest_eigenvalue:.3g} 1/s^2): add supports, start nearer to the "
-        "equilibrium, or use more loadSteps or maxIterations. mbs is unchanged; the error's report has the "
+        f"equilibrium, or use more {more}. mbs is unchanged; the error's report has the "
         "last state."
     )
-
-
-def _write(mbs: Any, scene_cable: CableInScene, q: Array) -> None:
-    """q (n, 2, dim) as initial and present state, at rest."""
-    displacements = (q - scene_cable.cable.reference).ravel()
-    rest = np.zeros(len(displacements))
-    data = mbs.systemData
-    for configuration in (exudyn.ConfigurationType.Initial, exudyn.ConfigurationType.Current):
-        for values, get, put in (
-            (displacements, data.GetODE2Coordinates, data.SetODE2Coordinates),
-            (rest, data.GetODE2Coordinates_t, data.SetODE2Coordinates_t),
-        ):
-            system = np.array(get(configuration))
-            system[scene_cable.indices] = values
-            put(system.tolist(), configuration)
-    width = 2 * scene_cable.cable.dimension
-    for k, node in enumerate(scene_cable.item.nodes):
-        mine = displacements[k * width : (k + 1) * width].tolist()
-        mbs.SetNodeParameter(node, "initialCoordinates", mine)
-        mbs.SetNodeParameter(node, "initialVelocities", [0.0] * width)
 
 
 def _require_reach(cable: Cable, time: float, scene_cable: CableInScene) -> None:

@@ -72,9 +72,14 @@ def build_joints(places: Sequence[slice], bodies: Any, points: Any, rows: Any, f
     )
 
 
+def _starts(places: Sequence[slice], bodies: Any) -> np.ndarray:
+    """First coordinate of each owner: cables, then bodies."""
+    return np.array([place.start for place in places] + bodies["first"].tolist(), dtype=np.int64)
+
+
 def _owners_of_points(places: Sequence[slice], bodies: Any, points: Any) -> list[int]:
     """Cable, or body after the cables, of each point; GROUND of those that do not move."""
-    starts = np.array([place.start for place in places] + bodies["first"].tolist(), dtype=np.int64)
+    starts = _starts(places, bodies)
     order = np.argsort(starts, kind="stable")
     found = order[np.searchsorted(starts[order], points["first"], side="right") - 1] if len(order) else []
     return np.where(points["kind"] == FIXED, GROUND, found).tolist() if len(points) else []
@@ -84,7 +89,7 @@ def _build_entries(
     places: Sequence[slice], bodies: Any, points: Any, rows: Any, owners: Sequence[int]
 ) -> tuple[Entries, dict[tuple[int, int], int]]:
     """All entries, by owners; and their numbers by owner and row."""
-    starts = np.array([place.start for place in places] + bodies["first"].tolist(), dtype=np.int64)
+    starts = _starts(places, bodies)
     sizes = [place.stop - place.start for place in places]
     sizes += (bodies["translations"] + bodies["rotations"]).tolist()
     begin, width_of = points["first"].tolist(), points["width"].tolist()

@@ -66,7 +66,7 @@ def build_factor(pairs: np.ndarray, number: int) -> SparseFactor:
     is_below[start[:-1]] = False
     run = np.flatnonzero(is_below & ~follows)
     first_run = np.searchsorted(run, start)
-    key = np.repeat(np.arange(number), sizes) * number + rows
+    key = _keys(start, rows)
     into, first_into = [np.zeros(0, np.int64)], np.zeros(number, np.int64)
     done = 0
     for j in range(number):
@@ -103,9 +103,13 @@ def _filled(pairs: np.ndarray, number: int) -> list[list[int]]:
 
 def places_of(factor: SparseFactor, columns: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Where entries lie in `values`.   columns, rows: (k,) places, rows not above the diagonal."""
-    number = len(factor.start) - 1
-    key = np.repeat(np.arange(number), np.diff(factor.start)) * number + factor.rows
-    return np.searchsorted(key, columns * number + rows)
+    return np.searchsorted(_keys(factor.start, factor.rows), columns * (len(factor.start) - 1) + rows)
+
+
+def _keys(start: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """(nnz,) column times n plus row: rising."""
+    number = len(start) - 1
+    return np.repeat(np.arange(number), np.diff(start)) * number + rows
 
 
 @inlined

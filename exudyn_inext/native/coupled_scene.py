@@ -100,6 +100,13 @@ class CoupledScene:
         self.surroundings = NativeSurroundings(mbs, solver, wholes, self.map, loads, masses, rows, self.held)
         self.system = CoupledSystem(parts, self.surroundings, zeta, wholes)
 
+    def displacements(self, q: Array) -> Array:
+        """(size,) of all coordinates of mbs, from those of all parts; held ones are where they begin."""
+        total = np.array(self.mbs.systemData.GetODE2Coordinates(exudyn.ConfigurationType.Initial))
+        own = self.map.indices
+        total[own] = np.array(self.map.displacements(q[: len(own)]))[own]
+        return total
+
     @property
     def held_places(self) -> np.ndarray:
         """Of coordinates that belong to no part, in the system vector."""

@@ -1,5 +1,7 @@
 """What Exudyn's items do to a scene at rest, for the search for its equilibrium."""
 
+from typing import Any
+
 import exudyn
 import numpy as np
 from scipy.sparse import coo_array, csr_array
@@ -150,19 +152,14 @@ def require_held(scene: CoupledScene, cables_held: list[bool]) -> None:
             )
 
 
-def write_state(scene: CoupledScene, q: Array, reactions: Array) -> None:
-    """q (n,) of the scene as initial and present state of mbs, at rest, and the reactions of joints."""
-    data = scene.mbs.systemData
-    displacements = np.array(scene.map.displacements(q[: len(scene.map.indices)]))
-    rest = np.zeros(len(displacements)).tolist()
+def rest_at(mbs: Any, displacements: Array) -> None:
+    """Displacements (n,) of all coordinates as initial and present state of mbs, at rest."""
+    data, rest = mbs.systemData, np.zeros(len(displacements)).tolist()
     for configuration in (exudyn.ConfigurationType.Initial, exudyn.ConfigurationType.Current):
-        system = np.array(data.GetODE2Coordinates(configuration))
-        system[scene.map.indices] = displacements[scene.map.indices]
-        data.SetODE2Coordinates(system.tolist(), configuration)
+        data.SetODE2Coordinates(displacements.tolist(), configuration)
         data.SetODE2Coordinates_t(rest, configuration)
-    data.SetAECoordinates(reactions.tolist())
     for number in range(data.NumberOfNodes()):
         places = np.array(data.GetNodeLTGODE2(number), dtype=int)
-        if len(places) and len(scene.mbs.GetNode(number).get("initialVelocities", [])) == len(places):
-            scene.mbs.SetNodeParameter(number, "initialCoordinates", system[places].tolist())
-            scene.mbs.SetNodeParameter(number, "initialVelocities", [0.0] * len(places))
+        if len(places) and len(mbs.GetNode(number).get("initialVelocities", [])) == len(places):
+            mbs.SetNodeParameter(number, "initialCoordinates", displacements[places].tolist())
+            mbs.SetNodeParameter(number, "initialVelocities", [0.0] * len(places))

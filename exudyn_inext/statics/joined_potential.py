@@ -13,7 +13,7 @@ from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
-from scipy.sparse import block_diag, csc_array, csr_array, vstack
+from scipy.sparse import block_diag, csr_array, vstack
 
 from ..arrays import Array
 from .potential import Potential
@@ -142,7 +142,7 @@ class JoinedPotential:
         """See `StaticSystem`; slightly regular."""
         first, blocks = 0, []
         for cable, own in self._parts(q):
-            number = len(cable.values(own))
+            number = cable.number_of_constraints
             blocks.append(cable.hessian(own, multipliers[first : first + number]))
             first += number
         rest = len(q) - self._bodies.start
@@ -161,22 +161,15 @@ class JoinedPotential:
             force: Array = self._others.jacobian(at).T @ nu - self._others.force(at)
             return force
 
-        columns = []
-        for place in varying:
+        columns = np.zeros((len(q), len(varying)))
+        for column, place in enumerate(varying):
             moved = q.copy()
             moved[place] += STEP
             after = out_of_balance(moved)
             moved[place] -= 2.0 * STEP
-            columns.append(csc_array((after - out_of_balance(moved))[:, np.newaxis] / (2.0 * STEP)))
-        spread = csr_array(
-            (np.ones(len(varying)), (np.arange(len(varying)), varying)), (len(varying), len(q))
-        )
-        if not columns:
-            return csr_array((len(q), len(q)))
-        indptr = np.cumsum([0, *(column.nnz for column in columns)])
-        rows = np.concatenate([column.indices for column in columns])
-        values = np.concatenate([column.data for column in columns])
-        return csr_array(csc_array((values, rows, indptr), (len(q), len(varying))) @ spread)
+            columns[:, column] = (after - out_of_balance(moved)) / (2.0 * STEP)
+        rows, found = np.nonzero(columns)
+        return csr_array((columns[rows, found], (rows, varying[found])), (len(q), len(q)))
 
     def convex_model(self, multipliers: Array, shift: float) -> csr_array:
         """See `StaticSystem`."""
