@@ -4,22 +4,18 @@ from dataclasses import dataclass, field
 
 import exudyn
 import numpy as np
-from exudyn.beams import GenerateBeamElementsAlongLine
 from exudyn.itemInterface import (
     CartesianSpringDamper,
     LoadForceVector,
     MarkerBodyPosition,
     MarkerNodePosition,
-    ObjectANCFCable,
-    ObjectANCFCable2D,
     SensorBody,
     SensorNode,
     SphericalJoint,
 )
 from exudyn.utilities import InertiaCuboid
 
-from exudyn_inext import CreateInextensibleCable, InextensibleCable
-from reference_models.model import silence
+from tests.exudyn_binding.items import either_cable
 
 PERIOD = 0.02  # of sensors [s]
 SECTION = {"massPerLength": 0.3, "bendingStiffness": 0.02}
@@ -75,16 +71,8 @@ class RandomScene:
         line["gravity"] = self.gravity
         if not hangs:
             line["groundConstraintsStart"] = [True] * self.dimension + [False] * self.dimension
-        if self.native:
-            kind = ObjectANCFCable if self.dimension == 3 else ObjectANCFCable2D
-            with silence():
-                made = GenerateBeamElementsAlongLine(
-                    self.mbs, beamTemplate=kind(**SECTION, axialStiffness=AXIAL), **line
-                )
-        else:
-            template = InextensibleCable(**SECTION)
-            made = CreateInextensibleCable(self.mbs, beamTemplate=template, dimension=self.dimension, **line)
-        first, last = made["nodes"][0], made["nodes"][-1]
+        nodes, _ = either_cable(self.mbs, self.native, self.dimension, SECTION, AXIAL, **line)
+        first, last = nodes[0], nodes[-1]
         if hangs:
             self._tie(marker, self.mbs.AddMarker(MarkerNodePosition(nodeNumber=first)))
         self.tips.append((end, self.mbs.AddMarker(MarkerNodePosition(nodeNumber=last))))

@@ -64,6 +64,19 @@ def native_cable(mbs, dim, elements, section=SECTION, axial_stiffness=8e4, **lin
     return GenerateBeamElementsAlongLine(mbs, numberOfElements=elements, **(arguments | line))
 
 
+def either_cable(mbs, native, dimension, section, axial_stiffness, **line):
+    """Nodes of an inextensible cable, or of its native twin.   line: arguments that both take."""
+    if native:
+        with silence():
+            made = native_cable(
+                mbs, dimension, line.pop("numberOfElements"), section, axial_stiffness, **line
+            )
+    else:
+        template = InextensibleCable(**section)
+        made = CreateInextensibleCable(mbs, beamTemplate=template, dimension=dimension, **line)
+    return [int(node) for node in made["nodes"]], made
+
+
 def solve_native(mbs, end_time, step=1e-3):
     settings = quiet_settings(end_time, round(end_time / step))
     settings.timeIntegration.newton.useModifiedNewton = True

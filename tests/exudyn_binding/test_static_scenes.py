@@ -5,7 +5,6 @@ from itertools import pairwise
 import exudyn
 import numpy as np
 import pytest
-from exudyn.beams import GenerateBeamElementsAlongLine
 from exudyn.itemInterface import (
     CartesianSpringDamper,
     CoordinateConstraint,
@@ -17,8 +16,6 @@ from exudyn.itemInterface import (
     MarkerNodeCoordinate,
     MarkerNodePosition,
     MarkerNodeRigid,
-    ObjectANCFCable,
-    ObjectANCFCable2D,
     RevoluteJoint2D,
     SphericalJoint,
     TorsionalSpringDamper,
@@ -27,9 +24,7 @@ from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import (
     CreateCompanionCables,
-    CreateInextensibleCable,
     EquilibriumError,
-    InextensibleCable,
     InputError,
     SceneError,
     SolveEquilibrium,
@@ -38,6 +33,7 @@ from exudyn_inext import (
 )
 from exudyn_inext.element.shape_functions import shape_functions
 from reference_models.model import quiet_settings, silence
+from tests.exudyn_binding.items import either_cable
 from tests.items.attach.contact import Circle, add_frictionless_contact
 
 MASS, BENDING, AXIAL = 0.2, 0.05, 1e6  # per length [kg/m], [N m^2], of native cables [N]
@@ -64,19 +60,8 @@ class Builder:
         for name in ("Start", "End"):
             flags = [name in pinned or name in clamped] * self.dimension
             line[f"groundConstraints{name}"] = flags + [name in clamped] * self.dimension
-        names = {"massPerLength": MASS, "bendingStiffness": BENDING}
-        if self.native:
-            kind = ObjectANCFCable if self.dimension == 3 else ObjectANCFCable2D
-            with silence():
-                made = GenerateBeamElementsAlongLine(
-                    self.mbs, beamTemplate=kind(**names, axialStiffness=AXIAL), **line
-                )
-        else:
-            made = CreateInextensibleCable(
-                self.mbs, beamTemplate=InextensibleCable(**names), dimension=self.dimension, **line
-            )
-        self.made = made
-        nodes = [int(node) for node in made["nodes"]]
+        section = {"massPerLength": MASS, "bendingStiffness": BENDING}
+        nodes, self.made = either_cable(self.mbs, self.native, self.dimension, section, AXIAL, **line)
         self.cables.append(nodes)
         return nodes
 
