@@ -2,6 +2,7 @@
 
 import builtins
 import dis
+from functools import lru_cache
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
 
@@ -42,11 +43,16 @@ def _has_sensor_functions(mbs: Any) -> bool:
     return any(sensor["sensorType"] == "UserFunction" for sensor in sensors)
 
 
+@lru_cache(maxsize=256)
+def _instructions(code: CodeType) -> tuple[dis.Instruction, ...]:
+    return tuple(dis.get_instructions(code))
+
+
 def _reads(code: CodeType, name: str) -> bool:
     """Whether the code, or a function within it, reads this variable of its own."""
     if name in code.co_cellvars:
         return True
-    loads = (i.argval for i in dis.get_instructions(code) if i.opname.startswith("LOAD_FAST"))
+    loads = (i.argval for i in _instructions(code) if i.opname.startswith("LOAD_FAST"))
     return any(name in value if isinstance(value, tuple) else name == value for value in loads)
 
 
@@ -79,7 +85,7 @@ def _stored_in(module: dict[str, Any]) -> set[str]:
 
 def _stored_by(code: CodeType, module: dict[str, Any]) -> set[str]:
     """Of one function: what it assigns; all lists and the like that it reads, if it stores into anything."""
-    instructions = list(dis.get_instructions(code))
+    instructions = _instructions(code)
     stored = {i.argval for i in instructions if i.opname in ("STORE_GLOBAL", "DELETE_GLOBAL")}
     if any(i.opname == "STORE_SUBSCR" or i.argval in _STORING for i in instructions):
         stored |= {name for name in _outer_names(code) if isinstance(module.get(name), _CONTAINERS)}
@@ -87,7 +93,7 @@ def _stored_by(code: CodeType, module: dict[str, Any]) -> set[str]:
 
 
 def _outer_names(code: CodeType) -> set[str]:
-    return {i.argval for i in dis.get_instructions(code) if i.opname in ("LOAD_GLOBAL", "LOAD_NAME")}
+    return {i.argval for i in _instructions(code) if i.opname in ("LOAD_GLOBAL", "LOAD_NAME")}
 
 
 def _all_codes(code: CodeType) -> list[CodeType]:
@@ -98,7 +104,7 @@ def _all_codes(code: CodeType) -> list[CodeType]:
 
 def _is_pure_code(code: CodeType, known: dict[str, Any], depth: int) -> bool:
     stores, reads_lists = False, False
-    for instruction in dis.get_instructions(code):
+    for instruction in _instructions(code):
         operation, name = instruction.opname, instruction.argval
         if operation in ("STORE_GLOBAL", "STORE_ATTR", "DELETE_GLOBAL", "IMPORT_NAME", "IMPORT_FROM"):
             return False

@@ -23,7 +23,7 @@ from ..compiled import kernel
 from ..errors import RedundantConstraintError
 from .parts import respond, respond_in_chain
 
-FEW = 8  # rows whose order does not matter
+FEW = 24  # rows whose order does not matter
 PIVOT_TOLERANCE = 1e-10  # of a pivot of S, relative to its diagonal entry
 
 

@@ -8,19 +8,17 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigs
 
 from ..arrays import Array
 from ..system import accelerate_and_project
 
 STEP = 1e-6  # of the differences [m, -, m/s, 1/s]
-ACCURACY = 1e-3
-LARGEST_BASIS = 24
+ACCURACY = 1e-3  # residual of an eigenvalue
+SETTLED = 1e-4  # its change from one test to the next: residuals say little where vectors are hardly apart
 NEGLIGIBLE = 1e-6  # damping over the frequency: less is round-off, and bounds no step
-DENSE = 4  # coordinates up to which the matrix is built
-MOST_STEPS = (
-    400  # of the iteration that never ends without an answer, and coordinates of a matrix in its place
-)
+FIRST_LOOK, GROWTH = 8, 1.2  # steps of the iteration before its first test, and from one test to the next
+MOST_STEPS = 400  # of the iteration
+ROUND_OFF = 1e-12
 OVERDAMPED = 1e3  # damping over the frequency, beyond which a motion is a decay
 
 
@@ -91,12 +89,7 @@ def _largest_eigenvalue(operator: Callable[[Array], Array], start: Array, neglig
         return np.nan
     if np.linalg.norm(first) <= negligible * np.linalg.norm(start):
         return 0.0
-    if len(start) <= DENSE or not first.any():
-        return _positive(_of_matrix(scaled, len(start)) if first.any() else 0.0)
-    found = _by_restarts(scaled, start)
-    if not np.isfinite(found):
-        found = _reliably(scaled, start)
-    return _positive(found)
+    return _positive(_by_arnoldi(scaled, start) if first.any() else 0.0)
 
 
 def _positive(value: float) -> float:
@@ -104,52 +97,16 @@ def _positive(value: float) -> float:
     return 0.0 if value <= 0.0 else value
 
 
-def _by_restarts(operator: Callable[[Array], Array], start: Array) -> float:
-    """By the library's restarted iteration, which ends early as a rule; NaN if it did not find any."""
-    size = len(start)
-    linear = LinearOperator((size, size), matvec=lambda x: operator(np.ravel(x)), dtype=float)
-    try:
-        values = eigs(
-            linear,
-            k=1,
-            which="LR",
-            v0=start,
-            ncv=min(size, LARGEST_BASIS),
-            tol=ACCURACY,
-            return_eigenvectors=False,
-        )
-    except ArpackNoConvergence as error:
-        values = error.eigenvalues
-    except ArpackError:  # the iteration ended in round-off: what it looks for is hardly there
-        return np.nan
-    return float(np.real(values).max()) if len(values) else np.nan
+def _by_arnoldi(operator: Callable[[Array], Array], start: Array) -> float:
+    """Largest real part of an eigenvalue, once its Ritz value has converged; NaN if something is not finite.
 
-
-def _reliably(operator: Callable[[Array], Array], start: Array) -> float:
-    """Without a test of convergence: all eigenvalues, or so many steps that the largest one is found.
-
-    The largest eigenvalue of n after m steps lies within some (ln n / m)^2 of the range: J. Kuczynski,
-    H. Wozniakowski, SIAM J. Matrix Anal. Appl. 13 (1992) 1094-1122.
+    At the latest after `MOST_STEPS`: within some (ln n / m)^2 of the range after m steps, n the coordinates:
+    J. Kuczynski, H. Wozniakowski, SIAM J. Matrix Anal. Appl. 13 (1992) 1094-1122.
     """
-    size = len(start)
-    return _of_matrix(operator, size) if size <= MOST_STEPS else _by_arnoldi(operator, start, MOST_STEPS)
-
-
-def _of_matrix(operator: Callable[[Array], Array], size: int) -> float:
-    matrix = np.stack([operator(column) for column in np.eye(size)], axis=1)
-    return _rightmost(matrix)
-
-
-def _rightmost(matrix: Array) -> float:
-    """Largest real part of the eigenvalues; NaN if the matrix is not finite."""
-    return float(np.real(np.linalg.eigvals(matrix)).max()) if np.isfinite(matrix).all() else np.nan
-
-
-def _by_arnoldi(operator: Callable[[Array], Array], start: Array, steps: int) -> float:
-    """Largest real part of the Ritz values after so many steps of Arnoldi's iteration."""
-    basis, hessenberg = np.zeros((steps, len(start))), np.zeros((steps, steps))
+    most, next_look, before = min(len(start), MOST_STEPS), FIRST_LOOK, np.inf
+    basis, hessenberg = np.zeros((FIRST_LOOK, len(start))), np.zeros((most, most))
     basis[0] = start / np.linalg.norm(start)
-    for k in range(steps):
+    for k in range(most):
         image = operator(basis[k])
         size = np.linalg.norm(image)
         for _ in range(2):  # the second time against round-off
@@ -157,8 +114,23 @@ def _by_arnoldi(operator: Callable[[Array], Array], start: Array, steps: int) ->
             image = image - share @ basis[: k + 1]
             hessenberg[: k + 1, k] += share
         norm = np.linalg.norm(image)
-        if k + 1 == steps or not norm > 1e-12 * size:
-            return _rightmost(hessenberg[: k + 1, : k + 1])
+        if not np.isfinite(norm):
+            return np.nan
+        is_last = k + 1 == most or norm <= ROUND_OFF * size
+        if is_last or k + 1 == next_look:
+            value, error = _rightmost(hessenberg[: k + 1, : k + 1], float(norm))
+            is_settled = abs(value - before) <= SETTLED * abs(value)
+            if is_last or (is_settled and error <= ACCURACY * abs(value)):
+                return value
+            next_look, before = int(GROWTH * next_look) + 1, value
+            basis = np.concatenate([basis, np.zeros((next_look - len(basis), len(start)))])
         hessenberg[k + 1, k] = norm
         basis[k + 1] = image / norm
     raise AssertionError  # the last step returns
+
+
+def _rightmost(matrix: Array, norm: float) -> tuple[float, float]:
+    """Largest real part of a Ritz value, and the residual of its vector.   norm: of the next vector."""
+    values, vectors = np.linalg.eig(matrix)
+    which = int(np.argmax(values.real))
+    return float(values[which].real), norm * float(np.abs(vectors[-1, which]))
