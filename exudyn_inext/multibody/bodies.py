@@ -208,6 +208,25 @@ def accelerate_body(body, force, acceleration):
 
 
 @inlined
+def subtract_inertia(body, force):
+    """Take off the generalised forces of the motion at zero second derivatives of the coordinates.
+
+    force: (k,) of the body alone, which is placed and moves.
+    """
+    for i in range(6):
+        body.wrench[i] = 0.0
+    _subtract_gyroscopic(body)
+    for i in range(6):
+        for j in range(3):
+            body.wrench[i] -= body.mass[i, 3 + j] * body.bias[j]
+    for j in range(3):
+        for i in range(body.translations):
+            force[i] -= body.orientation[i, j] * body.wrench[j]
+        for i in range(body.rotations):
+            force[body.translations + i] -= body.rates[j, i] * body.wrench[3 + j]
+
+
+@inlined
 def respond_body(body, force, response):
     """Acceleration under generalised forces alone; both (k,)."""
     _take_wrench(body, force)

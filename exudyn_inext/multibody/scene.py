@@ -22,6 +22,7 @@ from .bodies import (
     move_body,
     place_body,
     set_normal,
+    subtract_inertia,
     twice_energy,
 )
 from .cables import clear_if_fulfilled, respond_with_cables
@@ -260,6 +261,17 @@ def bodies_energy(bodies, q, v):
         place_body(body, q)
         total += twice_energy(body, v[body.first :])
     return 0.5 * total
+
+
+@kernel
+def subtract_inertia_forces(bodies, q, v, force):
+    """Take those of all bodies that move with v (n,) at q (n,) off the forces (n,)."""
+    for b in range(len(bodies)):
+        body = bodies[b]
+        if body.rotations > 0:
+            place_body(body, q)
+            move_body(body, q, v)
+            subtract_inertia(body, force[body.first :])
 
 
 @kernel

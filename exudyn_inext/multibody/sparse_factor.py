@@ -14,7 +14,7 @@ from scipy.sparse.linalg import splu
 from ..arrays import Array
 from ..compiled import inlined
 
-FEW = 16  # unknowns whose order does not matter
+FEW = 8  # unknowns whose order does not matter
 
 
 class SparseFactor(NamedTuple):

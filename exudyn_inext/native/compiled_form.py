@@ -9,8 +9,9 @@ import numpy as np
 from ..arrays import Array
 from ..multibody.build import build_scene
 from ..multibody.joints import effect_of_joints
-from ..multibody.scene import accelerate_and_project_scene
+from ..multibody.scene import accelerate_and_project_scene, subtract_inertia_forces
 from ..run.compiled_scene import CompiledScene, SceneLoads, cables_of_kinds
+from ..run.parts_in_one import CompiledParts
 from ..scene.bodies import bodies_rates
 from .known.scene import read_known_items
 from .known.unknown import UnknownItemError
@@ -26,11 +27,20 @@ STATES = 3  # random ones, besides the first
 WAY, SPEED = 0.01, 1.0  # of random states [m, -] from the first one, and [m/s, 1/s]
 
 
-def compiled_form(scene: CoupledScene, t: float, q: Array, v: Array) -> CompiledScene:
+def compiled_parts(scene: CoupledScene, t: float, q: Array, v: Array) -> CompiledParts:
+    """The cables, bodies and joints of a scene in compiled code; arguments: see `compiled_form`."""
+    form = compiled_form(scene, t, q, v, has_forces=False)
+    return CompiledParts(form, scene.map.slices[-1])
+
+
+def compiled_form(
+    scene: CoupledScene, t: float, q: Array, v: Array, has_forces: bool = True
+) -> CompiledScene:
     """The same scene in compiled code, which agrees with it about the state (q, v) at t [s].
 
     Args:
         scene: that Exudyn evaluates, in the state (q, v) of all parts.
+        has_forces: whether it has the springs and loads.
 
     Raises:
         UnknownItemError: there is none; the message says of what, or where they differ.
@@ -47,7 +57,7 @@ def compiled_form(scene: CoupledScene, t: float, q: Array, v: Array) -> Compiled
     scene.surroundings.forces(t, q, v)  # mbs is in this state, too
     elsewhere = scene.elsewhere.union(cable.number for cable in scene.cables)
     known, numbers = read_known_items(
-        scene.mbs, scene.bodies, scene.joints, scene.map, on_cables, elsewhere, q
+        scene.mbs, scene.bodies, scene.joints, scene.map, on_cables, elsewhere, q, has_forces
     )
     if len(known.rows) != len(scene.system.foresight):
         raise UnknownItemError("equations of joints")
@@ -60,12 +70,16 @@ def compiled_form(scene: CoupledScene, t: float, q: Array, v: Array) -> Compiled
         raise UnknownItemError("bodies that share coordinates")
     own = [(place, c.system, c.loads) for place, c in zip(places, scene.cables, strict=True)]
     form = CompiledScene(system, acting, own, scene.surroundings.joints, numbers.read_again)
-    require_agreement(scene, form, t, q, v)
+    require_agreement(scene, form, t, q, v, has_forces)
     return form
 
 
-def require_agreement(scene: CoupledScene, form: CompiledScene, t: float, q: Array, v: Array) -> None:
+def require_agreement(
+    scene: CoupledScene, form: CompiledScene, t: float, q: Array, v: Array, has_forces: bool = True
+) -> None:
     """Compare forces, masses and joints with Exudyn's, at (q, v) and at random states near to it.
+
+    has_forces: whether the form has the springs and loads; otherwise they are given to it.
 
     Raises:
         UnknownItemError: they differ; the message says where.
@@ -81,6 +95,9 @@ def require_agreement(scene: CoupledScene, form: CompiledScene, t: float, q: Arr
         _normalise(form.system.items.bodies, at)
         scene.surroundings.forces(t, at, rates)
         scene.body_system.project(rates[scene.map.slices[-1]])
+        if not has_forces:
+            form.given[:] = scene.surroundings.native_forces
+            subtract_inertia_forces(form.system.items.bodies, at, rates, form.given)
         _compare_parts(scene, form, t, at, rates)
         if scene.joints:
             _compare_joints(scene, form, t, at, rates)

@@ -1,6 +1,7 @@
 """Cables, bodies and joints of an mbs as one coupled system."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -13,12 +14,13 @@ from ..errors import SceneError
 from ..run.cable_loads import CableLoads
 from ..run.compiled_scene import CompiledScene
 from ..run.joined_scene import OpenContacts
+from ..run.parts_in_one import CompiledParts
 from ..scene.bodies import BodiesSystem, MassBlock
 from ..scene.coupled_system import CoupledSystem, Part
 from ..scene.model import HeldCoordinate
 from ..system import index_reduced_rates
 from .bodies import BodyMasses, SystemMass, read_bodies, read_quaternions
-from .compiled_form import compiled_form, require_agreement
+from .compiled_form import compiled_form, compiled_parts, require_agreement
 from .contact_rates import open_contacts
 from .coordinates import CoordinateMap, PartCoordinates
 from .friction_check import FrictionCheck
@@ -51,7 +53,10 @@ class CoupledScene:
     system: all of it.   map: its coordinates in the mbs.   surroundings: forces and joints.
     joints: native constraints that couple the parts.   held: coordinates that belong to no part.
     cable_systems: of the cables, in memory that they share.
+    parts_in_one: compiled code that evaluates bodies and joints, while Exudyn evaluates the forces, or None.
     """
+
+    parts_in_one: CompiledParts | None = None
 
     def __init__(
         self,
@@ -144,10 +149,14 @@ class CoupledScene:
 
     def kinetic_energy(self, q: Array, v: Array) -> float:
         """See `EvaluatedScene`."""
+        if self.parts_in_one:
+            return self.parts_in_one.kinetic_energy(q, v)
         return self._masses.system.kinetic_energy(v[self.map.slices[-1]])
 
     def violation(self, t: float, q: Array) -> float:
         """See `EvaluatedScene`."""
+        if self.parts_in_one:
+            return self.parts_in_one.violation(t, q)
         return float(np.abs(self.surroundings.violations(t, q)).max())
 
     def power_of_joints(self) -> float:
@@ -237,21 +246,43 @@ class CoupledScene:
             with state_kept(self.mbs):
                 return compiled_form(self, t, q, v), ""
         except UnknownItemError as why:
+            if len(self.joints) or len(self.bodies):
+                self._join_in_one(t, q, v)
             return None, str(why)
         finally:
             self.surroundings.forget()
 
-    def require_agreement(self, form: CompiledScene, t: float, q: Array, v: Array) -> None:
+    def _join_in_one(self, t: float, q: Array, v: Array) -> None:
+        """Let compiled code evaluate bodies and joints, if they have such forms."""
+        with suppress(UnknownItemError), state_kept(self.mbs):
+            self._take_parts(compiled_parts(self, t, q, v))
+
+    def _take_parts(self, parts: CompiledParts | None) -> None:
+        self.parts_in_one = self.system.in_one = parts
+        self.surroundings.subtract_inertia = parts.subtract_inertia if parts else None
+
+    def leave_compiled_parts(self) -> None:
+        """See `JoinedScene`."""
+        self._take_parts(None)
+
+    def require_agreement(self, form: CompiledScene | None, t: float, q: Array, v: Array) -> None:
         """See `JoinedScene`: SceneError if that form is another scene by now."""
+        parts, has_forces = self.parts_in_one, form is not None
+        if form is None:
+            if parts is None:
+                return
+            form = parts.form
+        self._take_parts(None)  # Exudyn's side is the other one
         try:
             with state_kept(self.mbs):
-                require_agreement(self, form, t, q, v)
+                require_agreement(self, form, t, q, v, has_forces)
         except UnknownItemError as where:
             raise SceneError(
                 f"an item was changed during the run without its notice: {where}. The motion is not that of "
                 "the present items: change them by mbs.SetObjectParameter etc., called by name."
             ) from None
         finally:
+            self._take_parts(parts)
             self.surroundings.forget()
 
     def solve_cable(self, cable: int, t: float, q: Array, v: Array) -> Array:
@@ -271,7 +302,7 @@ class CoupledScene:
         a, rate = np.zeros(size), np.zeros(size)
         force = self.cables[cable].loads.at(t).copy()
         force[:size] += self.surroundings.native_forces[dofs]
-        force[:size] -= self.system.solve.joint_force(self.system.multipliers, dofs)
+        force[:size] -= self.system.joint_force(dofs)
         index_reduced_rates(part, force, q[dofs], v[dofs], a, rate)
         return a
 

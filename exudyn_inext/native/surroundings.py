@@ -1,6 +1,6 @@
 """Forces, masses and joints of an mbs for a coupled system, evaluated by Exudyn."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -15,7 +15,7 @@ from ..items.parameters import set_unnoted
 from ..run.cable_loads import CableLoads
 from ..scene.coupled_system import Part
 from ..scene.joints import JointBlock, JointTerms
-from ..scene.path_work import follow, gather, gather_and_follow
+from ..scene.path_work import follow, gather
 from .bodies import BodyMasses
 from .coordinates import CoordinateMap
 from .held import HeldCoordinates
@@ -55,6 +55,8 @@ class NativeSurroundings:
     path: memory of the work that they do from one evaluation to the next, see `build_path`; None: not now.
         Of several evaluations in a step, the first one is left out: RK4's second one lies beside it.
     settles: whether contact and friction update what they remember at each evaluation, before it.
+    subtract_inertia: (q, v, forces): takes inertia forces of the bodies off the forces (n,), for whoever
+        knows their masses; None: Exudyn is asked for these.
     """
 
     joints: Sequence[str]
@@ -62,6 +64,7 @@ class NativeSurroundings:
     path: Array | None = None
     approach: Approach | None = None
     settles: bool = False
+    subtract_inertia: Callable[[Array, Array, Array], None] | None = None
     _is_first: bool = True  # evaluation of a step
 
     def __init__(
@@ -121,10 +124,13 @@ class NativeSurroundings:
         forces = self.native_forces
         path = None if self._is_first and not self.settles else self.path
         self._is_first = False
-        if path is None or self._has_histories:
-            gather(residual, self._coordinates.of_forces, forces)
+        gather(residual, self._coordinates.of_forces, forces)
+        if self.subtract_inertia:
+            self.subtract_inertia(q, v, forces)
         else:
-            gather_and_follow(path, q, residual, self._coordinates.of_forces, forces)
+            self._masses.update(q[self._bodies])
+        if path is not None and not self._has_histories:
+            follow(path, q, forces)
         if self._steady is not None:
             result = [force.copy() for force in self._steady]
         else:
@@ -134,7 +140,6 @@ class NativeSurroundings:
             result = self._joined(given)
         for force, dofs in zip(result, self._dofs, strict=False):
             force[: dofs.stop - dofs.start] += forces[dofs]
-        self._masses.update(q[self._bodies])
         result.append(forces[self._bodies])
         if first:
             result.append(residual[second : second + first])

@@ -52,6 +52,8 @@ class SceneLoads:
 
     def at(self, t: float) -> Array:
         """(n_external,) at t [s]."""
+        if not len(self.pattern):
+            return self.constant.copy()
         return self.constant + self.factors([t])[0] @ self.pattern
 
     def factors(self, times: list[float]) -> Array:
@@ -153,6 +155,10 @@ class CompiledScene:
         where = steps.done, steps.in_interval, steps.history
         take_steps(steps.scheme, self.system, loads, state, steps.h, *where, work, before)
         counting[MODE] = NOT_COUNTED
+        self.require_independence()
+
+    def require_independence(self) -> None:
+        """Raise RedundantConstraintError if a joint depends on others."""
         joints = self.system.items.joints
         if len(joints.rows) and joints.dependent[0] >= 0:
             raise _dependent(joints, self._names)

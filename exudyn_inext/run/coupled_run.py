@@ -163,14 +163,16 @@ class CoupledRun(PacedRun):
         changed: kinds and numbers of them.   is_simple: whether they are loads and springs only.
         """
         if self._form is None:
+            if not is_simple and self._scene.parts_in_one:
+                self._scene.leave_compiled_parts()
+                self._begin_by(self.integrator.resume, time)
             return
         if not is_simple or not all(self._form.take_over(*item) for item in changed):
             self.leave_kernels("items that were changed during the run", time)
 
     def require_same_items(self, time: float) -> None:
         """Raise SceneError if Exudyn's items are not those that have moved the scene."""
-        if self._form:
-            self._scene.require_agreement(self._form, time, self.state.q, self.state.v)
+        self._scene.require_agreement(self._form, time, self.state.q, self.state.v)
 
     @contextmanager
     def _without_implicit_damping(self) -> Iterator[None]:
@@ -209,8 +211,11 @@ class CoupledRun(PacedRun):
         """What an evaluation needs."""
         joints, bodies = len(self._scene.joints), self._scene.bodies_of_variable_mass
         needs = ["one right-hand side of Exudyn"]
-        needs += [f"the mass of {bodies} bodies"] if bodies else ["no mass (all constant, inverted once)"]
-        needs += [f"the Jacobians of {joints} joints"] if joints else ["no Jacobian (no joints)"]
+        if self._scene.parts_in_one:
+            needs += ["no mass and no Jacobian (bodies and joints are compiled)"]
+        else:
+            needs += [f"the mass of {bodies} bodies"] if bodies else ["no mass (all constant, inverted once)"]
+            needs += [f"the Jacobians of {joints} joints"] if joints else ["no Jacobian (no joints)"]
         said = f"each evaluation takes {', '.join(needs)}, as mbs contains {self._why}"
         return f"{said}; Exudyn evaluates them because of {self._why_not}"
 

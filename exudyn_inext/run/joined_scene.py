@@ -10,6 +10,7 @@ from ..scene.closed_contacts import ClosedContacts
 from ..scene.coupled_system import CoupledSystem
 from .compiled_scene import CompiledScene
 from .kept_state import Elsewhere
+from .parts_in_one import CompiledParts
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +82,7 @@ class JoinedScene(EvaluatedScene, Protocol):
     cable_systems: of the cables.   groups: of those that share records.   friction: of it.
     remembered: what contacts remember, if there are any.
     initial_state: q and v (size,) at the start.   bodies_of_variable_mass: how many there are.
+    parts_in_one: what evaluates bodies and joints, if it is compiled code.
     """
 
     system: CoupledSystem
@@ -113,6 +115,9 @@ class JoinedScene(EvaluatedScene, Protocol):
     def remembered(self) -> Elsewhere | None: ...
 
     @property
+    def parts_in_one(self) -> CompiledParts | None: ...
+
+    @property
     def has_bodies(self) -> bool: ...
 
     @property
@@ -131,10 +136,19 @@ class JoinedScene(EvaluatedScene, Protocol):
         """Whose coordinate it is, by its place in the system vector."""
 
     def compiled(self, t: float, q: Array, v: Array) -> tuple[CompiledScene | None, str]:
-        """The same scene in compiled code, or None and why there is none; (q, v) is a state at t [s]."""
+        """The same scene in compiled code, or None and why there is none; (q, v) is a state at t [s].
 
-    def require_agreement(self, form: CompiledScene, t: float, q: Array, v: Array) -> None:
-        """Raise SceneError if that form is another scene by now; (q, v) is a state at t [s]."""
+        If there is none, Exudyn evaluates the forces, and compiled code bodies and joints, where it can.
+        """
+
+    def leave_compiled_parts(self) -> None:
+        """Let Exudyn evaluate bodies and joints, too."""
+
+    def require_agreement(self, form: CompiledScene | None, t: float, q: Array, v: Array) -> None:
+        """Raise SceneError if that form is another scene by now; (q, v) is a state at t [s].
+
+        form: None: that of the bodies and joints alone, if there is one.
+        """
 
     def memory(self) -> dict[str, Any]:
         """What earlier steps taught joints and bodies, by names."""

@@ -64,6 +64,27 @@ class Surroundings(Protocol):
         """What moves the constraints of each whole, as its `correct_position` takes it."""
 
 
+class PartsInOne(Protocol):
+    """All parts and joints as one compiled system, to which the forces are given.
+
+    Arguments are those of the protocols; t: time [s]; forces: see `Surroundings.forces`.
+    multipliers: nu (m,) of the joints at the last evaluation.   drift: c_t (m,) there.
+    """
+
+    multipliers: Array
+
+    @property
+    def drift(self) -> Array: ...
+
+    def rates(self, t: float, forces: Sequence[Array], *arrays: Array) -> None: ...
+
+    def accelerate(self, t: float, forces: Sequence[Array], *arguments: Any) -> None: ...
+
+    def correct(self, t: float, *arguments: Any) -> float: ...
+
+    def joint_force(self, dofs: slice) -> Array: ...
+
+
 class CoupledSystem:
     """A `system` of the integrators; their external force is the time alone, (1,).
 
@@ -71,7 +92,10 @@ class CoupledSystem:
     multipliers: nu (m,) of the joints at the last evaluation: M a + C_q^T nu = F.
     drift: c_t (m,) of the joints there.
     parts: cables, bodies, first order states.   wholes: what of them is evaluated at once.
+    in_one: evaluates all of them, and the joints, if it is set.
     """
+
+    in_one: PartsInOne | None = None
 
     def __init__(
         self,
@@ -91,6 +115,17 @@ class CoupledSystem:
         self.drift = np.zeros(len(surroundings.joints))
         self.has_joints = len(surroundings.joints) > 0
 
+    def joint_force(self, dofs: slice) -> Array:
+        """J^T nu on one part, at the last evaluation.   dofs: its place."""
+        if self.in_one:
+            return self.in_one.joint_force(dofs)
+        return self.solve.joint_force(self.multipliers, dofs)
+
+    def take_in_one(self) -> None:
+        """What its last evaluation found of the joints."""
+        assert self.in_one
+        self.multipliers, self.drift = self.in_one.multipliers, self.in_one.drift
+
     def join(self, t: float, q: Array, v: Array) -> JointTerms:
         """Joints at (t, q, v), their Schur complement factorised; the parts are factorised at q."""
         terms = self.surroundings.constrain(t, q, v)
@@ -104,6 +139,9 @@ def coupled_rates(system, external, q, v, acceleration, rate):
     """Eq. (30). Arguments: see `index_reduced_rates`; external: (1,) time [s]."""
     t = float(external[0])
     forces = system.surroundings.forces(t, q, v)
+    if system.in_one:
+        system.in_one.rates(t, forces, q, v, acceleration, rate)
+        return system.take_in_one()
     for part, force in zip(system.resolved, forces, strict=True):
         dofs = part.dofs
         part.rates(part.system, force, q[dofs], v[dofs], acceleration[dofs], rate[dofs])
@@ -120,6 +158,9 @@ def accelerate_and_project_coupled(system, external, q, v, duration, acceleratio
     """Arguments: see `accelerate_and_project`; external: (1,) time [s]."""
     t = float(external[0])
     forces = system.surroundings.forces(t, q, v + duration * acceleration)
+    if system.in_one:
+        system.in_one.accelerate(t, forces, q, v, duration, acceleration, end_velocity)
+        return system.take_in_one()
     for part, force in zip(system.resolved, forces, strict=True):
         dofs = part.dofs
         part.accelerate(
@@ -136,6 +177,8 @@ def accelerate_and_project_coupled(system, external, q, v, duration, acceleratio
 def correct_coupled_position(system, external, q, tolerance, learning, correction):
     """Arguments: see `correct_position`; external: (1,) time [s]."""
     t = float(external[0])
+    if system.in_one:
+        return system.in_one.correct(t, q, tolerance, learning, correction)
     worst = 0.0
     if system.has_joints:
         value = system.surroundings.violations(t, q)

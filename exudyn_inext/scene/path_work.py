@@ -43,20 +43,20 @@ def expect_energy(path: Array, scale: float, floor: float, tolerance: float) -> 
     path[SUMS, STEPS] = beginning if scale > floor else 0.0
 
 
-@inlined
-def _gather(vector, places, force):
+@kernel
+def gather(vector, places, force):
+    """force (n,) from its places (n,) in a system vector; zero where that is -1."""
     for i in range(len(force)):
         force[i] = vector[places[i]] if places[i] >= 0 else 0.0
 
 
 @kernel
-def gather(vector, places, force):
-    """force (n,) from its places (n,) in a system vector; zero where that is -1."""
-    _gather(vector, places, force)
+def follow(path, q, force):
+    """Count the work of a step to q (n or more,), where the force (n,) acts, by the trapezoidal rule.
 
-
-@inlined
-def _follow(path, q, force):
+    The rule lacks (f' . q'' - f'' . q') / 12, with the derivatives by the number of steps; that is nothing
+    if the force is that of linear springs.
+    """
     work, lack = 0.0, 0.0
     for i in range(len(force)):
         way, change = q[i] - path[POSITION, i], force[i] - path[FORCE, i]
@@ -83,23 +83,6 @@ def _compare(sums, work, lack):
         sums[STEPS] += 1.0
         sums[LACK] = max(sums[LACK], lack / scale)
     sums[SCALE] = max(sums[SCALE], abs(sums[WORK]))
-
-
-@kernel
-def follow(path, q, force):
-    """Count the work of a step to q (n or more,), where the force (n,) acts, by the trapezoidal rule.
-
-    The rule lacks (f' . q'' - f'' . q') / 12, with the derivatives by the number of steps; that is nothing
-    if the force is that of linear springs.
-    """
-    _follow(path, q, force)
-
-
-@kernel
-def gather_and_follow(path, q, vector, places, force):
-    """Both at once: see `gather` and `follow`."""
-    _gather(vector, places, force)
-    _follow(path, q, force)
 
 
 def take_sums(path: Array) -> tuple[float, float]:

@@ -462,6 +462,83 @@ def test_a_drive_that_depends_on_the_state_stays_with_exudyn():
     assert "whose user function may depend on the state" in report["path"]
 
 
+def controlled(b):
+    """A load by the velocity of a body."""
+
+    def brake(mbs, t, load):
+        return -2.0 * np.array(mbs.GetNodeOutput(b.nodes[0], exudyn.OutputVariableType.Velocity))
+
+    force = LoadForceVector(markerNumber=b.position(1), loadVector=[0, 0, 0], loadVectorUserFunction=brake)
+    b.mbs.AddLoad(force)
+
+
+def with_compiled_parts(kinds, seed, dimension, integrator, monkeypatch, tolerance):
+    """Whether bodies and joints in compiled code move as Exudyn's, under forces that only Exudyn knows."""
+    found = []
+    for evaluated in (False, True):
+        builder = Builder(seed, dimension)
+        for kind in [*kinds, controlled]:
+            kind(builder)
+        if evaluated:
+            monkeypatch.setattr(CoupledScene, "_join_in_one", lambda *_: None)
+        *coordinates, path = moved(lambda b=builder: b.mbs, integrator, compiled=True)
+        monkeypatch.undo()
+        assert ("bodies and joints are compiled" in path) is not evaluated, path
+        found.append(coordinates)
+    (ours, our_forces), (theirs, their_forces) = found
+    np.testing.assert_allclose(ours, theirs, atol=tolerance * np.abs(theirs).max(), rtol=0)
+    if len(their_forces):
+        scale = max(1.0, np.abs(their_forces).max())
+        np.testing.assert_allclose(our_forces, their_forces, atol=1e-4 * scale, rtol=0)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("kind", KINDS)
+def test_bodies_and_joints_are_compiled_where_forces_are_not(kind, dimension, monkeypatch):
+    tolerance = OF_JOINTS if kind in JOINTS else TOLERANCE
+    with_compiled_parts([kind], len(kind.__name__), dimension, "RATTLE", monkeypatch, tolerance)
+
+
+@every_integrator
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_under_all_kinds_of_forces_bodies_and_joints_may_be_compiled(integrator, dimension, monkeypatch):
+    kinds = [*WITHOUT_JOINTS, distances]
+    with_compiled_parts(kinds, 7, dimension, integrator, monkeypatch, OFF_UNITY[integrator])
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_the_energy_of_compiled_bodies_under_forces_of_exudyn_is_kept(dimension):
+    """Of bodies that turn about points off their centres of mass: the brake takes what they lose."""
+    builder = Builder(4, dimension)
+    for kind in (spring, controlled, spherical_joint):
+        kind(builder)
+    builder.mbs.Assemble()
+    explicit = ExplicitSettings(stepSize=2e-4, startTolerance=100.0)
+    with silence():
+        report = SolveExplicit(builder.mbs, quiet_settings(0.4, 20), explicit)
+    assert "bodies and joints are compiled" in report["path"]
+    assert abs(report["drift"]["energyGain"]) + abs(report["drift"]["energyLoss"]) < 1e-4
+
+
+def test_a_body_that_changes_during_the_run_is_evaluated_by_exudyn_from_then_on(monkeypatch):
+    def heavier(mbs, t, body):
+        if t > 0.02:
+            mbs.SetObjectParameter(body, "mass", 0.6)
+        return True
+
+    found = []
+    for evaluated in (False, True):
+        builder = Builder(3, 2)
+        spring(builder)
+        controlled(builder)
+        builder.mbs.SetPreStepUserFunction(lambda mbs, t, b=builder: heavier(mbs, t, b.bodies[0]))
+        builder.mbs.Assemble()
+        if evaluated:
+            monkeypatch.setattr(CoupledScene, "_join_in_one", lambda *_: None)
+        found.append(run(builder)[0])
+    np.testing.assert_allclose(*found, atol=1e-10)
+
+
 WITHOUT_JOINTS = KINDS[: KINDS.index(spherical_joint)]
 JOINTS = KINDS[KINDS.index(spherical_joint) :]
 

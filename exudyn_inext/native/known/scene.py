@@ -27,6 +27,7 @@ def read_known_items(
     on_cables: int,
     elsewhere: frozenset[int],
     q: Array,
+    has_forces: bool,
 ) -> tuple[KnownItems, "KnownNumbers"]:
     """Read all items but the cables; and by their numbers, those that may be read again.
 
@@ -35,12 +36,15 @@ def read_known_items(
         joints: all constraints, in the order of their rows.
         coordinates: of the scene; those on cables are the first `on_cables` ones.
         elsewhere: objects that belong to the cables.
+        has_forces: whether springs and loads are read.
 
     Raises:
         UnknownItemError: an item has no compiled form.
     """
-    if mbs.systemData.DataSize() or mbs.systemData.ODE1Size() or mbs.NumberOfGeneralContacts():
-        raise UnknownItemError("contact, or states of first order")
+    if mbs.systemData.ODE1Size():
+        raise UnknownItemError("states of first order")
+    if has_forces and (mbs.systemData.DataSize() or mbs.NumberOfGeneralContacts()):
+        raise UnknownItemError("contact")
     records = read_body_records(mbs, bodies, coordinates, q)
     firsts = [coordinates.place(int(body.coordinates[0])) for body in bodies]
     order = {int(first): number for number, first in enumerate(records["first"])}
@@ -49,11 +53,12 @@ def read_known_items(
     rows, offsets = read_rows(mbs, joints, reader)
     done = {*of_bodies, *elsewhere, *(joint.number for joint in joints)}
     items = KnownNumbers(mbs, reader, offsets)
-    for number in range(mbs.systemData.NumberOfObjects()):
-        if number not in done:
-            items.add_object(number)
-    for number in range(mbs.systemData.NumberOfLoads()):
-        items.add_load(number)
+    if has_forces:
+        for number in range(mbs.systemData.NumberOfObjects()):
+            if number not in done:
+                items.add_object(number)
+        for number in range(mbs.systemData.NumberOfLoads()):
+            items.add_load(number)
     springs, loads = collected(CONNECTOR, items.connectors), collected(LOAD, items.loads)
     return KnownItems(records, reader.records, rows, springs, loads, items.functions), items
 

@@ -1,0 +1,78 @@
+"""Bodies and joints in compiled code, where Exudyn evaluates the forces: see `coupled_system.PartsInOne`."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..multibody.scene import bodies_energy, joint_violation, subtract_inertia_forces, subtract_joint_forces
+from ..system import accelerate_and_project, correct_position, index_reduced_rates
+from .compiled_scene import CompiledScene
+
+
+class CompiledParts:
+    """The compiled form of cables, bodies and joints, without springs and loads.
+
+    Args:
+        form: of them.   bodies: their place among the coordinates.
+
+    multipliers: (m,) of the joints at the last evaluation.
+    """
+
+    def __init__(self, form: CompiledScene, bodies: slice) -> None:
+        self.form = form
+        self._system = form.system
+        self._items = form.system.items
+        self._bodies = bodies
+        self._cables = len(form.system.cable_force)
+        self.multipliers = form.multipliers
+        form.given[:] = 0.0
+        protocols = index_reduced_rates, accelerate_and_project, correct_position
+        self._rates, self._accelerate, self._correct = (p.dispatch(type(self._system)) for p in protocols)
+
+    @property
+    def drift(self) -> Array:
+        """(m,) c_t at the last evaluation."""
+        result: Array = -self._items.joints.rows["drift"][:, 0]
+        return result
+
+    def subtract_inertia(self, q: Array, v: Array, forces: Array) -> None:
+        """See `NativeSurroundings`."""
+        subtract_inertia_forces(self._items.bodies, q, v, forces)
+
+    def rates(self, t: float, forces: Sequence[Array], *arrays: Array) -> None:
+        """See `index_reduced_rates`.   forces: on all cables, then on the bodies."""
+        self._rates(self._system, self._external(t, forces), *arrays)
+        self.form.require_independence()
+
+    def accelerate(self, t: float, forces: Sequence[Array], *arguments: Any) -> None:
+        """See `accelerate_and_project`."""
+        self._accelerate(self._system, self._external(t, forces), *arguments)
+        self.form.require_independence()
+
+    def correct(self, t: float, *arguments: Any) -> float:
+        """See `correct_position`."""
+        return float(self._correct(self._system, self.form.loads.at(t), *arguments))
+
+    def _external(self, t: float, forces: Sequence[Array]) -> Array:
+        """As the system takes it; forces on bodies are given to them."""
+        self._items.given[self._bodies] = forces[-1]
+        external = self.form.loads.at(t)
+        external[: self._cables] = np.concatenate([*forces[:-1], np.zeros(0)])
+        return external
+
+    def joint_force(self, dofs: slice) -> Array:
+        """J^T nu on one part, at the last evaluation.   dofs: its place."""
+        total = np.zeros(len(self._items.force))
+        subtract_joint_forces(self._items.joints, total)
+        result: Array = -total[dofs]
+        return result
+
+    def kinetic_energy(self, q: Array, v: Array) -> float:
+        """Of the bodies [J]."""
+        return float(bodies_energy(self._items.bodies, q, v))
+
+    def violation(self, t: float, q: Array) -> float:
+        """Largest |c| of the joints [m, -]."""
+        return float(joint_violation(self._items, self.form.loads.at(t)[self._cables :], q))
