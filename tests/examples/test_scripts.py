@@ -9,12 +9,12 @@ import pytest
 from PIL import Image, ImageSequence
 
 import examples
-from examples import animation, picture, tethered_bodies
+from examples import animation, net_film, picture, tethered_bodies
 from exudyn_inext import DivergenceError
 from reference_models.model import silence
 from tests.examples.twins import run_inextensible
 
-HELPERS = {"__init__", "animation", "contact", "picture", "shapes"}
+HELPERS = {"__init__", "animation", "bodies", "contact", "meshes", "net_film", "picture", "shapes"}
 FILES = sorted(Path(examples.__file__).parent.glob("*.py"))
 SCRIPTS = [path.stem for path in FILES if path.stem not in HELPERS]
 
@@ -43,8 +43,18 @@ def test_the_animation_is_a_film_of_the_four_scenes(tmp_path, monkeypatch):
             assert (np.abs(first - last) > 100).sum() > 100  # something moves in every quarter
 
 
-def test_the_animation_in_the_docs_is_small_and_complete():
-    path = Path(examples.__file__).parents[1] / "docs" / "four_scenes.gif"
+def test_the_film_of_the_net_shows_it_moving(tmp_path, monkeypatch):
+    monkeypatch.setattr(picture, "FOLDER", tmp_path)
+    with silence():
+        net_film.main(frames=2)
+    with Image.open(tmp_path / "thrown_net.gif") as film:
+        first, last = (np.array(frame.convert("L")).astype(int) for frame in ImageSequence.Iterator(film))
+    assert (np.abs(first - last) > 100).sum() > 100
+
+
+@pytest.mark.parametrize("name", ["four_scenes.gif", "thrown_net.gif"])
+def test_the_films_in_the_docs_are_small_and_complete(name):
+    path = Path(examples.__file__).parents[1] / "docs" / name
     assert path.stat().st_size < 1_500_000
     with Image.open(path) as film:
         assert film.n_frames == animation.FRAMES
