@@ -26,6 +26,7 @@ from .divergence import explanation, listed
 from .joined_scene import EvaluatedScene, JoinedScene, OpenContacts
 from .kept_state import Elsewhere, KeptState
 from .paced_run import PacedRun
+from .redundancy import with_straight_cables
 from .step_control import Piece, StepControl
 from .time_grid import TimeGrid
 
@@ -68,10 +69,11 @@ class CoupledRun(PacedRun):
             self.state.q[dofs], self.state.v[dofs] = run.state.q, run.state.v
         scene.require_finite(self.state.v)
         self.start_correction = StartCorrection()
-        if end_of_step is None:
-            self._project(start)
-        else:
-            self.approach(start.time, end_of_step)
+        with self._naming_straight_cables():
+            if end_of_step is None:
+                self._project(start)
+            else:
+                self.approach(start.time, end_of_step)
         self.control = StepControl(rejects=start.rejects)
         self._unsolvable = ""  # what was said of joints that could not be solved for
         self._output = np.zeros((1, 3, scene.size))
@@ -95,6 +97,16 @@ class CoupledRun(PacedRun):
             self.start_correction = consistent_start(
                 scene.system, self.cables, start.time, state.q, state.v, start.tolerance
             )
+
+    @contextmanager
+    def _naming_straight_cables(self) -> Iterator[None]:
+        """In what is said of joints that depend on each other."""
+        try:
+            yield
+        except RedundantConstraintError as error:
+            q = [self.state.q[dofs] for dofs in self._scene.map.slices]
+            names = [run.name for run in self._runs]
+            raise with_straight_cables(error, zip(names, self.cables, q, strict=False)) from None
 
     @contextmanager
     def _mass_as_it_is(self) -> Iterator[None]:

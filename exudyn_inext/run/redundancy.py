@@ -1,5 +1,6 @@
 """Constraints of a cable that depend on each other: seen by the pivots of its factorisation."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -11,8 +12,10 @@ from ..cable.implicit_bending import ImplicitBending
 from ..cable.linked_cable import LinkedCableSystem
 from ..errors import RedundantConstraintError
 from ..scene.model import CableInScene
+from .divergence import listed
 
 PIVOT_TOLERANCE = 1e-10
+STRAIGHT = 1e-9  # share of its length that a straight cable's ends may lack
 
 
 def element_masses(cable: Cable, implicit: ImplicitBending) -> Array:
@@ -58,3 +61,23 @@ def _require_independent_links(scene_cable: CableInScene, factor: Array) -> None
             "of the other constraints (a node that is held or moved twice, or a cable pulled straight "
             "between what holds it): remove one of them, or let the cable sag."
         )
+
+
+def with_straight_cables(
+    error: RedundantConstraintError, cables: Iterable[tuple[str, Cable, Array]]
+) -> RedundantConstraintError:
+    """The same of joints, with the cables whose straightness may make them depend on each other.
+
+    cables: name, model, and coordinates (n_dof,) of each.
+    """
+    straight = []
+    for name, cable, q in cables:
+        places = q.reshape(cable.reference.shape)[:, 0]
+        if np.linalg.norm(places[-1] - places[0]) >= (1.0 - STRAIGHT) * cable.length:
+            straight.append(name)
+    if not straight:
+        return error
+    return RedundantConstraintError(
+        f"{error} Straight cables hold their ends apart by their length, as {listed(straight)} here: if all "
+        "joints are needed, let these cables sag a little."
+    )

@@ -17,7 +17,12 @@ from exudyn.itemInterface import (
 )
 from exudyn.utilities import InertiaCuboid
 
-from exudyn_inext import RedundantConstraintError, SceneError
+from exudyn_inext import (
+    CreateInextensibleCable,
+    InextensibleCable,
+    RedundantConstraintError,
+    SceneError,
+)
 
 
 def mass_point(mbs, position=(1.8, 0, 0)):
@@ -123,6 +128,36 @@ def test_the_culprit_is_named(mbs, add_pendulum, solve, contents, add, error, me
         solve(mbs)
     assert contents(mbs) == before[0]
     assert mbs.GetObject(cable["elements"][0])["forceUserFunction"] == before[1]
+
+
+def two_cables(mbs, sag):
+    """Between supports 2 m apart, joined in the middle, which hangs by `sag` [m]."""
+    section, g = InextensibleCable(massPerLength=0.1, bendingStiffness=1e-3), [0, -9.81, 0]
+    pinned, ends = [True, True, False, False], []
+    for start, end, side in ([[0, 0, 0], [1, -sag, 0], "Start"], [[1, -sag, 0], [2, 0, 0], "End"]):
+        cable = CreateInextensibleCable(
+            mbs, start, end, 4, section, gravity=g, **{f"groundConstraints{side}": pinned}
+        )
+        ends.append(cable["nodes"][0 if side == "End" else -1])
+    markers = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in ends]
+    mbs.AddObject(SphericalJoint(markerNumbers=markers, constrainedAxes=[1, 1, 0], name="middle"))
+    mbs.Assemble()
+    return ends[0]
+
+
+def test_straight_cables_between_held_ends_are_named_and_may_sag_instead(new_mbs, solve):
+    mbs = new_mbs()
+    two_cables(mbs, 0.0)
+    with pytest.raises(
+        RedundantConstraintError, match=r"'middle'.*not independent.*'object0', .*'object3'.* here.*sag"
+    ):
+        solve(mbs)
+    mbs = new_mbs()
+    middle = two_cables(mbs, 0.05)
+    solve(mbs, 0.1)
+    x, y, _ = mbs.GetNodeOutput(middle, exudyn.OutputVariableType.Position)
+    assert x == pytest.approx(1.0, abs=1e-6)
+    assert -0.05 < y < -0.01  # both cables fall, and pull it up
 
 
 def test_what_is_tied_at_another_speed_starts_after_an_impulse(mbs, add_pendulum, solve):
