@@ -16,6 +16,7 @@ from ..checks import (
     require_positive,
 )
 from ..errors import InputError
+from .catenary import hanging_curve
 
 SLOPE_TOLERANCE = 1e-8  # |r_x| - 1 [-]
 LENGTH_TOLERANCE = 1e-2  # int |r_x|^2 dx / l - 1 of an element [-]
@@ -124,6 +125,37 @@ class CableShape:
             velocities=v_start + at * (v_end - v_start),
             slopeVelocities=turning,
         )
+
+    @staticmethod
+    def Catenary(
+        positionStart: Any,
+        positionEnd: Any,
+        length: float,
+        numberOfElements: int,
+        gravity: Any = (0, -1, 0),
+    ) -> "CableShape":
+        """Cable at rest that hangs between two points, as it does without bending stiffness.
+
+        `SolveEquilibrium` finds how the bending stiffness changes that.
+
+        Args:
+            positionStart: (2,) or (3,) position of the first node [m].
+            positionEnd: position of the last node [m].
+            length: of the cable, at least the distance of both [m].
+            numberOfElements: at least 1.
+            gravity: (2,) or (3,) direction in which it hangs; need not be a unit vector.
+
+        Raises:
+            InputError: a cable that is too short, no direction, or ends one above the other.
+        """
+        number = _element_count(numberOfElements)
+        start, end = _point("positionStart", positionStart), _point("positionEnd", positionEnd)
+        size, down = require_positive("length [m]", length), _point("gravity", gravity)
+        if not down.any():
+            raise InputError(f"gravity = {down.tolist()}: give the direction in which the cable hangs.")
+        at = np.linspace(0.0, size, number + 1)
+        positions, slopes = hanging_curve(start, end, size, -down / np.linalg.norm(down), at)
+        return CableShape(positions, slopes)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,75 @@
+"""Cables that hang between two points: the equation of the catenary, and equilibria."""
+
+import exudyn
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from exudyn_inext import CableShape, CreateInextensibleCable, InextensibleCable, InputError, SolveEquilibrium
+from reference_models.model import silence
+
+CASES = {
+    "level": ([0, 0, 0], [2, 0, 0], 2.5, [0, -9.81, 0]),
+    "nearly straight": ([0, 0, 0], [2, 1, 0], np.sqrt(5.0) * (1 + 1e-9), [0, -1, 0]),
+    "slack": ([0, 0, 0], [0.1, 0, 0], 10.0, [0, -1, 0]),
+    "steep": ([0, 0, 0], [0.01, 3, 0], 3.2, [0, -1, 0]),
+    "downhill in space": ([1, 2, 3], [3, 1, -1], 6.0, [0, 0, -9.81]),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_it_joins_both_ends_and_bends_under_its_weight(case):
+    """dsigma/ds is constant: so is the horizontal tension, and the vertical one carries the weight."""
+    start, end, length, gravity = CASES[case]
+    shape = CableShape.Catenary(start, end, length, 40, gravity)
+    up = -np.array(gravity) / np.linalg.norm(gravity)
+    np.testing.assert_allclose(shape.positions[[0, -1]], [start, end], atol=1e-9 * length)
+    vertical = shape.slopes @ up
+    horizontal = np.linalg.norm(shape.slopes - np.outer(vertical, up), axis=1)
+    sigma = vertical / horizontal
+    np.testing.assert_allclose(np.diff(sigma), np.diff(sigma).mean(), rtol=1e-6)
+    rate = np.diff(sigma).mean() * 40 / length
+
+    def tangent(s, _):
+        return np.array([1.0, sigma[0] + rate * s]) / np.hypot(1.0, sigma[0] + rate * s)
+
+    found = solve_ivp(tangent, (0.0, length), [0.0, 0.0], rtol=1e-11, atol=1e-12).y[:, -1]
+    span = np.array(end, dtype=float) - start
+    expected = [np.linalg.norm(span - span @ up * up), span @ up]
+    np.testing.assert_allclose(found, expected, atol=1e-6 * length)
+
+
+def test_a_straight_one_is_a_line():
+    shape = CableShape.Catenary([0, 0], [0, -2], 2.0, 4)
+    np.testing.assert_allclose(shape.positions[:, 1], [0, -0.5, -1, -1.5, -2])
+    np.testing.assert_allclose(shape.slopes, [[0, -1, 0]] * 5)
+
+
+def test_a_cable_that_hardly_bends_rests_in_it():
+    container = exudyn.SystemContainer()
+    mbs = container.AddSystem()
+    shape = CableShape.Catenary([0, 0], [2, 0.5], 3.0, 32)
+    pinned = {f"groundConstraints{end}": [True, True, False, False] for end in ("Start", "End")}
+    section = InextensibleCable(massPerLength=1.0, bendingStiffness=1e-6)
+    cable = CreateInextensibleCable(mbs, shape=shape, beamTemplate=section, gravity=[0, -9.81, 0], **pinned)
+    mbs.Assemble()
+    with silence():
+        SolveEquilibrium(mbs)
+    kind = exudyn.OutputVariableType.Position
+    found = np.array([mbs.GetNodeOutput(node, kind) for node in cable["nodes"]])
+    np.testing.assert_allclose(found, shape.positions, atol=2e-4)
+
+
+@pytest.mark.parametrize(
+    ("end", "length", "message"),
+    [
+        ([2, 0], 1.9, r"length = 1\.9 m is less than 2 m, the distance"),
+        ([0, 1], 2.0, r"one above the other \(horizontal distance 0 m, at least 2e-06 m\).*move one end"),
+        ([2, 0], -1.0, r"length \[m\] = -1"),
+    ],
+)
+def test_what_cannot_hang_is_refused(end, length, message):
+    with pytest.raises(InputError, match=message):
+        CableShape.Catenary([0, 0], end, length, 8)
+    with pytest.raises(InputError, match="gravity"):
+        CableShape.Catenary([0, 0], [1, 0], 2.0, 8, gravity=[0, 0])
