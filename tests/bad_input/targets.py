@@ -119,6 +119,11 @@ def create_circle(scene: Any, arguments: dict[str, Any]) -> None:
     assembled_run(scene)
 
 
+def create_catenary(scene: Any, arguments: dict[str, Any]) -> None:
+    CreateInextensibleCable(scene.mbs, **cable_arguments(shape=CableShape.Catenary(**arguments)))
+    assembled_run(scene)
+
+
 def create_line_shape(scene: Any, arguments: dict[str, Any]) -> None:
     CreateInextensibleCable(scene.mbs, **cable_arguments(shape=CableShape.Line(**arguments)))
     assembled_run(scene)
@@ -351,6 +356,17 @@ TARGETS = {
             "numberOfElements": [12],
             "normal": [[0, 0, 1]],
             "start": [[1, 0, 0]],
+        },
+    ),
+    "CableShape.Catenary": Target(
+        empty,
+        create_catenary,
+        {
+            "positionStart": [[0, 0, 0], [0, 0]],
+            "positionEnd": [[1, 0.2, 0]],
+            "length": [1.3],
+            "numberOfElements": [6],
+            "gravity": [[0, -9.81, 0]],
         },
     ),
     "CableShape.Line": Target(

@@ -226,6 +226,17 @@ SHAPES += [
         scene=empty,
     ),
     *rows(
+        CableShape.Catenary,
+        {"positionStart": [0, 0], "positionEnd": [1, 0], "length": 1.3, "numberOfElements": 6},
+        [
+            ({"length": 0.9}, r"length = 0\.9 m is less than 1 m, .*longer cable"),
+            ({"length": NAN}, r"length \[m\] = nan"),
+            ({"positionEnd": [0, 1]}, r"one above the other.*move one end"),
+            ({"gravity": [0, 0, 0]}, r"gravity = \[0\.0, 0\.0, 0\.0\].*direction"),
+        ],
+        scene=empty,
+    ),
+    *rows(
         CableShape.Circle,
         {"center": [0, 0], "radius": 1.0, "numberOfElements": 4},
         [
