@@ -14,6 +14,8 @@ from .errors import (
 from .exudyn_binding.advising.advise import AdviceSettings, Advise
 from .exudyn_binding.cable_forces import CableForces, CreateCableForceSensor
 from .exudyn_binding.ensemble import SolveEnsemble
+from .exudyn_binding.explicit_solver import ExplicitSolver
+from .exudyn_binding.explicit_steps import ExplicitSteps
 from .exudyn_binding.solver import SolveExplicit
 from .exudyn_binding.static_solver import SolveEquilibrium, StaticSettings
 from .exudyn_binding.stepper import ExplicitStepper
@@ -50,7 +52,9 @@ __all__ = [
     "EnforcementError",
     "EquilibriumError",
     "ExplicitSettings",
+    "ExplicitSolver",
     "ExplicitStepper",
+    "ExplicitSteps",
     "ExplicitTrapWarning",
     "InextensibleCable",
     "InextensibleError",

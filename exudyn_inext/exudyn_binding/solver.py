@@ -27,6 +27,7 @@ from .changes.log import ChangeLog, listening
 from .compile_notice import compile_notice
 from .empty_sensors import warn_of_empty_sensors
 from .first_row import first_row
+from .idle_integrator import changed, idle_integrator, nothing
 from .mbs_state import initial_state
 from .observed import observed_derivatives
 from .output_grid import time_grid
@@ -188,16 +189,11 @@ def SolveExplicit(
 def _settings_of_the_loop(
     settings: Any, grid: TimeGrid, clock: LoopClock | None, outputs: ResumedOutputs | None
 ) -> Iterator[None]:
-    """Exudyn's own integrator must do nothing: no accelerations, no step control, no dense matrix.
-
-    What a restart file counts on must be in the other files when it is written.
-    """
+    """Exudyn's own integrator must do nothing; what a restart file counts on must be in the other files."""
     time, solution = settings.timeIntegration, settings.solution
     wanted = [
         (time, "numberOfSteps", grid.loop_steps),
         (time, "adaptiveStep", False),
-        (time.generalizedAlpha, "computeInitialAccelerations", False),
-        (settings.linearSolver, "solverType", exudyn.LinearSolverType.EigenSparse),
         (solution, "flushFilesImmediately", bool(solution.restart.write or solution.flushFilesImmediately)),
         (solution.restart, "write", False),
         (solution.restart, "continueIfAvailable", False),
@@ -206,19 +202,8 @@ def _settings_of_the_loop(
         wanted += clock.settings(time)
     if outputs is not None:
         wanted += outputs.settings(solution)
-    saved = [(part, name, getattr(part, name)) for part, name, _ in wanted]
-    try:
-        for part, name, value in wanted:
-            setattr(part, name, value)
+    with idle_integrator(settings), changed(wanted):
         yield
-    finally:
-        for part, name, value in saved:
-            setattr(part, name, value)
-
-
-def _nothing(solver: Any, mbs: Any, settings: Any) -> bool:
-    """What a solver calls whose run has ended."""
-    return True
 
 
 def _solve_system(solver: Any, mbs: Any, settings: Any) -> bool:
@@ -262,7 +247,7 @@ def _run(
             raise loop.error or error from None
         finally:
             loop.complete_state()
-            solver.SetUserFunctionDiscontinuousIteration(mbs, _nothing)  # mbs must not keep itself alive
+            solver.SetUserFunctionDiscontinuousIteration(mbs, nothing)  # mbs must not keep itself alive
     if not success:
         raise loop.error or SceneError("the run was stopped before its end time.")
     loop.finish()

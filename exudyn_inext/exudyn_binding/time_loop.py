@@ -91,8 +91,13 @@ class ExplicitTimeLoop:
             reasons = [run.reason for run in self.runs if not run.looks_ahead]
             reasons = list(dict.fromkeys(reasons)) or ["pre- or post-step user functions may look at it"]
             return f"{names}: one call for each of Exudyn's steps, because {'; '.join(reasons)}"
-        ahead = self._intervals(self.grid.first)
+        ahead = self._steps_at_once
         return f"{names}: {ahead} of Exudyn's steps in one compiled call, because all loads are known"
+
+    @property
+    def _steps_at_once(self) -> int:
+        """Steps of the loop in the first compiled call."""
+        return self._intervals(self.grid.first)
 
     def _plain_user_function(self) -> Any:
         next_state = chain.from_iterable(self._blocks_of_states()).__next__
@@ -256,11 +261,12 @@ class ExplicitTimeLoop:
         if self._changes is None or not self._changes.has_news:
             return
         try:
-            self.runs = self._changes.follow(self.runs, self.time, self.grid.time(self._computed + 1))
+            runs = self._changes.follow(self.runs, self.time, self.grid.time(self._computed + 1))
         except Exception:
             self._data.SetTime(self.time)
             raise
-        self._places = [as_slice(run.indices) for run in self.runs]
+        if runs is not self.runs:
+            self.runs, self._places = runs, [as_slice(run.indices) for run in runs]
 
     def _take_over_changes(self) -> None:
         """A user function may have set coordinates since the last step: restart from them."""
@@ -274,7 +280,11 @@ class ExplicitTimeLoop:
             run.state.v[:number] = v[run.indices]
             if len(run.state.v) > number:  # first order states are moved as velocities
                 run.state.v[number:] = first_order
-            run.start(self.grid.time(self._computed))
+            self._start(run)
+
+    def _start(self, run: Run) -> None:
+        """Let a run go on from a state that it has been given."""
+        run.start(self.time)
 
 
 def warn_of_findings(runs: Sequence[Run], tolerance: float) -> None:

@@ -103,10 +103,7 @@ class CableRun(PacedRun):
         self._lag = 0.5 if integrator.has_implicit_damping and cable.section.bending_damping else 0.0
         scaled = ImplicitBending(start.theta * start.h**2)
         self.system = cable_system(cable, start.zeta, scaled)
-        violations = worst_violations(scene_cable, self.system, *initial, start.time)
-        require_consistent(scene_cable, violations[0], start.tolerance)
-        if not math.isfinite(violations[1].size):  # whatever is a number can be projected
-            require_consistent(scene_cable, violations[1], start.tolerance)
+        violations = self._violations(*initial, start)
         self._tracker = FrequencyTracker(self.system, cable.reference.shape)
         self._looked_after = 0  # steps, at the stability limit
         self._largest_share = 0.0  # of the stability limit, that the step has been
@@ -121,6 +118,24 @@ class CableRun(PacedRun):
         self._rejects = start.rejects
         self.control = StepControl(rejects=start.rejects)
         self.start_correction = self._project(*violations, start)
+
+    def make_consistent(self, start: Start) -> None:
+        """Let the present state be a start: check it, and project it onto the constraints.
+
+        Raises:
+            SceneError: it violates a constraint by more than the tolerance.
+        """
+        shape = self.scene_cable.cable.reference.shape
+        q, v = (x.reshape(shape) for x in (self.state.q, self.state.v))
+        self._project(*self._violations(q, v, start), start)
+
+    def _violations(self, q: Array, v: Array, start: Start) -> tuple[Violation, Violation]:
+        """The worst ones, of coordinates and of velocities (n, 2, dim); SceneError if they are too large."""
+        violations = worst_violations(self.scene_cable, self.system, q, v, start.time)
+        require_consistent(self.scene_cable, violations[0], start.tolerance)
+        if not math.isfinite(violations[1].size):  # whatever is a number can be projected
+            require_consistent(self.scene_cable, violations[1], start.tolerance)
+        return violations
 
     def _project(self, of_places: Violation, of_rates: Violation, start: Start) -> StartCorrection:
         if max(of_places.size, of_rates.size) < ROUND_OFF:

@@ -89,6 +89,17 @@ class CoupledRun(PacedRun):
         if scene.friction.is_needed:
             self.watch.after_each_step.append(scene.friction.look)
 
+    def make_consistent(self, start: Start) -> None:
+        """See `CableRun.make_consistent`."""
+        scene, state = self._scene, self.state
+        scene.require_finite(state.v)
+        scene.surroundings.forget()
+        for run, dofs in zip(self._runs, scene.map.slices, strict=False):
+            run.state.q[:], run.state.v[:] = state.q[dofs], state.v[dofs]
+            run.make_consistent(start)
+            state.q[dofs], state.v[dofs] = run.state.q, run.state.v
+        self._project(start)
+
     def _project(self, start: Start) -> None:
         """Onto all constraints: impulses at the start meet the mass as it is, without scaling."""
         scene, state = self._scene, self.state

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..cable.cable import Cable
+from ..integrators.integrator import Integrator
 from .consistent_start import StartCorrection
 from .step_control import StepControl
 from .time_grid import TimeGrid
@@ -16,6 +17,8 @@ class Run(Protocol):
     """What the loop moves: a cable, or a coupled scene; see CableRun for the attributes."""
 
     state: Any
+    gave_up: bool
+    integrator: Integrator
     lenience: float
     control: StepControl
     watch: Any
@@ -48,6 +51,10 @@ class Run(Protocol):
     def set_step(self, h: float) -> None: ...
 
     def start(self, time: float) -> None: ...
+
+    def start_scheme(self, time: float) -> None: ...
+
+    def make_consistent(self, start: Any) -> None: ...
 
     def largest_frequency(self, time: float) -> float: ...
 

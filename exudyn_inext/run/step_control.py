@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, record_type
+from ..arrays import Array
 from .time_grid import TimeGrid, steps_within
 
 ROUND_OFF = 1e-12  # of a time, relative
@@ -23,7 +23,7 @@ MOST_PATIENCE = 64  # pieces before a longer step is tried again
 STEPS_BETWEEN = 32  # two looks at the frequency
 SMALLEST = 1e-3  # nominal step, relative to the first one, below which a run has diverged
 
-_LOG = record_type(
+_LOG = np.dtype(
     [
         ("frequency", np.float64),
         ("first", np.float64),
@@ -36,8 +36,9 @@ _LOG = record_type(
         ("patience", np.int64),
         ("rejections", np.int64),
         ("steps", np.int64),
-    ]
-)
+    ],
+    align=True,
+)  # of which log["name"] is ten times faster than the attribute of a record
 
 
 @dataclass(frozen=True)
@@ -103,12 +104,12 @@ class FrequencyFollower:
         frequency = self._frequency()
         if not math.isfinite(frequency):
             return 0.0
-        growth = max(0.0, frequency - log.frequency) if log.frequency else 0.0
-        log.frequency = frequency
+        growth = max(0.0, frequency - log["frequency"]) if log["frequency"] else 0.0
+        log["frequency"] = frequency
         allowed = self._rule.safety * self._rule.limit / max(frequency + growth, 1e-300)
         step = min(allowed, self._rule.largest, remaining)
-        log.first = log.first or step
-        return step if step > SMALLEST * min(log.first, remaining) else 0.0
+        log["first"] = log["first"] or step
+        return step if step > SMALLEST * min(log["first"], remaining) else 0.0
 
 
 class StepControl:
@@ -124,37 +125,37 @@ class StepControl:
         self.follower = follower
         self._rejects = rejects
         self._log = np.zeros(1, _LOG)[0]
-        self._log.smallest = math.inf
-        self._log.patience = 1
+        self._log["smallest"] = math.inf
+        self._log["patience"] = 1
 
     @property
     def smallest(self) -> float:
-        return float(self._log.smallest)
+        return float(self._log["smallest"])
 
     @property
     def steps(self) -> int:
-        return int(self._log.steps)
+        return int(self._log["steps"])
 
     @property
     def rejections(self) -> int:
-        return int(self._log.rejections)
+        return int(self._log["rejections"])
 
     @property
     def halvings(self) -> int:
         """How often the nominal step has been halved."""
-        return int(self._log.halvings)
+        return int(self._log["halvings"])
 
     @property
     def present(self) -> float:
-        return float(self._log.present)
+        return float(self._log["present"])
 
     @present.setter
     def present(self, h: float) -> None:
-        self._log.present = h
+        self._log["present"] = h
 
     @property
     def offset(self) -> float:
-        return float(self._log.offset)
+        return float(self._log["offset"])
 
     @property
     def said(self) -> str:
@@ -165,7 +166,7 @@ class StepControl:
     @property
     def is_nominal(self) -> bool:
         """Whether whole intervals of equal steps may be taken."""
-        return self.follower is None and self._log.quarters == 0 and self._log.offset == 0.0
+        return self.follower is None and self._log["quarters"] == 0 and self._log["offset"] == 0.0
 
     def memory(self) -> dict[str, Any]:
         """What the next steps depend on, to be kept or set."""
@@ -187,7 +188,7 @@ class StepControl:
             nominal, together = self.follower.nominal_step(self._log, remaining), STEPS_BETWEEN
         if nominal == 0.0:
             return None
-        quarters = int(self._log.quarters)
+        quarters = int(self._log["quarters"])
         duration = remaining / steps_within(remaining, PIECE * nominal / 2**quarters)
         steps = steps_within(duration, nominal / 4**quarters)
         if not quarters:
@@ -204,46 +205,46 @@ class StepControl:
 
     def count(self, piece: Piece, taken: int, grid: TimeGrid) -> int:
         """So many steps of a piece went well; returns how many intervals of the loop they have completed."""
-        log = self._log  # each look at it takes a microsecond
+        log = self._log
         if taken:
-            log.steps += taken
-            log.smallest = min(log.smallest, piece.h)
+            log["steps"] += taken
+            log["smallest"] = min(log["smallest"], piece.h)
         if piece.is_whole:
             done, left = divmod(taken, piece.in_interval)
-            log.offset = left * piece.h
+            log["offset"] = left * piece.h
             return done
-        log.offset += taken * piece.h
-        is_done = log.offset >= (1.0 - ROUND_OFF) * grid.substeps * grid.h
+        log["offset"] += taken * piece.h
+        is_done = log["offset"] >= (1.0 - ROUND_OFF) * grid.substeps * grid.h
         if is_done:
-            log.offset = 0.0
+            log["offset"] = 0.0
         return int(is_done)
 
     def accept(self) -> None:
         """A piece went well; longer steps are tried again after some patience."""
         log = self._log
-        log.calm = calm = log.calm + 1
-        if not log.quarters:
+        log["calm"] = calm = log["calm"] + 1
+        if not log["quarters"]:
             if calm > MOST_PATIENCE:
-                log.patience = 1
-        elif calm >= log.patience:
-            log.quarters -= 1
-            log.calm = 0
+                log["patience"] = 1
+        elif calm >= log["patience"]:
+            log["quarters"] -= 1
+            log["calm"] = 0
 
     def reject(self) -> bool:
         """The last steps went wrong; returns whether smaller ones may be tried."""
         log = self._log
-        log.rejections += 1
-        if log.calm < 2:  # the longer step that was tried was too long: wait twice as long
-            log.patience = min(2 * log.patience, MOST_PATIENCE)
-        log.calm = 0
-        if log.quarters >= QUARTERS or not self._rejects:
+        log["rejections"] += 1
+        if log["calm"] < 2:  # the longer step that was tried was too long: wait twice as long
+            log["patience"] = min(2 * log["patience"], MOST_PATIENCE)
+        log["calm"] = 0
+        if log["quarters"] >= QUARTERS or not self._rejects:
             return False
-        log.quarters += 1
+        log["quarters"] += 1
         return True
 
     def halve(self, times: int) -> None:
         """The nominal step is too long for the motion; `may_halve`."""
-        self._log.halvings = min(self.halvings + times, MOST_HALVINGS)
+        self._log["halvings"] = min(self.halvings + times, MOST_HALVINGS)
 
     @property
     def may_halve(self) -> bool:

@@ -14,7 +14,7 @@ from exudyn_inext import DivergenceError
 from reference_models.model import silence
 from tests.examples.twins import run_inextensible
 
-HELPERS = {"__init__", "animation", "bodies", "contact", "meshes", "net_film", "picture", "shapes"}
+HELPERS = {"__init__", "animation", "bodies", "contact", "flight", "meshes", "net_film", "picture", "shapes"}
 FILES = sorted(Path(examples.__file__).parent.glob("*.py"))
 SCRIPTS = [path.stem for path in FILES if path.stem not in HELPERS]
 

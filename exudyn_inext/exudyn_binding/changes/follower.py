@@ -1,6 +1,6 @@
 """Runs that follow what user functions change between two steps of the time loop."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +14,7 @@ from ...run.cable_run import CableRun
 from ...run.consistent_start import agree
 from ...run.coupled_run import CoupledRun
 from ...run.run import Run
+from ...run.settings import ExplicitSettings
 from ...run.watch import KEPT, NOW
 from ...scene.model import Scene
 from ..cable_forces import forget_evaluators
@@ -48,6 +49,11 @@ class ChangeFollower:
     def __post_init__(self) -> None:
         self.reader.nodes = frozenset(node for cable in self.scene.cables for node in cable.item.nodes)
         self._figures: dict[str, float] = {}
+
+    def take_step(self, explicit: ExplicitSettings, h: float) -> None:
+        """Other runs, and the limit of the step, are for steps of h [s] from now on."""
+        self.builder.take_step(explicit, h)
+        self.limit.h = h
 
     @property
     def has_news(self) -> bool:
@@ -152,8 +158,7 @@ def _take_loads(runs: Sequence[Run], scene: Scene) -> bool:
 def _go_on(runs: Sequence[Run], time: float, end: float, has_changed: bool) -> None:
     """Begin again at `time` [s] with the present loads and motions.
 
-    What the change did to the energy is no error. A multi-step scheme keeps the differences of its rates of
-    change: a force that jumps has none.
+    What the change did to the energy is no error.
 
     Args:
         end: of the step [s], at which joints are fulfilled that have changed.
@@ -161,20 +166,31 @@ def _go_on(runs: Sequence[Run], time: float, end: float, has_changed: bool) -> N
     """
     for run in runs:
         assert isinstance(run, CableRun | CoupledRun)
-        state, watch = run.state, run.watch.watch
+        watch = run.watch.watch
         account = watch.account[NOW].copy()
-        history = [getattr(state, name) for name in run.integrator.carries if name != "a"]
-        differences = [rates - state.a for rates in history]
         if isinstance(run, CableRun):
-            agree(run.system, run.loads.at(time), state)
+            agree(run.system, run.loads.at(time), run.state)
         else:
             run.watch.is_close = True
             if has_changed:
                 run.approach(time, end)
             else:
                 run.rest_joints(time)
-        run.start(time)
-        for rates, difference in zip(history, differences, strict=True):
-            rates[:] = state.a + difference
+        start_after_jump(run, run.start, time)
         account.start = watch.account[NOW].start - account.work - account.surplus
         watch.account[NOW] = watch.account[KEPT] = account
+
+
+def start_after_jump(run: Run, start: Callable[[float], None], time: float) -> None:
+    """Start a run at `time` [s] from forces that have jumped.
+
+    A multi-step scheme keeps the differences of its rates of change: a force that jumps has none.
+
+    start: of the run, or of its scheme alone.
+    """
+    state = run.state
+    history = [getattr(state, name) for name in run.integrator.carries if name != "a"]
+    differences = [rates - state.a for rates in history]
+    start(time)
+    for rates, difference in zip(history, differences, strict=True):
+        rates[:] = state.a + difference

@@ -34,9 +34,13 @@ class ChangeLog:
     changed: parameters that have been set to another value.
     refusal: what was raised by the last call that a run cannot follow; that call was not made.
     is_followed: whether the run looks at changes between its steps; if not, they are refused.
+    is_idle: whether no step is being taken, so that any call may be made.
+    is_outdated: whether one was made then that no run can follow: it has to be built again.
     """
 
     is_followed = True
+    is_idle = False
+    is_outdated = False
 
     def __init__(self, mbs: Any) -> None:
         self.mbs = mbs
@@ -47,7 +51,7 @@ class ChangeLog:
     @property
     def is_pending(self) -> bool:
         """Whether there may be something to take."""
-        return bool(self._before) or not self.mbs.systemIsConsistent
+        return bool(self._before) or self.is_outdated or not self.mbs.systemIsConsistent
 
     def take(self) -> list[Parameter]:
         """What has changed since the last time.
@@ -55,6 +59,8 @@ class ChangeLog:
         Raises:
             SceneError: items were added, removed or modified.
         """
+        if self.is_outdated:
+            self.refuse("other items were found than at the start", "initialise the solver again")
         if not self.mbs.systemIsConsistent:
             self.refuse("items were added, removed or modified", _REMEDY)
         before, self._before = self._before, {}
@@ -88,6 +94,8 @@ class ChangeLog:
         """
         if method not in _SETTERS:
             self.refuse(f"mbs.{method} was called", _REMEDY)
+        if self.is_outdated:
+            return
         number, name, value = given
         key = Parameter(_SETTERS[method], int(number), name)
         if key.name == "name" or key.name.startswith("V"):
@@ -118,7 +126,10 @@ class ChangeLog:
         return bool(said) and said in str(error)
 
     def refuse(self, what: str, remedy: str) -> None:
-        """Raise SceneError."""
+        """Raise SceneError; between steps, remember that the run is not valid any more."""
+        if self.is_idle:
+            self.is_outdated = True
+            return
         time = self.mbs.systemData.GetTime()
         self.refusal = SceneError(
             f"in the step to t = {time:.6g} s, {what}, which a run cannot follow: {remedy}. mbs holds the "
@@ -152,8 +163,8 @@ def _set_methods(methods: Mapping[str, Any]) -> None:
         setattr(exudyn.MainSystem, name, method)
 
 
-def _log_of(mbs: Any) -> ChangeLog | None:
-    return next((log for log in _LISTENING if log.mbs is mbs), None)
+def _logs_of(mbs: Any) -> list[ChangeLog]:
+    return [log for log in _LISTENING if log.mbs is mbs]
 
 
 def _is_same(x: Any, y: Any) -> bool:
@@ -181,9 +192,8 @@ def _noted(name: str) -> Callable[..., Any]:
 
     @wraps(original)
     def call(self: Any, *args: Any, **kwargs: Any) -> Any:
-        log = _log_of(self)
         given = [*args, *(kwargs[key] for key in names if key in kwargs)]
-        if log is not None and (not names or len(given) == len(names)):
+        for log in _logs_of(self) if not names or len(given) == len(names) else ():
             log.note(name, given)
         return original(self, *args, **kwargs)
 

@@ -1,0 +1,197 @@
+"""ExplicitSolver: explicit steps for whoever drives a solver object of Exudyn, call by call."""
+
+from collections.abc import Sequence
+from contextlib import ExitStack, nullcontext, suppress
+from typing import Any
+from weakref import finalize
+
+import exudyn
+
+from ..checks import require_positive
+from ..errors import InputError
+from ..native.surroundings import state_kept
+from ..run.output_files import require_writable_outputs
+from ..run.settings import ExplicitSettings
+from ..run.step_choice import MOST_DURATION, choose_step, warn_of_damping
+from .arguments import explicit_settings, simulation_settings
+from .cable_forces import forget_evaluators
+from .changes.constraints import SteppedReader
+from .changes.follower import ChangeFollower
+from .changes.limit import StepLimit
+from .changes.log import ChangeLog, listening
+from .compile_notice import compile_notice
+from .empty_sensors import warn_of_empty_sensors
+from .idle_integrator import changed, idle_integrator, nothing
+from .observed import observed_derivatives
+from .restart import Restarts
+from .scene import read_scene, require_assembled
+from .scene_runs import RunBuilder, bounds_if_scaled
+from .stepping_loop import Portion, SteppingLoop
+from .time_loop import warn_of_findings
+
+_NativeSolver: Any = exudyn.MainSolverImplicitSecondOrder
+
+
+class ExplicitSolver(_NativeSolver):
+    """A solver object of Exudyn whose steps are those of SolveExplicit.
+
+    For programs that drive such an object call by call: `OpenAIGymInterfaceEnv` has it as `dynamicSolver`,
+    `InteractiveDialog` as mbs.sys["solver"]; the mixin `ExplicitSteps` puts it there. The scene is read and
+    its step chosen once. Between two calls of `SolveSteps`, methods of mbs may change loads and other
+    parameters, and states may be set; a state must fulfil the constraints, as at the start of SolveExplicit.
+
+    Each step of Exudyn's loop (numberOfSteps between startTime and endTime) is cut into equal steps of the
+    integrator. A force that was changed before a call jumps at its beginning, as under Exudyn's solver.
+    Sensors, solution files, pre- and post-step user functions work as with SolveExplicit.
+
+    Args:
+        explicitSettings: as for SolveExplicit.
+        duration: how long the motion will be, as far as it is known [s]: the longer, the smaller must be the
+            error of each step that is chosen by accuracy.
+
+    Attributes:
+        stepSize: largest step of the integrator [s].   massScaling: theta.   bounds: StepSizeBounds.
+        path: which way the steps are computed, and why.
+
+    Raises:
+        InputError: arguments out of their limits.
+
+    Example:
+        solver = ExplicitSolver(ExplicitSettings(stepSize=1e-3))
+        solver.InitializeSolver(mbs, settings)
+        while running:
+            mbs.SetLoadParameter(load, "loadVector", thrust)
+            settings.timeIntegration.startTime = settings.timeIntegration.endTime
+            settings.timeIntegration.endTime += 0.02
+            solver.InitializeSolverInitialConditions(mbs, settings)
+            solver.SolveSteps(mbs, settings)
+            mbs.systemData.SetSystemState(mbs.systemData.GetSystemState(), exu.ConfigurationType.Initial)
+        solver.FinalizeSolver(mbs, settings)
+    """
+
+    def __init__(
+        self, explicitSettings: ExplicitSettings | None = None, duration: float = MOST_DURATION
+    ) -> None:
+        super().__init__()
+        self._given = explicit_settings(explicitSettings)
+        self._duration = require_positive("duration", duration)
+        self._loop: SteppingLoop | None = None
+        self._open = ExitStack()  # until the end: changes are noted, cables are switched off in Exudyn
+        finalize(self, self._open.close)
+
+    def InitializeSolver(self, mbs: Any, simulationSettings: Any) -> bool:
+        """Begin, or begin anew, from the initial configuration; the scene is read at the first time.
+
+        Raises:
+            InputError, SceneError, StepSizeError, RedundantConstraintError: see SolveExplicit.
+        """
+        settings = simulation_settings(simulationSettings)
+        _require_no_restart(settings)
+        require_assembled(mbs)
+        sensors = [mbs.GetSensor(number) for number in range(mbs.systemData.NumberOfSensors())]
+        require_writable_outputs(settings, sensors)
+        loop = self._loop
+        if loop is None or loop.mbs is not mbs or not loop.is_as_built:
+            self._close()
+            loop = self._build(mbs, settings, sensors)
+        else:
+            loop.require_all_seen()
+            loop.begin_anew()
+        self._observed = observed_derivatives(settings, sensors)
+        self._loop = loop
+        with idle_integrator(settings):
+            return bool(super().InitializeSolver(mbs, settings))
+
+    def InitializeSolverInitialConditions(self, mbs: Any, simulationSettings: Any) -> None:
+        """The initial configuration becomes the current one; times are read from the settings.
+
+        Where loads on cables alone follow user functions of the state, each step of Exudyn's loop becomes
+        several ones, in each of which the functions are called.
+        """
+        with idle_integrator(simulationSettings):
+            super().InitializeSolverInitialConditions(mbs, simulationSettings)
+            wanted = self._loop.loop_steps(self.it) if self._loop else 0
+            if wanted > self.it.numberOfSteps:
+                with changed([(simulationSettings.timeIntegration, "numberOfSteps", wanted)]):
+                    super().InitializeSolverInitialConditions(mbs, simulationSettings)
+
+    def SolveSteps(self, mbs: Any, simulationSettings: Any) -> bool:
+        """Take the steps of Exudyn's loop until endTime; see InitializeSolverInitialConditions.
+
+        Raises:
+            InputError: not initialised, or no time is left.
+            SceneError: a state that violates constraints, or a change that cannot be followed.
+            DivergenceError: mbs holds the last good state; InitializeSolver begins anew.
+        """
+        loop = self._loop
+        if loop is None or loop.mbs is not mbs:
+            raise InputError("the solver has not been initialised for this mbs: call InitializeSolver first.")
+        if loop.error is not None:
+            raise loop.error
+        function = loop.prepared(Portion.next_of(self), self._observed)
+        self.SetUserFunctionDiscontinuousIteration(mbs, function)
+        try:
+            with compile_notice(simulationSettings):
+                return bool(super().SolveSteps(mbs, simulationSettings))
+        except Exception as error:
+            log = loop.changes.log
+            if log.refused(error):
+                raise log.refusal from None
+            raise loop.error or error from None
+        finally:
+            self.SetUserFunctionDiscontinuousIteration(mbs, nothing)
+            loop.finish_portion()
+
+    def FinalizeSolver(self, mbs: Any, simulationSettings: Any) -> None:
+        """End: files are closed, and changes of mbs are not followed any more."""
+        super().FinalizeSolver(mbs, simulationSettings)
+        try:
+            if self._loop is not None and self._loop.error is None:
+                self._loop.require_all_seen()
+                warn_of_findings(self._loop.runs, self._given.energyTolerance)
+        finally:
+            self._close()
+
+    @property
+    def path(self) -> str:
+        """Which way the steps are computed, and why."""
+        return self._loop.path if self._loop else "not initialised"
+
+    def _close(self) -> None:
+        loop, self._loop = self._loop, None
+        if loop is not None:
+            forget_evaluators(loop.changes.sensors)
+        items_are_gone = loop is not None and loop.changes.log.is_outdated
+        with suppress(Exception) if items_are_gone else nullcontext():
+            self._open.close()
+
+    def _build(self, mbs: Any, settings: Any, sensors: Sequence[Any]) -> SteppingLoop:
+        """Read the scene, and choose the step."""
+        log, reader, start = ChangeLog(mbs), SteppedReader(mbs), float(settings.timeIntegration.startTime)
+        scene, explicit = read_scene(mbs, reader), self._given
+        warn_of_empty_sensors(mbs, sensors, scene.own_constraints)
+        scaling = explicit.stepSize or 0.0 if explicit.massScaling else 0.0
+        with ExitStack() as stack, compile_notice(settings), state_kept(mbs):
+            builder = RunBuilder(mbs, log.changed, explicit, scaling, stack)
+            runs = builder.build(scene, start)
+            scaled = bounds_if_scaled(mbs, scene, start, explicit.stepSize or 0.0, explicit)
+            choice = choose_step(runs, start, self._duration, explicit, scaling, scaled)
+            warn_of_damping(choice, self._duration)
+            limit = StepLimit(choice.h, choice.bounds.stability_limit, choice.explicit)
+            changes = ChangeFollower(mbs, scene, reader, log, builder, limit, sensors)
+            restarts = Restarts(mbs, settings, explicit)
+            loop = SteppingLoop(mbs, runs, start, choice.h, choice.explicit, restarts, changes)
+            stack.enter_context(listening(log))
+            log.is_idle = True
+            self._open.push(stack.pop_all())
+        self.stepSize, self.massScaling, self.bounds = choice.h, choice.theta, choice.bounds
+        return loop
+
+
+def _require_no_restart(settings: Any) -> None:
+    options = settings.solution.restart
+    if options.write or options.continueIfAvailable:
+        raise InputError(
+            "solution.restart: ExplicitSolver neither writes restart files nor continues from one: switch "
+            "write and continueIfAvailable off, or use SolveExplicit."
+        )

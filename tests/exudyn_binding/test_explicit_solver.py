@@ -1,0 +1,261 @@
+"""ExplicitSolver: driven call by call, it gives the states of a run and follows changes in between."""
+
+import gc
+import weakref
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.itemInterface import LoadForceVector, MarkerNodePosition, SensorNode
+
+from exudyn_inext import (
+    CableDrag,
+    DivergenceError,
+    ExplicitSettings,
+    ExplicitSolver,
+    SceneError,
+    SetCableDrag,
+    SolveExplicit,
+)
+from reference_models.model import quiet_settings, silence
+from tests.exudyn_binding.items import add_pendulum
+
+PERIOD, STEP = 0.02, 1e-3
+INITIAL = exudyn.ConfigurationType.Initial
+
+
+@pytest.fixture(autouse=True)
+def nobody_else_listens():
+    """Solvers of earlier tests that were not ended have let go of Exudyn's methods."""
+    gc.collect()
+
+
+class Driven:
+    """A pendulum whose tip is pulled, and a solver object that is driven as Exudyn's environment does."""
+
+    def __init__(self, stepSize=STEP, steps=1, **options):
+        self.container = exudyn.SystemContainer()
+        self.mbs = self.container.AddSystem()
+        self.add_items(**options)
+        self.mbs.Assemble()
+        self.solver = ExplicitSolver(ExplicitSettings(stepSize=stepSize))
+        self.settings = quiet_settings(0.0, steps)
+
+    def add_items(self, **load):
+        self.nodes = add_pendulum(self.mbs)["nodes"]
+        self.tip = self.mbs.AddMarker(MarkerNodePosition(nodeNumber=self.nodes[-1]))
+        self.load = self.mbs.AddLoad(LoadForceVector(markerNumber=self.tip, loadVector=[0, 0, 0], **load))
+        kind = exudyn.OutputVariableType.Position
+        sensor = SensorNode(nodeNumber=self.nodes[-1], storeInternal=True, outputVariableType=kind)
+        self.sensor = self.mbs.AddSensor(sensor)
+
+    @property
+    def state(self):
+        data = self.mbs.systemData
+        return np.array([data.GetODE2Coordinates(), data.GetODE2Coordinates_t()])
+
+    def begin(self):
+        with silence():
+            self.solver.InitializeSolver(self.mbs, self.settings)
+        return self
+
+    def step(self, force=None, period=PERIOD):
+        time, data = self.settings.timeIntegration, self.mbs.systemData
+        if force is not None:
+            self.mbs.SetLoadParameter(self.load, "loadVector", force)
+        time.startTime = time.endTime
+        time.endTime = time.startTime + period
+        self.solver.InitializeSolverInitialConditions(self.mbs, self.settings)
+        with silence():
+            self.solver.SolveSteps(self.mbs, self.settings)
+        data.SetSystemState(data.GetSystemState(), INITIAL)
+        return self.state
+
+    def end(self):
+        self.solver.FinalizeSolver(self.mbs, self.settings)
+
+
+def solved(end_time, settings=None, **options):
+    """State after a run of SolveExplicit."""
+    scene = Driven(**options)
+    with silence():
+        SolveExplicit(scene.mbs, settings or quiet_settings(end_time, 1), ExplicitSettings(stepSize=STEP))
+    return scene.state
+
+
+@pytest.mark.parametrize("steps", [1, 4])
+def test_portions_give_the_states_of_a_run(steps):
+    driven = Driven(steps=steps).begin()
+    states = [driven.step() for _ in range(10)]
+    np.testing.assert_allclose(states[-1], solved(10 * PERIOD), atol=1e-12)
+    assert driven.mbs.systemData.GetTime() == pytest.approx(0.2)
+    driven.end()
+    rows = driven.mbs.GetSensorStoredData(driven.sensor)
+    tip = driven.mbs.GetNodeOutput(driven.nodes[-1], exudyn.OutputVariableType.Position)
+    np.testing.assert_allclose(rows[-1], [0.2, *tip], atol=1e-12)
+
+
+def state_dependent(mbs, t, load):
+    """A spring to the place where the tip begins, which only Exudyn can evaluate."""
+    x, y, _ = mbs.GetNodeOutput(5, exudyn.OutputVariableType.Position)
+    return [2.0 * (1.8 - x), -2.0 * y, 0.0]
+
+
+def test_user_functions_of_the_state_are_evaluated():
+    driven = Driven(loadVectorUserFunction=state_dependent).begin()
+    states = [driven.step() for _ in range(5)]
+    assert "user functions of loads" in driven.solver.path
+    settings = quiet_settings(5 * PERIOD, 100)
+    np.testing.assert_allclose(
+        states[-1], solved(0, settings, loadVectorUserFunction=state_dependent), atol=1e-3
+    )
+    assert np.abs(states[-1] - solved(5 * PERIOD)).max() > 0.05
+
+
+def test_forces_that_jump_in_between_do_so_with_the_order_of_the_scheme():
+    def moved(stepSize):
+        driven = Driven(stepSize).begin()
+        return [driven.step([0.4 * (k % 2), 0.3, 0.0])[0] for k in range(10)][-1]
+
+    def native(mbs, t, load):
+        return [0.4 * (int(t / PERIOD - 1e-9) % 2), 0.3, 0.0]
+
+    fine = Driven(2e-5, loadVectorUserFunction=native).begin()
+    for _ in range(10):
+        expected = fine.step()[0]
+    errors = [np.abs(moved(step) - expected).max() for step in (5e-4, 2.5e-4, 1.25e-4)]
+    assert errors[0] > 3 * errors[1] > 9 * errors[2], errors
+
+
+def test_pre_step_functions_act_as_in_a_run():
+    ended = []
+    for drive in (True, False):
+        scene = Driven(steps=20)
+
+        def pull(mbs, t, scene=scene):
+            mbs.SetLoadParameter(scene.load, "loadVector", [0.0, 3.0 * t, 0.0])
+            return True
+
+        scene.mbs.SetPreStepUserFunction(pull)
+        if drive:
+            scene.begin()
+            for _ in range(5):
+                scene.step()
+            scene.end()
+        else:
+            with silence():
+                SolveExplicit(scene.mbs, quiet_settings(0.1, 100), ExplicitSettings(stepSize=STEP))
+        ended.append(scene.state)
+    np.testing.assert_allclose(*ended, atol=2e-4)
+
+
+def test_initialised_again_it_begins_from_the_initial_configuration():
+    driven = Driven().begin()
+    start = driven.mbs.systemData.GetSystemState(INITIAL)
+    first = [driven.step([0.0, 0.1 * k, 0.0]) for k in range(5)]
+    driven.mbs.systemData.SetSystemState(start, INITIAL)
+    driven.settings.timeIntegration.endTime = 0.0
+    driven.begin()
+    np.testing.assert_array_equal([driven.step([0.0, 0.1 * k, 0.0]) for k in range(5)], first)
+
+
+def test_a_period_that_changes_is_cut_into_other_steps():
+    driven = Driven().begin()
+    for period in (0.02, 0.0305, 0.0305, 0.01, 0.009):
+        state = driven.step(period=period)
+    np.testing.assert_allclose(state[0], solved(0.1)[0], atol=2e-4)
+    assert driven.mbs.systemData.GetTime() == pytest.approx(0.1)
+
+
+def test_coordinates_that_are_set_in_between_are_taken_over():
+    driven, data = Driven().begin(), None
+    driven.step()
+    data = driven.mbs.systemData
+    expected = driven.state
+    for _ in range(5):
+        driven.step()
+    data.SetODE2Coordinates(expected[0], INITIAL)
+    data.SetODE2Coordinates_t(expected[1], INITIAL)
+    np.testing.assert_allclose(driven.step(), solved(2 * PERIOD), atol=1e-6)
+
+
+def test_a_run_that_somebody_stops_goes_on_from_where_it_was_stopped():
+    driven = Driven(steps=20).begin()
+    driven.mbs.SetPreStepUserFunction(lambda mbs, t: t < 10.5 * STEP)
+    driven.step()
+    stopped = driven.mbs.systemData.GetTime()
+    assert stopped == pytest.approx(11 * STEP)
+    driven.mbs.SetPreStepUserFunction(0)
+    driven.settings.timeIntegration.endTime = stopped
+    driven.settings.timeIntegration.numberOfSteps = 9
+    driven.begin()
+    np.testing.assert_allclose(driven.step(period=PERIOD - stopped), solved(PERIOD), atol=1e-9)
+
+
+def test_other_items_are_read_when_it_is_initialised_again():
+    driven = Driven().begin()
+    driven.step()
+    driven.mbs.AddLoad(LoadForceVector(markerNumber=driven.tip, loadVector=[0, 1.0, 0]))
+    driven.mbs.Assemble()
+    with pytest.raises(
+        SceneError, match=r"other items were found than at the start, .*initialise the solver"
+    ):
+        driven.step()
+    driven.settings.timeIntegration.endTime = 0.0
+    other = Driven()
+    driven.mbs.systemData.SetSystemState(other.mbs.systemData.GetSystemState(INITIAL), INITIAL)
+    np.testing.assert_array_equal(driven.begin().step(), other.begin().step([0, 1.0, 0]))
+
+
+@pytest.mark.parametrize("change", ["load", "drag"])
+def test_what_it_could_not_see_is_said_at_the_next_start_and_at_the_end(change):
+    driven = Driven()
+    set_load = driven.mbs.SetLoadParameter  # bound before the solver listens
+    driven.begin().step()
+    if change == "load":
+        set_load(driven.load, "loadVector", [0, 1.0, 0])
+    else:
+        SetCableDrag(driven.mbs, 0, CableDrag(1.2, 0.01, diameter=0.02, fluidDensity=1000.0))
+    for said in (driven.begin, driven.end):
+        driven.step()
+        with pytest.raises(SceneError, match="without its notice"):
+            said()
+
+
+def test_an_end_releases_the_methods_of_exudyn_and_the_system():
+    methods = dict(vars(exudyn.MainSystem))
+    driven = Driven().begin()
+    driven.step()
+    assert vars(exudyn.MainSystem)["SetLoadParameter"] is not methods["SetLoadParameter"]
+    driven.end()
+    assert vars(exudyn.MainSystem)["SetLoadParameter"] is methods["SetLoadParameter"]
+    forgotten = Driven().begin()
+    forgotten.step()
+    alive = weakref.ref(forgotten.solver)
+    del forgotten
+    gc.collect()
+    assert alive() is None
+    assert vars(exudyn.MainSystem)["SetLoadParameter"] is methods["SetLoadParameter"]
+
+
+def test_after_a_divergence_it_can_be_initialised_again():
+    driven = Driven().begin()
+    start = driven.mbs.systemData.GetSystemState(INITIAL)
+    first = driven.step()
+    for _ in range(2):
+        with pytest.raises(DivergenceError, match="diverged before"):
+            driven.step([1e20, 1e20, 0])
+    driven.mbs.SetLoadParameter(driven.load, "loadVector", [0, 0, 0])
+    driven.mbs.systemData.SetSystemState(start, INITIAL)
+    driven.settings.timeIntegration.endTime = 0.0
+    np.testing.assert_array_equal(driven.begin().step(), first)
+
+
+def test_without_cables_native_bodies_are_moved():
+    driven = Driven.__new__(Driven)
+    driven.add_items = lambda: driven.mbs.CreateMassPoint(mass=2.0, gravity=[0, 0, -9.81])
+    Driven.__init__(driven)
+    driven.begin()
+    for _ in range(10):
+        state = driven.step()
+    np.testing.assert_allclose(state[0], [0, 0, -0.5 * 9.81 * 0.04], rtol=1e-9, atol=1e-12)
