@@ -3,6 +3,7 @@
 import pytest
 
 from tests.documents import DOCS, last_digit, python_blocks, require_printed
+from tests.gym_stub import import_environments
 
 PAGES = [*sorted((DOCS / "tutorial").glob("[!i]*.md")), DOCS / "migration.md"]
 RUN_BY_TESTS = {"howto", "tutorial", "migration.md"}
@@ -11,7 +12,8 @@ RUN_BY_TESTS = {"howto", "tutorial", "migration.md"}
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_the_blocks_of_a_page_run_and_print_what_is_printed_below(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)  # Exudyn writes its solution file here
-    blocks, variables = python_blocks(page), {}
+    import_environments(monkeypatch)
+    blocks, variables = python_blocks(page), {"__name__": "__main__"}
     assert any(block.printed for block in blocks)
     for block in blocks:
         exec(block.code, variables)

@@ -108,9 +108,10 @@ class ExplicitSolver(_NativeSolver):
         Where loads on cables alone follow user functions of the state, each step of Exudyn's loop becomes
         several ones, in each of which the functions are called.
         """
+        loop = self._loop_of(mbs)
         with idle_integrator(simulationSettings):
             super().InitializeSolverInitialConditions(mbs, simulationSettings)
-            wanted = self._loop.loop_steps(self.it) if self._loop else 0
+            wanted = loop.loop_steps(self.it)
             if wanted > self.it.numberOfSteps:
                 with changed([(simulationSettings.timeIntegration, "numberOfSteps", wanted)]):
                     super().InitializeSolverInitialConditions(mbs, simulationSettings)
@@ -123,9 +124,7 @@ class ExplicitSolver(_NativeSolver):
             SceneError: a state that violates constraints, or a change that cannot be followed.
             DivergenceError: mbs holds the last good state; InitializeSolver begins anew.
         """
-        loop = self._loop
-        if loop is None or loop.mbs is not mbs:
-            raise InputError("the solver has not been initialised for this mbs: call InitializeSolver first.")
+        loop = self._loop_of(mbs)
         if loop.error is not None:
             raise loop.error
         function = loop.prepared(Portion.next_of(self), self._observed)
@@ -143,7 +142,13 @@ class ExplicitSolver(_NativeSolver):
             loop.finish_portion()
 
     def FinalizeSolver(self, mbs: Any, simulationSettings: Any) -> None:
-        """End: files are closed, and changes of mbs are not followed any more."""
+        """End: files are closed, and changes of mbs are not followed any more.
+
+        Raises:
+            InputError: not initialised.
+            SceneError: something has been changed in a way that the steps could not notice.
+        """
+        self._loop_of(mbs)
         super().FinalizeSolver(mbs, simulationSettings)
         try:
             if self._loop is not None and self._loop.error is None:
@@ -156,6 +161,12 @@ class ExplicitSolver(_NativeSolver):
     def path(self) -> str:
         """Which way the steps are computed, and why."""
         return self._loop.path if self._loop else "not initialised"
+
+    def _loop_of(self, mbs: Any) -> SteppingLoop:
+        loop = self._loop
+        if loop is None or loop.mbs is not mbs:
+            raise InputError("the solver has not been initialised for this mbs: call InitializeSolver first.")
+        return loop
 
     def _close(self) -> None:
         loop, self._loop = self._loop, None

@@ -12,10 +12,10 @@ from reference_models.model import silence
 from studies.__main__ import main
 
 from .rows import Row
-from .tables import advice, attached, cables, runs
+from .tables import advice, attached, cables, runs, stepping
 from .values import with_scene
 
-ROWS: list[Row] = [*cables.ROWS, *runs.ROWS, *attached.ROWS, *advice.ROWS]
+ROWS: list[Row] = [*cables.ROWS, *runs.ROWS, *attached.ROWS, *advice.ROWS, *stepping.ROWS]
 A_FILE = __file__
 COMMANDS = [
     (["run", "no_such"], r"error: study 'no_such' is unknown; there are: .*table1"),

@@ -68,7 +68,7 @@ def environments(said):
         explicitSettings = SETTINGS
 
     class Native(SlungLoad, ExplicitSteps, native):
-        addCable, steps = staticmethod(stiff(1e5)), 4
+        addCable, steps = staticmethod(stiff(1e5)), 10  # longer ones let it diverge
 
         def PreInitializeSolver(self):
             self._start = self.mbs.systemData.GetSystemState(exudyn.ConfigurationType.Initial)
