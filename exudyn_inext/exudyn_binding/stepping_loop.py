@@ -6,10 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..checks import require_positive
+from ..checks import LARGEST, require_positive
 from ..native.surroundings import state_kept
-from ..run.cable_run import Start
-from ..run.coupled_run import CoupledRun
+from ..run.cable_run import CableRun, Start
 from ..run.kept_state import KeptState
 from ..run.run import Run
 from ..run.settings import ExplicitSettings
@@ -91,9 +90,10 @@ class SteppingLoop(ExplicitTimeLoop):
 
         As many as the integrator takes, if a user function has to be asked in between.   it: of the solver.
         """
-        if all(run.looks_ahead or isinstance(run, CoupledRun) for run in self.runs):
-            return int(it.numberOfSteps)
-        return int(it.numberOfSteps) * steps_within(it.maxStepSize, self._largest)
+        number = int(it.numberOfSteps)
+        if any(isinstance(run, CableRun) and _follows_the_state(run) for run in self.runs):
+            number *= steps_within(it.maxStepSize, self._largest)
+        return number
 
     def prepared(self, portion: Portion, observed: int) -> Callable[[Any, Any, Any], bool]:
         """The user function that takes the steps of a portion.   observed: derivatives in between."""
@@ -172,8 +172,11 @@ class SteppingLoop(ExplicitTimeLoop):
         return abs(time - self.time) <= _SAME * self.grid.substeps * self.grid.h
 
     def _start(self, run: Run) -> None:
+        explicit = self._explicit
+        if self.changes.moves:  # a support that is to be elsewhere at the end of the step gives any velocity
+            explicit = replace(explicit, startTolerance=LARGEST)
         with state_kept(self.mbs):
-            run.make_consistent(Start.at(self.time, self.grid.h, self._explicit))
+            run.make_consistent(Start.at(self.time, self.grid.h, explicit))
         super()._start(run)
 
     @property
@@ -183,3 +186,12 @@ class SteppingLoop(ExplicitTimeLoop):
     def _intervals(self, step: int) -> int:
         is_steady = not self.changes.moves and all(run.looks_ahead for run in self.runs)
         return super()._intervals(step) if is_steady else 1
+
+
+def _follows_the_state(run: CableRun) -> bool:
+    """Whether user functions of its loads and moving supports may depend on more than the time."""
+    scene = run.scene_cable
+    motions = [moving.motion for moving in scene.moving]
+    return any(load.history is not None and not load.is_pure for load in scene.loads) or any(
+        motion.is_smooth and not motion.is_pure for motion in motions
+    )

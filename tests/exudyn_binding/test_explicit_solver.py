@@ -33,16 +33,17 @@ def nobody_else_listens():
 class Driven:
     """A pendulum whose tip is pulled, and a solver object that is driven as Exudyn's environment does."""
 
-    def __init__(self, stepSize=STEP, steps=1, **options):
+    def __init__(self, stepSize=STEP, steps=1, explicit=None, **options):
         self.container = exudyn.SystemContainer()
         self.mbs = self.container.AddSystem()
         self.add_items(**options)
         self.mbs.Assemble()
-        self.solver = ExplicitSolver(ExplicitSettings(stepSize=stepSize))
+        self.solver = ExplicitSolver(ExplicitSettings(stepSize=stepSize, **(explicit or {})))
         self.settings = quiet_settings(0.0, steps)
 
     def add_items(self, **load):
-        self.nodes = add_pendulum(self.mbs)["nodes"]
+        cable = add_pendulum(self.mbs)
+        self.nodes, self.supports = cable["nodes"], cable["constraintObjects"]
         self.tip = self.mbs.AddMarker(MarkerNodePosition(nodeNumber=self.nodes[-1]))
         self.load = self.mbs.AddLoad(LoadForceVector(markerNumber=self.tip, loadVector=[0, 0, 0], **load))
         kind = exudyn.OutputVariableType.Position
@@ -75,19 +76,22 @@ class Driven:
         self.solver.FinalizeSolver(self.mbs, self.settings)
 
 
-def solved(end_time, settings=None, **options):
-    """State after a run of SolveExplicit."""
-    scene = Driven(**options)
+def solved(end_time, settings=None, explicit=None, before=None, **options):
+    """State after a run of SolveExplicit.   before: (scene, t), called before each step of Exudyn's loop."""
+    scene, explicit = Driven(**options), ExplicitSettings(**({"stepSize": STEP} | (explicit or {})))
+    if before is not None:
+        scene.mbs.SetPreStepUserFunction(lambda mbs, t: before(scene, t) or True)
     with silence():
-        SolveExplicit(scene.mbs, settings or quiet_settings(end_time, 1), ExplicitSettings(stepSize=STEP))
+        SolveExplicit(scene.mbs, settings or quiet_settings(end_time, 1), explicit)
     return scene.state
 
 
+@pytest.mark.parametrize("explicit", [{"integrator": name} for name in ("RATTLE", "Zhai", "RK4")])
 @pytest.mark.parametrize("steps", [1, 4])
-def test_portions_give_the_states_of_a_run(steps):
-    driven = Driven(steps=steps).begin()
+def test_portions_give_the_states_of_a_run(steps, explicit):
+    driven = Driven(steps=steps, explicit=explicit).begin()
     states = [driven.step() for _ in range(10)]
-    np.testing.assert_allclose(states[-1], solved(10 * PERIOD), atol=1e-12)
+    np.testing.assert_allclose(states[-1], solved(10 * PERIOD, explicit=explicit), atol=1e-12)
     assert driven.mbs.systemData.GetTime() == pytest.approx(0.2)
     driven.end()
     rows = driven.mbs.GetSensorStoredData(driven.sensor)
@@ -165,6 +169,45 @@ def test_a_period_that_changes_is_cut_into_other_steps():
         state = driven.step(period=period)
     np.testing.assert_allclose(state[0], solved(0.1)[0], atol=2e-4)
     assert driven.mbs.systemData.GetTime() == pytest.approx(0.1)
+
+
+def test_steps_may_adapt():
+    driven = Driven(explicit={"adaptiveStep": True}).begin()
+    for _ in range(10):
+        state = driven.step()
+    np.testing.assert_allclose(state[0], solved(0.2)[0], atol=1e-3)
+
+
+def test_a_support_that_is_moved_gets_there_within_the_next_step_of_the_loop():
+    def lift(scene, t):
+        scene.mbs.SetObjectParameter(int(scene.supports[1]), "offset", 0.02 * round(t / PERIOD))
+
+    driven = Driven().begin()
+    for k in range(1, 11):
+        lift(driven, k * PERIOD)
+        state = driven.step()
+    settings = quiet_settings(0.2, 10)
+    settings.solution.sensors.writePeriod = PERIOD
+    np.testing.assert_allclose(state, solved(0, settings, before=lift), atol=1e-6)
+    assert state[0, 1] == pytest.approx(0.2, abs=1e-9)
+    driven.step()
+    np.testing.assert_allclose(driven.step()[:, 1], [0.2, 0], atol=1e-9)
+
+
+def test_a_run_of_its_own_may_come_in_between():
+    def pull(scene, t):
+        scene.mbs.SetLoadParameter(scene.load, "loadVector", [0.0, 3.0 * t, 0.0])
+
+    expected = solved(0.1, before=pull)
+    driven = Driven().begin()
+    driven.step()
+    other = Driven()
+    driven.mbs.systemData.SetSystemState(other.mbs.systemData.GetSystemState(INITIAL), INITIAL)
+    driven.mbs.SetPreStepUserFunction(lambda mbs, t: pull(driven, t) or True)
+    with silence():
+        SolveExplicit(driven.mbs, quiet_settings(0.1, 1), ExplicitSettings(stepSize=STEP))
+    driven.mbs.SetPreStepUserFunction(0)  # which keeps the solver alive
+    np.testing.assert_allclose(driven.state, expected, atol=1e-12)
 
 
 def test_coordinates_that_are_set_in_between_are_taken_over():

@@ -7,6 +7,7 @@ import exudyn
 import numpy as np
 import pytest
 from exudyn.interactive import InteractiveDialog
+from exudyn.itemInterface import LoadForceVector, MarkerNodePosition
 
 from examples import slung_load as example
 from exudyn_inext import DivergenceError, ExplicitSettings, ExplicitSteps, SceneError, SolveExplicit
@@ -95,6 +96,42 @@ def test_an_environment_moves_as_with_native_cables_and_its_native_solver(enviro
     ours, native = (episode(kind())[:, of_positions] for kind in (environments.Explicit, environments.Native))
     assert np.abs(ours - native).max() < 0.01 * np.abs(native - native[0]).max()
     assert np.abs(native[-1, :3]).max() > 0.1
+
+
+def test_an_environment_whose_items_exudyn_evaluates_moves_the_same(environments, request):
+    compiled = episode(environments.Explicit(), steps=10)
+    request.getfixturevalue("by_exudyn")
+    environment = environments.Explicit()
+    np.testing.assert_allclose(episode(environment, steps=10), compiled, atol=1e-6)
+    assert "this test" in environment.dynamicSolver.path
+    np.testing.assert_allclose(episode(environment, steps=5), compiled[:6], atol=1e-6)
+
+
+def test_forces_that_follow_the_state_act_as_with_native_cables_and_their_solver(environments):
+    """A spring to the side, by a user function of the load, on the drone."""
+
+    def side(mbs, t, loadVector):
+        x, _, _ = mbs.GetNodeOutput(mbs.variables["drone"], POSITION)
+        return [0.0, 30.0 * (0.1 - x), 0.0]
+
+    def springy(kind):
+        class Springy(kind):
+            def CreateMBS(self, SC, mbs, simulationSettings):
+                size = super().CreateMBS(SC, mbs, simulationSettings)
+                mbs.variables["drone"] = self.bodies[0]
+                marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=self.bodies[0]))
+                mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVectorUserFunction=side))
+                mbs.Assemble()
+                return size
+
+        return Springy()
+
+    of_positions = [0, 1, 2, 6, 7, 8]
+    ours, native = (
+        episode(springy(kind), steps=20)[:, of_positions]
+        for kind in (environments.Explicit, environments.Native)
+    )
+    assert np.abs(ours - native).max() < 0.01 * np.abs(native - native[0]).max()
 
 
 def test_an_environment_that_is_reset_starts_from_the_initial_values(environments):
