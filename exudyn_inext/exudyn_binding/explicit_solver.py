@@ -133,10 +133,7 @@ class ExplicitSolver(_NativeSolver):
             with compile_notice(simulationSettings):
                 return bool(super().SolveSteps(mbs, simulationSettings))
         except Exception as error:
-            log = loop.changes.log
-            if log.refused(error):
-                raise log.refusal from None
-            raise loop.error or error from None
+            raise loop.cause_of(error, loop.changes.log) from None
         finally:
             self.SetUserFunctionDiscontinuousIteration(mbs, nothing)
             loop.finish_portion()

@@ -238,13 +238,7 @@ def _run(
         try:
             success = _solve_system(solver, mbs, settings)
         except Exception as error:
-            if loop.error is None and "KeyboardInterrupt" in str(error):  # Exudyn wraps it
-                kept = f"interrupted at t = {mbs.systemData.GetTime():.6g} s; mbs holds the state there."
-                raise KeyboardInterrupt(kept) from None
-            if log.refused(error):
-                mbs.systemData.SetTime(loop.time)
-                raise log.refusal from None
-            raise loop.error or error from None
+            raise loop.cause_of(error, log) from None
         finally:
             loop.complete_state()
             solver.SetUserFunctionDiscontinuousIteration(mbs, nothing)  # mbs must not keep itself alive

@@ -129,6 +129,16 @@ class ExplicitTimeLoop:
             self._changes.require_all_seen(self.runs)
         self._write_restart()
 
+    def cause_of(self, error: Exception, log: Any) -> BaseException:
+        """Of an error of Exudyn's loop: what it has wrapped, if that is known.   log: `ChangeLog`."""
+        if self.error is None and "KeyboardInterrupt" in str(error):
+            time = self._data.GetTime()
+            return KeyboardInterrupt(f"interrupted at t = {time:.6g} s; mbs holds the state there.")
+        if log.refused(error):
+            self._data.SetTime(self.time)
+            return log.refusal
+        return self.error or error
+
     def complete_state(self) -> None:
         """Give mbs the derivatives of its present coordinates that nobody observed so far."""
         first, states = self._ahead

@@ -153,13 +153,19 @@ def test_steps_of_half_the_size_go_on_from_the_present_state(environments):
     np.testing.assert_allclose(later[1::2], whole[31:], atol=1e-4)
 
 
-def test_exudyn_s_own_test_of_a_model_runs(environments, capsys):
+def test_exudyn_s_own_test_of_a_model_runs_and_writes_its_file(environments, capsys, tmp_path):
     environment = environments.Explicit()
-    environment.SetupSpaces = None
     environment.action_space.low[:], environment.action_space.high[:] = -1.0, 1.0
-    environment.TestModel(numberOfSteps=20, useRenderer=False, sleepTime=0)
+    file = str(tmp_path / "solution.txt")
+    environment.TestModel(numberOfSteps=20, useRenderer=False, sleepTime=0, solutionFileName=file)
     assert not environment.flagNan and environment.mbs.systemData.GetTime() == pytest.approx(20 * PERIOD)
     assert "time spent" in capsys.readouterr().out
+    rows = np.loadtxt(file, delimiter=",", comments="#")
+    size = environment.mbs.systemData.ODE2Size()
+    np.testing.assert_allclose(rows[-1, 0], 20 * PERIOD)
+    np.testing.assert_allclose(
+        rows[-1, 1 : size + 1], environment.mbs.systemData.GetODE2Coordinates(), atol=1e-6
+    )
 
 
 def test_after_the_end_of_an_episode_exudyn_warns_and_goes_on(environments, said):
