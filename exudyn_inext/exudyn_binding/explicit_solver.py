@@ -41,8 +41,9 @@ class ExplicitSolver(_NativeSolver):
     parameters, and states may be set; a state must fulfil the constraints, as at the start of SolveExplicit.
 
     Each step of Exudyn's loop (numberOfSteps between startTime and endTime) is cut into equal steps of the
-    integrator. A force that was changed before a call jumps at its beginning, as under Exudyn's solver.
-    Sensors, solution files, pre- and post-step user functions work as with SolveExplicit.
+    integrator. A force that was changed before a call jumps at its beginning. Sensors, solution files, pre-
+    and post-step user functions work as with SolveExplicit. Until FinalizeSolver, Exudyn's own solvers find
+    cables among other items switched off.
 
     Args:
         explicitSettings: as for SolveExplicit.

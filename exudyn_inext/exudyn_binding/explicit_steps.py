@@ -7,7 +7,6 @@ import exudyn
 import numpy as np
 
 from ..run.settings import ExplicitSettings
-from ..run.step_choice import MOST_DURATION
 from .explicit_solver import ExplicitSolver
 
 _INITIAL = exudyn.ConfigurationType.Initial
@@ -23,7 +22,7 @@ class ExplicitSteps:
     fulfil the constraints.
 
     Attributes:
-        explicitSettings: as for SolveExplicit.   duration: of a motion, see `ExplicitSolver` [s].
+        explicitSettings: as for SolveExplicit.
 
     Example:
         class SlungLoad(ExplicitSteps, OpenAIGymInterfaceEnv):
@@ -34,7 +33,6 @@ class ExplicitSteps:
     """
 
     explicitSettings: ExplicitSettings | None = None
-    duration: float = MOST_DURATION
     mbs: Any
     simulationSettings: Any
     state: Any
@@ -43,8 +41,8 @@ class ExplicitSteps:
 
     def PreInitializeSolver(self) -> None:
         """Of an environment: put the solver in place, and keep the initial values."""
-        self._start = self.mbs.systemData.GetSystemState(_INITIAL)
-        self.dynamicSolver = ExplicitSolver(self.explicitSettings, self.duration)
+        self._initial_state = self.mbs.systemData.GetSystemState(_INITIAL)
+        self.dynamicSolver = ExplicitSolver(self.explicitSettings)
         self.dynamicSolver.InitializeSolver(self.mbs, self.simulationSettings)
 
     def State2InitialValues(self) -> list[Any]:
@@ -55,7 +53,7 @@ class ExplicitSteps:
     def reset(self, **options: Any) -> Any:
         """Of an environment: begin anew.   options: see Exudyn's class."""
         data = self.mbs.systemData
-        data.SetSystemState(self._start, _INITIAL)
+        data.SetSystemState(self._initial_state, _INITIAL)
         self.simulationSettings.timeIntegration.startTime = 0.0
         result = super().reset(**options)  # type: ignore[misc]
         coordinates, velocities = self.State2InitialValues()
@@ -69,5 +67,5 @@ class ExplicitSteps:
     def InitializeSolver(self) -> None:
         """Of a dialog: put the solver in place."""
         if self.doTimeIntegration:
-            self.mbs.sys["solver"] = solver = ExplicitSolver(self.explicitSettings, self.duration)
+            self.mbs.sys["solver"] = solver = ExplicitSolver(self.explicitSettings)
             solver.InitializeSolver(self.mbs, self.simulationSettings)

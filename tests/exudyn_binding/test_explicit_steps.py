@@ -72,7 +72,7 @@ def environments(said):
         addCable, steps = staticmethod(stiff(1e5)), 10  # longer ones let it diverge
 
         def PreInitializeSolver(self):
-            self._start = self.mbs.systemData.GetSystemState(exudyn.ConfigurationType.Initial)
+            self._initial_state = self.mbs.systemData.GetSystemState(exudyn.ConfigurationType.Initial)
             native.PreInitializeSolver(self)
 
     return SimpleNamespace(Explicit=Explicit, Native=Native, SlungLoad=SlungLoad, base=native)
