@@ -1,7 +1,7 @@
 """What an mbs contains, as far as the explicit solver is concerned."""
 
 from collections import defaultdict
-from collections.abc import Callable, Container, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -21,7 +21,7 @@ from ..items.link_items import read_held_coordinate, read_moving_coordinate, rea
 from ..items.load_items import read_load
 from ..loads.weight import ElementWeight
 from ..scene.links import MovingCoordinate, Rod, links_of_motions
-from ..scene.model import CableInScene, CableItem, CableLoad, HeldCoordinate, Scene
+from ..scene.model import CableInScene, CableItem, CableLoad, HeldCoordinate, Reaction, Scene
 
 _HARMLESS = {"Ground"}
 _KINDS = (HeldCoordinate, MovingCoordinate, Rod)
@@ -77,9 +77,10 @@ def read_scene(mbs: Any, read: Callable[..., Constraint | None] = read_constrain
     if foreign:
         links = _take_links(contents, cable_of)
         foreign += [described(mbs.GetObject(number), number) for number in links]
-    constraints_on, loads_on = defaultdict(list), defaultdict(list)
-    for constraint in contents.constraints.values():
-        constraints_on[cable_of[constraint.nodes[0]]].append(constraint)
+    constraints_on: defaultdict[int, dict[int, Constraint]] = defaultdict(dict)
+    loads_on = defaultdict(list)
+    for number, constraint in contents.constraints.items():
+        constraints_on[cable_of[constraint.nodes[0]]][number] = constraint
     for load in loads:
         loads_on[load.cable if isinstance(load, ElementWeight) else cable_of[load.node]].append(load)
     return Scene(
@@ -204,13 +205,13 @@ def _foreign_nodes(mbs: Any, on_cables: Container[int]) -> list[str]:
 
 
 def _cable_in_scene(
-    mbs: Any, number: int, contents: Contents, constraints: Sequence[Constraint], loads: list[CableLoad]
+    mbs: Any, number: int, contents: Contents, constraints: dict[int, Constraint], loads: list[CableLoad]
 ) -> CableInScene:
     name, item = contents.names[number], contents.items[number]
     places = {node: place for place, node in enumerate(item.nodes)}
-    held = [it for it in constraints if isinstance(it, HeldCoordinate)]
-    moving = [it for it in constraints if isinstance(it, MovingCoordinate)]
-    rods = [it for it in constraints if isinstance(it, Rod)]
+    held = [it for it in constraints.values() if isinstance(it, HeldCoordinate)]
+    moving = [it for it in constraints.values() if isinstance(it, MovingCoordinate)]
+    rods = [it for it in constraints.values() if isinstance(it, Rod)]
     fixed, links = _supports(item, held, places, name)
     links += links_of_motions(moving, places, item.cable.dimension)
     for rod in rods:
@@ -224,9 +225,28 @@ def _cable_in_scene(
         indices=indices,
         loads=loads,
         moving=moving,
+        reactions=_reactions(mbs, item, constraints, places, len(links) - len(rods)),
         number=number,
         name=name,
     )
+
+
+def _reactions(
+    mbs: Any, item: CableItem, constraints: dict[int, Constraint], places: dict[int, int], first_rod: int
+) -> list[Reaction]:
+    """Of supports, motions and rods.   first_rod: place of the first rod among the links."""
+    reactions, size = [], 2 * item.cable.dimension
+    for number, constraint in constraints.items():
+        row = int(mbs.systemData.GetObjectLTGAE(number)[0])
+        first = size * places[constraint.nodes[0]]
+        if isinstance(constraint, HeldCoordinate):
+            reactions.append(Reaction(row, first + constraint.coordinate, constraint.gradient))
+        elif isinstance(constraint, MovingCoordinate):
+            reactions.append(Reaction(row, first + constraint.axis, 1.0))
+        else:
+            reactions.append(Reaction(row, first_rod))
+            first_rod += 1
+    return reactions
 
 
 def _supports(

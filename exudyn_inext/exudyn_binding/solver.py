@@ -115,7 +115,7 @@ def SolveExplicit(
     reader = SteppedReader(mbs)
     scene = read_scene(mbs, reader)
     sensors = [mbs.GetSensor(number) for number in range(mbs.systemData.NumberOfSensors())]
-    warn_of_empty_sensors(mbs, sensors, scene.own_constraints)
+    warn_of_empty_sensors(mbs, sensors, scene.enforcing)
     require_writable_outputs(settings, sensors)
     start = float(settings.timeIntegration.startTime)
     restarts = Restarts(mbs, settings, explicit)

@@ -16,8 +16,9 @@ from ..native.coupled_scene import CoupledCable, CoupledScene
 from ..native.static_scene import StaticScene, require_held, rest_at
 from ..native.surroundings import state_kept, switched_off
 from ..run.cable_loads import CableLoads
-from ..scene.model import CableInScene, Scene
+from ..scene.model import CableInScene, Scene, put_reactions
 from ..statics import Equilibrium, JoinedPotential, Potential, StaticOptions, find_equilibrium
+from ..statics.support_forces import support_forces
 from .arguments import simulation_settings
 from .scene import initial_state, read_scene, require_assembled
 from .scene_runs import needs_coupling
@@ -59,8 +60,9 @@ def SolveEquilibrium(
     The search runs downhill on the constraints from the initial configuration, which need not fulfil them,
     to a stable equilibrium, and writes it into mbs as the initial and the present state, at rest: a
     following SolveExplicit starts from it, after loads were changed, for example. Bodies, springs, joints,
-    torques and contact, which Exudyn evaluates, come to rest together with the cables; Lagrange multipliers
-    of the joints go into mbs, too, so that sensors show their forces.
+    torques and contact, which Exudyn evaluates, come to rest together with the cables. Lagrange multipliers
+    of joints and supports go into mbs, too, so that outputs and sensors show their forces, with the sign of
+    mbs.SolveStatic, which is opposite to that of mbs.SolveDynamic.
 
     Args:
         mbs: assembled system.
@@ -103,10 +105,11 @@ def SolveEquilibrium(
         cable, equilibrium = failed[0]
         said = _failure(f"cable '{cable.name}'", equilibrium, "loadSteps or maxIterations")
         raise EquilibriumError(said, report | {"success": False})
-    displacements = np.zeros(mbs.systemData.ODE2Size())
+    displacements, reactions = np.zeros(mbs.systemData.ODE2Size()), np.zeros(mbs.systemData.AEsize())
     for cable, equilibrium in zip(cables, found, strict=True):
         displacements[cable.indices] = (equilibrium.q - cable.cable.reference).ravel()
-    rest_at(mbs, displacements)
+        _put_reactions(cable, equilibrium.q, equilibrium.multipliers, time, reactions)
+    rest_at(mbs, displacements, reactions)
     return report
 
 
@@ -155,6 +158,11 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         equilibrium = find_equilibrium(JoinedPotential(potentials, others, start), start, options)
         q = equilibrium.q
         reactions = others.reactions(q, equilibrium.multipliers[-len(others.values(q)) or len(q) :])
+    first = 0
+    for cable, potential, dofs in zip(scene.cables, potentials, joined.map.slices, strict=False):
+        own = slice(first, first + potential.number_of_constraints)
+        shape, first = cable.cable.reference.shape, own.stop
+        _put_reactions(cable, q[dofs].reshape(shape), equilibrium.multipliers[own], time, reactions)
     of_cables = [
         replace(equilibrium, q=q[dofs].reshape(cable.cable.reference.shape))
         for cable, dofs in zip(scene.cables, joined.map.slices, strict=False)
@@ -163,9 +171,14 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
     if not equilibrium.converged:
         said = _failure("the scene", equilibrium, "maxIterations")
         raise EquilibriumError(said, report | {"success": False})
-    rest_at(mbs, joined.displacements(q))
-    mbs.systemData.SetAECoordinates(reactions.tolist())
+    rest_at(mbs, joined.displacements(q), reactions)
     return report
+
+
+def _put_reactions(cable: CableInScene, q: Array, multipliers: Array, time: float, reactions: Array) -> None:
+    """Those of its supports, into the multipliers of all algebraic equations; see `support_forces`."""
+    if cable.reactions and len(multipliers):
+        put_reactions(cable.reactions, support_forces(cable.cable, q, multipliers, time), reactions)
 
 
 def _coupled(cable: CableInScene, loads: CableLoads) -> CoupledCable:

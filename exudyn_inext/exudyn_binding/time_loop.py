@@ -214,28 +214,32 @@ class ExplicitTimeLoop:
         self._write_restart()
         intervals = self._intervals(self._computed)
         states = np.zeros((intervals, 3, len(self._written[0])))
-        good, self._last_reactions = intervals, None
+        reactions = np.zeros((intervals if self._shows_forces else 1, self._data.AEsize()))
+        good, are_set = intervals, False
         for run, places in zip(self.runs, self._places, strict=True):
             history = np.empty((intervals, 3, len(run.indices)))
             good = min(good, run.record(self.grid, self._computed, history))
             if good and not run.looks_ahead and (self._shows_forces or self._takes_last_step):
                 time = self.grid.time(self._computed + 1)
-                history[0, 2] = run.accelerations(time, np.zeros(self._data.AEsize()))
+                history[0, 2] = run.accelerations(time, reactions[0])
+                are_set = True
             elif good:
-                self._complete(run, history[:good])
+                are_set |= self._complete(run, history[:good], reactions)
             states[:, :, places] = history
+        self._last_reactions = reactions[min(good, len(reactions)) - 1] if are_set and good else None
+        if are_set and self._shows_forces:
+            self._reactions.extend(reactions[:good])
         self._computed += intervals
         return states, good
 
-    def _complete(self, run: Run, history: Array) -> None:
-        """Accelerations and reactions in the states that somebody looks at, and in the last one."""
+    def _complete(self, run: Run, history: Array, reactions: Array) -> bool:
+        """Accelerations and reactions in the states that somebody looks at, and in the last one.
+
+        Returns whether there are reactions.
+        """
         first = 0 if self._shows_forces else len(history) - 1
         times = np.array([self.grid.time(self._computed + 1 + k) for k in range(first, len(history))])
-        reactions = run.complete(times, history[first:])
-        if reactions is not None:
-            self._last_reactions = reactions[-1]
-            if self._shows_forces:
-                self._reactions.extend(reactions)
+        return run.complete(times, history[first:], reactions[: len(times)])
 
     @property
     def _takes_last_step(self) -> bool:

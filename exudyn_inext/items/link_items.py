@@ -43,7 +43,9 @@ def _coordinate_to_ground(mbs: Any, data: dict[str, Any], is_moved: bool) -> Hel
     marker = node_marker_to_ground(mbs, data)
     if marker is None or marker["markerType"] != "NodeCoordinate":
         return None
-    return HeldCoordinate(int(marker["nodeNumber"]), int(marker["coordinate"]))
+    is_first = point_on_ground(mbs, markers_of(mbs, data)[0]) is None
+    gradient = -1.0 if is_first else float(data["factor1"])
+    return HeldCoordinate(int(marker["nodeNumber"]), int(marker["coordinate"]), gradient)
 
 
 def read_held_coordinate(mbs: Any, data: dict[str, Any]) -> HeldCoordinate | None:

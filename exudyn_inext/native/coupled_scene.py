@@ -87,7 +87,7 @@ class CoupledScene:
         quaternions = read_quaternions(mbs)
         by_place = holders(mbs, held)
         self._masses = masses = BodyMasses(mbs, bodies, quaternions, zeta, total, by_place)
-        self.held = HeldCoordinates(mbs, masses, [by_place[place] for place in masses.held.tolist()])
+        self.held = HeldCoordinates(mbs, masses, [by_place[place] for place in masses.held.tolist()], held)
         places = [PartCoordinates(cable.indices, cable.reference) for cable in cables]
         places.append(PartCoordinates(masses.coordinates, np.zeros(len(masses.coordinates))))
         self.map = CoordinateMap(mbs.systemData.ODE2Size(), places)
@@ -299,12 +299,24 @@ class CoupledScene:
         """As `solve_cable`, where the scene has been evaluated at (t, q, v)."""
         part, dofs, _ = self.system.parts[cable]
         size = dofs.stop - dofs.start
-        a, rate = np.zeros(size), np.zeros(size)
+        a, rate = np.zeros((2, size))
         force = self.cables[cable].loads.at(t).copy()
-        force[:size] += self.surroundings.native_forces[dofs]
-        force[:size] -= self.system.joint_force(dofs)
+        force[:size] += self._joined_forces_on(dofs)
         index_reduced_rates(part, force, q[dofs], v[dofs], a, rate)
         return a
+
+    def _joined_forces_on(self, dofs: slice) -> Array:
+        """Of items and joints, on a part."""
+        of_joints = self.system.joint_force(dofs)
+        result: Array = self.surroundings.native_forces[dofs] - of_joints
+        return result
+
+    def joined_forces(self) -> Array:
+        """See `EvaluatedScene`; those on first order states are none."""
+        result = np.zeros(self.size)
+        for dofs in self.map.slices:
+            result[dofs] = self._joined_forces_on(dofs)
+        return result
 
 
 def _parts_of_cables(groups: Sequence[Systems], slices: Sequence[slice]) -> Iterator[Part]:

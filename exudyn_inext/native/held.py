@@ -30,12 +30,15 @@ class HeldCoordinates:
     numbers: of the constraints that hold them.   rows: (k,) their algebraic equations.
     """
 
-    def __init__(self, mbs: Any, masses: BodyMasses, numbers: Iterable[int]) -> None:
+    def __init__(
+        self, mbs: Any, masses: BodyMasses, numbers: Iterable[int], held: Mapping[int, HeldCoordinate]
+    ) -> None:
         self._mbs = mbs
         self._masses = masses
         self.numbers = list(numbers)
         rows = [mbs.systemData.GetObjectLTGAE(number)[0] for number in self.numbers]
         self.rows = np.array(rows, dtype=int)
+        self._gradients = np.array([held[number].gradient for number in self.numbers])
 
     def take_hold(self, v: Array, tolerance: float) -> None:
         """Stop them at the start by impulses there, which change the velocities v (n,) of bodies, in place.
@@ -70,7 +73,7 @@ class HeldCoordinates:
         Args:
             forces: (k,) on the held coordinates [N, Nm].   a: (n,) accelerations of the other ones.
         """
-        result: Array = forces - self._masses.coupling @ a
+        result: Array = (forces - self._masses.coupling @ a) / self._gradients
         return result
 
     def _said(self, what: str, values: Array, tolerance: float) -> str:

@@ -152,8 +152,11 @@ def require_held(scene: CoupledScene, cables_held: list[bool]) -> None:
             )
 
 
-def rest_at(mbs: Any, displacements: Array) -> None:
-    """Displacements (n,) of all coordinates as initial and present state of mbs, at rest."""
+def rest_at(mbs: Any, displacements: Array, multipliers: Array) -> None:
+    """Displacements (n,) of all coordinates as initial and present state of mbs, at rest.
+
+    multipliers: (m,) lam of M a + C_q^T lam = F; Exudyn's static solver has the other sign.
+    """
     data, rest = mbs.systemData, np.zeros(len(displacements)).tolist()
     for configuration in (exudyn.ConfigurationType.Initial, exudyn.ConfigurationType.Current):
         data.SetODE2Coordinates(displacements.tolist(), configuration)
@@ -163,3 +166,4 @@ def rest_at(mbs: Any, displacements: Array) -> None:
         if len(places) and len(mbs.GetNode(number).get("initialVelocities", [])) == len(places):
             mbs.SetNodeParameter(number, "initialCoordinates", displacements[places].tolist())
             mbs.SetNodeParameter(number, "initialVelocities", [0.0] * len(places))
+    data.SetAECoordinates((-multipliers).tolist())

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,10 +16,11 @@ from ..cable.chain import set_mass
 from ..cable.frequency import FrequencyTracker, largest_frequency
 from ..cable.implicit_bending import EXPLICIT, ImplicitBending
 from ..cable.linked_cable import cable_system, memory_of
+from ..cable.support_forces import SupportedCable
 from ..integrators.integrator import Integrator, remembered
 from ..integrators.linear_stability import frequency_limit
 from ..scene.links import require_smooth_motions
-from ..scene.model import CableInScene
+from ..scene.model import CableInScene, put_reactions
 from ..system import accelerate_and_project
 from .cable_loads import CableLoads
 from .cable_watch import CableWatch
@@ -196,17 +198,39 @@ class CableRun(PacedRun):
         """(n_external,) constant part of the external force, which may be changed between steps."""
         return self.loads.constant
 
-    def complete(self, times: Array, history: Array) -> None:
+    @cached_property
+    def _supported(self) -> SupportedCable:
+        return SupportedCable(self.scene_cable.cable)
+
+    @property
+    def has_reactions(self) -> bool:
+        """Whether constraints of the mbs hold or move it."""
+        return bool(self.scene_cable.reactions)
+
+    def put_reactions(self, external: Array, q: Array, v: Array, multipliers: Array) -> None:
+        """Multipliers (m,) of Exudyn's algebraic equations, those of the cable's own supports.
+
+        Args:
+            external: all that acts, see `CableLoads`.   q, v: (n_dof,).   multipliers: output.
+        """
+        put_reactions(self.scene_cable.reactions, self._supported.solve(external, q, v), multipliers)
+
+    def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
         """See `Run.complete`."""
+        for t, (q, v, _), row in zip(times, history, multipliers, strict=True) if self.has_reactions else ():
+            self.put_reactions(self.loads.at(t), q + self.reference, v, row)
+        return self.has_reactions
 
     def accelerations(self, time: float, multipliers: Array) -> Array:
         """(n_dof,) of the present state, by the mass as it is.
 
         Args:
             time: at present [s].
-            multipliers: (m,) output, of Exudyn's algebraic equations, which are also left in mbs with the
-                state; those of a cable alone are not known.
+            multipliers: (m,) output, of Exudyn's algebraic equations; a coupled run also leaves them in mbs
+                with the state.
         """
+        if self.has_reactions:
+            self.put_reactions(self.loads.at(time), self.state.q, self.state.v, multipliers)
         if not self.has_implicit_bending:
             return np.asarray(self.state.a)
         a, rate = np.zeros((2, self.state.q.size))

@@ -208,12 +208,21 @@ class CompiledScene:
         """See `JoinedScene.set_multipliers`."""
         dofs, system, loads = self._cables[cable]
         size = dofs.stop - dofs.start
-        force, (a, rate), items = loads.at(t).copy(), np.zeros((2, size)), self.system.items
-        total = items.force.copy()
-        subtract_joint_forces(items.joints, total)
-        force[:size] += total[dofs]
+        force, (a, rate) = loads.at(t).copy(), np.zeros((2, size))
+        force[:size] += _joined_forces(self.system)[dofs]
         index_reduced_rates.dispatch(type(system))(system, force, q[dofs], v[dofs], a, rate)
         return a
+
+    def joined_forces(self) -> Array:
+        """See `EvaluatedScene`; by `evaluate`."""
+        assert self._unscaled is not None
+        return _joined_forces(self._unscaled)
+
+
+def _joined_forces(system: SceneSystem) -> Array:
+    total: Array = system.items.force.copy()
+    subtract_joint_forces(system.items.joints, total)
+    return total
 
 
 def _dependent(joints: Joints, names: Sequence[str]) -> RedundantConstraintError:

@@ -290,6 +290,7 @@ class CoupledRun(PacedRun):
             else:
                 index_reduced_rates(*arguments, a, rest)
         multipliers[:] = surroundings.all_multipliers(self._scene.system.multipliers, a)
+        self._put_reactions(self._scene, time, (state.q, state.v), multipliers)
         if self.has_implicit_bending:
             self.resume(time)
         surroundings.show(time, state, multipliers)
@@ -364,14 +365,29 @@ class CoupledRun(PacedRun):
         assert self._form is not None
         return self._form.given
 
-    def complete(self, times: Array, history: Array) -> Array | None:
-        """See `Run.complete`."""
+    def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
+        """See `Run.complete`; one by one where supports of cables are asked for after each."""
         if not self._form:
-            return None
+            return False
         history[:, 0] += self.reference
-        rows = self._form.evaluate(self.cables, times, history)
+        together = 1 if any(run.has_reactions for run in self._runs) else len(times)
+        for first in range(0, len(times), together):
+            which = slice(first, first + together)
+            rows = self._form.evaluate(self.cables, times[which], history[which])
+            multipliers[which] = [self._scene.surroundings.equations(row) for row in rows]
+            self._put_reactions(self._form, times[first], history[first], multipliers[first])
         history[:, 0] -= self.reference
-        return np.stack([self._scene.surroundings.equations(row) for row in rows])
+        return True
+
+    def _put_reactions(self, evaluated: EvaluatedScene, t: float, state: Any, multipliers: Array) -> None:
+        """Of the cables' own supports; `evaluated` is so at t [s].   state: q, v, ... of all parts."""
+        supported = [cable for cable, run in enumerate(self._runs) if run.has_reactions]
+        forces = evaluated.joined_forces() if supported else np.zeros(0)
+        for cable in supported:
+            run, dofs = self._runs[cable], self._scene.map.slices[cable]
+            external = run.loads.at(t).copy()
+            external[: dofs.stop - dofs.start] += forces[dofs]
+            run.put_reactions(external, state[0][dofs], state[1][dofs], multipliers)
 
     @property
     def looks_ahead(self) -> bool:  # type: ignore[override]

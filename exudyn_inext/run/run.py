@@ -62,15 +62,16 @@ class Run(Protocol):
 
     def record(self, grid: TimeGrid, first: int, history: Array) -> int: ...
 
-    def complete(self, times: Array, history: Array) -> Array | None:
-        """Set accelerations of states that have been recorded; None if they are those of the scheme.
+    def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
+        """Set accelerations, unless they are those of the scheme, and multipliers of recorded states.
 
         Args:
             times: (k,) of the states [s].
             history: (k, 3, n) displacements and velocities, and output: accelerations.
+            multipliers: (k, m) output, of Exudyn's algebraic equations.
 
         Returns:
-            (k, m) multipliers of all algebraic equations of Exudyn.
+            Whether multipliers have been set.
         """
 
     def accelerations(self, time: float, multipliers: Array) -> Array: ...

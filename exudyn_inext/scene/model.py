@@ -1,13 +1,14 @@
 """A scene as data: the cables of an mbs, their supports and loads, and what else there is."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import Array
 from ..cable.cable import Cable
+from ..cable.support_forces import SupportForces
 from ..errors import InputError
 from ..loads.nodal import NodalLoad
 from ..loads.weight import ElementWeight
@@ -52,6 +53,29 @@ class CableItem:
         self.cable = replace(self.cable, **properties)
 
 
+class Reaction(NamedTuple):
+    """Where the Lagrange multiplier of a constraint comes from, see `put_reactions`.
+
+    row: of the algebraic equations of the mbs.
+    place: of the coordinate (n, 2, dim) that it holds or moves, or of a rod among the links.
+    gradient: of the constraint along that coordinate [-]; 0 for a rod.
+    """
+
+    row: int
+    place: int
+    gradient: float = 0.0
+
+
+def put_reactions(reactions: Sequence[Reaction], forces: SupportForces, multipliers: Array) -> None:
+    """Into the multipliers (m,) of all algebraic equations; of constraints that hold the same, the first."""
+    left = forces.on_coordinates.ravel().copy()
+    for row, place, gradient in reactions:
+        if gradient:
+            multipliers[row], left[place] = left[place] / gradient, 0.0
+        else:
+            multipliers[row] = forces.of_links[place]
+
+
 @dataclass(frozen=True, eq=False)
 class CableInScene:
     """A cable with its supports and loads.
@@ -61,6 +85,7 @@ class CableInScene:
     indices: (n_dof,) places of its coordinates in the system vector.
     loads: on its nodes, and weights of its elements.
     moving: coordinates that follow a motion.
+    reactions: of supports, motions and rods that are objects of the mbs.
     number: of its object.   name: for messages.
     """
 
@@ -69,6 +94,7 @@ class CableInScene:
     indices: np.ndarray
     loads: list[CableLoad]
     moving: list[MovingCoordinate]
+    reactions: Sequence[Reaction]
     number: int
     name: str
 
@@ -102,10 +128,14 @@ class Scene:
 
 @dataclass(frozen=True, eq=False)
 class HeldCoordinate:
-    """A native constraint that holds one nodal coordinate at its reference value."""
+    """A native constraint that holds one nodal coordinate at its reference value.
+
+    gradient: of the constraint along it [-].
+    """
 
     node: int
     coordinate: int
+    gradient: float = 1.0
 
     @property
     def nodes(self) -> tuple[int, ...]:
