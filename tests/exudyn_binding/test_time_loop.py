@@ -217,10 +217,11 @@ def test_an_interrupt_leaves_a_system_that_runs_again(new_mbs, add_pendulum, sol
     fault(f"Ctrl-C in a run ({where})", "KeyboardInterrupt with the time; the same mbs runs again")
 
 
-def test_a_sensor_of_the_force_in_a_support_is_warned_of(mbs, add_pendulum, solve):
-    pin = add_pendulum(mbs)["constraintObjects"][1]
+def test_a_sensor_of_what_keeps_the_length_under_native_solvers_is_warned_of(mbs, add_pendulum, solve):
+    lengths = add_pendulum(mbs, enforcement="algebraic")["constraintObjects"][-1]
     kind = exudyn.OutputVariableType.Force
-    mbs.AddSensor(SensorObject(objectNumber=pin, outputVariableType=kind, storeInternal=True))
+    mbs.AddSensor(SensorObject(objectNumber=lengths, outputVariableType=kind, storeInternal=True))
     mbs.Assemble()
-    with pytest.warns(UserWarning, match=r"measures .*Force of object 2, a support.*CreateCableForceSensor"):
+    said = rf"measures .*Force of object {lengths}, which keeps the length.*CreateCableForceSensor"
+    with pytest.warns(UserWarning, match=said):
         solve(mbs, 0.02)
