@@ -161,7 +161,7 @@ class CableRun(PacedRun):
         """Let the steps follow the present stability limit."""
         self.control = StepControl(FrequencyFollower(rule, self._present_frequency), self._rejects)
 
-    def _present_frequency(self) -> float:
+    def _present_frequency(self, time: float) -> float:
         """w_max [rad/s] about the state that was evaluated last; implicit damping is no mass there."""
         shape = self.scene_cable.cable.reference.shape
         q, a = self.state.q.reshape(shape), self.state.a.reshape(shape)

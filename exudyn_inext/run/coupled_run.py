@@ -15,7 +15,7 @@ from ..errors import DivergenceError, RedundantConstraintError, SceneError
 from ..integrators.integrator import Integrator, LoadHistory, advance, remembered
 from ..integrators.linear_stability import frequency_limit
 from ..scene.closed_contacts import rates_in_contact
-from ..scene.small_vibrations import FastestRates, fastest_rates
+from ..scene.small_vibrations import FastestRates, VibrationTracker, fastest_rates
 from ..system import accelerate_and_project, index_reduced_rates
 from .cable_run import CableRun, Start
 from .compiled_scene import CompiledScene, Steps
@@ -27,10 +27,11 @@ from .joined_scene import EvaluatedScene, JoinedScene, OpenContacts
 from .kept_state import Elsewhere, KeptState
 from .paced_run import PacedRun
 from .redundancy import with_straight_cables
-from .step_control import Piece, StepControl
+from .step_control import FrequencyFollower, Piece, StepControl, StepRule
 from .time_grid import TimeGrid
 
 FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
+STEPS_BETWEEN_LOOKS = 128  # at the frequency, which costs as much as some 10 evaluations
 
 
 class CoupledRun(PacedRun):
@@ -74,6 +75,8 @@ class CoupledRun(PacedRun):
                 self._project(start)
             else:
                 self.approach(start.time, end_of_step)
+        self._tracker: VibrationTracker | None = None
+        self._rejects = start.rejects
         self.control = StepControl(rejects=start.rejects)
         self._unsolvable = ""  # what was said of joints that could not be solved for
         self._output = np.zeros((1, 3, scene.size))
@@ -229,6 +232,20 @@ class CoupledRun(PacedRun):
         """w_max [rad/s] of small vibrations about the present configuration, joints included."""
         return self._rates.frequency
 
+    def follow_frequency(self, rule: StepRule) -> None:
+        """Let the steps follow the present stability limit."""
+        self._tracker = VibrationTracker(self._scene.size)
+        follower = FrequencyFollower(rule, self._present_frequency, STEPS_BETWEEN_LOOKS)
+        self.control = StepControl(follower, self._rejects)
+
+    def _present_frequency(self, time: float) -> float:
+        """w_max [rad/s] about the present state, of which the integrator then knows again."""
+        assert self._tracker is not None
+        with self._without_implicit_damping():
+            found = self._tracker.frequency(*self._system_at(time), self.state.q, self.state.v)
+        self.resume(time)
+        return found
+
     @property
     def reason(self) -> str:
         """What an evaluation needs."""
@@ -309,12 +326,13 @@ class CoupledRun(PacedRun):
     def memory(self) -> dict[str, Any]:
         """Arrays that the next steps depend on; see `CableRun.memory`."""
         cables = {str(k): memory_of(system) for k, (system, _) in enumerate(self._scene.groups)}
+        tracker = self._tracker
         return {
             "state": remembered(self.state),
             "scene": self._scene.memory(),
             "cables": cables,
             "watch": self.watch.memory(),
-            "control": self.control.memory(),
+            "control": self.control.memory() | ({"vibration": tracker.vibration} if tracker else {}),
             "friction": self._scene.friction.sums,
         }
 
@@ -512,8 +530,8 @@ class CoupledRun(PacedRun):
             return ""
         if self._unsolvable:
             return f"{self.name}: {self._unsolvable} If the motion before that is wrong, reduce stepSize."
-        limit = self._limit_now(time)
-        said = explanation(self.integrator, self.trouble, self.control.present, limit, scaled=True)
+        limit, scaled = self._limit_now(time), any(run.is_scaled for run in self._runs)
+        said = explanation(self.integrator, self.trouble, self.control.present, limit, scaled)
         return f"{self.name}: {self.watch.found}; {self._place}; {self.control.said}. {said}"
 
     def _limit_now(self, time: float) -> float:

@@ -9,7 +9,7 @@ from ..arrays import Array
 from ..cable.cable import Cable
 from ..integrators.integrator import Integrator
 from .consistent_start import StartCorrection
-from .step_control import StepControl
+from .step_control import StepControl, StepRule
 from .time_grid import TimeGrid
 
 
@@ -59,6 +59,8 @@ class Run(Protocol):
     def largest_frequency(self, time: float) -> float: ...
 
     def damping_ratio(self, frequency: float) -> float: ...
+
+    def follow_frequency(self, rule: StepRule) -> None: ...
 
     def record(self, grid: TimeGrid, first: int, history: Array) -> int: ...
 

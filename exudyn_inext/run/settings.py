@@ -54,9 +54,10 @@ class ExplicitSettings:
             coordinates are refused, and velocities projected with a warning, as by impulses at supports and
             joints.
         allowUnstableStep: warn, rather than refuse, if stepSize is above the stability limit.
-        adaptiveStep: between two outputs, take as many equal steps as the present largest frequency of the
-            cable asks for, so that one that straightens or is pulled tight stays within its stability limit;
-            stepSize is then an upper bound. For scenes of cables alone.
+        adaptiveStep: between two outputs, take as many equal steps as the present largest frequency of
+            cables, bodies and springs asks for, so that a cable that straightens or is pulled tight, and a
+            spring that stiffens, stay within their stability limit; stepSize is then an upper bound, and so
+            is the limit with all contacts closed that are open at the start.
         rejectSteps: take steps that go wrong again, with a quarter of the step and less, from the state
             before them. False: they end the run, as in studies of stability limits.
         energyTolerance: energy that a run may have beyond the work done on it, as a share of what its motion

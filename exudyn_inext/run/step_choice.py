@@ -265,26 +265,17 @@ def rule_of_cable(cable: Cable, constant: float) -> float:
 
 
 def follow_frequencies(runs: Sequence[Run], bounds: StepSizeBounds, explicit: ExplicitSettings) -> None:
-    """Let each cable choose its steps, if the settings ask for it.
-
-    Raises:
-        SceneError: something else than cables moves, too.
-    """
+    """Let each run choose its steps, if the settings ask for it; contacts count as closed."""
     if not explicit.adaptiveStep:
         return
-    others = [run.name for run in runs if not isinstance(run, CableRun)]
-    if others:
-        raise SceneError(
-            f"adaptiveStep deals with cables alone, not with {', '.join(others)}: choose a fixed stepSize, "
-            "with a margin for what is pulled tight."
-        )
     integrator, scheme = explicit.method
     safety = explicit.stepSafety or bounds.safety
-    largest = min(explicit.stepSize or bounds.accuracy, safety * bounds.stabilisation)
+    largest = min(
+        explicit.stepSize or bounds.accuracy, safety * bounds.stabilisation, safety * bounds.contact
+    )
     for run in runs:
-        if isinstance(run, CableRun):
-            limit = frequency_limit(integrator, scheme, run.damping_ratio(bounds.largest_frequency))
-            run.follow_frequency(StepRule(limit, safety, largest))
+        limit = frequency_limit(integrator, scheme, run.damping_ratio(bounds.largest_frequency))
+        run.follow_frequency(StepRule(limit, safety, largest))
 
 
 def require_fixed_steps(explicit: ExplicitSettings, who: str) -> None:

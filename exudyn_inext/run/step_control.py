@@ -89,19 +89,22 @@ class FrequencyFollower:
     A cable that straightens, is wound up or is pulled tight vibrates faster: the frequency is followed,
     and its last growth counted once more.
 
-    frequency: () -> w_max [rad/s] at present.
+    frequency: t [s] -> w_max [rad/s] at present.   steps: between two looks at it.
     """
 
-    def __init__(self, rule: StepRule, frequency: Callable[[], float]) -> None:
+    def __init__(
+        self, rule: StepRule, frequency: Callable[[float], float], steps: int = STEPS_BETWEEN
+    ) -> None:
         self._rule = rule
         self._frequency = frequency
+        self.steps = steps
 
-    def nominal_step(self, log: Any, remaining: float) -> float:
+    def nominal_step(self, log: Any, time: float, remaining: float) -> float:
         """Largest step that is allowed now [s]; 0 if only a run that has diverged asks for so small a one.
 
-        remaining: of the interval [s].
+        time: at present [s].   remaining: of the interval [s].
         """
-        frequency = self._frequency()
+        frequency = self._frequency(time)
         if not math.isfinite(frequency):
             return 0.0
         growth = max(0.0, frequency - log["frequency"]) if log["frequency"] else 0.0
@@ -185,7 +188,8 @@ class StepControl:
         remaining = grid.substeps * grid.h - self.offset
         together = PIECE
         if self.follower is not None:
-            nominal, together = self.follower.nominal_step(self._log, remaining), STEPS_BETWEEN
+            time = grid.time(interval) + self.offset
+            nominal, together = self.follower.nominal_step(self._log, time, remaining), self.follower.steps
         if nominal == 0.0:
             return None
         quarters = int(self._log["quarters"])

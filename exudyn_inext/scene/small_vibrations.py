@@ -40,6 +40,20 @@ def fastest_rates(system: Any, external: Array, q: Array, v: Array) -> FastestRa
     gyroscopic forces, which change with small velocities, do not. Friction that jumps where a velocity
     changes its sign has no rate: it makes no motion grow.
     """
+    stiffness, damping, start = _operators(system, external, q, v)
+    frequency = float(np.sqrt(_largest_eigenvalue(stiffness, start)))
+    rate = _largest_eigenvalue(damping, start, NEGLIGIBLE * frequency)
+    return FastestRates(float(np.maximum(frequency, rate / OVERDAMPED)), rate)  # keeps a NaN
+
+
+_Operator = Callable[[Array], Array]
+
+
+def _operators(system: Any, external: Array, q: Array, v: Array) -> tuple[_Operator, _Operator, Array]:
+    """Derivatives of -a with respect to q and v, and where to start; all on the constraints.
+
+    Arguments: see `fastest_rates`.
+    """
     rest = np.zeros(len(q))
     evaluate = accelerate_and_project.dispatch(type(system))
 
@@ -66,10 +80,40 @@ def fastest_rates(system: Any, external: Array, q: Array, v: Array) -> FastestRa
         smooth = difference(2.0 * STEP) - difference(STEP)  # a jump, as of Coulomb friction, drops out
         return (projected(smooth) - offset) / (2.0 * STEP)
 
-    start = projected(np.cos(np.arange(len(q), dtype=float) ** 2 * 1.6180339887)) - offset
-    frequency = float(np.sqrt(_largest_eigenvalue(stiffness, start)))
-    rate = _largest_eigenvalue(damping, start, NEGLIGIBLE * frequency)
-    return FastestRates(float(np.maximum(frequency, rate / OVERDAMPED)), rate)  # keeps a NaN
+    return stiffness, damping, projected(np.cos(np.arange(len(q), dtype=float) ** 2 * 1.6180339887)) - offset
+
+
+class VibrationTracker:
+    """w_max of a scene in motion, cheaply: the fastest vibration is kept and improved from time to time.
+
+    vibration: (n,) the fastest one so far; zero at first.
+    """
+
+    FIRST, LATER = 40, 2  # iterations
+    FRESH = 0.1  # share of others, one of which may have become the fastest
+
+    def __init__(self, size: int) -> None:
+        self.vibration = np.zeros(size)
+
+    def frequency(self, system: Any, external: Array, q: Array, v: Array) -> float:
+        """w_max [rad/s]; NaN if it is not found.   Arguments: see `fastest_rates`."""
+        stiffness, _, start = _operators(system, external, q, v)
+        is_first, x = not self.vibration.any(), self.vibration
+        size = np.linalg.norm(start)
+        if not size > 0.0:
+            return 0.0 if size == 0.0 else np.nan
+        x += (1.0 if is_first else self.FRESH) / size * start
+        growth = 0.0
+        for _ in range(self.FIRST if is_first else self.LATER):
+            largest = float(np.abs(x).max())
+            image = largest * stiffness(x / largest)
+            growth = float(np.linalg.norm(image) / np.linalg.norm(x))
+            if not 0.0 < growth < np.inf:
+                x[:] = 0.0
+                return 0.0 if growth == 0.0 else np.nan
+            x[:] = image / np.linalg.norm(image)
+        found = float(np.sqrt(growth))
+        return max(found, fastest_rates(system, external, q, v).frequency) if is_first else found
 
 
 def _largest_eigenvalue(operator: Callable[[Array], Array], start: Array, negligible: float = 0.0) -> float:

@@ -66,7 +66,6 @@ class StepLimit:
 
         Raises:
             StepSizeError: the change has brought the limit below the step.
-            SceneError: steps that adapt, among other items.
         """
         bounds = step_bounds(runs, time, self.explicit)
         follow_frequencies(runs, bounds, self.explicit)

@@ -393,13 +393,6 @@ SOLVE_EXPLICIT = [
         scene=taut_cable,
         good=nothing_more,
     ),
-    Row(
-        SolveExplicit,
-        {"mbs": MBS, "explicitSettings": ExplicitSettings(adaptiveStep=True)},
-        r"adaptiveStep deals with cables alone.*fixed stepSize",
-        SceneError,
-        scene=body_beside,
-    ),
 ]
 
 STEPPER = [

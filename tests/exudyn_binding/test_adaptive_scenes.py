@@ -1,0 +1,152 @@
+"""Steps that follow the stability limit of cables among bodies, springs and joints."""
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.itemInterface import LoadForceVector, MarkerNodePosition, SphericalJoint
+
+from exudyn_inext import DivergenceError
+from reference_models.model import quiet_settings, silence
+from tests.exudyn_binding.items import either_cable, trajectory
+from tests.exudyn_binding.test_restart import restarting
+from tests.exudyn_binding.test_support_forces import hold
+
+SECTION = {"massPerLength": 0.05, "bendingStiffness": 0.01}
+MASS, G = 0.5, 9.81
+
+
+def add_mass_on_cable(mbs, native=False, gravity=(0, -G, 0)):
+    """Body, node and marker of a mass at the end of a cable of 1 m along x, pinned in the origin."""
+    line = {"positionStart": [0, 0, 0], "positionEnd": [1, 0, 0], "gravity": list(gravity)}
+    nodes, _ = either_cable(mbs, native, 2, SECTION, 1e5, numberOfElements=10, **line)
+    for axis in (0, 1):
+        hold(mbs, nodes[0], axis)
+    point = mbs.CreateMassPoint(
+        mass=MASS, referencePosition=[1, 0, 0], gravity=list(gravity), returnDict=True
+    )
+    pair = [mbs.AddMarker(MarkerNodePosition(nodeNumber=n)) for n in (nodes[-1], point["nodeNumber"])]
+    mbs.AddObject(SphericalJoint(markerNumbers=pair, constrainedAxes=[1, 1, 0]))
+    return point["bodyNumber"], point["nodeNumber"], pair[1]
+
+
+def pulled(mbs, native=False):
+    """By a force that grows from nothing to 600 N."""
+    _, node, marker = add_mass_on_cable(mbs, native)
+
+    def pull(mbs, t, load):
+        return [600 * t**2, 0, 0]
+
+    mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=[1, 0, 0], loadVectorUserFunction=pull))
+    return node
+
+
+def driven(mbs, native=False):
+    """In circles, by a force along its velocity."""
+    _, node, marker = add_mass_on_cable(mbs, native, gravity=(0, 0, 0))
+
+    def drive(mbs, t, load):
+        x, y, _ = mbs.GetNodeOutput(node, exudyn.OutputVariableType.Position)
+        return [-8 * y, 8 * x, 0]
+
+    mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=[1, 0, 0], loadVectorUserFunction=drive))
+    return node
+
+
+def caught(mbs, native=False):
+    """As it falls, by a stiff spring that pulls only."""
+    body, node, _ = add_mass_on_cable(mbs, native)
+
+    def spring(mbs, t, number, u, v, k, d, force):
+        return 2e6 * max(u, 0.0)
+
+    mbs.CreateSpringDamper(
+        itemNumbers=[mbs.CreateGround(), body],
+        localPosition0=[1, 1, 0],
+        referenceLength=1.3,
+        stiffness=1.0,
+        springForceUserFunction=spring,
+    )
+    return node
+
+
+SCENES = [(pulled, 1.0), (driven, 0.8)]
+
+
+@pytest.fixture
+def run(new_mbs, add_sensor, solve):
+    """(scene, end, settings) -> report, places of the mass, and the system."""
+
+    def with_settings(scene, end, **explicit):
+        mbs = new_mbs()
+        sensor = add_sensor(mbs, scene(mbs))
+        mbs.Assemble()
+        report = solve(mbs, settings=quiet_settings(end, 1, 0.02), **explicit)
+        return report, trajectory(mbs, sensor)[:, 1:], mbs
+
+    return with_settings
+
+
+@pytest.mark.parametrize(("scene", "end"), SCENES)
+def test_steps_that_adapt_go_where_steps_at_the_first_limit_fail(run, scene, end, without_smaller_steps):
+    report, exact, _ = run(scene, end, stepSize=5e-5)
+    step = 0.95 * report["bounds"].bending
+    with pytest.raises(DivergenceError):
+        run(scene, end, stepSize=step)
+    report, path, _ = run(scene, end, stepSize=step, adaptiveStep=True)
+    assert np.ptp(exact, axis=0).max() > 0.2
+    np.testing.assert_allclose(path, exact, atol=2e-3)
+    assert report["stepSize"] < 0.5 * step
+    assert report["steps"] < 0.9 * end / report["stepSize"]
+
+
+def test_a_spring_that_catches_a_mass_stays_within_its_limit(run):
+    """Nothing announces it: steps on the way into it are rejected, those that follow know it."""
+    _, exact, _ = run(caught, 0.4, stepSize=2e-5)
+    report, path, _ = run(caught, 0.4, stepSize=1e-3, adaptiveStep=True)
+    np.testing.assert_allclose(path, exact, atol=2e-3)
+    stiff = np.sqrt(2e6 / MASS)
+    assert 0.0 < report["stepSize"] < 2.0 / stiff
+    assert 0 < report["rejections"] < 10
+    assert report["steps"] < 0.8 * stiff
+
+
+@pytest.mark.parametrize("is_compiled", [True, False])
+def test_the_smallest_step_keeps_its_share_of_the_limit(run, solve, is_compiled, request):
+    if not is_compiled:
+        request.getfixturevalue("by_exudyn")
+    report, _, mbs = run(pulled, 1.0, adaptiveStep=True)
+    assert ("one call for each" in report["path"]) != is_compiled
+    data = mbs.systemData
+    data.SetSystemState(data.GetSystemState(), exudyn.ConfigurationType.Initial)
+    settings = quiet_settings(1.001, 1)
+    settings.timeIntegration.startTime = 1.0
+    limit = solve(mbs, settings=settings, stepSize=1e-5)["bounds"].bending
+    assert 0.6 * limit < report["stepSize"] < 0.72 * limit
+    assert report["rejections"] == 0
+
+
+def test_the_native_twin_moves_alike(run, new_mbs, add_sensor):
+    _, ours, _ = run(pulled, 0.6, adaptiveStep=True)
+    mbs = new_mbs()
+    sensor = add_sensor(mbs, pulled(mbs, native=True))
+    mbs.Assemble()
+    settings = quiet_settings(0.6, 1200, 0.02)
+    settings.timeIntegration.newton.relativeTolerance = 1e-6
+    settings.linearSolver.solverType = exudyn.LinearSolverType.EigenSparse
+    with silence():
+        mbs.SolveDynamic(settings)
+    np.testing.assert_allclose(ours, trajectory(mbs, sensor)[:, 1:], atol=6e-3)
+
+
+@pytest.mark.parametrize("scene", [pulled, driven])
+def test_a_run_goes_on_from_its_restart_file(new_mbs, add_sensor, solve, tmp_path, scene):
+    found = []
+    for end, restarts in ((0.4, False), (0.2, True), (0.4, True)):
+        mbs = new_mbs()
+        sensor = add_sensor(mbs, scene(mbs))
+        mbs.Assemble()
+        settings = quiet_settings(end, 1, 0.02)
+        solve(mbs, settings=restarting(settings, tmp_path) if restarts else settings, adaptiveStep=True)
+        found.append(trajectory(mbs, sensor))
+    np.testing.assert_array_equal(found[2], found[0][-len(found[2]) :])
+    assert len(found[2]) > 5
