@@ -4,7 +4,7 @@ import os
 import sys
 import threading
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -17,6 +17,7 @@ from tqdm import tqdm
 from ..arrays import Array, as_slice
 from ..checks import require_finite, require_integer
 from ..run.cable_run import CableRun
+from ..run.coupled_run import CoupledRun
 from ..run.members import record_members, stacked
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import StepChoice, require_stable, warn_of_damping
@@ -48,6 +49,9 @@ def SolveEnsemble(
     of elements, curvature measure, number of cables, links and load histories). Exudyn's time loop is not
     entered: sensors and files are not written, and the systems stay as they are.
 
+    Among bodies, springs and joints, all of which must have compiled forms, each thread moves one member
+    after the other; accelerations are then those of SolveExplicit within round-off.
+
     Args:
         systems: sequence of assembled mbs, or a function that builds one: f(parameters[i]) -> mbs.
         simulationSettings: exudyn.SimulationSettings; used are startTime, endTime, numberOfSteps (a
@@ -69,7 +73,8 @@ def SolveEnsemble(
 
     Raises:
         InputError: no member, members of different structure (it says which differs in what).
-        SceneError: a member contains what is not supported, or user functions that depend on the state.
+        SceneError: a member contains what is not supported, or items that only Exudyn can evaluate, such as
+            contact and user functions that depend on the state.
         StepSizeError: stepSize is above the stability limit of a member.
 
     Example:
@@ -187,18 +192,19 @@ class _Ensemble:
         """
         if threads == 1:
             for chunk in self._chunks(members, threads):
-                done(self._advance(chunk))
+                done(chunk())
             return
         pending: deque[Future[int]] = deque()
         with ThreadPoolExecutor(threads) as pool, _SHORT_TURNS:
             for chunk in self._chunks(members, threads):
-                pending.append(pool.submit(self._advance, chunk))
+                pending.append(pool.submit(chunk))
                 if len(pending) > 2 * threads:  # the chunks that wait hold memory
                     done(pending.popleft().result())
             for future in pending:
                 done(future.result())
 
-    def _chunks(self, members: Iterator[Member], threads: int) -> Iterator[_Chunk]:
+    def _chunks(self, members: Iterator[Member], threads: int) -> Iterator[Callable[[], int]]:
+        """Functions that advance some members, and return how many have got to their end."""
         while len(self.choices) < self._number:
             size = self._size_of_chunk(threads) if self.choices else 1
             together = list(islice(members, size))
@@ -208,7 +214,7 @@ class _Ensemble:
                 first, group = len(self.choices), list(alike)
                 self.choices += [member.choice for member in group]
                 for cable in range(len(group[0].runs)):
-                    yield self._chunk(grid, cable, first, [member.runs[cable] for member in group])
+                    yield self._job(grid, cable, first, [member.runs[cable] for member in group])
 
     def _allocate(self, member: Member) -> None:
         """Memory of all members, which are of the same size as the given one."""
@@ -219,13 +225,35 @@ class _Ensemble:
         self._steps = np.zeros((len(member.runs), self._number), dtype=int)
         self._smallest = np.zeros((len(member.runs), self._number))  # steps [s]
         outputs = self._derivatives * self.grid.loop_steps * member.size
-        patterns = sum(len(run.loads.pattern) for run in member.runs)
+        patterns = sum(len(run.loads.pattern) for run in member.runs if isinstance(run, CableRun))
         factors = self.grid.loop_steps * self.grid.substeps * len(self._stages) * patterns
         self._numbers_of_a_member = outputs + factors
 
     def _size_of_chunk(self, threads: int) -> int:
         fair = -(-self._number // (CHUNKS_OF_A_THREAD * threads))
         return max(1, min(fair, NUMBERS_IN_A_CHUNK // self._numbers_of_a_member))
+
+    def _job(self, grid: TimeGrid, cable: int, first: int, runs: Sequence[Any]) -> Callable[[], int]:
+        """Advances runs of members from number `first` on: all at once, or whole scenes one by one."""
+        if isinstance(runs[0], CableRun):
+            return partial(self._advance, self._chunk(grid, cable, first, list(runs)))
+        return partial(self._advance_scenes, grid, first, runs)
+
+    def _advance_scenes(self, grid: TimeGrid, first: int, runs: Sequence[CoupledRun]) -> int:
+        """As `_advance`, for cables among bodies."""
+        for number, run in enumerate(runs, first):
+            self._start(grid, number, run)
+            history = np.empty((grid.loop_steps + 1, 3, len(run.indices)))
+            history[0, :2] = run.state.q - run.reference, run.state.v
+            good = run.record(grid, 0, history[1:])
+            if len(self.states) == len(DERIVATIVES):
+                times = np.array([grid.time(k) for k in range(good + 1)])
+                run.set_accelerations(times, history[: good + 1])
+            self._good[0, number] = good
+            self._steps[0, number], self._smallest[0, number] = run.control.steps, run.control.smallest
+            kept = history[: good + 1, : len(self.states)].swapaxes(0, 1)
+            self.states[:, number, : good + 1][..., as_slice(run.indices)] = kept
+        return len(runs)
 
     def _chunk(self, grid: TimeGrid, cable: int, first: int, runs: list[CableRun]) -> _Chunk:
         for number, run in enumerate(runs, first):
@@ -244,7 +272,7 @@ class _Ensemble:
             watches=stacked([run.watch.watch for run in runs]),
         )
 
-    def _start(self, grid: TimeGrid, number: int, run: CableRun) -> None:
+    def _start(self, grid: TimeGrid, number: int, run: CableRun | CoupledRun) -> None:
         run.set_step(grid.h)
         run.start(grid.start)
         self.reference[number, run.indices] = run.reference

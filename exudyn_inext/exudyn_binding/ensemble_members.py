@@ -10,10 +10,11 @@ from typing import Any
 from ..cable.border import all_links
 from ..errors import InextensibleError, InputError, SceneError
 from ..run.cable_run import CableRun
+from ..run.coupled_run import CoupledRun
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import StepChoice, choose_step, require_fixed_steps
-from .scene import read_cables, require_assembled
-from .scene_runs import runs_of_cables
+from .scene import read_scene, require_assembled
+from .scene_runs import compiled_runs
 
 REMEDY = "members must not differ in it; put the others into an ensemble of their own."
 
@@ -22,10 +23,11 @@ REMEDY = "members must not differ in it; put the others into an ensemble of thei
 class Member:
     """One system of an ensemble.
 
-    runs: one for each cable.   size: number of coordinates of the mbs.   choice: of its step.
+    runs: one for each cable, or one for cables among bodies.   size: number of coordinates of the mbs.
+    choice: of its step.
     """
 
-    runs: list[CableRun]
+    runs: Sequence[CableRun] | Sequence[CoupledRun]
     size: int
     choice: StepChoice
 
@@ -95,7 +97,9 @@ def _naming(number: int) -> Iterator[None]:
         raise
 
 
-def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> list[CableRun]:
+def _runs(
+    mbs: Any, time: float, h: float, explicit: ExplicitSettings
+) -> Sequence[CableRun] | Sequence[CoupledRun]:
     if not hasattr(mbs, "systemIsConsistent"):
         raise InputError(f"{mbs!r} is no system of Exudyn (mbs): a builder must return it.")
     require_assembled(mbs)
@@ -105,7 +109,7 @@ def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> list[C
             "use SolveExplicit."
         )
     require_fixed_steps(explicit, "SolveEnsemble")
-    runs = runs_of_cables(mbs, read_cables(mbs, "SolveEnsemble"), time, h, explicit)
+    runs = compiled_runs(mbs, read_scene(mbs), time, h, explicit, "SolveEnsemble")
     if not runs:
         raise SceneError("it has no inextensible cable: add one with CreateInextensibleCable.")
     for run in runs:
@@ -113,8 +117,8 @@ def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> list[C
     return runs
 
 
-def _require_known_ahead(run: CableRun) -> None:
-    if run.looks_ahead:
+def _require_known_ahead(run: CableRun | CoupledRun) -> None:
+    if run.looks_ahead or isinstance(run, CoupledRun):
         return
     scene = run.scene_cable
     culprits = [f"load on {load.place}" for load in scene.loads if load.history and not load.is_pure]
@@ -126,10 +130,19 @@ def _require_known_ahead(run: CableRun) -> None:
     )
 
 
-def _require_same_structure(first: Sequence[CableRun], others: Sequence[CableRun]) -> None:
-    if len(first) != len(others):
-        raise InputError(f"number of cables = {len(others)}, that of member 0 is {len(first)}: {REMEDY}")
-    for expected, run in zip(first, others, strict=True):
+def _require_same_structure(
+    first: Sequence[CableRun | CoupledRun], others: Sequence[CableRun | CoupledRun]
+) -> None:
+    cables, own = ([cable for run in runs for cable in run.cable_runs] for runs in (first, others))
+    if len(cables) != len(own):
+        raise InputError(f"number of cables = {len(own)}, that of member 0 is {len(cables)}: {REMEDY}")
+    sizes, own_sizes = ([len(run.indices) for run in runs] for runs in (first, others))
+    if sizes != own_sizes and not all(isinstance(run, CableRun) for run in (*first, *others)):
+        raise InputError(
+            f"numbers of coordinates that move together = {own_sizes}, those of member 0 "
+            f"are {sizes}: {REMEDY}"
+        )
+    for expected, run in zip(cables, own, strict=True):
         wanted, found = structure(expected), structure(run)
         for what, value in wanted.items():
             if found[what] != value:

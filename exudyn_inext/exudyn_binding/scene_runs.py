@@ -10,7 +10,7 @@ from ..checks import LARGEST
 from ..errors import InextensibleError, InputError, SceneError
 from ..items.parameters import Parameter
 from ..native.coupled_scene import CoupledCable, CoupledScene
-from ..native.surroundings import switched_off
+from ..native.surroundings import state_kept, switched_off
 from ..run.cable_run import CableRun, Start
 from ..run.coupled_run import CoupledRun
 from ..run.run import Run
@@ -125,6 +125,23 @@ def runs_of_scene(
             if run.looks_ahead:
                 return [run]
     return [coupled_run(scene.held)]
+
+
+def compiled_runs(
+    mbs: Any, scene: Scene, time: float, h: float, explicit: ExplicitSettings, who: str
+) -> Sequence[CableRun] | Sequence[CoupledRun]:
+    """As `runs_of_scene`, of runs that do without mbs from then on; it stays as it was.   who: asks.
+
+    Raises:
+        SceneError: Exudyn has to evaluate items of the scene.
+    """
+    if not scene.cables or not needs_coupling(scene):
+        return runs_of_cables(mbs, scene.cables, time, h, explicit)
+    with switched_off(mbs, *scene.evaluated_by_kernels), state_kept(mbs):
+        runs: Sequence[Any] = runs_of_scene(mbs, scene, time, h, explicit)
+    for run in runs:
+        run.require_compiled_form(who)
+    return runs
 
 
 def bounds_if_scaled(

@@ -11,8 +11,6 @@ from ..arrays import Array
 from ..checks import require_finite, require_integer, require_positive
 from ..errors import InputError, SceneError
 from ..items.arguments import node_number
-from ..native.surroundings import state_kept, switched_off
-from ..run.cable_run import CableRun
 from ..run.coupled_run import CoupledRun
 from ..run.divergence import divergence
 from ..run.settings import ExplicitSettings
@@ -21,7 +19,7 @@ from ..run.stepped_run import SteppedRun
 from ..run.time_grid import TimeGrid, steps_of_interval
 from .arguments import explicit_settings
 from .scene import read_scene, require_assembled
-from .scene_runs import needs_coupling, runs_of_cables, runs_of_scene
+from .scene_runs import compiled_runs
 
 MOST_STEPS = 1_000_000_000  # in one call
 _SHOWN = (exudyn.ConfigurationType.Current, exudyn.ConfigurationType.Visualization)
@@ -86,7 +84,7 @@ class ExplicitStepper:
         duration = require_positive("duration", duration)
         require_assembled(mbs)
         given = steps_of_interval(interval, explicit.stepSize, MOST_STEPS)[1] if explicit.stepSize else 0.0
-        runs = _runs(mbs, start, given, explicit)
+        runs = compiled_runs(mbs, read_scene(mbs), start, given, explicit, "ExplicitStepper")
         if not runs:
             raise SceneError(
                 "mbs has no inextensible cable to step: add one with CreateInextensibleCable, or use "
@@ -219,15 +217,3 @@ class ExplicitStepper:
             data.SetODE2Coordinates_t(velocities, configuration)
             data.SetODE2Coordinates_tt(accelerations, configuration)
             data.SetTime(self.time, configuration)
-
-
-def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> Sequence[CableRun | CoupledRun]:
-    """One for each cable, or one for cables, bodies and joints together; see `runs_of_scene`."""
-    scene = read_scene(mbs)
-    if not scene.cables or not needs_coupling(scene):
-        return runs_of_cables(mbs, scene.cables, time, h, explicit)
-    with switched_off(mbs, *scene.evaluated_by_kernels), state_kept(mbs):
-        runs: Sequence[Any] = runs_of_scene(mbs, scene, time, h, explicit)
-    for run in runs:
-        run.require_compiled_form("ExplicitStepper")
-    return runs

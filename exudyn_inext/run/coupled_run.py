@@ -397,6 +397,13 @@ class CoupledRun(PacedRun):
         history[:, 0] -= self.reference
         return True
 
+    def set_accelerations(self, times: Array, history: Array) -> None:
+        """As `complete`, in compiled code, without multipliers."""
+        assert self._form is not None
+        history[:, 0] += self.reference
+        self._form.evaluate(self.cables, times, history)
+        history[:, 0] -= self.reference
+
     def _put_reactions(self, evaluated: EvaluatedScene, t: float, state: Any, multipliers: Array) -> None:
         """Of the cables' own supports; `evaluated` is so at t [s].   state: q, v, ... of all parts."""
         supported = [cable for cable, run in enumerate(self._runs) if run.has_reactions]
