@@ -169,6 +169,7 @@ def CreateCableForceSensor(
         forces = evaluator.forces(evaluator.solve(mbs), point)
         return [float(forces.tension[0]), float(forces.bending_moment[0])]
 
+    cable_force_user_function.onlyLooks = True  # type: ignore[attr-defined]
     cable_force_user_function.forget = lambda: cache.update(evaluator=None)  # type: ignore[attr-defined]
     return int(
         mbs.AddSensor(

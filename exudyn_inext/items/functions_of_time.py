@@ -39,8 +39,12 @@ def is_of_time_alone(mbs: Any, user_function: Any) -> bool:
 
 
 def _has_sensor_functions(mbs: Any) -> bool:
+    """Whether sensors call functions of the user; those that only look say so by an attribute."""
     sensors = (mbs.GetSensor(k) for k in range(mbs.systemData.NumberOfSensors()))
-    return any(sensor["sensorType"] == "UserFunction" for sensor in sensors)
+    functions = [
+        one["sensorUserFunction"]["function"] for one in sensors if one["sensorType"] == "UserFunction"
+    ]
+    return not all(getattr(function, "onlyLooks", False) for function in functions)
 
 
 @lru_cache(maxsize=256)

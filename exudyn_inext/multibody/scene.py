@@ -187,7 +187,7 @@ def scene_rates(system, external, q, v, acceleration, rate):
         _join(items.joints, zeta, 1.0, rate, True)
 
 
-@implements(accelerate_and_project, SceneSystem)
+@implements(accelerate_and_project, SceneSystem, called_kernel)
 def accelerate_and_project_scene(system, external, q, v, duration, acceleration, end_velocity):
     """Arguments: see `accelerate_and_project`."""
     items, number = system.items, system.cable_dofs
