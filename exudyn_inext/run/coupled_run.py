@@ -212,6 +212,8 @@ class CoupledRun(PacedRun):
         """Find them again, for the configuration at `time` [s]; the run must then begin again."""
         self._time = time
         self.__dict__.pop("_rates", None)
+        if self._tracker:
+            self._tracker.vibration[:] = 0.0
 
     @cached_property
     def contacts(self) -> OpenContacts | None:

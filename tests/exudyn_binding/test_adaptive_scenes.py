@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import LoadForceVector, MarkerNodePosition, SphericalJoint
 
-from exudyn_inext import DivergenceError
+from exudyn_inext import DivergenceError, StepSizeError
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import either_cable, trajectory
 from tests.exudyn_binding.test_restart import restarting
@@ -108,6 +108,37 @@ def test_a_spring_that_catches_a_mass_stays_within_its_limit(run):
     assert 0.0 < report["stepSize"] < 2.0 / stiff
     assert 0 < report["rejections"] < 10
     assert report["steps"] < 0.8 * stiff
+
+
+def test_stiffness_that_is_set_during_a_run_is_followed(new_mbs, add_sensor, solve):
+    """5e6 N/m on 0.5 kg vibrate at 3162 rad/s, faster than the cable."""
+    found, reports = [], []
+    for explicit in ({"stepSize": 2e-5}, {"adaptiveStep": True}, {"stepSize": 8e-4}):
+        mbs = new_mbs()
+        body, node, _ = add_mass_on_cable(mbs)
+        spring = mbs.CreateSpringDamper(
+            itemNumbers=[mbs.CreateGround(), body],
+            localPosition0=[1, 1, 0],
+            referenceLength=1.0,
+            stiffness=5e4,
+        )
+
+        def stiffen(mbs, t, spring=spring):
+            return mbs.SetObjectParameter(spring, "stiffness", 5e4 if t < 0.1 else 5e6) or True
+
+        mbs.SetPreStepUserFunction(stiffen)
+        sensor = add_sensor(mbs, node)
+        mbs.Assemble()
+        if "adaptiveStep" in explicit or explicit["stepSize"] < 1e-4:
+            settings = quiet_settings(0.15, 15, 0.01)
+            reports.append(solve(mbs, settings=settings, energyTolerance=np.inf, **explicit))
+            found.append(trajectory(mbs, sensor)[:, 1:])
+        else:
+            with pytest.raises(StepSizeError, match=r"after the change of .*stiffness"):
+                solve(mbs, settings=quiet_settings(0.15, 15, 0.01), **explicit)
+    sizes = [np.abs(path[:, 1]).max() for path in found]
+    assert sizes[1] < 2.0 * sizes[0] < 1e-2
+    assert reports[1]["stepSize"] < 2.0 / np.sqrt(5e6 / MASS)
 
 
 @pytest.mark.parametrize("is_compiled", [True, False])

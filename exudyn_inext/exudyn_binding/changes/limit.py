@@ -72,8 +72,6 @@ class StepLimit:
         _pass_on_steps(before, runs)
         for run in runs:
             run.set_step(run.control.present or self.h)
-        if self.explicit.adaptiveStep:
-            return
         last = self.last
         if self.h > bounds.stability_limit and all(isinstance(run, CableRun) for run in before):
             last = step_bounds(before, time, self.explicit).stability_limit
@@ -83,6 +81,8 @@ class StepLimit:
         self, bounds: StepSizeBounds, last: float, time: float, changed: Sequence[Parameter]
     ) -> None:
         self.last = bounds.stability_limit
+        if self.explicit.adaptiveStep:
+            return
         error = step_above_limit(self.h, bounds, self.explicit.integrator)
         if error is None or bounds.stability_limit > NOTICEABLE * last:
             return
