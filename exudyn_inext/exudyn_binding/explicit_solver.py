@@ -178,7 +178,7 @@ class ExplicitSolver(_NativeSolver):
         """Read the scene, and choose the step."""
         log, reader, start = ChangeLog(mbs), SteppedReader(mbs), float(settings.timeIntegration.startTime)
         scene, explicit = read_scene(mbs, reader), self._given
-        warn_of_empty_sensors(mbs, sensors, scene.own_constraints)
+        warn_of_empty_sensors(mbs, sensors, scene.enforcing)
         scaling = explicit.stepSize or 0.0 if explicit.massScaling else 0.0
         with ExitStack() as stack, compile_notice(settings), state_kept(mbs):
             builder = RunBuilder(mbs, log.changed, explicit, scaling, stack)
