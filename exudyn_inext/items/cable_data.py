@@ -1,6 +1,8 @@
 """What an inextensible cable in an mbs is, and how it is found there again."""
 
+from collections.abc import Sequence
 from typing import Any
+from weakref import WeakKeyDictionary
 
 from ..checks import as_number
 from ..errors import InputError
@@ -35,6 +37,25 @@ def belongs_to_a_cable(object_data: dict[str, Any]) -> bool:
     return isinstance(function, dict) and hasattr(function["function"], "enforces_inextensibility")
 
 
+_objects_of_nodes: WeakKeyDictionary[Any, dict[int, int]] = WeakKeyDictionary()  # of the cables of each system
+
+
+def remember_nodes(mbs: Any, nodes: Sequence[int], number: int) -> None:
+    """Object `number` is a cable on these nodes."""
+    _objects_of_nodes.setdefault(mbs, {}).update(dict.fromkeys(map(int, nodes), int(number)))
+
+
+def cable_of_node(mbs: Any, node: int) -> CableItem | None:
+    """The cable that a node belongs to, or None."""
+    count = mbs.systemData.NumberOfObjects()
+    remembered = _objects_of_nodes.get(mbs, {}).get(node, count)
+    for number in (remembered, *range(count)):  # the system may have been built anew
+        item = find_cable_item(mbs.GetObject(number)) if number < count else None
+        if item is not None and node in item.nodes:
+            return item
+    return None
+
+
 def require_cable(mbs: Any, cable: Any) -> tuple[int, CableItem]:
     """Object number and item of a cable of mbs.
 
@@ -54,7 +75,7 @@ def require_cable(mbs: Any, cable: Any) -> tuple[int, CableItem]:
     item = _item_of_object(mbs, number)
     if isinstance(cable, dict) and not _is_of_nodes(item, cable.get("nodes")):
         raise InputError(
-            f"cable = {cable!r}: object {number} of mbs lies on the nodes {list(item.nodes)}; use what "
+            f"cable = {cable!r}: object {number} of mbs lies on the nodes {list(item.given_nodes)}; use what "
             "CreateInextensibleCable returned for this mbs, after its last Reset()."
         )
     return number, item
@@ -70,7 +91,7 @@ def _item_of_object(mbs: Any, number: int) -> CableItem:
 
 def _is_of_nodes(item: CableItem, nodes: Any) -> bool:
     is_list = isinstance(nodes, list) and len(nodes) == len(item.nodes)
-    return is_list and all(node_number(n) == m for n, m in zip(nodes, item.nodes, strict=True))
+    return is_list and all(node_number(n) == m for n, m in zip(nodes, item.given_nodes, strict=True))
 
 
 def point_on_cable(arc_length: Any, length: float) -> float:

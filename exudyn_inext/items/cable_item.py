@@ -19,7 +19,8 @@ from ..checks import require_flag, require_vector
 from ..errors import InputError
 from ..scene.model import CableItem
 from .arguments import require_system
-from .cable_data import carrying_graphics, find_cable_item
+from .attach.shared_node import SharedNode, find_shared_node
+from .cable_data import carrying_graphics, find_cable_item, remember_nodes
 from .enforcement import find_enforcement
 from .enforcement.protocol import Enforcement
 from .shape import CableShape, CheckedShape, check_shape
@@ -46,6 +47,10 @@ def CreateInextensibleCable(
     shape: CableShape | None = None,
     dimension: int | None = None,
     enforcement: Any = "projection",
+    nodeNumberStart: Any = None,
+    nodeNumberEnd: Any = None,
+    shareSlopeStart: bool = True,
+    shareSlopeEnd: bool = True,
 ) -> dict[str, Any]:
     """Add an inextensible ANCF cable to mbs; arguments and result as GenerateBeamElementsAlongLine.
 
@@ -72,14 +77,21 @@ def CreateInextensibleCable(
         enforcement: of inextensibility in native solvers. 'projection': none, SolveExplicit only;
             'penaltyMass' or PenaltyMass(...): penalties, for native explicit solvers; 'algebraic': exact
             constraint objects, for native implicit solvers. SolveExplicit takes all of them alike.
+        nodeNumberStart: node of an inextensible cable, an inner one as well, at which this one begins;
+            None: a node of its own. Loads and supports of a shared node act once.
+        nodeNumberEnd: the same for the last node.
+        shareSlopeStart: True: position and slope of that node are shared, as by native elements, and the
+            cable leaves along that slope; False: the position only, a hinge.
+        shareSlopeEnd: the same for the last node.
 
     Returns:
-        dict with 'nodes', 'elements' (the one cable object), 'nodePositions',
-        'constraintObjects' (supports, none with 'penaltyMass', then inextensibility with 'algebraic'),
-        'loads' (none: gravity belongs to the object).
+        dict with 'nodes' (with the shared ones; at a hinge, the cable has a node of its own), 'elements'
+        (the one cable object), 'nodePositions', 'constraintObjects' (supports, none with 'penaltyMass', then
+        joints of shared nodes, then inextensibility with 'algebraic'), 'loads' (none: gravity belongs to the
+        object).
 
     Raises:
-        InputError: a value outside of its limits; mbs is unchanged then.
+        InputError: a value outside of its limits, or a cable apart from a shared node; mbs is unchanged then.
         RedundantConstraintError: with 'algebraic', lengths and supports that depend on each other.
 
     Example:
@@ -92,7 +104,9 @@ def CreateInextensibleCable(
     checked = check_shape(_the_shape(positionStart, positionEnd, numberOfElements, shape))
     template = InextensibleCable.from_template(beamTemplate)
     gravity_vector = require_vector("gravity", gravity, " [m/s^2]")
-    dim = _dimension(dimension, checked, gravity_vector)
+    shared = _shared_nodes(mbs, way, (nodeNumberStart, nodeNumberEnd), (shareSlopeStart, shareSlopeEnd))
+    in_space = any(one.dimension == 3 for one in shared.values())
+    dim = _dimension(3 if in_space and dimension is None else dimension, checked, gravity_vector)
     number = len(checked.lengths)
     cable = Cable(
         reference=np.ascontiguousarray(checked.q[:, :, :dim]),
@@ -104,16 +118,35 @@ def CreateInextensibleCable(
         closed=checked.closed,
         straight_lengths=checked.straight_lengths,
     )
-    if checked.closed and groundConstraintsEnd is not None:
-        raise InputError(
-            "groundConstraintsEnd is given, but a closed cable has no end: use groundConstraintsStart for "
-            "its first node."
-        )
+    for name, given in (("groundConstraints", groundConstraintsEnd), ("nodeNumber", nodeNumberEnd)):
+        if checked.closed and given is not None:
+            raise InputError(
+                f"{name}End is given, but a closed cable has no end: use {name}Start for its first node."
+            )
+    for place, node in shared.items():
+        node.require_meeting(cable.reference[place], checked.v[place, :, :dim], cable.length)
     held = np.zeros(cable.reference.shape, dtype=bool)
     held[0] = _constraint_flags("groundConstraintsStart", groundConstraintsStart, cable.reference[0])
     if not checked.closed:
         held[-1] = _constraint_flags("groundConstraintsEnd", groundConstraintsEnd, cable.reference[-1])
-    return _add_items(mbs, cable, checked.v[:, :, :dim], gravity_vector[:dim], held, way)
+    return _add_items(mbs, cable, checked.v[:, :, :dim], gravity_vector[:dim], held, way, shared)
+
+
+def _shared_nodes(
+    mbs: Any, way: Enforcement, numbers: tuple[Any, Any], slopes: tuple[Any, Any]
+) -> dict[int, SharedNode]:
+    """By their place in the cable, 0 or -1."""
+    found = {}
+    for place, end, number, share_slope in zip((0, -1), ("Start", "End"), numbers, slopes, strict=True):
+        node = find_shared_node(mbs, end, number, share_slope)
+        if node is not None and not way.supports_are_objects:
+            raise InputError(
+                f"{node.name} with enforcement = '{way.name}': the joints that share a node are none for native "
+                "explicit solvers; use 'projection' with SolveExplicit, or 'algebraic'."
+            )
+        if node is not None:
+            found[place] = node
+    return found
 
 
 def _the_shape(start: Any, end: Any, number: Any, shape: CableShape | None) -> CableShape:
@@ -186,7 +219,13 @@ def supports_of_flags(name: str, flags: np.ndarray, node: Array) -> tuple[bool, 
 
 
 def _add_items(
-    mbs: Any, cable: Cable, velocities: Array, gravity: Array, held: np.ndarray, way: Enforcement
+    mbs: Any,
+    cable: Cable,
+    velocities: Array,
+    gravity: Array,
+    held: np.ndarray,
+    way: Enforcement,
+    shared: dict[int, SharedNode],
 ) -> dict[str, Any]:
     way.require_independent(CableItem(cable, gravity, (), way.name, held), held)
     node_type = NodePoint2DSlope1 if cable.dimension == 2 else NodePointSlope1
@@ -196,7 +235,8 @@ def _add_items(
         for q, v in zip(cable.reference[:count], velocities[:count], strict=True)
     ]
     held_within = np.zeros_like(held) if way.supports_are_objects else held
-    item = CableItem(cable, gravity, tuple(map(int, nodes)), way.name, held_within)
+    known_as = {int(nodes[k]): node.number for k, node in shared.items() if node.has_slope}
+    item = CableItem(cable, gravity, tuple(map(int, nodes)), way.name, held_within, known_as)
     element = mbs.AddObject(
         ObjectGenericODE2(
             nodeNumbers=nodes,
@@ -204,9 +244,13 @@ def _add_items(
             **way.object_parameters(item),
         )
     )
-    constraints = _add_ground_constraints(mbs, nodes, held) if way.supports_are_objects else []
+    remember_nodes(mbs, nodes, element)
+    given = list(item.given_nodes) if shared else nodes
+    constraints = _add_ground_constraints(mbs, given, held) if way.supports_are_objects else []
+    for k, node in shared.items():
+        constraints += node.join(mbs, nodes[k], cable.reference[k, 1])
     return {
-        "nodes": nodes,
+        "nodes": given,
         "elements": [element],
         "nodePositions": [[*q[0].tolist(), 0.0][:3] for q in cable.reference[:count]],
         "constraintObjects": constraints + way.add_constraints(mbs, element, item, held),

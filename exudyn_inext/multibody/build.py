@@ -38,6 +38,7 @@ def build_scene(
     size: int,
     zeta: float,
     foresight: Array,
+    still: np.ndarray,
 ) -> SceneSystem:
     """The system of a scene.
 
@@ -45,8 +46,9 @@ def build_scene(
         cables: system of all cables, or `NoCables`.   external: numbers of external force that it takes.
         places: of each cable among the coordinates.   known: the items.   size: number of coordinates.
         zeta: stabilisation rate [1/s].   foresight: (m,) memory, see `CoupledSystem`.
+        still: (n_cables,) coordinates of cables that supports hold.
     """
-    joints = build_joints(places, known.bodies, known.points, known.rows, foresight)
+    joints = build_joints(places, known.bodies, known.points, known.rows, foresight, still)
     path, counting = np.zeros((5, max(size, 7))), np.zeros(2, np.int64)
     force, given, predicted = np.zeros((3, size))
     records = known.bodies, known.points, known.connectors, known.loads

@@ -24,18 +24,21 @@ class _Hold(NamedTuple):
     member: int
 
 
-def build_joints(places: Sequence[slice], bodies: Any, points: Any, rows: Any, foresight: Array) -> Joints:
+def build_joints(
+    places: Sequence[slice], bodies: Any, points: Any, rows: Any, foresight: Array, still: np.ndarray
+) -> Joints:
     """The rows of all joints.
 
     Args:
         places: of each cable among the coordinates.   bodies, points, rows: records.
         foresight: (m,) memory, see `CoupledSystem`.
+        still: (n_cables,) coordinates of cables that supports hold.
 
     It sets `entry` of the rows.
     """
     owners = _owners_of_points(places, bodies, points)
     entries, numbers = _build_entries(places, bodies, points, rows, owners)
-    knots = _knots_of(points, rows, owners)
+    knots = _knots_of(points, rows, owners, still)
     tied = {member.row for knot in knots for member in knot}
     free = [number for number, knot in enumerate(knots) if knot[0].row == NONE]
     alone = [row for row in range(len(rows)) if row not in tied]
@@ -121,8 +124,11 @@ def _build_entries(
     return entries, numbers
 
 
-def _knots_of(points: Any, rows: Any, owners: Sequence[int]) -> list[list[Member]]:
-    """Rows that hold one component of points together, but of points whose coordinates others hold, too."""
+def _knots_of(points: Any, rows: Any, owners: Sequence[int], still: np.ndarray) -> list[list[Member]]:
+    """Rows that hold one component of points together, but of points whose coordinates others hold, too.
+
+    Nodes that supports hold are points of the ground.
+    """
     is_tie = (rows["kind"] == DIFFERENCE) & (rows["factor"] == 1.0) & (rows["offset"] == 0.0)
     is_tie &= rows["function"] < 0
     is_tie &= ~(points["kind"][rows["points"]] == COORDINATE).any(axis=1)
@@ -130,6 +136,10 @@ def _knots_of(points: Any, rows: Any, owners: Sequence[int]) -> list[list[Member
         return []
     begin, end = points["first"].tolist(), (points["first"] + points["width"]).tolist()
     pairs = rows["points"].tolist()
+    owners = [
+        GROUND if still[a:b].any() and still[a:b].all() else owner
+        for a, b, owner in zip(begin, end, owners, strict=True)
+    ]
     others = {k for r in np.flatnonzero(~is_tie).tolist() for k in pairs[r] if owners[k] != GROUND}
     held = {coordinate for k in others for coordinate in range(begin[k], end[k])}
     names = [

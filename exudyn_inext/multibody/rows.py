@@ -1,4 +1,4 @@
-"""Equations of joints between two points, c(x_0, x_1) = 0: all joints are made of four kinds of them.
+"""Equations of joints between two points, c(x_0, x_1) = 0: all joints are made of five kinds of them.
 
 With the distance d = x_1 - x_0 and axes e_0 and e_1 that are fixed to the points' frames:
 
@@ -6,6 +6,7 @@ With the distance d = x_1 - x_0 and axes e_0 and e_1 that are fixed to the point
     ALONG       c = (x_1 - f x_0) . e_s - o  along an axis of one of both; f = 0: x_1 is a slope
     ACROSS      c = e_0 . e_1                axes at a right angle
     DISTANCE    c = |d| - o
+    PARALLEL    c = n . (x_1 x x_0), n = 2 e_0 x e / e.e, e = e_1 + x_0: x_1 along e_0, turned as e_1 is to x_0
 
 o may follow a function of time: c_t = -o_t where nothing else moves.
 """
@@ -16,7 +17,7 @@ from ..arrays import record_type
 from ..compiled import inlined
 from .points import cross
 
-DIFFERENCE, ALONG, ACROSS, DISTANCE = range(4)
+DIFFERENCE, ALONG, ACROSS, DISTANCE, PARALLEL = range(5)
 
 ROW = record_type(
     [
@@ -30,7 +31,7 @@ ROW = record_type(
         ("rest", np.float64),  # o without what follows the time
         ("function", np.int64),  # place of what follows the time, and its derivatives, or -1
         ("drift", np.float64, (2,)),  # o_t and o_tt
-        ("e", np.float64, (2, 3)),  # e_0 and e_1 at present
+        ("e", np.float64, (2, 3)),  # e_0 and e_1 at present; of PARALLEL: dc/dx_0 and dc/dx_1
         ("d", np.float64, (3,)),  # distance at present
     ]
 )
@@ -69,8 +70,51 @@ def _dot(a, b):
 
 
 @inlined
+def _cross(a, b):
+    return cross(a, b, 0), cross(a, b, 1), cross(a, b, 2)
+
+
+@inlined
+def _normal(row, one):
+    """n, e and e^2 of PARALLEL."""
+    b, d, s = row.axes[0], row.axes[1], one.x[0]
+    e = (d[0] + s[0], d[1] + s[1], d[2] + s[2])
+    square, n = _dot(e, e), _cross(b, e)
+    return (2.0 * n[0] / square, 2.0 * n[1] / square, 2.0 * n[2] / square), e, square
+
+
+@inlined
+def _set_parallel(row, one, other):
+    """c of PARALLEL, and its derivatives by both slopes."""
+    n, e, square = _normal(row, one)
+    w = _cross(other.x[0], one.x[0])
+    value = _dot(n, w)
+    for i in range(3):
+        turned = 2.0 * (cross(w, row.axes[0], i) - value * e[i]) / square
+        row.e[0, i] = cross(n, other.x[0], i) + turned
+        row.e[1, i] = cross(one.x[0], n, i)
+    return value
+
+
+@inlined
+def _parallel_gamma(row, one, other):
+    """-c_tt with n_t = (2 e_0 x x_0t - n E_t) / E and n_tt = -(2 n_t E_t + n E_tt) / E, E = e^2."""
+    n, e, square = _normal(row, one)
+    s, r, v, u = one.x[0], other.x[0], one.x[1], other.x[1]
+    rate, change = 2.0 * _dot(e, v), 2.0 * _dot(v, v)
+    w, twice, total = _cross(r, s), _cross(u, v), 0.0
+    for i in range(3):
+        n_t = (2.0 * cross(row.axes[0], v, i) - n[i] * rate) / square
+        n_tt = -(2.0 * n_t * rate + n[i] * change) / square
+        total += n_tt * w[i] + 2.0 * n_t * (cross(u, s, i) + cross(r, v, i)) + 2.0 * n[i] * twice[i]
+    return -total
+
+
+@inlined
 def row_value(row, one, other):
     """c, with the axes and the distance at present."""
+    if row.kind == PARALLEL:
+        return _set_parallel(row, one, other)
     if row.kind == DIFFERENCE:
         i = row.component
         return row.factor * other.x[0, i] - one.x[0, i] - row.offset
@@ -103,6 +147,8 @@ def row_derivative(row, side, sign, velocity, spin):
         return total
     if row.kind == DISTANCE:
         return sign * _dot(velocity, row.d) / np.sqrt(_dot(row.d, row.d))
+    if row.kind == PARALLEL:
+        return _dot(velocity, row.e[side])
     total = sign * _dot(velocity, row.e[row.component])
     if side == row.component:
         for i in range(3):
@@ -143,6 +189,8 @@ def _gamma_at_rest(row, one, other):
     if row.kind == DIFFERENCE:
         i = row.component
         return one.x[2, i] - row.factor * other.x[2, i]
+    if row.kind == PARALLEL:
+        return _parallel_gamma(row, one, other)
     if row.kind == ACROSS:
         for i in range(3):
             rate, change = _axis_rates(row.e[0], one, i)

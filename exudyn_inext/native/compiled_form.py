@@ -65,7 +65,14 @@ def compiled_form(
     acting = SceneLoads(loads, known.functions)
     external = sum(len(of_cable.constant) for of_cable in loads)
     native = scene.system
-    system = build_scene(cables, external, places, known, scene.size, native.zeta, native.foresight)
+    held = [cable.system.chain.nodes["free"] == 0.0 for cable in scene.cables]
+    still = np.concatenate(
+        [
+            np.zeros(0, bool),
+            *(np.repeat(of, len(c.system.chain.axes)) for of, c in zip(held, scene.cables, strict=True)),
+        ]
+    )
+    system = build_scene(cables, external, places, known, scene.size, native.zeta, native.foresight, still)
     if not scene.body_system.share_foresight(known.bodies["first"] - on_cables, known.bodies["foresight"]):
         raise UnknownItemError("bodies that share coordinates")
     own = [(place, c.system, c.loads) for place, c in zip(places, scene.cables, strict=True)]

@@ -1,7 +1,7 @@
 """A scene as data: the cables of an mbs, their supports and loads, and what else there is."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,6 +26,7 @@ class CableItem:
     nodes: node numbers in the order of the arc length, each once.
     enforcement: name of the way in which native solvers enforce inextensibility.
     held: (n, 2, dim) coordinates that the ground holds without a constraint object of the mbs.
+    shared: nodes of other cables whose position and slope these nodes have, by their numbers.
     """
 
     cable: Cable
@@ -33,6 +34,12 @@ class CableItem:
     nodes: tuple[int, ...]
     enforcement: str
     held: np.ndarray
+    shared: Mapping[int, int] = field(default_factory=dict)
+
+    @property
+    def given_nodes(self) -> tuple[int, ...]:
+        """Node numbers that the user knows: shared ones instead of the cable's own."""
+        return tuple(self.shared.get(node, node) for node in self.nodes)
 
     @property
     def node_names(self) -> tuple[int, ...]:

@@ -29,6 +29,11 @@ def directions_across(direction: Array, frame: BodyFrame, dim: int) -> Array:
         orientation = frame.orientation()
         along = orientation @ direction
         return np.array([orientation.T @ [-along[1], along[0], 0.0]])
+    return across_in_space(direction)
+
+
+def across_in_space(direction: Array) -> Array:
+    """(2, 3) unit vectors at right angles to a direction (3,) and each other."""
     smallest = np.eye(3)[int(np.argmin(np.abs(direction)))]
     first = np.cross(direction, smallest)
     first /= np.linalg.norm(first)

@@ -9,8 +9,10 @@ import numpy as np
 
 from ...arrays import Array, collected
 from ...constraints.motion import motion_of
+from ...items.attach.clamp_to_body import Clamp
+from ...items.attach.shared_node import SameSlope
 from ...items.functions_of_time import is_of_time_alone
-from ...multibody.rows import ACROSS, ALONG, DIFFERENCE, DISTANCE, ROW
+from ...multibody.rows import ACROSS, ALONG, DIFFERENCE, DISTANCE, PARALLEL, ROW
 from ..joint_items import JointItem
 from .points import Place, PointReader
 from .unknown import UnknownItemError, require_no_functions
@@ -170,12 +172,23 @@ def _coordinate(data: dict[str, Any], name: str, reader: PointReader) -> list[An
     return [joint.row(DIFFERENCE, factor=factor, offset=data["offset"])]
 
 
-def _clamp(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
-    """A slope that follows a body, see `items.attach.clamp_to_body`."""
+def _of_slope(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+    """A slope that follows a body, see `items.attach.clamp_to_body`, or another slope, see `shared_node`."""
     function = data["constraintUserFunction"]
-    clamp = getattr(function["function"], "clamp", None) if function else None
-    if clamp is None:
-        raise UnknownItemError(name)
+    if function and hasattr(function["function"], "clamp"):
+        return _clamp(function["function"].clamp, reader)
+    if function and hasattr(function["function"], "same_slope"):
+        return _same_slope(function["function"].same_slope, reader)
+    raise UnknownItemError(name)
+
+
+def _same_slope(same: SameSlope, reader: PointReader) -> list[Any]:
+    slopes = reader.slope(same.node), reader.slope(same.own)
+    joint = _Joint(slopes, np.zeros((2, 3, 3)))
+    return [joint.row(PARALLEL, axes=np.array([across, same.direction])) for across in same.across]
+
+
+def _clamp(clamp: Clamp, reader: PointReader) -> list[Any]:
     body, slope = reader.body_of_node(clamp.body_node), reader.slope(clamp.node)
     joint = _Joint((body, slope), np.zeros((2, 3, 3)))
     rows = []
@@ -194,5 +207,5 @@ _READERS: dict[str, Callable[..., list[Any]]] = {
     "JointPrismatic2D": _prismatic_2d,
     "ConnectorDistance": _distance,
     "ConnectorCoordinate": _coordinate,
-    "ConnectorCoordinateVector": _clamp,
+    "ConnectorCoordinateVector": _of_slope,
 }

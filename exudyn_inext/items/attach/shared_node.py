@@ -1,0 +1,184 @@
+"""An end of a cable on a node of another one: its place, and, as of elements that share a node, its slope.
+
+The cable has a node of its own there, which joints hold to the other one: Exudyn's SphericalJoint, and one
+equation for the slopes in the plane, two in space, since both have unit length already.
+"""
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from exudyn.itemInterface import (
+    CoordinateVectorConstraint,
+    MarkerNodeCoordinates,
+    MarkerNodePosition,
+    SphericalJoint,
+)
+
+from ...arrays import Array
+from ...checks import require_flag
+from ...errors import InputError
+from ..arguments import node_number
+from ..cable_data import cable_of_node
+from .clamp_to_body import across_in_space
+
+TOLERANCE = 1e-6  # of places, relative to the length of the cable, of slopes [-], of velocities, relative
+
+
+class SameSlope(NamedTuple):
+    """What a constraint with these user functions does, see `slopes_apart`.
+
+    node, own: numbers of the nodes of both slopes.   direction: (3,) d.   across: (k, 3) b_k.
+    """
+
+    node: int
+    own: int
+    direction: Array
+    across: Array
+
+
+@dataclass(frozen=True, eq=False)
+class SharedNode:
+    """A node of a cable, at which a new one begins or ends.
+
+    end: 'Start' or 'End'.   number: of the node.   q, v: (2, dim) its initial coordinates and velocities.
+    has_slope: whether its slope is shared, too.
+    """
+
+    end: str
+    number: int
+    q: Array
+    v: Array
+    has_slope: bool
+
+    @property
+    def name(self) -> str:
+        return f"nodeNumber{self.end} = {self.number}"
+
+    @property
+    def dimension(self) -> int:
+        return int(self.q.shape[1])
+
+    def require_meeting(self, q: Array, v: Array, length: float) -> None:
+        """Raise InputError unless the end of the cable is where the node is, and moves as it does.
+
+        q, v: (2, dim) of that end.   length: of the cable [m].
+        """
+        if self.dimension != q.shape[1]:
+            raise InputError(
+                f"{self.name} is a node in {self.dimension}D, the new cable lies in {q.shape[1]}D: create both "
+                "cables with the same dimension=..."
+            )
+        hinge = f"or share its position only, by shareSlope{self.end}=False"
+        self._compare("position", "m", self.q[0], q[0], length, "move that end, or choose another node")
+        self._compare("velocity", "m/s", self.v[0], v[0], _size(self.v[0]), "give it by CableShape(velocities=...)")
+        if self.has_slope:
+            remedy = f"let the cable leave along that slope, by shape=CableShape(...), {hinge}"
+            self._compare("slope", "-", self.q[1], q[1], 1.0, remedy)
+            remedy = f"give it by CableShape(slopeVelocities=...), {hinge}"
+            self._compare("slope velocity", "1/s", self.v[1], v[1], _size(self.v[1]), remedy)
+
+    def _compare(self, what: str, unit: str, its: Array, own: Array, size: float, remedy: str) -> None:
+        apart, limit = float(np.linalg.norm(own - its)), TOLERANCE * size
+        if not apart <= limit:
+            raise InputError(
+                f"{self.name}: the {what} of that node is {its.tolist()}, of the cable's {self.end.lower()} "
+                f"{own.tolist()} [{unit}], {apart:.3g} apart (limit {limit:.3g}): {remedy}."
+            )
+
+    def join(self, mbs: Any, own: int, slope: Array) -> list[int]:
+        """Numbers of new constraints that hold a cable's own node to this one.   slope: (dim,) of both."""
+        markers = [int(mbs.AddMarker(MarkerNodePosition(nodeNumber=node))) for node in (self.number, own)]
+        axes = [1, 1, self.dimension - 2]
+        joint = SphericalJoint(name=f"shared node {self.number}", markerNumbers=markers, constrainedAxes=axes)
+        joints = [int(mbs.AddObject(joint))]
+        return [*joints, _add_same_slope(mbs, self.number, own, slope)] if self.has_slope else joints
+
+
+def _size(velocity: Array) -> float:
+    return max(1.0, float(np.linalg.norm(velocity)))
+
+
+def find_shared_node(mbs: Any, end: str, given: Any, share_slope: Any) -> SharedNode | None:
+    """The node of that number, or None if none is given.
+
+    Args:
+        end: 'Start' or 'End' of the new cable.   given: node number.   share_slope: True or False.
+
+    Raises:
+        InputError: not a number of a node, or not a node of an inextensible cable.
+    """
+    has_slope = require_flag(f"shareSlope{end}", share_slope)
+    if given is None:
+        return None
+    number, count = node_number(given), mbs.systemData.NumberOfNodes()
+    if not 0 <= number < count:
+        raise InputError(
+            f"nodeNumber{end} = {given!r}: mbs has nodes 0 to {count - 1}; give one of cable['nodes'] of "
+            "another cable."
+        )
+    node, item = mbs.GetNode(number), cable_of_node(mbs, number)
+    if item is None:
+        raise InputError(
+            f"nodeNumber{end} = {number}: '{node['name']}' ({node['nodeType']}) is no node of an inextensible "
+            "cable; give one of cable['nodes'], and use AttachToBody for bodies, or a SphericalJoint between "
+            "markers for others."
+        )
+    q = np.add(node["referenceCoordinates"], node["initialCoordinates"]).reshape(2, -1)
+    v = np.reshape(node["initialVelocities"], q.shape)
+    return SharedNode(end, number, q, v, has_slope)
+
+
+def slopes_apart(across: Array, direction: Array, one: Array, other: Array) -> tuple[Array, Array, Array]:
+    """c (k,) and its derivatives (k, 3) with respect to both slopes.
+
+    c_k = n_k . (s_1 x s_0) with n_k = 2 b_k x e / e.e and e = d + s_0: the component of s_1 along b_k, if the
+    smallest rotation from d to s_0 turns b_k.
+
+    Args:
+        across: (k, 3) unit vectors b_k across the direction.   direction: (3,) unit vector d.
+        one, other: (3,) slopes s_0 and s_1.
+    """
+    e, w = direction + one, np.cross(other, one)
+    square = float(e @ e)
+    n = 2.0 * np.cross(across, e) / square
+    value = n @ w
+    by_one = np.cross(n, other) + 2.0 * (np.cross(w, across) - np.outer(value, e)) / square
+    return value, by_one, np.cross(one, n)
+
+
+def _add_same_slope(mbs: Any, node: int, own: int, slope: Array) -> int:
+    """Constraint that keeps the slopes of two nodes the same.   slope: (dim,) of both at the start."""
+    dim, direction = len(slope), np.zeros(3)
+    direction[:dim] = slope / np.linalg.norm(slope)
+    across = across_in_space(direction)
+    if dim == 2:
+        across = np.array([[-direction[1], direction[0], 0.0]])
+
+    def derivatives(q: Any) -> tuple[Array, Array]:
+        slopes = np.zeros((2, 3))
+        slopes[:, :dim] = np.reshape(q, (2, 2, dim))[:, 1]
+        value, *by_slopes = slopes_apart(across, direction, *slopes)
+        jacobian = np.zeros((len(across), 2, 2, dim))
+        jacobian[:, :, 1] = np.stack(by_slopes, axis=1)[:, :, :dim]
+        return value, jacobian.reshape(len(across), -1)
+
+    def same_slope_user_function(mbs, t, itemNumber, q, q_t, velocityLevel):
+        value, jacobian = derivatives(q)
+        return (jacobian @ np.asarray(q_t) if velocityLevel else value).tolist()
+
+    def same_slope_jacobian_user_function(mbs, t, itemNumber, q, q_t, velocityLevel):
+        return derivatives(q)[1]
+
+    same_slope_user_function.same_slope = SameSlope(node, own, direction, across)  # type: ignore[attr-defined]
+    return int(
+        mbs.AddObject(
+            CoordinateVectorConstraint(
+                name=f"slope of shared node {node}",
+                markerNumbers=[mbs.AddMarker(MarkerNodeCoordinates(nodeNumber=n)) for n in (node, own)],
+                scalingMarker0=np.zeros((len(across), 2 * dim)),
+                constraintUserFunction=same_slope_user_function,
+                jacobianUserFunction=same_slope_jacobian_user_function,
+            )
+        )
+    )
