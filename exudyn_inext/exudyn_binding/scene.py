@@ -277,12 +277,16 @@ def initial_state(mbs: Any, scene_cable: CableInScene) -> tuple[np.ndarray, np.n
 
 
 def initial_states(mbs: Any, cables: Iterable[CableInScene]) -> list[tuple[np.ndarray, np.ndarray]]:
-    """As `initial_state`, of each of these cables."""
+    """As `initial_state`, of each of these cables; those of shared nodes are the shared nodes' own."""
     configuration = exudyn.ConfigurationType.Initial
-    all_q = np.asarray(mbs.systemData.GetODE2Coordinates(configuration))
-    all_v = np.asarray(mbs.systemData.GetODE2Coordinates_t(configuration))
+    all_q = np.array(mbs.systemData.GetODE2Coordinates(configuration))
+    all_v = np.array(mbs.systemData.GetODE2Coordinates_t(configuration))
     states = []
     for scene_cable in cables:
+        for own, shared in scene_cable.item.shared.items():
+            at, there = (mbs.systemData.GetNodeLTGODE2(node) for node in (own, shared))
+            references = [mbs.GetNodeParameter(node, "referenceCoordinates") for node in (shared, own)]
+            all_q[at], all_v[at] = all_q[there] + np.subtract(*references), all_v[there]
         reference = scene_cable.cable.reference
         q, v = all_q[scene_cable.indices], all_v[scene_cable.indices]
         states.append((reference + q.reshape(reference.shape), v.reshape(reference.shape)))

@@ -37,18 +37,18 @@ def belongs_to_a_cable(object_data: dict[str, Any]) -> bool:
     return isinstance(function, dict) and hasattr(function["function"], "enforces_inextensibility")
 
 
-_objects_of_nodes: WeakKeyDictionary[Any, dict[int, int]] = WeakKeyDictionary()  # of the cables of each system
+_objects: WeakKeyDictionary[Any, dict[int, int]] = WeakKeyDictionary()  # of cables, by their nodes
 
 
 def remember_nodes(mbs: Any, nodes: Sequence[int], number: int) -> None:
     """Object `number` is a cable on these nodes."""
-    _objects_of_nodes.setdefault(mbs, {}).update(dict.fromkeys(map(int, nodes), int(number)))
+    _objects.setdefault(mbs, {}).update(dict.fromkeys(map(int, nodes), int(number)))
 
 
 def cable_of_node(mbs: Any, node: int) -> CableItem | None:
     """The cable that a node belongs to, or None."""
     count = mbs.systemData.NumberOfObjects()
-    remembered = _objects_of_nodes.get(mbs, {}).get(node, count)
+    remembered = _objects.get(mbs, {}).get(node, count)
     for number in (remembered, *range(count)):  # the system may have been built anew
         item = find_cable_item(mbs.GetObject(number)) if number < count else None
         if item is not None and node in item.nodes:

@@ -141,8 +141,8 @@ def _shared_nodes(
         node = find_shared_node(mbs, end, number, share_slope)
         if node is not None and not way.supports_are_objects:
             raise InputError(
-                f"{node.name} with enforcement = '{way.name}': the joints that share a node are none for native "
-                "explicit solvers; use 'projection' with SolveExplicit, or 'algebraic'."
+                f"{node.name} with enforcement = '{way.name}': native explicit solvers do not take the "
+                "joints by which cables share a node; use 'projection' with SolveExplicit, or 'algebraic'."
             )
         if node is not None:
             found[place] = node

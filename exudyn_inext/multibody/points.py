@@ -36,6 +36,12 @@ def cross(a, b, i):
 
 
 @inlined
+def dot(a, b):
+    """a . b of (3,) vectors."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@inlined
 def _place_on_body(point, body, q):
     turn, dim = body.orientation, body.translations
     for i in range(3):

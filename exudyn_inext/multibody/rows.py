@@ -6,7 +6,7 @@ With the distance d = x_1 - x_0 and axes e_0 and e_1 that are fixed to the point
     ALONG       c = (x_1 - f x_0) . e_s - o  along an axis of one of both; f = 0: x_1 is a slope
     ACROSS      c = e_0 . e_1                axes at a right angle
     DISTANCE    c = |d| - o
-    PARALLEL    c = n . (x_1 x x_0), n = 2 e_0 x e / e.e, e = e_1 + x_0: x_1 along e_0, turned as e_1 is to x_0
+    PARALLEL    of slopes, see `same_slope`: b = e_0, d = e_1
 
 o may follow a function of time: c_t = -o_t where nothing else moves.
 """
@@ -15,7 +15,8 @@ import numpy as np
 
 from ..arrays import record_type
 from ..compiled import inlined
-from .points import cross
+from .points import cross, dot
+from .same_slope import slope_difference, slope_gamma
 
 DIFFERENCE, ALONG, ACROSS, DISTANCE, PARALLEL = range(5)
 
@@ -31,7 +32,7 @@ ROW = record_type(
         ("rest", np.float64),  # o without what follows the time
         ("function", np.int64),  # place of what follows the time, and its derivatives, or -1
         ("drift", np.float64, (2,)),  # o_t and o_tt
-        ("e", np.float64, (2, 3)),  # e_0 and e_1 at present; of PARALLEL: dc/dx_0 and dc/dx_1
+        ("e", np.float64, (2, 3)),  # e_0 and e_1 at present; of PARALLEL dc/dx_0 and dc/dx_1
         ("d", np.float64, (3,)),  # distance at present
     ]
 )
@@ -65,69 +66,23 @@ def _set_distance(row, one, other):
 
 
 @inlined
-def _dot(a, b):
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@inlined
-def _cross(a, b):
-    return cross(a, b, 0), cross(a, b, 1), cross(a, b, 2)
-
-
-@inlined
-def _normal(row, one):
-    """n, e and e^2 of PARALLEL."""
-    b, d, s = row.axes[0], row.axes[1], one.x[0]
-    e = (d[0] + s[0], d[1] + s[1], d[2] + s[2])
-    square, n = _dot(e, e), _cross(b, e)
-    return (2.0 * n[0] / square, 2.0 * n[1] / square, 2.0 * n[2] / square), e, square
-
-
-@inlined
-def _set_parallel(row, one, other):
-    """c of PARALLEL, and its derivatives by both slopes."""
-    n, e, square = _normal(row, one)
-    w = _cross(other.x[0], one.x[0])
-    value = _dot(n, w)
-    for i in range(3):
-        turned = 2.0 * (cross(w, row.axes[0], i) - value * e[i]) / square
-        row.e[0, i] = cross(n, other.x[0], i) + turned
-        row.e[1, i] = cross(one.x[0], n, i)
-    return value
-
-
-@inlined
-def _parallel_gamma(row, one, other):
-    """-c_tt with n_t = (2 e_0 x x_0t - n E_t) / E and n_tt = -(2 n_t E_t + n E_tt) / E, E = e^2."""
-    n, e, square = _normal(row, one)
-    s, r, v, u = one.x[0], other.x[0], one.x[1], other.x[1]
-    rate, change = 2.0 * _dot(e, v), 2.0 * _dot(v, v)
-    w, twice, total = _cross(r, s), _cross(u, v), 0.0
-    for i in range(3):
-        n_t = (2.0 * cross(row.axes[0], v, i) - n[i] * rate) / square
-        n_tt = -(2.0 * n_t * rate + n[i] * change) / square
-        total += n_tt * w[i] + 2.0 * n_t * (cross(u, s, i) + cross(r, v, i)) + 2.0 * n[i] * twice[i]
-    return -total
-
-
-@inlined
 def row_value(row, one, other):
     """c, with the axes and the distance at present."""
     if row.kind == PARALLEL:
-        return _set_parallel(row, one, other)
+        return slope_difference(row.axes[0], row.axes[1], one.x[0], other.x[0], row.e)
     if row.kind == DIFFERENCE:
         i = row.component
         return row.factor * other.x[0, i] - one.x[0, i] - row.offset
     if row.kind == ACROSS:
         _turn_axis(row, one, 0)
         _turn_axis(row, other, 1)
-        return _dot(row.e[0], row.e[1])
+        return dot(row.e[0], row.e[1])
     _set_distance(row, one, other)
     if row.kind == DISTANCE:
-        return np.sqrt(_dot(row.d, row.d)) - row.offset
+        return np.sqrt(dot(row.d, row.d)) - row.offset
     side = row.component
     _turn_axis(row, one if side == 0 else other, side)
-    return _dot(row.d, row.e[side]) - row.offset
+    return dot(row.d, row.e[side]) - row.offset
 
 
 @inlined
@@ -146,10 +101,10 @@ def row_derivative(row, side, sign, velocity, spin):
             total += cross(spin, row.e[side], i) * row.e[1 - side, i]
         return total
     if row.kind == DISTANCE:
-        return sign * _dot(velocity, row.d) / np.sqrt(_dot(row.d, row.d))
+        return sign * dot(velocity, row.d) / np.sqrt(dot(row.d, row.d))
     if row.kind == PARALLEL:
-        return _dot(velocity, row.e[side])
-    total = sign * _dot(velocity, row.e[row.component])
+        return dot(velocity, row.e[side])
+    total = sign * dot(velocity, row.e[row.component])
     if side == row.component:
         for i in range(3):
             total += row.d[i] * cross(spin, row.e[side], i)
@@ -172,7 +127,7 @@ def _axis_rates(e, point, i):
     spin, along = point.spin, 0.0
     for j in range(3):
         along += spin[j] * e[j]
-    square = _dot(spin, spin)
+    square = dot(spin, spin)
     return cross(spin, e, i), cross(point.spin_rate, e, i) + spin[i] * along - square * e[i]
 
 
@@ -190,7 +145,7 @@ def _gamma_at_rest(row, one, other):
         i = row.component
         return one.x[2, i] - row.factor * other.x[2, i]
     if row.kind == PARALLEL:
-        return _parallel_gamma(row, one, other)
+        return slope_gamma(row.axes[0], row.axes[1], one.x, other.x)
     if row.kind == ACROSS:
         for i in range(3):
             rate, change = _axis_rates(row.e[0], one, i)
@@ -206,7 +161,7 @@ def _gamma_at_rest(row, one, other):
             acceleration = other.x[2, i] - factor * one.x[2, i]
             total += acceleration * row.e[side, i] + 2.0 * velocity * rate + row.d[i] * change
         return -total
-    square, speed, along = _dot(row.d, row.d), 0.0, 0.0
+    square, speed, along = dot(row.d, row.d), 0.0, 0.0
     for i in range(3):
         velocity = other.x[1, i] - one.x[1, i]
         total += row.d[i] * (other.x[2, i] - one.x[2, i])

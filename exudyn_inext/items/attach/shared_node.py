@@ -18,6 +18,7 @@ from exudyn.itemInterface import (
 from ...arrays import Array
 from ...checks import require_flag
 from ...errors import InputError
+from ...multibody.same_slope import slope_difference
 from ..arguments import node_number
 from ..cable_data import cable_of_node
 from .clamp_to_body import across_in_space
@@ -26,7 +27,7 @@ TOLERANCE = 1e-6  # of places, relative to the length of the cable, of slopes [-
 
 
 class SameSlope(NamedTuple):
-    """What a constraint with these user functions does, see `slopes_apart`.
+    """What a constraint with these user functions does, see `multibody.same_slope`.
 
     node, own: numbers of the nodes of both slopes.   direction: (3,) d.   across: (k, 3) b_k.
     """
@@ -66,17 +67,17 @@ class SharedNode:
         """
         if self.dimension != q.shape[1]:
             raise InputError(
-                f"{self.name} is a node in {self.dimension}D, the new cable lies in {q.shape[1]}D: create both "
-                "cables with the same dimension=..."
+                f"{self.name} is a node in {self.dimension}D, the new cable has dimension = {q.shape[1]}: "
+                "give both cables the same dimension=..."
             )
         hinge = f"or share its position only, by shareSlope{self.end}=False"
+        along = f"let the cable leave along that slope, by shape=CableShape(...), {hinge}"
+        same = "give the same one by shape=CableShape(..., velocities=..., slopeVelocities=...)"
         self._compare("position", "m", self.q[0], q[0], length, "move that end, or choose another node")
-        self._compare("velocity", "m/s", self.v[0], v[0], _size(self.v[0]), "give it by CableShape(velocities=...)")
+        self._compare("velocity", "m/s", self.v[0], v[0], _size(self.v[0]), same)
         if self.has_slope:
-            remedy = f"let the cable leave along that slope, by shape=CableShape(...), {hinge}"
-            self._compare("slope", "-", self.q[1], q[1], 1.0, remedy)
-            remedy = f"give it by CableShape(slopeVelocities=...), {hinge}"
-            self._compare("slope velocity", "1/s", self.v[1], v[1], _size(self.v[1]), remedy)
+            self._compare("slope", "-", self.q[1], q[1], 1.0, along)
+            self._compare("slope velocity", "1/s", self.v[1], v[1], _size(self.v[1]), f"{same}, {hinge}")
 
     def _compare(self, what: str, unit: str, its: Array, own: Array, size: float, remedy: str) -> None:
         apart, limit = float(np.linalg.norm(own - its)), TOLERANCE * size
@@ -90,7 +91,8 @@ class SharedNode:
         """Numbers of new constraints that hold a cable's own node to this one.   slope: (dim,) of both."""
         markers = [int(mbs.AddMarker(MarkerNodePosition(nodeNumber=node))) for node in (self.number, own)]
         axes = [1, 1, self.dimension - 2]
-        joint = SphericalJoint(name=f"shared node {self.number}", markerNumbers=markers, constrainedAxes=axes)
+        name = f"position of nodes {self.number} and {own}"
+        joint = SphericalJoint(name=name, markerNumbers=markers, constrainedAxes=axes)
         joints = [int(mbs.AddObject(joint))]
         return [*joints, _add_same_slope(mbs, self.number, own, slope)] if self.has_slope else joints
 
@@ -114,37 +116,19 @@ def find_shared_node(mbs: Any, end: str, given: Any, share_slope: Any) -> Shared
     number, count = node_number(given), mbs.systemData.NumberOfNodes()
     if not 0 <= number < count:
         raise InputError(
-            f"nodeNumber{end} = {given!r}: mbs has nodes 0 to {count - 1}; give one of cable['nodes'] of "
-            "another cable."
+            f"nodeNumber{end} = {given!r}: must be the number of a node, and mbs has {count} nodes; "
+            "give one of cable['nodes'] of another cable."
         )
-    node, item = mbs.GetNode(number), cable_of_node(mbs, number)
-    if item is None:
+    node = mbs.GetNode(number)
+    if cable_of_node(mbs, number) is None:
         raise InputError(
-            f"nodeNumber{end} = {number}: '{node['name']}' ({node['nodeType']}) is no node of an inextensible "
-            "cable; give one of cable['nodes'], and use AttachToBody for bodies, or a SphericalJoint between "
-            "markers for others."
+            f"nodeNumber{end} = {number}: '{node['name']}' ({node['nodeType']}) belongs to no inextensible "
+            "cable; give one of cable['nodes'], or leave it out and join the cable by AttachToBody, or by a "
+            "SphericalJoint between markers of both nodes."
         )
     q = np.add(node["referenceCoordinates"], node["initialCoordinates"]).reshape(2, -1)
     v = np.reshape(node["initialVelocities"], q.shape)
     return SharedNode(end, number, q, v, has_slope)
-
-
-def slopes_apart(across: Array, direction: Array, one: Array, other: Array) -> tuple[Array, Array, Array]:
-    """c (k,) and its derivatives (k, 3) with respect to both slopes.
-
-    c_k = n_k . (s_1 x s_0) with n_k = 2 b_k x e / e.e and e = d + s_0: the component of s_1 along b_k, if the
-    smallest rotation from d to s_0 turns b_k.
-
-    Args:
-        across: (k, 3) unit vectors b_k across the direction.   direction: (3,) unit vector d.
-        one, other: (3,) slopes s_0 and s_1.
-    """
-    e, w = direction + one, np.cross(other, one)
-    square = float(e @ e)
-    n = 2.0 * np.cross(across, e) / square
-    value = n @ w
-    by_one = np.cross(n, other) + 2.0 * (np.cross(w, across) - np.outer(value, e)) / square
-    return value, by_one, np.cross(one, n)
 
 
 def _add_same_slope(mbs: Any, node: int, own: int, slope: Array) -> int:
@@ -156,12 +140,15 @@ def _add_same_slope(mbs: Any, node: int, own: int, slope: Array) -> int:
         across = np.array([[-direction[1], direction[0], 0.0]])
 
     def derivatives(q: Any) -> tuple[Array, Array]:
-        slopes = np.zeros((2, 3))
+        slopes, gradients = np.zeros((2, 3)), np.zeros((len(across), 2, 3))
         slopes[:, :dim] = np.reshape(q, (2, 2, dim))[:, 1]
-        value, *by_slopes = slopes_apart(across, direction, *slopes)
+        one, other = slopes
+        value = [
+            slope_difference(b, direction, one, other, g) for b, g in zip(across, gradients, strict=True)
+        ]
         jacobian = np.zeros((len(across), 2, 2, dim))
-        jacobian[:, :, 1] = np.stack(by_slopes, axis=1)[:, :, :dim]
-        return value, jacobian.reshape(len(across), -1)
+        jacobian[:, :, 1] = gradients[:, :, :dim]
+        return np.array(value), jacobian.reshape(len(across), -1)
 
     def same_slope_user_function(mbs, t, itemNumber, q, q_t, velocityLevel):
         value, jacobian = derivatives(q)
@@ -174,7 +161,7 @@ def _add_same_slope(mbs: Any, node: int, own: int, slope: Array) -> int:
     return int(
         mbs.AddObject(
             CoordinateVectorConstraint(
-                name=f"slope of shared node {node}",
+                name=f"slope of nodes {node} and {own}",
                 markerNumbers=[mbs.AddMarker(MarkerNodeCoordinates(nodeNumber=n)) for n in (node, own)],
                 scalingMarker0=np.zeros((len(across), 2 * dim)),
                 constraintUserFunction=same_slope_user_function,
