@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+from exudyn.exudynCPP import NodeIndex
 from exudyn.itemInterface import (
     CoordinateConstraint,
     MarkerNodeCoordinate,
@@ -44,11 +45,11 @@ def CreateInextensibleCable(
     gravity: Any = (0, 0, 0),
     groundConstraintsStart: list | None = None,
     groundConstraintsEnd: list | None = None,
+    nodeNumberStart: Any = None,
+    nodeNumberEnd: Any = None,
     shape: CableShape | None = None,
     dimension: int | None = None,
     enforcement: Any = "projection",
-    nodeNumberStart: Any = None,
-    nodeNumberEnd: Any = None,
     shareSlopeStart: bool = True,
     shareSlopeEnd: bool = True,
 ) -> dict[str, Any]:
@@ -71,15 +72,16 @@ def CreateInextensibleCable(
         groundConstraintsStart: True/False for each coordinate (positions, then slopes) of the first
             node: all positions (pin), all slopes (guide), or both (clamp); None: free.
         groundConstraintsEnd: the same for the last node.
-        shape: CableShape for curved cables and initial velocities, in place of the three arguments
-            of the straight cable.
-        dimension: 2 or 3; None: 2 if shape, velocities and gravity lie in the x-y plane.
-        enforcement: of inextensibility in native solvers. 'projection': none, SolveExplicit only;
-            'penaltyMass' or PenaltyMass(...): penalties, for native explicit solvers; 'algebraic': exact
-            constraint objects, for native implicit solvers. SolveExplicit takes all of them alike.
         nodeNumberStart: node of an inextensible cable, an inner one as well, at which this one begins;
             None: a node of its own. Loads and supports of a shared node act once.
         nodeNumberEnd: the same for the last node.
+        shape: CableShape for curved cables and initial velocities, in place of the three arguments
+            of the straight cable.
+        dimension: 2 or 3; None: 2 if shape, velocities and gravity lie in the x-y plane, and no node is
+            shared with a cable in space.
+        enforcement: of inextensibility in native solvers. 'projection': none, SolveExplicit only;
+            'penaltyMass' or PenaltyMass(...): penalties, for native explicit solvers; 'algebraic': exact
+            constraint objects, for native implicit solvers. SolveExplicit takes all of them alike.
         shareSlopeStart: True: position and slope of that node are shared, as by native elements, and the
             cable leaves along that slope; False: the position only, a hinge.
         shareSlopeEnd: the same for the last node.
@@ -227,7 +229,9 @@ def _add_items(
     way: Enforcement,
     shared: dict[int, SharedNode],
 ) -> dict[str, Any]:
-    way.require_independent(CableItem(cable, gravity, (), way.name, held), held)
+    own_held = held.copy()
+    own_held[[k for k, node in shared.items() if node.has_slope]] = False  # the shared nodes' own
+    way.require_independent(CableItem(cable, gravity, (), way.name, own_held), own_held)
     node_type = NodePoint2DSlope1 if cable.dimension == 2 else NodePointSlope1
     count = len(cable.reference) - cable.closed
     nodes = [
@@ -245,7 +249,7 @@ def _add_items(
         )
     )
     remember_nodes(mbs, nodes, element)
-    given = list(item.given_nodes) if shared else nodes
+    given = [NodeIndex(number) for number in item.given_nodes]
     constraints = _add_ground_constraints(mbs, given, held) if way.supports_are_objects else []
     for k, node in shared.items():
         constraints += node.join(mbs, nodes[k], cable.reference[k, 1])
@@ -253,7 +257,7 @@ def _add_items(
         "nodes": given,
         "elements": [element],
         "nodePositions": [[*q[0].tolist(), 0.0][:3] for q in cable.reference[:count]],
-        "constraintObjects": constraints + way.add_constraints(mbs, element, item, held),
+        "constraintObjects": constraints + way.add_constraints(mbs, element, item, own_held),
         "loads": [],
     }
 

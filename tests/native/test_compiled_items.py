@@ -352,6 +352,22 @@ def clamp(b):
     AttachToBody(b.mbs, b.cable, "end", b.bodies[0], local.tolist(), kind="clamp")
 
 
+def shared_nodes(b):
+    """A cable that leaves the end of the first one along it, and one that hangs on its middle."""
+    section = InextensibleCable(massPerLength=0.2, bendingStiffness=0.01)
+    for node, end, has_slope in ((-1, [2.0, 0.0, 0.0], True), (2, [0.9, 0.7, 0.0], False)):
+        CreateInextensibleCable(
+            b.mbs,
+            b.cable["nodePositions"][node],
+            end,
+            2,
+            section,
+            dimension=b.dimension,
+            nodeNumberStart=b.cable["nodes"][node],
+            shareSlopeStart=has_slope,
+        )
+
+
 KINDS = [
     spring,
     cartesian_spring,
@@ -373,6 +389,7 @@ KINDS = [
     distances,
     coordinate_constraints,
     clamp,
+    shared_nodes,
 ]
 
 
