@@ -20,7 +20,7 @@ from exudyn_inext import (
 )
 
 from ..rows import Row, all_but_the_time, rows
-from ..scenes import LINE, SECTION, cable_arguments, empty, pendulum, ring_points, settings
+from ..scenes import LINE, SECTION, bodies, cable_arguments, empty, pendulum, ring_points, settings
 from ..values import INF, NAN, Of, itself
 
 MBS = Of(lambda scene: scene.mbs)
@@ -172,6 +172,62 @@ LINES = of_cable(
         ({"enforcement": "springs"}, r"enforcement = 'springs' is unknown: .*'algebraic', 'penaltyMass'"),
         ({"enforcement": None}, r"enforcement = None is unknown: .*'projection'"),
     ]
+)
+
+SHARED_NODES = of_cable(
+    [
+        *[
+            (
+                {name: number},
+                rf"{name} = {re.escape(repr(number))}: must be the number of a node, .* \d+ nodes; .*'nodes'",
+            )
+            for name in ("nodeNumberStart", "nodeNumberEnd")
+            for number in (-1, 99, 2.0, True, "tip", [0])
+        ],
+        (
+            {"nodeNumberStart": 3},
+            r"nodeNumberStart = 3: the position .*1.8, 0.0.*start \[0.0, 0.0\] \[m\], 1.8 apart .*move",
+        ),
+        (
+            {"nodeNumberEnd": 2},
+            r"nodeNumberEnd = 2: the position .*end \[1.8, 0.0\] \[m\], 0.6 apart",
+        ),
+        (
+            {"nodeNumberStart": 0, "positionEnd": [0, -1.8, 0]},
+            r"nodeNumberStart = 0: the slope .*1.41 apart .*shape=CableShape.*shareSlopeStart=False",
+        ),
+        (
+            {"nodeNumberEnd": 0, "positionStart": [1.8, 0, 0], "positionEnd": [0, 0, 0]},
+            r"nodeNumberEnd = 0: the slope .*cable's end \[-1.0, 0.0\].*shareSlopeEnd=False",
+        ),
+        (
+            shape(velocities=[[0, 1]] * 3) | {"nodeNumberStart": 0},
+            r"nodeNumberStart = 0: the velocity .*\[0.0, 1.0\] \[m/s\], 1 apart .*velocities=",
+        ),
+        (
+            shape(slopeVelocities=[[0, 2]] * 3) | {"nodeNumberStart": 0},
+            r"nodeNumberStart = 0: the slope velocity .*\[0.0, 2.0\] \[1/s\], 2 apart .*slopeVelocities=",
+        ),
+        (
+            {"nodeNumberStart": 0, "dimension": 3},
+            r"nodeNumberStart = 0 is a node in 2D, .*dimension = 3: .*same dimension",
+        ),
+        (
+            {"nodeNumberStart": 0, "enforcement": "penaltyMass"},
+            r"nodeNumberStart = 0 with enforcement = 'penaltyMass': .*'projection'.*'algebraic'",
+        ),
+        ({"shareSlopeStart": "yes"}, r"shareSlopeStart = 'yes': must be True or False"),
+        ({"shareSlopeEnd": None}, r"shareSlopeEnd = None: must be True or False"),
+        (
+            shape(positions=RING, slopes=RING_SLOPES, closed=True) | {"nodeNumberEnd": 0},
+            r"nodeNumberEnd is given, but a closed cable has no end: use nodeNumberStart",
+        ),
+    ]
+)
+
+SHARED_NODES += of_cable(
+    [({"nodeNumberStart": 5}, r"nodeNumberStart = 5: .*RigidBody.* no inextensible cable; .*AttachToBody")],
+    scene=bodies,
 )
 
 SHAPES = of_cable(
@@ -342,4 +398,4 @@ ENFORCEMENTS = [
     ],
 ]
 
-ROWS = [*SECTIONS, *LINES, *SHAPES, *NATIVE_SOLVERS, *ENFORCEMENTS]
+ROWS = [*SECTIONS, *LINES, *SHARED_NODES, *SHAPES, *NATIVE_SOLVERS, *ENFORCEMENTS]

@@ -427,3 +427,29 @@ def test_a_cable_that_shares_a_node_with_one_in_space_lies_in_space(new_mbs):
         cable = straight(mbs, [x, 0, 0], [x + 1, 0, 0], dimension=None, nodeNumberStart=node)
         node = cable["nodes"][-1]
     assert mbs.GetNode(node)["nodeType"] == "PointSlope1"
+
+
+def spinning(mbs, is_cut):
+    """Nodes of a free cable that turns about an axis that is nearly z, by 10 rad/s."""
+    turn = np.cross([0.01, 0.02, 10.0], np.eye(3)).T
+    nodes = []
+    for x in range(2 if is_cut else 1):
+        ends = np.array([[x, 0.0, 0.0], [x + 1.0 if is_cut else 2.0, 0.0, 0.0]]) * LENGTH
+        line = CableShape.Line(*ends, HALF if is_cut else 2 * HALF, *(ends @ turn.T))
+        shared = {"nodeNumberStart": nodes[-1] if nodes else None}
+        made = CreateInextensibleCable(mbs, shape=line, beamTemplate=CABLE, gravity=GRAVITY[3], **shared)
+        nodes += made["nodes"][x:]
+    return nodes
+
+
+def test_slopes_may_turn_round(new_mbs, solve):
+    """Against the initial ones, where the equation for the slopes has no value."""
+    found = []
+    for is_cut in (False, True):
+        mbs = new_mbs()
+        nodes = spinning(mbs, is_cut)
+        mbs.Assemble()
+        report = solve(mbs, 0.7, steps=70, stepSize=STEP, massScaling=0.3)
+        found.append(places(mbs, nodes))
+    assert report["rejections"] == 0
+    np.testing.assert_allclose(found[1], found[0], atol=1e-9)
