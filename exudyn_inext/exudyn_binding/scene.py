@@ -24,6 +24,7 @@ from ..scene.links import MovingCoordinate, Rod, links_of_motions
 from ..scene.model import CableInScene, CableItem, CableLoad, HeldCoordinate, Reaction, Scene
 
 _HARMLESS = {"Ground"}
+COINCIDENT = 1e-10  # coordinates of nodes that joints hold together [m, -]
 _KINDS = (HeldCoordinate, MovingCoordinate, Rod)
 Constraint = HeldCoordinate | MovingCoordinate | Rod
 
@@ -277,17 +278,26 @@ def initial_state(mbs: Any, scene_cable: CableInScene) -> tuple[np.ndarray, np.n
 
 
 def initial_states(mbs: Any, cables: Iterable[CableInScene]) -> list[tuple[np.ndarray, np.ndarray]]:
-    """As `initial_state`, of each of these cables; those of shared nodes are the shared nodes' own."""
+    """As `initial_state`, of each of these cables."""
     configuration = exudyn.ConfigurationType.Initial
-    all_q = np.array(mbs.systemData.GetODE2Coordinates(configuration))
+    all_q = np.asarray(mbs.systemData.GetODE2Coordinates(configuration))
     all_v = np.array(mbs.systemData.GetODE2Coordinates_t(configuration))
     states = []
     for scene_cable in cables:
-        for own, shared in scene_cable.item.shared.items():
-            at, there = (mbs.systemData.GetNodeLTGODE2(node) for node in (own, shared))
-            references = [mbs.GetNodeParameter(node, "referenceCoordinates") for node in (shared, own)]
-            all_q[at], all_v[at] = all_q[there] + np.subtract(*references), all_v[there]
+        _share_velocities(mbs, scene_cable.item, all_q, all_v)
         reference = scene_cable.cable.reference
         q, v = all_q[scene_cable.indices], all_v[scene_cable.indices]
         states.append((reference + q.reshape(reference.shape), v.reshape(reference.shape)))
     return states
+
+
+def _share_velocities(mbs: Any, item: CableItem, q: np.ndarray, v: np.ndarray) -> None:
+    """Give a cable's own nodes the velocities of the shared ones, which the user knows, if both coincide.
+
+    q, v: (n,) displacements, and velocities in place, of the whole system.
+    """
+    for pair in item.shared.items():
+        own, shared = (mbs.systemData.GetNodeLTGODE2(node) for node in pair)
+        references = [mbs.GetNodeParameter(node, "referenceCoordinates") for node in pair]
+        if np.allclose(q[own] + references[0], q[shared] + references[1], rtol=0.0, atol=COINCIDENT):
+            v[own] = v[shared]

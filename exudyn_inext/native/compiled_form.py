@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from .known.scene import read_known_items
 from .known.unknown import UnknownItemError
 
 if TYPE_CHECKING:
-    from .coupled_scene import CoupledScene
+    from .coupled_scene import CoupledCable, CoupledScene
 
 MOST_KINDS = 2  # of cables
 TOLERANCE = 1e-9  # of forces, accelerations, joints and their rates, relative
@@ -65,13 +66,7 @@ def compiled_form(
     acting = SceneLoads(loads, known.functions)
     external = sum(len(of_cable.constant) for of_cable in loads)
     native = scene.system
-    held = [cable.system.chain.nodes["free"] == 0.0 for cable in scene.cables]
-    still = np.concatenate(
-        [
-            np.zeros(0, bool),
-            *(np.repeat(of, len(c.system.chain.axes)) for of, c in zip(held, scene.cables, strict=True)),
-        ]
-    )
+    still = _held_coordinates(scene.cables)
     system = build_scene(cables, external, places, known, scene.size, native.zeta, native.foresight, still)
     if not scene.body_system.share_foresight(known.bodies["first"] - on_cables, known.bodies["foresight"]):
         raise UnknownItemError("bodies that share coordinates")
@@ -79,6 +74,13 @@ def compiled_form(
     form = CompiledScene(system, acting, own, scene.surroundings.joints, numbers.read_again)
     require_agreement(scene, form, t, q, v, has_forces)
     return form
+
+
+def _held_coordinates(cables: Sequence[CoupledCable]) -> np.ndarray:
+    """(n_cables,) which coordinates supports hold."""
+    chains = [cable.system.chain for cable in cables]
+    held = [np.repeat(chain.nodes["free"].ravel() == 0.0, len(chain.axes)) for chain in chains]
+    return np.concatenate([np.zeros(0, dtype=bool), *held])
 
 
 def require_agreement(

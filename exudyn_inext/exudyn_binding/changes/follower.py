@@ -119,7 +119,7 @@ class ChangeFollower:
             forget_evaluators(self.sensors)
             items = [(key.kind, key.number) for key in changed if key.kind != "Node"]
             for run in runs:
-                if isinstance(run, CoupledRun):
+                if isinstance(run, CoupledRun) and asked < Demand.BUILD:
                     run.take_over(items, asked == Demand.EVALUATE, time)
         if asked < Demand.READ:
             is_stiffer = self.limit.follow_stiffness(self.mbs, runs, changed, time)

@@ -59,7 +59,7 @@ def AttachToBody(
     place = _place(item, end, kind)
     frame = body_frame(mbs, bodyNumber)
     local = require_vector("localPosition", localPosition)
-    node = item.nodes[place]
+    node = item.given_nodes[place]
     position, slope = _initial_end(mbs, item, node)
     _require_meeting(item, node, position, frame, frame.point(mbs, local))
     direction = _direction(frame, slope, kind, localDirection, node)
@@ -67,7 +67,10 @@ def AttachToBody(
     if frame.is_ground:
         held = np.zeros(item.cable.reference.shape, dtype=bool)
         held[place] = [[True] * dim, [kind == "clamp"] * dim]
-        return {"markers": [], "constraintObjects": _add_ground_constraints(mbs, list(item.nodes), held)}
+        return {
+            "markers": [],
+            "constraintObjects": _add_ground_constraints(mbs, list(item.given_nodes), held),
+        }
     markers = [
         int(mbs.AddMarker(MarkerBodyPosition(bodyNumber=frame.number, localPosition=local.tolist()))),
         int(mbs.AddMarker(MarkerNodePosition(nodeNumber=node))),

@@ -453,3 +453,27 @@ def test_slopes_may_turn_round(new_mbs, solve):
         found.append(places(mbs, nodes))
     assert report["rejections"] == 0
     np.testing.assert_allclose(found[1], found[0], atol=1e-9)
+
+
+def test_a_branch_that_is_released_falls_freely(new_mbs, solve, centre_of_mass):
+    mbs = new_mbs()
+    cables, nodes = pendulum(mbs, True, 2)
+    twig = cables[1]
+    own = [int(node) for node in mbs.GetObject(twig["elements"][0])["nodeNumbers"]]
+    seen = {}
+
+    def release(mbs, t):
+        q = np.array([coordinates_of(mbs, node) for node in own]).reshape(-1, 2, 2)
+        seen[round(t, 9)] = centre_of_mass(q, LENGTH / HALF)
+        for joint in twig["constraintObjects"]:
+            mbs.SetObjectParameter(joint, "activeConnector", t < 0.1005)
+        return True
+
+    mbs.SetPreStepUserFunction(release)
+    mbs.Assemble()
+    solve(mbs, 0.3, steps=300, stepSize=STEP)
+    places_of_centre = [seen[t] for t in (0.12, 0.2, 0.28)]
+    acceleration = np.diff(places_of_centre, 2, axis=0)[0] / 0.08**2
+    np.testing.assert_allclose(acceleration, GRAVITY[2][:2], atol=1e-6)
+    apart = coordinates_of(mbs, own[0]) - coordinates_of(mbs, nodes[HALF])
+    assert np.abs(apart).max() > 0.01
