@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 from exudyn_inext.compiled import plain
 from exudyn_inext.multibody.same_slope import slope_difference, slope_gamma
 
+pytestmark = pytest.mark.kernel
 SPREAD = [0.1, 1.0, 3.0, 3.1]  # angle between the initial and the present slope
 
 
