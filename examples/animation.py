@@ -7,10 +7,9 @@ import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.figure import Figure
 
-from studies.harness.plot import COLORS, REFERENCE_COLOR, styled_figure
-
 from . import picture, planar_pendulum, power_line, spatial_pendulum, vibrating_ring
 from .shapes import frame_axes, smooth
+from .style import COLORS, REFERENCE_COLOR, styled_figure
 
 SCENES = {
     "planar pendulum": planar_pendulum,

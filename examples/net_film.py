@@ -5,10 +5,9 @@ from typing import Any
 import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
 
-from studies.harness.plot import styled_figure
-
 from . import picture, thrown_net
 from .animation import FRAMES, RATE
+from .style import styled_figure
 
 
 def main(frames: int = FRAMES) -> None:

@@ -9,9 +9,8 @@ import numpy as np
 from exudyn.utilities import SensorNode
 from PIL import Image
 
-from studies.harness.plot import COLORS, label_axes, new_figure
-
 from .shapes import is_flat, smooth
+from .style import COLORS, label_axes, new_figure
 
 FOLDER = Path("results/examples")
 SNAPSHOTS = 6

@@ -5,10 +5,10 @@ import ast
 import pytest
 from matplotlib.colors import to_rgb
 
-from studies.harness.plot import COLORS, REFERENCE_COLOR
+from examples.style import COLORS, REFERENCE_COLOR
 from tests.documents import ROOT
 
-STYLE = ROOT / "studies" / "harness" / "plot.py"
+STYLE = ROOT / "examples" / "style.py"
 SOURCES = [
     path
     for folder in ("exudyn_inext", "reference_models", "studies", "examples", "docs/extensions")

@@ -7,7 +7,7 @@ from typing import Any
 import grimp
 from matplotlib.axes import Axes
 
-from studies.harness.plot import COLORS, REFERENCE_COLOR, styled_figure
+from examples.style import COLORS, REFERENCE_COLOR, styled_figure
 
 PACKAGE = "exudyn_inext"
 OTHERS = ("reference_models", "studies", "examples")

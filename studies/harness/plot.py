@@ -1,63 +1,21 @@
-"""One look for all pictures: colour-blind-safe (Okabe-Ito), units at the axes, no display."""
+"""Pictures of studies: curves in panels, in the one style that all pictures have."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
-from cycler import cycler
-from matplotlib import rc_context
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
+
+from examples.style import COLORS as COLORS
+from examples.style import REFERENCE_COLOR as REFERENCE_COLOR
+from examples.style import label_axes as label_axes
+from examples.style import new_figure as new_figure
 
 from .store import Row
 from .table import column
-
-COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-REFERENCE_COLOR = "#999999"
-
-_STYLE: Any = {
-    "axes.prop_cycle": cycler(color=COLORS),
-    "axes.grid": True,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "grid.color": "#e0e0e0",
-    "grid.linewidth": 0.6,
-    "font.size": 10,
-    "legend.frameon": False,
-    "legend.fontsize": 9,
-    "lines.linewidth": 1.4,
-    "figure.constrained_layout.use": True,
-}
-
-
-@contextmanager
-def new_figure(path: Path, width: float = 8.0, height: float = 5.0) -> Iterator[Figure]:
-    """A figure of that size [inch] which is saved to `path` (PNG) when the block ends."""
-    with styled_figure(width, height) as figure:
-        yield figure
-        figure.savefig(path, dpi=150)
-
-
-@contextmanager
-def styled_figure(width: float, height: float) -> Iterator[Figure]:
-    """A figure of that size [inch] for what is not a single picture: the style holds within the block."""
-    with rc_context(_STYLE):
-        figure = Figure(figsize=(width, height))
-        FigureCanvasAgg(figure)
-        yield figure
-
-
-def label_axes(axes: Axes, x: str, y: str, title: str = "") -> None:
-    """Labels with units, e.g. "time t [s]"."""
-    axes.set_xlabel(x)
-    axes.set_ylabel(y)
-    if title:
-        axes.set_title(title, loc="left", fontsize=10)
 
 
 def name_ticks(axes: Axes, numbers: Sequence[float]) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 import exudyn
 
 ROOT = Path(__file__).parents[2]
-_OWN = ("exudyn_inext", "reference_models", "studies")
+_OWN = ("exudyn_inext", "reference_models", "examples", "studies")
 _PACKAGES = ("exudyn", "exudyn_inext", "numpy", "scipy", "numba", "mujoco")
 _UNKNOWN = "unknown"
 

@@ -14,7 +14,8 @@ from exudyn_inext import DivergenceError
 from reference_models.model import silence
 from tests.examples.twins import run_inextensible
 
-HELPERS = {"__init__", "animation", "bodies", "contact", "flight", "meshes", "net_film", "picture", "shapes"}
+PARTS = {"bodies", "contact", "flight", "meshes", "overhead_parts", "shapes"}
+HELPERS = PARTS | {"__init__", "animation", "net_film", "picture", "style"}
 FILES = sorted(Path(examples.__file__).parent.glob("*.py"))
 SCRIPTS = [path.stem for path in FILES if path.stem not in HELPERS]
 
