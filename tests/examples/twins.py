@@ -2,21 +2,12 @@
 
 import dataclasses
 from dataclasses import dataclass
-from functools import partial
 
 import exudyn
 import numpy as np
-from exudyn.itemInterface import (
-    LoadMassProportional,
-    MarkerBodyMass,
-    NodePoint2DSlope1,
-    NodePointSlope1,
-    ObjectANCFCable,
-    ObjectANCFCable2D,
-)
 
-from exudyn_inext import CableShape, SolveExplicit
-from exudyn_inext.items.shape import check_shape
+from exudyn_inext import SolveExplicit
+from reference_models.conventional.native_cables import NativeCables
 from reference_models.conventional.settings import Implicit, number_of_steps, simulation_settings
 from reference_models.model import quiet_settings, silence
 from tests.examples.measures import record
@@ -29,66 +20,21 @@ class Twin:
     """How the twin of an example is solved, and for how long: fine enough to be converged.
 
     end_time, step: [s].   axial: stiffness [N].   refinement: elements for each one of the example.
-    newton, linear_solver: see `Implicit`.
     """
 
     end_time: float
     step: float
     axial: float
     refinement: int = 2
-    newton: str = "modified"
-    linear_solver: str = "sparse"
 
     def arguments(self, example):
         """Of the example's build."""
-        return {"addCable": stiff(self.axial), "elements": self.refinement * example.ELEMENTS}
+        return {"addCable": NativeCables(self.axial), "elements": self.refinement * example.ELEMENTS}
 
     def settings(self):
         """Of Exudyn's implicit solver."""
-        solver = Implicit(self.step, self.newton, self.linear_solver, spectral_radius=0.6)
+        solver = Implicit(self.step, "modified", "sparse", spectral_radius=0.6)
         return simulation_settings(solver, self.end_time)
-
-
-def stiff(axialStiffness):
-    """What takes the place of CreateInextensibleCable: native elements with that axial stiffness [N]."""
-    return partial(_add_native_cable, axialStiffness)
-
-
-def _add_native_cable(axial, mbs, beamTemplate, gravity=(0, 0, 0), shape=None, dimension=None, **line):
-    checked = check_shape(shape or CableShape.Line(**line))
-    planar = dimension == 2 or (
-        dimension is None and not (checked.q[:, :, 2].any() or checked.v[:, :, 2].any() or gravity[2])
-    )
-    node_type, element = (
-        (NodePoint2DSlope1, ObjectANCFCable2D) if planar else (NodePointSlope1, ObjectANCFCable)
-    )
-    dim = 2 if planar else 3
-    nodes = [
-        mbs.AddNode(
-            node_type(
-                referenceCoordinates=q[:, :dim].ravel().tolist(),
-                initialVelocities=v[:, :dim].ravel().tolist(),
-            )
-        )
-        for q, v in zip(checked.q, checked.v, strict=True)
-    ]
-    elements = []
-    for k, length in enumerate(checked.lengths):
-        elements.append(
-            mbs.AddObject(
-                element(
-                    length=float(length),
-                    massPerLength=beamTemplate.massPerLength,
-                    bendingStiffness=beamTemplate.bendingStiffness,
-                    axialStiffness=axial,
-                    nodeNumbers=nodes[k : k + 2],
-                    useReducedOrderIntegration=2,
-                )
-            )
-        )
-        marker = mbs.AddMarker(MarkerBodyMass(bodyNumber=elements[-1]))
-        mbs.AddLoad(LoadMassProportional(markerNumber=marker, loadVector=list(gravity)))
-    return {"nodes": nodes, "elements": elements}
 
 
 def run_inextensible(example, end_time, step=None, settings=None, **build):
