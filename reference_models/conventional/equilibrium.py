@@ -70,18 +70,19 @@ def _solve(model: Model, softening: float = 1.0) -> bool:
     solver.newton.relativeTolerance = 1e-6
     solver.newton.absoluteTolerance = 1e-7
     stiffness = softening * model.scene.cable.section.axial_stiffness
-    _set_axial_stiffness(model.mbs, stiffness)
+    set_axial_stiffness(model.mbs, stiffness)
     try:
         with silence():
             model.mbs.SolveStatic(settings, updateInitialValues=True)
     except exudyn.ExudynError:
         return False
     finally:
-        _set_axial_stiffness(model.mbs, model.scene.cable.section.axial_stiffness)
+        set_axial_stiffness(model.mbs, model.scene.cable.section.axial_stiffness)
     return True
 
 
-def _set_axial_stiffness(mbs: Any, stiffness: float) -> None:
+def set_axial_stiffness(mbs: Any, stiffness: float) -> None:
+    """Of all native cables [N]."""
     for number in range(mbs.systemData.NumberOfObjects()):
         if mbs.GetObject(number)["objectType"].startswith("ANCFCable"):
             mbs.SetObjectParameter(number, "axialStiffness", stiffness)

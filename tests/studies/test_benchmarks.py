@@ -59,10 +59,14 @@ def test_kernel_compares_steps_with_native_evaluations_and_counts_operations(run
 def test_coupled_finds_the_cheapest_runs_and_steps_of_large_nets(run_quick):
     rows = run_quick("coupled")
     assert {row["formulation"] for row in rows["large"]} == {"inextensible", "native"}
+    candidates = {row["label"]: row for row in rows["candidate"]}
     for row in rows["best"]:
-        own = [r for r in rows["candidate"] if r["formulation"] == row["formulation"]]
-        assert row["error"] < row["bound"] and row["label"] in {r["label"] for r in own}
-    assert {row["choice"] for row in rows["best"]} == {"tuned", "default"}
+        assert candidates[row["label"]]["error"] == row["error"] < row["bound"]
+    found = {
+        (row["scene"], row["formulation"], row["choice"]) for row in rows["best"] if row["bound"] == 1e-2
+    }
+    choices = [("inextensible", "tuned"), ("inextensible", "default"), ("native", "tuned")]
+    assert found == {(row["scene"], *choice) for row in rows["reference"] for choice in choices}
 
 
 def test_scene_cost_takes_each_path_and_names_it(run_quick):

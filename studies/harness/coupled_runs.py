@@ -1,0 +1,181 @@
+"""A run of a scene with cables: inextensible under explicit steps, or native under implicit ones."""
+
+import math
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cache
+from itertools import product
+from typing import Any
+
+import exudyn
+import numpy as np
+from exudyn.itemInterface import SensorBody, SensorNode
+
+from exudyn_inext import CreateInextensibleCable, ExplicitSettings, SolveEquilibrium, SolveExplicit
+from exudyn_inext.arrays import Array
+from reference_models.conventional.cable import Quadrature
+from reference_models.conventional.equilibrium import set_axial_stiffness
+from reference_models.conventional.native_cables import NativeCables
+from reference_models.conventional.settings import Implicit, LinearSolver, Newton, simulation_settings
+from reference_models.model import quiet_settings, silence
+
+from .coupled_scenes import CoupledScene
+
+INITIAL = exudyn.ConfigurationType.Initial
+PERIOD = 0.02  # of outputs [s]
+LEAST_STEP = 1 / 64  # of a native step that fails and is halved
+SOFT = 0.1  # axial stiffness over that of the cable, from whose equilibrium statics begins: stiff ones fail
+AT_ONCE = 1e-9  # of the load steps of statics [s]: loads that depend on time are those at the start
+
+
+@dataclass(frozen=True)
+class Inextensible:
+    """elements: see the scene.   step: [s]; None: default settings.   theta: mass scaling."""
+
+    elements: int
+    step: float | None = None
+    theta: float = 0.3
+    integrator: str = "RATTLE"
+
+    def __str__(self) -> str:
+        return f"{self.integrator}, h = {self.step:g} s, theta = {self.theta:g}" if self.step else "default"
+
+    @property
+    def add_cable(self) -> Callable[..., dict[str, Any]]:
+        return CreateInextensibleCable
+
+    @property
+    def at_rest(self) -> "Inextensible":
+        """What its equilibrium depends on."""
+        return Inextensible(self.elements)
+
+    def settle(self, mbs: Any) -> None:
+        SolveEquilibrium(mbs)
+
+    def solve(self, mbs: Any, end_time: float) -> None:
+        explicit = ExplicitSettings()
+        if self.step:
+            explicit = ExplicitSettings(self.integrator, stepSize=self.step, massScaling=self.theta)
+        SolveExplicit(mbs, quiet_settings(end_time, max(1, round(end_time / PERIOD)), PERIOD), explicit)
+
+    def variants(self, scene: CoupledScene) -> "list[Inextensible]":
+        """Other schemes on the same mesh, with the same step."""
+        return [replace(self, theta=0.0), replace(self, integrator="Zhai")] if self.step else []
+
+
+@dataclass(frozen=True)
+class Native:
+    """elements: see the scene.   step: [s].   axial: stiffness [N].   Others: see `Implicit`."""
+
+    elements: int
+    step: float
+    axial: float
+    quadrature: Quadrature = "lobatto"
+    newton: Newton = "modified"
+    linear: LinearSolver = "sparse"
+    tolerance: float = 1e-6
+
+    def __str__(self) -> str:
+        axial, solver = f"EA = {self.axial:g} N, {self.quadrature}", f"{self.newton}, {self.linear}"
+        return f"h = {self.step:g} s, {axial}, {solver}, {self.tolerance:g}"
+
+    @property
+    def add_cable(self) -> Callable[..., dict[str, Any]]:
+        return NativeCables(self.axial, self.quadrature)
+
+    @property
+    def at_rest(self) -> "Native":
+        """What its equilibrium depends on."""
+        return Native(self.elements, PERIOD, self.axial, self.quadrature)
+
+    def settle(self, mbs: Any) -> None:
+        settings = self._settings(PERIOD)
+        settings.staticSolver.verboseMode = 0
+        settings.staticSolver.loadStepDuration = AT_ONCE
+        settings.staticSolver.newton.maxIterations = 100
+        for share in (SOFT, 1.0):
+            set_axial_stiffness(mbs, share * self.axial)
+            mbs.SolveStatic(settings, updateInitialValues=True)
+
+    def solve(self, mbs: Any, end_time: float) -> None:
+        mbs.SolveDynamic(self._settings(end_time))
+
+    def _settings(self, end_time: float) -> Any:
+        solver = Implicit(self.step, self.newton, self.linear, self.tolerance, spectral_radius=0.8)
+        settings = simulation_settings(solver, end_time)
+        settings.timeIntegration.minimumStepSize = LEAST_STEP * self.step
+        settings.solution.sensors.writePeriod = PERIOD
+        return settings
+
+    def variants(self, scene: CoupledScene) -> "list[Native]":
+        """Other ways to solve the same equations."""
+        newton: tuple[Newton, ...] = ("full", "modified", "modifiedEachStep")
+        linear: tuple[LinearSolver, ...] = ("sparse", "dense") if scene.is_small else ("sparse",)
+        options = product(newton, linear, (1e-6, 1e-4))
+        return [replace(self, newton=one, linear=two, tolerance=three) for one, two, three in options]
+
+
+Candidate = Inextensible | Native
+
+
+def prepare(scene: CoupledScene, candidate: Candidate, end_time: float) -> Callable[[], tuple[float, Array]]:
+    """A run; it returns its CPU time [s], set-up included, and times and paths of what is watched.
+
+    Times [s] and positions [m] are (T, n, 4).
+    """
+    container, mbs, parts = _build(scene, candidate)
+    sensors = list(_sensors(mbs, parts, candidate.elements // math.gcd(*scene.meshes)))
+    mbs.Assemble()
+    if scene.settles:
+        mbs.systemData.SetODE2Coordinates(_equilibrium(scene, candidate.at_rest), INITIAL)
+
+    def run(kept: Any = container) -> tuple[float, Array]:
+        with silence(), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            start = time.process_time()
+            candidate.solve(mbs, end_time)
+            seconds = time.process_time() - start
+        return seconds, np.stack([mbs.GetSensorStoredData(sensor) for sensor in sensors], axis=1)
+
+    return run
+
+
+def _build(scene: CoupledScene, candidate: Candidate) -> tuple[Any, Any, dict[str, Any]]:
+    container = exudyn.SystemContainer()
+    mbs = container.AddSystem()
+    return container, mbs, scene.build(mbs, addCable=candidate.add_cable, elements=candidate.elements)
+
+
+@cache
+def _equilibrium(scene: CoupledScene, candidate: Candidate) -> list[float]:
+    """Coordinates of a scene at rest."""
+    _container, mbs, _ = _build(scene, candidate)
+    mbs.Assemble()
+    with silence():
+        candidate.settle(mbs)
+    return list(mbs.systemData.GetODE2Coordinates(INITIAL))
+
+
+def _sensors(mbs: Any, parts: dict[str, Any], stride: int) -> Iterator[Any]:
+    """Positions of nodes and bodies."""
+    kept = {"storeInternal": True, "outputVariableType": exudyn.OutputVariableType.Position}
+    for cable in parts["cables"]:
+        for node in cable["nodes"][::stride]:
+            yield mbs.AddSensor(SensorNode(nodeNumber=node, **kept))
+    for body in parts["bodies"]:
+        yield mbs.AddSensor(SensorBody(bodyNumber=body, **kept))
+
+
+def distance(paths: Array, reference: Array) -> float | None:
+    """Root mean square of the distances of all points at all times, over the largest displacement [-].
+
+    paths, reference: (T, n, 4), as of `prepare`.   None: at other times, as steps were halved, or not finite.
+    """
+    if paths.shape != reference.shape or not np.allclose(paths[..., 0], reference[..., 0], atol=1e-6):
+        return None
+    moved, expected = (some[..., 1:] - some[0, :, 1:] for some in (paths, reference))
+    largest = np.linalg.norm(expected, axis=2).max()
+    error = float(np.sqrt(((moved - expected) ** 2).sum(axis=2).mean()) / largest)
+    return error if math.isfinite(error) else None
