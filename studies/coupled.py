@@ -58,6 +58,7 @@ QUADRATURES = [name for name in get_args(Quadrature) if name != "reduced"]
 LARGE = (10, 22)  # meshes along a side
 QUICK: dict[str, Any] = {"end_time": 0.06, "steps": (5e-3, 2e-3)}  # [s]
 REPETITIONS = 3
+TICKS = [digit * 10.0**power for power in range(-4, 3) for digit in (1, 3)]  # [s]
 SIDES = ("inextensible", "native")
 WHO = {"ours": (SIDES[0], "tuned"), "default": (SIDES[0], "default"), "native": (SIDES[1], "tuned")}
 
@@ -200,7 +201,9 @@ def draw(results: Results, directory: Path) -> list[Path]:
         sides = {name: [row for row in rows if row["formulation"] == name] for name in SIDES}
         shown = {**sides, "default settings": default}.items()
         curves = [Curve(*_front(some), name) for name, some in shown]
-        axes = {"title": scene, "legend": False, "horizontal": BOUNDS}
+        times = [seconds for curve in curves for seconds in curve.x]
+        ticks = [x for x in TICKS if 0.7 * min(times) < x < 1.4 * max(times)]
+        axes = {"title": scene, "legend": False, "horizontal": BOUNDS, "ticks": ticks}
         panels.append(Panel("CPU time [s]", "error [-]", curves, **axes))
     rows_of_panels = -(-len(panels) // 4)
     width, height = 3.4 * -(-len(panels) // rows_of_panels), 0.5 + 2.9 * rows_of_panels
