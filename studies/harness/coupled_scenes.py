@@ -63,5 +63,5 @@ SCENES = (
     overhead_line(1, (1, 2, 3, 4, 6), is_quick=True),
     overhead_line(3, (1, 2, 4, 6)),
     net_of_squares(2),
-    replace(net_of_squares(3), meshes=(2, 3, 4, 6), axial=(1e4, 1e5), steps=(5e-3, 2e-3, 1e-3, 5e-4)),
+    replace(net_of_squares(3), meshes=(2, 3, 4, 6), axial=(1e5, 1e6), steps=(5e-3, 2e-3, 1e-3, 5e-4)),
 )
