@@ -16,7 +16,6 @@ from tests.examples.twins import run_inextensible
 
 PARTS = {"bodies", "contact", "flight", "meshes", "overhead_parts", "shapes"}
 HELPERS = PARTS | {"__init__", "animation", "net_film", "picture", "style"}
-HELPERS = PARTS | {"__init__", "animation", "net_film", "picture", "style"}
 FILES = sorted(Path(examples.__file__).parent.glob("*.py"))
 SCRIPTS = [path.stem for path in FILES if path.stem not in HELPERS]
 
