@@ -3,7 +3,7 @@
 from collections import defaultdict
 from collections.abc import Callable, Container, Iterable
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeGuard
 
 import exudyn
 import numpy as np
@@ -19,6 +19,7 @@ from ..items.cable_item import supports_of_flags
 from ..items.element_weights import Elements, elements_by_nodes, put_together, read_weight
 from ..items.link_items import read_held_coordinate, read_moving_coordinate, read_rod
 from ..items.load_items import read_load
+from ..loads.nodal import NodalLoad
 from ..loads.weight import ElementWeight
 from ..scene.links import MovingCoordinate, Rod, links_of_motions
 from ..scene.model import CableInScene, CableItem, CableLoad, HeldCoordinate, Reaction, Scene
@@ -141,16 +142,20 @@ def _does_something(data: dict[str, Any]) -> bool:
 def _take_foreign_constraints(
     constraints: dict[int, Constraint], cable_of: dict[int, int]
 ) -> dict[int, Constraint]:
-    """Remove constraints that do not act on one cable alone; returns them, one kind after the other.
+    """Remove constraints that do not act on one cable alone, or follow user functions of the state.
+
+    Returns them, one kind after the other.
 
     cable_of: number of the cable that a node belongs to.
     """
 
-    def is_on_one(constraint: Constraint) -> bool:
+    def is_of_one(constraint: Constraint) -> bool:
+        if isinstance(constraint, MovingCoordinate) and not constraint.motion.is_pure:
+            return False
         cables = {cable_of.get(node) for node in constraint.nodes}
         return len(cables) == 1 and None not in cables
 
-    foreign = [number for number, constraint in constraints.items() if not is_on_one(constraint)]
+    foreign = [number for number, constraint in constraints.items() if not is_of_one(constraint)]
     foreign.sort(key=lambda number: _KINDS.index(type(constraints[number])))
     return {number: constraints.pop(number) for number in foreign}
 
@@ -186,12 +191,19 @@ def _read_loads(mbs: Any, on_cables: Container[int], elements: Elements) -> tupl
     for number in range(mbs.systemData.NumberOfLoads()):
         if (weight := read_weight(mbs, number, elements)) is not None:
             weights.append(weight)
-        elif (load := read_load(mbs, number)) is not None and load.node in on_cables:
+        elif _is_of_cables(load := read_load(mbs, number), on_cables):
             loads.append(load)
         else:
             data = mbs.GetLoad(number)
             others.append(f"load {number} '{data['name']}' ({data['loadType']})")
     return loads + put_together(weights), others
+
+
+def _is_of_cables(load: NodalLoad | None, on_cables: Container[int]) -> TypeGuard[NodalLoad]:
+    """Whether a cable takes it: a user function of the state is Exudyn's, which knows the state."""
+    if load is None or load.node not in on_cables:
+        return False
+    return load.history is None or load.is_pure
 
 
 def _foreign_nodes(mbs: Any, on_cables: Container[int]) -> list[str]:
