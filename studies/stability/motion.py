@@ -103,7 +103,7 @@ def straight(elements: int, stiffness: float = STIFFNESS) -> Equilibrium:
 def hanging(elements: int, gravity: float, stiffness: float = STIFFNESS) -> Equilibrium:
     """Pinned at its upper end, with as much mass at the lower one.
 
-    Without the mass, a limp free end does not hang straight (README, "When to use it").
+    Without the mass, a limp free end does not hang straight (docs/overview.md, "When to use it").
     """
     return _cable_at(_line(elements, (0.0, -1.0)), [(0, 0)], gravity, stiffness, point_masses=_OWN_MASS)
 
