@@ -1,5 +1,6 @@
 """What Exudyn's items do to a scene at rest, for the search for its equilibrium."""
 
+from collections.abc import Iterable
 from typing import Any
 
 import exudyn
@@ -33,7 +34,7 @@ class StaticScene:
         self.force(scene.initial_state[0])
         self.mass = scene.body_system.mass
         bodies = scene.map.slices[-1]
-        self.varying = _varying(scene, np.arange(bodies.start, bodies.stop))
+        self.varying = _varying(scene)
         quaternions = read_quaternions(mbs)
         places = [[scene.map.place(c) for c in one.coordinates] for one in quaternions]
         self.quaternions = np.array(places, dtype=int).reshape(-1, 4)
@@ -73,24 +74,28 @@ class StaticScene:
         return self._scene.coordinate_name(self._scene.map.indices[place])
 
 
-def _varying(scene: CoupledScene, bodies: np.ndarray) -> np.ndarray:
-    """Coordinates that forces of items, or Jacobians of joints, depend on."""
+def _varying(scene: CoupledScene) -> list[np.ndarray]:
+    """Coordinates that forces of items, or Jacobians of joints, depend on, of each item."""
     mbs, data = scene.mbs, scene.mbs.systemData
     if mbs.NumberOfGeneralContacts():
-        return np.arange(len(scene.map.indices))
+        return [np.arange(len(scene.map.indices))]
     linear = {joint.number for joint in scene.joints if joint.is_linear}
     left_out = linear | {cable.number for cable in scene.cables} | scene.elsewhere
-    found = [bodies]
+    found = [_places(scene, body.coordinates) for body in scene.bodies]
     for number in range(data.NumberOfObjects()):
         if number not in left_out and mbs.GetObject(number).get("activeConnector"):
-            found.append(np.array(data.GetObjectLTGODE2(number), dtype=int))
-            found[-1] = np.array([scene.map.place(c) for c in found[-1]], dtype=int)
+            found.append(_places(scene, data.GetObjectLTGODE2(number)))
     for number in range(data.NumberOfLoads()):
         load = mbs.GetLoad(number)
         if load["loadType"] == "TorqueVector" or load.get("bodyFixed"):
             found.append(_coordinates_of_marker(scene, int(load["markerNumber"])))
-    together = np.unique(np.concatenate(found))
-    return together[together >= 0]
+    return found
+
+
+def _places(scene: CoupledScene, coordinates: Iterable[int]) -> np.ndarray:
+    """Of coordinates of mbs in the scene, but of those that are held."""
+    places = np.array([scene.map.place(c) for c in coordinates], dtype=int)
+    return places[places >= 0]
 
 
 def _coordinates_of_marker(scene: CoupledScene, number: int) -> np.ndarray:
@@ -99,7 +104,7 @@ def _coordinates_of_marker(scene: CoupledScene, number: int) -> np.ndarray:
         own = data.GetNodeLTGODE2(int(marker["nodeNumber"]))
     else:
         own = data.GetObjectLTGODE2(int(marker["bodyNumber"])) if "bodyNumber" in marker else []
-    return np.array([scene.map.place(c) for c in own], dtype=int)
+    return _places(scene, own)
 
 
 def _turning(scene: CoupledScene, first: int) -> np.ndarray:

@@ -17,6 +17,7 @@ from scipy.sparse import block_diag, csr_array, vstack
 
 from ..arrays import Array
 from .potential import Potential
+from .rounds import rounds_of
 
 STEP = 1e-6  # of differences [m, -]
 SHARE = 1e-9  # of the usual shift, by which all Hessians are made regular: bodies may be free to turn
@@ -26,13 +27,14 @@ INDIFFERENT = -1e-6  # eigenvalue, relative to the usual shift
 class Others(Protocol):
     """All but the cables, and the joints; coordinates are those of the scene, cables first.
 
-    mass: (b, b) of the bodies, whose coordinates come last.   varying: coordinates that F or J depend on.
+    mass: (b, b) of the bodies, whose coordinates come last.
+    varying: coordinates that F or J depend on, item by item.
     quaternions: (Q, 4) places of Euler parameters.   references: (Q, 4) added to these.
     turning: (k,) places of coordinates that turn bodies.
     """
 
     mass: csr_array
-    varying: np.ndarray
+    varying: list[np.ndarray]
     quaternions: np.ndarray
     references: Array
     turning: np.ndarray
@@ -56,6 +58,7 @@ class JoinedPotential:
 
     def __init__(self, cables: Sequence[Potential], others: Others, start: Array) -> None:
         self._cables, self._others = cables, others
+        self._rounds = rounds_of(others.varying)
         sizes = [cable.cable.reference.size for cable in cables]
         ends = np.cumsum([0, *sizes])
         self._places = [slice(a, b) for a, b in pairwise(ends.tolist())]
@@ -155,21 +158,24 @@ class JoinedPotential:
 
     def _of_others(self, q: Array, nu: Array) -> csr_array:
         """Derivatives of G, by central differences."""
-        varying = self._others.varying
 
         def out_of_balance(at: Array) -> Array:
             force: Array = self._others.jacobian(at).T @ nu - self._others.force(at)
             return force
 
-        columns = np.zeros((len(q), len(varying)))
-        for column, place in enumerate(varying):
+        values = [np.zeros(0)]
+        for one in self._rounds:
             moved = q.copy()
-            moved[place] += STEP
+            moved[one.places] += STEP
             after = out_of_balance(moved)
-            moved[place] -= 2.0 * STEP
-            columns[:, column] = (after - out_of_balance(moved)) / (2.0 * STEP)
-        rows, found = np.nonzero(columns)
-        return csr_array((columns[rows, found], (rows, varying[found])), (len(q), len(q)))
+            moved[one.places] -= 2.0 * STEP
+            values.append((after - out_of_balance(moved))[one.rows] / (2.0 * STEP))
+        none = np.zeros(0, np.int64)
+        rows = np.concatenate([none, *(one.rows for one in self._rounds)])
+        columns = np.concatenate([none, *(one.columns for one in self._rounds)])
+        found = csr_array((np.concatenate(values), (rows, columns)), (len(q), len(q)))
+        found.eliminate_zeros()
+        return found
 
     def convex_model(self, multipliers: Array, shift: float) -> csr_array:
         """See `StaticSystem`."""

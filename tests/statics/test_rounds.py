@@ -1,0 +1,43 @@
+"""Sparse Jacobians by differences: few rounds find all entries."""
+
+import numpy as np
+import pytest
+
+from exudyn_inext.statics.rounds import rounds_of
+
+SIZE = 40
+
+
+def chain(length):
+    return [np.array([k, k + 1, k + 2]) for k in range(length - 2)]
+
+
+def scattered():
+    random = np.random.default_rng(5)
+    return [random.choice(SIZE, 4, replace=False) for _ in range(12)]
+
+
+@pytest.mark.parametrize("groups", [chain(SIZE), scattered(), [np.arange(SIZE)], []], ids=len)
+def test_all_entries_of_what_the_items_do_are_found(groups):
+    """Each item adds the cube of the sum of its coordinates, times a number, to each of them."""
+    factors = np.random.default_rng(1).uniform(1.0, 2.0, (len(groups), SIZE))
+
+    def force(q):
+        result = np.zeros(SIZE)
+        for group, factor in zip(groups, factors, strict=True):
+            result[group] += factor[group] * q[group].sum() ** 3
+        return result
+
+    q, expected, found = np.linspace(0.1, 1.0, SIZE), np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE))
+    for group, factor in zip(groups, factors, strict=True):
+        expected[np.ix_(group, group)] += 3.0 * factor[group, np.newaxis] * q[group].sum() ** 2
+    for one in rounds_of(groups):
+        step = np.zeros(SIZE)
+        step[one.places] = 1e-5
+        change = (force(q + step) - force(q - step)) / 2e-5
+        found[one.rows, one.columns] += change[one.rows]
+    np.testing.assert_allclose(found, expected, atol=1e-6)
+
+
+def test_the_number_of_rounds_does_not_grow_with_the_scene():
+    assert len(rounds_of(chain(20))) == len(rounds_of(chain(200))) == 5
