@@ -91,7 +91,16 @@ def _mass_of_object(mbs: Any, number: int, coordinates: np.ndarray, total: Syste
     try:
         return np.asarray(mbs.ComputeItem(index, _MASS)), True
     except exudyn.InternalError:  # stored as sparse matrix, or not at all
-        return total.part(coordinates), False
+        of_point = _mass_of_point(mbs.GetObject(number), len(coordinates))
+        return (total.part(coordinates), False) if of_point is None else (of_point, False)
+
+
+def _mass_of_point(data: dict[str, Any], size: int) -> Array | None:
+    """(size, size) of a mass point, whose mass is one of its parameters; None of another object."""
+    if data["objectType"] not in ("MassPoint", "MassPoint2D"):
+        return None
+    mass: float | None = data.get("mass", data.get("physicsMass"))  # names in Exudyn's versions
+    return None if mass is None else mass * np.eye(size)
 
 
 def read_bodies(mbs: Any, cables: Sequence[int], on_cables: np.ndarray, total: SystemMass) -> list[Body]:
