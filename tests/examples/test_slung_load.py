@@ -7,8 +7,8 @@ import pytest
 from examples import slung_load as example
 from examples.flight import settings_of_period
 from exudyn_inext import ExplicitSolver
+from reference_models.conventional.native_cables import NativeCables
 from reference_models.model import silence
-from tests.examples.twins import stiff
 
 
 def fly(solver, settings=None, **options):
@@ -35,7 +35,7 @@ def test_it_agrees_with_stiff_native_cables_and_implicit_steps(flown):
     settings.timeIntegration.newton.relativeTolerance = 1e-6
     settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
     solver, elements = exudyn.MainSolverImplicitSecondOrder(), 2 * example.ELEMENTS
-    times, native = fly(solver, settings, addCable=stiff(1e5), elements=elements)
+    times, native = fly(solver, settings, addCable=NativeCables(1e5), elements=elements)
     ours_times, ours = flown[9.0]
     common, mine, theirs = np.intersect1d(ours_times.round(9), times.round(9), return_indices=True)
     assert len(common) == len(ours_times)

@@ -6,8 +6,8 @@ import pytest
 from examples import crane, net, slider_crank, tethered_bodies
 from exudyn_inext import AdviceSettings, Advise
 from exudyn_inext.exudyn_binding.advising.pilot_runs import PilotRuns
+from reference_models.conventional.native_cables import NativeCables
 from reference_models.model import quiet_settings, silence
-from tests.examples.twins import stiff
 from tests.exudyn_binding.items import trajectory
 
 SCENES = [(crane, 0.5, 1e-3), (tethered_bodies, 0.4, 5e-4), (slider_crank, 0.3, 1e-4), (net, 0.3, 2e-3)]
@@ -65,7 +65,9 @@ def test_error_and_cost_are_those_predicted(builder, solve, counted, scene, end,
 def test_native_cables_are_weighed_among_bodies(builder, solve):
     """Stretch does not matter, so that they move alike within 1 %."""
     settings = AdviceSettings(
-        samplePeriod=0.002, axialStiffness=AXIAL, buildConventional=builder(crane, addCable=stiff(AXIAL))
+        samplePeriod=0.002,
+        axialStiffness=AXIAL,
+        buildConventional=builder(crane, addCable=NativeCables(AXIAL)),
     )
     with silence():
         advice = Advise(builder(crane), 1e-3, 0.4, settings=settings)

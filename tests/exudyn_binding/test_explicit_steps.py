@@ -11,8 +11,8 @@ from exudyn.itemInterface import LoadForceVector, MarkerNodePosition
 
 from examples import slung_load as example
 from exudyn_inext import DivergenceError, ExplicitSettings, ExplicitSteps, SceneError, SolveExplicit
+from reference_models.conventional.native_cables import NativeCables
 from reference_models.model import quiet_settings, silence
-from tests.examples.twins import stiff
 from tests.gym_stub import import_environments
 
 SETTINGS = ExplicitSettings(stepSize=2e-3, massScaling=0.3)
@@ -69,7 +69,7 @@ def environments(said):
         explicitSettings = SETTINGS
 
     class Native(SlungLoad, ExplicitSteps, native):
-        addCable, steps = staticmethod(stiff(1e5)), 10  # longer ones let it diverge
+        addCable, steps = staticmethod(NativeCables(1e5)), 10  # longer ones let it diverge
 
         def PreInitializeSolver(self):
             self._initial_state = self.mbs.systemData.GetSystemState(exudyn.ConfigurationType.Initial)
@@ -281,7 +281,7 @@ def test_a_dialog_moves_as_with_native_cables_and_its_native_solver():
     moved = {}
     for kind, addCable in (
         (ExplicitDialog, example.inext.CreateInextensibleCable),
-        (InteractiveDialog, stiff(1e5)),
+        (InteractiveDialog, NativeCables(1e5)),
     ):
         scene = slung_load(addCable)
 

@@ -19,11 +19,9 @@ from exudyn.itemInterface import (
 from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import (
-    ExplicitSettings,
     InextensibleError,
     RedundantConstraintError,
     SceneError,
-    SolveEnsemble,
     SolveEquilibrium,
 )
 from reference_models.model import quiet_settings, silence
@@ -95,28 +93,6 @@ FOREIGN = [
     (foreign_load, r"load 0 'push' \(ForceVector\)"),
     (torque, r"load 0 'twist' \(TorqueVector\)"),
 ]
-CABLES_ONLY = {
-    "SolveEnsemble": lambda mbs: SolveEnsemble([mbs], quiet_settings(0.01, 1), ExplicitSettings()),
-}
-
-
-@pytest.mark.parametrize("who", CABLES_ONLY)
-@pytest.mark.parametrize(("add", "message"), FOREIGN, ids=lambda value: getattr(value, "__name__", ""))
-def test_what_does_not_belong_to_cables_alone_is_named(mbs, add_pendulum, contents, who, add, message):
-    cable = add_pendulum(mbs)
-    add(mbs, int(cable["nodes"][4]))
-    mbs.Assemble()
-    refused(mbs, CABLES_ONLY[who], contents, f"{who} deals with .*mbs has also: .*{message}.*SolveExplicit")
-
-
-def test_all_foreign_items_are_named_at_once(mbs, add_pendulum, contents):
-    node = int(add_pendulum(mbs)["nodes"][4])
-    spring(mbs, node)
-    offset_constraint(mbs, node)
-    mbs.Assemble()
-    refused(mbs, CABLES_ONLY["SolveEnsemble"], contents, "'hook'.*'pulled'")
-
-
 AT_REST = {  # what statics says; nothing: it finds the equilibrium
     "rigid_body": "nothing connects object .* to the ground",
     "mass_point": "nothing connects object .* to the ground",

@@ -11,7 +11,6 @@ from exudyn_inext.scene.path_work import (
     expect_energy,
     follow,
     gather,
-    gather_and_follow,
     take_sums,
 )
 
@@ -81,7 +80,8 @@ def test_forces_are_taken_from_a_system_vector_and_followed():
     np.testing.assert_array_equal(force, [11.0, 5.0, 0.0])
     path = build_path(3)
     begin_path(path, np.zeros(4), force)
-    gather_and_follow(path, q, 2.0 * vector, places, force)
+    gather(2.0 * vector, places, force)
+    follow(path, q, force)
     np.testing.assert_array_equal(force, [22.0, 10.0, 0.0])
     assert take_sums(path)[0] == pytest.approx(1.5 * (11.0 * 1.0 + 5.0 * 2.0))
 
