@@ -123,28 +123,33 @@ def clear(memory: Any) -> None:
             memory[i, j] = 0.0
 
 
-def optional(field: str) -> Callable[[_Function], _Function]:
+def _nothing(axes, nodes, elements, *others):
+    pass
+
+
+def optional(field: str, otherwise: Callable[..., Any] = _nothing) -> Callable[[_Function], _Function]:
     """Compile f(axes, nodes, elements, ...) as a part of kernels, where the elements' `field` is not empty.
 
-    Elsewhere it does nothing, and takes no time to compile.
+    otherwise: `inlined`, takes its place elsewhere, where f takes no time to compile.
     """
 
     def decorate(function: _Function) -> _Function:
         compiled = inlined(function)
 
         def part(axes, nodes, elements, *others):
-            if elements.dtype[field].shape[0] > 0:
-                function(axes, nodes, elements, *others)
+            chosen = function if elements.dtype[field].shape[0] > 0 else otherwise
+            return chosen(axes, nodes, elements, *others)
 
         @overload(part, strict=False, jit_options=_OF_PARTS)
         def choose(axes, nodes, elements, *others):
+            chosen = compiled if elements.dtype.fields[field].type.shape[0] > 0 else otherwise
+            if chosen is _nothing:
+                return _nothing
+
             def call(axes, nodes, elements, *others):
-                compiled(axes, nodes, elements, *others)
+                return chosen(axes, nodes, elements, *others)
 
-            def nothing(axes, nodes, elements, *others):
-                pass
-
-            return call if elements.dtype.fields[field].type.shape[0] > 0 else nothing
+            return call
 
         part.__name__, part.__doc__ = function.__name__, function.__doc__
         return cast(_Function, part)

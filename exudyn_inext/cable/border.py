@@ -44,7 +44,7 @@ def all_links(cable: Cable) -> tuple[Link, ...]:
 def closure_links(cable: Cable) -> list[Link]:
     """First and last node coincide: positions, and slopes transverse to the first one.
 
-    Along the slope both nodes fulfil the same constraint (18).
+    Along the slope both nodes fulfil the same constraint (18), or, with axial stiffness, all of it is joined.
     """
     if not cable.closed:
         return []
@@ -54,8 +54,10 @@ def closure_links(cable: Cable) -> list[Link]:
     links = []
     if not cable.fixed[0, 0]:
         links += [Link(CLOSURE, (0, last), on_position, origin, axis) for axis in np.eye(dim)]
-    if not cable.fixed[0, 1]:
-        on_slope, unknown = on_position[:, ::-1], np.zeros(dim)
+    on_slope, unknown = on_position[:, ::-1], np.zeros(dim)
+    if not cable.fixed[0, 1] and cable.stretches:
+        links += [Link(CLOSURE, (0, last), on_slope, origin, axis) for axis in np.eye(dim)]
+    elif not cable.fixed[0, 1]:
         links += [Link(CLOSURE, (0, last), on_slope, origin, unknown, follows=j) for j in range(dim - 1)]
     return links
 
@@ -159,7 +161,7 @@ def _times_gradient(axes, nodes, link, y):
         node = nodes[k]
         for i in range(dim):
             total += link.gradient[t, 0, i] * y[k, i]
-            for j in range(dim - 1):
+            for j in range(node.basis.shape[1]):
                 total += link.gradient[t, 1, i] * node.basis[i, j] * y[k, dim + j]
     return total
 
@@ -172,7 +174,7 @@ def _set_unit_force(axes, nodes, link, column):
         node = nodes[link.node[t]]
         for i in range(dim):
             node.solution[column, i] += link.gradient[t, 0, i]
-            for j in range(dim - 1):
+            for j in range(node.basis.shape[1]):
                 node.solution[column, dim + j] += link.gradient[t, 1, i] * node.basis[i, j]
 
 
@@ -221,7 +223,7 @@ def _violation_of_solution(axes, nodes, link, column):
         for i in range(dim):
             total += link.gradient[t, 0, i] * node.solution[column, i]
             total += link.gradient[t, 1, i] * node.along[column] * node.slope[i]
-            for j in range(dim - 1):
+            for j in range(node.basis.shape[1]):
                 total += link.gradient[t, 1, i] * node.basis[i, j] * node.solution[column, dim + j]
     return total
 

@@ -27,12 +27,18 @@ class Section:
     bending_stiffness: EI [N m^2].
     natural_curvature: kappa_0 of the stress-free cable [1/m]; planar cables only.
     bending_damping: D of the moment D kappa_t [N m^2 s].
+    axial_stiffness: EA of the tension EA (|r_x| - 1 - axial_strain) [N]; None: the cable is inextensible.
+    axial_damping: of the tension that the rate of the strain adds [N s].
+    axial_strain: of the stress-free cable [-].
     """
 
     mass_per_length: float
     bending_stiffness: float
     natural_curvature: float = 0.0
     bending_damping: float = 0.0
+    axial_stiffness: float | None = None
+    axial_damping: float = 0.0
+    axial_strain: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +82,11 @@ class Cable:
     @property
     def length(self) -> float:
         return float(self.element_lengths.sum())
+
+    @property
+    def stretches(self) -> bool:
+        """Whether it has an axial stiffness."""
+        return self.section.axial_stiffness is not None
 
     def constrained_lengths(self) -> Array:
         """(N,) value of int |r_x|^2 dx that each element shall keep, Eq. (19) [m]."""

@@ -17,6 +17,7 @@ from ..element.inertia import mass_matrix
 from ..element.inextensibility import slope_gram_matrix
 from ..element.natural_curvature import turning_matrix
 from .attached import mass_of_points
+from .axial_stiffness import set_axial_step, set_axial_stiffness
 from .cable import Cable, CurvatureMeasure
 from .implicit_bending import EXPLICIT, ImplicitBending
 from .records import element_type, node_type
@@ -48,7 +49,7 @@ def build_chain(cable: Cable, implicit: ImplicitBending = EXPLICIT) -> Chain:
     """
     product = cable.measure is CurvatureMeasure.PRODUCT
     dim, number = cable.dimension, cable.number_of_elements
-    nodes = np.zeros(number + 1, node_type(dim))
+    nodes = np.zeros(number + 1, node_type(dim, cable.stretches))
     section = cable.section
     layout = element_type(
         dim,
@@ -56,6 +57,7 @@ def build_chain(cable: Cable, implicit: ImplicitBending = EXPLICIT) -> Chain:
         natural=section.natural_curvature != 0.0,
         damped=section.bending_damping != 0.0,
         dragged=cable.drag is not None,
+        axial=cable.stretches,
     )
     elements = np.zeros(number, layout)
     nodes["free"] = np.where(cable.fixed, 0.0, 1.0)
@@ -78,6 +80,8 @@ def build_chain(cable: Cable, implicit: ImplicitBending = EXPLICIT) -> Chain:
         elements["slope_gram"] = forms_of_mesh(_in_differences(slope_gram_matrix), lengths)
     elements["reference_length"] = cable.constrained_lengths()
     elements["per_length"] = 1.0 / elements["reference_length"]
+    if cable.stretches:
+        set_axial_stiffness(cable, nodes, elements)
     chain = Chain(tuple(range(dim)), nodes, elements)
     set_mass(chain, cable, implicit)
     return chain
@@ -89,6 +93,8 @@ def set_mass(chain: Chain, cable: Cable, implicit: ImplicitBending) -> None:
     masses = _element_masses(cable, implicit.factor(cable.section))
     _assemble_mass(masses, nodes["free"], nodes["mass"], elements["mass"])
     elements["lag"] = implicit.damping
+    if cable.stretches:
+        set_axial_step(implicit.step, nodes, elements)
 
 
 def _tensor_over_pairs(length: float) -> Array:

@@ -135,7 +135,7 @@ def _eliminate_unknown(axes, node, block, w, following, j):
 
 
 @inlined
-def _eliminate_node(axes, node, block, w, following):
+def eliminate_node(axes, node, block, w, following):
     """L D L^T of the block, and what the node leaves to the next one, which becomes the block."""
     size = 2 * len(axes)
     clear(following)
@@ -163,5 +163,5 @@ def factorise(axes, nodes, elements):
         handed_on = 0.0
         if not node.ends_group:
             handed_on = _hand_on_multiplier(axes, block, w)
-        _eliminate_node(axes, node, block, w, following)
+        eliminate_node(axes, node, block, w, following)
         block[size - 1, size - 1] += handed_on

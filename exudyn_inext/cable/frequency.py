@@ -5,11 +5,13 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import inlined, inlined_kernel, kernel
+from ..compiled import inlined, inlined_kernel, kernel, optional
+from ..element.axial_strain import mean_strain
 from ..element.inextensibility import length_gradient
 from ..lowered import local_array
 from ..system import accelerate_and_project
-from .assembly import add_elastic_force, add_element_force, differences
+from .assembly import VALUE, add_elastic_force, add_element_force, differences
+from .axial_stiffness import FORCE, FREE_STRAIN, STRAIN
 from .index_reduction import CableSystem
 from .linear_response import add_link_stiffness, constrained_inverse, take_link_forces
 from .linked_cable import LinkedCableSystem
@@ -167,6 +169,29 @@ def _no_tension(system: Any) -> tuple[Array, Array, Array]:
     return np.zeros(len(chain.nodes)), np.zeros(len(chain.elements)), np.zeros(links)
 
 
+@inlined
+def _of_multipliers(axes, nodes, elements, chain, acceleration, momentum, tension):
+    """Nodal and length multipliers behind an evaluation; arguments: see `_set_tension`."""
+    nodal_multipliers(chain, acceleration, momentum, tension[0])
+    for k in range(len(elements)):
+        tension[1][k] = elements[k].multiplier[0]
+
+
+@optional("axial", otherwise=_of_multipliers)
+def set_length_tension(axes, nodes, elements, chain, acceleration, momentum, tension):
+    """Multipliers of (18), (19) that give the stiffness of the axial forces, or a little more."""
+    for k in range(len(nodes)):
+        tension[0][k] = 0.5 * nodes[k].axial[FORCE] / (1.0 + nodes[k].constraint[VALUE])
+    for k in range(len(elements)):
+        force = elements[k].axial[FORCE]
+        left, right = nodes[k].constraint[VALUE], nodes[k + 1].constraint[VALUE]
+        middle = elements[k].axial[STRAIN] + elements[k].axial[FREE_STRAIN]
+        mean = 1.0 + mean_strain(left, middle, right)
+        tension[1][k] = 0.75 * force * elements[k].per_length / mean
+        tension[0][k] -= 0.125 * force / (1.0 + left)
+        tension[0][k + 1] -= 0.125 * force / (1.0 + right)
+
+
 @inlined_kernel
 def _set_tension(system, acceleration, momentum, tension):
     """`tension` behind the last evaluation of `system`, which gave this acceleration (n, 2, dim).
@@ -175,9 +200,9 @@ def _set_tension(system, acceleration, momentum, tension):
     """
     elements = system.chain.elements
     take_link_forces(system, tension[2])
-    nodal_multipliers(system.chain, acceleration, momentum, tension[0])
-    for k in range(len(elements)):
-        tension[1][k] = elements[k].multiplier[0]
+    set_length_tension(
+        system.chain.axes, system.chain.nodes, elements, system.chain, acceleration, momentum, tension
+    )
 
 
 def nodal_multipliers_of(system: Any, acceleration: Array) -> Array:
@@ -192,12 +217,20 @@ def nodal_multipliers_of(system: Any, acceleration: Array) -> Array:
 
 
 @inlined
-def _degrees_of_freedom(system, number_of_links):
-    """Coordinates that move, less nodal, length and link constraints."""
-    nodes, dim = system.chain.nodes, len(system.chain.axes)
-    number = -number_of_links
+def _of_constrained(axes, nodes, elements):
+    """Coordinates that move, less nodal and length constraints."""
+    dim, number = len(axes), 0
     for k in range(len(nodes)):
         number += int(dim * nodes[k].free[0] + (dim - 1) * nodes[k].free[1]) - int(nodes[k].ends_group)
+    return number
+
+
+@optional("axial", otherwise=_of_constrained)
+def _degrees_of_freedom(axes, nodes, elements):
+    """Coordinates that move."""
+    number = 0
+    for k in range(len(nodes)):
+        number += int(len(axes) * (nodes[k].free[0] + nodes[k].free[1]))
     return number
 
 
@@ -219,7 +252,9 @@ def _largest_at_state(system, q, tension, memory, diagonal, off_diagonal):
     tension: see `_set_tension`.   memory: (6, n, 2, dim); the fourth one is zero.
     """
     start, scattered = memory[2], memory[4]
-    rows = min(len(diagonal), _degrees_of_freedom(system, len(tension[2])))
+    chain = system.chain
+    freedom = _degrees_of_freedom(chain.axes, chain.nodes, chain.elements) - len(tension[2])
+    rows = min(len(diagonal), freedom)
     if rows < 1:
         return 0.0
     _scatter(scattered)

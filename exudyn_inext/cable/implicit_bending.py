@@ -18,10 +18,12 @@ class ImplicitBending:
     """What of the bending forces is in the matrix on the left.
 
     stiffness: theta h^2 [s^2].   damping: h/2 [s]; 0: the damping is explicit.
+    step: h of axial stiffness, see `axial` [s]; 0: it is explicit.
     """
 
     stiffness: float = 0.0
     damping: float = 0.0
+    step: float = 0.0
 
     def factor(self, section: Section) -> float:
         """Of the curvature's Gram matrix beside the mass: theta h^2 EI + h/2 D [N m^2 s^2]."""

@@ -22,15 +22,18 @@ from .assembly import (
     add_damping,
     add_drag,
     add_lagging_damping,
-    assemble,
-    elastic_energy,
     lag_of,
-    leave_targets,
-    set_violations,
+)
+from .axial import (
+    aim_at_positions,
+    assemble_chain,
+    axial_power,
+    factorise_chain,
+    largest_violation,
+    stored_energy,
 )
 from .chain import Chain
 from .energy import dissipative_power, kinetic_energy, lagging_energy
-from .factorisation import factorise
 from .saddle_point import solve_both_columns, solve_column
 
 ACCELERATION, CORRECTION = 0, 1  # columns of Eq. (29): v' with lam, and q' - v with mu
@@ -53,7 +56,7 @@ def assemble_forces(axes, nodes, elements, external, q, v, lead, a, set_targets,
 
     lead, a: damping and drag act at v + lead a; implicit damping takes its share of a from the left.
     """
-    assemble(axes, nodes, elements, external, q, v, ACCELERATION, set_targets, parameter)
+    assemble_chain(axes, nodes, elements, external, q, v, lead, set_targets, parameter)
     add_damping(axes, nodes, elements, q, v, lead - lag_of(elements), a, ACCELERATION)
     add_drag(axes, nodes, elements, q, v, lead, a, ACCELERATION)
 
@@ -62,7 +65,7 @@ def assemble_forces(axes, nodes, elements, external, q, v, lead, a, set_targets,
 def assemble_and_factorise(axes, nodes, elements, external, q, v, lead, a, set_targets, parameter):
     """All of Eq. (29) but the links; arguments: see `assemble_forces`."""
     assemble_forces(axes, nodes, elements, external, q, v, lead, a, set_targets, parameter)
-    factorise(axes, nodes, elements)
+    factorise_chain(axes, nodes, elements)
 
 
 @optional("damping")
@@ -155,7 +158,7 @@ def correct_cable_position(system, external, q, tolerance, learning, correction)
     """One solve with the last factor. Arguments: see `correct_position`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     shape = (len(nodes), 2, len(axes))
-    worst = set_violations(axes, nodes, elements, q.reshape(shape), set_correction_target, learning)
+    worst = aim_at_positions(axes, nodes, elements, q.reshape(shape), set_correction_target, learning)
     if not worst < tolerance:
         solve_column(axes, nodes, elements, CORRECTION, correction.reshape(shape))
     return worst
@@ -170,10 +173,11 @@ def gauge_chain(chain, external, q, v, a, force, gauges):
     for i in range(len(q)):
         force[i] = external[i]
     gauges[KINETIC] = kinetic_energy(axes, nodes, elements, rates) - lagging_energy(axes, elements, rates)
-    gauges[ELASTIC] = elastic_energy(chain, known)
+    gauges[ELASTIC] = stored_energy(axes, nodes, elements, chain, known, rates, a.reshape(shape))
     gauges[AGITATION] = kinetic_energy(axes, nodes, elements, a.reshape(shape))
     gauges[POWER] = dissipative_power(axes, nodes, elements, known, rates)
-    gauges[VIOLATION] = set_violations(axes, nodes, elements, known, leave_targets, 0.0)
+    gauges[POWER] += axial_power(axes, nodes, elements, rates)
+    gauges[VIOLATION] = largest_violation(axes, nodes, elements, known)
 
 
 @implements(gauge, CableSystem)

@@ -15,7 +15,9 @@ from ..system import (
     implements,
     index_reduced_rates,
 )
-from .assembly import add_lagging_damping, lag_of, leave_targets, set_violations
+from .assembly import add_lagging_damping, lag_of, leave_targets
+from .axial import aim_at_positions
+from .axial_stiffness import MEAN_FORCE
 from .border import (
     Border,
     all_links,
@@ -74,7 +76,11 @@ def memory_of(system: CableSystem | LinkedCableSystem) -> dict[str, Any]:
     records = {"nodes": system.chain.nodes, "elements": system.chain.elements}
     if isinstance(system, LinkedCableSystem):
         records["links"] = system.border.links
-    return {name: held["foresight"] for name, held in records.items()}
+    memory = {name: held["foresight"] for name, held in records.items()}
+    for name, held in records.items():
+        if name != "links" and held["axial"].size:
+            memory[f"axial {name}"] = held["axial"][:, MEAN_FORCE:]
+    return memory
 
 
 @inlined
@@ -191,7 +197,7 @@ def correct_linked_position(system, external, q, tolerance, learning, correction
     links = system.border.links
     shape = (len(nodes), 2, len(axes))
     known = q.reshape(shape)
-    worst = set_violations(axes, nodes, elements, known, set_correction_target, learning)
+    worst = aim_at_positions(axes, nodes, elements, known, set_correction_target, learning)
     motions = external[q.size :].reshape(_shape_of_motions(axes, external, q.size))
     of_links = set_link_violations(axes, links, known, motions, set_correction_target, learning)
     worst = max(worst, of_links)

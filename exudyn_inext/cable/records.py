@@ -14,14 +14,15 @@ NUMBER = np.float64
 
 
 @lru_cache
-def node_type(dim: int) -> np.dtype:
+def node_type(dim: int, axial: bool = False) -> np.dtype:
     """Record of a node in `dim` dimensions.
 
     mass: r-r, r-s, s-s mass of the node with itself; supports replaced by unity [kg, kg m, kg m^2].
     free: 1.0 where position or slope moves, 0.0 where a support holds it.
     ends_group: whether a length constraint ends at this node.
     slope: r_x of the configuration [-].
-    basis: orthonormal vectors transverse to the slope, as columns.
+    basis: orthonormal vectors transverse to the slope, as columns; all directions with axial stiffness.
+    axial: axial stiffness and force, see `axial`, empty without them.
     force: right-hand sides on position and slope [N, Nm], one for each column of Eq. (29).
     constraint: value [-], rate [1/s], gamma [1/s^2] of the nodal constraint (18).
     target: right-hand sides of the nodal constraint, one for each column.
@@ -38,7 +39,8 @@ def node_type(dim: int) -> np.dtype:
             ("free", NUMBER, (2,)),
             ("ends_group", np.bool_),
             ("slope", NUMBER, (dim,)),
-            ("basis", NUMBER, (dim, dim - 1)),
+            ("basis", NUMBER, (dim, dim if axial else dim - 1)),
+            ("axial", NUMBER, (11 if axial else 0,)),
             ("force", NUMBER, (2, 2, dim)),
             ("constraint", NUMBER, (3,)),
             ("target", NUMBER, (2,)),
@@ -54,7 +56,12 @@ def node_type(dim: int) -> np.dtype:
 
 @lru_cache
 def element_type(
-    dim: int, product: bool, natural: bool = False, damped: bool = False, dragged: bool = False
+    dim: int,
+    product: bool,
+    natural: bool = False,
+    damped: bool = False,
+    dragged: bool = False,
+    axial: bool = False,
 ) -> np.dtype:
     """Record of an element in `dim` dimensions; what a cable does not have takes no memory.
 
@@ -65,6 +72,7 @@ def element_type(
     damping: table of the damping force, empty without damping.
     lag: h/2 [s], see `implicit_bending`, empty without damping.
     drag: table of the drag, empty without drag.   drag_law: its coefficients and the flow.
+    axial: as for nodes.   bending: EI / (3 l) [N m], empty without axial stiffness.
     slope_gram: slope Gram matrix in difference coordinates; zero without length constraint.
     reference_length: int |r_x|^2 dx in the reference configuration [m].
     per_length: its inverse [1/m]; 0 between two cables.
@@ -84,6 +92,8 @@ def element_type(
             ("lag", NUMBER, (1,) if damped else (0,)),
             ("drag", NUMBER, (4, 8) if dragged else (0, 8)),
             ("drag_law", NUMBER, (2, 3) if dragged else (0, 3)),
+            ("axial", NUMBER, (11 if axial else 0,)),
+            ("bending", NUMBER, (1 if axial else 0,)),
             ("slope_gram", NUMBER, (3, 3)),
             ("reference_length", NUMBER),
             ("per_length", NUMBER),

@@ -8,7 +8,7 @@ Everything that a solve needs and gives lies in the records of the chain, see `r
 as rarely as possible: loops over few nodes cost as much as what they do.
 """
 
-from ..compiled import clear, inlined, kernel
+from ..compiled import clear, inlined, kernel, optional
 from ..lowered import local_array, subtract_multiple
 from .factorisation import place_in_lower
 
@@ -44,7 +44,19 @@ def _length_target(axes, column, left, element, right):
 
 
 @inlined
-def _reduce(axes, nodes, elements, k, column, c, z):
+def _set_all_along(axes, nodes, elements, columns, first):
+    """`along` of all nodes."""
+    for k in range(len(nodes)):
+        _set_along(axes, columns, first, nodes[k])
+
+
+@optional("axial", otherwise=_set_all_along)
+def _prepare(axes, nodes, elements, columns, first):
+    """With axial stiffness, nothing is known along the slopes before the solve."""
+
+
+@inlined
+def _reduce_constrained(axes, nodes, elements, k, column, c, z):
     """z[c] = [f_r, N^T f_s, b] of node k less the share of the known p, from `force` and `target`."""
     dim = len(axes)
     node = nodes[k]
@@ -68,6 +80,24 @@ def _reduce(axes, nodes, elements, k, column, c, z):
         for i in range(dim):
             transverse += node.basis[i, j] * on_slope[i, 0]
         z[c, dim + j] = node.free[1] * transverse
+
+
+@optional("axial", otherwise=_reduce_constrained)
+def _reduce(axes, nodes, elements, k, column, c, z):
+    """z[c] = f - J^T target of node k."""
+    dim = len(axes)
+    node = nodes[k]
+    for i in range(dim):
+        on_position = node.force[column, 0, i]
+        on_slope = node.force[column, 1, i] - node.slope[i] * node.target[column]
+        if k > 0:
+            on_position -= elements[k - 1].gradient[2, i] * elements[k - 1].target[column]
+            on_slope -= elements[k - 1].gradient[3, i] * elements[k - 1].target[column]
+        if k < len(elements):
+            on_position -= elements[k].gradient[0, i] * elements[k].target[column]
+            on_slope -= elements[k].gradient[1, i] * elements[k].target[column]
+        z[c, i] = node.free[0] * on_position
+        z[c, dim + i] = node.free[1] * on_slope
 
 
 @inlined
@@ -112,7 +142,7 @@ def _pass_backward(axes, columns, first, node, z, right):
 
 
 @inlined
-def _expand(axes, nodes, elements, k, column, c, z, x):
+def _expand_constrained(axes, nodes, elements, k, column, c, z, x):
     """x[k] = [r, N beta + p] and the multiplier of the element to the left, from z[c]."""
     dim = len(axes)
     node = nodes[k]
@@ -123,6 +153,14 @@ def _expand(axes, nodes, elements, k, column, c, z, x):
             x[k, 1, i] += node.basis[i, j] * z[c, dim + j]
     if k > 0:
         elements[k - 1].multiplier[column] = z[c, 2 * dim - 1]
+
+
+@optional("axial", otherwise=_expand_constrained)
+def _expand(axes, nodes, elements, k, column, c, z, x):
+    """x[k] = z[c]."""
+    for i in range(len(axes)):
+        x[k, 0, i] = z[c, i]
+        x[k, 1, i] = z[c, len(axes) + i]
 
 
 @inlined
@@ -136,8 +174,7 @@ def substitute_forward(axes, nodes, elements, columns, first):
     """
     z, passed_on = local_array(2, 6), local_array(2, 6)
     clear(passed_on)
-    for k in range(len(nodes)):
-        _set_along(axes, columns, first, nodes[k])
+    _prepare(axes, nodes, elements, columns, first)
     for k in range(len(nodes)):
         for c in range(len(columns)):
             _reduce(axes, nodes, elements, k, first + c, c, z)
@@ -205,7 +242,7 @@ def solve_column(axes, nodes, elements, column, x):
 
 
 @inlined
-def solve_both_columns(axes, nodes, elements, x, y):
+def _solve_twice(axes, nodes, elements, x, y):
     """The same for both columns at once.   x, y: (n, 2, dim) solutions for columns 0 and 1."""
     substitute_forward(axes, nodes, elements, (0, 1), 0)
     z, right = local_array(2, 6), local_array(2, 6)
@@ -214,6 +251,16 @@ def solve_both_columns(axes, nodes, elements, x, y):
         _pass_backward(axes, (0, 1), 0, nodes[k], z, right)
         _expand(axes, nodes, elements, k, 0, 0, z, x)
         _expand(axes, nodes, elements, k, 1, 1, z, y)
+
+
+@optional("axial", otherwise=_solve_twice)
+def solve_both_columns(axes, nodes, elements, x, y):
+    """With axial stiffness nothing is projected: y = 0."""
+    solve_column(axes, nodes, elements, 0, x)
+    for k in range(len(nodes)):
+        for i in range(len(axes)):
+            y[k, 0, i] = 0.0
+            y[k, 1, i] = 0.0
 
 
 @kernel

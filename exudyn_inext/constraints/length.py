@@ -74,7 +74,7 @@ class LengthConstraint:
 
 def of_cable(cable: Cable) -> LengthConstraint:
     """The length constraints of `cable`, none if its `length_constraints` is 0."""
-    constrained = cable.length_constraints > 0
+    constrained = cable.length_constraints > 0 and not cable.stretches
     gram = forms_of_mesh(slope_gram_matrix, cable.element_lengths)
     count = cable.number_of_elements if constrained else 0
     return LengthConstraint(

@@ -53,5 +53,6 @@ class NodalInextensibility:
 
 
 def of_cable(cable: Cable) -> NodalInextensibility:
-    """The nodal constraints of `cable`."""
-    return NodalInextensibility(np.flatnonzero(~cable.fixed[:, 1]))
+    """The nodal constraints of `cable`, none if it has an axial stiffness."""
+    needed = ~cable.fixed[:, 1] & (not cable.stretches)
+    return NodalInextensibility(np.flatnonzero(needed))

@@ -255,7 +255,7 @@ def _reactions(
 def _supports(
     item: CableItem, held: Iterable[HeldCoordinate], places: dict[int, int], name: str
 ) -> tuple[np.ndarray, list[Link]]:
-    """(n, 2) held nodes, and links where only some coordinates of a position are held."""
+    """(n, 2) held nodes, and links where only some coordinates of a position or slope are held."""
     reference = item.cable.reference
     flags = item.held.copy()
     for constraint in held:
@@ -267,6 +267,9 @@ def _supports(
     for k in np.flatnonzero(flags[: len(item.nodes)].any(axis=(1, 2))).tolist():
         node = item.nodes[k]
         fixed[k] = supports_of_flags(f"node {node} of cable '{name}'", flags[k], reference[k])
+        if item.cable.stretches and fixed[k, 1] and not flags[k, 1].all():  # it may stretch along the slope
+            fixed[k, 1] = False
+            links += prescribed(k, rest(reference[k, 1]), np.flatnonzero(flags[k, 1]).tolist(), of_slope=True)
         if not fixed[k, 0]:
             links += prescribed(k, rest(reference[k, 0]), np.flatnonzero(flags[k, 0]).tolist())
     if item.cable.closed:

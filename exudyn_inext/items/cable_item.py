@@ -52,6 +52,7 @@ def CreateInextensibleCable(
     enforcement: Any = "projection",
     shareSlopeStart: bool = True,
     shareSlopeEnd: bool = True,
+    extensible: bool = False,
 ) -> dict[str, Any]:
     """Add an inextensible ANCF cable to mbs; arguments and result as GenerateBeamElementsAlongLine.
 
@@ -85,6 +86,8 @@ def CreateInextensibleCable(
         shareSlopeStart: True: position and slope of that node are shared, as by native elements, and the
             cable leaves along that slope; False: the position only, a hinge.
         shareSlopeEnd: the same for the last node.
+        extensible: whether a native beamTemplate brings its axialStiffness, axialDamping and
+            referenceAxialStrain with it; an InextensibleCable has its own axialStiffness.
 
     Returns:
         dict with 'nodes' (with the shared ones; at a hinge, the cable has a node of its own), 'elements'
@@ -104,7 +107,8 @@ def CreateInextensibleCable(
     require_system(mbs)
     way = find_enforcement(enforcement)
     checked = check_shape(_the_shape(positionStart, positionEnd, numberOfElements, shape))
-    template = InextensibleCable.from_template(beamTemplate)
+    template = InextensibleCable.from_template(beamTemplate, require_flag("extensible", extensible))
+    _require_projection(template, way)
     gravity_vector = require_vector("gravity", gravity, " [m/s^2]")
     shared = _shared_nodes(mbs, way, (nodeNumberStart, nodeNumberEnd), (shareSlopeStart, shareSlopeEnd))
     in_space = any(one.dimension == 3 for one in shared.values())
@@ -149,6 +153,14 @@ def _shared_nodes(
         if node is not None:
             found[place] = node
     return found
+
+
+def _require_projection(template: InextensibleCable, way: Enforcement) -> None:
+    if template.axialStiffness is not None and way.name != "projection":
+        raise InputError(
+            f"enforcement = {way.name!r} with axialStiffness = {template.axialStiffness!r}: native solvers "
+            "have ObjectANCFCable for cables that stretch; use these, or enforcement='projection'."
+        )
 
 
 def _the_shape(start: Any, end: Any, number: Any, shape: CableShape | None) -> CableShape:

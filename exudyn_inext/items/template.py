@@ -11,7 +11,6 @@ from ..checks import require_choice, require_finite, require_integer, require_no
 from ..errors import InputError
 
 _NOT_YET = (
-    "referenceAxialStrain",
     "strainIsRelativeToReference",
     "bendingMomentUserFunction",
     "axialForceUserFunction",
@@ -30,6 +29,9 @@ class InextensibleCable:
         bendingDamping: D of the bending moment D kappa_t (Kelvin-Voigt) [N m^2 s], as in native cables.
         referenceCurvature: natural curvature [1/m] of a planar cable, positive if it turns to the left.
         numberOfLengthConstraints: n_bar of Eq. (19), 0 to the number of elements; None: one per element.
+        axialStiffness: EA of the tension EA (|r_x| - 1 - referenceAxialStrain) [N]; None: inextensible.
+        axialDamping: of the tension that the rate of the strain adds [N s].
+        referenceAxialStrain: strain of the stress-free cable [-].
 
     Example:
         InextensibleCable(massPerLength=0.0348, bendingStiffness=0.0866)
@@ -41,12 +43,15 @@ class InextensibleCable:
     numberOfLengthConstraints: int | None = None
     bendingDamping: float = 0.0
     referenceCurvature: float = 0.0
+    axialStiffness: float | None = None
+    axialDamping: float = 0.0
+    referenceAxialStrain: float = 0.0
 
     @classmethod
-    def from_template(cls, template: Any) -> "InextensibleCable":
-        """`template` itself, or the inextensible counterpart of a native ANCF cable template.
+    def from_template(cls, template: Any, extensible: bool = False) -> "InextensibleCable":
+        """`template` itself, or the counterpart of a native ANCF cable template.
 
-        The axial stiffness of a native template is left out: this is what inextensible means.
+        Without `extensible` the axial stiffness of a native template is left out.
 
         Raises:
             InputError: not a cable template, or a property that has no counterpart yet.
@@ -58,7 +63,8 @@ class InextensibleCable:
                 f"beamTemplate = {template!r}: must be an InextensibleCable, or an ObjectANCFCable2D or "
                 "ObjectANCFCable whose massPerLength and bendingStiffness are taken over."
             )
-        for name in _NOT_YET:
+        axial = ("axialStiffness", "axialDamping", "referenceAxialStrain") if extensible else ()
+        for name in (*_NOT_YET, *(() if extensible else ("referenceAxialStrain",))):
             if _is_set(getattr(template, name, None)):
                 raise InputError(
                     f"beamTemplate.{name} = {getattr(template, name)!r}: not supported by the "
@@ -69,6 +75,7 @@ class InextensibleCable:
             template.bendingStiffness,
             bendingDamping=template.bendingDamping,
             referenceCurvature=getattr(template, "referenceCurvature", 0.0),
+            **{name: getattr(template, name) for name in axial},
         )
 
     def section(self, dimension: int) -> Section:
@@ -88,7 +95,38 @@ class InextensibleCable:
             require_positive("bendingStiffness", self.bendingStiffness),
             curvature,
             require_not_negative("bendingDamping", self.bendingDamping),
+            *self._axial(),
         )
+
+    def _axial(self) -> tuple[float | None, float, float]:
+        """Checked axial stiffness, damping and strain of the stress-free cable."""
+        damping = require_not_negative("axialDamping", self.axialDamping)
+        strain = require_finite("referenceAxialStrain", self.referenceAxialStrain, "")
+        if self.axialStiffness is None:
+            for name, value in (("axialDamping", damping), ("referenceAxialStrain", strain)):
+                if value:
+                    raise InputError(
+                        f"{name} = {value!r} without axialStiffness: an inextensible cable has no axial "
+                        "strain; give axialStiffness, too, or leave it out."
+                    )
+            return None, 0.0, 0.0
+        stiffness = require_positive("axialStiffness", self.axialStiffness)
+        refused = {
+            "curvatureMeasure": self.measure() is not CurvatureMeasure.SECOND_DERIVATIVE,
+            "numberOfLengthConstraints": self.numberOfLengthConstraints is not None,
+            "bendingDamping": self.bendingDamping != 0.0,
+        }
+        for name, is_set in refused.items():
+            if is_set:
+                raise InputError(
+                    f"{name} = {getattr(self, name)!r} with axialStiffness = {stiffness!r}: not supported "
+                    f"for cables that stretch; leave out {name}, or the axial stiffness."
+                )
+        if strain <= -1.0:
+            raise InputError(
+                f"referenceAxialStrain = {strain!r}: must be above -1, where the cable has no length."
+            )
+        return stiffness, damping, strain
 
     def measure(self) -> CurvatureMeasure:
         """Checked curvature measure; InputError if it is unknown."""

@@ -14,9 +14,10 @@ from ..cable.attached_forces import drag_rate
 from ..cable.cable import Cable
 from ..cable.chain import set_mass
 from ..cable.frequency import FrequencyTracker, largest_frequency
-from ..cable.implicit_bending import EXPLICIT, ImplicitBending
+from ..cable.implicit_bending import ImplicitBending
 from ..cable.linked_cable import cable_system, memory_of
 from ..cable.support_forces import SupportedCable
+from ..errors import SceneError
 from ..integrators.integrator import Integrator, remembered
 from ..integrators.linear_stability import frequency_limit
 from ..scene.links import require_smooth_motions
@@ -69,6 +70,16 @@ class Start:
         )
 
 
+def require_implicit_axial_forces(scene_cable: CableInScene, integrator: Integrator) -> None:
+    """Raise SceneError if a cable stretches, and the integrator would treat its axial forces explicitly."""
+    if scene_cable.cable.stretches and integrator.stabilised:
+        raise SceneError(
+            f"integrator = {integrator.name!r} with axialStiffness of cable '{scene_cable.name}': only "
+            "RATTLE treats axial forces implicitly, here its axial waves would bound the step; use "
+            "integrator='RATTLE', or leave out axialStiffness."
+        )
+
+
 class CableRun(PacedRun):
     """A cable that an integrator moves.
 
@@ -98,11 +109,13 @@ class CableRun(PacedRun):
         require_smooth_motions(scene_cable.moving, start.time)
         cable = scene_cable.cable
         integrator, _ = self.integrator, self.scheme = method
+        require_implicit_axial_forces(scene_cable, integrator)
         self.scene_cable = scene_cable
         self.indices = scene_cable.indices
         self.reference = cable.reference.ravel()
         self._theta, self._likely_step = start.theta, start.h
         self._lag = 0.5 if integrator.has_implicit_damping and cable.section.bending_damping else 0.0
+        self._stretches = cable.stretches
         scaled = ImplicitBending(start.theta * start.h**2)
         self.system = cable_system(cable, start.zeta, scaled)
         violations = self._violations(*initial, start)
@@ -165,7 +178,7 @@ class CableRun(PacedRun):
         """w_max [rad/s] about the state that was evaluated last; implicit damping is no mass there."""
         shape = self.scene_cable.cable.reference.shape
         q, a = self.state.q.reshape(shape), self.state.a.reshape(shape)
-        if not self._lag:
+        if not (self._lag or self._stretches):
             return self._tracker.frequency(q, a)
         plain = cable_system(self.scene_cable.cable, self.system.zeta)
         return largest_frequency(plain, self.state.external, q.copy(), self.state.v.reshape(shape).copy())
@@ -176,7 +189,7 @@ class CableRun(PacedRun):
         if not self.has_implicit_bending:
             yield
             return
-        set_mass(self.system.chain, self.scene_cable.cable, EXPLICIT)
+        set_mass(self.system.chain, self.scene_cable.cable, ImplicitBending(step=self.control.present))
         try:
             yield
         finally:
@@ -247,13 +260,13 @@ class CableRun(PacedRun):
     @property
     def has_implicit_bending(self) -> bool:
         """Whether the system depends on the step."""
-        return self._theta > 0.0 or self._lag > 0.0
+        return self._theta > 0.0 or self._lag > 0.0 or self._stretches
 
     @property
     def _implicit(self) -> ImplicitBending:
         """What is in the matrix on the left at present."""
         h = self.control.present or self._likely_step
-        return ImplicitBending(self._theta * h**2, self._lag * self.control.present)
+        return ImplicitBending(self._theta * h**2, self._lag * self.control.present, self.control.present)
 
     def scale_mass(self, theta: float, h: float) -> None:
         """Make that share of bending implicit, for steps of h [s] as long as no other ones are taken."""
@@ -264,13 +277,13 @@ class CableRun(PacedRun):
         """Prepare the system for steps of h [s]: what is implicit depends on it."""
         self.control.present = h
         if self.has_implicit_bending:
-            implicit = ImplicitBending(self._theta * h**2, self._lag * h)
+            implicit = ImplicitBending(self._theta * h**2, self._lag * h, h)
             set_mass(self.system.chain, self.scene_cable.cable, implicit)
 
     @contextmanager
     def implicit_damping_left_out(self) -> Iterator[None]:
-        """The system without the damping that is implicit, for limits of the step."""
-        if not self._lag:
+        """The system without the damping and axial forces that are implicit, for limits of the step."""
+        if not (self._lag or self._stretches):
             yield
             return
         elements, step = self.system.chain.elements, self.control.present
@@ -359,7 +372,10 @@ class CableRun(PacedRun):
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the present configuration; NaN if it is not found."""
         q = self.state.q.reshape(self.scene_cable.cable.reference.shape)
-        return largest_frequency(self.system, self.loads.at(time), q.copy())
+        if not self._stretches:
+            return largest_frequency(self.system, self.loads.at(time), q.copy())
+        with self.implicit_damping_left_out():
+            return largest_frequency(self.system, self.loads.at(time), q.copy())
 
     def record(self, grid: TimeGrid, first: int, history: Array) -> int:
         """As `advance`, but displacements from the reference."""
@@ -377,7 +393,7 @@ class CableRun(PacedRun):
         """From time to time: the share that the step is of the present stability limit."""
         if self.control.steps - self._looked_after < STEPS_BETWEEN_LIMITS:
             return
-        if not self.control.is_nominal or self.watch.has_trouble or self._lag:
+        if not self.control.is_nominal or self.watch.has_trouble or self._lag or self._stretches:
             return
         self._looked_after = self.control.steps
         shape = self.scene_cable.cable.reference.shape

@@ -43,7 +43,8 @@ class CableWatch(RunWatch):
         self._shape = cable.reference.shape
         self._round_off = _round_off(cable, loads.constant)
         moves = not all(motion.rests for motion in motions_of(all_links(cable)))
-        has_power = moves or bool(cable.section.bending_damping) or cable.drag is not None
+        is_damped = bool(cable.section.bending_damping or cable.section.axial_damping)
+        has_power = moves or is_damped or cable.drag is not None
         every = STEPS_WITH_POWER if has_power else STEPS_BETWEEN
         most = VIOLENT * energy_tolerance if gains_energy else np.inf
         self.watch = build_watch(state, every, energy_tolerance, loads.pattern, LEAST_STEPS, most)

@@ -34,6 +34,13 @@ def require_independent(scene_cable: CableInScene, system: Any, masses: Array) -
     Raises:
         RedundantConstraintError: a pivot is not.
     """
+    if not scene_cable.cable.stretches:
+        _require_independent_lengths(scene_cable, system, masses)
+    if isinstance(system, LinkedCableSystem):
+        _require_independent_links(scene_cable, system.border.schur)
+
+
+def _require_independent_lengths(scene_cable: CableInScene, system: Any, masses: Array) -> None:
     nodes = system.chain.nodes
     ends = np.flatnonzero(nodes["ends_group"])
     pivots = 1.0 / nodes["inverse_pivot"][ends, -1]
@@ -44,10 +51,8 @@ def require_independent(scene_cable: CableInScene, system: Any, masses: Array) -
             f"the length constraint of the element between nodes {names[k - 1]} and {names[k]} of "
             f"cable '{scene_cable.name}' is not independent of the other constraints (a straight cable "
             "between two supports as far apart as it is long, or an element clamped at both ends): let it "
-            "sag, free a support, or use a smaller numberOfLengthConstraints."
+            "sag, free a support, give it its axialStiffness, or use a smaller numberOfLengthConstraints."
         )
-    if isinstance(system, LinkedCableSystem):
-        _require_independent_links(scene_cable, system.border.schur)
 
 
 def _require_independent_links(scene_cable: CableInScene, factor: Array) -> None:

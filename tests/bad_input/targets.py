@@ -308,6 +308,7 @@ TARGETS = {
             "shape": [None],
             "dimension": [None, 2],
             "enforcement": ["projection", "algebraic", "penaltyMass"],
+            "extensible": [False, True],
         },
     ),
     "InextensibleCable": Target(
@@ -320,6 +321,9 @@ TARGETS = {
             "numberOfLengthConstraints": [None, 0, 1],
             "bendingDamping": [0.0, 1e-4],
             "referenceCurvature": [0.0],
+            "axialStiffness": [None, 1e3],
+            "axialDamping": [0.0],
+            "referenceAxialStrain": [0.0],
         },
     ),
     "native template": Target(

@@ -72,6 +72,25 @@ SECTIONS = of_cable(
         (section(referenceCurvature="round"), r"referenceCurvature = 'round': .*finite number \[1/m\]"),
         (section(bendingDamping=INF), r"bendingDamping = inf: .*finite"),
         (section(bendingDamping=np.zeros(2)), r"bendingDamping = array.*finite number >= 0"),
+        *[
+            (section(axialStiffness=value), rf"axialStiffness = {value!r}: must be a finite number > 0")
+            for value in (0.0, -1e4, INF, NAN)
+        ],
+        (section(axialStiffness=1e4, axialDamping=-1.0), r"axialDamping = -1.0: .*>= 0"),
+        (section(axialDamping=1.0), r"axialDamping = 1.0 without axialStiffness: .*give axialStiffness"),
+        (section(referenceAxialStrain=0.1), r"referenceAxialStrain = 0.1 without axialStiffness: .*give"),
+        (section(axialStiffness=1e4, referenceAxialStrain=-1.0), r"referenceAxialStrain = -1.0: .*above -1"),
+        (section(axialStiffness=1e4, bendingDamping=0.1), r"bendingDamping = 0.1 with axialStiffness"),
+        (section(axialStiffness=1e4, curvatureMeasure="product"), r"curvatureMeasure = 'product' with axial"),
+        (
+            section(axialStiffness=1e4, numberOfLengthConstraints=1),
+            r"numberOfLengthConstraints = 1 with axial",
+        ),
+        (
+            section(axialStiffness=1e4) | {"enforcement": "algebraic"},
+            r"enforcement = 'algebraic' with axialStiffness = 10000.0",
+        ),
+        ({"extensible": "yes"}, r"extensible = .yes.: "),
         ({"beamTemplate": None}, r"beamTemplate = None: must be an InextensibleCable"),
         ({"beamTemplate": InextensibleCable}, r"beamTemplate = <class.*: must be an InextensibleCable"),
         ({"beamTemplate": SECTION}, r"beamTemplate = \{'mass.*: must be an InextensibleCable"),

@@ -1,0 +1,396 @@
+"""Axial stiffness, implicit: forces, effective mass and corrections of steps that do not depend on EA.
+
+With strains c at nodes and in elements, see `element.axial_strain`, their Jacobian J and energy D c^2 / 2, a
+step has mean axial forces mu_n = D (c_n + c_(n+1)) / 2 + d (c_(n+1) - c_n) / h:
+
+    v_(n+1/2) = v_(n-1/2) + h a_n,  M a_n = F_n - J_n^T (mu_(n-1) + mu_n) / 2,  q_(n+1) = q_n + h v_(n+1/2).
+
+It is the method of the discrete Lagrangian h (v M v / 2 - (U + U') / 2 - D ((c + c') / 2)^2 / 2): symmetric,
+symplectic, of order 2, and the trapezoidal rule for axial vibrations; D -> infinity gives RATTLE's positions.
+With what is not linear in the step, rho = c(q_(n+1)) - c(q_n) - J_n (q_(n+1) - q_n), it is
+
+    (M + h^2/2 J^T E J) a = F - J^T f,  f = (mu_(n-1) + D c + E (h J v_(n-1/2) + rho)) / 2,  E = D/2 + d/h,
+
+a matrix of the same bandwidth as that of the constraints, and positive definite. rho is found by fixed-point
+iteration.
+
+The bending energy is EI/2 int |r_x x r_xx|^2 / |r_x|^4 dx = EI/2 int (|r_xx|^2 - (|r_x|_x)^2) / |r_x|^2 dx,
+as of native cables, with the mean |r_x| of an element and |r_x|_x from its strains.
+
+J. E. Marsden, M. West, Discrete mechanics and variational integrators, Acta Numerica 10 (2001) 357-514.
+"""
+
+import numpy as np
+
+from ..compiled import clear, inlined, optional
+from ..element.axial_strain import mean_strain, middle_strain, norm, rise_by_left
+from ..element.bending import add_bending_force
+from ..element.inextensibility import contract, length_gradient
+from ..element.natural_curvature import add_natural_curvature_force
+from ..lowered import local_array
+from .assembly import (
+    GAMMA,
+    RATE,
+    VALUE,
+    add_element_force,
+    assemble,
+    differences,
+    elastic_energy,
+    leave_targets,
+    set_gradient,
+    set_violations,
+)
+from .axial_stiffness import (
+    ADDED_MASS,
+    DAMPING,
+    FORCE,
+    FREE_STRAIN,
+    IMPLICIT,
+    MEAN_FORCE,
+    PLACE,
+    REST_BEFORE,
+    STEP,
+    STIFFNESS,
+    STRAIN,
+)
+from .factorisation import eliminate_node, factorise
+
+ACCELERATION, CORRECTION = 0, 1
+
+
+@inlined
+def _along_node(axes, node, x):
+    """J x of a node.   x: (2, dim)."""
+    value = 0.0
+    for i in range(len(axes)):
+        value += node.slope[i] * x[1, i]
+    return value
+
+
+@inlined
+def _along_element(axes, element, left, right):
+    """J x of an element.   left, right: (2, dim) x of its nodes."""
+    value = 0.0
+    for i in range(len(axes)):
+        value += element.gradient[0, i] * left[0, i] + element.gradient[1, i] * left[1, i]
+        value += element.gradient[2, i] * right[0, i] + element.gradient[3, i] * right[1, i]
+    return value
+
+
+@inlined
+def _mean_stretch(element, square):
+    """m = (int |r_x|^2 dx / l)^(1/2) [-]; 1 between two cables.   square: the integral [m]."""
+    return np.sqrt(square * element.per_length) if element.per_length > 0.0 else 1.0
+
+
+@inlined
+def _set_force(record, strain, rate, bend, place, duration):
+    """f of a record; at the start of a run, from the motion before and after it that is symmetric.
+
+    strain: c.   rate: J v [1/s].   bend: v c_qq v [1/s^2].   place: J q.
+    duration: 0 at the start of a run, when v is the velocity of the state.
+    """
+    axial = record.axial
+    h = axial[STEP]
+    if duration > 0.0:
+        foreseen = 2.0 * record.foresight - axial[REST_BEFORE]
+        axial[REST_BEFORE] = record.foresight
+        record.foresight = foreseen
+        lead = axial[IMPLICIT] * (h * rate + foreseen)
+        force = 0.5 * (axial[MEAN_FORCE] + axial[STIFFNESS] * strain + lead)
+    else:
+        force = axial[STIFFNESS] * (strain + 0.25 * h * h * bend) + axial[DAMPING] * rate
+    axial[STRAIN] = strain
+    axial[PLACE] = place
+    axial[FORCE] = force
+    record.target[ACCELERATION] = force
+    record.target[CORRECTION] = 0.0
+
+
+@inlined
+def _assemble_node(axes, node, q, v, duration):
+    """Strain terms of a node, and the direction of its slope.   q, v: (2, dim)."""
+    stretch = norm(axes, q[1])
+    square, inverse = 0.0, 1.0 / stretch
+    for i in range(len(axes)):
+        node.slope[i] = node.free[1] * inverse * q[1, i]
+        square += v[1, i] * v[1, i]
+    rate = _along_node(axes, node, v)
+    node.constraint[VALUE] = stretch - 1.0
+    node.constraint[RATE] = rate
+    node.constraint[GAMMA] = (square - rate * rate) * inverse
+    strain = stretch - 1.0 - node.axial[FREE_STRAIN]
+    _set_force(node, strain, rate, node.constraint[GAMMA], _along_node(axes, node, q), duration)
+
+
+@inlined
+def _add_bending(axes, element, left, right, q, k):
+    """Bending force of element k, onto the forces of its nodes and the targets of its strains.
+
+    left, right: the nodes.   q: (n, 2, dim).
+    """
+    e, result = local_array(3, 3), local_array(3, 3)
+    differences(axes, q, k, e)
+    clear(result)
+    add_bending_force(axes, element.stiffness, element.tensor, e, result)
+    add_natural_curvature_force(element.natural, e, result)
+    work = contract(axes, e, result)
+    before, after = left.constraint[VALUE], right.constraint[VALUE]
+    middle = element.axial[STRAIN] + element.axial[FREE_STRAIN]
+    per_stretch = 1.0 / (1.0 + mean_strain(before, middle, after))
+    before -= middle
+    after -= middle
+    per_square = per_stretch * per_stretch
+    for a in range(3):
+        for i in range(len(axes)):
+            result[a, i] *= per_square
+    add_element_force(axes, result, left.force[ACCELERATION], right.force[ACCELERATION])
+    factor = element.bending[0] * per_square
+    on_left, on_right = factor * rise_by_left(before, after), factor * rise_by_left(after, before)
+    on_mean = (work * per_square + before * on_left + after * on_right) * per_stretch / 6.0
+    left.target[ACCELERATION] += on_mean - on_left
+    element.target[ACCELERATION] += 4.0 * on_mean + on_left + on_right
+    right.target[ACCELERATION] += on_mean - on_right
+
+
+@inlined
+def _set_strain_gradient(axes, element, left, right, factor, gradient):
+    """J of an element on its nodes' coordinates.
+
+    gradient: (3, dim) of int |r_x|^2 dx, destroyed; factor times it is that of m.
+    """
+    for a in range(3):
+        for i in range(len(axes)):
+            gradient[a, i] *= 1.5 * factor
+    set_gradient(axes, left.free, right.free, gradient, element.gradient)
+    if element.per_length > 0.0:
+        for i in range(len(axes)):
+            element.gradient[1, i] -= 0.25 * left.slope[i]
+            element.gradient[3, i] -= 0.25 * right.slope[i]
+
+
+@inlined
+def _assemble_element(axes, nodes, element, q, v, k, duration):
+    """Strain terms of element k, after those of its nodes.
+
+    q, v: (n, 2, dim).   duration: see `_set_force`.
+    """
+    e, e_t, gradient = local_array(3, 3), local_array(3, 3), local_array(3, 3)
+    left, right = nodes[k], nodes[k + 1]
+    differences(axes, q, k, e)
+    differences(axes, v, k, e_t)
+    bend = 0.0
+    if not duration > 0.0:
+        length_gradient(axes, element.slope_gram, e_t, gradient)
+        bend = 0.5 * element.per_length * contract(axes, e_t, gradient)
+    length_gradient(axes, element.slope_gram, e, gradient)
+    stretch = _mean_stretch(element, 0.5 * contract(axes, e, gradient))
+    per_stretch = 1.0 / stretch
+    factor = 0.5 * element.per_length * per_stretch
+    rate = factor * contract(axes, e_t, gradient)
+    bend = (bend - rate * rate) * per_stretch
+    _set_strain_gradient(axes, element, left, right, factor, gradient)
+    _set_force(
+        element,
+        middle_strain(stretch - 1.0, left.constraint[VALUE], right.constraint[VALUE])
+        - element.axial[FREE_STRAIN],
+        middle_strain(rate, left.constraint[RATE], right.constraint[RATE]),
+        middle_strain(bend, left.constraint[GAMMA], right.constraint[GAMMA]),
+        _along_element(axes, element, q[k], q[k + 1]),
+        duration,
+    )
+
+
+@inlined
+def _assemble_constrained(axes, nodes, elements, external, q, v, lead, set_targets, parameter):
+    """See `assembly.assemble`."""
+    assemble(axes, nodes, elements, external, q, v, ACCELERATION, set_targets, parameter)
+
+
+@optional("axial", otherwise=_assemble_constrained)
+def assemble_chain(axes, nodes, elements, external, q, v, lead, set_targets, parameter):
+    """Forces, strains and their Jacobian; arguments: see `assembly.assemble`.
+
+    lead: 0 at the start of a run, see `_set_force`.
+    """
+    for k in range(len(nodes)):
+        for i in range(len(axes)):
+            nodes[k].force[ACCELERATION, 0, i] = external[k, 0, i]
+            nodes[k].force[ACCELERATION, 1, i] = external[k, 1, i]
+        _assemble_node(axes, nodes[k], q[k], v[k], lead)
+    for k in range(len(elements)):
+        _assemble_element(axes, nodes, elements[k], q, v, k, lead)
+    for k in range(len(elements)):
+        _add_bending(axes, elements[k], nodes[k], nodes[k + 1], q, k)
+
+
+@inlined
+def _add_of_node(axes, node, block):
+    """block += mass of the node with itself, axial stiffness included; lower triangle."""
+    dim, weight = len(axes), node.axial[ADDED_MASS]
+    for i in range(dim):
+        block[i, i] += node.mass[0]
+        block[dim + i, i] += node.mass[1]
+        block[dim + i, dim + i] += node.mass[2]
+        for j in range(i + 1):
+            block[dim + i, dim + j] += weight * node.slope[i] * node.slope[j]
+
+
+@inlined
+def _add_of_element(axes, element, first, block):
+    """block += axial stiffness of an element on one of its nodes; lower triangle.
+
+    first: row of its gradient, 0 for the left node, 2 for the right one.
+    """
+    dim, weight = len(axes), element.axial[ADDED_MASS]
+    for a in range(2):
+        for i in range(dim):
+            scaled = weight * element.gradient[first + a, i]
+            for b in range(a + 1):
+                for j in range(dim):
+                    if a > b or j <= i:
+                        block[a * dim + i, b * dim + j] += scaled * element.gradient[first + b, j]
+
+
+@inlined
+def _set_coupling(axes, element, w):
+    """w = mass and axial stiffness between the two nodes of an element."""
+    dim, weight = len(axes), element.axial[ADDED_MASS]
+    for a in range(2):
+        for i in range(dim):
+            scaled = weight * element.gradient[a, i]
+            for b in range(2):
+                for j in range(dim):
+                    w[a * dim + i, b * dim + j] = scaled * element.gradient[2 + b, j]
+                w[a * dim + i, b * dim + i] += element.mass[2 * a + b]
+
+
+@optional("axial", otherwise=factorise)
+def factorise_chain(axes, nodes, elements):
+    """L D L^T of the effective mass, node by node; the chain is assembled."""
+    block, w, following = local_array(6, 6), local_array(6, 6), local_array(6, 6)
+    clear(block)
+    clear(w)
+    for k in range(len(nodes)):
+        _add_of_node(axes, nodes[k], block)
+        if k > 0:
+            _add_of_element(axes, elements[k - 1], 2, block)
+        if k < len(elements):
+            _add_of_element(axes, elements[k], 0, block)
+            _set_coupling(axes, elements[k], w)
+        eliminate_node(axes, nodes[k], block, w, following)
+
+
+@inlined
+def _aim_at_strain(record, strain, place):
+    """Target of a correction from c and J q of a trial, mean force so far; returns what rho lacked."""
+    axial = record.axial
+    moved = place - axial[PLACE]
+    rest = strain - axial[STRAIN] - moved
+    lacking = rest - record.foresight
+    axial[MEAN_FORCE] = axial[STIFFNESS] * axial[STRAIN] + axial[IMPLICIT] * (moved + record.foresight)
+    record.target[CORRECTION] = record.axial[ADDED_MASS] * lacking
+    record.foresight = rest
+    return abs(lacking)
+
+
+@optional("axial", otherwise=set_violations)
+def aim_at_positions(axes, nodes, elements, q, set_targets, parameter):
+    """Targets of a correction at a trial q (n, 2, dim); returns the largest rest that was not foreseen [-].
+
+    Other arguments: see `assembly.set_violations`.
+    """
+    worst = 0.0
+    for k in range(len(nodes)):
+        node = nodes[k]
+        raw = norm(axes, q[k, 1]) - 1.0
+        node.constraint[VALUE] = raw
+        rest = node.free[1] * _aim_at_strain(
+            node, raw - node.axial[FREE_STRAIN], _along_node(axes, node, q[k])
+        )
+        worst = max(worst, rest)
+    e, gradient = local_array(3, 3), local_array(3, 3)
+    for k in range(len(elements)):
+        element = elements[k]
+        differences(axes, q, k, e)
+        length_gradient(axes, element.slope_gram, e, gradient)
+        mean = _mean_stretch(element, 0.5 * contract(axes, e, gradient)) - 1.0
+        strain = middle_strain(mean, nodes[k].constraint[VALUE], nodes[k + 1].constraint[VALUE])
+        place = _along_element(axes, element, q[k], q[k + 1])
+        worst = max(worst, _aim_at_strain(element, strain - element.axial[FREE_STRAIN], place))
+    return worst
+
+
+@inlined
+def _violation(axes, nodes, elements, q):
+    return set_violations(axes, nodes, elements, q, leave_targets, 0.0)
+
+
+@optional("axial", otherwise=_violation)
+def largest_violation(axes, nodes, elements, q):
+    """Of the constraints (18), (19) at q [-]; with axial stiffness there are none."""
+    return 0.0
+
+
+@inlined
+def _bending_only(axes, nodes, elements, chain, q, v, a):
+    return elastic_energy(chain, q)
+
+
+@optional("axial", otherwise=_bending_only)
+def stored_energy(axes, nodes, elements, chain, q, v, a):
+    """Energy of bending and axial forces at q and v, evaluated last, with accelerations a (n, 2, dim) [J].
+
+    The axial forces are those of the steps, means over a step to either side: with velocities that are such
+    means, too, energies of vibrations that the step does not resolve keep their sum.
+    """
+    energy = 0.0
+    for k in range(len(nodes)):
+        node = nodes[k]
+        energy += _energy_of_force(node, _along_node(axes, node, v[k]), _along_node(axes, node, a[k]))
+    for k in range(len(elements)):
+        rate = _along_element(axes, elements[k], v[k], v[k + 1])
+        energy += _energy_of_force(elements[k], rate, _along_element(axes, elements[k], a[k], a[k + 1]))
+        energy += _stretched_bending_energy(axes, elements[k], q, k)
+    return energy
+
+
+@inlined
+def _energy_of_force(record, rate, acceleration):
+    """(f + h^2/2 E J a - d J v)^2 / (2 D) [J].   rate, acceleration: J v, J a."""
+    force = record.axial[FORCE] + record.axial[ADDED_MASS] * acceleration - record.axial[DAMPING] * rate
+    return 0.5 * force * force / record.axial[STIFFNESS] if record.axial[STIFFNESS] > 0.0 else 0.0
+
+
+@inlined
+def _stretched_bending_energy(axes, element, q, k):
+    """Bending energy of element k at q (n, 2, dim), less that of all nodes in one point [J]."""
+    e, gradient, force = local_array(3, 3), local_array(3, 3), local_array(3, 3)
+    differences(axes, q, k, e)
+    length_gradient(axes, element.slope_gram, e, gradient)
+    stretch = _mean_stretch(element, 0.5 * contract(axes, e, gradient))
+    clear(force)
+    add_bending_force(axes, element.stiffness, element.tensor, e, force)
+    add_natural_curvature_force(element.natural, e, force)
+    left, right = norm(axes, q[k, 1]) - 1.0, norm(axes, q[k + 1, 1]) - 1.0
+    middle = middle_strain(stretch - 1.0, left, right)
+    left -= middle
+    right -= middle
+    rise = left * rise_by_left(left, right) + right * rise_by_left(right, left)
+    return -0.5 * (contract(axes, e, force) + element.bending[0] * rise) / (stretch * stretch)
+
+
+@inlined
+def _no_power(axes, nodes, elements, v):
+    return 0.0
+
+
+@optional("axial", otherwise=_no_power)
+def axial_power(axes, nodes, elements, v):
+    """Power of axial damping at v (n, 2, dim), J evaluated last [W]."""
+    power = 0.0
+    for k in range(len(nodes)):
+        power -= nodes[k].axial[DAMPING] * _along_node(axes, nodes[k], v[k]) ** 2
+    for k in range(len(elements)):
+        power -= elements[k].axial[DAMPING] * _along_element(axes, elements[k], v[k], v[k + 1]) ** 2
+    return power

@@ -1,0 +1,38 @@
+"""Coefficients of axial stiffness in the records of a chain, see `axial`."""
+
+from typing import Any
+
+import numpy as np
+
+from .cable import Cable
+
+# Entries of the `axial` of a record:
+# D [N m] and d [N m s] of the strain's energy D c^2 / 2 and of the damping d c_t;
+# the strain of the stress-free cable [-];
+# E = D/2 + d/h [N m] and h^2/2 E [kg m^2] along J, 0 where axial forces are explicit; h [s];
+# at the last evaluation: c [-], J q [-], force f [N m];
+# of the last step: mean force mu [N m], rho of the one before [-].
+STIFFNESS, DAMPING, FREE_STRAIN, IMPLICIT, ADDED_MASS, STEP = range(6)
+STRAIN, PLACE, FORCE, MEAN_FORCE, REST_BEFORE = range(6, 11)
+
+
+def set_axial_stiffness(cable: Cable, nodes: Any, elements: Any) -> None:
+    """Coefficients of nodes and elements: weights of Simpson's rule times EA and its damping."""
+    section, lengths, dim = cable.section, cable.element_lengths, cable.dimension
+    ends = np.append(lengths, 0.0) + np.append(0.0, lengths)
+    for records, weights in ((nodes, ends / 6.0), (elements, lengths * 4.0 / 6.0)):
+        records["axial"][:, STIFFNESS] = (section.axial_stiffness or 0.0) * weights
+        records["axial"][:, DAMPING] = section.axial_damping * weights
+        records["axial"][:, FREE_STRAIN] = section.axial_strain
+    nodes["basis"] = np.eye(dim)
+    nodes["ends_group"] = True
+    elements["bending"][:, 0] = section.bending_stiffness / (3.0 * lengths)
+
+
+def set_axial_step(h: float, nodes: Any, elements: Any) -> None:
+    """Prepare for implicit axial forces in steps of h [s]; 0: explicit ones."""
+    for records in (nodes, elements):
+        axial = records["axial"]
+        axial[:, STEP] = h
+        axial[:, IMPLICIT] = 0.5 * axial[:, STIFFNESS] + axial[:, DAMPING] / h if h else 0.0
+        axial[:, ADDED_MASS] = 0.5 * h**2 * axial[:, IMPLICIT]

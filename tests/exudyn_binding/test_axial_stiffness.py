@@ -1,0 +1,208 @@
+"""Cables that stretch move as native cables do, at steps that do not depend on their stiffness."""
+
+import numpy as np
+import pytest
+from exudyn.itemInterface import (
+    CoordinateConstraint,
+    MarkerNodeCoordinate,
+    MarkerNodePosition,
+    MassPoint,
+    NodePoint,
+    NodePointGround,
+    ObjectANCFCable,
+    ObjectANCFCable2D,
+    SphericalJoint,
+)
+
+from exudyn_inext import (
+    AddPointMass,
+    CableDrag,
+    CableShape,
+    ExplicitStepper,
+    InextensibleCable,
+    InputError,
+    RedundantConstraintError,
+    SceneError,
+    SetCableDrag,
+    SolveEnsemble,
+)
+from exudyn_inext.exudyn_binding.solver import ExplicitSettings
+from reference_models.model import quiet_settings
+from tests.exudyn_binding.items import PINNED, SECTION, load_node, native_cable, solve_native
+
+ROUND = 86643.0  # EA of the pendulum of the paper [N]
+SOFT = 20.0  # EA of a bungee [N]
+HEAVY = 0.4  # mass at its end [kg]
+SCALED = {"stepSize": 2e-3, "massScaling": 0.3}
+
+
+def stretching(stiffness=ROUND, **axial):
+    return {"beamTemplate": InextensibleCable(**SECTION, axialStiffness=stiffness, **axial)}
+
+
+@pytest.fixture
+def tip_of(new_mbs, add_pendulum, add_sensor, solve):
+    """(end_time, mass at the tip, arguments of the cable and the run) -> positions of the tip, report."""
+
+    def move(end_time, mass=0.0, settings=SCALED, **cable):
+        mbs = new_mbs()
+        made = add_pendulum(mbs, **({"numberOfElements": 10} | cable))
+        if mass:
+            AddPointMass(mbs, made, 1.8, mass)
+        tip = add_sensor(mbs, made["nodes"][-1])
+        mbs.Assemble()
+        report = solve(mbs, end_time, steps=round(end_time / 0.01), **settings)
+        return np.asarray(mbs.GetSensorStoredData(tip))[:, 1:], report
+
+    return move
+
+
+@pytest.fixture
+def native_tip(new_mbs, add_sensor):
+    """The same of native cables."""
+
+    def move(end_time, elements, stiffness, mass=0.0, dim=2, step=1e-3, **axial):
+        mbs, section = new_mbs(), SECTION | {"useReducedOrderIntegration": 2} | axial
+        nodes = native_cable(mbs, dim, elements, section, stiffness)["nodes"]
+        ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+        for axis in range(dim):
+            held = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=axis))
+            mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, held]))
+        if mass:
+            point = mbs.AddNode(NodePoint(referenceCoordinates=[1.8, 0, 0]))
+            mbs.AddObject(MassPoint(nodeNumber=point, mass=mass))
+            ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in (nodes[-1], point)]
+            mbs.AddObject(SphericalJoint(markerNumbers=ends))
+            load_node(mbs, point, [0, -9.81 * mass, 0])
+        tip = add_sensor(mbs, nodes[-1])
+        mbs.Assemble()
+        solve_native(mbs, end_time, step)
+        return np.asarray(mbs.GetSensorStoredData(tip))[:, 1:]
+
+    return move
+
+
+def distance(one, other):
+    assert len(one) == len(other)
+    return np.abs(one - other).max()
+
+
+def test_a_stiff_pendulum_follows_the_native_one_more_closely_than_an_inextensible_one(tip_of, native_tip):
+    native = native_tip(2.0, 32, ROUND)
+    stretched = distance(tip_of(2.0, **stretching())[0], native)
+    assert stretched < 3e-4
+    assert stretched < distance(tip_of(2.0)[0], native)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_bungee_with_a_mass_follows_the_native_one(tip_of, native_tip, dim):
+    native = native_tip(2.0, 20, SOFT, HEAVY, dim)
+    pin = {"groundConstraintsStart": [True] * dim + [False] * dim, "dimension": dim}
+    tip, report = tip_of(2.0, HEAVY, **stretching(SOFT), **pin)
+    assert np.linalg.norm(native, axis=1).max() > 1.43 * 1.8
+    assert distance(tip, native) < 1e-4
+    assert max(report["drift"]["energyGain"], -report["drift"]["energyLoss"]) < 1e-4
+
+
+def test_axial_damping_is_that_of_native_cables(tip_of, native_tip):
+    natives = [native_tip(1.0, 20, 2e3, 0.1, axialDamping=damping) for damping in (20.0, 0.0)]
+    tip, report = tip_of(1.0, 0.1, **stretching(2e3, axialDamping=20.0))
+    assert distance(tip, natives[0]) < 1e-4 < 0.1 * distance(*natives)
+    assert max(report["drift"]["energyGain"], -report["drift"]["energyLoss"]) < 1e-3
+
+
+def test_the_step_limit_does_not_depend_on_the_stiffness(tip_of):
+    limits = [
+        tip_of(0.1, **stretching(stiffness))[1]["bounds"].stability_limit for stiffness in (20.0, 1e4, 1e7)
+    ]
+    assert limits == pytest.approx([tip_of(0.1)[1]["bounds"].stability_limit] * 3, rel=1e-6)
+
+
+def test_states_tend_to_those_of_the_inextensible_cable(tip_of):
+    inextensible = tip_of(1.0)[0]
+    far = [distance(tip_of(1.0, **stretching(stiffness))[0], inextensible) for stiffness in (1e6, 1e7, 1e8)]
+    assert far[0] < 2e-5
+    np.testing.assert_allclose(far[:2], 10 * np.array(far[1:]), rtol=0.02)
+
+
+def test_energy_has_no_trend_with_axial_waves_that_the_step_does_not_resolve(tip_of):
+    drift = tip_of(40.0, **stretching(1e6))[1]["drift"]
+    assert max(drift["energyGain"], -drift["energyLoss"]) < 1e-4
+
+
+def test_the_order_is_two(tip_of):
+    def tip(step):
+        settings = {"stepSize": step, "massScaling": 0.3}
+        cable = stretching(50.0, axialDamping=2.0)
+        return tip_of(0.6, 0.05, settings, numberOfElements=4, **cable)[0]
+
+    finest = tip(3.125e-5)
+    errors = [distance(tip(step), finest) for step in (1e-3, 5e-4, 2.5e-4)]
+    np.testing.assert_allclose(np.divide(errors[:2], errors[1:]), 4.0, rtol=0.1)
+
+
+def test_a_cable_may_be_pinned_straight_at_its_own_length(tip_of):
+    pinned = {"groundConstraintsEnd": PINNED}
+    with pytest.raises(RedundantConstraintError, match="give it its axialStiffness"):
+        tip_of(0.1, **pinned)
+    _, report = tip_of(1.0, **pinned, **stretching(1e4))
+    assert max(report["drift"]["energyGain"], -report["drift"]["energyLoss"]) < 1e-3
+
+
+def test_a_clamp_may_leave_the_stretch_free(tip_of):
+    clamps = ([True, True, False, True], [True] * 4, PINNED)
+    tips = [tip_of(0.5, **stretching(), groundConstraintsStart=clamp)[0] for clamp in clamps]
+    assert distance(tips[0], tips[1]) < 1e-5 < 1e-2 < distance(tips[0], tips[2])
+
+
+def test_a_closed_ring_stretches(new_mbs, add_cable, add_sensor, solve):
+    motions = []
+    for stiffness in (None, 1e5, 1e6):
+        mbs = new_mbs()
+        ring = {"shape": CableShape.Circle([0, 0], 0.5, 12), "groundConstraintsStart": PINNED}
+        cable = add_cable(mbs, **ring, **stretching(stiffness))
+        low = add_sensor(mbs, cable["nodes"][6])
+        mbs.Assemble()
+        solve(mbs, 0.5, steps=25, **SCALED)
+        motions.append(np.asarray(mbs.GetSensorStoredData(low)))
+    far = [distance(motion, motions[0]) for motion in motions[1:]]
+    assert far[0] == pytest.approx(10 * far[1], rel=0.1)
+    assert far[0] < 1e-4
+
+
+@pytest.mark.parametrize("integrator", ["Zhai", "RK4"])
+def test_schemes_with_explicit_axial_forces_are_refused(tip_of, integrator):
+    with pytest.raises(
+        SceneError, match=f"'{integrator}' with axialStiffness of cable .*use integrator='RATTLE'"
+    ):
+        tip_of(0.1, settings={"integrator": integrator}, **stretching())
+
+
+@pytest.mark.parametrize("template", [ObjectANCFCable2D, ObjectANCFCable])
+def test_native_templates_bring_their_axial_stiffness_when_asked(tip_of, template):
+    native = template(**SECTION, axialStiffness=2e3, axialDamping=3.0, referenceAxialStrain=1e-4)
+    found, _ = tip_of(0.2, beamTemplate=native, extensible=True)
+    own, _ = tip_of(0.2, **stretching(2e3, axialDamping=3.0, referenceAxialStrain=1e-4))
+    np.testing.assert_array_equal(found, own)
+
+
+def test_drag_is_refused(mbs, add_pendulum):
+    cable = add_pendulum(mbs, **stretching())
+    with pytest.raises(InputError, match="drag on a cable with axialStiffness"):
+        SetCableDrag(mbs, cable, CableDrag(1.0, 0.01, diameter=0.01, fluidDensity=1.0))
+
+
+def test_stepper_and_ensemble_give_the_states_of_a_run(new_mbs, add_pendulum, solve):
+    systems = [new_mbs() for _ in range(3)]
+    for mbs in systems:
+        add_pendulum(mbs, **stretching())
+        mbs.Assemble()
+    solve(systems[0], 0.1, steps=10, **SCALED)
+    stepper = ExplicitStepper(systems[1], ExplicitSettings(**SCALED))
+    stepper.Start()
+    stepper.Step(50)
+    stepper.WriteToSystem()
+    expected = systems[0].systemData.GetODE2Coordinates()
+    np.testing.assert_array_equal(systems[1].systemData.GetODE2Coordinates(), expected)
+    result = SolveEnsemble(systems[2:], quiet_settings(0.1, 10), ExplicitSettings(**SCALED))
+    np.testing.assert_array_equal(np.ravel(result["coordinates"][0][-1]), expected)
