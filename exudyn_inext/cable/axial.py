@@ -45,6 +45,7 @@ from .axial_stiffness import (
     DAMPING,
     FORCE,
     FREE_STRAIN,
+    FROZEN,
     IMPLICIT,
     MEAN_FORCE,
     PLACE,
@@ -78,7 +79,7 @@ def _along_element(axes, element, left, right):
 
 
 @inlined
-def _mean_stretch(element, square):
+def mean_stretch(element, square):
     """m = (int |r_x|^2 dx / l)^(1/2) [-]; 1 between two cables.   square: the integral [m]."""
     return np.sqrt(square * element.per_length) if element.per_length > 0.0 else 1.0
 
@@ -99,7 +100,7 @@ def _set_force(record, strain, rate, bend, place, duration):
         lead = axial[IMPLICIT] * (h * rate + foreseen)
         force = 0.5 * (axial[MEAN_FORCE] + axial[STIFFNESS] * strain + lead)
     else:
-        force = axial[STIFFNESS] * (strain + 0.25 * h * h * bend) + axial[DAMPING] * rate
+        force = axial[STIFFNESS] * (strain + 0.25 * h * h * bend) + axial[DAMPING] * rate + axial[FROZEN]
     axial[STRAIN] = strain
     axial[PLACE] = place
     axial[FORCE] = force
@@ -184,7 +185,7 @@ def _assemble_element(axes, nodes, element, q, v, k, duration):
         length_gradient(axes, element.slope_gram, e_t, gradient)
         bend = 0.5 * element.per_length * contract(axes, e_t, gradient)
     length_gradient(axes, element.slope_gram, e, gradient)
-    stretch = _mean_stretch(element, 0.5 * contract(axes, e, gradient))
+    stretch = mean_stretch(element, 0.5 * contract(axes, e, gradient))
     per_stretch = 1.0 / stretch
     factor = 0.5 * element.per_length * per_stretch
     rate = factor * contract(axes, e_t, gradient)
@@ -314,7 +315,7 @@ def aim_at_positions(axes, nodes, elements, q, set_targets, parameter):
         element = elements[k]
         differences(axes, q, k, e)
         length_gradient(axes, element.slope_gram, e, gradient)
-        mean = _mean_stretch(element, 0.5 * contract(axes, e, gradient)) - 1.0
+        mean = mean_stretch(element, 0.5 * contract(axes, e, gradient)) - 1.0
         strain = middle_strain(mean, nodes[k].constraint[VALUE], nodes[k + 1].constraint[VALUE])
         place = _along_element(axes, element, q[k], q[k + 1])
         worst = max(worst, _aim_at_strain(element, strain - element.axial[FREE_STRAIN], place))
@@ -368,7 +369,7 @@ def _stretched_bending_energy(axes, element, q, k):
     e, gradient, force = local_array(3, 3), local_array(3, 3), local_array(3, 3)
     differences(axes, q, k, e)
     length_gradient(axes, element.slope_gram, e, gradient)
-    stretch = _mean_stretch(element, 0.5 * contract(axes, e, gradient))
+    stretch = mean_stretch(element, 0.5 * contract(axes, e, gradient))
     clear(force)
     add_bending_force(axes, element.stiffness, element.tensor, e, force)
     add_natural_curvature_force(element.natural, e, force)

@@ -1,5 +1,7 @@
 """Coefficients of axial stiffness in the records of a chain, see `axial`."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -10,10 +12,11 @@ from .cable import Cable
 # D [N m] and d [N m s] of the strain's energy D c^2 / 2 and of the damping d c_t;
 # the strain of the stress-free cable [-];
 # E = D/2 + d/h [N m] and h^2/2 E [kg m^2] along J, 0 where axial forces are explicit; h [s];
+# a constant force instead of all of these [N m], see `frozen`;
 # at the last evaluation: c [-], J q [-], force f [N m];
 # of the last step: mean force mu [N m], rho of the one before [-].
 STIFFNESS, DAMPING, FREE_STRAIN, IMPLICIT, ADDED_MASS, STEP = range(6)
-STRAIN, PLACE, FORCE, MEAN_FORCE, REST_BEFORE = range(6, 11)
+FROZEN, STRAIN, PLACE, FORCE, MEAN_FORCE, REST_BEFORE = range(6, 12)
 
 
 def set_axial_stiffness(cable: Cable, nodes: Any, elements: Any) -> None:
@@ -36,3 +39,21 @@ def set_axial_step(h: float, nodes: Any, elements: Any) -> None:
         axial[:, STEP] = h
         axial[:, IMPLICIT] = 0.5 * axial[:, STIFFNESS] + axial[:, DAMPING] / h if h else 0.0
         axial[:, ADDED_MASS] = 0.5 * h**2 * axial[:, IMPLICIT]
+
+
+@contextmanager
+def frozen(nodes: Any, elements: Any) -> Iterator[None]:
+    """Axial forces as at the last evaluation, which was explicit, however the strains change.
+
+    For limits of the step: implicit axial forces bound it by their direction, and not by their stiffness.
+    """
+    arrays = [records["axial"] for records in (nodes, elements)]
+    saved = [axial.copy() for axial in arrays]
+    for axial in arrays:
+        axial[:, FROZEN] = axial[:, FORCE]
+        axial[:, [STIFFNESS, DAMPING, IMPLICIT, ADDED_MASS]] = 0.0
+    try:
+        yield
+    finally:
+        for axial, before in zip(arrays, saved, strict=True):
+            axial[...] = before

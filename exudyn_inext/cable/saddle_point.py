@@ -82,22 +82,31 @@ def _reduce_constrained(axes, nodes, elements, k, column, c, z):
         z[c, dim + j] = node.free[1] * transverse
 
 
+@inlined
+def free_force(axes, nodes, elements, k, column, force):
+    """force (2, dim) = f - J^T target of node k of a chain with axial stiffness, supports taken out."""
+    node = nodes[k]
+    for i in range(len(axes)):
+        force[0, i] = node.force[column, 0, i]
+        force[1, i] = node.force[column, 1, i] - node.slope[i] * node.target[column]
+        if k > 0:
+            force[0, i] -= elements[k - 1].gradient[2, i] * elements[k - 1].target[column]
+            force[1, i] -= elements[k - 1].gradient[3, i] * elements[k - 1].target[column]
+        if k < len(elements):
+            force[0, i] -= elements[k].gradient[0, i] * elements[k].target[column]
+            force[1, i] -= elements[k].gradient[1, i] * elements[k].target[column]
+        force[0, i] *= node.free[0]
+        force[1, i] *= node.free[1]
+
+
 @optional("axial", otherwise=_reduce_constrained)
 def _reduce(axes, nodes, elements, k, column, c, z):
     """z[c] = f - J^T target of node k."""
-    dim = len(axes)
-    node = nodes[k]
-    for i in range(dim):
-        on_position = node.force[column, 0, i]
-        on_slope = node.force[column, 1, i] - node.slope[i] * node.target[column]
-        if k > 0:
-            on_position -= elements[k - 1].gradient[2, i] * elements[k - 1].target[column]
-            on_slope -= elements[k - 1].gradient[3, i] * elements[k - 1].target[column]
-        if k < len(elements):
-            on_position -= elements[k].gradient[0, i] * elements[k].target[column]
-            on_slope -= elements[k].gradient[1, i] * elements[k].target[column]
-        z[c, i] = node.free[0] * on_position
-        z[c, dim + i] = node.free[1] * on_slope
+    force = local_array(2, 3)
+    free_force(axes, nodes, elements, k, column, force)
+    for i in range(len(axes)):
+        z[c, i] = force[0, i]
+        z[c, len(axes) + i] = force[1, i]
 
 
 @inlined

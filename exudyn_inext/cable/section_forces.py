@@ -20,6 +20,7 @@ from ..element.shape_functions import first_derivatives, quadrature, second_deri
 from ..lowered import local_array
 from .assembly import differences
 from .attached_forces import attached_variation
+from .axial_energy import mean_section_forces
 from .cable import Cable, CurvatureMeasure
 from .chain import Chain
 
@@ -85,7 +86,10 @@ def section_forces(
     """
     density = np.broadcast_to(density, (cable.number_of_elements, cable.dimension))
     mean = np.zeros(density.shape)
-    _mean_section_forces(chain, state.q, state.v, state.multiplier, mean)
+    if cable.stretches:
+        mean_section_forces(chain, state.q, state.v, np.zeros(state.q.shape), mean)
+    else:
+        _mean_section_forces(chain, state.q, state.v, state.multiplier, mean)
     ends = np.cumsum(cable.element_lengths)
     k = np.minimum(np.searchsorted(ends, arc_length - 1e-12 * cable.length), len(ends) - 1)
     length = cable.element_lengths[k]
@@ -136,11 +140,13 @@ def _integrated_shape_functions(xi: Array, length: float) -> Array:
 
 
 def _bending_moment(cable: Cable, r_x: Array, r_xx: Array) -> Array:
-    cube = np.linalg.norm(r_x, axis=1) ** 3
+    power = np.linalg.norm(r_x, axis=1) ** (
+        2 if cable.stretches else 3
+    )  # by the arc length, stretched or not
     if cable.dimension == 2:
-        curvature = (r_x[:, 0] * r_xx[:, 1] - r_x[:, 1] * r_xx[:, 0]) / cube
+        curvature = (r_x[:, 0] * r_xx[:, 1] - r_x[:, 1] * r_xx[:, 0]) / power
     else:
-        curvature = np.linalg.norm(np.cross(r_x, r_xx), axis=1) / cube
+        curvature = np.linalg.norm(np.cross(r_x, r_xx), axis=1) / power
     return cable.section.bending_stiffness * (curvature - cable.section.natural_curvature)
 
 

@@ -12,6 +12,8 @@ from .cable import Cable
 from .chain import Chain
 from .constraint_rows import unconstrained_force
 
+STEP = 1e-3  # of differences [m, -]
+
 
 def assembled(forms: Array, shape: tuple[int, ...]) -> csr_array:
     """(n_dof, n_dof) matrix of element forms (N, 4, 4) that act alike in every direction."""
@@ -31,6 +33,16 @@ def form_of_cable(cable: Cable, form: Callable[[float], Array]) -> csr_array:
 def elastic_tangent(chain: Chain, q: Array) -> csr_array:
     """-dQ_el/dq (n_dof, n_dof) at q (n, 2, dim); exact: Q_el is cubic in q, two steps of differences do."""
     return _matrix_of(lambda x: _apply_tangent(chain, q, x), q.shape)
+
+
+def tangent_of(force: Callable[[Array], Array], q: Array) -> csr_array:
+    """-dF/dq (n_dof, n_dof) of a smooth force (n, 2, dim) at q, by differences of order four."""
+
+    def apply(x: Array) -> Array:
+        near = force(q + STEP * x) - force(q - STEP * x)
+        return (force(q + 2.0 * STEP * x) - force(q - 2.0 * STEP * x) - 8.0 * near) / (12.0 * STEP)
+
+    return _matrix_of(apply, q.shape)
 
 
 def damping_tangent(chain: Chain, q: Array) -> csr_array:

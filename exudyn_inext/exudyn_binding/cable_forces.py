@@ -9,6 +9,7 @@ import numpy as np
 from exudyn.itemInterface import SensorUserFunction
 
 from ..arrays import Array
+from ..cable.axial_energy import strain_tension
 from ..cable.frequency import nodal_multipliers_of
 from ..cable.linked_cable import cable_system
 from ..cable.section_forces import SectionForces, SolvedState, multiplier_tension, section_forces
@@ -57,6 +58,8 @@ class CableEvaluator:
 
     def multiplier_tension(self, state: SolvedState) -> Array:
         """(N,) mean tension of the elements, from the multipliers [N]; once for each `solve`."""
+        if self._cable.cable.stretches:
+            return strain_tension(self._cable.cable, self._system.chain)
         nodal = nodal_multipliers_of(self._system, state.a)
         return multiplier_tension(self._cable.cable, state.q, nodal, state.multiplier)
 
@@ -114,6 +117,7 @@ def CableForces(mbs: Any, cable: Any, arcLengths: Any = None) -> dict[str, Any]:
         dict with arrays 'arcLength' (m,) [m], 'position' (m, dim) [m], 'tension' (m,) [N], 'shearForce'
         (m, dim) [N], 'bendingMoment' (m,) [N m] (signed in the plane, its size in space), and
         'multiplierTension' (N,) [N]: the mean over each element, from Lagrange multipliers and curvature.
+        With axialStiffness it is that of EA times the strain, and what its rate adds.
 
     Raises:
         InputError: not a cable, or a point that is not on it.

@@ -17,7 +17,7 @@ from ..native.static_scene import StaticScene, require_held, rest_at
 from ..native.surroundings import state_kept, switched_off
 from ..run.cable_loads import CableLoads
 from ..scene.model import CableInScene, Scene, put_reactions
-from ..statics import Equilibrium, JoinedPotential, Potential, StaticOptions, find_equilibrium
+from ..statics import Equilibrium, JoinedPotential, StaticOptions, find_equilibrium, potential_of
 from ..statics.support_forces import support_forces
 from .arguments import simulation_settings
 from .scene import initial_state, read_scene, require_assembled
@@ -127,7 +127,8 @@ def _solve_cable(mbs: Any, scene_cable: CableInScene, time: float, static: Stati
     options = StaticOptions(static.tolerance, static.maxIterations)
     q, _ = initial_state(mbs, scene_cable)
     for step in range(1, static.loadSteps + 1):
-        equilibrium = find_equilibrium(Potential(cable, external * step / static.loadSteps, time), q, options)
+        potential = potential_of(cable, external * step / static.loadSteps, time)
+        equilibrium = find_equilibrium(potential, q, options)
         q = equilibrium.q
     return equilibrium
 
@@ -150,7 +151,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         require_held(joined, [bool(cable.cable.fixed.any() or cable.cable.links) for cable in unloaded])
         others = StaticScene(joined, time)
         potentials = [
-            Potential(cable.cable, own.at(time)[: cable.cable.reference.size], time)
+            potential_of(cable.cable, own.at(time)[: cable.cable.reference.size], time)
             for cable, own in zip(unloaded, loads, strict=True)
         ]
         start, _ = joined.initial_state
@@ -229,6 +230,8 @@ def _failure(what: str, equilibrium: Equilibrium, more: str) -> str:
 
 def _require_reach(cable: Cable, time: float, scene_cable: CableInScene) -> None:
     """Raise SceneError if supports are farther apart than cable and rods between them reach."""
+    if cable.stretches:
+        return
     arc = np.append(0.0, np.cumsum(cable.element_lengths))
     names = scene_cable.item.node_names
     for (a, here, slack_a), (b, there, slack_b) in combinations(_held_points(cable, time), 2):

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..cable.attached_forces import drag_rate
+from ..cable.axial_stiffness import frozen
 from ..cable.cable import Cable
 from ..cable.chain import set_mass
 from ..cable.frequency import FrequencyTracker, largest_frequency
@@ -297,6 +298,12 @@ class CableRun(PacedRun):
             elements["damping"][:, :, 0] = weights
             if step:
                 self.set_step(step)
+
+    @property
+    def axial_forces_frozen(self) -> AbstractContextManager[None]:
+        """Axial forces as at the last evaluation, see `axial_stiffness.frozen`."""
+        chain = self.system.chain
+        return frozen(chain.nodes, chain.elements) if self._stretches else nullcontext()
 
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; the history of a multi-step scheme begins here.

@@ -161,7 +161,7 @@ class CoupledRun(PacedRun):
 
     def _rates_at(self, time: float) -> FastestRates:
         """Of the present state."""
-        with self._without_implicit_damping():
+        with self._without_implicit_forces(time):
             return fastest_rates(*self._system_at(time), self.state.q, self.state.v)
 
     def _system_at(self, time: float) -> tuple[Any, Array]:
@@ -201,11 +201,18 @@ class CoupledRun(PacedRun):
         self._scene.require_agreement(self._form, time, self.state.q, self.state.v)
 
     @contextmanager
-    def _without_implicit_damping(self) -> Iterator[None]:
-        """That of the cables does not bound the step."""
+    def _without_implicit_forces(self, time: float) -> Iterator[None]:
+        """Damping and axial forces of the cables, at present, do not bound the step."""
         with ExitStack() as stack:
             for run in self._runs:
                 stack.enter_context(run.implicit_damping_left_out())
+            if any(cable.stretches for cable in self.cables):
+                memory = np.zeros((2, len(self.state.q)))
+                system, external = self._system_at(time)
+                evaluate = accelerate_and_project.dispatch(type(system))
+                evaluate(system, external, self.state.q, self.state.v, 0.0, *memory)
+            for run in self._runs:
+                stack.enter_context(run.axial_forces_frozen)
             yield
 
     def forget_rates(self, time: float) -> None:
@@ -225,7 +232,7 @@ class CoupledRun(PacedRun):
         """The rates if all of these contacts close at once; zero where there are none."""
         if self.contacts is None:
             return FastestRates(0.0, 0.0)
-        with self._without_implicit_damping():
+        with self._without_implicit_forces(self._time):
             return rates_in_contact(
                 self._scene.system, self.contacts.closed, self._time, self.state.q, self.state.v
             )

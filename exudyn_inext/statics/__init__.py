@@ -4,6 +4,7 @@ from .equilibrium import Equilibrium, StaticOptions, find_equilibrium
 from .joined_potential import JoinedPotential
 from .potential import Potential
 from .stability import smallest_eigenvalue
+from .stretching import potential_of
 
 __all__ = [
     "Equilibrium",
@@ -11,5 +12,6 @@ __all__ = [
     "Potential",
     "StaticOptions",
     "find_equilibrium",
+    "potential_of",
     "smallest_eigenvalue",
 ]

@@ -1,0 +1,65 @@
+"""Energy, forces and section forces of a cable with axial stiffness, whose axial forces are explicit."""
+
+import numpy as np
+
+from ..arrays import Array
+from ..compiled import clear, kernel
+from ..element.bending import add_bending_force
+from ..element.inextensibility import contract, length_gradient
+from ..element.natural_curvature import add_natural_curvature_force
+from ..lowered import local_array
+from .assembly import differences, leave_targets
+from .axial import ACCELERATION, assemble_chain, mean_stretch, stored_energy
+from .axial_stiffness import FORCE
+from .cable import Cable
+from .chain import Chain
+from .saddle_point import free_force
+
+
+@kernel
+def static_energy(chain, q, force):
+    """Energy of bending and axial forces [J], and force (n, 2, dim) output [N, Nm], zero on entry.
+
+    Args:
+        chain: with explicit axial forces.   q: (n, 2, dim).
+    """
+    axes, nodes, elements = chain.axes, chain.nodes, chain.elements
+    assemble_chain(axes, nodes, elements, force, q, force, 0.0, leave_targets, 0.0)
+    energy = stored_energy(axes, nodes, elements, chain, q, force, force)
+    for k in range(len(nodes)):
+        free_force(axes, nodes, elements, k, ACCELERATION, force[k])
+    return energy
+
+
+@kernel
+def mean_section_forces(chain, q, v, rest, mean):
+    """mean (N, dim): section force of each element weighted with 6 xi (1 - xi), see `section_forces`.
+
+    rest: (n, 2, dim) zero.
+    """
+    axes, nodes, elements = chain.axes, chain.nodes, chain.elements
+    assemble_chain(axes, nodes, elements, rest, q, v, 0.0, leave_targets, 0.0)
+    e, gradient, force = local_array(3, 3), local_array(3, 3), local_array(3, 3)
+    for k in range(len(elements)):
+        element = elements[k]
+        differences(axes, q, k, e)
+        length_gradient(axes, element.slope_gram, e, gradient)
+        clear(force)
+        add_bending_force(axes, element.stiffness, element.tensor, e, force)
+        add_natural_curvature_force(element.natural, e, force)
+        stretch = mean_stretch(element, 0.5 * contract(axes, e, gradient))
+        along = 0.75 * element.per_length / stretch * element.target[ACCELERATION]
+        for i in range(len(axes)):
+            mean[k, i] = along * gradient[0, i] - force[0, i] / (stretch * stretch)
+
+
+def strain_tension(cable: Cable, chain: Chain) -> Array:
+    """(N,) mean tension of each element by its strains, damping included [N].
+
+    chain: evaluated by `mean_section_forces`.
+    """
+    lengths = cable.element_lengths
+    ends = (np.append(lengths, 0.0) + np.append(0.0, lengths)) / 6.0
+    nodal = chain.nodes["axial"][:, FORCE] / ends
+    shares: Array = chain.elements["axial"][:, FORCE] / lengths + (nodal[:-1] + nodal[1:]) / 6.0
+    return shares

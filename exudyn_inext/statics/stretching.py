@@ -1,0 +1,78 @@
+"""Energy, forces and Hessians of a cable with axial stiffness under static loads."""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array
+
+from ..arrays import Array
+from ..cable.axial_energy import static_energy
+from ..cable.cable import Cable
+from ..cable.chain import build_chain
+from ..cable.sparse_forms import assembled, tangent_of
+from ..constraints import length, nodal_inextensibility
+from ..element.forms import forms_of_mesh
+from ..element.inextensibility import slope_gram_matrix
+from .potential import Potential
+
+
+class StretchingPotential(Potential):
+    """See `Potential`: axial forces take the place of the constraints (18), (19)."""
+
+    def __init__(self, cable: Cable, external: Array, time: float) -> None:
+        super().__init__(cable, external, time)
+        self._chain = build_chain(replace(cable, fixed=np.zeros_like(cable.fixed)))
+        rigid = replace(cable, section=replace(cable.section, axial_stiffness=None))
+        self._lengths, self._slopes = length.of_cable(rigid), nodal_inextensibility.of_cable(rigid)
+        self._present = cable.reference
+
+    def turn_with(self, q: Array) -> None:
+        """The convex model is that of the present state."""
+        super().turn_with(q)
+        self._present = q
+
+    def energy(self, q: Array) -> float:
+        """Bending and axial energy less the work of the loads [J]."""
+        return float(static_energy(self._chain, q, np.zeros(q.shape))) - float(np.sum(self._external * q))
+
+    def force(self, q: Array) -> Array:
+        """(n_dof,) elastic and external force."""
+        return self._external.ravel() + self._elastic_force(q).ravel()
+
+    def _elastic_force(self, q: Array) -> Array:
+        force = np.zeros(q.shape)
+        static_energy(self._chain, q, force)
+        return force
+
+    @property
+    def largest_load(self) -> float:
+        """Of the external forces, bending, and what the strain of the stress-free cable gives [N]."""
+        section = self.cable.section
+        return super().largest_load + (section.axial_stiffness or 0.0) * abs(section.axial_strain)
+
+    def hessian(self, q: Array, multipliers: Array) -> csr_array:
+        """Of the Lagrangian."""
+        total = tangent_of(self._elastic_force, q)
+        first = 0
+        for constraint in self._constraints:
+            total = total + constraint.hessian(multipliers[first : first + constraint.number], q.shape)
+            first += constraint.number
+        return csr_array(total)
+
+    def convex_model(self, multipliers: Array, shift: float) -> csr_array:
+        """Bending and axial stiffness, tension where it pulls, and shift times the mass."""
+        stiffness, lengths = self.cable.section.axial_stiffness or 0.0, self.cable.element_lengths
+        of_lengths, of_slopes = (rows.jacobian(self._present) for rows in (self._lengths, self._slopes))
+        axial = of_lengths.T @ diags_array(stiffness / (4.0 * lengths)) @ of_lengths
+        axial = axial + stiffness * lengths.mean() / 12.0 * (of_slopes.T @ of_slopes)
+        strain = self._lengths.value(self._present) / (2.0 * lengths) - self.cable.section.axial_strain
+        gram = forms_of_mesh(slope_gram_matrix, lengths)
+        geometric = assembled(
+            (stiffness * np.maximum(strain, 0.0))[:, None, None] * gram, self._present.shape
+        )
+        return csr_array(self._stiffness + axial + geometric + shift * self.mass)
+
+
+def potential_of(cable: Cable, external: Array, time: float) -> Potential:
+    """Of a cable that stretches, or does not; arguments: see `Potential`."""
+    return (StretchingPotential if cable.stretches else Potential)(cable, external, time)
