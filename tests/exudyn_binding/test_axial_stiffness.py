@@ -13,11 +13,15 @@ from exudyn.itemInterface import (
     ObjectANCFCable2D,
     SphericalJoint,
 )
+from scipy.optimize import brentq
 
 from exudyn_inext import (
     AddPointMass,
     CableDrag,
+    CableForces,
     CableShape,
+    CreatePrescribedMotion,
+    ExplicitSettings,
     ExplicitStepper,
     InextensibleCable,
     InputError,
@@ -25,8 +29,8 @@ from exudyn_inext import (
     SceneError,
     SetCableDrag,
     SolveEnsemble,
+    SolveEquilibrium,
 )
-from exudyn_inext.exudyn_binding.solver import ExplicitSettings
 from reference_models.model import quiet_settings
 from tests.exudyn_binding.items import PINNED, SECTION, load_node, native_cable, solve_native
 
@@ -206,3 +210,82 @@ def test_stepper_and_ensemble_give_the_states_of_a_run(new_mbs, add_pendulum, so
     np.testing.assert_array_equal(systems[1].systemData.GetODE2Coordinates(), expected)
     result = SolveEnsemble(systems[2:], quiet_settings(0.1, 10), ExplicitSettings(**SCALED))
     np.testing.assert_array_equal(np.ravel(result["coordinates"][0][-1]), expected)
+
+
+def test_among_bodies_the_step_limit_does_not_depend_on_it_and_the_motion_is_that_of_native_cables(
+    new_mbs, add_pendulum, add_sensor, solve, native_tip
+):
+    def move(stiffness, end_time):
+        mbs = new_mbs()
+        cable = add_pendulum(mbs, numberOfElements=10, **stretching(stiffness))
+        body = mbs.CreateMassPoint(
+            referencePosition=[1.8, 0, 0], mass=HEAVY, gravity=[0, -9.81, 0], returnDict=True
+        )
+        numbers = (cable["nodes"][-1], body["nodeNumber"])
+        ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=number)) for number in numbers]
+        mbs.AddObject(SphericalJoint(markerNumbers=ends))
+        tip = add_sensor(mbs, cable["nodes"][-1])
+        mbs.Assemble()
+        report = solve(mbs, end_time, steps=round(end_time / 0.01), stepSize=1e-3, massScaling=0.3)
+        return np.asarray(mbs.GetSensorStoredData(tip))[:, 1:], report
+
+    tip, report = move(SOFT, 1.0)
+    assert distance(tip, native_tip(1.0, 20, SOFT, HEAVY)) < 1e-4
+    assert "in one compiled call" in report["path"]
+    limits = [move(stiffness, 0.01)[1]["bounds"].stability_limit for stiffness in (None, SOFT, 1e7)]
+    assert limits == pytest.approx([limits[0]] * 3, rel=1e-3)
+
+
+def test_an_elastic_catenary_has_irvines_sag_and_tension(mbs, add_cable):
+    """H. M. Irvine, Cable Structures, MIT Press (1981), elastic catenary."""
+    length, span, weight, stiffness = 10.0, 9.0, 2.0, 100.0
+    template = InextensibleCable(weight / 9.81, 1e-4, axialStiffness=stiffness)
+    line = {"positionEnd": [length, 0, 0], "numberOfElements": 30, "groundConstraintsStart": PINNED}
+    cable = add_cable(mbs, beamTemplate=template, **line)
+    CreatePrescribedMotion(mbs, cable["nodes"][-1], lambda t: [span, 0, 0])
+    mbs.Assemble()
+    q = SolveEquilibrium(mbs)["cables"][0]["coordinates"]
+    forces = CableForces(mbs, cable)
+    end = 0.5 * weight * length
+
+    def excess(h):
+        return h * length / stiffness + 2 * h / weight * np.arcsinh(end / h) - span
+
+    horizontal = brentq(excess, 1e-3, 1e3)
+    sag = end * length / (4 * stiffness) + (np.hypot(horizontal, end) - horizontal) / weight
+    assert -q[:, 0, 1].min() == pytest.approx(sag, rel=1e-4)
+    assert forces["tension"][0] == pytest.approx(np.hypot(horizontal, end), rel=1e-4)
+    assert forces["tension"].min() == pytest.approx(horizontal, rel=1e-4)
+    assert forces["multiplierTension"].min() == pytest.approx(horizontal, rel=2e-3)
+
+
+def test_a_string_that_is_given_less_length_than_its_supports_has_its_pretension(mbs, add_cable):
+    taut = stretching(1e4, referenceAxialStrain=-0.01)
+    cable = add_cable(
+        mbs, gravity=[0, 0, 0], groundConstraintsEnd=PINNED, groundConstraintsStart=PINNED, **taut
+    )
+    mbs.Assemble()
+    report = SolveEquilibrium(mbs)
+    np.testing.assert_allclose(CableForces(mbs, cable)["tension"], 100.0, rtol=1e-9)
+    exact = (np.pi / 1.8) ** 2 * (100.0 + SECTION["bendingStiffness"] * (np.pi / 1.8) ** 2)
+    assert report["smallestEigenvalue"] == pytest.approx(exact / SECTION["massPerLength"], rel=1e-3)
+
+
+def test_a_run_continues_from_its_restart_file_bit_for_bit(new_mbs, add_pendulum, solve, tmp_path):
+    def state_at(end_time, name):
+        mbs = new_mbs()
+        add_pendulum(mbs, **stretching())
+        mbs.Assemble()
+        settings = quiet_settings(end_time, 10)
+        restart = settings.solution.restart
+        restart.name, restart.writePeriod = str(tmp_path / name), 0.05
+        restart.write = restart.continueIfAvailable = True
+        report = solve(mbs, settings=settings, **SCALED)
+        data = mbs.systemData
+        return np.array([data.GetODE2Coordinates(), data.GetODE2Coordinates_t()]), report
+
+    whole, _ = state_at(0.2, "whole")
+    state_at(0.1, "parts")
+    continued, report = state_at(0.2, "parts")
+    assert report["resumedAt"] == pytest.approx(0.1)
+    np.testing.assert_array_equal(continued, whole)
