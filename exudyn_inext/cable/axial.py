@@ -58,6 +58,7 @@ from .factorisation import eliminate_node, factorise
 
 ACCELERATION, CORRECTION = 0, 1
 HUGE = 1e30  # 1/s
+SHORTEST = 0.2  # |r_x| of a compressed cable, below which it is about to turn inside out
 
 
 @inlined
@@ -330,8 +331,16 @@ def _violation(axes, nodes, elements, q):
 
 @optional("axial", otherwise=_violation)
 def largest_violation(axes, nodes, elements, q):
-    """Of the constraints (18), (19) at q [-]; with axial stiffness there are none."""
-    return 0.0
+    """Of the constraints (18), (19) at q [-]; in their place, how far |r_x| is below `SHORTEST`."""
+    least = SHORTEST
+    for k in range(len(nodes)):
+        least = min(least, norm(axes, q[k, 1]))
+    e, gradient = local_array(3, 3), local_array(3, 3)
+    for k in range(len(elements)):
+        differences(axes, q, k, e)
+        length_gradient(axes, elements[k].slope_gram, e, gradient)
+        least = min(least, mean_stretch(elements[k], 0.5 * contract(axes, e, gradient)))
+    return SHORTEST - least
 
 
 @inlined

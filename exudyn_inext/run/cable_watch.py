@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..cable.axial import SHORTEST
 from ..cable.border import all_links, motions_of
 from ..cable.cable import Cable
 from ..scene.model import CableInScene
@@ -39,6 +40,7 @@ class CableWatch(RunWatch):
         gains_energy: bool,
     ) -> None:
         cable = scene_cable.cable
+        self._cable = cable
         self._names = scene_cable.item.node_names
         self._shape = cable.reference.shape
         self._round_off = _round_off(cable, loads.constant)
@@ -64,8 +66,23 @@ class CableWatch(RunWatch):
 
     def finding(self, state: Any) -> str:
         """What went wrong, by how much, and where.   state: the last good one."""
+        stretch, names = self._shortest_element(self.watch.kept.q)
+        if self._cable.stretches and stretch < SHORTEST:
+            return (
+                f"its element between nodes {names[0]} and {names[1]} is compressed to {stretch:.1%} of its "
+                "length, and about to turn inside out: use a larger axialStiffness, or compress it less"
+            )
         left, right = self._fastest_element(state.a)
         return f"{self.found}; its accelerations are largest between nodes {left} and {right}"
+
+    def _shortest_element(self, q: Array) -> tuple[float, tuple[Any, Any]]:
+        """|r_x| where it is smallest, at a node or on average over an element, and nodes of that element."""
+        nodal = q.reshape(self._shape)
+        chords = np.linalg.norm(np.diff(nodal[:, 0], axis=0), axis=1) / self._cable.element_lengths
+        slopes = np.linalg.norm(nodal[:, 1], axis=1)
+        stretches = np.minimum(chords, np.minimum(slopes[:-1], slopes[1:]))
+        k = int(np.argmin(stretches))
+        return float(stretches[k]), (self._names[k], self._names[k + 1])
 
     def _fastest_element(self, a: Array) -> tuple[Any, Any]:
         """Nodes of the element with the largest accelerations."""

@@ -21,6 +21,7 @@ from exudyn_inext import (
     CableForces,
     CableShape,
     CreatePrescribedMotion,
+    DivergenceError,
     ExplicitSettings,
     ExplicitStepper,
     InextensibleCable,
@@ -289,3 +290,14 @@ def test_a_run_continues_from_its_restart_file_bit_for_bit(new_mbs, add_pendulum
     continued, report = state_at(0.2, "parts")
     assert report["resumedAt"] == pytest.approx(0.1)
     np.testing.assert_array_equal(continued, whole)
+
+
+def test_where_a_cable_is_too_soft_for_what_compresses_it_is_said(mbs, add_cable, solve):
+    upright = {"positionEnd": [0, 1.8, 0], "groundConstraintsStart": [True] * 4}
+    cable = add_cable(mbs, **upright, **stretching(3.0))
+    AddPointMass(mbs, cable, 1.8, HEAVY)
+    mbs.Assemble()
+    with pytest.raises(
+        DivergenceError, match=r"element between nodes . and . is compressed to .*axialStiffness"
+    ):
+        solve(mbs, 1.0, steps=100)
