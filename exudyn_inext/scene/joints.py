@@ -261,5 +261,6 @@ def not_independent(name: str) -> RedundantConstraintError:
     """What is said of a row."""
     return RedundantConstraintError(
         f"{name} is not independent of the other constraints in the present configuration: remove "
-        "it, or free the axes that other joints hold already."
+        "it, free the axes that other joints hold already, or give cables that are straight between joints "
+        "their axialStiffness."
     )

@@ -301,3 +301,23 @@ def test_where_a_cable_is_too_soft_for_what_compresses_it_is_said(mbs, add_cable
         DivergenceError, match=r"element between nodes . and . is compressed to .*axialStiffness"
     ):
         solve(mbs, 1.0, steps=100)
+
+
+def test_a_flat_net_with_pinned_edges_moves(new_mbs, add_cable, solve):
+    def net(stiffness):
+        mbs, ends = new_mbs(), []
+        for start in ([1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]):
+            pin = {"groundConstraintsStart": [True] * 3 + [False] * 3, "dimension": 3}
+            line = {"positionStart": start, "positionEnd": [0, 0, 0], "numberOfElements": 4}
+            cable = add_cable(mbs, gravity=[0, 0, -9.81], **line, **pin, **stretching(stiffness))
+            ends.append(cable["nodes"][-1])
+        for other in ends[1:]:
+            markers = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in (ends[0], other)]
+            mbs.AddObject(SphericalJoint(markerNumbers=markers))
+        mbs.Assemble()
+        return solve(mbs, 0.2, stepSize=1e-3, massScaling=0.3)["drift"]
+
+    with pytest.raises(RedundantConstraintError, match="axialStiffness"):
+        net(None)
+    drift = net(1e5)
+    assert max(drift["energyGain"], -drift["energyLoss"]) < 1e-3

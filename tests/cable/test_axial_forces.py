@@ -1,0 +1,63 @@
+"""Axial and bending forces of a cable that stretches."""
+
+import numpy as np
+import pytest
+
+from exudyn_inext.cable.axial_energy import static_energy
+from exudyn_inext.cable.cable import Cable, CurvatureMeasure, Section
+from exudyn_inext.cable.chain import build_chain
+
+pytestmark = pytest.mark.kernel
+
+AXIAL, BENDING = 40.0, 0.3
+
+
+def chain_of(q, lengths, curvature=0.0):
+    section = Section(1.0, BENDING, curvature, axial_stiffness=AXIAL, axial_strain=0.02)
+    fixed = np.zeros(q.shape[:2], dtype=bool)
+    measure = CurvatureMeasure.SECOND_DERIVATIVE
+    return build_chain(Cable(q, lengths, section, measure, len(lengths), fixed))
+
+
+def energy(chain, q):
+    return static_energy(chain, q, np.zeros(q.shape))
+
+
+def polygon(number, radius=1.0):
+    """Nodes and unit slopes of a closed circle, the first one twice, and lengths of its arcs."""
+    angle = np.linspace(0.0, 2.0 * np.pi, number + 1)
+    places, slopes = np.stack([np.cos(angle), np.sin(angle)]), np.stack([-np.sin(angle), np.cos(angle)])
+    return np.stack([radius * places.T, slopes.T], axis=1), np.full(number, 2 * np.pi * radius / number)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_forces_are_the_gradient_of_the_energy(dim):
+    random = np.random.default_rng(dim)
+    lengths = np.array([0.4, 0.5, 0.3])
+    straight = np.zeros((4, 2, dim))
+    straight[1:, 0, 0], straight[:, 1, 0] = np.cumsum(lengths), 1.0
+    chain = chain_of(straight, lengths, curvature=0.7 if dim == 2 else 0.0)
+    q = 1.3 * straight + 0.1 * random.standard_normal(straight.shape)
+    force = np.zeros(q.shape)
+    static_energy(chain, q, force)
+    for _ in range(5):
+        way = 1e-5 * random.standard_normal(q.shape)
+        work = energy(chain, q - way) - energy(chain, q + way)
+        assert 2.0 * float(np.sum(force * way)) == pytest.approx(work, rel=1e-6, abs=1e-13)
+
+
+def test_a_straight_cable_has_the_energy_of_its_strain():
+    lengths = np.array([0.4, 0.5, 0.3])
+    straight = np.zeros((4, 2, 2))
+    straight[1:, 0, 0], straight[:, 1, 0] = np.cumsum(lengths), 1.0
+    expected = 0.5 * AXIAL * 0.38**2 * 1.2
+    assert energy(chain_of(straight, lengths), 1.4 * straight) == pytest.approx(expected, rel=1e-12)
+
+
+def test_bending_energy_depends_on_how_much_a_cable_turns_and_not_on_its_stretch():
+    q, lengths = polygon(12)
+    chain = chain_of(q, lengths)
+    of_strain = [0.5 * AXIAL * (stretch - 1.02) ** 2 * 2.0 * np.pi for stretch in (1.0, 1.4)]
+    bent = [energy(chain, stretch * q) - other for stretch, other in zip((1.0, 1.4), of_strain, strict=True)]
+    assert bent[0] == pytest.approx(0.5 * BENDING * 2.0 * np.pi, rel=1e-3)
+    assert bent[1] == pytest.approx(bent[0], rel=1e-12)
