@@ -32,6 +32,15 @@ def static_energy(chain, q, force):
 
 
 @kernel
+def force_in_motion(chain, external, q, v, force):
+    """force (n, 2, dim) of all but inertia at (q, v) [N, Nm].   external: (n, 2, dim)."""
+    axes, nodes, elements = chain.axes, chain.nodes, chain.elements
+    assemble_chain(axes, nodes, elements, external, q, v, 0.0, leave_targets, 0.0)
+    for k in range(len(nodes)):
+        free_force(axes, nodes, elements, k, ACCELERATION, force[k])
+
+
+@kernel
 def mean_section_forces(chain, q, v, rest, mean):
     """mean (N, dim): section force of each element weighted with 6 xi (1 - xi), see `section_forces`.
 

@@ -11,6 +11,7 @@ from ..element.inextensibility import length_gradient
 from ..lowered import local_array
 from ..system import index_reduced_rates
 from .assembly import add_element_force, differences
+from .axial_energy import force_in_motion
 from .cable import Cable
 from .chain import build_chain
 from .linked_cable import LinkedCableSystem, cable_system
@@ -57,7 +58,7 @@ class SupportedCable:
     """A cable with its mass as it is, solved for what its supports do."""
 
     def __init__(self, cable: Cable) -> None:
-        self._closed, self._own_links = cable.closed, len(cable.links)
+        self._closed, self._own_links, self._stretches = cable.closed, len(cable.links), cable.stretches
         self._system = cable_system(cable, 0.0)
         self._free = build_chain(replace(cable, fixed=np.zeros_like(cable.fixed), links=()))
 
@@ -66,7 +67,13 @@ class SupportedCable:
         system, shape = self._system, self._system.chain.shape
         (a, rate), on_coordinates = np.zeros((2, q.size)), np.zeros(shape)
         index_reduced_rates.dispatch(type(system))(system, external, q, v, a, rate)
-        _out_of_balance(system.chain, self._free, q.reshape(shape), a.reshape(shape), on_coordinates)
+        if self._stretches:
+            inertia, force = np.zeros(shape), external[: q.size].reshape(shape)
+            force_in_motion(self._free, force, q.reshape(shape), v.reshape(shape), on_coordinates)
+            apply_mass(self._free, a.reshape(shape), inertia)
+            on_coordinates -= inertia
+        else:
+            _out_of_balance(system.chain, self._free, q.reshape(shape), a.reshape(shape), on_coordinates)
         of_links = self._take_rods(on_coordinates)
         if self._closed:
             on_coordinates[0] += on_coordinates[-1]

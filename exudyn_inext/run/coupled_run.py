@@ -250,7 +250,7 @@ class CoupledRun(PacedRun):
     def _present_frequency(self, time: float) -> float:
         """w_max [rad/s] about the present state, of which the integrator then knows again."""
         assert self._tracker is not None
-        with self._without_implicit_damping():
+        with self._without_implicit_forces(time):
             found = self._tracker.frequency(*self._system_at(time), self.state.q, self.state.v)
         self.resume(time)
         return found
