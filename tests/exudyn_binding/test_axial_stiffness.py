@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from exudyn import OutputVariableType
 from exudyn.itemInterface import (
     CoordinateConstraint,
     MarkerNodeCoordinate,
@@ -326,3 +327,19 @@ def test_a_flat_net_with_pinned_edges_moves(new_mbs, add_cable, solve):
         net(None)
     drift = net(1e5)
     assert max(drift["energyGain"], -drift["energyLoss"]) < 1e-3
+
+
+def test_a_support_bears_the_weight_of_a_stretched_cable(mbs, add_pendulum, add_sensor, solve):
+    cable = add_pendulum(mbs, positionEnd=[0, -1.8, 0], groundConstraintsStart=None, **stretching(SOFT))
+    ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+    holds = []
+    for axis in range(2):
+        marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=cable["nodes"][0], coordinate=axis))
+        holds.append(mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, marker])))
+    AddPointMass(mbs, cable, 1.8, 0.1)
+    mbs.Assemble()
+    SolveEquilibrium(mbs)
+    weight = 9.81 * (0.1 + 1.8 * SECTION["massPerLength"])
+    assert abs(mbs.GetObjectOutput(holds[1], OutputVariableType.Force)) == pytest.approx(weight, rel=1e-8)
+    solve(mbs, 0.02, **SCALED)
+    assert abs(mbs.GetObjectOutput(holds[1], OutputVariableType.Force)) == pytest.approx(weight, rel=1e-5)
