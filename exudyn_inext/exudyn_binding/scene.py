@@ -98,6 +98,25 @@ def read_scene(mbs: Any, read: Callable[..., Constraint | None] = read_constrain
     )
 
 
+def read_cables(mbs: Any, who: str) -> list[CableInScene]:
+    """All inextensible cables of an assembled mbs that contains nothing else; empty if there is none.
+
+    Args:
+        mbs: the system.   who: asks, for messages.
+
+    Raises:
+        SceneError: besides cables, the mbs has other items that move, connect or load; all are named.
+    """
+    scene = read_scene(mbs)
+    if scene.cables and scene.foreign:
+        raise SceneError(
+            f"{who} deals with inextensible cables, coordinate constraints that hold or move positions of "
+            "their nodes or clamp them, distance constraints between ground and their nodes, and forces on "
+            f"their nodes; mbs has also: {'; '.join(scene.foreign)}. SolveExplicit takes such scenes."
+        )
+    return scene.cables
+
+
 def _contents(mbs: Any, read: Callable[..., Constraint | None]) -> Contents:
     contents = Contents()
     for number in range(mbs.systemData.NumberOfObjects()):
@@ -176,9 +195,9 @@ def _read_loads(mbs: Any, on_cables: Container[int], elements: Elements) -> tupl
         elif _is_of_cables(load := read_load(mbs, number), on_cables):
             loads.append(load)
         else:
-            _require_numbers(mbs, number, load)
             data = mbs.GetLoad(number)
             others.append(f"load {number} '{data['name']}' ({data['loadType']})")
+            _require_numbers(mbs, load, others[-1])
     return loads + put_together(weights), others
 
 
@@ -189,11 +208,11 @@ def _is_of_cables(load: NodalLoad | None, on_cables: Container[int]) -> TypeGuar
     return load.history is None or load.is_pure
 
 
-def _require_numbers(mbs: Any, number: int, load: NodalLoad | None) -> None:
+def _require_numbers(mbs: Any, load: NodalLoad | None, name: str) -> None:
     """Raise SceneError if the user function of a load, asked now, does not return its components."""
     if load is not None and load.history is not None:
         now = mbs.systemData.GetTime()
-        as_rows([load.history(now)], [now], len(load.constant), f"load {number}")
+        as_rows([load.history(now)], [now], len(load.constant), name)
 
 
 def _foreign_nodes(mbs: Any, on_cables: Container[int]) -> list[str]:
