@@ -65,18 +65,13 @@ class InextensibleCable:
             )
         axial = ("axialStiffness", "axialDamping", "referenceAxialStrain") if extensible else ()
         for name in (*_NOT_YET, *(() if extensible else ("referenceAxialStrain",))):
-            if _is_set(getattr(template, name, None)):
+            if _is_set(_native_value(template, name)):
                 raise InputError(
-                    f"beamTemplate.{name} = {getattr(template, name)!r}: not supported by the "
+                    f"beamTemplate.{name} = {_native_value(template, name)!r}: not supported by the "
                     "inextensible cable yet; set it to zero."
                 )
-        return cls(
-            template.massPerLength,
-            template.bendingStiffness,
-            bendingDamping=template.bendingDamping,
-            referenceCurvature=getattr(template, "referenceCurvature", 0.0),
-            **{name: getattr(template, name) for name in axial},
-        )
+        names = ("massPerLength", "bendingStiffness", "bendingDamping", "referenceCurvature", *axial)
+        return cls(**{name: _native_value(template, name) for name in names})
 
     def section(self, dimension: int) -> Section:
         """Checked constants of the cross-section of a cable in that many dimensions.
@@ -140,6 +135,12 @@ class InextensibleCable:
             return number_of_elements
         name = "numberOfLengthConstraints"
         return require_integer(name, number, 0, number_of_elements, ", the number of elements")
+
+
+def _native_value(template: Any, name: str) -> Any:
+    """A property of a native template, also by its name of older versions (`physicsMassPerLength`)."""
+    older = getattr(template, f"physics{name[0].upper()}{name[1:]}", None)
+    return getattr(template, name, 0.0) if older is None else older
 
 
 def _is_set(value: Any) -> bool:

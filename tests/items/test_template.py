@@ -1,0 +1,22 @@
+"""Native templates are read under the names of all of Exudyn's versions."""
+
+import pytest
+from exudyn.itemInterface import ObjectANCFCable, ObjectANCFCable2D
+
+from exudyn_inext import InextensibleCable
+
+VALUES = {"massPerLength": 2.0, "bendingStiffness": 3.0, "bendingDamping": 0.1}
+AXIAL = {"axialStiffness": 5.0, "axialDamping": 0.2, "referenceAxialStrain": 0.01}
+
+
+def older(values):
+    return {f"physics{name[0].upper()}{name[1:]}": value for name, value in values.items()}
+
+
+@pytest.mark.parametrize("template", [ObjectANCFCable, ObjectANCFCable2D])
+@pytest.mark.parametrize("names", [dict, older])
+def test_a_native_template_brings_all_of_its_values(template, names):
+    curvature = {"referenceCurvature": 0.5} if template is ObjectANCFCable2D else {}
+    native = template(**names({**VALUES, **AXIAL, **curvature}))
+    read = InextensibleCable.from_template(native, extensible=True)
+    assert read == InextensibleCable(**VALUES, **AXIAL, **curvature)
