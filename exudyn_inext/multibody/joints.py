@@ -410,16 +410,22 @@ def subtract_forces(joints, x):
             x[dof + i] -= entries.jacobian[first + i] * force
 
 
-def effect_of_joints(joints: Joints, size: int) -> Array:
-    """(size,) what joints took off the accelerations at the last evaluation, by their multipliers."""
+def effect_of_joints(joints: Joints, size: int) -> tuple[Array, Array]:
+    """What joints took off the accelerations at the last evaluation, by their multipliers.
+
+    Returns:
+        (size,) the sums, and the sums of the sizes: forces of several joints may cancel each other.
+    """
     entries, holds, members = joints.entries, joints.holds, joints.members
     force = np.where(holds.member < 0, joints.multipliers[entries.row[holds.entry]], 0.0)
     pull = np.where(members.row < 0, 0.0, members.sign * joints.multipliers[members.row])
     np.add.at(force, members.hold, pull)
     is_child = members.parent >= 0
     np.add.at(force, members.hold[members.parent[is_child]], -pull[is_child])
-    result = np.zeros(size)
+    total, sizes = np.zeros((2, size))
     for e, share in zip(holds.entry, holds.sign * force, strict=True):
         first, width, dof = entries.first[e], entries.width[e], entries.dof[e]
-        result[dof : dof + width] += entries.response[first : first + width] * share
-    return result
+        effect = entries.response[first : first + width] * share
+        total[dof : dof + width] += effect
+        sizes[dof : dof + width] += abs(effect)
+    return total, sizes

@@ -1,7 +1,9 @@
 """Everything with mass but the inextensible cables: which coordinates, which mass matrix."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 import exudyn
@@ -24,6 +26,7 @@ _CONSTANT_MASS = {
     "Rotor1D",
 }
 _CENTRE_OF_MASS = {"centerOfMass", "physicsCenterOfMass"}  # names in Exudyn's versions
+_SINGULAR = 1e-13  # part of a mass that must resist in each direction
 _NOT_ADDITIVE = {"RigidBodyRotVecLG", "RigidBodyRotVecDataLG"}
 
 
@@ -231,6 +234,10 @@ class BodyMasses:
         sizes = sorted({len(self._dofs_of(group)) for group in variable})
         self._stacks = [self._stack(size, variable, quaternions) for size in sizes]
         blocks = [MassBlock(self._dofs_of(group), self._initial_mass(group)) for group in constant]
+        initial = np.array(mbs.systemData.GetODE2Coordinates(exudyn.ConfigurationType.Initial))
+        with_normals = [self._masses_with_normals(stack, initial[self.coordinates]) for stack in self._stacks]
+        for dofs, mass in [*((block.dofs, block.mass) for block in blocks), *chain(*with_normals)]:
+            require_mass(mbs, self.coordinates[dofs[_without_mass(mass)]])
         variables = [stack.blocks for stack in self._stacks]
         self.system = BodiesSystem(len(self.coordinates), blocks, variables, zeta)
 
@@ -285,6 +292,21 @@ class BodyMasses:
                 mass[places] += body.mass(self._mbs)
         return masses
 
+    def _masses_with_normals(self, stack: _Stack, q: Array) -> Iterator[tuple[np.ndarray, Array]]:
+        """Coordinates (k,) and initial masses (k, k) of the blocks, with one along each quaternion, too."""
+        blocks = stack.blocks
+        for dofs, first, reference, bodies in zip(
+            blocks.dofs, blocks.quaternion, blocks.reference, stack.bodies, strict=True
+        ):
+            mass: Array = np.zeros((len(dofs), len(dofs)))
+            for body, places in bodies:
+                mass[places] += body.initial_mass
+            if first >= 0:
+                own = np.s_[first : first + 4]
+                p = reference + q[dofs[own]]
+                mass[own, own] += np.outer(p, p) * np.trace(mass[own, own])
+            yield dofs, mass
+
     def _initial_mass(self, group: Sequence[Body]) -> Array:
         """(k, k) of the coordinates of a group that are not held."""
         dofs = self._dofs_of(group)
@@ -294,3 +316,33 @@ class BodyMasses:
             places = np.searchsorted(dofs, self._local(body.coordinates[free]))
             total[np.ix_(places, places)] += body.initial_mass[np.ix_(free, free)]
         return total
+
+
+def require_mass(mbs: Any, without: np.ndarray) -> None:
+    """Raise SceneError, which names the node, if there are coordinates without mass.
+
+    without: (k,) their places in the system vector.
+    """
+    if not len(without):
+        return
+    data = mbs.systemData
+    for number in range(data.NumberOfNodes()):
+        if np.isin(without, data.GetNodeLTGODE2(number)).any():
+            node = mbs.GetNode(number)
+            raise SceneError(
+                f"node {number} '{node['name']}' ({node['nodeType']}) has coordinates without mass, whose "
+                "accelerations are not determined: give its body mass and inertia (put one on it, if there "
+                "is none), or remove it."
+            )
+
+
+def _without_mass(mass: Array) -> np.ndarray:
+    """Coordinates of a block (k, k) along which nothing resists; none, if it has an inverse."""
+    sizes = np.sqrt(np.maximum(np.diagonal(mass), 0.0))
+    sizes[sizes == 0.0] = 1.0
+    scaled = mass / np.outer(sizes, sizes)
+    with suppress(np.linalg.LinAlgError):
+        if np.diagonal(np.linalg.cholesky(scaled)).min() ** 2 > _SINGULAR:
+            return np.zeros(0, dtype=int)
+    shape = np.abs(np.linalg.eigh(scaled)[1][:, 0])
+    return np.flatnonzero(shape == shape.max())

@@ -127,11 +127,11 @@ def _compare_parts(scene: CoupledScene, form: CompiledScene, t: float, q: Array,
     wanted, found, rate = np.zeros((3, len(q)))
     bodies_rates(scene.body_system, given[-1], q[bodies], v[bodies], wanted[bodies], rate[bodies])
     accelerate_and_project_scene(form.system, form.loads.at(t), q, v, 0.0, found, rate)
-    of_joints = effect_of_joints(items.joints, len(q))
+    of_joints, pulls = effect_of_joints(items.joints, len(q))
     found += of_joints
     wanted[:number], found[:number] = scene.surroundings.native_forces[:number], items.force[:number]
     for dofs in scene.map.slices:
-        scale = max(float(np.abs(x[dofs]).max(initial=SMALLEST)) for x in (wanted, of_joints))
+        scale = max(float(np.abs(x[dofs]).max(initial=SMALLEST)) for x in (wanted, pulls))
         wrong = np.flatnonzero(~(np.abs(wanted - found)[dofs] <= TOLERANCE * scale))
         if len(wrong):
             where = scene.coordinate_name(scene.map.indices[dofs][wrong[0]])

@@ -19,7 +19,7 @@ from ..scene.bodies import BodiesSystem, MassBlock
 from ..scene.coupled_system import CoupledSystem, Part
 from ..scene.model import HeldCoordinate
 from ..system import index_reduced_rates
-from .bodies import BodyMasses, SystemMass, read_bodies, read_quaternions
+from .bodies import BodyMasses, SystemMass, read_bodies, read_quaternions, require_mass
 from .compiled_form import compiled_form, compiled_parts, require_agreement
 from .contact_rates import open_contacts
 from .coordinates import CoordinateMap, PartCoordinates
@@ -91,7 +91,7 @@ class CoupledScene:
         places = [PartCoordinates(cable.indices, cable.reference) for cable in cables]
         places.append(PartCoordinates(masses.coordinates, np.zeros(len(masses.coordinates))))
         self.map = CoordinateMap(mbs.systemData.ODE2Size(), places)
-        _require_mass(mbs, np.setdiff1d(self.map.missing(), masses.held))
+        require_mass(mbs, np.setdiff1d(self.map.missing(), masses.held))
         self.groups = groups = in_few_chains([cable.system for cable in cables])
         self.cable_systems = [system for _, alike in groups for system in alike]
         others = [Part(masses.system, self.map.slices[-1]), *self._first_order_states()]
@@ -327,17 +327,3 @@ def _parts_of_cables(groups: Sequence[Systems], slices: Sequence[slice]) -> Iter
         done += len(alike)
         whole = Part(system, slice(places[0].start, places[-1].stop)) if len(alike) > 1 else None
         yield from (Part(own, dofs, whole) for own, dofs in zip(alike, places, strict=True))
-
-
-def _require_mass(mbs: Any, missing: np.ndarray) -> None:
-    """Raise SceneError, which names the node, if coordinates are missing in all parts."""
-    if not len(missing):
-        return
-    data = mbs.systemData
-    for number in range(data.NumberOfNodes()):
-        if np.isin(missing, data.GetNodeLTGODE2(number)).any():
-            node = mbs.GetNode(number)
-            raise SceneError(
-                f"node {number} '{node['name']}' ({node['nodeType']}) has coordinates without mass, whose "
-                "accelerations are not determined: put a body on it, or remove it."
-            )

@@ -12,10 +12,12 @@ from exudyn.itemInterface import (
     MarkerNodePosition,
     NodePoint,
     NodePointGround,
+    NodeRigidBody2D,
     ObjectANCFCable2D,
+    ObjectRigidBody2D,
     SphericalJoint,
 )
-from exudyn.utilities import InertiaCuboid
+from exudyn.utilities import InertiaCuboid, RigidBodyInertia, RotXYZ2RotationMatrix
 
 from exudyn_inext import (
     CreateInextensibleCable,
@@ -69,6 +71,21 @@ def node_without_body(mbs, nodes):
     mass_point(mbs)
 
 
+def disc_without_inertia(mbs, nodes):
+    node = mbs.AddNode(NodeRigidBody2D(name="disc"))
+    mbs.AddObject(ObjectRigidBody2D(mass=1.0, inertia=0.0, nodeNumber=node))
+
+
+def rod_without_inertia_about_its_axis(mbs, nodes):
+    inertia = RigidBodyInertia(mass=1.0, inertiaTensor=np.diag([0.0, 0.1, 0.1]))
+    mbs.CreateRigidBody(
+        inertia=inertia,
+        referenceRotationMatrix=RotXYZ2RotationMatrix([0.3, 0.2, 0.1]),
+        nodeType=exudyn.NodeType.RotationEulerParameters,
+        name="rod",
+    )
+
+
 def beam_on_the_cable(mbs, nodes):
     section = {"massPerLength": 1.0, "bendingStiffness": 1.0, "axialStiffness": 1.0, "length": 0.36}
     mbs.AddObject(ObjectANCFCable2D(nodeNumbers=nodes[:2], name="double", **section))
@@ -106,6 +123,8 @@ REFUSED = [
     (velocity_constraint, SceneError, r"'drive' \(ConnectorCoordinate\) constrains velocities.*penalty"),
     (rotation_vector, SceneError, r"node .*\(RigidBodyRotVecLG\).*RotationEulerParameters or RotationRxyz"),
     (node_without_body, SceneError, r"node \d+ 'lost' \(Point\) has coordinates without mass"),
+    (disc_without_inertia, SceneError, r"'disc' \(RigidBody2D\) has coordinates without mass.*inertia"),
+    (rod_without_inertia_about_its_axis, SceneError, r"\(RigidBodyEP\) has coordinates without mass"),
     (
         beam_on_the_cable,
         SceneError,
