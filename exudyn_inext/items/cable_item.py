@@ -106,8 +106,9 @@ def CreateInextensibleCable(
     """
     require_system(mbs)
     way = find_enforcement(enforcement)
-    checked = check_shape(_the_shape(positionStart, positionEnd, numberOfElements, shape))
     template = InextensibleCable.from_template(beamTemplate, require_flag("extensible", extensible))
+    given_shape = _the_shape(positionStart, positionEnd, numberOfElements, shape)
+    checked = check_shape(given_shape, template.axialStiffness is not None)
     _require_projection(template, way)
     gravity_vector = require_vector("gravity", gravity, " [m/s^2]")
     shared = _shared_nodes(mbs, way, (nodeNumberStart, nodeNumberEnd), (shareSlopeStart, shareSlopeEnd))

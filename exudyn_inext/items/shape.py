@@ -40,7 +40,7 @@ class CableShape:
             and there are as many elements as nodes.
         lengthReference: what Eq. (19) keeps constant: 'shape': int |r_x|^2 dx of each element as it is in
             this shape; 'straight': its arc length, where the shape is only near one that the cable can
-            have, for SolveEquilibrium to start from.
+            have, for SolveEquilibrium to start from, or where a cable that stretches begins strained.
     """
 
     positions: Any
@@ -173,8 +173,11 @@ class CheckedShape:
     straight_lengths: bool
 
 
-def check_shape(shape: CableShape) -> CheckedShape:
+def check_shape(shape: CableShape, stretches: bool = False) -> CheckedShape:
     """Validate `shape`.
+
+    Args:
+        stretches: whether the cable has an axial stiffness: with straight lengths it may begin strained.
 
     Raises:
         InputError: wrong sizes, numbers that are not finite, slopes that are not unit vectors,
@@ -196,7 +199,6 @@ def check_shape(shape: CableShape) -> CheckedShape:
     for name, rows in (("slopes", slopes), ("velocities", rates[0]), ("slopeVelocities", rates[1])):
         if len(rows) != nodes:
             raise InputError(f"{name} has {len(rows)} rows: needs {nodes}, one for each position.")
-    _check_unit_slopes(slopes)
     require_choice("lengthReference", shape.lengthReference, LENGTH_REFERENCES)
     closed = require_flag("closed", shape.closed)
     q, v = np.stack([positions, slopes], axis=1), np.stack(rates, axis=1)
@@ -204,6 +206,8 @@ def check_shape(shape: CableShape) -> CheckedShape:
         _check_ring(positions)
         q, v = np.concatenate([q, q[:1]]), np.concatenate([v, v[:1]])
     lengths = _checked_lengths(q, shape.elementLengths)
+    if not (stretches and shape.lengthReference == "straight"):
+        _check_unstrained(q, lengths, stretches)
     return CheckedShape(q, v, lengths, closed, shape.lengthReference == "straight")
 
 
@@ -293,8 +297,16 @@ def _checked_lengths(q: Array, given: Any) -> Array:
         lengths = np.array(np.broadcast_to(lengths, (number,)))
     for k, length in enumerate(lengths):
         require_positive(f"length of element {k}, between nodes {k} and {_next(k, q)} [m]", float(length))
-    _check_reach(q, lengths)
     return lengths
+
+
+def _check_unstrained(q: Array, lengths: Array, stretches: bool) -> None:
+    try:
+        _check_unit_slopes(q[:, 1])
+        _check_reach(q, lengths)
+    except InputError as error:
+        remedy = " With lengthReference='straight' this cable, which stretches, begins strained." * stretches
+        raise InputError(f"{error}{remedy}") from None
 
 
 def _check_reach(q: Array, lengths: Array) -> None:

@@ -161,6 +161,32 @@ def test_a_clamp_may_leave_the_stretch_free(tip_of):
     assert distance(tips[0], tips[1]) < 1e-5 < 1e-2 < distance(tips[0], tips[2])
 
 
+def test_a_cable_may_begin_stretched(new_mbs, add_cable, add_sensor, solve):
+    stretched, elements = 1.1, 20
+    places = np.linspace([0.0, 0.0], [1.8 * stretched, 0.0], elements + 1)
+    slopes, lengths = np.tile([stretched, 0.0], (elements + 1, 1)), 1.8 / elements
+    with pytest.raises(InputError, match="lengthReference='straight' this cable"):
+        add_cable(new_mbs(), shape=CableShape(places, slopes, lengths), **stretching(1e3))
+    shape = CableShape(places, slopes, lengths, lengthReference="straight")
+    mbs, twin = new_mbs(), new_mbs()
+    made = add_cable(mbs, shape=shape, **stretching(1e3), groundConstraintsStart=PINNED)
+    native = native_cable(twin, 2, elements, SECTION | {"useReducedOrderIntegration": 2}, 1e3)["nodes"]
+    for k, node in enumerate(native):
+        apart = (stretched - 1.0) * np.array([1.8 * k / elements, 0.0, 1.0, 0.0])
+        twin.SetNodeParameter(node, "initialCoordinates", list(apart))
+    ground = twin.AddMarker(MarkerNodeCoordinate(nodeNumber=twin.AddNode(NodePointGround()), coordinate=0))
+    for axis in range(2):
+        held = twin.AddMarker(MarkerNodeCoordinate(nodeNumber=native[0], coordinate=axis))
+        twin.AddObject(CoordinateConstraint(markerNumbers=[ground, held]))
+    tips = [add_sensor(mbs, made["nodes"][-1]), add_sensor(twin, native[-1])]
+    for system in (mbs, twin):
+        system.Assemble()
+    solve(mbs, 0.02, steps=100, stepSize=2e-5)
+    solve_native(twin, 0.02, 2e-5)
+    found, wanted = (one.GetSensorStoredData(tip) for one, tip in zip((mbs, twin), tips, strict=True))
+    assert distance(found[-1], wanted[-1]) < 1e-3
+
+
 def test_a_closed_ring_stretches(new_mbs, add_cable, add_sensor, solve):
     motions = []
     for stiffness in (None, 1e5, 1e6):
