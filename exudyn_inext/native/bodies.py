@@ -127,8 +127,9 @@ def read_bodies(mbs: Any, cables: Sequence[int], on_cables: np.ndarray, total: S
         data = mbs.GetObject(number)
         if np.isin(coordinates, on_cables).any():
             raise SceneError(
-                f"{described(data, number)} has mass and lies on nodes of an inextensible cable: give it no "
-                "mass (a companion for markers and contact), or its own nodes and a joint."
+                f"{described(data, number)} has mass and lies on nodes of an inextensible cable: put its mass "
+                "on the cable by AddPointMass, give it none (a companion for markers and contact), or give "
+                "it its own nodes and a joint."
             )
         bodies.append(Body(number, coordinates, _has_constant_mass(data), tells_mass, mass))
     return bodies
