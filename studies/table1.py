@@ -9,8 +9,8 @@ What would refute it
     results further from the reference than the native ones that they are compared with.
 
 Protocol
-    Every case is run once untimed (compilation, caches), then five times, round robin over all
-    cases. CPU time of the process, without building the model; the tip is sampled at 100 Hz as in
+    Every case is run once untimed (compilation, caches), then five times (once above 3 s), round robin over
+    all cases. CPU time of the process, without building the model; the tip is sampled at 100 Hz as in
     any Exudyn run; no files are written. The median is compared. Compiled steps: the steps and
     their watch alone, without Exudyn's loop, reading of the scene, and sensors.
 

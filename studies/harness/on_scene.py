@@ -1,5 +1,6 @@
 """Cases on a scene, timed in turn in this process, compared with the scene's reference and with a paper."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -22,6 +23,7 @@ from .table import Table, groups, number
 from .timing import OK, measure
 
 QUICK_REPEATS = 2
+LONG = 3.0  # CPU time of runs that are timed once [s]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +63,7 @@ class OnScene:
         reference = self.reference(scene)
         repeats = QUICK_REPEATS if order.quick else self.repeats
         cases = self.cases(scene, order.quick)
-        found = measure(cases, repeats, reference.trajectory, order.study)
+        found = measure(cases, repeats, reference.trajectory, order.study, _rounds)
         if not order.quick:
             add_halved(cases, [row for row, _ in found], reference.trajectory)
         interpolation = interpolation_error(reference.trajectory)
@@ -82,6 +84,11 @@ class OnScene:
             trajectories={row["label"]: path for row, path in found if path is not None},
             reference=reference,
         )
+
+
+def _rounds(seconds: float) -> float:
+    """How often a run of that CPU time [s] is timed."""
+    return 1 if seconds > LONG else math.inf
 
 
 def add_halved(cases: Sequence[Case], rows: Sequence[Row], reference: Trajectory) -> None:

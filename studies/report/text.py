@@ -76,10 +76,10 @@ def _headline(documents: Sequence[Document]) -> Blocks:
 def _findings(documents: Sequence[Document], absent: dict[str, str]) -> Blocks:
     """The first conclusion of each study, all adverse ones, and what is missing."""
     said = [(d["study"], sentence) for d in documents for sentence in d["conclusions"]]
-    first = [(d["study"], d["conclusions"][0]) for d in documents if d["conclusions"]]
+    first = [(d, d["conclusions"][0]) for d in documents if d["conclusions"]]
     adverse = [pair for pair in said if is_adverse(pair[1])]
     undecided = sum(bool(UNDECIDED.search(sentence)) for _, sentence in said)
-    blocks = [_bullets(f"{_link(study)}: {sentence}" for study, sentence in first)]
+    blocks = [_bullets(f"{_link(d['study'])}{_date_of_old(d)}: {sentence}" for d, sentence in first)]
     if adverse:
         blocks.append(f"Missed, limited or failed ({len(adverse)}):")
         blocks.append(_bullets(f"{_link(study)}: {sentence}" for study, sentence in adverse))
@@ -88,6 +88,11 @@ def _findings(documents: Sequence[Document], absent: dict[str, str]) -> Blocks:
     if absent:
         blocks += ["Left out:", _bullets(f"{name}: {reason}." for name, reason in absent.items())]
     return blocks
+
+
+def _date_of_old(document: Document) -> str:
+    """The date of results that are not to be taken as the newest ones."""
+    return f" ({document['date'][:10]})" if document.get("note") else ""
 
 
 def _section(document: Document, folder: Path) -> Blocks:

@@ -11,6 +11,7 @@ from exudyn_inext import InputError
 from reference_models.inextensible import build
 from reference_models.scenes import load_scene
 from reference_models.trajectory import Case, Trajectory
+from studies.__main__ import main
 from studies.harness.cases import DEFAULT, step_by_rule
 from studies.harness.on_scene import add_halved
 from studies.harness.provenance import ROOT
@@ -36,8 +37,14 @@ def edit(path, **entries):
     path.write_text(json.dumps(json.loads(path.read_text()) | entries))
 
 
-def test_all_pages_and_the_report_say_what_the_results_say():
+def test_all_pages_and_the_report_say_what_the_results_say(capsys):
     assert pages_that_differ() == []
+    assert main(["figures"]) == 0 and capsys.readouterr().out == ""
+
+
+def test_remake_runs_nothing_if_one_of_the_names_is_unknown(capsys):
+    assert main(["remake", "table1", "no_such"]) == 2
+    assert "study 'no_such' is unknown" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("page", [*PAGES, REPORT])
