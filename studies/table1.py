@@ -13,6 +13,9 @@ Protocol
     all cases. CPU time of the process, without building the model; the tip is sampled at 100 Hz as in
     any Exudyn run; no files are written. The median is compared. Compiled steps: the steps and
     their watch alone, without Exudyn's loop, reading of the scene, and sensors.
+    Default settings, watch included, and one setting for all scenes (`harness/cases.py`) run on several
+    meshes. Rows that no other one of their kind beats run once more with half the step: if the error grows,
+    errors of mesh and step cancel.
 
 Reference and tolerance
     The inextensible, unshearable limit of an independent MBDyn model, good to 5e-5 m. Errors are
@@ -30,8 +33,8 @@ How the native rows were chosen
     1.1e-2 m; that of the time integration cancels a part of it, which is luck, and is kept.
 
 What is left out
-    The curvature measure `product`, which the ring compares. RK44 with full quadrature, which takes three
-    times as long as velocity Verlet for the same error.
+    The curvature measure `product` with our predictor, which the ring compares. RK44 with full
+    quadrature, which takes three times as long as velocity Verlet for the same error.
     Exudyn's module without range checks (EXUDYN_MODULE=fast, about 10 % quicker native runs; which
     one ran is stored). MBDyn's own time. Energy and long runs: other studies.
 """

@@ -39,7 +39,7 @@ def add_commands(commands: "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 
 def remake(options: argparse.Namespace, root: Path = ROOT, folder: Path = FOLDER) -> None:
-    """Run one study after another; each is stored, with its pictures, when it ends.   root: of the pages."""
+    """Run one study after another; pages are written when each one ends.   root: of the pages."""
     studies = [find_study(name) for name in options.names]
     if options.times < 1:
         raise InputError(f"--times {options.times}: a study runs at least once.")
@@ -53,7 +53,7 @@ def remake(options: argparse.Namespace, root: Path = ROOT, folder: Path = FOLDER
         for picture in documents[-1]["pictures"]:
             shutil.copy(options.output / picture, root / REPORT.parent / picture)
         print(f"Stored: {store(reduced(documents, options.provisional), folder)}")
-    write_pages(root, folder)
+        write_pages(root, folder)
 
 
 def write_pages(root: Path = ROOT, folder: Path = FOLDER) -> None:
