@@ -1,7 +1,7 @@
 """A scene as an inextensible cable, moved by the plugin's explicit integrators."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import exudyn
@@ -157,6 +157,8 @@ def _add_hangers(mbs: Any, scene: Scene, nodes: Sequence[int], dimension: int) -
 def inextensible_case(scene: Scene, model: Inextensible, label: str = "") -> Case:
     """One row; the step that the solver chose is asked for here, once, untimed."""
     report = _solve(build_variant(scene, model), scene, model)
+    h, theta = report["stepSize"], report["massScaling"]
+    halved = replace(model.settings, stepSize=0.5 * h, massScaling=theta)
 
     def prepare() -> Run:
         built = build_variant(scene, model)
@@ -168,21 +170,22 @@ def inextensible_case(scene: Scene, model: Inextensible, label: str = "") -> Cas
         return run
 
     return Case(
-        label=label or label_of(model, report["stepSize"]),
+        label=label or label_of(model, h),
         formulation="inextensible",
         integrator=model.settings.integrator,
         elements=model.elements,
-        step_size=report["stepSize"],
+        step_size=h,
         steps=report["steps"],
         prepare=prepare,
         details={
             "zeta": model.settings.stabilizationRate,
             "curvatureMeasure": model.measure,
-            "massScaling": model.settings.massScaling,
+            "massScaling": theta,
             "stepDecidedBy": report["decidedBy"],
             "stepLimit": report["bounds"].stability_limit,
             "ruleStep": report["bounds"].rule,
         },
+        halved=lambda: inextensible_case(scene, replace(model, settings=halved)),
     )
 
 

@@ -45,6 +45,7 @@ class Case:
     formulation: "conventional" or "inextensible".   step_size [s].
     prepare: builds a fresh model (not timed) and returns the run (timed).
     details: further settings that the row shall name.
+    halved: the same case with half the step, where one may be asked for.
     """
 
     label: str
@@ -55,3 +56,4 @@ class Case:
     steps: int
     prepare: Callable[[], Run]
     details: Mapping[str, Any] = field(default_factory=dict)
+    halved: "Callable[[], Case] | None" = None

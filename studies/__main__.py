@@ -1,4 +1,4 @@
-"""python -m studies: list the studies, run one, report on all."""
+"""python -m studies: list the studies, run one, report on all, write the tables of pages."""
 
 import argparse
 import sys
@@ -10,6 +10,7 @@ from exudyn_inext import InputError
 from .harness.engines import Options
 from .harness.study import Study, run
 from .harness.sweep import Sweep
+from .pages.command import add_commands, remake, write_pages
 from .registry import find_studies, find_study
 from .report.command import add_options, report
 
@@ -32,6 +33,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     group.add_argument("--fresh", action="store_true", help="discard stored cases")
     group.add_argument("--retry-failed", action="store_true", help="run failed cases again")
+    add_commands(commands)
     add_options(commands.add_parser("report", help="everything measured, as one Markdown and one HTML page"))
     return parser
 
@@ -55,6 +57,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print("\n".join(f"{name}: {study.question}" for name, study in find_studies().items()))
         elif options.command == "report":
             return report(options)
+        elif options.command == "figures":
+            write_pages()
+        elif options.command == "remake":
+            remake(options)
         else:
             study = find_study(options.name)
             print(run(study, options.output, options.quick, _sweep_options(options, study)))

@@ -22,7 +22,7 @@ Protocol
     scenes: it took 4 to 5 times as long for nets of 12 cables). Every candidate is run once; smaller steps
     are not tried where errors stay or runs are dear. Solvers are varied for the cheapest candidates within a
     bound, and the cheapest of all are timed again, in turn: the median counts. Default settings are tuned
-    over elements alone.
+    over elements alone, and so is one setting for all scenes (`harness/cases.py`).
     Large nets are too dear for that: both sides take steps of the same size, natives with modified Newton,
     the cheapest one; the difference of a long and a short run is the cost of a step. These processes have
     one thread, since those of the linear algebra library spin.
@@ -47,7 +47,8 @@ from exudyn_inext.arrays import Array
 from reference_models.conventional.cable import Quadrature
 
 from .harness import Order, Results, Row, Study, Table, announce, groups, judged, large_nets
-from .harness.coupled_runs import PERIOD, Candidate, Inextensible, Native, distance, prepare
+from .harness.cases import DEFAULT, ONE_SETTING, TUNED
+from .harness.coupled_runs import PERIOD, Candidate, Inextensible, Native, by_rule, distance, prepare
 from .harness.coupled_scenes import SCENES, CoupledScene
 from .harness.engines import ask
 from .harness.plot import Curve, Panel, chart
@@ -60,15 +61,21 @@ QUICK: dict[str, Any] = {"end_time": 0.06, "steps": (5e-3, 2e-3)}  # [s]
 REPETITIONS = 3
 TICKS = [digit * 10.0**power for power in range(-4, 3) for digit in (1, 3)]  # [s]
 SIDES = ("inextensible", "native")
-WHO = {"ours": (SIDES[0], "tuned"), "default": (SIDES[0], "default"), "native": (SIDES[1], "tuned")}
+WHO = {
+    "ours": (SIDES[0], TUNED),
+    "default": (SIDES[0], DEFAULT),
+    "setting": (SIDES[0], ONE_SETTING),
+    "native": (SIDES[1], TUNED),
+}
 
 Series = list[list[Any]]
 
 
 def ours(scene: CoupledScene) -> Series:
-    """Candidates: default settings, and series of steps."""
-    default: Series = [[Inextensible(n)] for n in scene.meshes]
-    return default + [[Inextensible(n, h) for h in scene.steps] for n in scene.meshes]
+    """Candidates: default settings, one setting for all scenes, and series of steps."""
+    untuned: Series = [[Inextensible(n, choice=DEFAULT)] for n in scene.meshes]
+    untuned += [[by_rule(scene, n)] for n in scene.meshes]
+    return untuned + [[Inextensible(n, h) for h in scene.steps] for n in scene.meshes]
 
 
 def natives(scene: CoupledScene) -> Series:
@@ -107,12 +114,16 @@ def _tuned(scene: CoupledScene, repetitions: int) -> Iterator[Row]:
         found = search(series, attempt, BOUNDS, side)
         found += vary(found, attempt, BOUNDS, lambda candidate: candidate.variants(scene))
         yield from (_row("candidate", scene, one) for one in found)
-        untouched = [one for one in found if str(one.candidate) == "default"]
-        for bound, (choice, some) in product(BOUNDS, (("tuned", found), ("default", untouched))):
+        untuned = {name: [one for one in found if _choice(one) == name] for name in (DEFAULT, ONE_SETTING)}
+        for bound, (choice, some) in product(BOUNDS, {TUNED: found, **untuned}.items()):
             if best := choose(some, bound, run, repetitions):
                 start = choose([best], math.inf, partial(prepare, scene, end_time=PERIOD), repetitions)
                 row = _row("best", scene, best) | {"bound": bound, "choice": choice}
                 yield row | {"startSeconds": start and start.seconds}
+
+
+def _choice(one: Attempt) -> str:
+    return getattr(one.candidate, "choice", TUNED)
 
 
 def _attempt(scene: CoupledScene, reference: Array, candidate: Candidate) -> Attempt:
@@ -160,7 +171,7 @@ def compare(results: Results) -> list[Row]:
             row[name], row[f"{name}Error"] = one.get("cpuSeconds"), one.get("error")
             row[f"{name}Start"] = one.get("startSeconds")
             row[f"{name}Settings"] = f"{one['elements']} elements, {one['settings']}" if one else None
-        for name, own in (("ratio", "ours"), ("defaultRatio", "default")):
+        for name, own in (("ratio", "ours"), ("defaultRatio", "default"), ("settingRatio", "setting")):
             row[name] = row["native"] / row[own] if row["native"] and row[own] else None
         rows.append(row)
     return rows
@@ -228,6 +239,7 @@ TABLES = [
         "Cheapest runs within a bound [s], and ratios of CPU times; how far converged runs agree:",
         "scene | within | inextensible: ours | its start: oursStart | default settings: default | native | "
         "its start: nativeStart | native over inextensible: ratio | over default settings: defaultRatio | "
+        "over one setting: settingRatio | "
         "agreement",
         compare,
     ),

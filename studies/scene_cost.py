@@ -111,7 +111,7 @@ def _row(name: str, contents: Contents, path: str, taken: Sequence[tuple[float, 
     }
 
 
-def _size(row: Row) -> int:
+def size_of(row: Row) -> int:
     """What varies in the series of a row."""
     if row["label"].startswith("elements"):
         return int(row["elements"])
@@ -134,7 +134,7 @@ def conclude(results: Results) -> list[str]:
 
 def _growth(name: str, rows: Sequence[Row], noise: float) -> str:
     """Cost of one more: over the smaller and over the larger half of the range."""
-    sizes, costs = [_size(row) for row in rows], column(rows, "microseconds")
+    sizes, costs = [size_of(row) for row in rows], column(rows, "microseconds")
     middle = len(rows) // 2
 
     def one_more(start: int, end: int) -> float:
@@ -151,7 +151,7 @@ def _growth(name: str, rows: Sequence[Row], noise: float) -> str:
 
 def draw(results: Results, directory: Path) -> list[Path]:
     """Cost of a step over the size of the scene."""
-    series = groups([row | {"size": _size(row)} for row in results.of_kind("cost")], "label").items()
+    series = groups([row | {"size": size_of(row)} for row in results.of_kind("cost")], "label").items()
     by_elements = {name.split(", ")[1]: rows for name, rows in series if name.startswith("elements")}
     by_number = {name: rows for name, rows in series if not name.startswith("elements")}
     panels = [

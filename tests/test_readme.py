@@ -24,3 +24,7 @@ def test_the_script_is_short():
     (script,) = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
     lines = [line for line in script.splitlines() if line]
     assert len(lines) <= 15 and max(map(len, lines)) <= 110
+
+
+def test_the_readme_is_short():
+    assert len(README.read_bytes()) <= 6000

@@ -47,10 +47,14 @@ class Implicit:
 
 @dataclass(frozen=True)
 class Explicit:
-    """An explicit native integrator with constant steps.   step_size [s]."""
+    """An explicit native integrator with constant steps.   step_size [s].
+
+    linear_solver: of the mass matrix; the dense one is quicker below some 10 spatial elements.
+    """
 
     step_size: float
     integrator: ExplicitIntegrator = "velocityVerlet"
+    linear_solver: LinearSolver = "dense"
 
 
 Solver = Implicit | Explicit
@@ -68,13 +72,13 @@ def simulation_settings(solver: Solver, end_time: float) -> Any:
     settings = quiet_settings(end_time, number_of_steps(solver.step_size, end_time))
     time = settings.timeIntegration
     time.solverType = _SOLVER_TYPES[solver.integrator]
+    settings.linearSolver.solverType = _LINEAR_SOLVERS[solver.linear_solver]
     if isinstance(solver, Implicit):
         _set_implicit(settings, solver)
     return settings
 
 
 def _set_implicit(settings: Any, solver: Implicit) -> None:
-    settings.linearSolver.solverType = _LINEAR_SOLVERS[solver.linear_solver]
     time = settings.timeIntegration
     time.generalizedAlpha.spectralRadius = solver.spectral_radius
     time.newton.useModifiedNewton = solver.newton != "full"

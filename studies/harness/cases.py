@@ -1,12 +1,13 @@
 """Cases and solutions that studies share."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from exudyn_inext import ExplicitSettings, ExplicitStepper, InextensibleError
+from exudyn_inext import ExplicitSettings, ExplicitStepper, InextensibleError, Zhai
 from reference_models.conventional.convergence import explicit_solution
 from reference_models.inextensible import Inextensible, build, fine_solution, inextensible_case, label_of
 from reference_models.model import SENSOR_PERIOD, node_index
@@ -16,6 +17,11 @@ from reference_models.trajectory import Array, Case, Run, Trajectory, Untimed
 from . import inner
 
 COMPILED = "compiled steps"
+DEFAULT, ONE_SETTING, TUNED = "default settings", "one setting", "tuned"
+"""How the inextensible rows were chosen: not at all; by one rule for all scenes; for the scene."""
+PAPER_METHOD = "paper's method at its settings: product, v_n in the predictor"
+THETA, ZETA, CONSTANT = 0.3, 100.0, 1.4  # of the one setting; C is twice the usual one
+RULE = f"Zhai, theta = {THETA}, zeta = {ZETA:g} 1/s, h by Eq. (37) with C = {CONSTANT}, at most 1/(2 zeta)"
 
 
 def unguarded(
@@ -51,6 +57,32 @@ def explicit_case(
     """An inextensible row at a given step [s]."""
     settings = unguarded(integrator, step_size, mass_scaling, zeta)
     return kept_case(scene, Inextensible(elements, settings, measure=measure))
+
+
+def paper_case(scene: Scene, proposed: Inextensible) -> Case:
+    """The paper's method at the paper's settings: `product` as curvature, v_n in the predictor.
+
+    proposed: ours, at these settings.
+    """
+    settings = replace(proposed.settings, scheme=Zhai(projected_rate=False), energyTolerance=math.inf)
+    case = kept_case(scene, replace(proposed, settings=settings, measure="product"))
+    return replace(case, label=PAPER_METHOD, details={**case.details, "choice": PAPER_METHOD})
+
+
+def step_by_rule(mbs: Any) -> float:
+    """The step of the one setting for the cables of an assembled mbs [s]."""
+    cables = [one.cable for one in inner.read_scene(mbs).cables]
+    return min(0.5 / ZETA, *(inner.rule_of_cable(cable, CONSTANT) for cable in cables))
+
+
+def untuned_cases(scene: Scene, meshes: Sequence[int]) -> Iterator[Case]:
+    """On each mesh: default settings, watch included; and the one setting for all scenes."""
+    for elements in meshes:
+        step = step_by_rule(build(scene, elements).mbs)
+        one = unguarded("Zhai", step, THETA, ZETA)
+        for choice, settings in ((DEFAULT, ExplicitSettings()), (ONE_SETTING, one)):
+            case = kept_case(scene, Inextensible(elements, settings))
+            yield replace(case, label=f"{choice}: {case.label}", details={**case.details, "choice": choice})
 
 
 def kept_case(scene: Scene, model: Inextensible) -> Case:

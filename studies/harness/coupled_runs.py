@@ -21,6 +21,7 @@ from reference_models.conventional.native_cables import NativeCables
 from reference_models.conventional.settings import Implicit, LinearSolver, Newton, simulation_settings
 from reference_models.model import quiet_settings, silence
 
+from .cases import ONE_SETTING, THETA, TUNED, step_by_rule
 from .coupled_scenes import CoupledScene
 
 INITIAL = exudyn.ConfigurationType.Initial
@@ -32,12 +33,16 @@ AT_ONCE = 1e-9  # of the load steps of statics [s]: loads that depend on time ar
 
 @dataclass(frozen=True)
 class Inextensible:
-    """elements: see the scene.   step: [s]; None: default settings.   theta: mass scaling."""
+    """elements: see the scene.   step: [s]; None: default settings.   theta: mass scaling.
+
+    choice: DEFAULT, ONE_SETTING or TUNED.
+    """
 
     elements: int
     step: float | None = None
-    theta: float = 0.3
+    theta: float = THETA
     integrator: str = "RATTLE"
+    choice: str = TUNED
 
     def __str__(self) -> str:
         return f"{self.integrator}, h = {self.step:g} s, theta = {self.theta:g}" if self.step else "default"
@@ -62,7 +67,15 @@ class Inextensible:
 
     def variants(self, scene: CoupledScene) -> "list[Inextensible]":
         """Other schemes on the same mesh, with the same step."""
-        return [replace(self, theta=0.0), replace(self, integrator="Zhai")] if self.step else []
+        others = [replace(self, theta=0.0), replace(self, integrator="Zhai")]
+        return others if self.choice == TUNED else []
+
+
+def by_rule(scene: CoupledScene, elements: int) -> Inextensible:
+    """The one setting for all scenes."""
+    _container, mbs, _ = _build(scene, Inextensible(elements))
+    mbs.Assemble()
+    return Inextensible(elements, step_by_rule(mbs), THETA, "Zhai", ONE_SETTING)
 
 
 @dataclass(frozen=True)

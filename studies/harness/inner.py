@@ -31,7 +31,7 @@ from exudyn_inext.native.surroundings import switched_off
 from exudyn_inext.run.cable_loads import CableLoads
 from exudyn_inext.run.consistent_start import settle
 from exudyn_inext.run.coupled_watch import STEPS_BETWEEN
-from exudyn_inext.run.step_choice import largest_step, rule_step, step_bounds
+from exudyn_inext.run.step_choice import largest_step, rule_of_cable, rule_step, step_bounds
 from exudyn_inext.run.step_control import Piece
 from exudyn_inext.run.time_grid import TimeGrid
 from exudyn_inext.run.watch import record_watched

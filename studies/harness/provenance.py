@@ -27,7 +27,7 @@ def provenance() -> dict[str, Any]:
     """
     is_own_repository = Path(_git("rev-parse", "--show-toplevel") or "/").resolve() == ROOT.resolve()
     commit = (is_own_repository and _git("rev-parse", "HEAD")) or _UNKNOWN
-    changed = commit != _UNKNOWN and bool(_git("status", "--porcelain", "--", *_OWN))
+    changed = commit != _UNKNOWN and bool(_git("status", "--porcelain", "--", *_OWN, ":(exclude)*.md"))
     digest = hashlib.sha256()
     for package in _OWN:
         for source in sorted((ROOT / package).rglob("*.py")):

@@ -5,6 +5,7 @@ Ratios are native CPU time over the inextensible cable's: at the paper's setting
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from .store import Row
 from .table import TextTable, at_most, judged, number, timing_noise
@@ -24,6 +25,11 @@ def is_explicit(row: Row) -> bool:
 def is_explicit_zhai(row: Row) -> bool:
     """The paper's scheme."""
     return bool(row["integrator"].lower() == "zhai")
+
+
+def kind_of(row: Row) -> tuple[Any, ...]:
+    """Rows of the same kind compete with each other."""
+    return (row["formulation"], is_explicit(row), row.get("choice"), row.get("quadrature", "full") == "full")
 
 
 def by_default(belongs: Callable[[Row], bool]) -> Callable[[Row], bool]:

@@ -68,8 +68,8 @@ KEYS = {
     (QUOTIENT, MORE): ("gain",),
     (SPEED, MORE): ("realTime", "perNanosecond"),
     (ERROR, LESS): (
-        "errorMax", "errorRms", "error", "baseError", "referenceUncertainty", "stretch", "violation", "rate",
-        "energyMax", "range", "noise",
+        "errorMax", "errorHalved", "errorRms", "error", "baseError", "referenceUncertainty", "stretch",
+        "violation", "rate", "energyMax", "range", "noise",
     ),
     (LIMIT, MORE): ("found", "slenderness.gain", "long.seconds"),
     (MEMORY, LESS): ("peakMegabytes", "lastMegabytes", "kilobytesAScene"),

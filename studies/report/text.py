@@ -1,7 +1,6 @@
 """What a report says, as Markdown: parts under headings, pictures by their names."""
 
 from collections.abc import Iterable, Sequence
-from datetime import datetime, timezone
 from pathlib import Path
 
 from studies.harness import TextTable, column, groups, number
@@ -49,13 +48,14 @@ def _bullets(texts: Iterable[str]) -> str:
 
 
 def _subtitle(documents: Sequence[Document], quick: bool) -> str:
-    now = datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
+    dates = sorted(str(document["date"])[:10] for document in documents) or ["never"]
+    measured = " to ".join(dict.fromkeys((dates[0], dates[-1])))
     commits = "; ".join(dict.fromkeys(commit_of(code_of(document)) for document in documents))
     mode = (
         " Quick runs: short motions, few and short measurements. Verdicts on times are given only where "
         "these decide them."
     )
-    return f"{now}. {len(documents)} studies{', ' + commits if commits else ''}.{mode if quick else ''}"
+    return f"Measured: {measured}. {len(documents)} studies, {commits}.{mode if quick else ''}"
 
 
 def _headline(documents: Sequence[Document]) -> Blocks:
@@ -76,10 +76,10 @@ def _headline(documents: Sequence[Document]) -> Blocks:
 def _findings(documents: Sequence[Document], absent: dict[str, str]) -> Blocks:
     """The first conclusion of each study, all adverse ones, and what is missing."""
     said = [(d["study"], sentence) for d in documents for sentence in d["conclusions"]]
-    first = [(d["study"], d["conclusions"][0]) for d in documents if d["conclusions"]]
+    first = [(d, d["conclusions"][0]) for d in documents if d["conclusions"]]
     adverse = [pair for pair in said if is_adverse(pair[1])]
     undecided = sum(bool(UNDECIDED.search(sentence)) for _, sentence in said)
-    blocks = [_bullets(f"{_link(study)}: {sentence}" for study, sentence in first)]
+    blocks = [_bullets(f"{_link(d['study'])}{_date_of_old(d)}: {sentence}" for d, sentence in first)]
     if adverse:
         blocks.append(f"Missed, limited or failed ({len(adverse)}):")
         blocks.append(_bullets(f"{_link(study)}: {sentence}" for study, sentence in adverse))
@@ -88,6 +88,11 @@ def _findings(documents: Sequence[Document], absent: dict[str, str]) -> Blocks:
     if absent:
         blocks += ["Left out:", _bullets(f"{name}: {reason}." for name, reason in absent.items())]
     return blocks
+
+
+def _date_of_old(document: Document) -> str:
+    """The date of results that are not to be taken as the newest ones."""
+    return f" ({document['date'][:10]})" if document.get("note") else ""
 
 
 def _section(document: Document, folder: Path) -> Blocks:
@@ -101,7 +106,8 @@ def _section(document: Document, folder: Path) -> Blocks:
     tables = [TextTable(**stored).markdown for stored in document["tables"]]
     mode = f", {document['mode']}" if document["mode"] else ""
     blocks = [document["question"], _bullets(document["conclusions"]), *pictures, *tables, *document["notes"]]
-    return [*filter(None, blocks), f"Measured on {document['date']}{mode}."]
+    measured = f"Measured on {document['date']}, {commit_of(code_of(document))}{mode}."
+    return [*filter(None, blocks), measured + document.get("note", "")]
 
 
 def _origins(documents: Sequence[Document]) -> Blocks:

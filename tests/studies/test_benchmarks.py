@@ -8,6 +8,7 @@ import pytest
 from studies import scene_cost, soak
 from studies.__main__ import main
 from studies.harness import joined_scenes
+from studies.harness.cases import DEFAULT, ONE_SETTING, TUNED
 from studies.harness.memory import KINDS
 from studies.harness.operations import Counted, tally
 from studies.harness.study import KEYS, Results, Study
@@ -65,7 +66,7 @@ def test_coupled_finds_the_cheapest_runs_and_steps_of_large_nets(run_quick):
     found = {
         (row["scene"], row["formulation"], row["choice"]) for row in rows["best"] if row["bound"] == 1e-2
     }
-    choices = [("inextensible", "tuned"), ("inextensible", "default"), ("native", "tuned")]
+    choices = [("native", TUNED), *(("inextensible", name) for name in (TUNED, DEFAULT, ONE_SETTING))]
     assert found == {(row["scene"], *choice) for row in rows["reference"] for choice in choices}
 
 
