@@ -12,10 +12,14 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ..arrays import Array
+from ..cable.cable import Cable, CurvatureMeasure, Section
 from ..errors import InputError
+from ..statics import potential_of
+from ..statics.feasible import feasible
 
 NEARLY_STRAIGHT = 1e-12  # length over distance, less one
 STEEPEST = 1e-6  # horizontal distance over the length of a cable that is not straight
+ROUND_OFF = 1e-11  # of lengths of elements over that of the cable, or 1 m if that is more
 
 
 def hanging_curve(start: Array, end: Array, length: float, up: Array, at: Array) -> tuple[Array, Array]:
@@ -55,6 +59,41 @@ def hanging_curve(start: Array, end: Array, length: float, up: Array, at: Array)
         np.outer(one, along / h) + np.outer(other, up) for one, other in ((x, y), (flat, steep))
     )
     return start + positions, tangents
+
+
+def of_constant_length(q: Array, length: float) -> Array:
+    """The nearest nodes of an inextensible cable of equal elements; the first and the last point stay.
+
+    Args:
+        q: (n, 2, 3) positions [m] and unit tangents of a curve.   length: of the cable [m].
+
+    Raises:
+        InputError: the elements are too long for the bends of the curve.
+    """
+    number = len(q) - 1
+    fixed = np.zeros((number + 1, 2), dtype=bool)
+    fixed[[0, -1], 0] = True
+    dimension = 3 if q[:, :, 2].any() else 2
+    cable = Cable(
+        reference=q[:, :, :dimension],
+        element_lengths=np.full(number, length / number),
+        section=Section(1.0, 1.0),
+        measure=CurvatureMeasure.SECOND_DERIVATIVE,
+        length_constraints=number,
+        fixed=fixed,
+        straight_lengths=True,
+    )
+    tolerance = ROUND_OFF * max(length, 1.0)
+    unloaded = potential_of(cable, np.zeros(cable.reference.size), 0.0)
+    nearest, left = feasible(unloaded, cable.reference, tolerance)
+    if left > tolerance:
+        raise InputError(
+            f"numberOfElements = {number}: elements of {length / number:g} m are too long for the bend at "
+            "the lowest point of the cable; use more elements, or move the ends apart."
+        )
+    nodes = q.copy()
+    nodes[1:-1, 0, :dimension], nodes[:, 1, :dimension] = nearest[1:-1, 0], nearest[:, 1]
+    return nodes
 
 
 def _half_span(ratio: float) -> float:

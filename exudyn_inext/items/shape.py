@@ -16,7 +16,7 @@ from ..checks import (
     require_positive,
 )
 from ..errors import InputError
-from .catenary import hanging_curve
+from .catenary import hanging_curve, of_constant_length
 
 SLOPE_TOLERANCE = 1e-8  # |r_x| - 1 [-]
 LENGTH_TOLERANCE = 1e-2  # int |r_x|^2 dx / l - 1 of an element [-]
@@ -136,7 +136,8 @@ class CableShape:
     ) -> "CableShape":
         """Cable at rest that hangs between two points, as it does without bending stiffness.
 
-        `SolveEquilibrium` finds how the bending stiffness changes that.
+        The length is exact: the nodes are those of elements near the catenary, which keep their length.
+        `SolveEquilibrium` finds how the bending stiffness changes the shape.
 
         Args:
             positionStart: (2,) or (3,) position of the first node [m].
@@ -146,7 +147,8 @@ class CableShape:
             gravity: (2,) or (3,) direction in which it hangs; need not be a unit vector.
 
         Raises:
-            InputError: a cable that is too short, no direction, or ends one above the other.
+            InputError: a cable that is too short, no direction, ends one above the other, or elements
+                that are too long to join both.
         """
         number = _element_count(numberOfElements)
         start, end = _point("positionStart", positionStart), _point("positionEnd", positionEnd)
@@ -154,8 +156,9 @@ class CableShape:
         if not down.any():
             raise InputError(f"gravity = {down.tolist()}: give the direction in which the cable hangs.")
         at = np.linspace(0.0, size, number + 1)
-        positions, slopes = hanging_curve(start, end, size, -down / np.linalg.norm(down), at)
-        return CableShape(positions, slopes)
+        curve = hanging_curve(start, end, size, -down / np.linalg.norm(down), at)
+        q = of_constant_length(np.stack(curve, axis=1), size)
+        return CableShape(q[:, 0], q[:, 1], size / number, lengthReference="straight")
 
 
 @dataclass(frozen=True, eq=False)

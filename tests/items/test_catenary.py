@@ -5,8 +5,16 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from exudyn_inext import CableShape, CreateInextensibleCable, InextensibleCable, InputError, SolveEquilibrium
-from reference_models.model import silence
+from exudyn_inext import (
+    CableShape,
+    CreateInextensibleCable,
+    InextensibleCable,
+    InputError,
+    SolveEquilibrium,
+    SolveExplicit,
+)
+from exudyn_inext.items.catenary import hanging_curve
+from reference_models.model import quiet_settings, silence
 
 CASES = {
     "level": ([0, 0, 0], [2, 0, 0], 2.5, [0, -9.81, 0]),
@@ -21,11 +29,12 @@ CASES = {
 def test_it_joins_both_ends_and_bends_under_its_weight(case):
     """dsigma/ds is constant: so is the horizontal tension, and the vertical one carries the weight."""
     start, end, length, gravity = CASES[case]
-    shape = CableShape.Catenary(start, end, length, 40, gravity)
     up = -np.array(gravity) / np.linalg.norm(gravity)
-    np.testing.assert_allclose(shape.positions[[0, -1]], [start, end], atol=1e-9 * length)
-    vertical = shape.slopes @ up
-    horizontal = np.linalg.norm(shape.slopes - np.outer(vertical, up), axis=1)
+    ends = np.array(start, dtype=float), np.array(end, dtype=float)
+    positions, slopes = hanging_curve(*ends, length, up, np.linspace(0.0, length, 41))
+    np.testing.assert_allclose(positions[[0, -1]], ends, atol=1e-9 * length)
+    vertical = slopes @ up
+    horizontal = np.linalg.norm(slopes - np.outer(vertical, up), axis=1)
     sigma = vertical / horizontal
     np.testing.assert_allclose(np.diff(sigma), np.diff(sigma).mean(), rtol=1e-6)
     rate = np.diff(sigma).mean() * 40 / length
@@ -37,6 +46,33 @@ def test_it_joins_both_ends_and_bends_under_its_weight(case):
     span = np.array(end, dtype=float) - start
     expected = [np.linalg.norm(span - span @ up * up), span @ up]
     np.testing.assert_allclose(found, expected, atol=1e-6 * length)
+
+
+@pytest.mark.parametrize("elements", [2, 10, 40])
+@pytest.mark.parametrize("case", ["level", "slack", "steep", "downhill in space"])
+def test_a_cable_of_few_elements_hangs_in_it_without_a_correction(case, elements):
+    """Slack and steep ones, too: the length is as given, ends stay, and a run starts from it as it is."""
+    start, end, length, gravity = CASES[case]
+    mbs = exudyn.SystemContainer().AddSystem()
+    section = InextensibleCable(massPerLength=0.1, bendingStiffness=1e-2)
+    shape = CableShape.Catenary(start, end, length, elements, gravity)
+    cable = CreateInextensibleCable(mbs, shape=shape, beamTemplate=section, gravity=gravity)
+    assert sum(shape.elementLengths * np.ones(elements)) == pytest.approx(length, rel=1e-12)
+    mbs.Assemble()
+    report = SolveExplicit(mbs, quiet_settings(1e-3, 1))
+    ends = [cable["nodePositions"][k] for k in (0, -1)]
+    np.testing.assert_allclose(ends, [start, end], rtol=0.0, atol=1e-12)
+    assert max(report["startCorrections"][0].position, report["startCorrections"][0].slope) < 1e-9
+
+
+def test_nodes_converge_to_the_catenary():
+    start, end, length, gravity = CASES["level"]
+    at = {number: np.linspace(0.0, length, number + 1) for number in (10, 20)}
+    ends, up = [np.array(end, dtype=float) for end in (start, end)], np.array([0.0, 1.0, 0.0])
+    curves = {n: hanging_curve(*ends, length, up, at[n])[0] for n in at}
+    shapes = {n: CableShape.Catenary(start, end, length, n, gravity).positions for n in at}
+    errors = [np.abs(shapes[n] - curves[n]).max() for n in at]
+    assert 0.0 < 8.0 * errors[1] < errors[0] < 1e-4
 
 
 def test_a_straight_one_is_a_line():
@@ -71,5 +107,7 @@ def test_a_cable_that_hardly_bends_rests_in_it():
 def test_what_cannot_hang_is_refused(end, length, message):
     with pytest.raises(InputError, match=message):
         CableShape.Catenary([0, 0], end, length, 8)
+    with pytest.raises(InputError, match=r"elements of 1 m are too long .*use more elements"):
+        CableShape.Catenary([0, 0], [0.01, 0], 1.0, 1)
     with pytest.raises(InputError, match="gravity"):
         CableShape.Catenary([0, 0], [1, 0], 2.0, 8, gravity=[0, 0])
