@@ -7,9 +7,13 @@ import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.figure import Figure
 
-from . import picture, planar_pendulum, power_line, spatial_pendulum, vibrating_ring
-from .shapes import frame_axes, smooth
-from .style import COLORS, REFERENCE_COLOR, styled_figure
+import picture
+import planar_pendulum
+import power_line
+import spatial_pendulum
+import vibrating_ring
+from shapes import frame_axes, smooth
+from style import COLORS, REFERENCE_COLOR, styled_figure
 
 SCENES = {
     "planar pendulum": planar_pendulum,

@@ -10,10 +10,9 @@ import numpy as np
 from exudyn.utilities import SensorBody
 
 import exudyn_inext as inext
-
-from . import picture
-from .shapes import smooth
-from .style import COLORS, new_figure
+import picture
+from shapes import smooth
+from style import COLORS, new_figure
 
 TICKS = [-1.0, -0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5]  # [m]
 

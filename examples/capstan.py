@@ -5,9 +5,8 @@ import exudyn.utilities as eu
 import numpy as np
 
 import exudyn_inext as inext
-
-from .contact import Surface, add_circle_contact
-from .picture import draw, paths, sense
+from contact import Surface, add_circle_contact
+from picture import draw, paths, sense
 
 GRAVITY = [0, -9.81, 0]
 RADIUS, ELEMENTS = 0.2, 40  # of the cylinder [m], of the cable

@@ -8,8 +8,7 @@ import numpy as np
 from exudyn.utilities import InertiaCuboid, MarkerBodyPosition, MarkerNodePosition, SphericalJoint
 
 import exudyn_inext as inext
-
-from .picture import draw, paths, sense
+from picture import draw, paths, sense
 
 GRAVITY = [0, 0, -9.81]
 LENGTH, SIDE, ELEMENTS = 1.2, 0.2, 6  # of the cable [m], of the load, a cube [m], of the cable

@@ -8,8 +8,7 @@ import numpy as np
 from exudyn.utilities import InertiaCuboid, MarkerBodyPosition, MarkerNodePosition, SphericalJoint
 
 import exudyn_inext as inext
-
-from .picture import draw, paths, sense
+from picture import draw, paths, sense
 
 GRAVITY = [0, 0, -9.81]
 ACCELERATION = np.array([3.0, 1.0, 1.0])  # of the drone [m/s^2]

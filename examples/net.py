@@ -7,8 +7,7 @@ import exudyn as exu
 from exudyn.utilities import MarkerNodePosition, SphericalJoint
 
 import exudyn_inext as inext
-
-from .picture import draw, paths, sense
+from picture import draw, paths, sense
 
 GRAVITY = [0, 0, -9.81]
 SIDE, ROD, ELEMENTS = 1.0, 0.6, 8  # of the net [m], length of the rods [m], of each cable

@@ -5,9 +5,10 @@ from typing import Any
 import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
 
-from . import picture, thrown_net
-from .animation import FRAMES, RATE
-from .style import styled_figure
+import picture
+import thrown_net
+from animation import FRAMES, RATE
+from style import styled_figure
 
 
 def main(frames: int = FRAMES) -> None:

@@ -8,9 +8,8 @@ import exudyn.utilities as eu
 import numpy as np
 
 import exudyn_inext as inext
-
-from .overhead_parts import add_moving_force, parabolas
-from .picture import draw, paths, sense
+from overhead_parts import add_moving_force, parabolas
+from picture import draw, paths, sense
 
 GRAVITY, TENSION = [0, -9.81, 0], 16e3  # [m/s^2], of each wire [N]
 SPAN, DROPPERS, ELEMENTS, DEPTH = 50.0, 10, 2, 1.2  # [m], in a span, between two droppers, of the line [m]

@@ -9,8 +9,7 @@ import numpy as np
 from exudyn.processing import ParameterVariation
 
 import exudyn_inext as inext
-
-from .picture import draw, paths, sense
+from picture import draw, paths, sense
 
 LENGTH, DENSITY, GRAVITY = 1.0, 0.1, [0, -1, 0]  # [m], [kg/m], [m/s^2]
 STIFFNESSES = [1.0, 2.0, 4.0, 8.0]  # EI [N m^2]

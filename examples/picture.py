@@ -9,8 +9,8 @@ import numpy as np
 from exudyn.utilities import SensorNode
 from PIL import Image
 
-from .shapes import is_flat, smooth
-from .style import COLORS, label_axes, new_figure
+from shapes import is_flat, smooth
+from style import COLORS, label_axes, new_figure
 
 FOLDER = Path("results/examples")
 SNAPSHOTS = 6
@@ -71,5 +71,6 @@ def draw(
 
 
 def shrink(path: Path) -> None:
-    """Store a picture with a palette: a third of the size."""
+    """Store a picture with a palette, a third of the size, and say where it is."""
     Image.open(path).convert("RGB").quantize(64).save(path, optimize=True)
+    print(f"picture: {path.resolve()}")

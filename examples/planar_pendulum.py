@@ -3,8 +3,7 @@
 import exudyn as exu
 
 import exudyn_inext as inext
-
-from .picture import draw, paths, sense
+from picture import draw, paths, sense
 
 LENGTH, ELEMENTS, END_TIME = 1.8, 10, 5  # [m], [-], [s]
 CABLE = inext.InextensibleCable(massPerLength=0.0347681, bendingStiffness=0.0866451)  # radius 2 mm

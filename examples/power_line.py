@@ -5,8 +5,7 @@ import numpy as np
 from exudyn.utilities import LoadForceVector, MarkerNodePosition
 
 import exudyn_inext as inext
-
-from .picture import draw, paths, sense
+from picture import draw, paths, sense
 
 SPAN, LENGTH, ELEMENTS, END_TIME = 3.322, 6.7036, 20, 5  # [m], [m], [-], [s]
 ROD, ICE = 0.1, [0, -1.162, 0]  # the middle hangs on a rod [m]; weight of the ice amid the first span [N]

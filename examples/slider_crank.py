@@ -7,8 +7,7 @@ import exudyn as exu
 import exudyn.utilities as eu
 
 import exudyn_inext as inext
-
-from .picture import draw, paths, sense
+from picture import draw, paths, sense
 
 GRAVITY = [0, -9.81, 0]
 LENGTH, ELEMENTS = 0.5, 6  # of the cable [m]

@@ -8,9 +8,8 @@ import numpy as np
 from exudyn.utilities import InertiaCuboid, MarkerNodePosition, SphericalJoint
 
 import exudyn_inext as inext
-
-from .flight import Controller, drive, settings_of_period
-from .picture import draw, paths, sense
+from flight import Controller, drive, settings_of_period
+from picture import draw, paths, sense
 
 GRAVITY, MASS, LENGTH, ELEMENTS = np.array([0, 0, -9.81]), 4.0, 1.5, 6  # [m/s^2], of the drone [kg], [m]
 CABLE = inext.InextensibleCable(massPerLength=0.05, bendingStiffness=0.02)

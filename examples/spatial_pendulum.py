@@ -3,8 +3,7 @@
 import exudyn as exu
 
 import exudyn_inext as inext
-
-from .picture import draw, paths, sense
+from picture import draw, paths, sense
 
 LENGTH, ELEMENTS, END_TIME = 1.8, 10, 5  # [m], [-], [s]
 PUSH = [0, 3, 0]  # initial velocity of the tip, horizontal and across the cable [m/s]

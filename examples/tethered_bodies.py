@@ -8,8 +8,7 @@ import numpy as np
 from exudyn.utilities import InertiaCuboid, MarkerBodyPosition, MarkerNodePosition, SphericalJoint
 
 import exudyn_inext as inext
-
-from .picture import draw, paths, sense
+from picture import draw, paths, sense
 
 LENGTH, ELEMENTS = 2.0, 8  # of the cable [m]
 SPIN = 3.0  # of the whole about z [rad/s]

@@ -8,9 +8,8 @@ import exudyn.utilities as eu
 import numpy as np
 
 import exudyn_inext as inext
-
-from .bodies import record
-from .meshes import Net, half_circle, tie
+from bodies import record
+from meshes import Net, half_circle, tie
 
 SIZE = {"meshes": 6, "mesh": 0.2, "speed": 4.0}  # of the net: meshes along a side, [m], [m/s]
 RADIUS, MASS, CENTRE = 0.25, 1.5, [0.05, 0.03, 0.55]  # of the ball [m], [kg], [m]

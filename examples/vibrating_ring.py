@@ -5,8 +5,7 @@ import numpy as np
 from exudyn.utilities import LoadForceVector, MarkerNodePosition
 
 import exudyn_inext as inext
-
-from .picture import draw, paths, sense
+from picture import draw, paths, sense
 
 RADIUS, ELEMENTS, END_TIME = 0.5, 20, 2  # [m], [-], [s]
 FORCE, FREQUENCY = 10.0, 10 * np.pi  # [N], [rad/s]

@@ -2,6 +2,9 @@
 
 import dataclasses
 import importlib
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +12,8 @@ import pytest
 from PIL import Image, ImageSequence
 
 import examples
-from examples import animation, net_film, picture, tethered_bodies
+import exudyn_inext
+from examples import animation, net_film, tethered_bodies
 from exudyn_inext import DivergenceError
 from reference_models.model import silence
 from tests.examples.twins import run_inextensible
@@ -22,15 +26,31 @@ SCRIPTS = [path.stem for path in FILES if path.stem not in HELPERS]
 
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_a_script_runs_as_printed_and_draws(name, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(picture, "FOLDER", tmp_path)
+    monkeypatch.setattr(animation.picture, "FOLDER", tmp_path)
     with silence():
         importlib.import_module(f"examples.{name}").main()
     assert (tmp_path / f"{name}.png").stat().st_size > 10_000
     assert "Exudyn's steps" in capsys.readouterr().out
 
 
+def test_a_script_runs_from_another_folder(tmp_path):
+    script = Path(examples.__file__).parent / "crane.py"
+    environment = os.environ | {"PYTHONPATH": str(Path(exudyn_inext.__file__).parents[1])}
+    done = subprocess.run(
+        [sys.executable, "-W", "error", script],
+        cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=300,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert f"picture: {tmp_path.resolve() / 'results' / 'examples' / 'crane.png'}" in done.stdout
+    assert (tmp_path / "results" / "examples" / "crane.png").exists()
+
+
+def test_no_script_asks_for_its_folder():
+    assert not [path.stem for path in FILES if "from ." in path.read_text()]
+
+
 def test_the_animation_is_a_film_of_the_four_scenes(tmp_path, monkeypatch):
-    monkeypatch.setattr(picture, "FOLDER", tmp_path)
+    monkeypatch.setattr(animation.picture, "FOLDER", tmp_path)
     monkeypatch.setattr(animation, "FRAMES", 3)
     with silence():
         animation.main()
@@ -45,7 +65,7 @@ def test_the_animation_is_a_film_of_the_four_scenes(tmp_path, monkeypatch):
 
 
 def test_the_film_of_the_net_shows_it_moving(tmp_path, monkeypatch):
-    monkeypatch.setattr(picture, "FOLDER", tmp_path)
+    monkeypatch.setattr(animation.picture, "FOLDER", tmp_path)
     with silence():
         net_film.main(frames=2)
     with Image.open(tmp_path / "thrown_net.gif") as film:
