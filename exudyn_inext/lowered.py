@@ -56,10 +56,14 @@ def _save(cache_file: Any, key: Any, data: Any) -> None:
 
 
 class Compilation(event.Listener):
-    """Listens while kernels are compiled.   begin: called before the first one.   seconds: that it took."""
+    """Listens while kernels are compiled.
 
-    def __init__(self, begin: Callable[[], None]) -> None:
-        self._begin, self._depth, self._start = begin, 0, 0.0
+    begin: called before the first one.   end: after each one, with the time that it took [s].
+    seconds: that all of them took.
+    """
+
+    def __init__(self, begin: Callable[[], None], end: Callable[[float], None]) -> None:
+        self._begin, self._end, self._depth, self._start = begin, end, 0, 0.0
         self.seconds = 0.0
 
     def listening(self) -> AbstractContextManager[None]:
@@ -75,7 +79,9 @@ class Compilation(event.Listener):
     def on_end(self, event: Any) -> None:
         self._depth -= 1
         if self._depth == 0:
-            self.seconds += time.perf_counter() - self._start
+            taken = time.perf_counter() - self._start
+            self.seconds += taken
+            self._end(taken)
 
 
 class KernelLibrary(JITCodeLibrary):

@@ -2,12 +2,13 @@
 
 import re
 
+import exudyn
 import numba
 import pytest
 
 from exudyn_inext import compiled
 from exudyn_inext.exudyn_binding.compile_notice import compile_notice
-from reference_models.model import quiet_settings
+from reference_models.model import quiet_settings, silence
 
 pytestmark = pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
 
@@ -49,24 +50,37 @@ def test_processes_that_compile_at_once_do_not_get_each_others_code(process, mon
 
 
 @pytest.mark.parametrize("folder", [True, False])
-def test_a_run_says_once_that_kernels_are_compiled_and_how_long_it_took(process, capsys, monkeypatch, folder):
+@pytest.mark.parametrize("verbose", [0, 1])
+def test_a_run_says_once_that_kernels_are_compiled(process, capsys, monkeypatch, folder, verbose):
     monkeypatch.setattr(compiled, "CACHE_FOLDER", compiled.CACHE_FOLDER if folder else None)
     settings = quiet_settings(1.0, 1)
-    for verbose, lines in ((1, 2), (0, 0)):
-        settings.timeIntegration.verboseMode = verbose
-        first, second = compiled.kernel(half), compiled.kernel(third)
-        with compile_notice(settings):
-            first(3.0)
-            second(3.0)
-        said = capsys.readouterr().out.splitlines()
-        assert len(said) == lines
-        if verbose:
-            place = f"once: they are kept in {compiled.CACHE_FOLDER}" if folder else "in each process"
-            assert "compiling kernels" in said[0] and place in said[0]
-            assert float(re.search(r"compiled in (\S+) s", said[1])[1]) >= 0.0
-            with compile_notice(settings):
-                first(3.0)
-            assert not capsys.readouterr().out
+    settings.timeIntegration.verboseMode = verbose
+    first, second = compiled.kernel(half), compiled.kernel(third)
+    with compile_notice(settings):
+        first(3.0)
+        second(3.0)
+    ended, begun = capsys.readouterr()
+    place = f"once: they are kept in {compiled.CACHE_FOLDER}" if folder else "in each process"
+    assert len(begun.splitlines()) == 1 and "compiling kernels" in begun and place in begun
+    assert len(ended.splitlines()) == verbose
+    if verbose:
+        assert float(re.search(r"compiled in (\S+) s", ended)[1]) >= 0.0
+    with compile_notice(settings):
+        first(3.0)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_no_line_where_exudyn_is_silent(process, capsys):
+    with silence(), compile_notice(quiet_settings(1.0, 1)):
+        process()(3.0)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_exudyns_clock_stands_still_while_kernels_are_compiled(process):
+    solver = exudyn.MainSolverImplicitSecondOrder()
+    with compile_notice(quiet_settings(1.0, 1), solver), silence():
+        process()(3.0)
+    assert 0.0 < solver.output.cpuSolverStartTime < 60.0
 
 
 def third(x):

@@ -25,6 +25,7 @@ from .changes.follower import ChangeFollower
 from .changes.limit import StepLimit
 from .changes.log import ChangeLog, listening
 from .compile_notice import compile_notice
+from .console import header_of, initialize_solver
 from .empty_sensors import warn_of_empty_sensors
 from .first_row import first_row
 from .idle_integrator import changed, idle_integrator, nothing
@@ -127,7 +128,7 @@ def SolveExplicit(
         scene = read_scene(mbs, reader)
     coupled = needs_coupling(scene)
     with ExitStack() as stack:
-        stack.enter_context(compile_notice(settings))
+        stack.enter_context(compile_notice(settings, solver))
         with state_kept(mbs) if coupled else nullcontext():
             outputs = ResumedOutputs(settings, sensors) if restarts.found else None
             given = None if explicit.stepSize is None else time_grid(mbs, settings, explicit.stepSize)
@@ -146,6 +147,7 @@ def SolveExplicit(
             warn_of_damping(choice, duration)
             grid = restarts.grid(given or time_grid(mbs, settings, choice.h))
             builder.take_step(explicit, grid.h)
+            decided_by = choice.decider(grid.substeps, grid.h, "output period")
             observed = observed_derivatives(settings, sensors)
             limit = StepLimit(grid.h, bounds.stability_limit, explicit)
             if restarts.changes:
@@ -163,7 +165,9 @@ def SolveExplicit(
             if outputs is not None:
                 outputs.cut(grid.time(grid.first) + 0.5 * grid.substeps * grid.h)
             with shown, listening(log):
-                _run(mbs, solver, settings, loop, restarts, outputs, log)
+                _run(
+                    mbs, solver, settings, loop, restarts, outputs, log, header_of(explicit, grid, decided_by)
+                )
         finally:
             forget_evaluators(sensors)
     controls = [run.control for run in loop.runs]
@@ -176,7 +180,7 @@ def SolveExplicit(
         "rejections": sum(control.rejections for control in controls),
         "massScaling": explicit.massScaling or 0.0,
         "loopSteps": grid.loop_steps,
-        "decidedBy": choice.decider(grid.substeps, grid.h, "output period"),
+        "decidedBy": decided_by,
         "bounds": bounds,
         "path": loop.path,
         "startCorrections": [correction for run in runs for correction in run.start_corrections],
@@ -206,10 +210,10 @@ def _settings_of_the_loop(
         yield
 
 
-def _solve_system(solver: Any, mbs: Any, settings: Any) -> bool:
+def _solve_system(solver: Any, mbs: Any, settings: Any, header: str) -> bool:
     """As solver.SolveSystem, which would forget the initial Lagrange multipliers before the first row."""
     begin, data = perf_counter(), mbs.systemData
-    if not solver.InitializeSolver(mbs, settings):
+    if not initialize_solver(solver, mbs, settings, header):
         return False
     data.SetAECoordinates(data.GetAECoordinates(exudyn.ConfigurationType.Initial))
     success = bool(solver.SolveSteps(mbs, settings))
@@ -226,6 +230,7 @@ def _run(
     restarts: Restarts,
     outputs: ResumedOutputs | None,
     log: ChangeLog,
+    header: str,
 ) -> None:
     function, clock = loop.user_function, restarts.clock(loop.grid)
     if clock is not None:
@@ -236,7 +241,7 @@ def _run(
     mbs.sys["simulationSettings"] = settings
     with _settings_of_the_loop(settings, loop.grid, clock, outputs):
         try:
-            success = _solve_system(solver, mbs, settings)
+            success = _solve_system(solver, mbs, settings, header)
         except Exception as error:
             raise loop.cause_of(error, log) from None
         finally:

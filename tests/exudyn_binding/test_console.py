@@ -1,0 +1,49 @@
+"""What Exudyn prints on an explicit run speaks of explicit steps, and its rates are right."""
+
+import re
+import time
+
+import exudyn
+import pytest
+
+from exudyn_inext import CreateInextensibleCable, InextensibleCable, SolveExplicit
+from reference_models.model import quiet_settings
+
+WAIT, STEPS = 0.03, 20  # [s]
+
+
+@pytest.fixture
+def printed(capfd):
+    """What is printed on a run with that verboseMode, whose pre-step function waits."""
+
+    def run(verbose, wait=0.0):
+        mbs = exudyn.SystemContainer().AddSystem()
+        section = InextensibleCable(massPerLength=0.1, bendingStiffness=1e-2)
+        CreateInextensibleCable(mbs, [0, 0, 0], [1, 0, 0], 4, section, gravity=[0, -9.81, 0])
+        mbs.SetPreStepUserFunction(lambda mbs, t: time.sleep(wait) is None)
+        mbs.Assemble()
+        settings = quiet_settings(0.1, STEPS)
+        settings.timeIntegration.verboseMode = verbose
+        SolveExplicit(mbs, settings)
+        assert settings.timeIntegration.verboseMode == verbose
+        return capfd.readouterr().out
+
+    return run
+
+
+def test_a_quiet_run_prints_nothing(printed):
+    assert printed(0) == ""
+
+
+def test_a_run_speaks_of_explicit_steps(printed):
+    said = printed(1)
+    assert re.search(r"EXUDYN V\S+ solver: explicit time integration \(RATTLE", said)
+    assert re.search(r"h = 0\.\d+s \(decided by .*explicit steps in each STEP = \d", said)
+    assert f"STEP{STEPS}, t = 0.1s, timeToGo = 0s" in said and "terminated successfully" in said
+    assert "implicit" not in said and "Nit/step" not in said
+
+
+def test_the_time_to_go_is_that_of_the_steps_that_are_left(printed):
+    to_go = dict(re.findall(r"STEP(\d+), t = \S+ timeToGo = (\S+)s", printed(2, WAIT)))
+    left = 5 * WAIT
+    assert left < float(to_go[str(STEPS - 5)]) < 4.0 * left
