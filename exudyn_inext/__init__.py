@@ -35,6 +35,8 @@ from .items.shape import CableShape
 from .items.template import InextensibleCable
 from .run.settings import ExplicitSettings
 
+__version__ = "0.1.0"
+
 __all__ = [
     "AddPointMass",
     "AdviceSettings",

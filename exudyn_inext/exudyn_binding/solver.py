@@ -32,6 +32,7 @@ from .idle_integrator import changed, idle_integrator, nothing
 from .mbs_state import initial_state
 from .observed import observed_derivatives
 from .output_grid import time_grid
+from .reports import ExplicitReport
 from .restart import Restarts
 from .scene import read_scene, require_assembled
 from .scene_runs import RunBuilder, bounds_if_scaled, needs_coupling
@@ -85,7 +86,8 @@ def SolveExplicit(
         explicitSettings: integrator, step size, stabilisation.
 
     Returns:
-        dict with 'success', 'integrator', 'stepSize' [s] (the smallest, if they adapt), 'steps',
+        dict, which prints as a summary, with 'success', 'integrator', 'stepSize' [s] (the smallest, if they
+        adapt), 'steps',
         'rejections' (how often steps went wrong and were taken again, smaller), 'massScaling' (theta),
         'loopSteps', 'decidedBy' (what bounded the step), 'bounds' (StepSizeBounds), 'path' (which way the
         steps were computed), 'startCorrections' (of each cable, and of joints: how far the initial
@@ -172,21 +174,23 @@ def SolveExplicit(
             forget_evaluators(sensors)
     controls = [run.control for run in loop.runs]
     warn_of_findings(loop.runs, explicit.energyTolerance)
-    return {
-        "success": True,
-        "integrator": explicit.integrator,
-        "stepSize": min(control.smallest for control in controls),
-        "steps": max(control.steps for control in controls),
-        "rejections": sum(control.rejections for control in controls),
-        "massScaling": explicit.massScaling or 0.0,
-        "loopSteps": grid.loop_steps,
-        "decidedBy": decided_by,
-        "bounds": bounds,
-        "path": loop.path,
-        "startCorrections": [correction for run in runs for correction in run.start_corrections],
-        "drift": worst_figures([*loop.runs, changes]),
-        "resumedAt": grid.time(grid.first) if grid.first else None,
-    }
+    return ExplicitReport(
+        {
+            "success": True,
+            "integrator": explicit.integrator,
+            "stepSize": min(control.smallest for control in controls),
+            "steps": max(control.steps for control in controls),
+            "rejections": sum(control.rejections for control in controls),
+            "massScaling": explicit.massScaling or 0.0,
+            "loopSteps": grid.loop_steps,
+            "decidedBy": decided_by,
+            "bounds": bounds,
+            "path": loop.path,
+            "startCorrections": [correction for run in runs for correction in run.start_corrections],
+            "drift": worst_figures([*loop.runs, changes]),
+            "resumedAt": grid.time(grid.first) if grid.first else None,
+        }
+    )
 
 
 @contextmanager

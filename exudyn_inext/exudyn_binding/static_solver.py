@@ -20,6 +20,7 @@ from ..scene.model import CableInScene, Scene, put_reactions
 from ..statics import Equilibrium, JoinedPotential, StaticOptions, find_equilibrium, potential_of
 from ..statics.support_forces import support_forces
 from .arguments import simulation_settings
+from .reports import StaticReport
 from .scene import initial_state, read_scene, require_assembled
 from .scene_runs import needs_coupling
 
@@ -71,7 +72,8 @@ def SolveEquilibrium(
         staticSettings: tolerances and load steps.
 
     Returns:
-        dict with 'success', 'residual' [N], 'violation' of constraints [-, m], 'iterations',
+        dict, which prints as a summary, with 'success', 'residual' [N], 'violation' of constraints [-, m],
+        'iterations',
         'smallestEigenvalue' of the constrained Hessian over the mass [1/s^2] (its root is the lowest
         natural frequency), each the worst of all cables, and 'cables' (the same for each one, with its
         'coordinates'); among bodies and joints the figures are those of the whole scene. A body that is free
@@ -104,7 +106,7 @@ def SolveEquilibrium(
     if failed:
         cable, equilibrium = failed[0]
         said = _failure(f"cable '{cable.name}'", equilibrium, "loadSteps or maxIterations")
-        raise EquilibriumError(said, report | {"success": False})
+        raise EquilibriumError(said, StaticReport(report, success=False))
     displacements, reactions = np.zeros(mbs.systemData.ODE2Size()), np.zeros(mbs.systemData.AEsize())
     for cable, equilibrium in zip(cables, found, strict=True):
         displacements[cable.indices] = (equilibrium.q - cable.cable.reference).ravel()
@@ -171,7 +173,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
     report = _report(scene.cables, of_cables)
     if not equilibrium.converged:
         said = _failure("the scene", equilibrium, "maxIterations")
-        raise EquilibriumError(said, report | {"success": False})
+        raise EquilibriumError(said, StaticReport(report, success=False))
     rest_at(mbs, joined.displacements(q), reactions)
     return report
 
@@ -208,14 +210,16 @@ def _report(cables: list[CableInScene], found: list[Equilibrium]) -> dict[str, A
         }
         for cable, equilibrium in zip(cables, found, strict=True)
     ]
-    return {
-        "success": True,
-        "residual": max(equilibrium.residual for equilibrium in found),
-        "violation": max(equilibrium.violation for equilibrium in found),
-        "iterations": max(equilibrium.iterations for equilibrium in found),
-        "smallestEigenvalue": min(equilibrium.smallest_eigenvalue for equilibrium in found),
-        "cables": rows,
-    }
+    return StaticReport(
+        {
+            "success": True,
+            "residual": max(equilibrium.residual for equilibrium in found),
+            "violation": max(equilibrium.violation for equilibrium in found),
+            "iterations": max(equilibrium.iterations for equilibrium in found),
+            "smallestEigenvalue": min(equilibrium.smallest_eigenvalue for equilibrium in found),
+            "cables": rows,
+        }
+    )
 
 
 def _failure(what: str, equilibrium: Equilibrium, more: str) -> str:

@@ -11,6 +11,7 @@ from ...advice.stretch import stretch_error
 from ...advice.survey import survey_meshes
 from ...checks import require_positive
 from ...errors import InputError
+from ..reports import AdviceReport
 from .advice_settings import MOST_SAMPLES, SAMPLES, AdviceSettings, require_builder
 from .pilot_runs import Build, PilotRuns, explicit_settings
 
@@ -39,7 +40,8 @@ def Advise(
         settings: how pilots are run, and what is known of the real cable.
 
     Returns:
-        dict with 'formulation' ('inextensible' or 'conventional'), 'dimension', 'numberOfElements',
+        dict, which prints as a summary, with 'formulation' ('inextensible' or 'conventional'),
+        'dimension', 'numberOfElements',
         'numberOfLengthConstraints', 'integrator', 'stepSize' [s], 'stabilizationRate' [1/s], 'massScaling'
         [-], 'explicitSettings' (to be handed to SolveExplicit; None for conventional cables),
         'predictedError', 'predictedSeconds' (CPU), 'extrapolated', 'meetsTolerance', 'meetsBudget',
@@ -101,25 +103,27 @@ class _Session:
             said = choice_sentence(advised, self._tolerance)
         explicit = None if choice.is_conventional else explicit_settings(choice)
         constraints = self._problem.length_constraints
-        return {
-            "formulation": choice.formulation,
-            "dimension": self._problem.dimension,
-            "numberOfElements": choice.elements,
-            "numberOfLengthConstraints": constraints[choice.elements] if explicit else None,
-            "integrator": choice.integrator,
-            "stepSize": choice.step_size,
-            "stabilizationRate": explicit.stabilizationRate if explicit else None,
-            "massScaling": choice.mass_scaling,
-            "explicitSettings": explicit,
-            "predictedError": advised.error,
-            "predictedSeconds": advised.seconds,
-            "extrapolated": is_extrapolated,
-            "meetsTolerance": advised.error <= self._tolerance,
-            "meetsBudget": advised.seconds <= self._budget,
-            "reasons": [said, *self._reasons],
-            "tried": [_row(pilot) for pilot in tried],
-            "pilotSeconds": sum(pilot.seconds for pilot in tried),
-        }
+        return AdviceReport(
+            {
+                "formulation": choice.formulation,
+                "dimension": self._problem.dimension,
+                "numberOfElements": choice.elements,
+                "numberOfLengthConstraints": constraints[choice.elements] if explicit else None,
+                "integrator": choice.integrator,
+                "stepSize": choice.step_size,
+                "stabilizationRate": explicit.stabilizationRate if explicit else None,
+                "massScaling": choice.mass_scaling,
+                "explicitSettings": explicit,
+                "predictedError": advised.error,
+                "predictedSeconds": advised.seconds,
+                "extrapolated": is_extrapolated,
+                "meetsTolerance": advised.error <= self._tolerance,
+                "meetsBudget": advised.seconds <= self._budget,
+                "reasons": [said, *self._reasons],
+                "tried": [_row(pilot) for pilot in tried],
+                "pilotSeconds": sum(pilot.seconds for pilot in tried),
+            }
+        )
 
     def _add_stretch(self) -> bool:
         """Whether stretch moves the sensor by more than the tolerance: an error of all inextensible runs."""

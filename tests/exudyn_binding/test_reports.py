@@ -1,0 +1,73 @@
+"""Returned reports are dicts, and print as a few lines that say what they hold."""
+
+import json
+import pickle
+import re
+from importlib.metadata import version
+
+import exudyn
+import pytest
+
+import exudyn_inext
+from exudyn_inext import CreateInextensibleCable, EquilibriumError, InextensibleCable, StaticSettings
+from exudyn_inext.exudyn_binding.reports import AdviceReport
+from reference_models.model import quiet_settings, silence
+
+
+@pytest.fixture
+def mbs():
+    system = exudyn.SystemContainer().AddSystem()
+    pinned = [True, True, False, False]
+    CreateInextensibleCable(
+        system, [0, 0, 0], [1, 0, 0], 4, InextensibleCable(massPerLength=0.1, bendingStiffness=1e-2),
+        gravity=[0, -9.81, 0], groundConstraintsStart=pinned,
+    )  # fmt: skip
+    system.Assemble()
+    return system
+
+
+def test_a_run_prints_what_was_done(mbs):
+    report = exudyn_inext.SolveExplicit(mbs, quiet_settings(0.1, 10))
+    said = str(report)
+    assert said.startswith(
+        f"SolveExplicit: {report['steps']} steps of RATTLE, h = {report['stepSize']:.4g} s"
+    )
+    assert f"stability limit: {report['bounds'].stability_limit:.4g} s" in said and report["path"] in said
+    assert len(said.splitlines()) < 8 and "StepSizeBounds(" not in said and repr(report) == said
+    assert re.search(r"keys: success, integrator, .*resumedAt$", said)
+
+
+def test_a_report_stays_a_dict(mbs):
+    report = exudyn_inext.SolveExplicit(mbs, quiet_settings(0.1, 10))
+    assert isinstance(report, dict) and dict(report) == report
+    assert pickle.loads(pickle.dumps(report)) == report
+    assert json.loads(json.dumps(report, default=str))["steps"] == report["steps"]
+
+
+def test_an_equilibrium_prints_its_figures(mbs):
+    with silence():
+        report = exudyn_inext.SolveEquilibrium(mbs)
+    lowest = report["smallestEigenvalue"] ** 0.5
+    assert f"lowest natural frequency: {lowest:.4g} rad/s" in str(report)
+    assert "a stable equilibrium after" in str(report) and "array" not in str(report)
+
+
+def test_a_search_without_an_end_says_so(mbs):
+    with silence(), pytest.raises(EquilibriumError) as caught:
+        exudyn_inext.SolveEquilibrium(mbs, staticSettings=StaticSettings(maxIterations=1))
+    assert not caught.value.report["success"] and "no equilibrium after 1 iter" in str(caught.value.report)
+
+
+def test_advice_prints_its_reasons():
+    advice = AdviceReport(
+        reasons=["RATTLE, 8 elements.", "It converges."], extrapolated=False, meetsTolerance=True,
+        tried=[1, 2], predictedError=1e-3, predictedSeconds=0.5, pilotSeconds=3.0, explicitSettings=object(),
+    )  # fmt: skip
+    first, second, third, fourth, *_ = str(advice).splitlines()
+    assert (first, second) == ("Advise: RATTLE, 8 elements.", "  It converges.")
+    assert third == "  measured: error 0.001, within the tolerance; 0.5 s of CPU time a run"
+    assert fourth == "  pilots: 2 runs, 3 s of CPU time" and "advice['explicitSettings']" in str(advice)
+
+
+def test_the_version_is_that_of_the_package():
+    assert exudyn_inext.__version__ == version("exudyn_inext")
