@@ -13,7 +13,7 @@ from ..constraints.prescribed_motion import prescribed
 from ..errors import SceneError
 from ..items.arguments import described, require_system
 from ..items.attach.inert import is_inert_cable
-from ..items.attach.markers import REMEDY, unsuitable_markers
+from ..items.attach.markers import REMEDY, unsuitable_items
 from ..items.cable_data import belongs_to_a_cable, find_cable_item
 from ..items.cable_item import supports_of_flags
 from ..items.element_weights import Elements, elements_by_nodes, put_together, read_weight
@@ -52,7 +52,7 @@ def require_assembled(mbs: Any) -> None:
     require_system(mbs)
     if mbs.systemIsConsistent:
         return
-    if refused := unsuitable_markers(mbs):
+    if refused := unsuitable_items(mbs):
         raise SceneError(f"mbs cannot be assembled with {'; '.join(refused)}: {REMEDY}.")
     raise SceneError("mbs is not assembled: call mbs.Assemble() before it is solved or evaluated.")
 

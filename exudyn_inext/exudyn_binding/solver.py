@@ -158,6 +158,7 @@ def SolveExplicit(
             changes = ChangeFollower(mbs, scene, reader, log, builder, limit, sensors, moves)
             restarts.changes_so_far = changes.stored
             loop = ExplicitTimeLoop(mbs, runs, grid, restarts, observed, changes)
+            loop.step_is_from = decided_by if explicit.stepSize is None else ""
         try:
             shown: AbstractContextManager[None] = nullcontext()
             if restarts.found:

@@ -42,6 +42,8 @@ class ExplicitTimeLoop:
     they are `observed`; the last ones when the run ends.
     """
 
+    step_is_from = ""  # what decided on the step, if the user did not
+
     def __init__(
         self,
         mbs: Any,
@@ -195,6 +197,9 @@ class ExplicitTimeLoop:
     def _divergence(self, last_good: float, time: float) -> DivergenceError:
         verdicts = [run.verdict(last_good, self.grid.h) for run in self.runs]
         left = f"mbs holds the last good output, that of t = {last_good:.6g} s."
+        if self.step_is_from:
+            chosen = f"The automatic step of this run was {self.grid.h:.4g} s, decided by {self.step_is_from}"
+            left = f"{chosen}: a stepSize has to be smaller. {left}"
         return divergence(list(filter(None, verdicts)), time, left)
 
     @contextmanager

@@ -24,6 +24,7 @@ from .attach.shared_node import SharedNode, find_shared_node
 from .cable_data import carrying_graphics, find_cable_item, remember_nodes
 from .enforcement import find_enforcement
 from .enforcement.protocol import Enforcement
+from .plausible import warn_of_units
 from .shape import CableShape, CheckedShape, check_shape
 from .template import InextensibleCable
 
@@ -136,6 +137,7 @@ def CreateInextensibleCable(
     held[0] = _constraint_flags("groundConstraintsStart", groundConstraintsStart, cable.reference[0])
     if not checked.closed:
         held[-1] = _constraint_flags("groundConstraintsEnd", groundConstraintsEnd, cable.reference[-1])
+    warn_of_units(cable)
     return _add_items(mbs, cable, checked.v[:, :, :dim], gravity_vector[:dim], held, way, shared)
 
 

@@ -22,6 +22,7 @@ SLOPE_TOLERANCE = 1e-8  # |r_x| - 1 [-]
 LENGTH_TOLERANCE = 1e-2  # int |r_x|^2 dx / l - 1 of an element [-]
 SMALLEST_RING = 3  # elements
 LENGTH_REFERENCES = ("shape", "straight")
+LARGE_ANGLE = 15.0  # between a slope and the lines to the next nodes [degrees]
 MIDDLE_TOLERANCE = 0.1  # |r_x| - 1 in the middle of an element [-]; 0.045 for half a turn
 
 
@@ -328,8 +329,25 @@ def _check_reach(q: Array, lengths: Array) -> None:
             f"the curve through nodes {k} and {_next(k, q)} with the given slopes has a mean square stretch "
             f"of {mean_square[k]:.6g} for an element of {lengths[k]:.9g} m: an inextensible cable allows "
             f"1 +- {LENGTH_TOLERANCE:g}; correct elementLengths or the slopes, or use more elements."
+            f"{_tangents(q)}"
         )
     _check_middles(q, lengths)
+
+
+def _tangents(q: Array) -> str:
+    """Which slope is farthest from the direction of the curve there, if it is far from it."""
+    chords = q[1:, 0] - q[:-1, 0]
+    chords = chords / np.maximum(np.linalg.norm(chords, axis=1), 1e-300)[:, np.newaxis]
+    ends = np.concatenate([chords[:1], chords]), np.concatenate([chords, chords[-1:]])
+    cosines = np.maximum(*(np.einsum("ni,ni->n", q[:, 1], chord) for chord in ends))
+    worst = int(np.argmin(cosines))
+    angle = float(np.degrees(np.arccos(np.clip(cosines[worst], -1.0, 1.0))))
+    if angle < LARGE_ANGLE:
+        return ""
+    return (
+        f" slopes[{worst}] = {q[worst, 1].tolist()} is no tangent of the shape: it is {angle:.0f} degrees "
+        "off the lines to the next nodes; CableShape.Catenary has tangents of a cable that sags."
+    )
 
 
 def _next(k: int, q: Array) -> int:
@@ -347,5 +365,5 @@ def _check_middles(q: Array, lengths: Array) -> None:
         raise InputError(
             f"the curve through nodes {k} and {_next(k, q)} has |r_x| = {norms[k]:.4g} midway: an "
             f"inextensible cable allows 1 +- {MIDDLE_TOLERANCE:g} there; check the direction of the slopes, "
-            "which point from the first to the last node, or use more elements."
+            f"which point from the first to the last node, or use more elements.{_tangents(q)}"
         )

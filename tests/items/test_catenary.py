@@ -1,5 +1,7 @@
 """Cables that hang between two points: the equation of the catenary, and equilibria."""
 
+import re
+
 import exudyn
 import numpy as np
 import pytest
@@ -8,6 +10,8 @@ from scipy.integrate import solve_ivp
 from exudyn_inext import (
     CableShape,
     CreateInextensibleCable,
+    DivergenceError,
+    ExplicitSettings,
     InextensibleCable,
     InputError,
     SolveEquilibrium,
@@ -111,3 +115,32 @@ def test_what_cannot_hang_is_refused(end, length, message):
         CableShape.Catenary([0, 0], [0.01, 0], 1.0, 1)
     with pytest.raises(InputError, match="gravity"):
         CableShape.Catenary([0, 0], [1, 0], 2.0, 8, gravity=[0, 0])
+
+
+@pytest.mark.parametrize(("sag", "slope", "angle"), [(0.8, [1, 0], 54), (0.8, [-1, 0], 169)])
+def test_a_sagging_shape_with_other_tangents_names_them(sag, slope, angle):
+    x = np.linspace(0.0, 2.0, 9)
+    points = np.column_stack([x, -sag * (1.0 - (x - 1.0) ** 2)])
+    shape = CableShape(points, np.tile(slope, (9, 1)))
+    says = rf"slopes\[\d\] = .* is no tangent of the shape: it is {angle} degrees off .*Catenary"
+    section = InextensibleCable(massPerLength=1.0, bendingStiffness=1e-2)
+    with pytest.raises(InputError, match=says):
+        CreateInextensibleCable(exudyn.SystemContainer().AddSystem(), shape=shape, beamTemplate=section)
+
+
+@pytest.mark.parametrize("step", [None, 1e-4])
+def test_a_run_that_diverges_at_the_automatic_step_names_it(step):
+    """A cable that is hardly longer than the distance of its ends, and falls into it."""
+    mbs = exudyn.SystemContainer().AddSystem()
+    pinned = {f"groundConstraints{end}": [True, True, False, False] for end in ("Start", "End")}
+    shape = CableShape.Catenary([0, 0], [1, 0], 1.0 + 1e-9, 8)
+    section = InextensibleCable(massPerLength=0.3, bendingStiffness=0.05)
+    CreateInextensibleCable(mbs, shape=shape, beamTemplate=section, gravity=[0, -9.81, 0], **pinned)
+    mbs.Assemble()
+    settings = ExplicitSettings(stepSize=step, rejectSteps=False)
+    with silence(), pytest.raises(DivergenceError) as caught:
+        SolveExplicit(mbs, quiet_settings(0.1, 10), settings)
+    named = re.search(
+        r"automatic step of this run was \S+ s, decided by .*: a stepSize has", str(caught.value)
+    )
+    assert bool(named) == (step is None)

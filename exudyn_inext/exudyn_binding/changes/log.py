@@ -147,6 +147,7 @@ def listening(log: ChangeLog) -> Iterator[None]:
     """Calls are noted meanwhile; the methods are wrapped as long as any log listens."""
     with _LOCK:
         if not _LISTENING:
+            _ORIGINAL.update({name: vars(exudyn.MainSystem)[name] for name in _WRAPPED})
             _set_methods(_WRAPPED)
         _LISTENING.append(log)
     try:
@@ -201,4 +202,4 @@ def _noted(name: str) -> Callable[..., Any]:
 
 
 _WRAPPED = {name: _noted(name) for name in (*_SETTERS, *_OF_MBS)}
-_ORIGINAL = {name: vars(exudyn.MainSystem)[name] for name in _WRAPPED}
+_ORIGINAL: dict[str, Any] = {}  # as they were before the first log listened

@@ -15,6 +15,8 @@ from exudyn.itemInterface import (
     MarkerObjectODE2Coordinates,
     MarkerSuperElementPosition,
     MarkerSuperElementRigid,
+    ObjectGround,
+    SensorBody,
 )
 
 from exudyn_inext import CableForces, SceneError, SolveExplicit
@@ -73,12 +75,36 @@ def test_marker_on_all_coordinates_of_the_object_works(mbs, add_cable, solve):
 
 
 @pytest.mark.parametrize(("dim", "kind"), FAILS + [(dim, kind) for dim in (2, 3) for kind in ON_OBJECT])
-def test_exudyn_refuses_other_markers_and_the_solver_says_which_can(add_marker, dim, kind):
+def test_other_markers_are_refused_and_told_which_can(add_marker, dim, kind):
     mbs, cable = add_marker(dim, kind)
-    with pytest.raises(exudyn.ModelError, match="Marker 0"):
-        mbs.Assemble()
     where = "object 0" if kind in ON_OBJECT else f"{dim}D node 1"
     message = rf"marker 0 'marker0' \(Marker{kind}\) on the cable's {where}: on a cable use MarkerOnCable"
+    with pytest.raises(exudyn.ModelError, match=rf"(?s)Marker 0.*{message}") as caught:
+        mbs.Assemble()
+    assert "Python file" not in str(caught.value)
     for use in (SolveExplicit, lambda mbs: CableForces(mbs, cable)):
         with pytest.raises(SceneError, match=message):
             use(mbs)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_sensor_on_the_object_is_told_what_takes_its_place(mbs, add_cable, dim):
+    body = add_cable(mbs, dimension=dim)["elements"][0]
+    kind = exudyn.OutputVariableType.Position
+    mbs.AddSensor(SensorBody(bodyNumber=body, localPosition=[0.5, 0, 0], outputVariableType=kind))
+    message = (
+        r"(?s)Sensor 0.*sensor 0 'sensor0' \(SensorBody\) on the cable's object 0: on a cable use MarkerOn"
+    )
+    with pytest.raises(exudyn.ModelError, match=message):
+        mbs.Assemble()
+
+
+def test_other_errors_of_exudyn_stay_as_they_are(mbs, add_cable):
+    add_cable(mbs)
+    ground = mbs.AddObject(ObjectGround())
+    mbs.AddMarker(MarkerBodyPosition(bodyNumber=ground, localPosition=[0, 0, 0]))
+    kind = exudyn.OutputVariableType.StrainLocal
+    mbs.AddSensor(SensorBody(bodyNumber=ground, localPosition=[0, 0, 0], outputVariableType=kind))
+    with pytest.raises(exudyn.ModelError) as caught:
+        mbs.Assemble()
+    assert "MarkerOnCable" not in str(caught.value)
