@@ -1,5 +1,8 @@
 """Inextensible ANCF cables for Exudyn, moved by explicit integrators."""
 
+from typing import Any
+from warnings import warn
+
 from .errors import (
     DivergenceError,
     EnforcementError,
@@ -23,7 +26,7 @@ from .integrators.rattle import Rattle
 from .integrators.runge_kutta import RungeKutta4
 from .integrators.zhai import Zhai
 from .items.attach.attach_to_body import AttachToBody
-from .items.attach.companions import CreateCompanionCables, MarkerOnCable
+from .items.attach.companions import AddMarkerOnCable, CreateCompanionCables
 from .items.attach.properties import AddPointMass, CableDrag, SetCableDrag
 from .items.cable_item import CreateInextensibleCable
 from .items.enforcement.algebraic import Algebraic
@@ -38,6 +41,7 @@ from .run.settings import ExplicitSettings
 __version__ = "0.1.0"
 
 __all__ = [
+    "AddMarkerOnCable",
     "AddPointMass",
     "AdviceSettings",
     "Advise",
@@ -61,7 +65,6 @@ __all__ = [
     "InextensibleCable",
     "InextensibleError",
     "InputError",
-    "MarkerOnCable",
     "PenaltyMass",
     "Projection",
     "Rattle",
@@ -77,3 +80,12 @@ __all__ = [
     "WarnOfExplicitTraps",
     "Zhai",
 ]
+
+_RENAMED = {"MarkerOnCable": "AddMarkerOnCable"}  # until the release after 0.1
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _RENAMED:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    warn(f"exudyn_inext.{name} is deprecated: use {_RENAMED[name]}.", DeprecationWarning, stacklevel=2)
+    return globals()[_RENAMED[name]]

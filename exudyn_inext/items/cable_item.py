@@ -59,7 +59,7 @@ def CreateInextensibleCable(
 
     The cable is one ObjectGenericODE2 on NodePoint2DSlope1 (planar) or NodePointSlope1 nodes. These take
     SensorNode, MarkerNodePosition, MarkerNodeCoordinate(s) and, in the plane, MarkerNodeRigid;
-    `MarkerOnCable` and `CreateCompanionCables` lead to any arc length, SensorBody and contact,
+    `AddMarkerOnCable` and `CreateCompanionCables` lead to any arc length, SensorBody and contact,
     `AttachToBody` to bodies; MarkerBody... and MarkerSuperElement... items on the object itself cannot
     work. The cable moves under `SolveExplicit`; native solvers, which know nothing of inextensibility,
     need another `enforcement` than the default and stop with an error else.

@@ -69,7 +69,7 @@ def read_joints(mbs: Any, elsewhere: Collection[int]) -> list[JointItem]:
                 f"{name} brings algebraic unknowns of its own, the place on the cable among them, which "
                 "explicit steps do not support: keep the joint and create the cable with "
                 "enforcement='algebraic' for mbs.SolveDynamic, or hold the body at a point of the cable, by "
-                "MarkerOnCable and a joint or a spring."
+                "AddMarkerOnCable and a joint or a spring."
             )
         joints.append(_joint(mbs, number, data, name))
     return [joint for joint in joints if len(joint.rows)]

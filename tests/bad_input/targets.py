@@ -15,6 +15,7 @@ from exudyn.itemInterface import (
 )
 
 from exudyn_inext import (
+    AddMarkerOnCable,
     AddPointMass,
     AdviceSettings,
     Advise,
@@ -29,7 +30,6 @@ from exudyn_inext import (
     ExplicitSettings,
     ExplicitStepper,
     InextensibleCable,
-    MarkerOnCable,
     PenaltyMass,
     Rattle,
     RungeKutta4,
@@ -230,7 +230,7 @@ def attach(scene: Any, arguments: dict[str, Any]) -> None:
 
 
 def mark(scene: Any, arguments: dict[str, Any]) -> None:
-    MarkerOnCable(**arguments)
+    AddMarkerOnCable(**arguments)
     assembled_run(scene)
 
 
@@ -528,7 +528,7 @@ TARGETS = {
             "localDirection": [None, [1, 0, 0]],
         },
     ),
-    "MarkerOnCable": Target(loose_pendulum, mark, ON_CABLE | ARC),
+    "AddMarkerOnCable": Target(loose_pendulum, mark, ON_CABLE | ARC),
     "CreateCompanionCables": Target(loose_pendulum, accompany, ON_CABLE | {"show": [False, True]}),
     "AddPointMass": Target(loose_pendulum, weigh, ON_CABLE | ARC | {"mass": [0.01]}),
     "SetCableDrag": Target(

@@ -25,13 +25,13 @@ from exudyn.itemInterface import (
 from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import (
+    AddMarkerOnCable,
     CableShape,
     CreateCompanionCables,
     CreateInextensibleCable,
     ExplicitSettings,
     InextensibleCable,
     InputError,
-    MarkerOnCable,
     RedundantConstraintError,
     SceneError,
     SolveExplicit,
@@ -98,7 +98,7 @@ def test_a_sliding_joint_is_refused_by_its_kind_and_runs_with_native_solvers():
 def test_a_body_on_a_point_of_the_cable_takes_the_place_of_a_sliding_joint():
     scene = cable_and_body()
     mbs = scene.mbs
-    markers = [scene.on_body, MarkerOnCable(mbs, scene.cable, 0.2)]
+    markers = [scene.on_body, AddMarkerOnCable(mbs, scene.cable, 0.2)]
     mbs.AddObject(ObjectConnectorCartesianSpringDamper(markerNumbers=markers, stiffness=[1e3] * 3))
     mbs.Assemble()
     assert run(mbs)["success"]
@@ -139,7 +139,7 @@ def test_a_marker_on_the_object_of_a_cable_is_told_what_takes_its_place(kind, di
     mbs = scene.mbs
     cable = CreateInextensibleCable(mbs, **cable_arguments(dimension=dimension))
     mbs.AddMarker(kind(bodyNumber=cable["elements"][0]))
-    says = r"MarkerOnCable\(mbs, cable, arcLength\).*MarkerNodePosition.*for weight the argument gravity"
+    says = r"AddMarkerOnCable\(mbs, cable, arcLength\).*MarkerNodePosition.*for weight the argument gravity"
     with silence(), pytest.raises(exudyn.ModelError):
         mbs.Assemble()
     with pytest.raises(SceneError, match=says):
@@ -147,7 +147,7 @@ def test_a_marker_on_the_object_of_a_cable_is_told_what_takes_its_place(kind, di
     scene = empty()
     cable = CreateInextensibleCable(scene.mbs, **cable_arguments(dimension=dimension))
     node = scene.mbs.AddMarker(MarkerNodePosition(nodeNumber=cable["nodes"][-1]))
-    for marker in (MarkerOnCable(scene.mbs, cable, 0.7), node):
+    for marker in (AddMarkerOnCable(scene.mbs, cable, 0.7), node):
         scene.mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=[0, 0.1, 0]))
     scene.mbs.Assemble()
     assert run(scene.mbs)["success"]

@@ -35,11 +35,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from exudyn_inext import (
+    AddMarkerOnCable,
     AttachToBody,
     CreateInextensibleCable,
     ExplicitSettings,
     InextensibleCable,
-    MarkerOnCable,
     Rattle,
     SolveExplicit,
 )
@@ -133,7 +133,7 @@ class Builder:
         return self.mbs.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=self.vector(0.1)))
 
     def on_cable(self):
-        return MarkerOnCable(self.mbs, self.cable, float(self.random.uniform(0.1, 1.2)))
+        return AddMarkerOnCable(self.mbs, self.cable, float(self.random.uniform(0.1, 1.2)))
 
     def coordinate(self, node, which):
         return self.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=which))

@@ -64,7 +64,7 @@ def CreateCompanionCables(mbs: Any, cable: Any, show: bool = False) -> list[int]
     ]
 
 
-def MarkerOnCable(mbs: Any, cable: Any, arcLength: float) -> int:
+def AddMarkerOnCable(mbs: Any, cable: Any, arcLength: float) -> int:
     """A marker on the position of a cable at any arc length, for loads, springs, joints and sensors.
 
     It is a MarkerBodyPosition on a companion, see `CreateCompanionCables`, which is created if needed.
@@ -83,7 +83,7 @@ def MarkerOnCable(mbs: Any, cable: Any, arcLength: float) -> int:
         InputError: not a cable, or the point is not on it; mbs is unchanged then.
 
     Example:
-        mbs.AddLoad(LoadForceVector(markerNumber=MarkerOnCable(mbs, cable, 1.3), loadVector=[0, -2, 0]))
+        mbs.AddLoad(LoadForceVector(markerNumber=AddMarkerOnCable(mbs, cable, 1.3), loadVector=[0, -2, 0]))
     """
     _, item = require_cable(mbs, cable)
     element, offset = place_on_cable(item, arcLength)

@@ -17,7 +17,7 @@ _ON_NODES = {"NodePosition", "NodeCoordinate", "NodeCoordinates"}
 _IN_PLANE = {"NodeRigid"}
 _SENSORS = {"Body", "Object"}
 REMEDY = (
-    "on a cable use MarkerOnCable(mbs, cable, arcLength), with SensorMarker for outputs, or Marker- and "
+    "on a cable use AddMarkerOnCable(mbs, cable, arcLength), with SensorMarker for outputs, or Marker- and "
     "SensorBody items on the objects of CreateCompanionCables(mbs, cable); on its nodes MarkerNodePosition, "
     "MarkerNodeCoordinate, MarkerNodeCoordinates, and in the plane MarkerNodeRigid; for ends on bodies "
     "AttachToBody; for weight the argument gravity of CreateInextensibleCable, in place of MarkerBodyMass"

@@ -9,6 +9,7 @@ from exudyn.beams import GenerateBeamElementsAlongLine
 from exudyn.itemInterface import NodePoint, ObjectANCFCable2D
 
 from exudyn_inext import (
+    AddMarkerOnCable,
     AddPointMass,
     AttachToBody,
     CableDrag,
@@ -18,7 +19,6 @@ from exudyn_inext import (
     CreateCompanionCables,
     CreateInextensibleCable,
     CreatePrescribedMotion,
-    MarkerOnCable,
     SceneError,
     SetCableDrag,
     WarnOfExplicitTraps,
@@ -35,7 +35,7 @@ RING, RING_SLOPES = ring_points()
 TAKES_A_CABLE = (
     (CableForces, {}),
     (CreateCableForceSensor, {"arcLength": 0.9}),
-    (MarkerOnCable, {"arcLength": 0.9}),
+    (AddMarkerOnCable, {"arcLength": 0.9}),
     (CreateCompanionCables, {}),
     (AddPointMass, {"arcLength": 0.9, "mass": 0.1}),
     (SetCableDrag, {"drag": DRAG}),

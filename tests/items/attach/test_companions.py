@@ -13,7 +13,8 @@ from exudyn.itemInterface import (
     SpringDamper,
 )
 
-from exudyn_inext import CableShape, CreateCompanionCables, InputError, MarkerOnCable
+import exudyn_inext
+from exudyn_inext import AddMarkerOnCable, CableShape, CreateCompanionCables, InputError
 from exudyn_inext.exudyn_binding.scene import read_scene
 from tests.cables import hermite
 from tests.exudyn_binding.items import SECTION, load_node, native_cable, solve_native, trajectory
@@ -33,7 +34,7 @@ def point_of_curve(q, length, x):
 @pytest.mark.parametrize("arc_length", [0.0, 0.3, 0.36, 1.13, 1.8])
 def test_marker_is_on_the_curve_at_its_arc_length(mbs, add_cable, coordinates, dim, arc_length):
     cable = add_cable(mbs, dimension=dim)
-    marker = MarkerOnCable(mbs, cable, arc_length)
+    marker = AddMarkerOnCable(mbs, cable, arc_length)
     mbs.Assemble()
     size = mbs.systemData.ODE2Size()
     mbs.systemData.SetODE2Coordinates(np.random.default_rng(1).uniform(-0.3, 0.3, size))
@@ -44,7 +45,7 @@ def test_marker_is_on_the_curve_at_its_arc_length(mbs, add_cable, coordinates, d
 def test_last_companion_of_a_ring_leads_back_to_the_first_node(mbs, add_cable, coordinates):
     ring = add_cable(mbs, shape=CableShape.Circle([0, 0], 0.5, 8))
     length = np.pi / 8
-    marker = MarkerOnCable(mbs, ring, 7.4 * length)
+    marker = AddMarkerOnCable(mbs, ring, 7.4 * length)
     mbs.Assemble()
     q = coordinates(mbs, ring["nodes"])
     expected = point_of_curve(np.concatenate([q, q[:1]]), length, 7.4 * length)
@@ -54,7 +55,7 @@ def test_last_companion_of_a_ring_leads_back_to_the_first_node(mbs, add_cable, c
 def test_a_cable_has_one_set_of_companions(mbs, add_pendulum):
     cable, other = add_pendulum(mbs), add_pendulum(mbs)
     first = CreateCompanionCables(mbs, cable)
-    MarkerOnCable(mbs, cable, 0.5)
+    AddMarkerOnCable(mbs, cable, 0.5)
     assert CreateCompanionCables(mbs, cable) == first
     assert not set(CreateCompanionCables(mbs, other)) & set(first)
 
@@ -111,7 +112,7 @@ def tip_with_force(mbs, add_pendulum, add_sensor, solve, attach, **changes):
 
 def push_within(mbs, cable):
     """In the middle of an element of 12 elements, on a node of 24."""
-    marker = MarkerOnCable(mbs, cable, 1.275)
+    marker = AddMarkerOnCable(mbs, cable, 1.275)
     mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=FORCE))
 
 
@@ -147,7 +148,7 @@ def test_spring_within_an_element_is_that_on_a_native_cable(new_mbs, add_pendulu
         )
 
     ours, native = new_mbs(), new_mbs()
-    sensor = spring(ours, MarkerOnCable(ours, add_pendulum(ours, numberOfElements=18), 1.05))
+    sensor = spring(ours, AddMarkerOnCable(ours, add_pendulum(ours, numberOfElements=18), 1.05))
     ours.Assemble()
     solve(ours, 0.4)
     held = {"groundConstraintsStart": [True, True, False, False]}
@@ -170,7 +171,7 @@ def test_body_hinged_within_an_element_swings_as_on_a_native_cable(new_mbs, add_
 
     ours, native = new_mbs(), new_mbs()
     cable = add_pendulum(ours, numberOfElements=10)
-    hinge(ours, MarkerOnCable(ours, cable, 1.35))
+    hinge(ours, AddMarkerOnCable(ours, cable, 1.35))
     held = {"groundConstraintsStart": [True, True, False, False]}
     twin = native_cable(native, 2, 40, section=SECTION, **held)
     hinge(native, native.AddMarker(MarkerNodePosition(nodeNumber=twin["nodes"][30])))
@@ -188,5 +189,13 @@ def test_a_point_that_is_not_on_the_cable_is_refused(mbs, add_pendulum, contents
     cable = add_pendulum(mbs)
     before = contents(mbs)
     with pytest.raises(InputError, match=r"is not on the cable: it runs from 0 to 1\.8 m"):
-        MarkerOnCable(mbs, cable, arc_length)
+        AddMarkerOnCable(mbs, cable, arc_length)
     assert contents(mbs) == before
+
+
+def test_the_old_name_is_deprecated_for_one_release():
+    with pytest.warns(DeprecationWarning, match="MarkerOnCable is deprecated: use AddMarkerOnCable"):
+        from exudyn_inext import MarkerOnCable
+    assert MarkerOnCable is AddMarkerOnCable
+    with pytest.raises(AttributeError, match="has no attribute 'AnotherName'"):
+        exudyn_inext.AnotherName  # noqa: B018

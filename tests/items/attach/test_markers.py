@@ -78,7 +78,7 @@ def test_marker_on_all_coordinates_of_the_object_works(mbs, add_cable, solve):
 def test_other_markers_are_refused_and_told_which_can(add_marker, dim, kind):
     mbs, cable = add_marker(dim, kind)
     where = "object 0" if kind in ON_OBJECT else f"{dim}D node 1"
-    message = rf"marker 0 'marker0' \(Marker{kind}\) on the cable's {where}: on a cable use MarkerOnCable"
+    message = rf"marker 0 'marker0' \(Marker{kind}\) on the cable's {where}: on a cable use AddMarkerOnCable"
     with pytest.raises(exudyn.ModelError, match=rf"(?s)Marker 0.*{message}") as caught:
         mbs.Assemble()
     assert "Python file" not in str(caught.value)
@@ -93,7 +93,7 @@ def test_a_sensor_on_the_object_is_told_what_takes_its_place(mbs, add_cable, dim
     kind = exudyn.OutputVariableType.Position
     mbs.AddSensor(SensorBody(bodyNumber=body, localPosition=[0.5, 0, 0], outputVariableType=kind))
     message = (
-        r"(?s)Sensor 0.*sensor 0 'sensor0' \(SensorBody\) on the cable's object 0: on a cable use MarkerOn"
+        r"(?s)Sensor 0.*sensor 0 'sensor0' \(SensorBody\) on the cable's object 0: on a cable use AddMarkerOn"
     )
     with pytest.raises(exudyn.ModelError, match=message):
         mbs.Assemble()
@@ -107,4 +107,4 @@ def test_other_errors_of_exudyn_stay_as_they_are(mbs, add_cable):
     mbs.AddSensor(SensorBody(bodyNumber=ground, localPosition=[0, 0, 0], outputVariableType=kind))
     with pytest.raises(exudyn.ModelError) as caught:
         mbs.Assemble()
-    assert "MarkerOnCable" not in str(caught.value)
+    assert "AddMarkerOnCable" not in str(caught.value)

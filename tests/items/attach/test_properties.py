@@ -5,12 +5,12 @@ import pytest
 from exudyn.itemInterface import LoadForceVector, MarkerBodyPosition, MarkerNodePosition, SphericalJoint
 
 from exudyn_inext import (
+    AddMarkerOnCable,
     AddPointMass,
     CableDrag,
     CableForces,
     CableShape,
     InputError,
-    MarkerOnCable,
     SceneError,
     SetCableDrag,
     SolveEnsemble,
@@ -129,7 +129,7 @@ def test_every_path_knows_masses_and_drag(new_mbs, add_pendulum, coordinates, so
         mbs = new_mbs()
         cable = add_pendulum(mbs)
         if coupled:
-            mbs.AddLoad(LoadForceVector(markerNumber=MarkerOnCable(mbs, cable, 0.5), loadVector=[0, 0, 0]))
+            mbs.AddLoad(LoadForceVector(markerNumber=AddMarkerOnCable(mbs, cable, 0.5), loadVector=[0, 0, 0]))
         mbs.Assemble()
         AddPointMass(mbs, cable, 0.63, 0.02)
         SetCableDrag(mbs, cable, in_flow(2, 0, 0))

@@ -22,6 +22,7 @@ from exudyn.itemInterface import (
 )
 
 from exudyn_inext import (
+    AddMarkerOnCable,
     AttachToBody,
     CableForces,
     CableShape,
@@ -29,7 +30,6 @@ from exudyn_inext import (
     ExplicitSettings,
     ExplicitStepper,
     InextensibleCable,
-    MarkerOnCable,
     SolveEquilibrium,
 )
 from reference_models.model import quiet_settings, silence
@@ -349,7 +349,7 @@ def test_what_else_a_cable_takes_does_not_see_the_cut(new_mbs, solve, dimension)
         mbs = new_mbs()
         cables, nodes = pendulum(mbs, is_cut, dimension)
         last, along = cables[-1], LENGTH if is_cut else 0.0
-        marker = MarkerOnCable(mbs, last, 1.3 * LENGTH - along)
+        marker = AddMarkerOnCable(mbs, last, 1.3 * LENGTH - along)
         mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=[0.1, 0, 0]))
         mbs.Assemble()
         SolveEquilibrium(mbs)
