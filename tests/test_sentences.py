@@ -11,6 +11,7 @@ LONGEST = 25  # words
 FENCE = re.compile(r"^```.*?^```$", re.DOTALL | re.MULTILINE)
 NO_PROSE = re.compile(r"^(?: {4}|\||#).*$", re.MULTILINE)
 LINK = re.compile(r"!?\[([^\]]*)\]\([^)]*\)")
+BULLET = re.compile(r"^[-*] ")
 END = re.compile(r"(?<=[.!?])[*)]*\s+|\n\s*\n|\n\s*[-*] |\n\s*\d+\. ")
 
 
@@ -18,7 +19,8 @@ def sentences(text):
     """Of the prose: without code blocks, tables and headings; a term of code or a link is a word."""
     prose = LINK.sub(r"\1", NO_PROSE.sub("\n\n", FENCE.sub("\n\n", text)))
     prose = re.sub(r"`[^`]*`", "code", prose)
-    return [" ".join(sentence.split()) for sentence in END.split(prose) if sentence.strip()]
+    found = (BULLET.sub("", " ".join(sentence.split())) for sentence in END.split(prose))
+    return [sentence for sentence in found if sentence]
 
 
 def words(sentence):
@@ -34,6 +36,7 @@ def test_no_sentence_is_long(page):
 
 
 def test_sentences_are_found_between_code_and_tables():
-    text = "# Title\n\nOne two\nthree. Four `a b c`!\n\n```python\nx = 1\n```\n\n| a | b |\n\n- five\n- [six x](y.z)\n"
+    text = "# Title\n\nOne two\nthree. Four `a b c`!\n\n```python\nx = 1\n```\n\n| a | b |\n"
+    text += "\n- five\n- [six x](y.z)\n"
     assert sentences(text) == ["One two three.", "Four code!", "five", "six x"]
     assert [words(one) for one in sentences(text)] == [3, 2, 1, 2]
