@@ -7,7 +7,7 @@ from typing import Any
 
 from ..checks import require_flag, require_not_negative, require_positive
 from ..errors import InputError
-from ..integrators import find_integrator
+from ..integrators import INTEGRATORS, find_integrator
 from ..integrators.integrator import Integrator
 
 
@@ -35,9 +35,10 @@ class ExplicitSettings:
     """How SolveExplicit integrates.
 
     Args:
-        integrator: name of the scheme, 'RATTLE' or the paper's 'Zhai'; see
-            exudyn_inext.integrators.INTEGRATORS.
-        scheme: parameters of the scheme, e.g. Zhai(psi=0, phi=0, corrector=True); None: defaults.
+        integrator: name of the scheme, 'RATTLE' or the paper's 'Zhai', see
+            exudyn_inext.integrators.INTEGRATORS; or the scheme with its parameters,
+            e.g. Zhai(psi=0, phi=0, corrector=True).
+        scheme: parameters of the named scheme; None: those given with the integrator, or its defaults.
         stepSize: upper bound of the integrator's step [s]; the step used divides the time between two
             outputs. None: chosen by accuracy, see `massScaling`; Zhai and RK4: the largest safe one.
         stabilizationRate: zeta of Eqs. (24)-(28) [1/s]; RATTLE does not need it.
@@ -67,7 +68,7 @@ class ExplicitSettings:
             by themselves, end at 30 times as much. math.inf: the energy is not looked at.
     """
 
-    integrator: str = "RATTLE"
+    integrator: Any = "RATTLE"
     scheme: Any = None
     stepSize: float | None = None
     stabilizationRate: float = 100.0
@@ -86,6 +87,7 @@ class ExplicitSettings:
         Raises:
             InputError: unknown integrator, scheme of another integrator, number out of range.
         """
+        self._take_name_of_scheme()
         integrator = find_integrator(self.integrator)
         if self.scheme is not None and not isinstance(self.scheme, integrator.scheme):
             raise InputError(
@@ -104,6 +106,18 @@ class ExplicitSettings:
                 f"massScaling = {self.massScaling!r} with adaptiveStep: the scaled mass belongs to one step "
                 "size, and bending does not bound the step then; leave one of them out."
             )
+
+    def _take_name_of_scheme(self) -> None:
+        """Where the integrator is given as a scheme with its parameters."""
+        names = [name for name, one in INTEGRATORS.items() if isinstance(self.integrator, one.scheme)]
+        if names and self.scheme is not None:
+            raise InputError(
+                f"scheme = {self.scheme!r} with integrator = {self.integrator!r}: the integrator brings its "
+                "parameters; leave out scheme."
+            )
+        if names:
+            object.__setattr__(self, "scheme", self.integrator)
+            object.__setattr__(self, "integrator", names[0])
 
     @property
     def method(self) -> tuple[Integrator, Any]:

@@ -61,6 +61,9 @@ SETTINGS = rows(
         ({"integrator": ["Zhai"]}, r"integrator = \['Zhai'\] is unknown"),
         ({"scheme": (0.5, 0.5)}, r"scheme = \(0.5, 0.5\): .*Rattle\(...\)"),
         ({"scheme": Zhai()}, r"scheme = Zhai\(.*'RATTLE' takes Rattle\(...\)"),
+        ({"integrator": Rattle}, r"integrator = <class .* is unknown"),
+        ({"integrator": Zhai(), "scheme": Zhai()}, r"scheme = Zhai\(.*leave out scheme"),
+        ({"integrator": Zhai(psi=NAN)}, r"psi = nan: must be a finite number"),
         ({"scheme": Rattle}, r"scheme = <class.*takes Rattle\(...\)"),
         *[
             ({name: value}, rf"{name} = {re.escape(repr(value))}: must be a finite number > 0")
