@@ -20,6 +20,7 @@ from .changes.follower import ChangeFollower
 from .changes.limit import StepLimit
 from .changes.log import ChangeLog, listening
 from .compile_notice import compile_notice
+from .console import header_of, initialized
 from .empty_sensors import warn_of_empty_sensors
 from .idle_integrator import changed, idle_integrator, nothing
 from .observed import observed_derivatives
@@ -100,8 +101,9 @@ class ExplicitSolver(_NativeSolver):
             loop.begin_anew()
         self._observed = observed_derivatives(settings, sensors)
         self._loop = loop
+        initialize = super().InitializeSolver
         with idle_integrator(settings):
-            return bool(super().InitializeSolver(mbs, settings))
+            return initialized(self, lambda: bool(initialize(mbs, settings)), settings, self._header)
 
     def InitializeSolverInitialConditions(self, mbs: Any, simulationSettings: Any) -> None:
         """The initial configuration becomes the current one; times are read from the settings.
@@ -131,7 +133,7 @@ class ExplicitSolver(_NativeSolver):
         function = loop.prepared(Portion.next_of(self), self._observed)
         self.SetUserFunctionDiscontinuousIteration(mbs, function)
         try:
-            with compile_notice(simulationSettings):
+            with compile_notice(simulationSettings, self):
                 return bool(super().SolveSteps(mbs, simulationSettings))
         except Exception as error:
             raise loop.cause_of(error, loop.changes.log) from None
@@ -193,6 +195,7 @@ class ExplicitSolver(_NativeSolver):
             stack.enter_context(listening(log))
             log.is_idle = True
             self._open.push(stack.pop_all())
+        self._header = header_of(choice.explicit, choice.h, choice.decided_by)
         self.stepSize, self.massScaling, self.bounds = choice.h, choice.theta, choice.bounds
         return loop
 

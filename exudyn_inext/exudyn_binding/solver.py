@@ -25,7 +25,7 @@ from .changes.follower import ChangeFollower
 from .changes.limit import StepLimit
 from .changes.log import ChangeLog, listening
 from .compile_notice import compile_notice
-from .console import header_of, initialize_solver
+from .console import header_of, initialized
 from .empty_sensors import warn_of_empty_sensors
 from .first_row import first_row
 from .idle_integrator import changed, idle_integrator, nothing
@@ -169,7 +169,14 @@ def SolveExplicit(
                 outputs.cut(grid.time(grid.first) + 0.5 * grid.substeps * grid.h)
             with shown, listening(log):
                 _run(
-                    mbs, solver, settings, loop, restarts, outputs, log, header_of(explicit, grid, decided_by)
+                    mbs,
+                    solver,
+                    settings,
+                    loop,
+                    restarts,
+                    outputs,
+                    log,
+                    header_of(explicit, grid.h, decided_by, grid.substeps),
                 )
         finally:
             forget_evaluators(sensors)
@@ -218,7 +225,7 @@ def _settings_of_the_loop(
 def _solve_system(solver: Any, mbs: Any, settings: Any, header: str) -> bool:
     """As solver.SolveSystem, which would forget the initial Lagrange multipliers before the first row."""
     begin, data = perf_counter(), mbs.systemData
-    if not initialize_solver(solver, mbs, settings, header):
+    if not initialized(solver, lambda: solver.InitializeSolver(mbs, settings), settings, header):
         return False
     data.SetAECoordinates(data.GetAECoordinates(exudyn.ConfigurationType.Initial))
     success = bool(solver.SolveSteps(mbs, settings))

@@ -6,7 +6,7 @@ import time
 import exudyn
 import pytest
 
-from exudyn_inext import CreateInextensibleCable, InextensibleCable, SolveExplicit
+from exudyn_inext import CreateInextensibleCable, ExplicitSolver, InextensibleCable, SolveExplicit
 from reference_models.model import quiet_settings
 
 WAIT, STEPS = 0.03, 20  # [s]
@@ -16,7 +16,7 @@ WAIT, STEPS = 0.03, 20  # [s]
 def printed(capfd):
     """What is printed on a run with that verboseMode, whose pre-step function waits."""
 
-    def run(verbose, wait=0.0):
+    def run(verbose, wait=0.0, explicit=SolveExplicit):
         mbs = exudyn.SystemContainer().AddSystem()
         section = InextensibleCable(massPerLength=0.1, bendingStiffness=1e-2)
         CreateInextensibleCable(mbs, [0, 0, 0], [1, 0, 0], 4, section, gravity=[0, -9.81, 0])
@@ -24,7 +24,7 @@ def printed(capfd):
         mbs.Assemble()
         settings = quiet_settings(0.1, STEPS)
         settings.timeIntegration.verboseMode = verbose
-        SolveExplicit(mbs, settings)
+        explicit(mbs, settings)
         assert settings.timeIntegration.verboseMode == verbose
         return capfd.readouterr().out
 
@@ -40,6 +40,18 @@ def test_a_run_speaks_of_explicit_steps(printed):
     assert re.search(r"EXUDYN V\S+ solver: explicit time integration \(RATTLE", said)
     assert re.search(r"h = 0\.\d+s \(decided by .*explicit steps in each STEP = \d", said)
     assert f"STEP{STEPS}, t = 0.1s, timeToGo = 0s" in said and "terminated successfully" in said
+    assert "implicit" not in said and "Nit/step" not in said
+
+
+def test_a_driven_solver_speaks_of_explicit_steps(printed):
+    def drive(mbs, settings):
+        solver = ExplicitSolver()
+        solver.InitializeSolver(mbs, settings)
+        solver.SolveSteps(mbs, settings)
+        solver.FinalizeSolver(mbs, settings)
+
+    said = printed(1, explicit=drive)
+    assert "explicit time integration (RATTLE" in said and "h = 0.0" in said
     assert "implicit" not in said and "Nit/step" not in said
 
 
