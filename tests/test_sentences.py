@@ -8,7 +8,9 @@ from tests.documents import DOCS, ROOT
 
 PAGES = [ROOT / "README.md", DOCS / "faq.md", *sorted((DOCS / "tutorial").glob("*.md"))]
 LONGEST = 25  # words
-FENCE = re.compile(r"^```.*?^```$", re.DOTALL | re.MULTILINE)
+FENCE = re.compile(
+    r"^```.*?^```$|^<!-- figures.*?^<!-- end -->$", re.DOTALL | re.MULTILINE
+)  # and generated text
 NO_PROSE = re.compile(r"^(?: {4}|\||#).*$", re.MULTILINE)
 LINK = re.compile(r"!?\[([^\]]*)\]\([^)]*\)")
 BULLET = re.compile(r"^[-*] ")
