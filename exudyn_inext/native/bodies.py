@@ -127,8 +127,8 @@ def read_bodies(mbs: Any, cables: Sequence[int], on_cables: np.ndarray, total: S
         data = mbs.GetObject(number)
         if np.isin(coordinates, on_cables).any():
             raise SceneError(
-                f"{described(data, number)} has mass and lies on nodes of an inextensible cable: put its mass "
-                "on the cable by AddPointMass, give it none (a companion for markers and contact), or give "
+                f"{described(data, number)} has mass and lies on nodes of an inextensible cable: put it on "
+                "the cable by AddPointMass, give it no mass (a companion for markers and contact), or give "
                 "it its own nodes and a joint."
             )
         bodies.append(Body(number, coordinates, _has_constant_mass(data), tells_mass, mass))
