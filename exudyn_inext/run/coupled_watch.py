@@ -93,6 +93,7 @@ class CoupledWatch(RunWatch):
         most = VIOLENT * tolerance if integrator.stabilised else np.inf
         self.watch = build_watch(state, STEPS_BETWEEN, tolerance, most=most)
         self._gravity = np.zeros(len(state.q))
+        self._start = np.zeros(len(state.q))  # coordinates from which the extent of the motion counts
         for run, dofs in zip(runs, scene.map.slices, strict=False):
             self._gravity[dofs] = run.loads.constant[: dofs.stop - dofs.start]
         self._energy_tolerance = energy_tolerance
@@ -133,6 +134,7 @@ class CoupledWatch(RunWatch):
 
     def open(self, t: float, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""
+        self._start[:] = state.q
         forces = self._begin_work(t, state)
         self._counts[1] = FIRST_STEPS
         self._begin(t, state)
@@ -219,7 +221,7 @@ class CoupledWatch(RunWatch):
     def memory(self) -> dict[str, Any]:
         """Arrays that the next inspections depend on, by names."""
         path = {"path": self.path, "lacks": self.path_of_evaluations, "changes": self._changes}
-        masses = {"masses": self._bodies.system.masses_before()}
+        masses = {"masses": self._bodies.system.masses_before(), "start": self._start}
         return super().memory() | path | masses | {"last": self._last, "steps": self._counts}
 
     def resume(self) -> None:
@@ -276,6 +278,9 @@ class CoupledWatch(RunWatch):
         total[KINETIC] += self._evaluated.kinetic_energy(state.q, state.v)
         total[AGITATION] += self._evaluated.kinetic_energy(state.q, state.a)
         total[POWER] += self._evaluated.power_of_joints()
+        account = self.watch.account[NOW]
+        extent = self._kinetic_energy(t, state, state.q - self._start)
+        account.extent = max(account.extent, extent)
 
 
 def _groups(scene: JoinedScene, runs: Sequence[CableRun]) -> Iterator[_Together]:

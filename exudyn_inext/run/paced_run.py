@@ -88,7 +88,7 @@ class PacedRun:
                 self.control.accept()
                 continue
             self.reject(piece.time(taken))
-            if self.watch.steps_to_halve and beginning:
+            if self.watch.is_spoilt and beginning:
                 self._begin_again(beginning, grid.time(first))
                 good = 0
         return good

@@ -21,6 +21,8 @@ from .watch import (
     Watch,
 )
 
+SPOILT = 2.0  # error so far, relative to what the whole run may have
+
 
 class RunWatch:
     """A run's account and what it means; whoever knows the run draws it up.   watch: the account."""
@@ -60,6 +62,14 @@ class RunWatch:
             return 0
         excess = self.watch.account[FAILED].phase / self.watch.phase
         return max(1, math.ceil(0.5 * math.log2(max(excess, 1.0))))
+
+    @property
+    def is_spoilt(self) -> bool:
+        """Whether steps too long for the motion have made more of an error than a run may have."""
+        watch, found = self.watch, self.watch.account[FAILED]
+        passed = found.time if found.extent else watch.duration
+        is_much = found.phase * passed > SPOILT * watch.phase * watch.duration
+        return bool(self.steps_to_halve and (is_much or not found.extent))
 
     @contextmanager
     def finding_kept(self) -> Iterator[None]:

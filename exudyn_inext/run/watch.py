@@ -8,7 +8,8 @@ It also looks at how fast the motion is: the vibrations that carry it, of the fr
     w^2 = int a . M a dt / int v . M v dt,
 
 have a phase error of w T (h w)^2 / 24 after a time T under a scheme of central differences. That counts the
-less the smaller their amplitude is, relative to the way of the motion so far: by 1 / (w t).
+less the smaller their amplitude is, relative to the way of the motion so far: by 1 / (w t). Where the extent
+X of the motion is known, |x - x_0| in the metric of M, their amplitude |v| / w counts relative to that.
 """
 
 from typing import Any, NamedTuple
@@ -32,6 +33,7 @@ LARGEST_JUMP = 1.0  # of the energy between two inspections, times the tolerance
 VIOLENT = 30.0  # times the tolerance: what a scheme that gains energy may gain altogether
 MOTION = 1e-3  # times the bound of the energy's round-off: less is none
 BEGINNING = 10.0  # phase [rad] of the motion before which its frequency is not known
+SHARE_OF_EXTENT = 0.3  # so that a phase error of 0.003 is one of 1 % of the extent
 SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
 SCATTER = 4.0  # times its standard deviation may the work of forces be wrong
 
@@ -43,6 +45,7 @@ ACCOUNT = record_type(
         ("forces", np.float64),
         ("speeds", np.float64),
         ("phase", np.float64),
+        ("extent", np.float64),
         ("round_off", np.float64),
         ("agitation", np.float64),
         ("work", np.float64),
@@ -75,7 +78,7 @@ class Watch(NamedTuple):
     account: (3,) records, NOW, KEPT and FAILED. Energy at the `start` and `agitation` then [J/s^2]; its
         present `surplus` [J]; `time` since then [s], and the integrals of `forces`, a . M a / 2 [J/s], and
         `speeds`, v . M v / 2 [J s], over it, and the `phase` error of the run that they let expect
-        [rad]; its `round_off` [J];
+        [rad]; the largest `extent` so far, x . M x / 2 [J s^2], or 0: not known; its `round_off` [J];
         `work` done since [J], of which we are `unsure`, to one side [J], and its `scatter` [J^2], `scattered`
         until the last inspection; the `slope` of the power [W/s], whose
         changes tell how well trapezoids fit, and the `largest_power` so far [W]; bounds of kinetic and
@@ -196,6 +199,7 @@ def _open(watch, state, round_off):
     account.time = 0.0
     account.forces = 0.0
     account.speeds = 0.0
+    account.extent = 0.0
     account.agitation = watch.gauges_now[AGITATION]
     account.work = 0.0
     account.unsure = round_off
@@ -330,9 +334,15 @@ def _is_too_fast(watch, steps, duration):
     squared = account.forces / account.speeds
     turned = np.sqrt(squared) * account.time
     error = np.sqrt(squared) * watch.duration * (duration / steps) ** 2 * squared / 24.0
-    account.phase = error * BEGINNING / turned
+    if account.extent > 0.0:
+        amplitude = np.sqrt(account.speeds / (account.time * account.extent * squared))
+        account.phase = error * SHARE_OF_EXTENT * amplitude
+        passed = account.time  # in which a share of the error has been made
+    else:
+        account.phase = error * BEGINNING / turned
+        passed = watch.duration
     moves = account.largest_kinetic > MOTION * account.round_off
-    return moves and turned > BEGINNING and account.phase > watch.phase
+    return moves and turned > BEGINNING and account.phase * passed > watch.phase * watch.duration
 
 
 @inlined
