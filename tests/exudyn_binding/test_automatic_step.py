@@ -4,8 +4,15 @@ import exudyn
 import numpy as np
 import pytest
 from exudyn.beams import GenerateBeamElementsAlongLine
-from exudyn.itemInterface import LoadForceVector, MarkerNodePosition, ObjectANCFCable2D
+from exudyn.itemInterface import (
+    LoadForceVector,
+    MarkerBodyPosition,
+    MarkerNodePosition,
+    ObjectANCFCable2D,
+    SphericalJoint,
+)
 
+from examples import overhead_line
 from exudyn_inext import AttachToBody, CreateInextensibleCable, InextensibleCable, SolveEquilibrium
 from exudyn_inext.run.coupled_run import CoupledRun
 from reference_models.model import quiet_settings, silence
@@ -57,6 +64,58 @@ def test_vibrations_that_are_the_motion_are_resolved(swing, stiffness, elements)
     path, report = swing(section, elements, CLAMPED)
     finer = report["stepSize"] / 8
     fine, _ = swing(section, elements, CLAMPED, stepSize=finer, massScaling=report["massScaling"])
+    assert np.abs(path - fine).max() < 0.01 * np.ptp(fine[:, 1])
+
+
+@pytest.fixture
+def line(new_mbs, add_sensor, solve):
+    """settings -> paths of the contact wire under a pantograph, and report."""
+
+    def run(**explicit):
+        mbs = new_mbs()
+        nodes = overhead_line.build(mbs, elements=2)["cables"][1]["nodes"]
+        sensors = [add_sensor(mbs, node) for node in nodes]
+        mbs.Assemble()
+        SolveEquilibrium(mbs)
+        report = solve(mbs, settings=quiet_settings(1.2, 60, 0.02), **explicit)
+        return np.stack([mbs.GetSensorStoredData(sensor)[:, 1:4] for sensor in sensors], axis=1), report
+
+    return run
+
+
+def test_small_fast_waves_of_a_line_do_not_shorten_its_step(line):
+    path, report = line()
+    fine, _ = line(stepSize=report["stepSize"] / 8, massScaling=report["massScaling"])
+    assert report["stepSize"] > 0.5 * report["bounds"].safety * report["bounds"].stability_limit
+    size = np.linalg.norm(fine - fine[0], axis=2).max()
+    assert np.sqrt(((path - fine) ** 2).sum(axis=2).mean()) < 0.005 * size
+
+
+def test_vibrations_of_cables_among_bodies_are_resolved(new_mbs, add_cable, add_sensor, solve):
+    """A cantilever with a mass at its end, 10 periods."""
+
+    def run(**explicit):
+        mbs = new_mbs()
+        section = InextensibleCable(massPerLength=0.1, bendingStiffness=100.0)
+        cable = add_cable(
+            mbs,
+            positionEnd=[1, 0, 0],
+            numberOfElements=4,
+            beamTemplate=section,
+            groundConstraintsStart=CLAMPED,
+        )
+        mass = mbs.CreateMassPoint(mass=0.05, referencePosition=[1, 0, 0], gravity=[0, -9.81, 0])
+        ends = [MarkerNodePosition(nodeNumber=cable["nodes"][-1]), MarkerBodyPosition(bodyNumber=mass)]
+        mbs.AddObject(
+            SphericalJoint(markerNumbers=[mbs.AddMarker(end) for end in ends], constrainedAxes=[1, 1, 0])
+        )
+        sensor = add_sensor(mbs, cable["nodes"][-1])
+        mbs.Assemble()
+        report = solve(mbs, settings=quiet_settings(END, 1, PERIOD), **explicit)
+        return np.asarray(mbs.GetSensorStoredData(sensor))[:, 1:4], report
+
+    path, report = run()
+    fine, _ = run(stepSize=report["stepSize"] / 8, massScaling=report["massScaling"])
     assert np.abs(path - fine).max() < 0.01 * np.ptp(fine[:, 1])
 
 
