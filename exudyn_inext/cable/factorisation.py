@@ -50,7 +50,7 @@ def _set_basis(axes, node):
 
 
 @inlined
-def _add_mass(axes, node, block):
+def add_mass(axes, node, block):
     """block += mass of the node with itself; lower triangle."""
     dim = len(axes)
     for i in range(dim):
@@ -62,7 +62,7 @@ def _add_mass(axes, node, block):
 
 
 @inlined
-def _add_gradient(axes, node, element, block):
+def add_gradient(axes, node, element, block):
     """block += Jacobian of the element to the node's left; lower triangle."""
     dim = len(axes)
     for i in range(dim):
@@ -72,7 +72,7 @@ def _add_gradient(axes, node, element, block):
 
 
 @inlined
-def _set_coupling(axes, left, element, right, w):
+def set_coupling(axes, left, element, right, w):
     """w = E: mass between two nodes and Jacobian of the element between them."""
     dim = len(axes)
     for i in range(dim):
@@ -155,11 +155,11 @@ def factorise(axes, nodes, elements):
     clear(w)
     for k in range(len(nodes)):
         node = nodes[k]
-        _add_mass(axes, node, block)
+        add_mass(axes, node, block)
         if k > 0:
-            _add_gradient(axes, node, elements[k - 1], block)
+            add_gradient(axes, node, elements[k - 1], block)
         if k < len(elements):
-            _set_coupling(axes, node, elements[k], nodes[k + 1], w)
+            set_coupling(axes, node, elements[k], nodes[k + 1], w)
         handed_on = 0.0
         if not node.ends_group:
             handed_on = _hand_on_multiplier(axes, block, w)

@@ -126,8 +126,9 @@ def external_force(loads, step, stage, external):
     for i in range(len(external)):
         external[i] = constant[i]
     for p in range(len(pattern)):
-        for i in range(len(external)):
-            external[i] += factor[step, stage, p] * pattern[p, i]
+        if factor[step, stage, p] != 0.0:  # as those of most loads that pass by
+            for i in range(len(external)):
+                external[i] += factor[step, stage, p] * pattern[p, i]
 
 
 def allocate_state(state_type: Any, n_dof: int, n_external: int) -> Any:

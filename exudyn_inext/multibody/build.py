@@ -8,6 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from .build_joints import build_joints
+from .build_nodes import ends_of_cables
 from .scene import Items, SceneSystem
 
 
@@ -48,7 +49,8 @@ def build_scene(
         zeta: stabilisation rate [1/s].   foresight: (m,) memory, see `CoupledSystem`.
         still: (n_cables,) coordinates of cables that supports hold.
     """
-    joints = build_joints(places, known.bodies, known.points, known.rows, foresight, still)
+    ends = ends_of_cables(cables, places)
+    joints = build_joints(places, known.bodies, known.points, known.rows, foresight, still, ends)
     path, counting = np.zeros((5, max(size, 7))), np.zeros(2, np.int64)
     force, given, predicted = np.zeros((3, size))
     records = known.bodies, known.points, known.connectors, known.loads

@@ -6,6 +6,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from .build_nodes import (
+    MANY,
+    Ends,
+    build_nodes,
+    lay_out,
+    order_with_nodes,
+    pairs_on_nodes,
+    rows_on_nodes,
+)
 from .joints import Entries, Holds, Joints, Members
 from .knots import FEWEST, GROUND, NONE, Member, Tie, find_knots
 from .points import COORDINATE, FIXED
@@ -25,7 +34,13 @@ class _Hold(NamedTuple):
 
 
 def build_joints(
-    places: Sequence[slice], bodies: Any, points: Any, rows: Any, foresight: Array, still: np.ndarray
+    places: Sequence[slice],
+    bodies: Any,
+    points: Any,
+    rows: Any,
+    foresight: Array,
+    still: np.ndarray,
+    ends: Ends,
 ) -> Joints:
     """The rows of all joints.
 
@@ -33,32 +48,39 @@ def build_joints(
         places: of each cable among the coordinates.   bodies, points, rows: records.
         foresight: (m,) memory, see `CoupledSystem`.
         still: (n_cables,) coordinates of cables that supports hold.
+        ends: of cables whose nodes can be unknowns.
 
     It sets `entry` of the rows.
     """
     owners = _owners_of_points(places, bodies, points)
-    entries, numbers = _build_entries(places, bodies, points, rows, owners)
-    knots = _knots_of(points, rows, owners, still)
+    crowded = _crowded(rows, owners, ends)
+    entries, numbers = _build_entries(places, bodies, points, rows, owners, crowded)
+    knots = _knots_of(points, rows, owners, still, crowded)
     tied = {member.row for knot in knots for member in knot}
     free = [number for number, knot in enumerate(knots) if knot[0].row == NONE]
     alone = [row for row in range(len(rows)) if row not in tied]
     unknown_of_knot = {number: unknown for unknown, number in enumerate(free)}
     unknown_of_row = {row: unknown for unknown, row in enumerate(alone, len(free))}
-    found = sorted(_find_holds(knots, numbers, unknown_of_knot, unknown_of_row))
-    unknowns = len(free) + len(alone)
-    pairs = _pairs(found, unknowns)
-    place = find_order(pairs, unknowns)
+    alone_on = {key: e for key, e in numbers.items() if key[0] not in crowded}
+    found = sorted(_find_holds(knots, alone_on, unknown_of_knot, unknown_of_row))
+    layout = lay_out(ends, crowded, len(free) + len(alone))
+    on_nodes = rows_on_nodes(layout, entries, np.array([owner for owner, _ in numbers]), unknown_of_row)
+    unknowns = len(free) + len(alone) + int(layout.is_owner.sum())
+    pairs = np.concatenate([_pairs(found, unknowns), pairs_on_nodes(layout, on_nodes)])
+    place = order_with_nodes(pairs, unknowns, layout) if crowded else find_order(pairs, unknowns)
     factor = build_factor(place[pairs], unknowns)
     is_row = np.zeros(unknowns, dtype=bool)
     is_row[place[len(free) :]] = True
+    is_row[place[layout.unknown[:, :-1]]] = False
     vectors, of_unknowns = np.zeros((6, len(rows))), np.zeros((2, unknowns))
     place_of_row = np.full(len(rows), NONE)
-    place_of_row[alone] = place[len(free) :]
+    place_of_row[alone] = place[len(free) : len(free) + len(alone)]
     return Joints(
         rows=rows,
         entries=entries,
         holds=_build_holds(found, np.append(place, NONE), factor, len(places)),
         members=_build_members(knots, found),
+        nodes=build_nodes(layout, on_nodes, _starts(places, bodies), place, factor),
         place=place_of_row,
         factor=factor,
         is_row=is_row,
@@ -88,10 +110,24 @@ def _owners_of_points(places: Sequence[slice], bodies: Any, points: Any) -> list
     return np.where(points["kind"] == FIXED, GROUND, found).tolist() if len(points) else []
 
 
+def _crowded(rows: Any, owners: Sequence[int], ends: Ends) -> list[int]:
+    """Cables with so many rows that their nodes are unknowns."""
+    number = dict.fromkeys(ends.of_cables, 0)
+    for pair in rows["points"].tolist():
+        for owner in {owners[k] for k in pair} & number.keys():
+            number[owner] += 1
+    return [cable for cable in sorted(number) if number[cable] >= MANY]
+
+
 def _build_entries(
-    places: Sequence[slice], bodies: Any, points: Any, rows: Any, owners: Sequence[int]
+    places: Sequence[slice],
+    bodies: Any,
+    points: Any,
+    rows: Any,
+    owners: Sequence[int],
+    crowded: Sequence[int],
 ) -> tuple[Entries, dict[tuple[int, int], int]]:
-    """All entries, by owners; and their numbers by owner and row."""
+    """All entries, by owners; and their numbers by owner and row. Those of crowded cables keep no zeros."""
     starts = _starts(places, bodies)
     sizes = [place.stop - place.start for place in places]
     sizes += (bodies["translations"] + bodies["rotations"]).tolist()
@@ -110,9 +146,11 @@ def _build_entries(
     owner = np.array([owner for owner, _ in keys], dtype=np.int64)
     width = np.array([sizes[owner] for owner in owner], dtype=np.int64)
     ranges = np.array([spans[key] for key in keys], dtype=np.int64).reshape(-1, 2) - starts[owner, None]
-    memory = np.zeros((2, int(width.sum())))
+    is_crowded = np.isin(owner, crowded)
+    kept = np.where(is_crowded, ranges[:, 1] - ranges[:, 0], width)
+    memory = np.zeros((2, int(kept.sum())))
     entries = Entries(
-        first=np.cumsum(width) - width,
+        first=np.cumsum(kept) - kept - np.where(is_crowded, ranges[:, 0], 0),
         width=width,
         row=np.array([r for _, r in keys], dtype=np.int64),
         dof=starts[owner],
@@ -124,10 +162,12 @@ def _build_entries(
     return entries, numbers
 
 
-def _knots_of(points: Any, rows: Any, owners: Sequence[int], still: np.ndarray) -> list[list[Member]]:
+def _knots_of(
+    points: Any, rows: Any, owners: Sequence[int], still: np.ndarray, crowded: Sequence[int]
+) -> list[list[Member]]:
     """Rows that hold one component of points together, but of points whose coordinates others hold, too.
 
-    Nodes that supports hold are points of the ground.
+    Nodes that supports hold are points of the ground. Points of crowded cables belong to no knot.
     """
     is_tie = (rows["kind"] == DIFFERENCE) & (rows["factor"] == 1.0) & (rows["offset"] == 0.0)
     is_tie &= rows["function"] < 0
@@ -152,6 +192,7 @@ def _knots_of(points: Any, rows: Any, owners: Sequence[int], still: np.ndarray) 
         ties = [Tie(r, (names[pairs[r][0]], names[pairs[r][1]])) for r in mine]
         of_ties = {k for r in mine for k in pairs[r] if owners[k] != GROUND}
         taken = {names[k] for k in of_ties if not held.isdisjoint(range(begin[k], end[k]))}
+        taken |= {names[k] for k in of_ties if owners[k] in crowded}
         found += find_knots(ties, taken)
     return found
 

@@ -9,6 +9,7 @@ from ..cable.linear_response import constrained_inverse
 from ..cable.linked_cable import LinkedCableSystem
 from ..compiled import dispatched, inlined
 from ..system import accelerate_and_project, correct_position, implements, index_reduced_rates
+from .nodes import set_blocks
 
 
 class NoCables(NamedTuple):
@@ -32,7 +33,7 @@ class TwoKinds(NamedTuple):
 @dispatched
 @singledispatch
 def respond_with_cables(system, joints, start, end, offset):
-    """A^-1 J^T of what the solve holds of cables, see `joints.Holds`.
+    """A^-1 J^T of what the solve holds of cables, see `joints.Holds`, and A of its nodes.
 
     Args:
         system: of the cables, factorised.   joints: with their Jacobian.   start, end: which holds.
@@ -48,6 +49,7 @@ def respond_with_cables(system, joints, start, end, offset):
 def respond_with_chain(system, joints, start, end, offset):
     """Each hold lies on one cable of the chain. Arguments: see `respond_with_cables`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
+    set_blocks(axes, nodes, elements, joints.nodes, offset)
     size = 2 * len(axes)
     entries, holds = joints.entries, joints.holds
     for h in range(start, end):

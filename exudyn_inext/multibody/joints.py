@@ -12,7 +12,8 @@ that part, and phi the forces on its knots,
 
 so that each part adds [-W, W C_kr; C_rk W, C_rr - C_rk W C_kr] to the matrix of (-u, nu): what the sweep of C
 over k gives. o is what the joints ask of the points of a knot. C_kk of a straight cable is singular, since
-its ends cannot come apart; so knots yield a little, by e.
+its ends cannot come apart; so knots yield a little, by e. Of cables with many joints the nodes are unknowns,
+too, see `nodes`.
 
 An entry is what a row has of one cable or body: its part of J, and A^-1 J^T there. What the solve holds of
 a part are entries of rows, and of knots, by one row that has the same Jacobian. Those of one part follow each
@@ -26,6 +27,15 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import inlined, kernel
 from .bodies import respond_body
+from .nodes import (
+    Nodes,
+    add_nodes,
+    add_rates_of_nodes,
+    clear_correction,
+    correct_nodes,
+    effect_on_nodes,
+    keep_effect,
+)
 from .rows import add_row_jacobian, row_gamma, row_value
 from .sparse_factor import SparseFactor, eliminate_column, substitute
 
@@ -94,6 +104,7 @@ class Joints(NamedTuple):
     """m rows.
 
     rows: (m,) records.   place: (m,) of their multipliers among the unknowns, or NONE: of a knot.
+    nodes: of cables with many rows.
     factor: of S.   is_row: (n,) whether an unknown is a multiplier.   diagonal: (n,) of S.
     value, gamma, multipliers: (m,) c, see `rows.row_gamma`, nu.   foresight: (m,) see `CoupledSystem`.
     rate, target: (m,) c_t, and memory of a solve.   unknowns, solved: (n,), (m,) memory.
@@ -104,6 +115,7 @@ class Joints(NamedTuple):
     entries: Entries
     holds: Holds
     members: Members
+    nodes: Nodes
     place: np.ndarray
     factor: SparseFactor
     is_row: np.ndarray
@@ -238,6 +250,7 @@ def factorise_joints(joints):
     factor, dependent = joints.factor, NONE
     for j in range(len(joints.diagonal)):
         joints.diagonal[j] = factor.values[factor.start[j]]
+    add_nodes(joints.nodes, joints.entries, joints.place, factor.values, joints.diagonal)
     for j in range(len(joints.diagonal)):
         pivot = factor.values[factor.start[j]]
         if joints.is_row[j]:
@@ -323,8 +336,8 @@ def _branch_forces(joints):
 
 
 @inlined
-def _set_right_hand_side(joints):
-    """Of all unknowns, from what the solve holds of the parts."""
+def _set_right_hand_side(joints, x):
+    """Of all unknowns, from what the solve holds of the parts.   x: (n,) without joints."""
     holds, unknowns, begin = joints.holds, joints.unknowns, 0
     for j in range(len(unknowns)):
         unknowns[j] = 0.0
@@ -341,6 +354,7 @@ def _set_right_hand_side(joints):
             for h in range(begin, end):
                 unknowns[holds.place[h]] += holds.rate[h]
         begin = end
+    add_rates_of_nodes(joints.nodes, joints.entries, joints.place, x, unknowns)
 
 
 @inlined
@@ -372,9 +386,10 @@ def apply_joints(joints, x, refines):
     entries, holds = joints.entries, joints.holds
     for r in range(len(joints.solved)):
         joints.solved[r] = 0.0
+    clear_correction(joints.nodes)
     for _ in range(2 if refines and len(joints.members.row) > 0 else 1):
         _set_held_rates(joints, x)
-        _set_right_hand_side(joints)
+        _set_right_hand_side(joints, x)
         substitute(joints.factor, joints.unknowns)
         _set_forces(joints)
         for h in range(len(holds.entry)):
@@ -382,6 +397,7 @@ def apply_joints(joints, x, refines):
             first, dof = entries.first[e], entries.dof[e]
             for i in range(entries.width[e]):
                 x[dof + i] -= entries.response[first + i] * force
+        correct_nodes(joints.nodes, joints.unknowns, x)
 
 
 @kernel
@@ -398,6 +414,7 @@ def keep_multipliers(joints):
     """Those of the solve just made."""
     for r in range(len(joints.multipliers)):
         joints.multipliers[r] = joints.solved[r]
+    keep_effect(joints.nodes)
 
 
 @inlined
@@ -428,4 +445,5 @@ def effect_of_joints(joints: Joints, size: int) -> tuple[Array, Array]:
         effect = entries.response[first : first + width] * share
         total[dof : dof + width] += effect
         sizes[dof : dof + width] += abs(effect)
+    effect_on_nodes(joints.nodes, total, sizes)
     return total, sizes

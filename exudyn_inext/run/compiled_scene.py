@@ -227,8 +227,11 @@ def _joined_forces(system: SceneSystem) -> Array:
 
 def _dependent(joints: Joints, names: Sequence[str]) -> RedundantConstraintError:
     """What is said of joints that depend on each other."""
-    if len(joints.members.row):
-        row = np.flatnonzero(joints.place == joints.dependent[0])
+    place = joints.dependent[0]
+    if len(joints.members.row) or len(joints.nodes.dof):
+        row = np.flatnonzero(joints.place == place)
+        if len(joints.nodes.dof) and not len(row):  # a length, which rows before it hold already
+            row = np.argsort(np.where(joints.place < place, -joints.place, 0))[:1]
         is_finite = len(row) and np.isfinite(joints.diagonal).all()
         return not_independent(names[row[0]]) if is_finite else RedundantConstraintError(NOT_FINITE)
     holds, total, begin = joints.holds, np.zeros((len(joints.rows), len(joints.rows))), 0
