@@ -12,7 +12,7 @@ from ..errors import InextensibleError, InputError, SceneError
 from ..run.cable_run import CableRun
 from ..run.coupled_run import CoupledRun
 from ..run.settings import ExplicitSettings
-from ..run.step_choice import StepChoice, choose_step, require_fixed_steps
+from ..run.step_choice import StepChoice, choose_step
 from .scene import read_scene, require_assembled
 from .scene_runs import compiled_runs
 
@@ -108,7 +108,6 @@ def _runs(
             "it has a pre- or post-step user function, which nobody calls within an ensemble: remove it, or "
             "use SolveExplicit."
         )
-    require_fixed_steps(explicit, "SolveEnsemble")
     runs = compiled_runs(mbs, read_scene(mbs), time, h, explicit, "SolveEnsemble")
     if not runs:
         raise SceneError("it has no inextensible cable: add one with CreateInextensibleCable.")
