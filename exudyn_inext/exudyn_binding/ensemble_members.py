@@ -111,22 +111,7 @@ def _runs(
     runs = compiled_runs(mbs, read_scene(mbs), time, h, explicit, "SolveEnsemble")
     if not runs:
         raise SceneError("it has no inextensible cable: add one with CreateInextensibleCable.")
-    for run in runs:
-        _require_known_ahead(run)
     return runs
-
-
-def _require_known_ahead(run: CableRun | CoupledRun) -> None:
-    if run.looks_ahead or isinstance(run, CoupledRun):
-        return
-    scene = run.scene_cable
-    culprits = [f"load on {load.place}" for load in scene.loads if load.history and not load.is_pure]
-    culprits += [f"constraint {moving.name}" for moving in scene.moving if not moving.motion.is_pure]
-    raise SceneError(
-        f"{run.name}: the user function of {', '.join(culprits)} may depend on the state, but is asked ahead "
-        "of the run: if it depends on the time alone, set function.dependsOnTimeOnly = True; otherwise use "
-        "SolveExplicit."
-    )
 
 
 def _require_same_structure(

@@ -21,7 +21,7 @@ from .changes.limit import StepLimit
 from .changes.log import ChangeLog, listening
 from .compile_notice import compile_notice
 from .empty_sensors import warn_of_empty_sensors
-from .idle_integrator import changed, idle_integrator, nothing
+from .idle_integrator import idle_integrator, nothing
 from .observed import observed_derivatives
 from .restart import Restarts
 from .scene import read_scene, require_assembled
@@ -104,18 +104,10 @@ class ExplicitSolver(_NativeSolver):
             return bool(super().InitializeSolver(mbs, settings))
 
     def InitializeSolverInitialConditions(self, mbs: Any, simulationSettings: Any) -> None:
-        """The initial configuration becomes the current one; times are read from the settings.
-
-        Where loads on cables alone follow user functions of the state, each step of Exudyn's loop becomes
-        several ones, in each of which the functions are called.
-        """
-        loop = self._loop_of(mbs)
+        """The initial configuration becomes the current one; times are read from the settings."""
+        self._loop_of(mbs)
         with idle_integrator(simulationSettings):
             super().InitializeSolverInitialConditions(mbs, simulationSettings)
-            wanted = loop.loop_steps(self.it)
-            if wanted > self.it.numberOfSteps:
-                with changed([(simulationSettings.timeIntegration, "numberOfSteps", wanted)]):
-                    super().InitializeSolverInitialConditions(mbs, simulationSettings)
 
     def SolveSteps(self, mbs: Any, simulationSettings: Any) -> bool:
         """Take the steps of Exudyn's loop until endTime; see InitializeSolverInitialConditions.
