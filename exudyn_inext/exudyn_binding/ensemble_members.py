@@ -9,6 +9,7 @@ from typing import Any
 
 from ..cable.border import all_links
 from ..errors import InextensibleError, InputError, SceneError
+from ..native.velocity_level import at_position_level
 from ..run.cable_run import CableRun
 from ..run.coupled_run import CoupledRun
 from ..run.settings import ExplicitSettings
@@ -108,7 +109,8 @@ def _runs(
             "it has a pre- or post-step user function, which nobody calls within an ensemble: remove it, or "
             "use SolveExplicit."
         )
-    runs = compiled_runs(mbs, read_scene(mbs), time, h, explicit, "SolveEnsemble")
+    with at_position_level(mbs, time):
+        runs = compiled_runs(mbs, read_scene(mbs), time, h, explicit, "SolveEnsemble")
     if not runs:
         raise SceneError("it has no inextensible cable: add one with CreateInextensibleCable.")
     return runs

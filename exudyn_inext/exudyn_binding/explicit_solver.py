@@ -10,6 +10,7 @@ import exudyn
 from ..checks import require_positive
 from ..errors import InputError
 from ..native.surroundings import state_kept
+from ..native.velocity_level import at_position_level
 from ..run.output_files import require_writable_outputs
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import MOST_DURATION, choose_step, warn_of_damping
@@ -168,11 +169,12 @@ class ExplicitSolver(_NativeSolver):
 
     def _build(self, mbs: Any, settings: Any, sensors: Sequence[Any]) -> SteppingLoop:
         """Read the scene, and choose the step."""
-        log, reader, start = ChangeLog(mbs), SteppedReader(mbs), float(settings.timeIntegration.startTime)
-        scene, explicit = read_scene(mbs, reader), self._given
-        warn_of_empty_sensors(mbs, sensors, scene.enforcing)
+        log, explicit, start = ChangeLog(mbs), self._given, float(settings.timeIntegration.startTime)
         scaling = explicit.stepSize or 0.0 if explicit.massScaling else 0.0
         with ExitStack() as stack, compile_notice(settings), state_kept(mbs):
+            reader = SteppedReader(mbs, stack.enter_context(at_position_level(mbs, start)))
+            scene = read_scene(mbs, reader)
+            warn_of_empty_sensors(mbs, sensors, scene.enforcing)
             builder = RunBuilder(mbs, log.changed, explicit, scaling, stack)
             runs = builder.build(scene, start)
             scaled = bounds_if_scaled(mbs, scene, start, explicit.stepSize or 0.0, explicit)

@@ -11,6 +11,7 @@ from ..arrays import Array
 from ..checks import require_finite, require_integer, require_positive
 from ..errors import InputError, SceneError
 from ..items.arguments import node_number
+from ..native.velocity_level import at_position_level
 from ..run.coupled_run import CoupledRun
 from ..run.divergence import divergence
 from ..run.settings import ExplicitSettings
@@ -84,7 +85,8 @@ class ExplicitStepper:
         duration = require_positive("duration", duration)
         require_assembled(mbs)
         given = steps_of_interval(interval, explicit.stepSize, MOST_STEPS)[1] if explicit.stepSize else 0.0
-        runs = compiled_runs(mbs, read_scene(mbs), start, given, explicit, "ExplicitStepper")
+        with at_position_level(mbs, start):
+            runs = compiled_runs(mbs, read_scene(mbs), start, given, explicit, "ExplicitStepper")
         if not runs:
             raise SceneError(
                 "mbs has no inextensible cable to step: add one with CreateInextensibleCable, or use "

@@ -150,6 +150,7 @@ class SteppingLoop(ExplicitTimeLoop):
         self._ahead = (0, np.zeros((0, ACCELERATIONS, 0)))
         self._written = [[np.nan] * len(part) for part in self._present()]  # the state of mbs is taken over
         self._reactions.clear()
+        self.changes.reader.drives.start(portion.start)
         self.changes.take_step(self._explicit, h)
         for run in self.runs:
             run.set_step(h)
