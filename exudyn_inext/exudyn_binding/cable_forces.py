@@ -18,6 +18,7 @@ from ..errors import InputError, SceneError
 from ..items.cable_data import point_on_cable, require_cable
 from ..native.coupled_scene import CoupledCable, CoupledScene
 from ..native.surroundings import state_kept, switched_off
+from ..native.velocity_level import at_position_level
 from ..run.cable_loads import CableLoads
 from ..scene.model import Scene
 from ..system import index_reduced_rates
@@ -128,8 +129,9 @@ def CableForces(mbs: Any, cable: Any, arcLengths: Any = None) -> dict[str, Any]:
         plt.plot(forces["arcLength"], forces["tension"])
     """
     number, _ = require_cable(mbs, cable)
-    evaluator = CableEvaluator(mbs, number)
-    points, state = _points(arcLengths, evaluator), evaluator.solve(mbs)
+    with at_position_level(mbs, mbs.systemData.GetTime()):
+        evaluator = CableEvaluator(mbs, number)
+        points, state = _points(arcLengths, evaluator), evaluator.solve(mbs)
     forces = evaluator.forces(state, points)
     return {
         "arcLength": forces.arc_length,

@@ -49,8 +49,9 @@ def SolveEnsemble(
     of elements, curvature measure, number of cables, links and load histories). Exudyn's time loop is not
     entered: sensors and files are not written, and the systems stay as they are.
 
-    Among bodies, springs and joints, all of which must have compiled forms, each thread moves one member
-    after the other; accelerations are then those of SolveExplicit within round-off.
+    Among bodies, springs and joints, all of which must have compiled forms, and with adaptiveStep, each
+    thread moves one member after the other; accelerations among bodies are those of SolveExplicit within
+    round-off.
 
     Args:
         systems: sequence of assembled mbs, or a function that builds one: f(parameters[i]) -> mbs.
@@ -235,25 +236,32 @@ class _Ensemble:
 
     def _job(self, grid: TimeGrid, cable: int, first: int, runs: Sequence[Any]) -> Callable[[], int]:
         """Advances runs of members from number `first` on: all at once, or whole scenes one by one."""
-        if isinstance(runs[0], CableRun):
+        if isinstance(runs[0], CableRun) and not self._explicit.adaptiveStep:
             return partial(self._advance, self._chunk(grid, cable, first, list(runs)))
-        return partial(self._advance_scenes, grid, first, runs)
+        return partial(self._advance_one_by_one, grid, cable, first, runs)
 
-    def _advance_scenes(self, grid: TimeGrid, first: int, runs: Sequence[CoupledRun]) -> int:
-        """As `_advance`, for cables among bodies."""
+    def _advance_one_by_one(
+        self, grid: TimeGrid, cable: int, first: int, runs: Sequence[CableRun | CoupledRun]
+    ) -> int:
+        """As `_advance`, for cables among bodies, and for steps that adapt."""
         for number, run in enumerate(runs, first):
             self._start(grid, number, run)
             history = np.empty((grid.loop_steps + 1, 3, len(run.indices)))
             history[0, :2] = run.state.q - run.reference, run.state.v
             good = run.record(grid, 0, history[1:])
-            if len(self.states) == len(DERIVATIVES):
+            if isinstance(run, CoupledRun) and len(self.states) == len(DERIVATIVES):
                 times = np.array([grid.time(k) for k in range(good + 1)])
                 run.set_accelerations(times, history[: good + 1])
-            self._good[0, number] = good
-            self._steps[0, number], self._smallest[0, number] = run.control.steps, run.control.smallest
+            place = cable, number
+            self._good[place] = good
+            self._steps[place], self._smallest[place] = run.control.steps, run.control.smallest
             kept = history[: good + 1, : len(self.states)].swapaxes(0, 1)
             self.states[:, number, : good + 1][..., as_slice(run.indices)] = kept
-        return len(runs)
+        return self._ended(cable, runs)
+
+    def _ended(self, cable: int, runs: Sequence[Any]) -> int:
+        """How many members have got to their end with these runs: with the last one of their cables."""
+        return len(runs) if cable == len(self._good) - 1 else 0
 
     def _chunk(self, grid: TimeGrid, cable: int, first: int, runs: list[CableRun]) -> _Chunk:
         for number, run in enumerate(runs, first):
@@ -284,7 +292,7 @@ class _Ensemble:
         """Compute the chunk's states and put them into their places, up to a divergence.
 
         Returns:
-            Number of members that have got to their end: with the last one of their cables.
+            See `_ended`.
         """
         grid, run = chunk.grid, chunk.runs[0]
         shape = (len(self.states), len(chunk.runs), grid.loop_steps, len(run.indices))
@@ -299,7 +307,7 @@ class _Ensemble:
             output[0, member] -= run.reference
             self._good[chunk.cable, number] = good[member]
             self.states[:, number, 1 : good[member] + 1][..., places] = output[:, member, : good[member]]
-        return len(chunk.runs) if chunk.cable == len(self._good) - 1 else 0
+        return self._ended(chunk.cable, chunk.runs)
 
     def _recorded_alone(self, chunk: _Chunk, member: int, output: Array) -> int:
         """Steps of a member that went wrong are rejected, as in a run of its own; returns its good intervals.

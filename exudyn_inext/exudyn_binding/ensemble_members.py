@@ -9,10 +9,11 @@ from typing import Any
 
 from ..cable.border import all_links
 from ..errors import InextensibleError, InputError, SceneError
+from ..native.velocity_level import at_position_level
 from ..run.cable_run import CableRun
 from ..run.coupled_run import CoupledRun
 from ..run.settings import ExplicitSettings
-from ..run.step_choice import StepChoice, choose_step, require_fixed_steps
+from ..run.step_choice import StepChoice, choose_step
 from .scene import read_scene, require_assembled
 from .scene_runs import compiled_runs
 
@@ -108,26 +109,11 @@ def _runs(
             "it has a pre- or post-step user function, which nobody calls within an ensemble: remove it, or "
             "use SolveExplicit."
         )
-    require_fixed_steps(explicit, "SolveEnsemble")
-    runs = compiled_runs(mbs, read_scene(mbs), time, h, explicit, "SolveEnsemble")
+    with at_position_level(mbs, time):
+        runs = compiled_runs(mbs, read_scene(mbs), time, h, explicit, "SolveEnsemble")
     if not runs:
         raise SceneError("it has no inextensible cable: add one with CreateInextensibleCable.")
-    for run in runs:
-        _require_known_ahead(run)
     return runs
-
-
-def _require_known_ahead(run: CableRun | CoupledRun) -> None:
-    if run.looks_ahead or isinstance(run, CoupledRun):
-        return
-    scene = run.scene_cable
-    culprits = [f"load on {load.place}" for load in scene.loads if load.history and not load.is_pure]
-    culprits += [f"constraint {moving.name}" for moving in scene.moving if not moving.motion.is_pure]
-    raise SceneError(
-        f"{run.name}: the user function of {', '.join(culprits)} may depend on the state, but is asked ahead "
-        "of the run: if it depends on the time alone, set function.dependsOnTimeOnly = True; otherwise use "
-        "SolveExplicit."
-    )
 
 
 def _require_same_structure(

@@ -10,6 +10,7 @@ import exudyn
 from ..checks import require_positive
 from ..errors import InputError
 from ..native.surroundings import state_kept
+from ..native.velocity_level import at_position_level
 from ..run.output_files import require_writable_outputs
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import MOST_DURATION, choose_step, warn_of_damping
@@ -22,7 +23,7 @@ from .changes.log import ChangeLog, listening
 from .compile_notice import compile_notice
 from .console import header_of, initialized
 from .empty_sensors import warn_of_empty_sensors
-from .idle_integrator import changed, idle_integrator, nothing
+from .idle_integrator import idle_integrator, nothing
 from .observed import observed_derivatives
 from .restart import Restarts
 from .scene import read_scene, require_assembled
@@ -106,18 +107,10 @@ class ExplicitSolver(_NativeSolver):
             return initialized(self, lambda: bool(initialize(mbs, settings)), settings, self._header)
 
     def InitializeSolverInitialConditions(self, mbs: Any, simulationSettings: Any) -> None:
-        """The initial configuration becomes the current one; times are read from the settings.
-
-        Where loads on cables alone follow user functions of the state, each step of Exudyn's loop becomes
-        several ones, in each of which the functions are called.
-        """
-        loop = self._loop_of(mbs)
+        """The initial configuration becomes the current one; times are read from the settings."""
+        self._loop_of(mbs)
         with idle_integrator(simulationSettings):
             super().InitializeSolverInitialConditions(mbs, simulationSettings)
-            wanted = loop.loop_steps(self.it)
-            if wanted > self.it.numberOfSteps:
-                with changed([(simulationSettings.timeIntegration, "numberOfSteps", wanted)]):
-                    super().InitializeSolverInitialConditions(mbs, simulationSettings)
 
     def SolveSteps(self, mbs: Any, simulationSettings: Any) -> bool:
         """Take the steps of Exudyn's loop until endTime; see InitializeSolverInitialConditions.
@@ -178,11 +171,12 @@ class ExplicitSolver(_NativeSolver):
 
     def _build(self, mbs: Any, settings: Any, sensors: Sequence[Any]) -> SteppingLoop:
         """Read the scene, and choose the step."""
-        log, reader, start = ChangeLog(mbs), SteppedReader(mbs), float(settings.timeIntegration.startTime)
-        scene, explicit = read_scene(mbs, reader), self._given
-        warn_of_empty_sensors(mbs, sensors, scene.enforcing)
+        log, explicit, start = ChangeLog(mbs), self._given, float(settings.timeIntegration.startTime)
         scaling = explicit.stepSize or 0.0 if explicit.massScaling else 0.0
         with ExitStack() as stack, compile_notice(settings), state_kept(mbs):
+            reader = SteppedReader(mbs, stack.enter_context(at_position_level(mbs, start)))
+            scene = read_scene(mbs, reader)
+            warn_of_empty_sensors(mbs, sensors, scene.enforcing)
             builder = RunBuilder(mbs, log.changed, explicit, scaling, stack)
             runs = builder.build(scene, start)
             scaled = bounds_if_scaled(mbs, scene, start, explicit.stepSize or 0.0, explicit)

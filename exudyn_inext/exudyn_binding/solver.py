@@ -10,6 +10,7 @@ import exudyn
 
 from ..errors import SceneError
 from ..native.surroundings import state_kept
+from ..native.velocity_level import Drives, at_position_level
 from ..run.loop_clock import LoopClock
 from ..run.output_files import ResumedOutputs, require_writable_outputs
 from ..run.settings import ExplicitSettings
@@ -46,8 +47,9 @@ def SolveExplicit(
 
     Cables alone are moved by compiled code. Bodies, connectors, native joints, contact, first order
     states and loads on any of them are evaluated by Exudyn, at each right-hand side; joints are enforced
-    in position, velocity and acceleration, as the cables' own constraints are. Constraints on velocities,
-    and rotation vectors as coordinates, are refused. A scene may also do without inextensible cables. The
+    in position, velocity and acceleration, as the cables' own constraints are. A CoordinateConstraint at
+    velocity level holds the integral of its velocity; other constraints on velocities, and rotation vectors
+    as coordinates, are refused. A scene may also do without inextensible cables. The
     report says which path was taken, and why.
 
     Steps that go wrong (constraints that cannot be solved for, an energy that jumps, numbers that are not
@@ -112,10 +114,14 @@ def SolveExplicit(
     """
     settings = simulation_settings(simulationSettings)
     explicit = explicit_settings(explicitSettings)
-    log = ChangeLog(mbs)
     require_assembled(mbs)
+    with at_position_level(mbs, float(settings.timeIntegration.startTime)) as drives:
+        return _solve(mbs, settings, explicit, drives)
+
+
+def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings, drives: Drives) -> dict[str, Any]:
+    log, reader = ChangeLog(mbs), SteppedReader(mbs, drives)
     solver = exudyn.MainSolverImplicitSecondOrder()
-    reader = SteppedReader(mbs)
     scene = read_scene(mbs, reader)
     sensors = [mbs.GetSensor(number) for number in range(mbs.systemData.NumberOfSensors())]
     warn_of_empty_sensors(mbs, sensors, scene.enforcing)

@@ -12,6 +12,7 @@ from ..cable.linked_cable import cable_system
 from ..checks import require_finite, require_integer, require_positive
 from ..constraints.prescribed_motion import KIND
 from ..errors import EquilibriumError, InputError, SceneError
+from ..loads.weight import ElementWeight
 from ..native.coupled_scene import CoupledCable, CoupledScene
 from ..native.static_scene import StaticScene, require_held, rest_at
 from ..native.surroundings import state_kept, switched_off
@@ -145,6 +146,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
     unloaded = [cable.among_others for cable in scene.cables]  # Exudyn evaluates the loads
     for cable in unloaded:
         _require_still_fluid(cable)
+        _require_known_weight(cable)
         _require_reach(cable.cable, time, cable)
     with state_kept(mbs), switched_off(mbs, *scene.evaluated_by_kernels):
         loads = [CableLoads(cable) for cable in unloaded]
@@ -196,6 +198,17 @@ def _require_still_fluid(scene_cable: CableInScene) -> None:
             f"cable '{scene_cable.name}' lies in a flow of {list(drag.flow)} m/s, whose drag has no "
             "potential: set flowVelocity to zero, or let SolveExplicit run until the cable rests."
         )
+
+
+def _require_known_weight(scene_cable: CableInScene) -> None:
+    """Weights are asked once, nodal forces in each state of the search."""
+    for load in scene_cable.among_others.loads:
+        if isinstance(load, ElementWeight) and load.follows_state:
+            raise SceneError(
+                f"the user function of the load on {load.place} may depend on the state, which "
+                "is not that of the equilibrium yet: if it depends on the time alone, set "
+                "function.dependsOnTimeOnly = True; otherwise put LoadForceVector on the nodes instead."
+            )
 
 
 def _report(cables: list[CableInScene], found: list[Equilibrium]) -> dict[str, Any]:

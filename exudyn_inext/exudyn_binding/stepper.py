@@ -11,10 +11,11 @@ from ..arrays import Array
 from ..checks import require_finite, require_integer, require_positive
 from ..errors import InputError, SceneError
 from ..items.arguments import node_number
+from ..native.velocity_level import at_position_level
 from ..run.coupled_run import CoupledRun
 from ..run.divergence import divergence
 from ..run.settings import ExplicitSettings
-from ..run.step_choice import MOST_DURATION, choose_step, require_fixed_steps, warn_of_damping
+from ..run.step_choice import MOST_DURATION, choose_step, warn_of_damping
 from ..run.stepped_run import SteppedRun
 from ..run.time_grid import TimeGrid, steps_of_interval
 from .arguments import explicit_settings
@@ -43,7 +44,8 @@ class ExplicitStepper:
         stepSize: upper bound of the step [s]; replaces that of explicitSettings. None in both: chosen by
             accuracy, as by SolveExplicit.
         startTime: [s].
-        interval: that `Step` moves on by [s], in equal steps. None: one step.
+        interval: that `Step` moves on by [s], in equal steps. None: one step. With adaptiveStep, each call of
+            `Step` takes as many steps as the present largest frequency asks for.
         duration: how long the motion will be, as far as it is known [s]: the longer, the smaller must be the
             error of each step that is chosen by accuracy.
 
@@ -76,7 +78,6 @@ class ExplicitStepper:
         duration: float = MOST_DURATION,
     ) -> None:
         explicit = explicit_settings(explicitSettings)
-        require_fixed_steps(explicit, "ExplicitStepper")
         if stepSize is not None:
             explicit = replace(explicit, stepSize=stepSize)
         start = require_finite("startTime", startTime, "s")
@@ -84,7 +85,8 @@ class ExplicitStepper:
         duration = require_positive("duration", duration)
         require_assembled(mbs)
         given = steps_of_interval(interval, explicit.stepSize, MOST_STEPS)[1] if explicit.stepSize else 0.0
-        runs = compiled_runs(mbs, read_scene(mbs), start, given, explicit, "ExplicitStepper")
+        with at_position_level(mbs, start):
+            runs = compiled_runs(mbs, read_scene(mbs), start, given, explicit, "ExplicitStepper")
         if not runs:
             raise SceneError(
                 "mbs has no inextensible cable to step: add one with CreateInextensibleCable, or use "

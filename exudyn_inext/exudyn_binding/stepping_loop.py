@@ -8,11 +8,11 @@ import numpy as np
 
 from ..checks import LARGEST, require_positive
 from ..native.surroundings import state_kept
-from ..run.cable_run import CableRun, Start
+from ..run.cable_run import Start
 from ..run.kept_state import KeptState
 from ..run.run import Run
 from ..run.settings import ExplicitSettings
-from ..run.time_grid import MOST_LOOP_STEPS, TimeGrid, steps_of_interval, steps_within
+from ..run.time_grid import MOST_LOOP_STEPS, TimeGrid, steps_of_interval
 from .changes.follower import ChangeFollower, start_after_jump
 from .observed import ACCELERATIONS
 from .restart import Restarts
@@ -85,16 +85,6 @@ class SteppingLoop(ExplicitTimeLoop):
             initial.restore()
             run.gave_up = False
 
-    def loop_steps(self, it: Any) -> int:
-        """How many steps of Exudyn's loop make up those that a solver is told to take.
-
-        As many as the integrator takes, if a user function has to be asked in between.   it: of the solver.
-        """
-        number = int(it.numberOfSteps)
-        if any(isinstance(run, CableRun) and _follows_the_state(run) for run in self.runs):
-            number *= steps_within(it.maxStepSize, self._largest)
-        return number
-
     def prepared(self, portion: Portion, observed: int) -> Callable[[Any, Any, Any], bool]:
         """The user function that takes the steps of a portion.   observed: derivatives in between."""
         if self._begins or not self._goes_on_with(portion):
@@ -160,6 +150,7 @@ class SteppingLoop(ExplicitTimeLoop):
         self._ahead = (0, np.zeros((0, ACCELERATIONS, 0)))
         self._written = [[np.nan] * len(part) for part in self._present()]  # the state of mbs is taken over
         self._reactions.clear()
+        self.changes.reader.drives.start(portion.start)
         self.changes.take_step(self._explicit, h)
         for run in self.runs:
             run.set_step(h)
@@ -186,12 +177,3 @@ class SteppingLoop(ExplicitTimeLoop):
     def _intervals(self, step: int) -> int:
         is_steady = not self.changes.moves and all(run.looks_ahead for run in self.runs)
         return super()._intervals(step) if is_steady else 1
-
-
-def _follows_the_state(run: CableRun) -> bool:
-    """Whether user functions of its loads and moving supports may depend on more than the time."""
-    scene = run.scene_cable
-    motions = [moving.motion for moving in scene.moving]
-    return any(load.history is not None and not load.is_pure for load in scene.loads) or any(
-        motion.is_smooth and not motion.is_pure for motion in motions
-    )

@@ -9,7 +9,7 @@ from ..arrays import Array
 
 def point_on_ground(mbs: Any, marker: dict[str, Any]) -> Array | None:
     """(3,) position of a marker on the ground, or None if it moves."""
-    if "nodeNumber" in marker:
+    if _is_on_node(marker):
         node = mbs.GetNode(marker["nodeNumber"])
         return np.array(node["referenceCoordinates"]) if node["nodeType"] == "PointGround" else None
     body = mbs.GetObject(marker["bodyNumber"]) if "bodyNumber" in marker else None
@@ -29,4 +29,9 @@ def node_marker_to_ground(mbs: Any, data: dict[str, Any]) -> dict[str, Any] | No
     if not data["activeConnector"]:
         return None
     moving = [marker for marker in markers_of(mbs, data) if point_on_ground(mbs, marker) is None]
-    return moving[0] if len(moving) == 1 and "nodeNumber" in moving[0] else None
+    return moving[0] if len(moving) == 1 and _is_on_node(moving[0]) else None
+
+
+def _is_on_node(marker: dict[str, Any]) -> bool:
+    """Markers between bodies have a node only if they count turns."""
+    return int(marker.get("nodeNumber", -1)) >= 0

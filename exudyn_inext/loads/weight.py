@@ -30,6 +30,11 @@ class ElementWeight:
     unit: ClassVar[str] = "m/s^2"
 
     @property
+    def follows_state(self) -> bool:
+        """Whether its user function may depend on more than the time."""
+        return self.history is not None and not self.is_pure
+
+    @property
     def place(self) -> str:
         """For messages."""
         return f"element {self.elements[0]} of object {self.cable}"

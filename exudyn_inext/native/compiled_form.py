@@ -52,8 +52,8 @@ def compiled_form(
         raise UnknownItemError(f"cables of more than {MOST_KINDS} kinds")
     if len(scene.held.numbers):
         raise UnknownItemError("held coordinates")
-    if any(of_cable.has_histories or not of_cable.known_ahead for of_cable in loads):
-        raise UnknownItemError("weights or supports of cables that follow user functions")
+    if not_compiled := next(filter(None, (of_cable.not_compiled for of_cable in loads)), ""):
+        raise UnknownItemError(not_compiled)
     on_cables = places[-1].stop if places else 0
     scene.surroundings.forces(t, q, v)  # mbs is in this state, too
     elsewhere = scene.elsewhere.union(cable.number for cable in scene.cables)

@@ -49,7 +49,7 @@ def read_joints(mbs: Any, elsewhere: Collection[int]) -> list[JointItem]:
         elsewhere: object numbers of constraints that belong to a cable.
 
     Raises:
-        SceneError: a constraint on velocities, or one with unknowns of its own.
+        SceneError: a constraint on velocities (see `velocity_level`), or one with unknowns of its own.
     """
     joints = []
     for number in range(mbs.systemData.NumberOfObjects()):
@@ -61,8 +61,8 @@ def read_joints(mbs: Any, elsewhere: Collection[int]) -> list[JointItem]:
             continue
         if data.get("velocityLevel") or data["objectType"] == "JointRollingDisc":
             raise SceneError(
-                f"{name} constrains velocities, which explicit steps do not support: use a constraint at "
-                "position level, or a penalty formulation such as CreateRollingDiscPenalty."
+                f"{name} constrains velocities, which only a CoordinateConstraint may, in explicit steps: "
+                "use a constraint at position level, or a penalty such as CreateRollingDiscPenalty."
             )
         if data["objectType"] in _WITH_UNKNOWNS:
             raise SceneError(

@@ -38,6 +38,7 @@ class JointRows:
         self.names = [f"{joint.name}, equation {k}," for joint in joints for k in joint.active]
         self.follows_time = any(joint.follows_time for joint in joints)
         self._joints = joints
+        self._places = len(coordinates.indices)
         self._are_linear = all(joint.is_linear for joint in joints)
         self._is_set = False  # the Jacobian of linear joints
         self._equations = np.concatenate([np.zeros(0, int), *(joint.rows for joint in joints)])
@@ -111,7 +112,9 @@ class JointRows:
         value = value_at(t, q)
         if not self.follows_time and (self._are_linear or not v.any()):
             return JointTerms(value, np.zeros(self.number), np.zeros(self.number))
-        step = STEP / max(1.0, float(np.abs(v).max()))
+        step = STEP / max(
+            1.0, float(np.abs(v[: self._places]).max())
+        )  # those of first order have other units
         after, before = (value_at(t + s, self._moved(q, v, s)) for s in (step, -step))
         gamma = (2.0 * value - after - before) / step**2
         drift = np.zeros(self.number)

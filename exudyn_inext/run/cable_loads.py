@@ -95,8 +95,16 @@ class CableLoads:
     @property
     def known_ahead(self) -> bool:
         """Whether nothing but the time decides on loads and motions."""
-        histories_are_pure = all(load.is_pure for load in self._histories)
-        return histories_are_pure and all(motion.is_pure for motion in self._motions)
+        return all(load.is_pure for load in self._histories) and all(m.is_pure for m in self._motions)
+
+    @property
+    def not_compiled(self) -> str:
+        """Among bodies: which weight or motion only Exudyn's side evaluates; empty if none."""
+        for load in sorted(self._histories, key=lambda load: load.is_pure):
+            whose = "of time" if load.is_pure else "that may depend on the state"
+            remedy = "" if load.is_pure else " (if it does not: dependsOnTimeOnly = True)"
+            return f"the load on {load.place}, with a user function {whose}{remedy}"
+        return "" if self.known_ahead else "supports of cables that were changed"
 
     def at(self, time: float) -> Array:
         """(n_external,) external force and motions at `time`; not to be written to."""

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from ..cable.cable import Cable
-from ..errors import InputError, SceneError, StepSizeError
+from ..errors import SceneError, StepSizeError
 from ..integrators.linear_stability import decay_limit, frequency_limit
 from .accurate_step import accurate_step
 from .cable_run import CableRun
@@ -276,12 +276,6 @@ def follow_frequencies(runs: Sequence[Run], bounds: StepSizeBounds, explicit: Ex
     for run in runs:
         limit = frequency_limit(integrator, scheme, run.damping_ratio(bounds.largest_frequency))
         run.follow_frequency(StepRule(limit, safety, largest))
-
-
-def require_fixed_steps(explicit: ExplicitSettings, who: str) -> None:
-    """Raise InputError if the steps are to adapt."""
-    if explicit.adaptiveStep:
-        raise InputError(f"adaptiveStep: {who} takes equal steps; use SolveExplicit, or leave it out.")
 
 
 def warn_of_damping(choice: StepChoice, duration: float) -> None:

@@ -5,9 +5,16 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import LoadForceVector, MarkerNodePosition, SphericalJoint
 
-from exudyn_inext import DivergenceError, StepSizeError
+from exudyn_inext import (
+    DivergenceError,
+    ExplicitSettings,
+    ExplicitStepper,
+    SolveEnsemble,
+    SolveExplicit,
+    StepSizeError,
+)
 from reference_models.model import quiet_settings, silence
-from tests.exudyn_binding.items import either_cable, trajectory
+from tests.exudyn_binding.items import add_pendulum, either_cable, load_node, trajectory
 from tests.exudyn_binding.test_restart import restarting
 from tests.exudyn_binding.test_support_forces import hold
 
@@ -181,3 +188,40 @@ def test_a_run_goes_on_from_its_restart_file(new_mbs, add_sensor, solve, tmp_pat
         found.append(trajectory(mbs, sensor))
     np.testing.assert_array_equal(found[2], found[0][-len(found[2]) :])
     assert len(found[2]) > 5
+
+
+def pulled_alone(mbs):
+    """A cable and a force that grows to 216 N."""
+    tip = add_pendulum(mbs)["nodes"][-1]
+    load_node(mbs, tip, [1, 0, 0], loadVectorUserFunction=lambda mbs, t, load: [600 * t**2, 0, 0])
+
+
+@pytest.mark.parametrize("scene", [pulled_alone, pulled])
+def test_ensembles_and_steppers_adapt_their_steps_as_a_run_does(new_mbs, scene):
+    end, period, explicit = 0.6, 0.02, ExplicitSettings(adaptiveStep=True)
+    systems = [new_mbs() for _ in range(4)]
+    for mbs in systems:
+        scene(mbs)
+        mbs.Assemble()
+    alone, of_stepper, *members = systems
+    settings = quiet_settings(end, round(end / period), period)
+    with silence():
+        report = SolveExplicit(alone, settings, explicit)
+    result = SolveEnsemble(members, settings, explicit, derivatives=2, threads=2)
+    stepper = ExplicitStepper(of_stepper, explicit, interval=period, duration=end)
+    stepper.Start()
+    for _ in range(round(end / period)):
+        stepper.Step()
+    stepper.WriteToSystem()
+    assert report["stepSize"] < 0.8 * stepper.stepSize
+    np.testing.assert_array_equal(result["steps"], report["steps"])
+    for states, read in zip(("coordinates", "velocities"), ("", "_t"), strict=True):
+        expected = getattr(alone.systemData, f"GetODE2Coordinates{read}")()
+        stepped = getattr(of_stepper.systemData, f"GetODE2Coordinates{read}")()
+        np.testing.assert_allclose(stepped, expected, atol=1e-12)  # its times differ by round-off
+        for member in result[states]:
+            np.testing.assert_array_equal(member[-1], expected)
+    expected = np.array(alone.systemData.GetODE2Coordinates_tt())
+    scale = np.abs(expected).max()
+    for member in result["accelerations"]:
+        np.testing.assert_allclose(member[-1], expected, atol=1e-9 * scale)

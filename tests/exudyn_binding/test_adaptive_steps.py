@@ -7,10 +7,8 @@ from exudyn_inext import (
     CableShape,
     DivergenceError,
     ExplicitSettings,
-    ExplicitStepper,
     InputError,
     Rattle,
-    SolveEnsemble,
 )
 from exudyn_inext.cable.frequency import FrequencyTracker, largest_frequency
 from exudyn_inext.cable.linked_cable import cable_system
@@ -21,7 +19,6 @@ from exudyn_inext.run.cable_run import CableRun
 from exudyn_inext.run.step_control import FrequencyFollower, StepControl, StepRule
 from exudyn_inext.run.time_grid import TimeGrid
 from exudyn_inext.system import index_reduced_rates
-from reference_models.model import quiet_settings
 from tests.cables import linked_state, planar_pendulum, random_state
 from tests.exudyn_binding.items import load_node, trajectory
 
@@ -155,15 +152,9 @@ def test_an_iteration_that_gives_up_says_where_and_keeps_the_last_good_state(mbs
     fault("a tolerance of RATTLE that round-off cannot reach", "stopped, with the violation that was reached")
 
 
-def test_what_adaptive_steps_do_not_go_with_is_refused(mbs, add_pendulum):
+def test_adaptive_steps_do_not_go_with_a_given_mass_scaling():
     with pytest.raises(InputError, match=r"massScaling = 0\.3 with adaptiveStep.*leave one"):
         ExplicitSettings(stepSize=1e-3, massScaling=0.3, adaptiveStep=True)
-    add_pendulum(mbs)
-    mbs.Assemble()
-    with pytest.raises(InputError, match="ExplicitStepper takes equal steps"):
-        ExplicitStepper(mbs, ExplicitSettings(adaptiveStep=True))
-    with pytest.raises(InputError, match="SolveEnsemble takes equal steps"):
-        SolveEnsemble([mbs], quiet_settings(0.1, 1), ExplicitSettings(adaptiveStep=True))
 
 
 @pytest.mark.parametrize("frequency", [np.nan, np.inf])

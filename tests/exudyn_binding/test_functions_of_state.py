@@ -13,8 +13,10 @@ from exudyn.itemInterface import (
     NodePointGround,
 )
 
-from exudyn_inext import ExplicitSettings, SolveExplicit
+from exudyn_inext import CreateCompanionCables, ExplicitSettings, SceneError, SolveEquilibrium, SolveExplicit
 from reference_models.model import quiet_settings, silence
+from tests.exudyn_binding.items import native_cable, solve_native
+from tests.items.attach.test_weights import weigh
 
 STIFFNESS, DAMPING = 20.0, 0.05
 
@@ -80,3 +82,43 @@ def test_a_support_that_follows_the_state_does_so_at_each_evaluation(new_mbs, ad
     for loop_steps in (1, 20):
         found, _ = tip_of(new_mbs(), add_pendulum, moved, loop_steps)
         assert found[1] == pytest.approx(0.1 * (1.0 - np.cos(2.5)), abs=1e-9)
+
+
+def braked(mbs, elements, tip):
+    """Weight that brakes the tip."""
+
+    def gravity(mbs, t, vector):
+        v = np.array(mbs.GetNodeOutput(tip, exudyn.OutputVariableType.Velocity))
+        return (vector - 3.0 * v).tolist()
+
+    weigh(mbs, elements, function=gravity)
+
+
+def braked_pendulum(mbs, cable):
+    braked(mbs, CreateCompanionCables(mbs, cable), cable["nodes"][-1])
+
+
+def test_weight_that_follows_the_state_acts_as_on_a_native_cable(new_mbs, add_pendulum):
+    mbs = new_mbs()
+    held = {"groundConstraintsStart": [True, True, False, False], "gravity": [0, 0, 0]}
+    native = native_cable(mbs, 2, 20, axial_stiffness=2e5, **held)
+    tip = native["nodes"][-1]
+    braked(mbs, native["elements"], tip)
+    mbs.Assemble()
+    solve_native(mbs, 0.5)
+    expected = np.array(mbs.GetNodeOutput(tip, exudyn.OutputVariableType.Position))
+
+    def pendulum(mbs):
+        return add_pendulum(mbs, gravity=[0, 0, 0], numberOfElements=8)
+
+    for loop_steps in (1, 50):
+        found, path = tip_of(new_mbs(), pendulum, braked_pendulum, loop_steps)
+        assert "load 0 'load0' (MassProportional)" in path
+        np.testing.assert_allclose(found, expected, atol=2e-3)
+
+
+def test_equilibrium_under_a_weight_that_follows_the_state_is_refused(mbs, add_pendulum):
+    braked_pendulum(mbs, add_pendulum(mbs))
+    mbs.Assemble()
+    with pytest.raises(SceneError, match=r"load on element 0 of object \d.*dependsOnTimeOnly = True"):
+        SolveEquilibrium(mbs)

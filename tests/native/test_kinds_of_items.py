@@ -4,11 +4,17 @@ import exudyn
 import numpy as np
 import pytest
 from exudyn.itemInterface import (
+    CoordinateConstraint,
     LoadForceVector,
+    MarkerBodiesRelativeRotationCoordinate,
     MarkerBodyPosition,
     MarkerBodyRigid,
+    MarkerNodeCoordinate,
+    NodeGenericODE1,
     NodeGenericODE2,
+    NodePointGround,
     NodeRigidBody2D,
+    ObjectGenericODE1,
     ObjectGenericODE2,
     ObjectKinematicTree,
     ObjectRigidBody2D,
@@ -135,6 +141,22 @@ def matrices_and_a_user_function(mbs):
     return node
 
 
+def body_that_turns_with_a_function(mbs):
+    body = rigid(mbs, InertiaCuboid(1000, [0.1, 0.2, 0.3]), referencePosition=[0.1, 0, 0], gravity=GRAVITY)
+    bodies = [mbs.CreateGround(), body["bodyNumber"]]
+    mbs.CreateRevoluteJoint(itemNumbers=bodies, position=[0, 0, 0], axis=[0, 0, 1])
+    ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+    turn = mbs.AddMarker(MarkerBodiesRelativeRotationCoordinate(bodyNumbers=bodies, axis0=[0, 0, 1]))
+    mbs.AddObject(
+        CoordinateConstraint(
+            markerNumbers=[ground, turn],
+            offsetUserFunction=lambda mbs, t, number, offset: 1.0 - np.cos(9 * t),
+            offsetUserFunction_t=lambda mbs, t, number, offset: 9 * np.sin(9 * t),
+        )
+    )
+    return body["nodeNumber"]
+
+
 ITEMS = [
     kinematic_tree,
     planar_body_on_a_hinge,
@@ -143,6 +165,7 @@ ITEMS = [
     body_on_a_generic_joint,
     disc_that_rolls_by_penalty,
     matrices_and_a_user_function,
+    body_that_turns_with_a_function,
 ]
 
 
@@ -170,3 +193,20 @@ def test_it_moves_as_under_the_implicit_solver(new_mbs, add_pendulum, solve, add
     start[: len(mbs.GetNode(node).get("initialCoordinates", []))] = mbs.GetNode(node)["initialCoordinates"]
     assert np.abs(found[1] - start).max() > 0.02
     np.testing.assert_allclose(*found, atol=1e-5 * max(1.0, np.abs(found[1]).max()))
+
+
+def test_the_size_of_states_of_first_order_does_not_matter_to_joints(new_mbs, add_pendulum, solve):
+    """In pascals, say; native solvers lose digits of the body to their Newton tolerance."""
+    found = []
+    for pressure in (0.0, 1e7):
+        mbs = new_mbs()
+        node = body_on_a_generic_joint(mbs)
+        state = {"referenceCoordinates": [0], "initialCoordinates": [pressure], "numberOfODE1Coordinates": 1}
+        tank = mbs.AddNode(NodeGenericODE1(**state))
+        mbs.AddObject(ObjectGenericODE1(nodeNumbers=[tank], systemMatrix=np.array([[-3.0]])))
+        add_pendulum(mbs, numberOfElements=2)
+        mbs.Assemble()
+        report = solve(mbs, 0.2)
+        found.append(mbs.GetNodeOutput(node, exudyn.OutputVariableType.Coordinates))
+        assert report["rejections"] == 0
+    np.testing.assert_allclose(*found, atol=1e-7)

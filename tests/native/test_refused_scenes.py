@@ -4,16 +4,14 @@ import exudyn
 import numpy as np
 import pytest
 from exudyn.itemInterface import (
-    CoordinateConstraint,
     DistanceConstraint,
     MarkerBodyPosition,
     MarkerBodyRigid,
-    MarkerNodeCoordinate,
     MarkerNodePosition,
     NodePoint,
-    NodePointGround,
     NodeRigidBody2D,
     ObjectANCFCable2D,
+    ObjectJointRollingDisc,
     ObjectRigidBody2D,
     SphericalJoint,
 )
@@ -53,12 +51,9 @@ def tied_at_another_speed(mbs, nodes):
 
 
 def velocity_constraint(mbs, nodes):
-    pair = [
-        MarkerNodeCoordinate(nodeNumber=n, coordinate=0)
-        for n in (mbs.AddNode(NodePointGround()), mass_point(mbs))
-    ]
-    markers = [mbs.AddMarker(marker) for marker in pair]
-    mbs.AddObject(CoordinateConstraint(markerNumbers=markers, velocityLevel=True, offset=1.0, name="drive"))
+    disc = mbs.CreateRigidBody(inertia=InertiaCuboid(1000, [0.1] * 3), referencePosition=[0, 0, 0.1])
+    markers = [mbs.AddMarker(MarkerBodyRigid(bodyNumber=body)) for body in (mbs.CreateGround(), disc)]
+    mbs.AddObject(ObjectJointRollingDisc(markerNumbers=markers, discRadius=0.1, name="drive"))
 
 
 def rotation_vector(mbs, nodes):
@@ -120,7 +115,7 @@ REFUSED = [
     ),
     (tied_twice, RedundantConstraintError, r"'tie1' \(JointSpherical\), equation 0, is not independent"),
     (closed_loop_in_space, RedundantConstraintError, r"'hinge0\.1' \(JointRevoluteZ\), equation \d, is not"),
-    (velocity_constraint, SceneError, r"'drive' \(ConnectorCoordinate\) constrains velocities.*penalty"),
+    (velocity_constraint, SceneError, r"'drive' \(JointRollingDisc\) constrains velocities.*penalty"),
     (rotation_vector, SceneError, r"node .*\(RigidBodyRotVecLG\).*RotationEulerParameters or RotationRxyz"),
     (node_without_body, SceneError, r"node \d+ 'lost' \(Point\) has coordinates without mass"),
     (disc_without_inertia, SceneError, r"'disc' \(RigidBody2D\) has coordinates without mass.*inertia"),

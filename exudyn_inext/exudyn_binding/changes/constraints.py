@@ -10,6 +10,7 @@ import numpy as np
 from ...arrays import Array
 from ...cable.link import Motion
 from ...items.link_items import read_moving_coordinate
+from ...native.velocity_level import Drives
 from ...scene.links import MovingCoordinate, Rod, in_space
 from ...scene.model import HeldCoordinate
 from ..scene import Constraint, read_constraint
@@ -77,11 +78,13 @@ class SteppedReader:
     `NativeSurroundings.approach`.
 
     nodes: of all inextensible cables; constraints elsewhere are joints anyway.
+    drives: constraints at velocity level.
     """
 
-    def __init__(self, mbs: Any) -> None:
+    def __init__(self, mbs: Any, drives: Drives) -> None:
+        """mbs: the system.   drives: its constraints at velocity level."""
         self.nodes: frozenset[int] = frozenset()
-        self._mbs = mbs
+        self._mbs, self.drives = mbs, drives
         self._known: dict[int, _Known] = {}
         self._step: tuple[float, float] | None = None
         self._restored: set[int] = set()  # had been moved before a restart file was written
@@ -104,12 +107,14 @@ class SteppedReader:
         return {
             "moved": [number for number, it in known if it.way],
             "joints": [number for number, it in known if it.constraint is None],
+            "drives": self.drives.memory(),
         }
 
     def restore(self, memory: Mapping[str, Any]) -> None:
         """Before the first reading of a run that continues: the `memory` of the run before."""
         self._restored = set(memory["moved"])
         self._known = {number: _Known(None, None, None) for number in memory["joints"]}
+        self.drives.restore(memory["drives"])
 
     def __call__(self, mbs: Any, number: int, data: dict[str, Any]) -> Constraint | None:
         """See `read_constraint`."""

@@ -82,6 +82,7 @@ class ChangeFollower:
         self.reader.begin_step(time, end)
         with state_kept(self.mbs):
             self.mbs.systemData.SetTime(time)
+            self.reader.drives.follow(changed, time)
             runs = self._followed(runs, changed, time, end)
         coupled = [run for run in runs if isinstance(run, CoupledRun)]
         self.moves = self.reader.moves or any(run.approaches for run in coupled)

@@ -422,10 +422,6 @@ STEPPER = [
                 for value in NOT_POSITIVE
             ],
             ({"interval": 1e9}, r"interval = 1e\+09 s in steps of .*: these are more than 1e\+09; check"),
-            (
-                {"explicitSettings": ExplicitSettings(adaptiveStep=True)},
-                r"adaptiveStep: ExplicitStepper takes",
-            ),
         ],
     ),
     Row(
@@ -574,7 +570,6 @@ ENSEMBLE = [
                 for value in (0, -1, 2.0, True, "2", 10**9)
             ],
             (with_time(endTime=0.0), r"endTime - startTime = 0.0 s: must be"),
-            ({"explicitSettings": ExplicitSettings(adaptiveStep=True)}, r"adaptiveStep: SolveEnsemble takes"),
         ],
     ),
     Row(SolveEnsemble, {"systems": ONE}, rf"member 0 .*{NEEDS_ASSEMBLY}", SceneError, scene=loose_pendulum),

@@ -186,11 +186,11 @@ def test_a_weight_of_the_time_alone_is_sampled_ahead(swing):
         mbs.systemData.GetTime()
         return swelling(mbs, t, vector)
 
-    found, report = swing(on_companions(G, known))
-    expected, watched = swing(on_companions(G, unknown))
+    found, report = swing(on_companions(G, known), explicit={"stepSize": 5e-4})
+    expected, watched = swing(on_companions(G, unknown), explicit={"stepSize": 5e-4})
     assert "all loads are known" in report["path"]
     assert "dependsOnTimeOnly" in watched["path"]
-    np.testing.assert_allclose(found, expected, atol=1e-12)
+    np.testing.assert_allclose(found, expected, atol=1e-11)
 
 
 @pytest.mark.parametrize("among_bodies", [False, True], ids=["alone", "among bodies"])
@@ -289,7 +289,7 @@ def test_the_gravity_function_of_an_ensemble_is_asked_only_if_it_may_be(new_mbs,
         mbs.Assemble()
         return mbs
 
-    with pytest.raises(SceneError, match=r"load on element 0 of object \d may depend on the state"):
+    with pytest.raises(SceneError, match=r"load on element 0 of object \d.* may depend on the state"):
         SolveEnsemble([build()], quiet_settings(0.01, 1), ExplicitSettings())
 
 

@@ -1,0 +1,173 @@
+"""CoordinateConstraints at velocity level: in a run, they hold the integral of their velocity.
+
+Exudyn has factor1 q1_t - q0_t = v(t), with v from offsetUserFunction_t or else the offset, and does not ask
+offsetUserFunction (CObjectConnectorCoordinate.cpp). Explicit steps, which enforce places, take
+factor1 q1 - q0 = c + int v dt, with c from the state in which the constraint begins to act.
+"""
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import exudyn
+import numpy as np
+
+from ..errors import SceneError
+from ..items.arguments import described
+from ..items.functions_of_time import is_of_time_alone
+from ..items.parameters import Parameter, set_unnoted
+from .surroundings import state_kept
+
+CELL = 1e-3  # over which a velocity is integrated by one formula [s]
+_POINTS, _WEIGHTS = (x.tolist() for x in np.polynomial.legendre.leggauss(4))
+_FUNCTIONS = ("offsetUserFunction", "offsetUserFunction_t")
+_MAY_CHANGE = ("offset", "activeConnector")
+
+
+class Travel:
+    """Integral of a velocity since `begin` [s].   velocity: t [s] -> [m/s]."""
+
+    def __init__(self, velocity: Callable[[float], float], begin: float) -> None:
+        self._velocity, self._begin = velocity, begin
+        self._until = [0.0]  # the beginning of each cell
+
+    def __call__(self, t: float) -> float:
+        """[m] at t [s]."""
+        cell = max(0, int((t - self._begin) / CELL))
+        for k in range(len(self._until) - 1, cell):
+            self._until.append(self._until[k] + self._within(k, CELL))
+        return self._until[cell] + self._within(cell, t - self._begin - cell * CELL)
+
+    def _within(self, cell: int, duration: float) -> float:
+        start, half = self._begin + cell * CELL, 0.5 * duration
+        values = (self._velocity(start + half * (1.0 + x)) for x in _POINTS)
+        return half * sum(w * value for w, value in zip(_WEIGHTS, values, strict=True))
+
+
+def _at_rest(t: float) -> float:
+    return 0.0
+
+
+class Drive:
+    """A constraint at velocity level.
+
+    number: of the object.   rate: its offsetUserFunction_t, or None.
+    begin: when it began to act [s].   place: of the coordinates then [m].
+    """
+
+    def __init__(self, mbs: Any, number: int, data: Mapping[str, Any]) -> None:
+        self._mbs, self.number = mbs, number
+        self.given = {name: data[name] and data[name]["function"] for name in _FUNCTIONS}
+        self.rate = self.given["offsetUserFunction_t"]
+        self.begin, self.place = 0.0, 0.0
+        self._offset = 0.0
+        self._travel: Callable[[float], float] = _at_rest
+
+    def start(self, begin: float, place: float | None = None) -> None:
+        """Act from `begin` [s] on.   place: of the coordinates then; None: in the present state of mbs."""
+        self._offset = float(self._mbs.GetObjectParameter(self.number, "offset"))
+        self.begin, self.place, self._travel = begin, 0.0, _at_rest
+        if place is None:
+            equation = exudyn.OutputVariableType.ConstraintEquation
+            place = float(np.ravel(self._mbs.GetObjectOutput(self.number, equation))[0])
+        self.place, self._travel = place, Travel(self.velocity, begin)
+
+    def velocity(self, t: float) -> float:
+        """[m/s] at t [s]."""
+        return float(self.rate(self._mbs, t, self.number, self._offset)) if self.rate else self._offset
+
+    def functions(self) -> dict[str, Any]:
+        """Exudyn's user functions of the place and its rate."""
+
+        def place(mbs: Any, t: float, itemNumber: int, lOffset: float) -> float:
+            return self.place + self._travel(t)
+
+        def velocity(mbs: Any, t: float, itemNumber: int, lOffset: float) -> float:
+            return self.velocity(t)
+
+        place.dependsOnTimeOnly = velocity.dependsOnTimeOnly = True  # type: ignore[attr-defined]
+        velocity.given = self.rate  # type: ignore[attr-defined]  # counts in restart files
+        return dict(zip(_FUNCTIONS, (place, velocity), strict=True))
+
+
+class Drives:
+    """All constraints at velocity level of an mbs, by their numbers."""
+
+    def __init__(self, mbs: Any, drives: Mapping[int, Drive]) -> None:
+        self._mbs, self._drives = mbs, drives
+
+    def start(self, begin: float) -> None:
+        """All that are active act from `begin` [s] on, from the present state of mbs."""
+        for number, drive in self._drives.items():
+            if self._mbs.GetObjectParameter(number, "activeConnector"):
+                drive.start(begin)
+
+    def follow(self, changed: Collection[Parameter], time: float) -> None:
+        """What has changed acts from `time` [s] on, at which mbs is.
+
+        Raises:
+            SceneError: something else than the offset, or whether it is active, has changed.
+        """
+        keys = [key for key in changed if key.kind == "Object" and key.number in self._drives]
+        for key in keys:
+            if key.name not in _MAY_CHANGE:
+                raise SceneError(
+                    f"{key}, of a constraint at velocity level, was changed during the run, which it cannot "
+                    "follow: change its offset, or whether it is active."
+                )
+        for number in {key.number for key in keys}:
+            if self._mbs.GetObjectParameter(number, "activeConnector"):
+                self._drives[number].start(time)
+
+    def memory(self) -> list[Any]:
+        """Since when and from where they act, as plain data."""
+        return [[drive.number, drive.begin, drive.place] for drive in self._drives.values()]
+
+    def restore(self, memory: Sequence[Any]) -> None:
+        """As it was when `memory` was asked; the parameters of mbs are those of then."""
+        for number, begin, place in memory:
+            self._drives[number].start(begin, place)
+
+
+@contextmanager
+def at_position_level(mbs: Any, time: float) -> Iterator[Drives]:
+    """Meanwhile, constraints at velocity level hold places, from the initial configuration at `time` [s] on.
+
+    Raises:
+        SceneError: a velocity may depend on the state.
+    """
+    drives = _read_drives(mbs)
+    for number, drive in drives.items():
+        for name, function in drive.functions().items():
+            set_unnoted(mbs, number, name, function)
+        set_unnoted(mbs, number, "velocityLevel", False)
+    found = Drives(mbs, drives)
+    try:
+        if drives:
+            with state_kept(mbs):
+                data, initial = mbs.systemData, exudyn.ConfigurationType.Initial
+                data.SetSystemState(data.GetSystemState(initial), exudyn.ConfigurationType.Current)
+                found.start(time)
+        yield found
+    finally:
+        for number, drive in drives.items():
+            for name, function in drive.given.items():
+                set_unnoted(mbs, number, name, function)
+            set_unnoted(mbs, number, "velocityLevel", True)
+
+
+def _read_drives(mbs: Any) -> dict[int, Drive]:
+    drives = {}
+    for number in range(mbs.systemData.NumberOfObjects()):
+        data = mbs.GetObject(number)
+        if data["objectType"] != "ConnectorCoordinate" or not data["velocityLevel"]:
+            continue
+        rate = data["offsetUserFunction_t"]
+        if rate and not is_of_time_alone(mbs, rate):
+            raise SceneError(
+                f"{described(data, number)} constrains a velocity by a user function that may depend on the "
+                "state: if it depends on the time alone, set function.dependsOnTimeOnly = True; otherwise "
+                "set its offset in a pre-step user function."
+            )
+        drives[number] = Drive(mbs, number, data)
+    return drives

@@ -1,0 +1,216 @@
+"""Constraints at velocity level move coordinates as under Exudyn's implicit solver."""
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.itemInterface import (
+    CoordinateConstraint,
+    MarkerNodeCoordinate,
+    MarkerNodePosition,
+    NodePointGround,
+    SensorObject,
+    SphericalJoint,
+)
+
+from exudyn_inext import (
+    CableForces,
+    ExplicitSettings,
+    ExplicitSolver,
+    ExplicitStepper,
+    SceneError,
+    SolveEnsemble,
+    SolveExplicit,
+)
+from reference_models.model import quiet_settings, silence
+from tests.exudyn_binding.items import either_cable, solve_native
+from tests.exudyn_binding.test_restart import restarting
+
+SECTION = {"massPerLength": 0.3, "bendingStiffness": 0.02}
+END, STEPS = 0.4, 400
+TIP = "tip"
+pytestmark = pytest.mark.filterwarnings("ignore:.*initial velocities")
+
+
+def at_speed(mbs, t, itemNumber, lOffset):
+    return (0.9 + lOffset) * np.sin(9.0 * t)
+
+
+def way_at_speed(t):
+    return 0.1 * (1.0 - np.cos(9.0 * t))
+
+
+class Scene:
+    """A cable, a mass at its end, and a constraint at velocity level on its height, or on that of the end.
+
+    tip: node.   height: sensor.   force: sensor of the constraint.
+    """
+
+    def __init__(self, mbs, native=False, dimension=2, on=None, **constraint):
+        self.mbs = mbs
+        line = {"positionStart": [0, 0, 0], "positionEnd": [1.2, 0, 0], "gravity": [0, -9.81, 0]}
+        line["groundConstraintsStart"] = [True] * dimension + [False] * dimension
+        line["numberOfElements"] = 16 if native else 8
+        nodes, self.cable = either_cable(mbs, native, dimension, SECTION, 2e5, **line)
+        self.tip = driven = nodes[-1]
+        if on != TIP:
+            body = mbs.CreateMassPoint(
+                mass=0.3,
+                referencePosition=[1.2, 0, 0],
+                gravity=[0, -9.81, 0],
+                create2D=dimension == 2,
+                returnDict=True,
+            )
+            driven = body["nodeNumber"]
+            pair = [mbs.AddMarker(MarkerNodePosition(nodeNumber=n)) for n in (self.tip, driven)]
+            axes = [1, 1, dimension - 2]
+            mbs.AddObject(SphericalJoint(markerNumbers=pair, constrainedAxes=axes))
+        ground = mbs.AddNode(NodePointGround())
+        pair = [
+            mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=n, coordinate=c))
+            for n, c in ((ground, 0), (driven, 1))
+        ]
+        self.constraint = mbs.AddObject(
+            CoordinateConstraint(markerNumbers=pair, velocityLevel=True, **constraint)
+        )
+        output = {"storeInternal": True, "outputVariableType": exudyn.OutputVariableType.Force}
+        self.force = mbs.AddSensor(SensorObject(objectNumber=self.constraint, **output))
+
+    def change(self, name, value_at):
+        """Let a pre-step user function set a parameter of the constraint."""
+        number = self.constraint
+        self.mbs.SetPreStepUserFunction(
+            lambda mbs, t: mbs.SetObjectParameter(number, name, value_at(t)) or True
+        )
+
+    def solve(self, **explicit):
+        self.mbs.Assemble()
+        with silence():
+            return SolveExplicit(self.mbs, quiet_settings(END, STEPS), ExplicitSettings(**explicit))
+
+    @property
+    def place(self):
+        return np.array(self.mbs.GetNodeOutput(self.tip, exudyn.OutputVariableType.Position))
+
+    @property
+    def forces(self):
+        return np.array(self.mbs.GetSensorStoredData(self.force))[1:, 1]
+
+
+KINDS = {
+    "a speed": {"offset": 0.5},
+    "at rest": {},
+    "a function": {"offsetUserFunction_t": at_speed},
+    "a function and an offset": {"offset": 0.2, "offsetUserFunction_t": at_speed},
+    "a function of places is not asked": {"offsetUserFunction": at_speed},
+}
+CHANGES = {
+    "speeds": (True, lambda scene: scene.change("offset", lambda t: at_speed(None, t, 0, 0.0))),
+    "brakes": (False, lambda scene: scene.change("activeConnector", lambda t: 0.1 < t <= 0.2)),
+}
+
+
+def require_the_same(new_mbs, build, tolerance=3e-3):
+    scenes = [build(new_mbs(), native) for native in (False, True)]
+    report = scenes[0].solve()
+    scenes[1].mbs.Assemble()
+    solve_native(scenes[1].mbs, END, END / STEPS)
+    np.testing.assert_allclose(scenes[0].place, scenes[1].place, atol=tolerance)
+    return scenes, report
+
+
+@pytest.mark.parametrize(("on", "dimension"), [(None, 3), (TIP, 2)], ids=["a body", "the cable"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_driven_moves_as_under_the_implicit_solver(new_mbs, kind, on, dimension):
+    def build(mbs, native):
+        return Scene(mbs, native, dimension, on, **KINDS[kind])
+
+    scenes, report = require_the_same(new_mbs, build)
+    assert "all loads are known" in report["path"]
+    assert scenes[0].mbs.GetObjectParameter(scenes[0].constraint, "velocityLevel")
+    if kind != "a speed":  # which jumps at the start
+        forces, expected = (scene.forces for scene in scenes)
+        assert np.sqrt(((forces - expected) ** 2).mean()) < 0.05 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("on", [None, TIP], ids=["a body", "the cable"])
+@pytest.mark.parametrize("change", CHANGES)
+def test_speeds_and_brakes_that_a_step_function_sets_act_as_natively(new_mbs, change, on):
+    is_active, act = CHANGES[change]
+
+    def build(mbs, native):
+        scene = Scene(mbs, native, on=on, activeConnector=is_active)
+        act(scene)
+        return scene
+
+    require_the_same(new_mbs, build, 5e-3)
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_restarted_run_goes_on_bit_for_bit(new_mbs, change, tmp_path):
+    is_active, act = CHANGES[change]
+    found = []
+    for ends in ((END,), (0.5 * END, END)):
+        scene = Scene(new_mbs(), activeConnector=is_active)
+        act(scene)
+        scene.mbs.Assemble()
+        for end in ends:
+            settings = restarting(
+                quiet_settings(end, round(STEPS * end / END), 0.02), tmp_path / str(len(ends))
+            )
+            with silence():
+                report = SolveExplicit(scene.mbs, settings, ExplicitSettings(stepSize=5e-4))
+        assert (report["resumedAt"] is None) is (len(ends) == 1)
+        found.append(scene.mbs.systemData.GetODE2Coordinates())
+    np.testing.assert_array_equal(*found)
+
+
+def test_steppers_ensembles_and_solvers_of_portions_follow_the_velocity(new_mbs):
+    scenes = [Scene(new_mbs(), offsetUserFunction_t=at_speed) for _ in range(3)]
+    for scene in scenes:
+        scene.mbs.Assemble()
+    explicit = ExplicitSettings(stepSize=5e-4)
+    stepper = ExplicitStepper(scenes[0].mbs, explicit, interval=END)
+    stepper.Start()
+    stepper.Step()
+    stepper.WriteToSystem()
+    result = SolveEnsemble([scenes[1].mbs], quiet_settings(END, 1, END), explicit)
+    assert scenes[0].place[1] == pytest.approx(way_at_speed(END), abs=1e-9)
+    assert CableForces(scenes[0].mbs, scenes[0].cable, 5)["tension"].min() > 0.0
+    height = scenes[1].mbs.systemData.GetNodeLTGODE2(scenes[1].tip)[1]
+    assert result["coordinates"][0, -1, height] == pytest.approx(way_at_speed(END), abs=1e-9)
+    mbs, solver = scenes[2].mbs, ExplicitSolver(explicit)
+    for _ in range(2):  # anew
+        settings = quiet_settings(0.5 * END, 10)
+        solver.InitializeSolver(mbs, settings)
+        for k in range(2):
+            settings.timeIntegration.startTime = 0.5 * END * k
+            settings.timeIntegration.endTime = 0.5 * END * (k + 1)
+            if k == 0:
+                solver.InitializeSolverInitialConditions(mbs, settings)
+            solver.SolveSteps(mbs, settings)
+    solver.FinalizeSolver(mbs, settings)
+    assert all(scene.mbs.GetObjectParameter(scene.constraint, "velocityLevel") for scene in scenes)
+
+
+def test_a_velocity_that_follows_the_state_is_refused_and_mbs_stays_as_it_was(mbs, contents):
+    def by_state(mbs, t, itemNumber, lOffset):
+        return mbs.systemData.GetTime()
+
+    scene = Scene(mbs, offsetUserFunction_t=by_state)
+    mbs.Assemble()
+    before = contents(mbs)
+    with pytest.raises(
+        SceneError, match=r"constrains a velocity by a user function that may depend.*pre-step"
+    ):
+        scene.solve()
+    assert contents(mbs) == before
+
+
+def test_the_function_of_a_velocity_cannot_be_replaced_during_a_run(mbs):
+    scene = Scene(mbs, offsetUserFunction_t=at_speed)
+    scene.change("offsetUserFunction_t", lambda t: lambda mbs, t, itemNumber, lOffset: 0.0)
+    with pytest.raises(
+        SceneError, match=r"'offsetUserFunction_t' of object .* at velocity level, was changed"
+    ):
+        scene.solve()
+    assert mbs.GetObjectParameter(scene.constraint, "velocityLevel")
