@@ -1,5 +1,7 @@
 """Cables that stretch move as native cables do, at steps that do not depend on their stiffness."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from exudyn import OutputVariableType
@@ -210,6 +212,44 @@ def test_a_closed_ring_stretches(new_mbs, add_cable, add_sensor, solve):
     far = [distance(motion, motions[0]) for motion in motions[1:]]
     assert far[0] == pytest.approx(10 * far[1], rel=0.1)
     assert far[0] < 1e-4
+
+
+def test_a_pretensioned_belt_around_four_pins_moves_as_a_native_one(new_mbs, add_cable, add_sensor, solve):
+    """A closed ring that is 5 % too short for its pins; damped, so that it is taut at the end."""
+    taut = {"referenceAxialStrain": -0.05, "axialDamping": 2.0, "bendingDamping": 2e-3}
+
+    def points_and_slopes(elements):
+        angle = np.linspace(0.0, 2.0 * np.pi, elements + 1)
+        outward = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        return 0.5 * outward, np.stack([-outward[:, 1], outward[:, 0]], axis=1)
+
+    def hold(mbs, nodes):
+        ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+        for node, axis in product(nodes[:: len(nodes) // 4][:4], (0, 1)):
+            held = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=axis))
+            mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, held]))
+        tip = add_sensor(mbs, nodes[len(nodes) // 8])
+        mbs.Assemble()
+        return tip
+
+    mbs, native = new_mbs(), new_mbs()
+    own = add_cable(mbs, shape=CableShape.Circle([0, 0], 0.5, 24), **stretching(200.0, **taut))
+    section = SECTION | taut | {"axialStiffness": 200.0, "useReducedOrderIntegration": 2}
+    nodes, *_ = PointsAndSlopes2ANCFCable2D(
+        native,
+        ancfPointsSlopes=list(np.hstack(points_and_slopes(48))),
+        elementLengths=[np.pi / 48] * 48,
+        cableTemplate=ObjectANCFCable2D(**section),
+        massProportionalLoad=[0, -9.81, 0],
+        firstNodeIsLastNode=True,
+    )
+    sensors = hold(mbs, own["nodes"]), hold(native, nodes[:48])
+    solve(mbs, 0.5, steps=50)
+    solve_native(native, 0.5)
+    found, expected = (
+        np.asarray(m.GetSensorStoredData(n))[:, 1:] for m, n in zip((mbs, native), sensors, strict=True)
+    )
+    assert distance(found, expected) < 0.02 * np.ptp(expected, axis=0).max()
 
 
 @pytest.mark.parametrize("integrator", ["Zhai", "RK4"])
