@@ -62,7 +62,10 @@ def measure(order: Order) -> list[Row]:
 
 def _rows_of(scene: Scene, tolerances: Sequence[float]) -> Iterator[Row]:
     native = builder(scene, partial(build_native, quadrature="lobatto"))
-    runs = inner.PilotRuns(builder(scene, build), native, scene.end_time, SENSOR_PERIOD)
+    runs, stretching = (
+        inner.PilotRuns(builder(scene, build), native, scene.end_time, SENSOR_PERIOD) for _ in range(2)
+    )
+    stretching.let_stretch(scene.cable.section.axial_stiffness)
     reference_of = lru_cache(partial(_reference, runs))
     asked = (("measured", AdviceSettings()), ("few meshes", FEW))
     for share, (what, settings) in product(tolerances, asked):
@@ -73,7 +76,8 @@ def _rows_of(scene: Scene, tolerances: Sequence[float]) -> Iterator[Row]:
         except InextensibleError as error:
             yield row | {"status": f"refused: {error}"}
         else:
-            yield row | _outcome(advice, tolerance, runs, *reference_of(advice["formulation"]))
+            followed = stretching if advice["formulation"] == "extensible" else runs
+            yield row | _outcome(advice, tolerance, followed, *reference_of(advice["formulation"]))
 
 
 def _outcome(
@@ -97,7 +101,7 @@ def _outcome(
 
 def _reference(runs: inner.PilotRuns, formulation: str) -> tuple[inner.Pilot, float]:
     """A fine solution that the adviser has not seen, and its uncertainty."""
-    if formulation == inner.CONVENTIONAL:
+    if formulation != inner.INEXTENSIBLE:
         choices = [
             inner.Choice(inner.CONVENTIONAL, "generalizedAlpha", elements, share * SENSOR_PERIOD)
             for elements, share in (FINE_NATIVE, COARSER_NATIVE)

@@ -400,13 +400,13 @@ def point_masses(cable):
 
 
 def drag_density(cable, r_x, speed):
-    """(g, dim) drag per length, from a projector on the normal plane."""
+    """(g, dim) drag per length of the reference, from a projector on the normal plane."""
     relative = speed - np.array(cable.drag.flow)
     tangent = r_x / np.linalg.norm(r_x, axis=1)[:, None]
     normal = np.eye(cable.dimension) - np.einsum("gi,gj->gij", tangent, tangent)
     across = np.einsum("gij,gj->gi", normal, relative)
     along = relative - across
-    return -(
+    return -np.linalg.norm(r_x, axis=1)[:, None] * (
         cable.drag.normal * np.linalg.norm(across, axis=1)[:, None] * across
         + cable.drag.tangential * np.linalg.norm(along, axis=1)[:, None] * along
     )

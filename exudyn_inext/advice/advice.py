@@ -39,19 +39,36 @@ def rival_sentence(rivals: Sequence[Pilot], best: Pilot | None, tolerance: float
     said = f"The cheapest conventional run, {cheapest.choice.label}, takes {cheapest.seconds:.2g} s"
     if best is None:
         return said + "."
-    return f"{said}, {cheapest.seconds / best.seconds:.2g} times the best inextensible one."
+    return f"{said}, {cheapest.seconds / best.seconds:.2g} times the best explicit one."
 
 
-def stretch_sentence(tension: Tension, axial_stiffness: float, error: float, tolerance: float) -> str:
-    """Whether inextensibility is the right model."""
-    strain, period = tension.largest / axial_stiffness, axial_period(tension, axial_stiffness)
+def stretch_sentence(
+    tensions: Sequence[Tension], axial_stiffness: float, error: float, tolerance: float
+) -> str:
+    """Whether inextensibility is the right model.   tensions: of the cables."""
+    largest = max(tension.largest for tension in tensions)
+    period = max(axial_period(tension, axial_stiffness) for tension in tensions)
     said = (
-        f"The tension reaches {tension.largest:.2g} N, a strain of {strain:.1e}; stretch moves the observed "
-        f"point by some {error:.1g}, "
+        f"The tension reaches {largest:.2g} N, a strain of {largest / axial_stiffness:.1e}; stretch moves "
+        f"the observed point by some {error:.1g}, "
     )
     if error > tolerance:
-        return said + "more than the tolerance: the inextensible model is the wrong one here."
+        return said + (
+            "more than the tolerance: the inextensible model is the wrong one here, give the cables "
+            f"axialStiffness = {axial_stiffness:g}."
+        )
     return (
-        said + "within the tolerance. Loads that change within the axial period of "
-        f"{period:.1g} s would still need a conventional cable."
+        said
+        + f"within the tolerance. Loads that change within the axial period of {period:.1g} s would need "
+        "axialStiffness, and steps that resolve it."
     )
+
+
+def cost_sentence(inextensible: Search, extensible: Search) -> str:
+    """What a step of cables that stretch costs, of the finest mesh that both surveys have."""
+    seconds = [
+        {pilot.choice.elements: pilot.seconds / pilot.steps for pilot in search.meshes}
+        for search in (inextensible, extensible)
+    ]
+    shared = max(seconds[0].keys() & seconds[1].keys())
+    return f"With it a step costs {seconds[1][shared] / seconds[0][shared]:.2g} times that without."

@@ -7,15 +7,15 @@ import numpy as np
 
 from ..arrays import Array
 
-INEXTENSIBLE, CONVENTIONAL = "inextensible", "conventional"
+INEXTENSIBLE, EXTENSIBLE, CONVENTIONAL = "inextensible", "extensible", "conventional"
 
 
 @dataclass(frozen=True)
 class Choice:
     """All that a user has to choose for a run.
 
-    formulation: INEXTENSIBLE or CONVENTIONAL.   integrator: its name.   elements: N of each cable.
-    step_size: [s].   mass_scaling: theta [-].
+    formulation: INEXTENSIBLE, EXTENSIBLE with axial stiffness, or CONVENTIONAL.   integrator: its name.
+    elements: N of each cable.   step_size: [s].   mass_scaling: theta [-].
     """
 
     formulation: str
@@ -62,10 +62,14 @@ class Pilot:
 
 
 class Problem(Protocol):
-    """A scene that can be run with any choice.   end_time, period: of the run, and of its samples [s]."""
+    """A scene that can be run with any choice.   end_time, period: of the run, and of its samples [s].
+
+    formulation: INEXTENSIBLE or EXTENSIBLE, what the cables are that `step_limit` was asked for.
+    """
 
     end_time: float
     period: float
+    formulation: str
 
     def step_limit(self, elements: int, integrator: str) -> float:
         """Largest step that is used without mass scaling [s].

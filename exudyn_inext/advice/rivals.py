@@ -6,7 +6,6 @@ from .pilot import CONVENTIONAL, Choice, Pilot, Problem
 
 INTEGRATOR = "generalizedAlpha"
 REFINEMENT = 0.5  # of the step from one mesh to the next; the coarsest one takes the sample period
-ORDER = 2
 LENIENCE = 2.0  # times the cost of the best inextensible run, that a rung is expected to cost at most
 
 
@@ -28,18 +27,3 @@ def climb(problem: Problem, meshes: Sequence[int], most: float) -> list[Pilot]:
 
 def _expected_seconds(last: Pilot, elements: int, step: float) -> float:
     return last.seconds * elements / last.choice.elements * last.choice.step_size / step
-
-
-def judge_by_themselves(pilots: Sequence[Pilot]) -> list[Pilot]:
-    """Where cables stretch, the inextensible solution is no judge: the finest conventional one is.
-
-    It has half the step of the next coarser one; with the second order of the scheme, its own error is a
-    third of what separates them. Returns those that reached their end, if there are two at least.
-    """
-    runs = [pilot for pilot in pilots if pilot.works]
-    if len(runs) < 2:
-        return []
-    uncertainty = runs[-1].distance(runs[-2]) / (REFINEMENT**-ORDER - 1.0)
-    for pilot in runs:
-        pilot.error = uncertainty + pilot.distance(runs[-1])
-    return runs

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 
 from ..errors import InputError
 from .cost import predicted_seconds
-from .pilot import INEXTENSIBLE, Choice, Pilot, Problem
+from .pilot import EXTENSIBLE, Choice, Pilot, Problem
 from .survey import INTEGRATOR as SURVEYOR
 from .survey import Search
 
@@ -47,9 +47,11 @@ def _candidates(problem: Problem, search: Search) -> Iterator[Choice]:
             continue
         elements = pilot.choice.elements
         for integrator, theta, share in FAMILIES:
+            if problem.formulation == EXTENSIBLE and integrator != SURVEYOR:
+                continue  # only RATTLE takes axial stiffness
             limit = problem.step_limit(elements, "RATTLE" if theta else integrator)
             step = min(share * limit, problem.period)
-            yield Choice(INEXTENSIBLE, integrator, elements, step, theta)
+            yield Choice(problem.formulation, integrator, elements, step, theta)
 
 
 def extrapolated(problem: Problem, search: Search, tolerance: float) -> Choice | None:
@@ -65,7 +67,7 @@ def extrapolated(problem: Problem, search: Search, tolerance: float) -> Choice |
     if elements is None:
         return None
     step = last.step_size * (last.elements / elements) ** 2
-    return Choice(INEXTENSIBLE, last.integrator, elements, step)
+    return Choice(last.formulation, last.integrator, elements, step)
 
 
 def _buildable(problem: Problem, least: int) -> int | None:

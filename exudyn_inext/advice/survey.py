@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from ..errors import InputError, SceneError
 from .convergence import observed_order, remaining_error
-from .pilot import INEXTENSIBLE, Choice, Pilot, Problem
+from .pilot import Choice, Pilot, Problem
 
 INTEGRATOR = "RATTLE"
 SHARE_OF_LIMIT = 0.5
@@ -71,7 +71,7 @@ def survey_meshes(problem: Problem, tolerance: float, numbers: Sequence[int], bu
         except InputError as error:
             refused = str(error)
             continue
-        choice = Choice(INEXTENSIBLE, INTEGRATOR, elements, step)
+        choice = Choice(problem.formulation, INTEGRATOR, elements, step)
         spent = sum(pilot.seconds for pilot in pilots + failed)
         if len(pilots) >= 3 and spent + _expected_seconds(pilots[-1], choice, problem) > budget:
             break

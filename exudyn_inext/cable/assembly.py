@@ -2,7 +2,7 @@
 
 from ..compiled import clear, inlined, kernel, optional
 from ..element.bending import add_bending_force
-from ..element.bending_damping import add_curvature_force, add_damping_force
+from ..element.bending_damping import add_curvature_force, add_damping_force, add_stretched_damping_force
 from ..element.drag import add_drag_force
 from ..element.inextensibility import contract, length_gradient, nodal_constraint, nodal_gamma, nodal_rate
 from ..element.natural_curvature import add_natural_curvature_force
@@ -164,6 +164,17 @@ def assemble(axes, nodes, elements, external, q, v, column, set_targets, paramet
         set_gradient(axes, nodes[k].free, nodes[k + 1].free, result, element.gradient)
 
 
+@inlined
+def _damp_constrained(axes, nodes, elements, k, e, e_t, memory, force):
+    add_damping_force(axes, elements[k].damping, e, e_t, memory, force)
+
+
+@optional("axial", otherwise=_damp_constrained)
+def damp_element(axes, nodes, elements, k, e, e_t, memory, force):
+    """Damping force of element k; other arguments: see `add_damping_force`."""
+    add_stretched_damping_force(axes, elements[k].damping, e, e_t, memory, force)
+
+
 @optional("damping")
 def add_damping(axes, nodes, elements, q, v, lead, a, column):
     """Damping forces at the velocities v + lead a, added to column `column` of the nodes' `force`.
@@ -180,7 +191,7 @@ def add_damping(axes, nodes, elements, q, v, lead, a, column):
             for i in range(len(axes)):
                 e_t[row, i] += lead * lacking[row, i]
         clear(result)
-        add_damping_force(axes, elements[k].damping, e, e_t, memory, result)
+        damp_element(axes, nodes, elements, k, e, e_t, memory, result)
         add_element_force(axes, result, nodes[k].force[column], nodes[k + 1].force[column])
 
 
@@ -207,7 +218,7 @@ def add_lagging_damping(axes, nodes, elements, q, a, column):
         clear(all_of_it)
         clear(damped)
         add_curvature_force(axes, elements[k].damping, e_tt, memory, all_of_it)
-        add_damping_force(axes, elements[k].damping, e, e_tt, memory, damped)
+        damp_element(axes, nodes, elements, k, e, e_tt, memory, damped)
         for row in range(3):
             for i in range(len(axes)):
                 damped[row, i] = elements[k].lag[0] * (damped[row, i] - all_of_it[row, i])

@@ -23,14 +23,13 @@ J. E. Marsden, M. West, Discrete mechanics and variational integrators, Acta Num
 import numpy as np
 
 from ..compiled import clear, inlined, optional
-from ..element.axial_strain import mean_strain, middle_strain, norm, rise_by_left
+from ..element.axial_strain import middle_strain, norm, rise_by_left
 from ..element.bending import add_bending_force
 from ..element.inextensibility import contract, length_gradient
 from ..element.natural_curvature import add_natural_curvature_force
 from ..lowered import local_array
 from .assembly import (
     GAMMA,
-    RATE,
     VALUE,
     add_element_force,
     assemble,
@@ -122,29 +121,24 @@ def _assemble_node(axes, node, q, v, duration):
         square += v[1, i] * v[1, i]
     rate = _along_node(axes, node, v)
     node.constraint[VALUE] = stretch - 1.0
-    node.constraint[RATE] = rate
     node.constraint[GAMMA] = (square - rate * rate) * inverse
     strain = stretch - 1.0 - node.axial[FREE_STRAIN]
     _set_force(node, strain, rate, node.constraint[GAMMA], _along_node(axes, node, q), duration)
 
 
 @inlined
-def _add_bending(axes, element, left, right, q, k):
-    """Bending force of element k, onto the forces of its nodes and the targets of its strains.
+def _add_bending(axes, element, left, right, e, per_stretch):
+    """Bending force of an element, onto the forces of its nodes and the targets of its strains.
 
-    left, right: the nodes.   q: (n, 2, dim).
+    left, right: the nodes.   e: (3, dim) differences of q.   per_stretch: 1 / m.
     """
-    e, result = local_array(3, 3), local_array(3, 3)
-    differences(axes, q, k, e)
+    result = local_array(3, 3)
     clear(result)
     add_bending_force(axes, element.stiffness, element.tensor, e, result)
     add_natural_curvature_force(element.natural, e, result)
     work = contract(axes, e, result)
-    before, after = left.constraint[VALUE], right.constraint[VALUE]
     middle = element.axial[STRAIN] + element.axial[FREE_STRAIN]
-    per_stretch = 1.0 / (1.0 + mean_strain(before, middle, after))
-    before -= middle
-    after -= middle
+    before, after = left.constraint[VALUE] - middle, right.constraint[VALUE] - middle
     per_square = per_stretch * per_stretch
     for a in range(3):
         for i in range(len(axes)):
@@ -175,33 +169,41 @@ def _set_strain_gradient(axes, element, left, right, factor, gradient):
 
 
 @inlined
+def _mean_bend(axes, element, v, k, gradient, per_stretch):
+    """v m_qq v [1/s^2].   v: (n, 2, dim).   gradient: (3, dim) of int |r_x|^2 dx."""
+    e_t, of_rates = local_array(3, 3), local_array(3, 3)
+    differences(axes, v, k, e_t)
+    length_gradient(axes, element.slope_gram, e_t, of_rates)
+    rate = 0.5 * element.per_length * per_stretch * contract(axes, e_t, gradient)
+    return (0.5 * element.per_length * contract(axes, e_t, of_rates) - rate * rate) * per_stretch
+
+
+@inlined
 def _assemble_element(axes, nodes, element, q, v, k, duration):
-    """Strain terms of element k, after those of its nodes.
+    """Strain and bending of element k, after the strains of its nodes.
 
     q, v: (n, 2, dim).   duration: see `_set_force`.
     """
-    e, e_t, gradient = local_array(3, 3), local_array(3, 3), local_array(3, 3)
+    e, gradient = local_array(3, 3), local_array(3, 3)
     left, right = nodes[k], nodes[k + 1]
     differences(axes, q, k, e)
-    differences(axes, v, k, e_t)
-    length_gradient(axes, element.slope_gram, e_t, gradient)
-    bend = 0.5 * element.per_length * contract(axes, e_t, gradient)
     length_gradient(axes, element.slope_gram, e, gradient)
     stretch = mean_stretch(element, 0.5 * contract(axes, e, gradient))
     per_stretch = 1.0 / stretch
-    factor = 0.5 * element.per_length * per_stretch
-    rate = factor * contract(axes, e_t, gradient)
-    bend = (bend - rate * rate) * per_stretch
-    _set_strain_gradient(axes, element, left, right, factor, gradient)
+    bend = 0.0
+    if duration == 0.0:  # the start of a run needs it
+        bend = _mean_bend(axes, element, v, k, gradient, per_stretch)
+    _set_strain_gradient(axes, element, left, right, 0.5 * element.per_length * per_stretch, gradient)
     _set_force(
         element,
         middle_strain(stretch - 1.0, left.constraint[VALUE], right.constraint[VALUE])
         - element.axial[FREE_STRAIN],
-        middle_strain(rate, left.constraint[RATE], right.constraint[RATE]),
+        _along_element(axes, element, v[k], v[k + 1]),
         middle_strain(bend, left.constraint[GAMMA], right.constraint[GAMMA]),
         _along_element(axes, element, q[k], q[k + 1]),
         duration,
     )
+    _add_bending(axes, element, left, right, e, per_stretch)
 
 
 @inlined
@@ -223,8 +225,6 @@ def assemble_chain(axes, nodes, elements, external, q, v, lead, set_targets, par
         _assemble_node(axes, nodes[k], q[k], v[k], lead)
     for k in range(len(elements)):
         _assemble_element(axes, nodes, elements[k], q, v, k, lead)
-    for k in range(len(elements)):
-        _add_bending(axes, elements[k], nodes[k], nodes[k + 1], q, k)
 
 
 @inlined

@@ -8,11 +8,12 @@ from ..element.bending import add_bending_force
 from ..element.inextensibility import contract, length_gradient
 from ..element.natural_curvature import add_natural_curvature_force
 from ..lowered import local_array
-from .assembly import differences, leave_targets
+from .assembly import damp_element, differences, leave_targets
 from .axial import ACCELERATION, assemble_chain, mean_stretch, stored_energy
 from .axial_stiffness import FORCE
 from .cable import Cable
 from .chain import Chain
+from .index_reduction import assemble_forces
 from .saddle_point import free_force
 
 
@@ -35,7 +36,7 @@ def static_energy(chain, q, force):
 def force_in_motion(chain, external, q, v, force):
     """force (n, 2, dim) of all but inertia at (q, v) [N, Nm].   external: (n, 2, dim)."""
     axes, nodes, elements = chain.axes, chain.nodes, chain.elements
-    assemble_chain(axes, nodes, elements, external, q, v, 0.0, leave_targets, 0.0)
+    assemble_forces(axes, nodes, elements, external, q, v, 0.0, v, leave_targets, 0.0)
     for k in range(len(nodes)):
         free_force(axes, nodes, elements, k, ACCELERATION, force[k])
 
@@ -48,10 +49,14 @@ def mean_section_forces(chain, q, v, rest, mean):
     """
     axes, nodes, elements = chain.axes, chain.nodes, chain.elements
     assemble_chain(axes, nodes, elements, rest, q, v, 0.0, leave_targets, 0.0)
-    e, gradient, force = local_array(3, 3), local_array(3, 3), local_array(3, 3)
+    e, e_t, gradient, force = local_array(3, 3), local_array(3, 3), local_array(3, 3), local_array(3, 3)
+    damped, memory = local_array(3, 3), local_array(7, 3)
     for k in range(len(elements)):
         element = elements[k]
         differences(axes, q, k, e)
+        differences(axes, v, k, e_t)
+        clear(damped)
+        damp_element(axes, nodes, elements, k, e, e_t, memory, damped)
         length_gradient(axes, element.slope_gram, e, gradient)
         clear(force)
         add_bending_force(axes, element.stiffness, element.tensor, e, force)
@@ -59,7 +64,7 @@ def mean_section_forces(chain, q, v, rest, mean):
         stretch = mean_stretch(element, 0.5 * contract(axes, e, gradient))
         along = 0.75 * element.per_length / stretch * element.target[ACCELERATION]
         for i in range(len(axes)):
-            mean[k, i] = along * gradient[0, i] - force[0, i] / (stretch * stretch)
+            mean[k, i] = along * gradient[0, i] - force[0, i] / (stretch * stretch) - damped[0, i]
 
 
 def strain_tension(cable: Cable, chain: Chain) -> Array:

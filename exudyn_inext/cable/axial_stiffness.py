@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from .cable import Cable
+from ..element.axial_strain import middle_strain
+from .cable import Cable, reference_lengths
 
 # Entries of the `axial` of a record:
 # D [N m] and d [N m s] of the strain's energy D c^2 / 2 and of the damping d c_t;
@@ -22,11 +23,14 @@ FROZEN, STRAIN, PLACE, FORCE, MEAN_FORCE, REST_BEFORE = range(6, 12)
 def set_axial_stiffness(cable: Cable, nodes: Any, elements: Any) -> None:
     """Coefficients of nodes and elements: weights of Simpson's rule times EA and its damping."""
     section, lengths, dim = cable.section, cable.element_lengths, cable.dimension
+    nodal = np.linalg.norm(cable.reference[:, 1], axis=1) - 1.0
+    means = np.sqrt(reference_lengths(cable.reference, lengths) / cable.constrained_lengths()) - 1.0
+    middle, share = middle_strain(means, nodal[:-1], nodal[1:]), section.strain_is_relative
     ends = np.append(lengths, 0.0) + np.append(0.0, lengths)
-    for records, weights in ((nodes, ends / 6.0), (elements, lengths * 4.0 / 6.0)):
+    for records, weights, strain in ((nodes, ends / 6.0, nodal), (elements, lengths * 4.0 / 6.0, middle)):
         records["axial"][:, STIFFNESS] = (section.axial_stiffness or 0.0) * weights
         records["axial"][:, DAMPING] = section.axial_damping * weights
-        records["axial"][:, FREE_STRAIN] = section.axial_strain
+        records["axial"][:, FREE_STRAIN] = section.axial_strain + share * strain
     nodes["basis"] = np.eye(dim)
     nodes["ends_group"] = True
     elements["bending"][:, 0] = section.bending_stiffness / (3.0 * lengths)

@@ -8,6 +8,7 @@ import numpy as np
 from ..arrays import Array
 from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
+from ..element.natural_curvature import curvature
 from .attached import Drag, PointMass
 from .link import Link
 
@@ -30,6 +31,7 @@ class Section:
     axial_stiffness: EA of the tension EA (|r_x| - 1 - axial_strain) [N]; None: the cable is inextensible.
     axial_damping: of the tension that the rate of the strain adds [N s].
     axial_strain: of the stress-free cable [-].
+    strain_is_relative: share of the reference configuration's curvature and strain that is stress-free.
     """
 
     mass_per_length: float
@@ -39,6 +41,7 @@ class Section:
     axial_stiffness: float | None = None
     axial_damping: float = 0.0
     axial_strain: float = 0.0
+    strain_is_relative: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +90,19 @@ class Cable:
     def stretches(self) -> bool:
         """Whether it has an axial stiffness."""
         return self.section.axial_stiffness is not None
+
+    @property
+    def is_naturally_curved(self) -> bool:
+        """Whether the stress-free cable may be curved."""
+        return bool(self.section.natural_curvature or self.section.strain_is_relative) and self.dimension == 2
+
+    def natural_curvature(self, k: int, xi: Array) -> Array:
+        """kappa_0 (g,) at abscissae xi (g,) of element k [1/m]."""
+        natural = np.full(len(xi), self.section.natural_curvature)
+        if self.section.strain_is_relative and self.dimension == 2:
+            nodal = np.concatenate([self.reference[k], self.reference[k + 1]])
+            natural += self.section.strain_is_relative * curvature(nodal, xi, float(self.element_lengths[k]))
+        return natural
 
     def constrained_lengths(self) -> Array:
         """(N,) value of int |r_x|^2 dx that each element shall keep, Eq. (19) [m]."""

@@ -16,6 +16,7 @@ from ..element.forms import forms_of_mesh
 from ..element.inertia import mass_matrix
 from ..element.inextensibility import slope_gram_matrix
 from ..element.natural_curvature import turning_matrix
+from ..element.shape_functions import quadrature
 from .attached import mass_of_points
 from .axial_stiffness import set_axial_step, set_axial_stiffness
 from .cable import Cable, CurvatureMeasure
@@ -54,7 +55,7 @@ def build_chain(cable: Cable, implicit: ImplicitBending = EXPLICIT) -> Chain:
     layout = element_type(
         dim,
         product,
-        natural=section.natural_curvature != 0.0,
+        natural=cable.is_naturally_curved,
         damped=section.bending_damping != 0.0,
         dragged=cable.drag is not None,
         axial=cable.stretches,
@@ -67,9 +68,8 @@ def build_chain(cable: Cable, implicit: ImplicitBending = EXPLICIT) -> Chain:
         elements["tensor"] = stiffness * forms_of_mesh(_tensor_over_pairs, lengths)
     else:
         elements["stiffness"] = stiffness * forms_of_mesh(_in_differences(stiffness_matrix), lengths)
-    if section.natural_curvature:
-        turning = forms_of_mesh(_in_differences(turning_matrix), lengths)
-        elements["natural"] = stiffness * section.natural_curvature * turning
+    if cable.is_naturally_curved:
+        elements["natural"] = stiffness * _turning_matrices(cable)
     if section.bending_damping:
         elements["damping"] = forms_of_mesh(damping_table, lengths)
         elements["damping"][:, :, 0] *= section.bending_damping
@@ -85,6 +85,16 @@ def build_chain(cable: Cable, implicit: ImplicitBending = EXPLICIT) -> Chain:
     chain = Chain(tuple(range(dim)), nodes, elements)
     set_mass(chain, cable, implicit)
     return chain
+
+
+def _turning_matrices(cable: Cable) -> Array:
+    """(N, 3, 3) of all elements, times kappa_0."""
+    section, lengths = cable.section, cable.element_lengths
+    if not section.strain_is_relative:
+        return section.natural_curvature * forms_of_mesh(_in_differences(turning_matrix), lengths)
+    natural = [cable.natural_curvature(k, quadrature(1.0)[0]) for k in range(len(lengths))]
+    forms = [turning_matrix(*given) for given in zip(lengths.tolist(), natural, strict=True)]
+    return np.stack([in_differences(form) for form in forms])
 
 
 def set_mass(chain: Chain, cable: Cable, implicit: ImplicitBending) -> None:

@@ -104,7 +104,11 @@ def section_forces(
     tangent = r_x / np.linalg.norm(r_x, axis=1)[:, None]
     tension = np.einsum("mi,mi->m", force, tangent)
     return SectionForces(
-        arc_length, position, tension, force - tension[:, None] * tangent, _bending_moment(cable, r_x, r_xx)
+        arc_length,
+        position,
+        tension,
+        force - tension[:, None] * tangent,
+        _bending_moment(cable, (k, xi), r_x, r_xx),
     )
 
 
@@ -139,7 +143,8 @@ def _integrated_shape_functions(xi: Array, length: float) -> Array:
     )
 
 
-def _bending_moment(cable: Cable, r_x: Array, r_xx: Array) -> Array:
+def _bending_moment(cable: Cable, places: tuple[np.ndarray, Array], r_x: Array, r_xx: Array) -> Array:
+    """places: elements (m,) and where in them (m,)."""
     power = np.linalg.norm(r_x, axis=1) ** (
         2 if cable.stretches else 3
     )  # by the arc length, stretched or not
@@ -147,7 +152,8 @@ def _bending_moment(cable: Cable, r_x: Array, r_xx: Array) -> Array:
         curvature = (r_x[:, 0] * r_xx[:, 1] - r_x[:, 1] * r_xx[:, 0]) / power
     else:
         curvature = np.linalg.norm(np.cross(r_x, r_xx), axis=1) / power
-    return cable.section.bending_stiffness * (curvature - cable.section.natural_curvature)
+    natural = [cable.natural_curvature(k, np.array([x]))[0] for k, x in zip(*places, strict=True)]
+    return cable.section.bending_stiffness * (curvature - natural)
 
 
 def multiplier_tension(cable: Cable, q: Array, nodal: Array, length: Array) -> Array:
@@ -180,7 +186,8 @@ def _bending_tension(cable: Cable, q: Array) -> Array:
         nodal = np.concatenate([q[k], q[k + 1]])
         r_x, r_xx = (s(xi, float(length)).T @ nodal for s in (first_derivatives, second_derivatives))
         density = share * np.einsum("gi,gi->g", r_xx, r_xx)
-        if section.natural_curvature:
-            density -= 2.0 * section.natural_curvature * (r_x[:, 0] * r_xx[:, 1] - r_x[:, 1] * r_xx[:, 0])
+        if cable.is_naturally_curved:
+            turning = r_x[:, 0] * r_xx[:, 1] - r_x[:, 1] * r_xx[:, 0]
+            density -= 2.0 * cable.natural_curvature(k, xi) * turning
         means[k] = section.bending_stiffness * (weight @ density) / length
     return means

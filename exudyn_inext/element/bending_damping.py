@@ -1,7 +1,8 @@
 """Kelvin-Voigt damping of the element: a bending moment D kappa_t that opposes the curvature's rate.
 
-As in the native ANCF cables, kappa is the vector r_x x r_xx. In the plane rigid motions are not damped. In
-space a bent cable that turns about an axis in its plane of bending is, as its kappa turns with it.
+As in the native ANCF cables, kappa is the vector r_x x r_xx, over |r_x|^2 if the cable stretches. In the
+plane rigid motions are not damped. In space a bent cable that turns about an axis in its plane of bending
+is, as its kappa turns with it.
 """
 
 import numpy as np
@@ -51,6 +52,35 @@ def _cross(memory, a, b, row):
 
 
 @inlined
+def _state_at(axes, table, differences, rates, memory):
+    """r_x, r_xx and their rates at a quadrature point."""
+    _at_point(axes, table, 1, differences, memory, R_X)
+    _at_point(axes, table, 4, differences, memory, R_XX)
+    _at_point(axes, table, 1, rates, memory, V_X)
+    _at_point(axes, table, 4, rates, memory, V_XX)
+
+
+@inlined
+def _moment(memory):
+    """Rate w of r_x x r_xx, and what a moment w does: r_xx x w on r_x, w x r_x on r_xx."""
+    _cross(memory, V_X, R_XX, KAPPA_T)
+    _cross(memory, R_X, V_XX, ON_SLOPE)
+    for i in range(3):
+        memory[KAPPA_T, i] += memory[ON_SLOPE, i]
+    _cross(memory, R_XX, KAPPA_T, ON_SLOPE)
+    _cross(memory, KAPPA_T, R_X, ON_CURVATURE)
+
+
+@inlined
+def _take_off(axes, table, weight, memory, force):
+    """force -= weight times what acts on r_x and r_xx."""
+    for a in range(3):
+        for i in range(len(axes)):
+            weighted = table[1 + a] * memory[ON_SLOPE, i] + table[4 + a] * memory[ON_CURVATURE, i]
+            force[a, i] -= weight * weighted
+
+
+@inlined
 def add_damping_force(axes, table, differences, rates, memory, force):
     """force -= D int kappa_t . d(kappa)/de dx; nothing where `table` is empty.
 
@@ -62,20 +92,32 @@ def add_damping_force(axes, table, differences, rates, memory, force):
         force: (3, dim) generalised force on e, added to [N, Nm, Nm].
     """
     for g in range(table.shape[0]):
-        _at_point(axes, table[g], 1, differences, memory, R_X)
-        _at_point(axes, table[g], 4, differences, memory, R_XX)
-        _at_point(axes, table[g], 1, rates, memory, V_X)
-        _at_point(axes, table[g], 4, rates, memory, V_XX)
-        _cross(memory, V_X, R_XX, KAPPA_T)
-        _cross(memory, R_X, V_XX, ON_SLOPE)
-        for i in range(3):
-            memory[KAPPA_T, i] += memory[ON_SLOPE, i]
-        _cross(memory, R_XX, KAPPA_T, ON_SLOPE)
-        _cross(memory, KAPPA_T, R_X, ON_CURVATURE)
-        for a in range(3):
-            for i in range(len(axes)):
-                weighted = table[g, 1 + a] * memory[ON_SLOPE, i] + table[g, 4 + a] * memory[ON_CURVATURE, i]
-                force[a, i] -= table[g, 0] * weighted
+        _state_at(axes, table[g], differences, rates, memory)
+        _moment(memory)
+        _take_off(axes, table[g], table[g, 0], memory, force)
+
+
+@inlined
+def add_stretched_damping_force(axes, table, differences, rates, memory, force):
+    """The same with kappa = r_x x r_xx / |r_x|^2.
+
+    With r_xx,t less 2 (r_x . r_x,t) / |r_x|^2 r_xx its rate is that of r_x x r_xx, over |r_x|^2.
+    """
+    for g in range(table.shape[0]):
+        _state_at(axes, table[g], differences, rates, memory)
+        square, rate, work = 0.0, 0.0, 0.0
+        for i in range(len(axes)):
+            square += memory[R_X, i] * memory[R_X, i]
+            rate += memory[R_X, i] * memory[V_X, i]
+        per_square = 1.0 / square
+        for i in range(len(axes)):
+            memory[V_XX, i] -= 2.0 * rate * per_square * memory[R_XX, i]
+        _moment(memory)
+        for i in range(len(axes)):
+            work += memory[R_XX, i] * memory[ON_CURVATURE, i]
+        for i in range(len(axes)):
+            memory[ON_SLOPE, i] -= 2.0 * work * per_square * memory[R_X, i]
+        _take_off(axes, table[g], table[g, 0] * per_square * per_square, memory, force)
 
 
 @inlined

@@ -1,9 +1,10 @@
-"""Quasi-static drag of the element: a force per length against the flow, across and along the cable.
+"""Quasi-static drag of the element: a force per present length against the flow, across and along the cable.
 
     f = -c_n |w_n| w_n - c_t |w_t| w_t,    w = r_t - u,  w_t = (w . t) t,  w_n = w - w_t,  t = r_x / |r_x|
 
 (Morison's formula without inertia terms; J. R. Morison et al., Petroleum Transactions, AIME 189 (1950)
-149-154, split by the independence principle), with c_n = rho d C_n / 2 and c_t = pi rho d C_t / 2.
+149-154, split by the independence principle), with c_n = rho d C_n / 2 and c_t = pi rho d C_t / 2. A cable
+that stretches keeps its diameter d.
 """
 
 import math
@@ -36,32 +37,33 @@ TANGENT, RELATIVE = 0, 1
 
 @inlined
 def drag_density(axes, law, slope, relative):
-    """Drag per length, into `relative`.
+    """Drag per length of the reference, |r_x| f, into `relative`.
 
     Args:
         axes: (0, 1) or (0, 1, 2): its length is the space dimension, a compile-time constant.
         law: (2, 3): c_n, c_t [kg/m^2], 0; the velocity u of the flow [m/s].
         slope: (3,) r_x [-].
-        relative: (3,) r_t [m/s], then f [N/m].
+        relative: (3,) r_t [m/s], then |r_x| f [N/m].
     """
     square, along, speed = 0.0, 0.0, 0.0
     for i in range(len(axes)):
         relative[i] -= law[FLOW, i]
         square += slope[i] * slope[i]
         along += slope[i] * relative[i]
+    stretch = math.sqrt(square)
     along /= square
     for i in range(len(axes)):
         relative[i] -= along * slope[i]
         speed += relative[i] * relative[i]
-    normal = law[COEFFICIENTS, 0] * math.sqrt(speed)
-    tangential = law[COEFFICIENTS, 1] * abs(along) * math.sqrt(square) * along
+    normal = law[COEFFICIENTS, 0] * math.sqrt(speed) * stretch
+    tangential = law[COEFFICIENTS, 1] * abs(along) * square * along
     for i in range(len(axes)):
         relative[i] = -normal * relative[i] - tangential * slope[i]
 
 
 @inlined
 def add_drag_force(axes, table, law, differences, rates, memory, force):
-    """force += int S f dx; nothing where `table` is empty.
+    """force += int S |r_x| f dx; nothing where `table` is empty.
 
     Args:
         axes: as for `drag_density`.

@@ -145,7 +145,7 @@ def structure(run: CableRun) -> dict[str, Any]:
         "dimension": cable.dimension,
         "number of elements": cable.number_of_elements,
         "curvature measure": cable.measure.value,
-        "natural curvature is present": cable.section.natural_curvature != 0.0,
+        "natural curvature is present": cable.is_naturally_curved,
         "axial stiffness is present": cable.stretches,
         "bending damping is present": cable.section.bending_damping != 0.0,
         "drag is present": cable.drag is not None,

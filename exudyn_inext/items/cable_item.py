@@ -30,6 +30,7 @@ from .template import InextensibleCable
 
 __all__ = ["CableItem", "CreateInextensibleCable", "find_cable_item", "supports_of_flags"]
 
+STRAIGHT = 1e-12  # difference of slopes [-]
 _OTHER_DIMENSION = {
     2: "For a cable in space, whose nodes have three positions and three slopes, use dimension = 3.",
     3: "For a planar cable, whose nodes have two positions and two slopes, leave z components out of shape, "
@@ -126,6 +127,7 @@ def CreateInextensibleCable(
         closed=checked.closed,
         straight_lengths=checked.straight_lengths,
     )
+    _require_plane_curves(cable)
     for name, given in (("groundConstraints", groundConstraintsEnd), ("nodeNumber", nodeNumberEnd)):
         if checked.closed and given is not None:
             raise InputError(
@@ -163,6 +165,15 @@ def _require_projection(template: InextensibleCable, way: Enforcement) -> None:
         raise InputError(
             f"enforcement = {way.name!r} with axialStiffness = {template.axialStiffness!r}: native solvers "
             "have ObjectANCFCable for cables that stretch; use these, or enforcement='projection'."
+        )
+
+
+def _require_plane_curves(cable: Cable) -> None:
+    share, slopes = cable.section.strain_is_relative, cable.reference[:, 1]
+    if share and cable.dimension == 3 and np.abs(slopes - slopes[0]).max() > STRAIGHT:
+        raise InputError(
+            f"strainIsRelativeToReference = {share!r} with a shape that is curved, in 3D: which way the "
+            "section faces is not modelled; set it to zero, or use dimension=2."
         )
 
 

@@ -11,7 +11,6 @@ from ..checks import require_choice, require_finite, require_integer, require_no
 from ..errors import InputError
 
 _NOT_YET = (
-    "strainIsRelativeToReference",
     "bendingMomentUserFunction",
     "axialForceUserFunction",
 )
@@ -32,6 +31,8 @@ class InextensibleCable:
         axialStiffness: EA of the tension EA (|r_x| - 1 - referenceAxialStrain) [N]; None: inextensible.
         axialDamping: of the tension that the rate of the strain adds [N s].
         referenceAxialStrain: strain of the stress-free cable [-].
+        strainIsRelativeToReference: share of the given shape's curvature and strain that is stress-free:
+            0 none, 1 all of it. Not of shapes that are curved in space.
 
     Example:
         InextensibleCable(massPerLength=0.0348, bendingStiffness=0.0866)
@@ -46,6 +47,7 @@ class InextensibleCable:
     axialStiffness: float | None = None
     axialDamping: float = 0.0
     referenceAxialStrain: float = 0.0
+    strainIsRelativeToReference: float = 0.0
 
     @classmethod
     def from_template(cls, template: Any, extensible: bool = False) -> "InextensibleCable":
@@ -70,7 +72,8 @@ class InextensibleCable:
                     f"beamTemplate.{name} = {_native_value(template, name)!r}: not supported by the "
                     "inextensible cable yet; set it to zero."
                 )
-        names = ("massPerLength", "bendingStiffness", "bendingDamping", "referenceCurvature", *axial)
+        bending = ("bendingDamping", "referenceCurvature", "strainIsRelativeToReference")
+        names = ("massPerLength", "bendingStiffness", *bending, *axial)
         return cls(**{name: _native_value(template, name) for name in names})
 
     def section(self, dimension: int) -> Section:
@@ -91,6 +94,7 @@ class InextensibleCable:
             curvature,
             require_not_negative("bendingDamping", self.bendingDamping),
             *self._axial(),
+            require_finite("strainIsRelativeToReference", self.strainIsRelativeToReference, ""),
         )
 
     def _axial(self) -> tuple[float | None, float, float]:
@@ -109,7 +113,6 @@ class InextensibleCable:
         refused = {
             "curvatureMeasure": self.measure() is not CurvatureMeasure.SECOND_DERIVATIVE,
             "numberOfLengthConstraints": self.numberOfLengthConstraints is not None,
-            "bendingDamping": self.bendingDamping != 0.0,
         }
         for name, is_set in refused.items():
             if is_set:

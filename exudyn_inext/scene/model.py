@@ -57,11 +57,6 @@ class CableItem:
                 f"enforcement = {self.enforcement!r}: its native items do not know point masses and drag; "
                 "create the cable with enforcement='projection' and move it by SolveExplicit."
             )
-        if self.cable.stretches and properties.get("drag") is not None:
-            raise InputError(
-                "drag on a cable with axialStiffness: how it grows with the stretch is not modelled; leave "
-                "out one of them."
-            )
         self.cable = replace(self.cable, **properties)
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from exudyn_inext.advice.pilot import CONVENTIONAL, Choice, Pilot
+from exudyn_inext.advice.pilot import CONVENTIONAL, INEXTENSIBLE, Choice, Pilot
 from exudyn_inext.errors import InputError
 
 SAMPLES = 50
@@ -18,7 +18,7 @@ class Analytic:
     costs: of a step of each integrator, relative.
     """
 
-    end_time, period = 1.0, 0.02
+    end_time, period, formulation = 1.0, 0.02, INEXTENSIBLE
 
     def __init__(
         self,

@@ -3,7 +3,7 @@
 import pytest
 
 from exudyn_inext.advice.pilot import CONVENTIONAL
-from exudyn_inext.advice.rivals import climb, judge_by_themselves
+from exudyn_inext.advice.rivals import climb
 from exudyn_inext.advice.survey import survey_meshes
 from tests.advice.analytic import Analytic
 
@@ -40,17 +40,3 @@ def test_beside_inextensible_runs_their_finest_one_judges(problem):
         survey.judge(pilot)
         true = problem.error(pilot.choice)
         assert true <= pilot.error <= true + 2.0 * survey.uncertainty + 1e-12
-
-
-def test_by_themselves_their_errors_are_near_the_true_ones(problem):
-    pilots = climb(problem, NUMBERS, float("inf"))
-    for pilot in judge_by_themselves(pilots):
-        true = problem.error(pilot.choice)
-        assert true <= 1.01 * pilot.error <= 1.5 * true
-
-
-def test_those_that_fail_judge_nobody():
-    shaky = Analytic(mesh=1.0, step=4.0, failing=lambda c: c.elements == NUMBERS[-1])
-    pilots = climb(shaky, NUMBERS, float("inf"))
-    assert judge_by_themselves(pilots) == pilots[:-1]
-    assert judge_by_themselves(pilots[-1:]) == [] == judge_by_themselves(pilots[:1])

@@ -324,6 +324,7 @@ TARGETS = {
             "axialStiffness": [None, 1e3],
             "axialDamping": [0.0],
             "referenceAxialStrain": [0.0],
+            "strainIsRelativeToReference": [0.0, 1.0],
         },
     ),
     "native template": Target(

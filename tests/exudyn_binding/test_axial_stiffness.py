@@ -1,8 +1,11 @@
 """Cables that stretch move as native cables do, at steps that do not depend on their stiffness."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from exudyn import OutputVariableType
+from exudyn.beams import PointsAndSlopes2ANCFCable2D
 from exudyn.itemInterface import (
     CoordinateConstraint,
     MarkerNodeCoordinate,
@@ -131,6 +134,15 @@ def test_states_tend_to_those_of_the_inextensible_cable(tip_of):
     np.testing.assert_allclose(far[:2], 10 * np.array(far[1:]), rtol=0.02)
 
 
+def test_energy_has_no_trend_over_a_million_steps(mbs, add_pendulum, solve):
+    add_pendulum(mbs, numberOfElements=4, **stretching(1e3))
+    mbs.Assemble()
+    report = solve(mbs, settings=quiet_settings(2000.0, 100, 20.0), **SCALED)
+    drift = report["drift"]
+    assert report["steps"] == 1_000_000
+    assert max(drift["energyGain"], drift["energyLoss"]) < 1e-3
+
+
 def test_energy_has_no_trend_with_axial_waves_that_the_step_does_not_resolve(tip_of):
     drift = tip_of(40.0, **stretching(1e6))[1]["drift"]
     assert max(drift["energyGain"], -drift["energyLoss"]) < 1e-4
@@ -202,6 +214,44 @@ def test_a_closed_ring_stretches(new_mbs, add_cable, add_sensor, solve):
     assert far[0] < 1e-4
 
 
+def test_a_pretensioned_belt_around_four_pins_moves_as_a_native_one(new_mbs, add_cable, add_sensor, solve):
+    """A closed ring that is 5 % too short for its pins; damped, so that it is taut at the end."""
+    taut = {"referenceAxialStrain": -0.05, "axialDamping": 2.0, "bendingDamping": 2e-3}
+
+    def points_and_slopes(elements):
+        angle = np.linspace(0.0, 2.0 * np.pi, elements + 1)
+        outward = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        return 0.5 * outward, np.stack([-outward[:, 1], outward[:, 0]], axis=1)
+
+    def hold(mbs, nodes):
+        ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+        for node, axis in product(nodes[:: len(nodes) // 4][:4], (0, 1)):
+            held = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=axis))
+            mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, held]))
+        tip = add_sensor(mbs, nodes[len(nodes) // 8])
+        mbs.Assemble()
+        return tip
+
+    mbs, native = new_mbs(), new_mbs()
+    own = add_cable(mbs, shape=CableShape.Circle([0, 0], 0.5, 24), **stretching(200.0, **taut))
+    section = SECTION | taut | {"axialStiffness": 200.0, "useReducedOrderIntegration": 2}
+    nodes, *_ = PointsAndSlopes2ANCFCable2D(
+        native,
+        ancfPointsSlopes=list(np.hstack(points_and_slopes(48))),
+        elementLengths=[np.pi / 48] * 48,
+        cableTemplate=ObjectANCFCable2D(**section),
+        massProportionalLoad=[0, -9.81, 0],
+        firstNodeIsLastNode=True,
+    )
+    sensors = hold(mbs, own["nodes"]), hold(native, nodes[:48])
+    solve(mbs, 0.5, steps=50)
+    solve_native(native, 0.5)
+    found, expected = (
+        np.asarray(m.GetSensorStoredData(n))[:, 1:] for m, n in zip((mbs, native), sensors, strict=True)
+    )
+    assert distance(found, expected) < 0.02 * np.ptp(expected, axis=0).max()
+
+
 @pytest.mark.parametrize("integrator", ["Zhai", "RK4"])
 def test_schemes_with_explicit_axial_forces_are_refused(tip_of, integrator):
     with pytest.raises(
@@ -218,10 +268,126 @@ def test_native_templates_bring_their_axial_stiffness_when_asked(tip_of, templat
     np.testing.assert_array_equal(found, own)
 
 
-def test_drag_is_refused(mbs, add_pendulum):
-    cable = add_pendulum(mbs, **stretching())
-    with pytest.raises(InputError, match="drag on a cable with axialStiffness"):
-        SetCableDrag(mbs, cable, CableDrag(1.0, 0.01, diameter=0.01, fluidDensity=1.0))
+@pytest.mark.parametrize("dim", [2, 3])
+def test_bending_damping_is_that_of_native_cables(tip_of, native_tip, dim):
+    natives = [native_tip(1.0, 20, SOFT, HEAVY, dim, bendingDamping=damping) for damping in (0.02, 0.0)]
+    pin = {"groundConstraintsStart": [True] * dim + [False] * dim, "dimension": dim}
+    tip, report = tip_of(1.0, HEAVY, **stretching(SOFT, bendingDamping=0.02), **pin)
+    assert distance(tip, natives[0]) < 5e-4 < 0.05 * distance(*natives)
+    assert max(report["drift"]["energyGain"], -report["drift"]["energyLoss"]) < 3e-3
+
+
+def test_natural_curvature_is_that_of_native_cables(tip_of, native_tip):
+    natives = [native_tip(0.5, 32, 200.0, referenceCurvature=curvature) for curvature in (0.5, 0.0)]
+    tip, _ = tip_of(0.5, **stretching(200.0, referenceCurvature=0.5), numberOfElements=16)
+    assert distance(tip, natives[0]) < 0.01 * distance(*natives)
+
+
+@pytest.mark.parametrize("stiffness", [None, 100.0])
+def test_a_shape_may_be_free_of_stress(new_mbs, add_cable, add_sensor, solve, stiffness):
+    """An arc, clamped, under gravity: against native elements with strainIsRelativeToReference."""
+    section, twin = SECTION | {"strainIsRelativeToReference": 1.0}, {"useReducedOrderIntegration": 2}
+
+    def curve(elements):
+        angle = np.linspace(0.0, 1.5, elements + 1)
+        points = np.stack([np.sin(angle), 1.0 - np.cos(angle)], axis=1)
+        return points, np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+    mbs, native, clamp = new_mbs(), new_mbs(), {"groundConstraintsStart": [True] * 4}
+    template = InextensibleCable(**section, axialStiffness=stiffness)
+    shape = CableShape(*curve(12), elementLengths=1.5 / 12)
+    tip = add_sensor(mbs, add_cable(mbs, shape=shape, beamTemplate=template, **clamp)["nodes"][-1])
+    elements = ObjectANCFCable2D(**section, **twin, axialStiffness=stiffness or 1e4)
+    nodes, *_ = PointsAndSlopes2ANCFCable2D(
+        native,
+        ancfPointsSlopes=list(np.hstack(curve(24))),
+        elementLengths=[1.5 / 24] * 24,
+        cableTemplate=elements,
+        massProportionalLoad=[0, -9.81, 0],
+        fixedConstraintsNode0=[1, 1, 1, 1],
+        firstNodeIsLastNode=False,
+    )
+    far = add_sensor(native, nodes[-1])
+    for system in (mbs, native):
+        system.Assemble()
+    solve(mbs, 0.5, steps=50)
+    solve_native(native, 0.5)
+    found, expected = (np.asarray(m.GetSensorStoredData(n))[:, 1:] for m, n in ((mbs, tip), (native, far)))
+    assert distance(found, expected) < 2e-3 < 0.02 * np.ptp(expected, axis=0).max()
+
+
+def test_shapes_that_are_curved_in_space_are_not_free_of_stress(mbs, add_cable):
+    ring = CableShape.Circle([0, 0, 0], 0.5, 12, normal=[0, 1, 0])
+    with pytest.raises(InputError, match=r"strainIsRelativeToReference = 1.0 .* curved, in 3D"):
+        add_cable(mbs, shape=ring, beamTemplate=InextensibleCable(**SECTION, strainIsRelativeToReference=1.0))
+
+
+def test_drag_acts_on_the_stretched_length(mbs, add_pendulum, solve):
+    """In a flow along it, N' = -c u^2 (1 + N / EA), so that N = EA (exp(c u^2 (L - x) / EA) - 1)."""
+    drag, stiffness = CableDrag(1.0, 0.5, 0.01, 2.0, flowVelocity=[10, 0, 0]), 5.0
+    cable = add_pendulum(mbs, gravity=[0, 0, 0], **stretching(stiffness, axialDamping=1.0))
+    SetCableDrag(mbs, cable, drag)
+    mbs.Assemble()
+    solve(mbs, 20.0, stepSize=2e-3, massScaling=0.3)
+    forces = CableForces(mbs, cable, 7)
+    force = 0.005 * 2.0 * np.pi * 0.5 * 100.0
+    expected = stiffness * np.expm1(force * (1.8 - forces["arcLength"]) / stiffness)
+    assert expected.max() > 0.5 * stiffness
+    np.testing.assert_allclose(forces["tension"], expected, rtol=1e-3, atol=1e-3)
+
+
+def test_an_adaptive_step_gives_the_motion_of_native_cables(tip_of, native_tip):
+    tip, _ = tip_of(0.5, HEAVY, {"adaptiveStep": True}, **stretching(SOFT))
+    assert distance(tip, native_tip(0.5, 20, SOFT, HEAVY)) < 1e-4
+
+
+def test_a_weight_on_a_body_stretches_the_cable_by_hookes_law(mbs, add_pendulum):
+    cable = add_pendulum(mbs, positionEnd=[0, -1.8, 0], **stretching(50.0))
+    body = mbs.CreateMassPoint(
+        referencePosition=[0, -1.8, 0], mass=HEAVY, gravity=[0, -9.81, 0], returnDict=True
+    )
+    numbers = (cable["nodes"][-1], body["nodeNumber"])
+    ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=number)) for number in numbers]
+    mbs.AddObject(SphericalJoint(markerNumbers=ends))
+    mbs.Assemble()
+    SolveEquilibrium(mbs)
+    lower = mbs.GetNodeOutput(body["nodeNumber"], OutputVariableType.Displacement)[1]
+    weight = 9.81 * (HEAVY + 0.5 * 1.8 * SECTION["massPerLength"])
+    assert -lower == pytest.approx(1.8 * weight / 50.0, rel=1e-5)
+    top = 9.81 * (HEAVY + 1.8 * SECTION["massPerLength"])
+    assert CableForces(mbs, cable)["tension"][0] == pytest.approx(top, rel=1e-6)
+
+
+@pytest.mark.parametrize("stiffness", [20.0, 1e7])
+def test_the_limit_separates_growth_from_rest(
+    new_mbs, add_cable, add_sensor, solve, without_smaller_steps, stiffness
+):
+    def speed(factor, limit=None):
+        mbs, nudged = new_mbs(), np.zeros((6, 2))
+        nudged[-1] = 1e-6
+        line = np.linspace(0.0, 1.8, 6)
+        points = np.stack([line, 0 * line], axis=1)
+        shape = CableShape(points, np.tile([1.0, 0.0], (6, 1)), velocities=nudged, elementLengths=0.36)
+        clamp = {"gravity": [0, 0, 0], "groundConstraintsStart": [True] * 4}
+        tip = add_sensor(
+            mbs, add_cable(mbs, shape=shape, **clamp, **stretching(stiffness))["nodes"][-1], "Velocity"
+        )
+        mbs.Assemble()
+        if limit is None:
+            return solve(mbs, 1e-4, massScaling=0.0)["bounds"].bending
+        step = factor * limit
+        whole = quiet_settings(1000 * step, 1, period=1000 * step)
+        solve(mbs, settings=whole, stepSize=step, massScaling=0.0, allowUnstableStep=True)
+        return np.abs(np.asarray(mbs.GetSensorStoredData(tip))[-1, 1:]).max()
+
+    limit = speed(1.0)
+    assert speed(0.97, limit) < 1e-5
+    with pytest.warns(UserWarning, match="stability limit"):
+        try:
+            grown = speed(1.03, limit)
+        except DivergenceError:
+            grown = np.inf
+    assert grown > 1e-3
 
 
 def test_stepper_and_ensemble_give_the_states_of_a_run(new_mbs, add_pendulum, solve):

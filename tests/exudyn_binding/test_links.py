@@ -1,5 +1,7 @@
 """Rings, hangers, rollers and moved nodes, against native cables and independent trajectories."""
 
+from functools import partial
+
 import exudyn
 import numpy as np
 import pytest
@@ -21,7 +23,7 @@ from exudyn_inext import (
 )
 from reference_models.data import reference_trajectory
 from reference_models.scenes import load_scene
-from tests.exudyn_binding.items import hang, native_cable, solve_native, trajectory
+from tests.exudyn_binding.items import SECTION, hang, native_cable, solve_native, trajectory
 
 
 def largest_distance(new_mbs, add_sensor, build_ours, build_native, solve, end_time):
@@ -36,18 +38,28 @@ def largest_distance(new_mbs, add_sensor, build_ours, build_native, solve, end_t
     return np.abs(trajectory(ours, tip) - trajectory(native, native_tip)).max()
 
 
+def made_of(stiffness):
+    """Arguments of an inextensible cable, or one that stretches; and of its native twin."""
+    if stiffness is None:
+        return {}, {}
+    native = {"section": SECTION | {"useReducedOrderIntegration": 2}, "axial_stiffness": stiffness}
+    return {"beamTemplate": InextensibleCable(**SECTION, axialStiffness=stiffness)}, native
+
+
+@pytest.mark.parametrize("stiffness", [None, 50.0])
 @pytest.mark.parametrize("dim", [2, 3])
-def test_cable_on_a_hanger_moves_like_a_native_one(new_mbs, add_cable, add_sensor, solve, dim):
+def test_cable_on_a_hanger_moves_like_a_native_one(new_mbs, add_cable, add_sensor, solve, dim, stiffness):
     anchor = [0.0, 0.3, 0.0] if dim == 2 else [0.0, 0.3, 0.4]
     length = float(np.linalg.norm(anchor))
+    own, twin = made_of(stiffness)
 
     def ours(mbs):
-        nodes = add_cable(mbs, numberOfElements=10, dimension=dim)["nodes"]
+        nodes = add_cable(mbs, numberOfElements=10, dimension=dim, **own)["nodes"]
         hang(mbs, nodes[0], anchor, length)
         return nodes
 
     def native(mbs):
-        nodes = native_cable(mbs, dim, 20)["nodes"]
+        nodes = native_cable(mbs, dim, 20, **twin)["nodes"]
         hang(mbs, nodes[0], anchor, length)
         return nodes
 
@@ -66,8 +78,8 @@ def shake_rate_of_change(t):
     return [3.6 * np.cos(6.0 * t), 0.9 * np.cos(6.0 * t)]
 
 
-def native_shaken(mbs):
-    nodes = native_cable(mbs, 2, 20)["nodes"]
+def native_shaken(mbs, **twin):
+    nodes = native_cable(mbs, 2, 20, **twin)["nodes"]
     CreatePrescribedMotion(mbs, nodes[0], shake, shake_rate)
     return nodes
 
@@ -82,6 +94,18 @@ def test_shaken_cable_moves_like_a_native_one(new_mbs, add_cable, add_sensor, so
         return nodes
 
     assert largest_distance(new_mbs, add_sensor, ours, native_shaken, solve, 0.8) < 3e-3
+
+
+def test_shaken_cable_that_stretches_moves_like_a_native_one(new_mbs, add_cable, add_sensor, solve):
+    own, twin = made_of(20.0)
+
+    def ours(mbs):
+        nodes = add_cable(mbs, numberOfElements=10, **own)["nodes"]
+        CreatePrescribedMotion(mbs, nodes[0], shake)
+        return nodes
+
+    native = partial(native_shaken, **twin)
+    assert largest_distance(new_mbs, add_sensor, ours, native, solve, 0.8) < 1e-3
 
 
 @pytest.mark.parametrize("integrator", ["RATTLE", "Zhai", "RK4"])

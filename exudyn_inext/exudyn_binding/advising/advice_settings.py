@@ -23,7 +23,7 @@ class AdviceSettings:
         samplePeriod: [s] at which the sensor is compared; None: a five hundredth of endTime.
         numbersOfElements: that pilots may have, increasing; those that cannot be built are left out.
         pilotBudget: CPU time that solutions on finer and finer meshes may take together [s].
-        axialStiffness: EA of the real cable [N]; None: stretch is not looked at.
+        axialStiffness: EA of the real cables [N]; None: stretch is not looked at.
         buildConventional: function of a number of elements that builds the same scene with native cables,
             returning (mbs, sensorNumber); None: native cables are not compared.
     """

@@ -2,13 +2,19 @@
 
 from typing import Any
 
-from ...advice.advice import choice_sentence, convergence_sentence, rival_sentence, stretch_sentence
+from ...advice.advice import (
+    choice_sentence,
+    convergence_sentence,
+    cost_sentence,
+    rival_sentence,
+    stretch_sentence,
+)
 from ...advice.cost import predicted_seconds
-from ...advice.pilot import Pilot
-from ...advice.rivals import LENIENCE, climb, judge_by_themselves
+from ...advice.pilot import EXTENSIBLE, Pilot
+from ...advice.rivals import LENIENCE, climb
 from ...advice.search import expected_error, extrapolated, most_accurate, try_families
 from ...advice.stretch import stretch_error
-from ...advice.survey import survey_meshes
+from ...advice.survey import Search, survey_meshes
 from ...checks import require_positive
 from ...errors import InputError
 from ..reports import AdviceReport
@@ -40,9 +46,10 @@ def Advise(
         settings: how pilots are run, and what is known of the real cable.
 
     Returns:
-        dict, which prints as a summary, with 'formulation' ('inextensible' or 'conventional'),
-        'dimension', 'numberOfElements',
-        'numberOfLengthConstraints', 'integrator', 'stepSize' [s], 'stabilizationRate' [1/s], 'massScaling'
+        dict, which prints as a summary, with 'formulation' ('inextensible', 'extensible' or
+        'conventional'), 'axialStiffness' [N] (to be given to the cables of `build`, or None), 'dimension',
+        'numberOfElements', 'numberOfLengthConstraints' (None of cables that stretch),
+        'integrator', 'stepSize' [s], 'stabilizationRate' [1/s], 'massScaling'
         [-], 'explicitSettings' (to be handed to SolveExplicit; None for conventional cables),
         'predictedError', 'predictedSeconds' (CPU), 'extrapolated', 'meetsTolerance', 'meetsBudget',
         'reasons' (sentences), 'tried' (list of dicts, one a pilot) and 'pilotSeconds' (CPU, of these).
@@ -80,18 +87,24 @@ class _Session:
                 f"{end_time:g} s; give a larger one."
             )
         self._problem = PilotRuns(build, settings.buildConventional, end_time, period)
-        numbers, cost = settings.numbersOfElements, settings.pilotBudget
-        self._search = survey_meshes(self._problem, tolerance, numbers, cost)
-        try_families(self._problem, self._search)
-        self._reasons = [convergence_sentence(self._search)]
+        self._reasons: list[str] = []
+        self._search = self._survey()
+
+    def _survey(self) -> Search:
+        """All explicit runs of the present formulation."""
+        settings = self._settings
+        search = survey_meshes(
+            self._problem, self._tolerance, settings.numbersOfElements, settings.pilotBudget
+        )
+        try_families(self._problem, search)
+        self._reasons.append(convergence_sentence(search))
+        return search
 
     def result(self) -> dict[str, Any]:
         """See `Advise`."""
-        stretches = self._add_stretch()
-        rivals = self._add_rivals(stretches)
+        self._add_stretch()
+        self._add_rivals()
         advised = self._search.best
-        if advised is None and stretches:
-            advised = self._closest(rivals)
         if advised is None:
             advised = self._extrapolated()
         advised = self._within_budget(advised) or advised
@@ -102,13 +115,15 @@ class _Session:
         else:
             said = choice_sentence(advised, self._tolerance)
         explicit = None if choice.is_conventional else explicit_settings(choice)
-        constraints = self._problem.length_constraints
+        stretches = choice.formulation == EXTENSIBLE
+        constraints = self._problem.length_constraints if explicit and not stretches else {}
         return AdviceReport(
             {
                 "formulation": choice.formulation,
+                "axialStiffness": self._settings.axialStiffness if stretches else None,
                 "dimension": self._problem.dimension,
                 "numberOfElements": choice.elements,
-                "numberOfLengthConstraints": constraints[choice.elements] if explicit else None,
+                "numberOfLengthConstraints": constraints.get(choice.elements),
                 "integrator": choice.integrator,
                 "stepSize": choice.step_size,
                 "stabilizationRate": explicit.stabilizationRate if explicit else None,
@@ -125,45 +140,35 @@ class _Session:
             }
         )
 
-    def _add_stretch(self) -> bool:
-        """Whether stretch moves the sensor by more than the tolerance: an error of all inextensible runs."""
-        stiffness, search = self._settings.axialStiffness, self._search
-        if stiffness is None:
-            return False
-        tension = self._problem.tension(search.meshes[0].choice)
-        error = stretch_error(tension, stiffness, search.finest.values)
-        self._reasons.append(stretch_sentence(tension, stiffness, error, self._tolerance))
-        stretches = error > self._tolerance
-        if stretches:
-            for pilot in search.tried:
-                pilot.error += error
-        return stretches
+    def _add_stretch(self) -> None:
+        """If stretch moves the sensor by more than the tolerance: survey cables that stretch as well."""
+        stiffness, rigid = self._settings.axialStiffness, self._search
+        if stiffness is None or self._problem.formulation == EXTENSIBLE:
+            return
+        tensions = self._problem.tensions(rigid.meshes[0].choice)
+        error = stretch_error(tensions, stiffness, rigid.finest.values)
+        self._reasons.append(stretch_sentence(tensions, stiffness, error, self._tolerance))
+        if error <= self._tolerance:
+            return
+        for pilot in rigid.tried:
+            pilot.error += error
+        self._problem.let_stretch(stiffness)
+        self._search = self._survey()
+        self._search.tried += rigid.tried
+        self._reasons.append(cost_sentence(rigid, self._search))
 
-    def _add_rivals(self, stretches: bool) -> list[Pilot]:
+    def _add_rivals(self) -> None:
         """Conventional runs, among what was tried."""
         if self._settings.buildConventional is None:
-            return []
+            return
         search = self._search
         best = search.best
         most = LENIENCE * best.seconds if best else self._settings.pilotBudget
         rivals = climb(self._problem, [pilot.choice.elements for pilot in search.meshes], most)
-        if stretches:
-            rivals = judge_by_themselves(rivals)
-            search.tried += rivals
-        else:
-            for pilot in rivals:
-                search.judge(pilot)
+        for pilot in rivals:
+            search.judge(pilot)
         if rivals:
             self._reasons.append(rival_sentence(rivals, best, self._tolerance))
-        return rivals
-
-    def _closest(self, rivals: list[Pilot]) -> Pilot:
-        """Where cables stretch and no conventional run was good enough, or none could be built."""
-        self._reasons.append(
-            "No conventional run within the tolerance was found"
-            + (": give buildConventional." if self._settings.buildConventional is None else ".")
-        )
-        return min(rivals or self._search.tried, key=lambda pilot: pilot.error)
 
     def _within_budget(self, advised: Pilot) -> Pilot | None:
         """What replaces a run; None if that is within the budget, or no pilot is."""

@@ -10,9 +10,10 @@ from typing import Any
 import exudyn
 import numpy as np
 
-from ...advice.pilot import CONVENTIONAL, Choice, Pilot
+from ...advice.pilot import CONVENTIONAL, EXTENSIBLE, INEXTENSIBLE, Choice, Pilot
 from ...advice.stretch import Tension
 from ...arrays import Array
+from ...cable.cable import CurvatureMeasure
 from ...errors import DivergenceError, InputError, SceneError, StepSizeError
 from ...items.arguments import sensor_number
 from ...run.settings import ExplicitSettings
@@ -48,8 +49,27 @@ class PilotRuns:
         self.period = end_time / max(1, round(end_time / period))
         self._limits: dict[tuple[int, str], float] = {}
         self._ran: set[tuple[str, str]] = set()
+        self._axial_stiffness: float | None = None
+        self.formulation = INEXTENSIBLE
         self.dimension = 0
         self.length_constraints: dict[int, int] = {}  # n_bar of a cable, by its number of elements
+
+    def let_stretch(self, axial_stiffness: float) -> None:
+        """Give cables that have none this axial stiffness [N], whatever `build` says, from now on."""
+        self._axial_stiffness = axial_stiffness
+        self._limits.clear()
+
+    def _scene(self, elements: int) -> tuple[Any, int]:
+        """What `build` returns; with axial stiffness if it is to have it."""
+        mbs, sensor = _built("build", self._build, elements)
+        for item in [cable.item for cable in read_scene(mbs).cables] if self._axial_stiffness else ():
+            section = replace(item.cable.section, axial_stiffness=self._axial_stiffness)
+            if not item.cable.stretches:
+                measure = CurvatureMeasure.SECOND_DERIVATIVE
+                item.cable = replace(
+                    item.cable, section=section, measure=measure, length_constraints=elements
+                )
+        return mbs, sensor
 
     def step_limit(self, elements: int, integrator: str) -> float:
         """See `Problem`; a short run also compiles what the pilots need.
@@ -58,12 +78,14 @@ class PilotRuns:
             SceneError: the scene has no inextensible cable.
         """
         if (elements, integrator) not in self._limits:
-            mbs, _ = _built("build", self._build, elements)
+            mbs, _ = self._scene(elements)
             cables = read_scene(mbs).cables
             if not cables:
                 raise SceneError(
                     "build: the mbs has no inextensible cable; add one with CreateInextensibleCable."
                 )
+            if any(cable.cable.stretches for cable in cables):
+                self.formulation = EXTENSIBLE
             self.dimension = max(cable.cable.dimension for cable in cables)
             self.length_constraints[elements] = max(cable.cable.length_constraints for cable in cables)
             end = min(1e-3, self.end_time)
@@ -86,7 +108,7 @@ class PilotRuns:
     def _run_once(self, choice: Choice) -> Pilot:
         if choice.formulation == CONVENTIONAL:
             return self._run_conventional(choice)
-        mbs, sensor = _built("build", self._build, choice.elements)
+        mbs, sensor = self._scene(choice.elements)
         settings, explicit = _settings(self.end_time, self.period), explicit_settings(choice)
         start = time.process_time()
         try:
@@ -127,9 +149,9 @@ class PilotRuns:
         times = np.linspace(0.0, self.end_time, round(self.end_time / self.period) + 1)
         return np.column_stack([np.interp(times, stored[:, 0], column) for column in stored.T[1:]])
 
-    def tension(self, choice: Choice) -> Tension:
-        """Largest one along all cables, or compression, at some times of a run."""
-        mbs, _ = _built("build", self._build, choice.elements)
+    def tensions(self, choice: Choice) -> list[Tension]:
+        """Largest one along each cable, or compression, at some times of a run."""
+        mbs, _ = self._scene(choice.elements)
         cables = read_scene(mbs).cables
         times, found = np.linspace(0.0, self.end_time, LOOKS_AT_TENSION + 1), []
         for start, end in pairwise(times):
@@ -137,14 +159,16 @@ class PilotRuns:
             settings.timeIntegration.startTime = float(start)
             SolveExplicit(mbs, settings, explicit_settings(choice))
             _go_on_from_here(mbs)
-            found.append(max(float(np.abs(_tension(mbs, cable.number)).max()) for cable in cables))
-        section = cables[0].cable.section
-        return Tension(
-            rms=float(np.sqrt(np.mean(np.square(found)))),
-            largest=max(found),
-            length=sum(cable.cable.length for cable in cables),
-            mass_per_length=section.mass_per_length,
-        )
+            found.append([float(np.abs(_tension(mbs, cable.number)).max()) for cable in cables])
+        return [
+            Tension(
+                rms=float(np.sqrt(np.mean(np.square(of_cable)))),
+                largest=float(max(of_cable)),
+                length=cable.cable.length,
+                mass_per_length=cable.cable.section.mass_per_length,
+            )
+            for cable, of_cable in zip(cables, np.transpose(found), strict=True)
+        ]
 
 
 def explicit_settings(choice: Choice) -> ExplicitSettings:

@@ -15,7 +15,8 @@ from ..cable_data import point_on_cable, require_cable
 class CableDrag:
     """Quasi-static drag of a round cable: force per length -rho d/2 (C_n |v_n| v_n + pi C_t |v_t| v_t).
 
-    v_n and v_t are the parts across and along the cable of its velocity relative to the fluid.
+    v_n and v_t are the parts across and along the cable of its velocity relative to the fluid. A cable that
+    stretches keeps its diameter, and the force acts on its present length.
 
     Args:
         normalCoefficient: C_n [-], about 1.2 for a round cable.

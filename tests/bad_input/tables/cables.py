@@ -80,7 +80,7 @@ SECTIONS = of_cable(
         (section(axialDamping=1.0), r"axialDamping = 1.0 without axialStiffness: .*give axialStiffness"),
         (section(referenceAxialStrain=0.1), r"referenceAxialStrain = 0.1 without axialStiffness: .*give"),
         (section(axialStiffness=1e4, referenceAxialStrain=-1.0), r"referenceAxialStrain = -1.0: .*above -1"),
-        (section(axialStiffness=1e4, bendingDamping=0.1), r"bendingDamping = 0.1 with axialStiffness"),
+        (section(strainIsRelativeToReference=np.nan), r"strainIsRelativeToReference = nan: must be a finite"),
         (section(axialStiffness=1e4, curvatureMeasure="product"), r"curvatureMeasure = 'product' with axial"),
         (
             section(axialStiffness=1e4, numberOfLengthConstraints=1),
