@@ -25,7 +25,7 @@ from .tuning import Attempt, choose, search, vary
 REPETITIONS = 3
 TICKS = [digit * 10.0**power for power in range(-4, 3) for digit in (1, 3)]  # [s]
 DEFAULT = "default"
-LEAST = 1e-5  # of a difference of times [s]
+LEAST = 0.1  # of the CPU time of a run, where its start is taken off
 
 Series = list[list[Any]]
 
@@ -126,8 +126,10 @@ def compare(
                 row |= {f"{name}Error": one["error"], f"{name}Settings": _settings(one)}
         for name, other in product(found, found):
             if name in row and other in row:
-                alone = [max(row[key] - row[f"{key}Start"], LEAST) for key in (name, other)]
-                row |= {f"{name}/{other}": row[name] / row[other], f"{name}//{other}": alone[0] / alone[1]}
+                row[f"{name}/{other}"] = row[name] / row[other]
+                alone = [row[key] - row[f"{key}Start"] for key in (name, other)]
+                if alone[1] > LEAST * row[other]:
+                    row[f"{name}//{other}"] = alone[0] / alone[1]
         rows.append(row)
     return rows
 
