@@ -32,34 +32,18 @@ What is left out
     slacken. Larger nets are tuned over the settings that served the smaller one.
 """
 
-import math
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from functools import partial
-from itertools import product
 from pathlib import Path
-from typing import Any, get_args
-
-import exudyn
-
-from exudyn_inext import InextensibleError
-from exudyn_inext.arrays import Array
-from reference_models.conventional.cable import Quadrature
 
 from .harness import Order, Results, Row, Study, Table, announce, groups, judged, large_nets
 from .harness.cases import DEFAULT, ONE_SETTING, TUNED
-from .harness.coupled_runs import PERIOD, Candidate, Inextensible, Native, by_rule, distance, prepare
+from .harness.coupled_runs import Candidate, Inextensible, Native, by_rule
 from .harness.coupled_scenes import SCENES, CoupledScene
+from .harness.coupled_tuning import Series, Tuning, compare, draw_fronts, natives, ours
 from .harness.engines import ask
-from .harness.plot import Curve, Panel, chart
-from .harness.tuning import Attempt, choose, search, vary
 
 BOUNDS = (1e-2, 1e-3)
-QUADRATURES = [name for name in get_args(Quadrature) if name != "reduced"]
 LARGE = (10, 22)  # meshes along a side
-QUICK: dict[str, Any] = {"end_time": 0.06, "steps": (5e-3, 2e-3)}  # [s]
-REPETITIONS = 3
-TICKS = [digit * 10.0**power for power in range(-4, 3) for digit in (1, 3)]  # [s]
 SIDES = ("inextensible", "native")
 WHO = {
     "ours": (SIDES[0], TUNED),
@@ -68,88 +52,31 @@ WHO = {
     "native": (SIDES[1], TUNED),
 }
 
-Series = list[list[Any]]
-
-
-def ours(scene: CoupledScene) -> Series:
-    """Candidates: default settings, one setting for all scenes, and series of steps."""
-    untuned: Series = [[Inextensible(n, choice=DEFAULT)] for n in scene.meshes]
-    untuned += [[by_rule(scene, n)] for n in scene.meshes]
-    return untuned + [[Inextensible(n, h) for h in scene.steps] for n in scene.meshes]
-
-
-def natives(scene: CoupledScene) -> Series:
-    """Candidates: series of steps."""
-    grid = product(scene.meshes, scene.axial, QUADRATURES)
-    return [[Native(n, h, axial, quadrature) for h in scene.steps] for n, axial, quadrature in grid]
-
 
 def measure(order: Order) -> list[Row]:
     """Rows of candidates, of the best ones, and of large nets."""
     rows: list[Row] = []
     for scene in SCENES:
-        if not order.quick:
-            rows += _tuned(scene, REPETITIONS)
-        elif scene.is_quick:
-            rows += _tuned(_brief(scene), 1)
+        if scene.is_quick or not order.quick:
+            announce("coupled", scene.name)
+            rows += TUNING.rows(scene.brief() if order.quick else scene, order.quick)
     for meshes in (2,) if order.quick else LARGE:
         rows += [_large(meshes, formulation) for formulation in SIDES]
     return rows
 
 
-def _brief(scene: CoupledScene) -> CoupledScene:
-    meshes = scene.meshes[:2]
-    return replace(scene, meshes=meshes, axial=scene.axial[-1:], fine=(meshes[-1], 1e-3), **QUICK)
-
-
-def _tuned(scene: CoupledScene, repetitions: int) -> Iterator[Row]:
-    announce("coupled", scene.name)
-    run = partial(prepare, scene, end_time=scene.end_time)
+def _references(scene: CoupledScene) -> tuple[Candidate, Candidate]:
     elements, step = scene.fine
-    reference = run(Inextensible(elements, step))()[1]
-    attempt = partial(_attempt, scene, reference)
-    twin = attempt(Native(elements, step, max(scene.axial)))
-    yield {"kind": "reference", "label": scene.name, "scene": scene.name, "error": twin.error}
-    for side, series in zip(SIDES, (ours(scene), natives(scene)), strict=True):
-        found = search(series, attempt, BOUNDS, side)
-        found += vary(found, attempt, BOUNDS, lambda candidate: candidate.variants(scene))
-        yield from (_row("candidate", scene, one) for one in found)
-        untuned = {name: [one for one in found if _choice(one) == name] for name in (DEFAULT, ONE_SETTING)}
-        for bound, (choice, some) in product(BOUNDS, {TUNED: found, **untuned}.items()):
-            if best := choose(some, bound, run, repetitions):
-                start = choose([best], math.inf, partial(prepare, scene, end_time=PERIOD), repetitions)
-                row = _row("best", scene, best) | {"bound": bound, "choice": choice}
-                yield row | {"startSeconds": start and start.seconds}
+    return Inextensible(elements, step), Native(elements, step, max(scene.axial))
 
 
-def _choice(one: Attempt) -> str:
-    return getattr(one.candidate, "choice", TUNED)
+def _ours(scene: CoupledScene) -> Series:
+    """Candidates: one setting for all scenes, and the others."""
+    return [[by_rule(scene, n)] for n in scene.meshes] + ours(scene)
 
 
-def _attempt(scene: CoupledScene, reference: Array, candidate: Candidate) -> Attempt:
-    """One that fails with modified Newton steps is run with full ones."""
-    try:
-        seconds, paths = prepare(scene, candidate, scene.end_time)()
-    except (InextensibleError, exudyn.ExudynError):
-        if isinstance(candidate, Native) and candidate.newton == "modified":
-            return _attempt(scene, reference, replace(candidate, newton="full"))
-        return Attempt(candidate, None, 0.0)
-    return Attempt(candidate, distance(paths, reference), seconds)
-
-
-def _row(kind: str, scene: CoupledScene, one: Attempt) -> Row:
-    candidate = one.candidate
-    side = SIDES[isinstance(candidate, Native)]
-    return {
-        "kind": kind,
-        "label": f"{scene.name}, {side}, {candidate.elements} elements, {candidate}",
-        "scene": scene.name,
-        "formulation": side,
-        "elements": candidate.elements,
-        "settings": str(candidate),
-        "error": one.error,
-        "cpuSeconds": one.seconds,
-    }
+compared = partial(compare, bounds=BOUNDS, who=WHO)
+TUNING = Tuning(dict(zip(SIDES, (_ours, natives), strict=True)), _references, BOUNDS)
 
 
 def _large(meshes: int, formulation: str) -> Row:
@@ -160,26 +87,9 @@ def _large(meshes: int, formulation: str) -> Row:
     return {"kind": "large", "label": label, "cables": cables, "formulation": formulation, **found}
 
 
-def compare(results: Results) -> list[Row]:
-    """Native over ours, for each scene and bound."""
-    best = {(r["scene"], r["bound"], r["formulation"], r["choice"]): r for r in results.of_kind("best")}
-    rows = []
-    for reference, bound in product(results.of_kind("reference"), BOUNDS):
-        row: Row = {"scene": reference["scene"], "within": f"{bound:.1%}", "agreement": reference["error"]}
-        for name, side in WHO.items():
-            one = best.get((reference["scene"], bound, *side), {})
-            row[name], row[f"{name}Error"] = one.get("cpuSeconds"), one.get("error")
-            row[f"{name}Start"] = one.get("startSeconds")
-            row[f"{name}Settings"] = f"{one['elements']} elements, {one['settings']}" if one else None
-        for name, own in (("ratio", "ours"), ("defaultRatio", "default"), ("settingRatio", "setting")):
-            row[name] = row["native"] / row[own] if row["native"] and row[own] else None
-        rows.append(row)
-    return rows
-
-
 def conclude(results: Results) -> list[str]:
     """Ratios at equal error, of steps of large nets, and how far both formulations agree."""
-    said = [_sentence(row, results.noise) for row in compare(results)]
+    said = [_sentence(row, results.noise) for row in compared(results)]
     for row in results.of_kind("reference"):
         agreement = f"agree to {row['error']:.2g}" if row["error"] else "can NOT be compared"
         said.append(f"{row['scene']}: converged runs of both formulations {agreement}.")
@@ -195,42 +105,18 @@ def conclude(results: Results) -> list[str]:
 
 def _sentence(row: Row, noise: float) -> str:
     what = f"{row['scene']} within {row['within']}:"
-    if row["ratio"] is None:
-        missing = [side for side, key in zip(SIDES, ("ours", "native"), strict=True) if row[key] is None]
+    if "native/ours" not in row:
+        missing = [side for side, key in zip(SIDES, ("ours", "native"), strict=True) if key not in row]
         return f"{what} no {' and no '.join(missing)} run gets there."
-    verdict = judged(1.0, row["ratio"], noise, "ours is cheaper", "ours is NOT cheaper")
-    default = f", {row['defaultRatio']:.3g} at our default settings" if row["defaultRatio"] else ""
-    return f"{what} {verdict}: native over ours {row['ratio']:.3g} tuned{default}."
+    ratio, over_default = row["native/ours"], row.get("native/default")
+    verdict = judged(1.0, ratio, noise, "ours is cheaper", "ours is NOT cheaper")
+    default = f", {over_default:.3g} at our default settings" if over_default else ""
+    return f"{what} {verdict}: native over ours {ratio:.3g} tuned{default}."
 
 
 def draw(results: Results, directory: Path) -> list[Path]:
     """Error over CPU time of the best candidates, and of default settings."""
-    known = [row for row in results.of_kind("candidate") if row["error"] and row["cpuSeconds"]]
-    panels = []
-    for scene, rows in groups(known, "scene").items():
-        default = [row for row in rows if row["settings"] == "default"]
-        sides = {name: [row for row in rows if row["formulation"] == name] for name in SIDES}
-        shown = {**sides, "default settings": default}.items()
-        curves = [Curve(*_front(some), name) for name, some in shown]
-        times = [seconds for curve in curves for seconds in curve.x]
-        ticks = [x for x in TICKS if 0.7 * min(times) < x < 1.4 * max(times)]
-        axes = {"title": scene, "legend": False, "horizontal": BOUNDS, "ticks": ticks}
-        panels.append(Panel("CPU time [s]", "error [-]", curves, **axes))
-    rows_of_panels = -(-len(panels) // 4)
-    width, height = 3.4 * -(-len(panels) // rows_of_panels), 0.5 + 2.9 * rows_of_panels
-    path = directory / "coupled_scenes.png"
-    return [chart(path, *panels, width=width, height=height, rows=rows_of_panels, columns=3)]
-
-
-def _front(rows: Sequence[Row]) -> tuple[list[float], list[float]]:
-    """CPU times and errors of runs, none of which is dearer and worse than another one."""
-    times: list[float] = []
-    errors: list[float] = []
-    for row in sorted(rows, key=lambda row: row["cpuSeconds"]):
-        if not errors or row["error"] < errors[-1]:
-            times.append(row["cpuSeconds"])
-            errors.append(row["error"])
-    return times, errors
+    return [draw_fronts(results, directory / "coupled_scenes.png", BOUNDS)]
 
 
 TABLES = [
@@ -238,17 +124,17 @@ TABLES = [
         "best",
         "Cheapest runs within a bound [s], and ratios of CPU times; how far converged runs agree:",
         "scene | within | inextensible: ours | its start: oursStart | default settings: default | native | "
-        "its start: nativeStart | native over inextensible: ratio | over default settings: defaultRatio | "
-        "over one setting: settingRatio | "
-        "agreement",
-        compare,
+        "its start: nativeStart | native over inextensible: native/ours | "
+        "over default settings: native/default | "
+        "over one setting: native/setting | agreement",
+        compared,
     ),
     Table(
         "settings",
         "Their settings and errors:",
         "scene | within | inextensible: oursSettings | error: oursError | default: defaultSettings | "
         "error: defaultError | native: nativeSettings | error: nativeError",
-        compare,
+        compared,
     ),
     Table(
         "large",

@@ -24,6 +24,7 @@ What is left out
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from tqdm import tqdm
@@ -59,12 +60,17 @@ def measure(order: Order) -> list[Row]:
 
 
 def watched_run(label: str, damping: float, steps: int) -> Row:
-    """So many steps of the pendulum with that bending damping [N m^2 s], looked at after each call."""
+    """So many steps of the pendulum with that bending damping [N m^2 s]."""
     mbs = joined_scene(Contents(elements=ELEMENTS, damping=damping))
+    return long_run(label, mbs, ExplicitSettings("RATTLE", stepSize=STEP), steps)
+
+
+def long_run(label: str, mbs: Any, settings: ExplicitSettings, steps: int) -> Row:
+    """So many steps of a cable under its weight, looked at after each call.   settings: with a step."""
     (in_scene,) = inner.read_cables(mbs, "soak")
     cable = in_scene.cable
     invariants = Invariants(cable, inner.gravity_force(cable, np.array(GRAVITY[:2])))
-    stepper = ExplicitStepper(mbs, ExplicitSettings("RATTLE", stepSize=STEP))
+    stepper = ExplicitStepper(mbs, settings)
     looks = []
 
     def look() -> None:
@@ -86,13 +92,13 @@ def watched_run(label: str, damping: float, steps: int) -> Row:
         "kind": "run",
         "label": label,
         "steps": steps,
-        "hours": steps * STEP / 3600.0,
+        "hours": steps * stepper.stepSize / 3600.0,
         "cpuSeconds": time.process_time() - seconds,
         "range": float(np.ptp(energy)),
         "drift": float(energy[-tenth:].mean() - energy[:tenth].mean()),
         "violation": float(violations.max()),
         "rate": float(rates.max()),
-        "times": (STEP * call * np.arange(len(energy)))[::every].tolist(),
+        "times": (stepper.stepSize * call * np.arange(len(energy)))[::every].tolist(),
         "energies": energy[::every].tolist(),
     }
 

@@ -51,6 +51,7 @@ class NativeCables:
                 massPerLength=beamTemplate.massPerLength,
                 bendingStiffness=beamTemplate.bendingStiffness,
                 axialStiffness=self.axial,
+                referenceAxialStrain=beamTemplate.referenceAxialStrain,
                 nodeNumbers=nodes[k : k + 2],
                 useReducedOrderIntegration=get_args(Quadrature).index(self.quadrature),
             )

@@ -21,11 +21,12 @@ from reference_models.conventional.native_cables import NativeCables
 from reference_models.conventional.settings import Implicit, LinearSolver, Newton, simulation_settings
 from reference_models.model import quiet_settings, silence
 
-from .cases import ONE_SETTING, THETA, TUNED, step_by_rule
+from .cases import DEFAULT, ONE_SETTING, THETA, TUNED, step_by_rule
 from .coupled_scenes import CoupledScene
 
 INITIAL = exudyn.ConfigurationType.Initial
 PERIOD = 0.02  # of outputs [s]
+RADII = (0.6, 0.95)  # other spectral radii of generalized-alpha
 LEAST_STEP = 1 / 64  # of a native step that fails and is halved
 SOFT = 0.1  # axial stiffness over that of the cable, from whose equilibrium statics begins: stiff ones fail
 AT_ONCE = 1e-9  # of the load steps of statics [s]: loads that depend on time are those at the start
@@ -45,7 +46,7 @@ class Inextensible:
     choice: str = TUNED
 
     def __str__(self) -> str:
-        return f"{self.integrator}, h = {self.step:g} s, theta = {self.theta:g}" if self.step else "default"
+        return f"{self.integrator}, h = {self.step:g} s, theta = {self.theta:g}" if self.step else DEFAULT
 
     @property
     def add_cable(self) -> Callable[..., dict[str, Any]]:
@@ -80,7 +81,7 @@ def by_rule(scene: CoupledScene, elements: int) -> Inextensible:
 
 @dataclass(frozen=True)
 class Native:
-    """elements: see the scene.   step: [s].   axial: stiffness [N].   Others: see `Implicit`."""
+    """elements: see the scene.   step: [s].   axial: stiffness [N].   radius, others: see `Implicit`."""
 
     elements: int
     step: float
@@ -89,10 +90,11 @@ class Native:
     newton: Newton = "modified"
     linear: LinearSolver = "sparse"
     tolerance: float = 1e-6
+    radius: float = 0.8
 
     def __str__(self) -> str:
         axial, solver = f"EA = {self.axial:g} N, {self.quadrature}", f"{self.newton}, {self.linear}"
-        return f"h = {self.step:g} s, {axial}, {solver}, {self.tolerance:g}"
+        return f"h = {self.step:g} s, {axial}, {solver}, {self.tolerance:g}, rho_inf = {self.radius:g}"
 
     @property
     def add_cable(self) -> Callable[..., dict[str, Any]]:
@@ -116,7 +118,7 @@ class Native:
         mbs.SolveDynamic(self._settings(end_time))
 
     def _settings(self, end_time: float) -> Any:
-        solver = Implicit(self.step, self.newton, self.linear, self.tolerance, spectral_radius=0.8)
+        solver = Implicit(self.step, self.newton, self.linear, self.tolerance, self.radius)
         settings = simulation_settings(solver, end_time)
         settings.timeIntegration.minimumStepSize = LEAST_STEP * self.step
         settings.solution.sensors.writePeriod = PERIOD
@@ -127,7 +129,8 @@ class Native:
         newton: tuple[Newton, ...] = ("full", "modified", "modifiedEachStep")
         linear: tuple[LinearSolver, ...] = ("sparse", "dense") if scene.is_small else ("sparse",)
         options = product(newton, linear, (1e-6, 1e-4))
-        return [replace(self, newton=one, linear=two, tolerance=three) for one, two, three in options]
+        others = [replace(self, newton=one, linear=two, tolerance=three) for one, two, three in options]
+        return others + [replace(self, radius=radius) for radius in RADII]
 
 
 Candidate = Inextensible | Native
@@ -163,9 +166,12 @@ def _build(scene: CoupledScene, candidate: Candidate) -> tuple[Any, Any, dict[st
 
 @cache
 def _equilibrium(scene: CoupledScene, candidate: Candidate) -> list[float]:
-    """Coordinates of a scene at rest."""
+    """Coordinates of a scene at rest; native statics begin at the equilibrium of the other side."""
     _container, mbs, _ = _build(scene, candidate)
     mbs.Assemble()
+    if isinstance(candidate, Native):
+        guess = _equilibrium(scene, Inextensible(candidate.elements))
+        mbs.systemData.SetODE2Coordinates(guess, INITIAL)
     with silence():
         candidate.settle(mbs)
     return list(mbs.systemData.GetODE2Coordinates(INITIAL))

@@ -13,6 +13,8 @@ from examples import overhead_line as line
 
 from .nets import Net
 
+QUICK: dict[str, Any] = {"end_time": 0.06, "steps": (5e-3, 2e-3)}  # [s]
+
 
 @dataclass(frozen=True)
 class CoupledScene:
@@ -36,6 +38,11 @@ class CoupledScene:
     settles: bool = False
     is_small: bool = True
     is_quick: bool = False
+
+    def brief(self) -> "CoupledScene":
+        """Of a quick run: two meshes and steps, and little motion."""
+        meshes = self.meshes[:2]
+        return replace(self, meshes=meshes, axial=self.axial[-1:], fine=(meshes[-1], 1e-3), **QUICK)
 
 
 def overhead_line(spans: int, meshes: Sequence[int], **more: Any) -> CoupledScene:

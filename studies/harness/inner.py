@@ -35,5 +35,5 @@ from exudyn_inext.run.step_choice import largest_step, rule_of_cable, rule_step,
 from exudyn_inext.run.step_control import Piece
 from exudyn_inext.run.time_grid import TimeGrid
 from exudyn_inext.run.watch import record_watched
-from exudyn_inext.statics import Potential, StaticOptions, find_equilibrium
+from exudyn_inext.statics import Potential, StaticOptions, find_equilibrium, potential_of
 from exudyn_inext.system import index_reduced_rates

@@ -1,7 +1,7 @@
 """The cheapest candidate within a bound of the error: a search with single runs, then medians in turn."""
 
-import statistics
-from collections.abc import Callable, Iterable, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -71,18 +71,25 @@ def vary(
 
 
 def choose(
-    found: Sequence[Attempt], bound: float, prepare: Callable[[Any], Prepare], rounds: int
-) -> Attempt | None:
-    """The cheapest one within a bound, by medians of runs in turn; None if there is none."""
+    groups: Mapping[Any, tuple[Sequence[Attempt], float]], prepare: Callable[[Any], Prepare], rounds: int
+) -> dict[Any, Attempt]:
+    """The cheapest one of each group within its bound, by medians of runs that all groups take in turn.
+
+    groups: name -> runs and bound; one without a run within the bound is left out.
+    """
+    hopes = {name: _promising(found, bound) for name, (found, bound) in groups.items()}
+    tasks = {one.candidate: partial(prepare, one.candidate) for again in hopes.values() for one in again}
+    timed = {name: one.median or math.inf for name, one in in_turn(tasks, rounds, "best").items()}
+    medians = {
+        name: [Attempt(one.candidate, one.error, timed[one.candidate]) for one in again]
+        for name, again in hopes.items()
+    }
+    return {name: min(again, key=lambda one: one.seconds) for name, again in medians.items() if again}
+
+
+def _promising(found: Sequence[Attempt], bound: float) -> list[Attempt]:
     within = _cheapest(found, bound)
-    again = [one for one in within if one.seconds < PROMISING * within[0].seconds][:MOST]
-    if not again:
-        return None
-    tasks = {place: partial(prepare, one.candidate) for place, one in enumerate(again)}
-    timed = in_turn(tasks, rounds, f"within {bound:g}")
-    medians = [statistics.median(timed[place].cpu_seconds) for place in tasks]
-    seconds, place = min((seconds, place) for place, seconds in enumerate(medians))
-    return Attempt(again[place].candidate, again[place].error, seconds)
+    return [one for one in within if one.seconds < PROMISING * within[0].seconds][:MOST]
 
 
 def _cheapest(found: Sequence[Attempt], bound: float) -> list[Attempt]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from studies.coupled import BOUNDS, compare
+from studies.coupled import BOUNDS, compared
 from studies.harness import Results, Row, groups
 from studies.harness.cases import DEFAULT, ONE_SETTING, PAPER_METHOD, RULE, TUNED
 from studies.harness.ratios import (
@@ -107,16 +107,13 @@ def _neighbours(case: str, chosen: Chosen, bound: float) -> str:
 
 
 def _coupled(figures: Figures) -> list[Row]:
-    return compare(Results(False, figures.rows("coupled")))
+    return compared(Results(False, figures.rows("coupled")))
 
 
 def _among_bodies(row: Row) -> list[str]:
-    ours = [(row[key], row[ratio]) for key, ratio in _OURS_AMONG_BODIES]
+    ours = [(row.get(key), row.get(f"native/{key}")) for key in ("default", "setting", "ours")]
     cells = [short(seconds, 1e-3) + (f" ({short(ratio)})" if ratio else "") for seconds, ratio in ours]
-    return [f"{row['scene']}; {row['within']}", short(row["native"], 1e-3), "-", *cells]
-
-
-_OURS_AMONG_BODIES = (("default", "defaultRatio"), ("setting", "settingRatio"), ("ours", "ratio"))
+    return [f"{row['scene']}; {row['within']}", short(row.get("native"), 1e-3), "-", *cells]
 
 
 def bodies(figures: Figures) -> str:
@@ -303,5 +300,6 @@ BLOCKS: dict[str, Block] = {
     "everything": everything,
     "step_cost": step_cost,
     "steps": _sentences("kernel", "scaling", "realtime", "ensemble", first=1),
+    "stretch": _sentences("stretch"),
     "noise": noise,
 }

@@ -67,25 +67,11 @@ def run_slenderness(case: Row) -> Row:
     name, scheme = SCHEMES[case["scheme"]]
     frequency, vibration = fastest_vibration(model)
     predicted = inner.frequency_limit(inner.find_integrator(name), scheme) / frequency
-    settings = ExplicitSettings(name, scheme, allowUnstableStep=True, rejectSteps=False)
+    settings = ExplicitSettings(name, scheme)
     random = 0.1 * np.random.default_rng(1).uniform(-1.0, 1.0, len(vibration))
     random[:2] = 0.0
-    disturbance = DISTURBANCE * (vibration / np.abs(vibration).max() + random)
-    data: Any = model.mbs.systemData
-
-    def is_stable(h: float) -> bool:
-        """Whether the largest displacement at the end [m, -] is small."""
-        data.SetODE2Coordinates(disturbance, exudyn.ConfigurationType.Initial)
-        end = case["steps"] * h
-        with warnings.catch_warnings(), silence():
-            warnings.simplefilter("ignore", UserWarning)  # the step is above the limit on purpose
-            try:
-                SolveExplicit(model.mbs, quiet_settings(end, 1, period=end), replace(settings, stepSize=h))
-            except DivergenceError:
-                return False
-        return float(np.abs(data.GetODE2Coordinates()).max()) < GROWTH * DISTURBANCE
-
-    found = largest_stable_step(is_stable, predicted)
+    disturbance = vibration / np.abs(vibration).max() + random
+    found = largest_step_at_rest(model.mbs, disturbance, settings, case["steps"], predicted)
     inextensible = predict(straight(SLENDER_ELEMENTS), Method(case["scheme"], zeta=1.0)).bending
     axial = np.abs(vibration.reshape(-1, 2)[:, 0]).max() > np.abs(vibration.reshape(-1, 2)[:, 1]).max()
     return {
@@ -97,6 +83,31 @@ def run_slenderness(case: Row) -> Row:
         "inextensible": inextensible,
         "gain": inextensible / found,
     }
+
+
+def largest_step_at_rest(
+    mbs: Any, disturbance: Array, settings: ExplicitSettings, steps: int, estimate: float
+) -> float:
+    """Largest step [s] at which a disturbance of a scene at rest does not grow over so many steps.
+
+    disturbance: (n_dof,) of the coordinates, of size 1 [m, -]; it is scaled.   estimate: of the step [s].
+    """
+    data = mbs.systemData
+    settings = replace(settings, allowUnstableStep=True, rejectSteps=False)
+
+    def is_stable(h: float) -> bool:
+        """Whether the largest displacement at the end [m, -] is small."""
+        data.SetODE2Coordinates(DISTURBANCE * disturbance, exudyn.ConfigurationType.Initial)
+        end = steps * h
+        with warnings.catch_warnings(), silence():
+            warnings.simplefilter("ignore", UserWarning)  # the step is above the limit on purpose
+            try:
+                SolveExplicit(mbs, quiet_settings(end, 1, period=end), replace(settings, stepSize=h))
+            except DivergenceError:
+                return False
+        return float(np.abs(data.GetODE2Coordinates()).max()) < GROWTH * DISTURBANCE
+
+    return largest_stable_step(is_stable, estimate)
 
 
 def fastest_vibration(model: Model) -> tuple[float, Array]:

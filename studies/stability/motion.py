@@ -223,7 +223,7 @@ class Invariants:
     """Energy [J], worst constraint [-, m] and momenta of a cable under constant forces (n, 2, 2)."""
 
     def __init__(self, cable: inner.Cable, external: Array) -> None:
-        self._potential = inner.Potential(cable, external, 0.0)
+        self._potential = inner.potential_of(cable, external, 0.0)
         self._mass = self._potential.mass
 
     def kinetic(self, v: Array) -> float:

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from studies import scene_cost, soak
+from studies import scene_cost, soak, stretch
 from studies.__main__ import main
 from studies.harness import joined_scenes
 from studies.harness.cases import DEFAULT, ONE_SETTING, TUNED
@@ -68,6 +68,29 @@ def test_coupled_finds_the_cheapest_runs_and_steps_of_large_nets(run_quick):
     }
     choices = [("native", TUNED), *(("inextensible", name) for name in (TUNED, DEFAULT, ONE_SETTING))]
     assert found == {(row["scene"], *choice) for row in rows["reference"] for choice in choices}
+
+
+def test_stretch_compares_both_quadratures_and_finds_one_step_for_all_stiffnesses(run_quick):
+    rows = run_quick("stretch")
+    tuned = {row["formulation"] for row in rows["best"] if row["choice"] == "tuned" and row["bound"] == 1e-3}
+    assert tuned == {"ours", stretch.FULL, stretch.LOBATTO}
+    (accuracy,) = rows["accuracy"]
+    assert accuracy["error"] < accuracy["bar"]
+    soft, stiff = rows["stiffness"]
+    assert soft["found"] == pytest.approx(stiff["found"], rel=stretch.SAME)
+    assert soft["native"] == pytest.approx(10**0.5 * stiff["native"], rel=stretch.SAME)
+    assert soft["distance"] == pytest.approx(10 * stiff["distance"], rel=0.1)
+    assert all(row["range"] < 1e-4 for row in rows["run"])
+
+
+@pytest.mark.parametrize(("third", "verdict"), [(21.0, "kept"), (19.0, "MISSED"), (None, "MISSED")])
+def test_stretch_keeps_its_bars_on_three_scenes(third, verdict):
+    ratios = {"a": 30.0, "b": third, "c": 25.0, "d": 1.0}
+    rows = [{"scene": name, "full/ours": ratio} for name, ratio in ratios.items() if ratio]
+    rows += [{"scene": name} for name, ratio in ratios.items() if not ratio]
+    sentence = stretch._of_times("full", "0.10%", rows, 1.0)
+    assert sentence.endswith(f"the bar of 20 on 3 scenes is {verdict}.")
+    assert ("b -" in sentence) is (third is None)
 
 
 def test_scene_cost_takes_each_path_and_names_it(run_quick):

@@ -49,9 +49,9 @@ def test_the_cheapest_run_within_a_bound_is_that_of_the_least_median(monkeypatch
         return lambda: clock.append(clock.pop() + next(times[candidate]))
 
     found = [Attempt(name, 5e-3, seconds) for name, seconds in (("a", 1.0), ("b", 1.2), ("c", 2.0))]
-    best = choose([*found, Attempt("d", 0.5, 0.1)], 1e-2, prepare, 3)
-    assert best == Attempt("b", 5e-3, 2.0)
-    assert choose(found, 1e-4, prepare, 3) is None
+    groups = {"any": ([*found, Attempt("d", 0.5, 0.1)], 1e-2), "a": (found[:1], 1e-2), "none": (found, 1e-4)}
+    best = {"any": Attempt("b", 5e-3, 2.0), "a": Attempt("a", 5e-3, 4.0)}
+    assert choose(groups, prepare, 3) == best
 
 
 def test_errors_are_of_displacements_over_the_largest_one():

@@ -1,0 +1,359 @@
+"""Cables that stretch: what implicit axial forces save, from ropes of 20 N to wires of 1e7 N.
+
+Question
+    Does the explicit step of a cable with axial stiffness stay as it is for every stiffness, does the motion
+    come out right, and what does it cost beside native cables?
+
+What would refute it
+    A largest stable step that changes with the stiffness; a step that costs more than 1.15 of the
+    inextensible one; states that do not tend to the inextensible ones as the stiffness grows; energy that
+    changes with time; on fewer than three scenes, at equal error, 20 times less CPU than natives with default
+    quadrature and 5 times less than those with Lobatto quadrature.
+
+Protocol
+    Scenes, see `harness/stretching_scenes.py`: the pendulum of the paper with its real stiffness; a bungee
+    of 20 N with a mass, which stretches by 43 %; a string under pretension; the power line of the paper
+    with its real stiffness, from its equilibrium with ice, which falls off. The mass of the bungee is a part
+    of our cable, and on a joint with natives, the cheapest way of either. Both sides are tuned as in
+    `coupled`, natives with either quadrature on their own; the best runs of all sides are timed in turn.
+    CPU times include the start of a run; ratios without it are beside them. Errors are those of `coupled`,
+    from converged native runs; how far converged runs of ours are from these is said, too.
+    Largest stable steps are bisected, by disturbances of a straight cable, without implicit bending;
+    native cables take the same explicit steps. Cost of a step: 1000 steps of the pendulum with and without
+    axial stiffness, in turn.
+
+Reference and tolerance
+    Bars of accuracy: pendulum 3e-4 m from 96 native elements and bungee 1e-3 m from 40, over 2 s; five
+    frequencies of the string 1e-3 from the closed form; sag and tension of the elastic catenary
+    (H. M. Irvine, Cable Structures, MIT Press, 1981) 1e-4.
+
+What is left out
+    Axial waves that a step does not resolve. Zhai and RK4, which treat axial forces explicitly.
+"""
+
+import math
+import statistics
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import pairwise, product
+from pathlib import Path
+from typing import Any
+
+import exudyn
+import numpy as np
+from scipy.optimize import brentq
+
+from exudyn_inext import (
+    CableForces,
+    CableShape,
+    CreateInextensibleCable,
+    CreatePrescribedMotion,
+    ExplicitSettings,
+    ExplicitStepper,
+    InextensibleCable,
+    SolveEquilibrium,
+)
+from reference_models.conventional.native_cables import NativeCables
+
+from .harness import (
+    UNDECIDED,
+    Order,
+    Results,
+    Row,
+    Study,
+    announce,
+    column,
+    groups,
+    judged,
+    largest,
+    number,
+    tables,
+)
+from .harness import stretching_scenes as scenes
+from .harness.cases import DEFAULT, TUNED
+from .harness.coupled_runs import Candidate, Inextensible, Native, distance, prepare
+from .harness.coupled_scenes import CoupledScene
+from .harness.coupled_tuning import Tuning, compare, draw_fronts, natives, ours
+from .harness.plot import Curve, Panel, chart
+from .harness.timing import in_turn
+from .soak import drifts, long_run
+from .stability.extremes import largest_step_at_rest
+
+BOUNDS = (1e-3, 1e-4)
+STIFFNESSES = (20.0, 200.0, 2e3, 2e4, 2e5, 2e6, 1e7)  # [N]
+SAME, DEARER, ENOUGH = 0.01, 1.15, 3  # of limits [-]; of steps [-]; scenes
+REAL = scenes.SECTION.axial_stiffness
+COARSE = Inextensible(10, 2e-3)
+WITH_STEP = ExplicitSettings("RATTLE", stepSize=2e-3, massScaling=0.3)
+TIMED = 1000  # steps
+
+
+# ---------------------------------------------------------------------------- against native cables
+
+
+def _references(scene: CoupledScene) -> tuple[Candidate, Candidate]:
+    elements, step = scene.fine
+    return Native(elements, step, scene.axial[0]), Inextensible(elements, step)
+
+
+FULL, LOBATTO = "native, default quadrature", "native, Lobatto quadrature"
+BARS = {"full": 20.0, "lobatto": 5.0}  # native over ours
+WHO = {
+    "ours": ("ours", TUNED),
+    "default": ("ours", DEFAULT),
+    "full": (FULL, TUNED),
+    "lobatto": (LOBATTO, TUNED),
+}
+TUNING = Tuning(
+    {
+        "ours": ours,
+        FULL: partial(natives, quadratures=("full",)),
+        LOBATTO: partial(natives, quadratures=("lobatto",)),
+    },
+    _references,
+    BOUNDS,
+)
+compared = partial(compare, bounds=BOUNDS, who=WHO, digits=2)
+
+
+# -------------------------------------------------------------------------------- against closed forms
+
+
+def _system(build: Callable[..., Any], **arguments: Any) -> tuple[Any, Any, Any]:
+    """Container, assembled system, and what was built."""
+    container = exudyn.SystemContainer()
+    mbs = container.AddSystem()
+    built = build(mbs, **arguments)
+    mbs.Assemble()
+    return container, mbs, built
+
+
+def farthest(scene: CoupledScene, native: int) -> float:
+    """Largest distance of `COARSE` from so many native elements [m]."""
+    runs = (Native(native, scene.fine[1], scene.axial[0]), COARSE)
+    theirs, mine = (prepare(scene, one, scene.end_time)()[1] for one in runs)
+    return float(np.linalg.norm((mine - theirs)[..., 1:], axis=-1).max())
+
+
+def frequency_error(elements: int = 24, step: float = 2e-4, steps: int = 2000) -> float:
+    """Worst relative error of the first five frequencies of the string, of small motion."""
+    numbers = np.arange(1, 6)
+    _kept, mbs, _ = _system(scenes.string, elements=elements, pluck=dict.fromkeys(numbers.tolist(), 1e-3))
+    stepper = ExplicitStepper(mbs, ExplicitSettings(stepSize=step, massScaling=0.3))
+    stepper.Start()
+    shapes = np.sin(np.pi * np.outer(np.arange(elements + 1), numbers) / elements)
+    u = np.empty((steps, len(numbers)))
+    for sample in u:
+        stepper.Step()
+        sample[:] = stepper.State()[0][:, 0, 1] @ shapes
+    inner, outer = u[1:-1], u[2:] + u[:-2]  # u(t - h) + u(t + h) = 2 cos(w h) u(t)
+    found = np.arccos(0.5 * (inner * outer).sum(axis=0) / (inner**2).sum(axis=0)) / step
+    wave = numbers * np.pi / scenes.LENGTH
+    tension = scenes.STRING * scenes.PRETENSION
+    exact = wave * np.sqrt((tension + scenes.BEND * wave**2) / scenes.DENSITY)
+    return float(np.abs(found / exact - 1.0).max())
+
+
+def catenary_error(elements: int = 30) -> float:
+    """Worst relative error of sag and end tension of Irvine's elastic catenary."""
+    length, span, weight, stiffness = 10.0, 9.0, 2.0, 100.0
+
+    def build(mbs: Any) -> Any:
+        template = InextensibleCable(weight / 9.81, 1e-4, axialStiffness=stiffness)
+        line = CableShape.Line([0, 0], [length, 0], elements)
+        cable = CreateInextensibleCable(mbs, shape=line, beamTemplate=template, gravity=[0, -9.81, 0])
+        CreatePrescribedMotion(mbs, cable["nodes"][0], lambda t: [0, 0, 0])
+        CreatePrescribedMotion(mbs, cable["nodes"][-1], lambda t: [span, 0, 0])
+        return cable
+
+    end = 0.5 * weight * length
+
+    def excess(h: float) -> float:
+        return h * length / stiffness + 2.0 * h / weight * np.arcsinh(end / h) - span
+
+    horizontal = brentq(excess, 1e-3, 1e3)
+    sag = end * length / (4.0 * stiffness) + (np.hypot(horizontal, end) - horizontal) / weight
+    _kept, mbs, cable = _system(build)
+    q = SolveEquilibrium(mbs)["cables"][0]["coordinates"]
+    tension = CableForces(mbs, cable)["tension"][0]
+    return float(max(abs(-q[:, 0, 1].min() / sag - 1.0), abs(tension / np.hypot(horizontal, end) - 1.0)))
+
+
+def _accuracies(quick: bool) -> Iterator[Row]:
+    swing, bungee = (replace(scene, end_time=2.0) for scene in scenes.SCENES[:2])
+    found: dict[str, tuple[Callable[[], float], float]] = {
+        "string, five frequencies [-]": (frequency_error, 1e-3),
+        "elastic catenary, sag and end tension [-]": (catenary_error, 1e-4),
+        f"pendulum, 10 elements, {COARSE} [m]": (partial(farthest, swing, 96), 3e-4),
+        f"bungee, 10 elements, {COARSE} [m]": (partial(farthest, bungee, 40), 1e-3),
+    }
+    for label, (error, bar) in list(found.items())[: 1 if quick else None]:
+        yield {"kind": "accuracy", "label": label, "error": error(), "bar": bar}
+
+
+# ------------------------------------------------------------------------------- over the stiffness
+
+
+def _over_stiffness(stiffnesses: Sequence[float], end_time: float) -> Iterator[Row]:
+    """Largest stable steps, and how far the pendulum is from the inextensible one."""
+    scene = replace(scenes.SCENES[0], end_time=end_time)
+    runs = [replace(scene, build=partial(scenes.pendulum, stiffness=k)) for k in (None, *stiffnesses)]
+    rigid, *stretched = (prepare(one, COARSE, end_time)()[1] for one in runs)
+    step = theirs = 1e-3
+    for stiffness, paths in zip(stiffnesses, stretched, strict=True):
+        step = _largest_step(step, stiffness=stiffness)
+        theirs = _largest_step(theirs, addCable=NativeCables(stiffness))
+        row = {"kind": "stiffness", "label": f"EA = {stiffness:g} N", "value": stiffness}
+        yield row | {"found": step, "native": theirs, "distance": distance(paths, rigid)}
+
+
+def _largest_step(estimate: float, **cable: Any) -> float:
+    """Bisected, about the straight cable [s]."""
+    _kept, mbs, _ = _system(scenes.pendulum, elements=6, gravity=0.0, **cable)
+    free = np.ones(28)
+    free[:2] = 0.0
+    disturbance = np.random.default_rng(1).uniform(-1.0, 1.0, 28) * free
+    return largest_step_at_rest(mbs, disturbance, ExplicitSettings("RATTLE"), 2000, estimate)
+
+
+def _long_runs(steps: int) -> Iterator[Row]:
+    """Energy of the pendulum over that many steps."""
+    for stiffness in (2e3, REAL):
+        _kept, mbs, _ = _system(scenes.pendulum, elements=5, stiffness=stiffness)
+        yield long_run(f"EA = {stiffness:.3g} N", mbs, WITH_STEP, steps)
+
+
+def _costs(sizes: Sequence[tuple[int, int]], rounds: int) -> Iterator[Row]:
+    """A step with axial stiffness over one without.   sizes: dimension, elements."""
+    tasks = {(*size, k): partial(_steps, *size, k) for size in sizes for k in (None, REAL)}
+    found = in_turn(tasks, rounds, "steps")
+    for dimension, elements in sizes:
+        rigid, ours = (found[dimension, elements, k].cpu_seconds for k in (None, REAL))
+        yield {
+            "kind": "cost",
+            "label": f"{dimension}D, {elements} elements",
+            "microseconds": 1e6 * statistics.median(ours) / TIMED,
+            "costRatio": statistics.median(one / other for one, other in zip(ours, rigid, strict=True)),
+        }
+
+
+def _steps(dimension: int, elements: int, stiffness: float | None) -> Callable[[], None]:
+    kept = _system(scenes.pendulum, elements=elements, stiffness=stiffness, dimension=dimension)
+    stepper = ExplicitStepper(kept[1], replace(WITH_STEP, stepSize=1e-3))
+
+    def run(kept: Any = kept) -> None:
+        stepper.Start()
+        stepper.Step(TIMED)
+
+    return run
+
+
+# ------------------------------------------------------------------------------------- the study
+
+
+def measure(order: Order) -> list[Row]:
+    """Rows of all kinds; the timed ones first."""
+    quick = order.quick
+    sizes = [(2, 5)] if quick else list(product((2, 3), (5, 10, 20, 50)))
+    rows = list(_costs(sizes, 2 if quick else 15))
+    for scene in scenes.SCENES[: 1 if quick else None]:
+        announce("stretch", scene.name)
+        rows += TUNING.rows(scene.brief() if quick else scene, quick)
+    announce("stretch", "accuracies, stiffnesses, long runs")
+    rows += _accuracies(quick)
+    rows += _over_stiffness(STIFFNESSES[2:4] if quick else STIFFNESSES, 0.1 if quick else 1.0)
+    return [*rows, *_long_runs(2000 if quick else 1_000_000)]
+
+
+def conclude(results: Results) -> list[str]:
+    """Each bar, kept or not."""
+    said = [
+        _of_times(name, within, rows, results.noise)
+        for name in BARS
+        for within, rows in groups(compared(results), "within").items()
+    ]
+    for row in results.of_kind("accuracy"):
+        kept = judged(row["error"], row["bar"])
+        said.append(f"{row['label']}: {row['error']:.1e}, the bar of {row['bar']:g} is {kept}.")
+    dearest = largest(results.of_kind("cost"), "costRatio")
+    kept = judged(dearest["costRatio"], DEARER, results.noise)
+    said.append(
+        f"A step costs at most {dearest['costRatio']:.3g} of an inextensible one ({dearest['label']}); the "
+        f"bar of {DEARER} is {kept}."
+    )
+    said += _of_stiffness(results.of_kind("stiffness"))
+    return said + [_of_energy(row) for row in results.of_kind("run")]
+
+
+def _of_times(name: str, within: str, rows: Sequence[Row], noise: float) -> str:
+    """Of natives over ours."""
+    key, bar = f"{name}/ours", BARS[name]
+    figures = ", ".join(f"{row['scene']} {number(row.get(key))}" for row in rows)
+    ratios = sorted(row.get(key, 0.0) for row in rows)
+    kept = judged(bar, ratios[-ENOUGH], noise) if len(rows) >= ENOUGH else UNDECIDED
+    return (
+        f"{WHO[name][0]}, over ours within {within}: {figures}; "
+        f"the bar of {bar:g} on {ENOUGH} scenes is {kept}."
+    )
+
+
+def _of_stiffness(rows: Sequence[Row]) -> list[str]:
+    steps, natives, distances = (column(rows, key) for key in ("found", "native", "distance"))
+    spread = max(steps) / min(steps) - 1.0
+    ends = f"from {rows[0]['label']} to {rows[-1]['value']:g} N"
+    powers = [
+        math.log(far / near) / math.log(other["value"] / one["value"])
+        for (one, far), (other, near) in pairwise(zip(rows, distances, strict=True))
+    ]
+    tends = judged(max(abs(power - 1.0) for power in powers), 0.1, 1.0, "tends", "does NOT tend")
+    return [
+        f"The largest stable step varies by {spread:.1%} {ends}: "
+        f"{judged(spread, SAME, 1.0, 'it does not depend on EA', 'it is NOT independent of EA')}; that of "
+        f"natives falls from {natives[0]:.1e} s to {natives[-1]:.1e} s.",
+        f"The motion {tends} to the inextensible one, with EA to the power of "
+        f"{-min(powers):.3f} to {-max(powers):.3f}.",
+    ]
+
+
+def _of_energy(row: Row) -> str:
+    return (
+        f"{row['label']}: over {row['steps']:,} steps the energy varies by {row['range']:.1e} of the swing, "
+        f"and its mean {'DRIFTS' if drifts(row) else 'does not drift'} ({row['drift']:.1e})."
+    )
+
+
+def draw(results: Results, directory: Path) -> list[Path]:
+    """Fronts, and largest stable steps over the stiffness."""
+    rows = results.of_kind("stiffness")
+    steps = [Curve(column(rows, "value"), column(rows, key), name) for key, name in SHOWN.items()]
+    panel = Panel("axial stiffness [N]", "largest stable step [s]", steps)
+    fronts = draw_fronts(results, directory / "stretch_fronts.png", BOUNDS)
+    return [fronts, chart(directory / "stretch_steps.png", panel)]
+
+
+SHOWN = {"found": "ours", "native": "native cables"}
+TABLES = tables(
+    """
+    best: Cheapest runs within a bound [s], and natives over ours, also without what the start takes:
+        scene | within | ours | default settings: default | native, default quadrature: full |
+        native, Lobatto: lobatto | default quadrature over ours: full/ours | steps alone: full//ours |
+        Lobatto over ours: lobatto/ours | steps alone: lobatto//ours | converged runs agree to: agreement
+    settings: Their settings and errors:
+        scene | within | ours: oursSettings | error: oursError | default: defaultSettings |
+        error: defaultError | default quadrature: fullSettings | error: fullError |
+        Lobatto: lobattoSettings | error: lobattoError
+    accuracy: Accuracies:
+        what: label | error | bar
+    stiffness: Straight cable of 6 elements, and how far the pendulum is from the inextensible one:
+        EA [N]: value | our largest step [s]: found | natives' [s]: native | distance [-]: distance
+    cost: A step with axial stiffness:
+        cable: label | step [us]: microseconds | over an inextensible one: costRatio
+    run: Pendulum of 5 elements, h = 2e-3 s; energies over the swing:
+        cable: label | steps | energy varies by: range | its mean drifts by: drift
+    """,
+    best=compared,
+    settings=compared,
+)
+QUESTION = "What do cables that stretch cost, and are they right, from 20 N to 1e7 N?"
+STUDY = Study("stretch", QUESTION, measure, conclude, TABLES, draw)
