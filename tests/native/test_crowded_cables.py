@@ -18,7 +18,7 @@ from exudyn_inext import (
     CreateInextensibleCable,
     ExplicitSettings,
     InextensibleCable,
-    MarkerOnCable,
+    AddMarkerOnCable,
     Rattle,
     SolveExplicit,
 )
@@ -95,7 +95,7 @@ def rods(joints=MANY, **cable):
     last = None
     for k in range(1, joints + 1):
         body = crowd.hang(crowd.middles[k])
-        marker = MarkerOnCable(crowd.mbs, crowd.cable, float(crowd.arcs[k]))
+        marker = AddMarkerOnCable(crowd.mbs, crowd.cable, float(crowd.arcs[k]))
         crowd.mbs.AddObject(DistanceConstraint(markerNumbers=[marker, crowd.on_body(body)], distance=0.05))
         if last is not None and k % 5 == 0:
             crowd.mbs.CreateDistanceConstraint(itemNumbers=[last, body])
