@@ -70,3 +70,9 @@ def test_the_lowest_versions_that_are_admitted_are_those_that_are_tried():
         lowest = Version(tried.pop(one.name).removeprefix("=="))
         assert lowest.release[:2] == Version(least).release[:2] and lowest >= Version(least), one.name
     assert tried == {}
+
+
+def test_the_version_to_cite_is_that_of_the_package():
+    project, cited = ((ROOT / name).read_text() for name in ("pyproject.toml", "CITATION.cff"))
+    (version,) = re.findall(r'^version = "(.+)"$', project, re.MULTILINE)
+    assert re.findall(r"^version: (.+)$", cited, re.MULTILINE) == [version]
