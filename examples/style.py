@@ -1,4 +1,4 @@
-"""One look for all pictures: colour-blind-safe (Okabe-Ito), units at the axes, no display."""
+"""One look for all pictures: colour-blind-safe (Okabe, Ito), units at the axes, no display."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,7 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+COLORS = (
+    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000",
+    "#882255", "#999933", "#332288",  # of Paul Tol's, where that many are needed
+)  # fmt: skip
 REFERENCE_COLOR = "#999999"
 
 _STYLE: Any = {

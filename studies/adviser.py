@@ -171,4 +171,4 @@ TABLE = Table(
 )
 
 QUESTION = "Does the adviser keep what it promises, on scenes that it was not tuned on?"
-STUDY = Study("adviser", QUESTION, measure, conclude, [TABLE])
+STUDY = Study("adviser", QUESTION, measure, conclude, [TABLE], minutes=2)

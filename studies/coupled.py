@@ -144,4 +144,4 @@ TABLES = [
     ),
 ]
 QUESTION = "What do scenes of cables, bodies and joints cost, inextensible and native, at equal error?"
-STUDY = Study("coupled", QUESTION, measure, conclude, TABLES, draw)
+STUDY = Study("coupled", QUESTION, measure, conclude, TABLES, draw, minutes=9)

@@ -133,4 +133,4 @@ TABLE = Table(
 )
 
 QUESTION = "What do the three ways to keep a cable's length cost, and how accurate are they?"
-STUDY = Study("enforcement", QUESTION, measure, conclude, [TABLE], draw)
+STUDY = Study("enforcement", QUESTION, measure, conclude, [TABLE], draw, minutes=0.3)

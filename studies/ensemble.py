@@ -190,4 +190,4 @@ TABLE = Table(
 )
 
 QUESTION = "What does a pendulum cost among a thousand others, and how much do more cores do?"
-STUDY = Study("ensemble", QUESTION, measure, conclude, [TABLE])
+STUDY = Study("ensemble", QUESTION, measure, conclude, [TABLE], minutes=5)

@@ -200,4 +200,4 @@ TABLES = tables(
 )
 
 QUESTION = "What does one inextensible step cost against one native evaluation of as many elements?"
-STUDY = Study("kernel", QUESTION, measure, conclude, TABLES, draw)
+STUDY = Study("kernel", QUESTION, measure, conclude, TABLES, draw, minutes=1)

@@ -287,4 +287,4 @@ TABLES = tables(
 )
 
 QUESTION = "What may be left out of the model when, and what does that save?"
-STUDY = Study("minimal_model", QUESTION, Sweep(make_cases, run_case), conclude, TABLES, draw)
+STUDY = Study("minimal_model", QUESTION, Sweep(make_cases, run_case), conclude, TABLES, draw, minutes=3)

@@ -179,4 +179,4 @@ TABLE = Table(
 )
 
 QUESTION = "How long does a single step take at worst, against the step size?"
-STUDY = Study("realtime", QUESTION, measure, conclude, [TABLE], draw)
+STUDY = Study("realtime", QUESTION, measure, conclude, [TABLE], draw, minutes=0.3)

@@ -199,7 +199,7 @@ TABLES = tables(
 )
 
 QUESTION = "Does every run end at default settings, how accurate is it, and what does it cost?"
-STUDY = Study("robustness", QUESTION, measure, conclude, TABLES)
+STUDY = Study("robustness", QUESTION, measure, conclude, TABLES, minutes=4)
 
 
 def main() -> None:

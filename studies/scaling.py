@@ -195,4 +195,4 @@ TABLES = tables(
 )
 
 QUESTION = "Does an element cost the same in short and in very long cables?"
-STUDY = Study("scaling", QUESTION, measure, conclude, TABLES, draw)
+STUDY = Study("scaling", QUESTION, measure, conclude, TABLES, draw, minutes=2)

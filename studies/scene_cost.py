@@ -172,4 +172,4 @@ TABLE = Table(
 )
 
 QUESTION = "What does a step cost, by what the scene contains, and which path does it take?"
-STUDY = Study("scene_cost", QUESTION, measure, conclude, [TABLE], draw)
+STUDY = Study("scene_cost", QUESTION, measure, conclude, [TABLE], draw, minutes=1)

@@ -196,4 +196,4 @@ TABLES = tables(
 
 QUESTION = "Do energy, constraints and memory stay where they are over long runs and many scenes?"
 TOO_LONG = "short runs and few scenes decide nothing on drift and memory"
-STUDY = Study("soak", QUESTION, measure, conclude, TABLES, draw, not_in_quick_report=TOO_LONG)
+STUDY = Study("soak", QUESTION, measure, conclude, TABLES, draw, not_in_quick_report=TOO_LONG, minutes=3)

@@ -76,7 +76,7 @@ TABLES = (
     ),
     Table(
         "slenderness",
-        "Conventional cables over EA/EI, N = 6:",
+        "Native cables over EA/EI, N = 6:",
         f"integrator: label | EA/EI [1/m^2]: value | {_LIMITS} | ruled by: ruledBy | "
         "inextensible h [s]: inextensible | gain | status",
     ),
@@ -133,5 +133,11 @@ def _finished(results: Results) -> Results:
 
 QUESTION = "Which step is the largest stable one at the extremes, and which bound rules where?"
 STUDY = Study(
-    "stability_limits", QUESTION, Sweep(make_cases, run_case), make_conclusions, TABLES, make_pictures
+    "stability_limits",
+    QUESTION,
+    Sweep(make_cases, run_case),
+    make_conclusions,
+    TABLES,
+    make_pictures,
+    minutes=2,
 )

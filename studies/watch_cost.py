@@ -236,4 +236,4 @@ TABLES = (
 )
 
 QUESTION = "What does it cost that each run is watched?"
-STUDY = Study("watch_cost", QUESTION, measure, conclude, TABLES)
+STUDY = Study("watch_cost", QUESTION, measure, conclude, TABLES, minutes=4)

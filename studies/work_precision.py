@@ -1,11 +1,11 @@
 """Work and precision: what accuracy costs, for every formulation, integrator, mesh and step, on every scene.
 
 Question
-    What does a given error cost in CPU time: by inextensible cables, by conventional ones, and by what a
+    What does a given error cost in CPU time: by inextensible cables, by native ones, and by what a
     roboticist would take instead, a chain of rigid links; and where does the inextensible cable lose?
 
 What would refute it
-    On the planar pendulum, a conventional front less than 50 times, or one of rigid links less than once, to
+    On the planar pendulum, a native front less than 50 times, or one of rigid links less than once, to
     the right of the inextensible one at 5e-3 m or at 7e-4 m.
 
 Protocol
@@ -21,11 +21,11 @@ Protocol
 Reference and tolerance
     Those of the scenes: independent MBDyn models of the inextensible limit (pendulums, ring), a refined
     solution with what refinement changes (power line). Errors below that uncertainty count as large as it;
-    below it nothing is said. Conventional cables stretch: by Table 1, they cannot be expected within some
+    below it nothing is said. Native cables stretch: by Table 1, they cannot be expected within some
     3e-4 m of the limit.
 
 How the rows were chosen
-    Conventional: the tuned rows of `table1`, `table2`, `ring`, `table3`, and series beside them; explicit
+    Native: the tuned rows of `table1`, `table2`, `ring`, `table3`, and series beside them; explicit
     ones at their largest stable steps, found by bisection, and some at half of it. Inextensible: every scheme
     at 0.95 and 0.5 of its limit on every mesh, scaled masses over meshes and steps, the tuned rows of the
     tables; penalty masses and algebraic constraints under native solvers near the steps of `enforcement`.
@@ -34,7 +34,7 @@ How the rows were chosen
     other integrators, which are of first order here, where they are cheap.
 
 What is left out
-    Conventional explicit rows of more than some 20 s; rigid links on the ring and on the power line.
+    Native explicit rows of more than some 20 s; rigid links on the ring and on the power line.
 """
 
 from reference_models.scenes import load_scene
@@ -94,4 +94,5 @@ STUDY = Study(
     conclude,
     TABLES,
     draw,
+    minutes=20,
 )

@@ -1,11 +1,13 @@
 """All pictures have one style, and one module sets it."""
 
 import ast
+from itertools import pairwise
 
 import pytest
 from matplotlib.colors import to_rgb
 
-from examples.style import COLORS, REFERENCE_COLOR
+from examples.style import COLORS, REFERENCE_COLOR, styled_figure
+from studies.harness.plot import Curve, Panel
 from tests.documents import ROOT
 
 STYLE = ROOT / "examples" / "style.py"
@@ -47,3 +49,20 @@ def test_the_first_colors_differ_for_a_deuteranope(first):
     seen = [machado_deuteranope(color) for color in (*COLORS[:4], REFERENCE_COLOR)]
     for second in range(first):
         assert sum((a - b) ** 2 for a, b in zip(seen[first], seen[second], strict=True)) > 0.01
+
+
+def test_no_color_comes_twice():
+    assert len({to_rgb(color) for color in (*COLORS, REFERENCE_COLOR)}) == len(COLORS) + 1 > 8
+
+
+def test_labels_of_curves_that_end_together_stand_below_each_other():
+    curves = [Curve([1, 2], [1, 2 + 0.001 * k], f"curve {k}", COLORS[k]) for k in range(3)]
+    with styled_figure(6, 4) as figure:
+        axes = figure.subplots()
+        Panel("x [-]", "y [-]", curves, legend="direct").draw(axes)
+        figure.canvas.draw()
+        places = [text.get_window_extent() for text in axes.texts]
+        assert [text.get_text() for text in axes.texts] == ["curve 2", "curve 1", "curve 0"]
+        assert [to_rgb(text.get_color()) for text in axes.texts] == [to_rgb(COLORS[k]) for k in (2, 1, 0)]
+        assert all(lower.y1 <= upper.y0 for upper, lower in pairwise(places))
+        assert all(axes.get_window_extent().containsy(place.y0) for place in places)

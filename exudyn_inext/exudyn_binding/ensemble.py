@@ -6,13 +6,14 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
+from importlib.util import find_spec
 from itertools import groupby, islice, tee
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
 from ..arrays import Array, as_slice
 from ..checks import require_finite, require_integer
@@ -57,7 +58,7 @@ def SolveEnsemble(
         systems: sequence of assembled mbs, or a function that builds one: f(parameters[i]) -> mbs.
         simulationSettings: exudyn.SimulationSettings; used are startTime, endTime, numberOfSteps (a
             lower bound of the number of outputs), solution.sensors.writePeriod, the output period, and
-            verboseMode: from 1 on, progress and remaining time are shown.
+            verboseMode: from 1 on, progress and remaining time are shown, if tqdm is installed.
         explicitSettings: as for SolveExplicit.
         parameters: one entry a member, handed to the function.
         derivatives: 0: coordinates only, 1: velocities, too, 2: accelerations, too.
@@ -101,9 +102,21 @@ def SolveEnsemble(
     grids = partial(_grid, settings, smallest)
     ensemble = _Ensemble(len(builders), grids, smallest, explicit, derivatives + 1)
     silent = settings.timeIntegration.verboseMode < 1
-    with tqdm(total=len(builders), desc="SolveEnsemble", unit="member", disable=silent) as progress:
-        ensemble.solve(members, workers, progress.update)
+    with _progress(len(builders), silent) as count:
+        ensemble.solve(members, workers, count)
     return ensemble.results() | {"threads": workers}
+
+
+@contextmanager
+def _progress(members: int, silent: bool) -> Iterator[Callable[[int], Any]]:
+    """A bar that counts members, where it is wanted and tqdm is installed, as in Exudyn's own sweeps."""
+    if silent or find_spec("tqdm") is None:
+        yield lambda done: None
+        return
+    from tqdm import tqdm
+
+    with tqdm(total=members, desc="SolveEnsemble", unit="member") as bar:
+        yield bar.update
 
 
 def _number_of_threads(threads: int | None) -> int:

@@ -3,8 +3,10 @@
 import json
 import multiprocessing
 import os
+import signal
 import subprocess
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -51,14 +53,41 @@ def processes(workers: int | None = None) -> Engine:
 
 @contextmanager
 def _closing(start: Callable[[], Executor], **leaving: bool) -> Iterator[Executor]:
-    """Whoever leaves early does not wait for cases that have not begun.   leaving: how that is asked for."""
-    executor = start()
+    """Whoever leaves early waits for no case: processes that run one are ended.
+
+    leaving: how cases that have not begun are called off.
+    """
+    with leaving_when_terminated():
+        others = multiprocessing.active_children()
+        executor = start()
+        try:
+            yield executor
+        except BaseException:
+            executor.shutdown(wait=False, **leaving)
+            for process in set(multiprocessing.active_children()).difference(others):
+                process.terminate()
+            raise
+        executor.shutdown()
+
+
+@contextmanager
+def leaving_when_terminated() -> Iterator[None]:
+    """Inside, SIGTERM raises SystemExit, so that processes which this one has started are ended, too.
+
+    Outside, it ends this process at once, also in a solver that does not return to Python.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def leave(number: int, frame: object) -> None:
+        sys.exit(128 + number)
+
+    before = signal.signal(signal.SIGTERM, leave)
     try:
-        yield executor
-    except BaseException:
-        executor.shutdown(wait=False, **leaving)
-        raise
-    executor.shutdown()
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def dask(address: str) -> Engine:
@@ -150,13 +179,14 @@ def ask(module: str, *arguments: object, given: Any = None, **environment: str) 
     Raises:
         CalledProcessError: it failed.
     """
-    process = subprocess.run(
-        [sys.executable, "-m", module, *map(str, arguments)],
-        input=json.dumps(given),
-        env=os.environ | environment,
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    with leaving_when_terminated():
+        process = subprocess.run(
+            [sys.executable, "-m", module, *map(str, arguments)],
+            input=json.dumps(given),
+            env=os.environ | environment,
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
     return json.loads(process.stdout)

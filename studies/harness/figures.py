@@ -15,6 +15,7 @@ from .store import Row
 from .table import column
 
 TIME = "time t [s]"
+COST_AXES = "CPU time [s]", "largest distance to the reference [m]"
 THICK = {"linewidth": 4}  # of what is below all others
 _LINE_STYLES = ("--", "-.", ":")
 _KINDS = {
@@ -73,14 +74,14 @@ def draw_path(path: Path, curves: Mapping[str, Trajectory], reference: Trajector
 
 
 def draw_cost_and_accuracy(path: Path, rows: Sequence[Row]) -> Path:
-    """CPU time against the largest error of every usable row; a line joins the best of a kind."""
+    """The largest error of every usable row over its CPU time; a line joins the best of a kind."""
     curves = []
     for kind, (color, marker) in _KINDS.items():
         members = [row for row in rows if is_usable(row) and _kind(row) == kind]
-        for own, label, style in ((members, kind, marker), (front(members), None, "-")):
-            points = column(own, "errorMax"), column(own, "cpuSeconds")
+        for own, label, style in ((members, None, marker), (front(members), kind, "-")):
+            points = column(own, "cpuSeconds"), column(own, "errorMax")
             curves += [Curve(*points, label, color, style, {"linewidth": 0.8})] if own else []
-    return chart(path, Panel("largest distance to the reference [m]", "CPU time [s]", curves), height=5.0)
+    return chart(path, Panel(*COST_AXES, curves, legend="direct"), height=5.0)
 
 
 def _kind(row: Row) -> str:

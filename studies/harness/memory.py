@@ -2,7 +2,6 @@
 
 import gc
 import json
-import resource
 import sys
 import time
 from collections.abc import Callable
@@ -57,6 +56,8 @@ def peak_memory() -> int:
     try:
         return _told("status", "VmHWM")
     except (OSError, StopIteration):
+        import resource  # not on Windows, where all that needs no memory runs
+
         unit = 1 if sys.platform == "darwin" else _KILO
         return unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 

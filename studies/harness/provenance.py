@@ -11,6 +11,8 @@ from typing import Any
 
 import exudyn
 
+import exudyn_inext
+
 ROOT = Path(__file__).parents[2]
 _OWN = ("exudyn_inext", "reference_models", "examples", "studies")
 _PACKAGES = ("exudyn", "exudyn_inext", "numpy", "scipy", "numba", "mujoco")
@@ -29,9 +31,9 @@ def provenance() -> dict[str, Any]:
     commit = (is_own_repository and _git("rev-parse", "HEAD")) or _UNKNOWN
     changed = commit != _UNKNOWN and bool(_git("status", "--porcelain", "--", *_OWN, ":(exclude)*.md"))
     digest = hashlib.sha256()
-    for package in _OWN:
-        for source in sorted((ROOT / package).rglob("*.py")):
-            digest.update(source.relative_to(ROOT).as_posix().encode() + source.read_bytes())
+    for package in (Path(exudyn_inext.__file__).parent, *(ROOT / name for name in _OWN[1:])):
+        for source in sorted(package.rglob("*.py")):
+            digest.update(source.relative_to(package.parent).as_posix().encode() + source.read_bytes())
     found = {"commit": commit, "changed": changed}
     return found | {"sources": digest.hexdigest()[:20], "versions": versions()}
 

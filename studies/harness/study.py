@@ -71,6 +71,7 @@ class Study:
     tables: how the rows are shown.   conclusions: sentences that are computed from them.
     pictures: draws into a directory and returns the files.   ratios: of them, a table and sentences are made.
     not_in_quick_report: why a quick report on all studies leaves it out; empty if it does not.
+    minutes: what a full run took on two cores, with its kernels compiled; 0: not known.
     """
 
     name: str
@@ -81,6 +82,7 @@ class Study:
     pictures: Callable[[Any, Path], list[Path]] = nothing
     ratios: Callable[[Any], list[Ratio]] = nothing
     not_in_quick_report: str = ""
+    minutes: float = 0.0
 
 
 def announce(study: str, activity: str) -> None:

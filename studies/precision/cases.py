@@ -173,7 +173,7 @@ def enforced_cases(scene: Scene, quick: bool) -> Iterator[Case]:
             yield enforced_case(scene, n, "algebraic", Implicit(h, "modified", "sparse", 1e-6, 0.8))
 
 
-# ------------------------------------------------------------------------------------ conventional
+# ------------------------------------------------------------------------------------ native cables
 
 
 EXPLICIT_FRACTIONS, ZHAI_FRACTIONS = (1.0, 0.5), (0.95, 0.5)  # of the largest stable step

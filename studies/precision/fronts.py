@@ -13,7 +13,7 @@ from studies.harness.ratios import CONVENTIONAL, by_default, front, is_explicit,
 
 INEXTENSIBLE = "inextensible"
 BY_NATIVE_SOLVERS = "inextensible, native solvers"
-IMPLICIT, EXPLICIT = "conventional, implicit", "conventional, explicit"
+IMPLICIT, EXPLICIT = "native, implicit", "native, explicit"
 PEER = "rigid links (MuJoCo)"
 FAMILIES = (INEXTENSIBLE, BY_NATIVE_SOLVERS, IMPLICIT, EXPLICIT, PEER)
 OTHERS = FAMILIES[1:]
@@ -28,15 +28,15 @@ def family_of(row: Row) -> str:
     return IMPLICIT if is_implicit(row) else EXPLICIT
 
 
-def _conventional(belongs: Callable[[Row], bool]) -> Callable[[Row], bool]:
+def _native(belongs: Callable[[Row], bool]) -> Callable[[Row], bool]:
     return lambda row: row["formulation"] == CONVENTIONAL and belongs(row)
 
 
 OPPONENTS: Mapping[str, Callable[[Row], bool]] = {
-    IMPLICIT: _conventional(is_implicit),
-    f"{IMPLICIT}, default quadrature": _conventional(by_default(is_implicit)),
-    EXPLICIT: _conventional(is_explicit),
-    f"{EXPLICIT}, default quadrature": _conventional(by_default(is_explicit)),
+    IMPLICIT: _native(is_implicit),
+    f"{IMPLICIT}, default quadrature": _native(by_default(is_implicit)),
+    EXPLICIT: _native(is_explicit),
+    f"{EXPLICIT}, default quadrature": _native(by_default(is_explicit)),
     PEER: lambda row: family_of(row) == PEER,
     BY_NATIVE_SOLVERS: lambda row: family_of(row) == BY_NATIVE_SOLVERS,
 }

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from studies.harness import Results, Row, column, groups
+from studies.harness.figures import COST_AXES
 from studies.harness.plot import COLORS, Curve, Panel, chart
 from studies.harness.ratios import is_usable
 
@@ -20,7 +21,6 @@ _LOOK = {
     PEER: (COLORS[3], "D"),
 }
 _MARKERS = "osD^v<>PX*h"
-_AXES = "CPU time [s]", "largest distance to the reference [m]"
 POINTS = 200
 _RATIO_AXES = "error [m]", "CPU time over the inextensible cable's [-]"
 
@@ -48,7 +48,7 @@ def _draw_scene(reference: Row, runs: Sequence[Row], directory: Path) -> Path:
     looks = {name: (COLORS[k % len(COLORS)], _MARKERS[k % len(_MARKERS)]) for k, name in enumerate(methods)}
     families = {family: members(runs, family) for family in _LOOK}
     panels = [
-        Panel(*_AXES, list(_fronts(rows, unknown, look)), title=title, legend="below", unknown=unknown)
+        Panel(*COST_AXES, list(_fronts(rows, unknown, look)), title=title, legend="below", unknown=unknown)
         for rows, look, title in (
             (families, _LOOK, f"{scene}: all formulations"),
             (methods, looks, "inextensible cables by method"),

@@ -1,4 +1,4 @@
-"""Maps at the extremes: slender conventional cables, violent starts, single precision."""
+"""Maps at the extremes: slender native cables, violent starts, single precision."""
 
 import math
 import warnings

@@ -100,7 +100,7 @@ def _slenderness(scheme: str, rows: Sequence[Row]) -> str:
     axial = [row for row in rows if row["ruledBy"] != "bending"]
     off = sum(not _is_near(ratio) for ratio in ratios)
     return (
-        f"Conventional cable, {scheme}: found over predicted {min(ratios):.3f} to {max(ratios):.3f} "
+        f"Native cable, {scheme}: found over predicted {min(ratios):.3f} to {max(ratios):.3f} "
         f"({'bar of 5 % kept' if not off else f'bar of 5 % MISSED in {off}'}); "
         + (f"bending rules at EA/EI = {_range(bending)}, " if bending else "")
         + (f"axial waves at {_range(axial)} 1/m^2; " if axial else "")

@@ -91,7 +91,7 @@ def _slenderness(rows: Sequence[Row]) -> list[Panel]:
     for _, own, color, _ in _by(rows):
         values = column(own, "value"), column(own, "inextensible")
         curves.append(Curve(*values, "inextensible", color, "--"))
-    return [Panel("EA / EI of the conventional cable [1/m^2]", STEP, curves, legend=False)]
+    return [Panel("EA / EI of the native cable [1/m^2]", STEP, curves, legend=False)]
 
 
 def _violent(rows: Sequence[Row]) -> list[Panel]:

@@ -1,6 +1,7 @@
 """What the documentation is built with: docstrings, the look for remote resources, the diagram of imports."""
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -97,3 +98,11 @@ def test_the_picture_names_every_folder(tmp_path):
     diagram.draw(tmp_path / "imports.svg")
     text = (tmp_path / "imports.svg").read_text()
     assert all(f"<!-- {part} -->" in text for part in diagram.direct_imports())
+
+
+def test_equations_are_drawn_in_the_color_of_the_text_and_keep_their_source():
+    drawn = pytest.importorskip("docs.extensions.equations").drawn
+    short, tall = (drawn(tex, inline=True) for tex in (r"r_x < 1", r"\frac{r_x}{1}"))
+    assert 'aria-label="r_x &lt; 1"' in short and "currentColor" in short
+    height = re.compile(r'height="([\d.]+)"')
+    assert float(height.search(tall)[1]) > 1.3 * float(height.search(short)[1])

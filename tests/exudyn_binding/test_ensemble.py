@@ -329,3 +329,11 @@ def test_a_member_whose_steps_go_wrong_takes_smaller_ones_as_alone():
     assert result["success"]
     with pytest.warns(UserWarning):
         np.testing.assert_array_equal(last(result)[1], moved(pendulum(0.4), steps=30, **step))
+
+
+def test_progress_is_left_out_where_tqdm_is_not_installed(capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "tqdm", None)
+    settings = quiet_settings(0.01, 1)
+    settings.timeIntegration.verboseMode = 1
+    assert SolveEnsemble([pendulum()], settings)["success"]
+    assert "SolveEnsemble" not in capsys.readouterr().err

@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 import time
 import uuid
 from pathlib import Path
@@ -50,3 +51,26 @@ def leave_trace(case):
 
 def runs_of(folder, x):
     return list(folder.glob(f"ran {x} *"))
+
+
+def sleeps(case):
+    """For a minute; says by which process."""
+    (Path(case["folder"]) / f"pid {os.getpid()}").touch()
+    time.sleep(60.0)
+    return {}
+
+
+if __name__ == "__main__":  # started as a program, and ended by a test
+    from studies.harness.engines import ask, processes
+    from studies.harness.sweep import CaseFolder, run_cases
+    from tests.studies import sweep_cases
+
+    what, folder = sys.argv[1:]
+    match what:
+        case "pool":
+            cases = [{"x": x, "folder": folder} for x in range(2)]
+            run_cases(cases, sweep_cases.sleeps, CaseFolder(Path(folder), "tiny"), processes(2))
+        case "program":
+            ask("tests.studies.sweep_cases", "sleep", folder)
+        case "sleep":
+            sleeps({"folder": folder})

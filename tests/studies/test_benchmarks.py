@@ -144,7 +144,7 @@ def test_a_benchmark_runs_from_the_command_line(monkeypatch, tmp_path, capsys):
     )
     monkeypatch.setattr("studies.__main__.find_study", lambda name: tiny)
     assert main(["run", "tiny", "--output", str(tmp_path)]) == 0
-    assert "| nothing | 0.500 |" in capsys.readouterr().out
+    assert "nothing  0.500\n" in capsys.readouterr().out
     document = json.loads((tmp_path / "tiny.json").read_text())
     assert set(document) == DOCUMENT_KEYS and document["conclusions"] == ["1 speed"]
 

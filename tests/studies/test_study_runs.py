@@ -73,10 +73,20 @@ def test_a_full_run_repeats_each_case_five_times(tiny, tmp_path):
     assert [row["repeats"] for row in rows] == [5, 0]
 
 
-def test_list_shows_every_study_with_its_question(capsys):
+def test_list_shows_every_study_with_its_question_and_how_long_it_takes(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "400")
     assert main(["list"]) == 0
-    shown = capsys.readouterr().out
-    assert all(name in shown and study.question in shown for name, study in find_studies().items())
+    _, _, *lines = capsys.readouterr().out.splitlines()
+    for line, (name, study) in zip(lines, find_studies().items(), strict=True):
+        assert line.startswith(f"{name} ") and study.question in line
+        number, unit = line.split()[-2:]
+        assert float(number) * {"s": 1 / 60, "min": 1}[unit] == pytest.approx(study.minutes)
+
+
+def test_what_the_commands_print_fits_80_columns(tiny, capsys, monkeypatch, tmp_path):
+    monkeypatch.setenv("COLUMNS", "80")
+    assert main(["list"]) == 0 and main(["run", "tiny", "--quick", "--output", str(tmp_path)]) == 0
+    assert max(map(len, capsys.readouterr().out.splitlines())) <= 80
 
 
 def test_table1_is_the_main_study(tiny, monkeypatch, tmp_path):

@@ -3,6 +3,7 @@
 import json
 import multiprocessing
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -81,6 +82,30 @@ def test_a_killed_sweep_continues(tmp_path, traces):
     outcomes = run(sweep_of(sweep_cases.slow_square, traces, timed=True), tmp_path, NOBODY)
     assert results(outcomes) == SQUARES
     assert [len(runs_of(traces, x)) for x in range(5)] == [1, 1, 2 if finished == 2 else 1, 1, 1]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there is no SIGTERM on Windows")
+@pytest.mark.parametrize("starts", ["pool", "program"])
+def test_a_terminated_command_leaves_no_process_behind(tmp_path, starts):
+    """Two cases run in processes of a pool, or one program runs by itself; each would take a minute."""
+    command = [sys.executable, "-m", "tests.studies.sweep_cases", starts, str(tmp_path)]
+    process = subprocess.Popen(command, cwd=engines.ROOT)
+    number = {"pool": 2, "program": 1}[starts]
+    wait_until(lambda: len(list(tmp_path.glob("pid *"))) == number)
+    started = [int(path.name.split()[1]) for path in tmp_path.glob("pid *")]
+    assert all(map(is_running, started)) and process.pid not in started
+    process.terminate()
+    assert process.wait(timeout=20) == 128 + signal.SIGTERM
+    wait_until(lambda: not any(map(is_running, started)))
+
+
+def is_running(process):
+    """Whether there is a process of that number that has not ended."""
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    return True
 
 
 def wait_until(condition, seconds=30.0):
@@ -251,7 +276,11 @@ def test_a_sweep_study_runs_and_resumes_from_the_command_line(study, tmp_path, t
     assert main([*command, "--quick"]) == 0
     assert main(command) == 0
     report = capsys.readouterr().out
-    assert "| 2 | 4 | ok |" in report and "failed: ArithmeticError: three" in report and "4 numbers" in report
+    assert (
+        re.search(r"^2 +4  ok$", report, re.MULTILINE)
+        and "failed: ArithmeticError: three" in report
+        and "4 numbers" in report
+    )
     assert [len(runs_of(traces, x)) for x in range(4)] == [1] * 4
     document = json.loads((tmp_path / "tiny.json").read_text())
     assert len(document["versions"]["commit"]) >= 7 and len(document["rows"]) == 4

@@ -195,21 +195,21 @@ def test_the_bar_is_kept_or_missed():
     text = sentences(*OURS, *runs((1e-2, 1e-1), (3e-4, 1.0), **NATIVE))
     assert text.count("at least 50 times: kept, 100.") == 2
     text = sentences(*OURS, *runs((1e-2, 1e-2), (3e-4, 1.0), **NATIVE))
-    assert "at 0.005 m, conventional, implicit, at least 50 times: MISSED, 1" in text
+    assert "at 0.005 m, native, implicit, at least 50 times: MISSED, 1" in text
 
 
 def test_readings_that_are_none_say_why_and_losses_say_where():
     text = sentences(*OURS, *runs((8e-3, 1e-4), (1e-3, 1.0), **NATIVE))
     assert "none (opponent: looser than its front) at 0.01 m" in text
     assert "none (opponent: not reached) at 0.0003 m" in text
-    assert "against conventional, implicit, the inextensible cable loses at 0.0080 m (the opponent" in text
+    assert "against native, implicit, the inextensible cable loses at 0.0080 m (the opponent" in text
     assert "loses nowhere" in sentences(*OURS, *runs((8e-3, 1.0), **NATIVE))
 
 
 def test_bounds_below_the_uncertainty_are_named_and_not_read():
     text = sentences(*OURS, *runs((1e-2, 1e-1), (1e-6, 1.0), **NATIVE), uncertainty=5e-4)
     assert "nothing (below the reference's uncertainty) at 0.0003 m" in text
-    assert "at 0.0007 m, conventional, implicit, at least 50 times: kept" in text
+    assert "at 0.0007 m, native, implicit, at least 50 times: kept" in text
 
 
 def test_failures_and_a_missing_opponent_are_told():
