@@ -14,11 +14,11 @@ from exudyn.itemInterface import (
 )
 
 from exudyn_inext import (
+    AddMarkerOnCable,
     CableShape,
     CreateInextensibleCable,
     ExplicitSettings,
     InextensibleCable,
-    AddMarkerOnCable,
     Rattle,
     SolveExplicit,
 )
