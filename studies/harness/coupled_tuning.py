@@ -127,12 +127,12 @@ def compare(
         row = {"scene": reference["scene"], "within": f"{bound:.{digits}%}", "agreement": reference["error"]}
         for name, one in found.items():
             if one:
-                row |= {name: one["cpuSeconds"], f"{name}Start": one["startSeconds"]}
-                row |= {f"{name}Error": one["error"], f"{name}Settings": _settings(one)}
+                row |= {name: one["cpuSeconds"], f"{name}Start": one.get("startSeconds")}
+                row |= {f"{name}Error": one.get("error"), f"{name}Settings": _settings(one)}
         for name, other in product(found, found):
             if name in row and other in row:
                 row[f"{name}/{other}"] = row[name] / row[other]
-                alone = [row[key] - row[f"{key}Start"] for key in (name, other)]
+                alone = [row[key] - (row[f"{key}Start"] or math.nan) for key in (name, other)]
                 if alone[1] > LEAST * row[other]:
                     row[f"{name}//{other}"] = alone[0] / alone[1]
         rows.append(row)
@@ -140,7 +140,7 @@ def compare(
 
 
 def _settings(one: Row) -> str:
-    return f"{one['elements']} elements, {one['settings']}"
+    return f"{one.get('elements')} elements, {one.get('settings')}"
 
 
 def draw_fronts(results: Results, path: Path, bounds: Sequence[float]) -> Path:
