@@ -1,9 +1,8 @@
 """Everything with mass but the inextensible cables: which coordinates, which mass matrix."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import chain
 from typing import Any
 
 import exudyn
@@ -236,8 +235,11 @@ class BodyMasses:
         self._stacks = [self._stack(size, variable, quaternions) for size in sizes]
         blocks = [MassBlock(self._dofs_of(group), self._initial_mass(group)) for group in constant]
         initial = np.array(mbs.systemData.GetODE2Coordinates(exudyn.ConfigurationType.Initial))
-        with_normals = [self._masses_with_normals(stack, initial[self.coordinates]) for stack in self._stacks]
-        for dofs, mass in [*((block.dofs, block.mass) for block in blocks), *chain(*with_normals)]:
+        pairs = [(block.dofs, block.mass) for block in blocks]
+        for stack in self._stacks:
+            masses = self._masses_with_normals(stack, initial[self.coordinates])
+            pairs += zip(stack.blocks.dofs, masses, strict=True)
+        for dofs, mass in pairs:
             require_mass(mbs, self.coordinates[dofs[_without_mass(mass)]])
         variables = [stack.blocks for stack in self._stacks]
         self.system = BodiesSystem(len(self.coordinates), blocks, variables, zeta)
@@ -284,29 +286,24 @@ class BodyMasses:
         places = np.searchsorted(dofs, self._local(coordinates))
         return np.s_[:, :] if np.array_equal(places, np.arange(len(dofs))) else np.ix_(places, places)
 
-    def _masses(self, stack: _Stack) -> Array:
-        """(B, k, k)."""
+    def _masses(self, stack: _Stack, initial: bool = False) -> Array:
+        """(B, k, k) in the current configuration, or when the bodies were read."""
         number, size = stack.blocks.dofs.shape
         masses: Array = np.zeros((number, size, size))
         for mass, bodies in zip(masses, stack.bodies, strict=True):
             for body, places in bodies:
-                mass[places] += body.mass(self._mbs)
+                mass[places] += body.initial_mass if initial else body.mass(self._mbs)
         return masses
 
-    def _masses_with_normals(self, stack: _Stack, q: Array) -> Iterator[tuple[np.ndarray, Array]]:
-        """Coordinates (k,) and initial masses (k, k) of the blocks, with one along each quaternion, too."""
+    def _masses_with_normals(self, stack: _Stack, q: Array) -> Array:
+        """(B, k, k) initial masses, with one along each quaternion, too."""
         blocks = stack.blocks
-        for dofs, first, reference, bodies in zip(
-            blocks.dofs, blocks.quaternion, blocks.reference, stack.bodies, strict=True
-        ):
-            mass: Array = np.zeros((len(dofs), len(dofs)))
-            for body, places in bodies:
-                mass[places] += body.initial_mass
-            if first >= 0:
-                own = np.s_[first : first + 4]
-                p = reference + q[dofs[own]]
-                mass[own, own] += np.outer(p, p) * np.trace(mass[own, own])
-            yield dofs, mass
+        masses = self._masses(stack, initial=True)
+        for b in np.flatnonzero(blocks.quaternion >= 0):
+            own = np.s_[blocks.quaternion[b] : blocks.quaternion[b] + 4]
+            p = blocks.reference[b] + q[blocks.dofs[b, own]]
+            masses[b, own, own] += np.outer(p, p) * np.trace(masses[b, own, own])
+        return masses
 
     def _initial_mass(self, group: Sequence[Body]) -> Array:
         """(k, k) of the coordinates of a group that are not held."""

@@ -112,9 +112,8 @@ class JointRows:
         value = value_at(t, q)
         if not self.follows_time and (self._are_linear or not v.any()):
             return JointTerms(value, np.zeros(self.number), np.zeros(self.number))
-        step = STEP / max(
-            1.0, float(np.abs(v[: self._places]).max())
-        )  # those of first order have other units
+        rates = v[: self._places]  # those of first-order states behind them have other units
+        step = STEP / max(1.0, float(np.abs(rates).max()))
         after, before = (value_at(t + s, self._moved(q, v, s)) for s in (step, -step))
         gamma = (2.0 * value - after - before) / step**2
         drift = np.zeros(self.number)
