@@ -35,12 +35,20 @@ What is left out
 from functools import partial
 from pathlib import Path
 
-from .harness import Order, Results, Row, Study, Table, announce, groups, judged, large_nets
-from .harness.cases import DEFAULT, ONE_SETTING, TUNED
-from .harness.coupled_runs import Candidate, Inextensible, Native, by_rule
+from .harness import Order, Results, Row, Study, Table, announce, groups, judged
+from .harness.coupled_runs import (
+    LARGE_ELEMENTS,
+    LARGE_STEP,
+    Candidate,
+    Inextensible,
+    Native,
+    by_rule,
+    large_net,
+)
 from .harness.coupled_scenes import SCENES, CoupledScene
-from .harness.coupled_tuning import Series, Tuning, compare, draw_fronts, natives, ours
 from .harness.engines import ask
+from .harness.ratios import DEFAULT, ONE_SETTING, TUNED
+from .harness.tuning import Series, Tuning, compare, draw_fronts, natives, ours
 
 BOUNDS = (1e-2, 1e-3)
 LARGE = (10, 22)  # meshes along a side
@@ -81,7 +89,7 @@ TUNING = Tuning(dict(zip(SIDES, (_ours, natives), strict=True)), _references, BO
 
 def _large(meshes: int, formulation: str) -> Row:
     """Start, step and memory, each in a process of its own."""
-    found = dict(ask(large_nets.__name__, formulation, meshes, OPENBLAS_NUM_THREADS="1"))
+    found = dict(ask(large_net, formulation, meshes, OPENBLAS_NUM_THREADS="1"))
     cables = 2 * meshes * (meshes + 1)
     label = f"{cables} cables, {formulation}"
     return {"kind": "large", "label": label, "cables": cables, "formulation": formulation, **found}
@@ -96,7 +104,7 @@ def conclude(results: Results) -> list[str]:
     for cables, pair in groups(results.of_kind("large"), "cables").items():
         mine, theirs = (row["stepMilliseconds"] for row in pair)
         said.append(
-            f"Net of {cables} cables of {large_nets.ELEMENTS} elements, steps of {large_nets.STEP:g} s: "
+            f"Net of {cables} cables of {LARGE_ELEMENTS} elements, steps of {LARGE_STEP:g} s: "
             f"{mine:.3g} ms a step, native {theirs:.3g} ms, {theirs / mine:.3g} times; ours starts in "
             f"{pair[0]['startSeconds']:.3g} s within {pair[0]['megabytes']:.0f} MB."
         )

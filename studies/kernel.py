@@ -14,127 +14,112 @@ Protocol
     medians; ratios within one run. RATTLE corrects positions as often as its tolerance of 1e-10 asks for,
     which takes more solves at the larger steps of coarse chains.
 
-Where the time goes
-    The parts of one evaluation are repeated alone; what is left of a step is its "update": predictor, loads,
-    right-hand sides; with RATTLE also the position constraints and the velocity projection. Operations of a
-    step are counted by running the same kernels on numbers that count. The floor is the time in which
-    the processor could do them as multiply-adds, each an addition and a multiplication, one by one
-    or in vectors; divisions and roots are counted as one operation, which flatters the floor.
-
 What is left out
-    Native elements with quadratures other than the default and Lobatto. Links, damping, natural curvature.
+    Native elements with quadratures other than the default and Lobatto. Links, damping, natural curvature:
+    `scene_cost`, `watch_cost`. What the parts of a step take: a profiler says it.
 """
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from pathlib import Path
+from typing import Any
 
-import numpy as np
+import exudyn
 
-from .harness import UNDECIDED, Order, Results, Row, Study, at_most, column, judged, largest, tables
-from .harness import kernel_tasks as of
-from .harness.operations import count_operations
-from .harness.plot import COLORS, label_axes, new_figure
-from .harness.timing import medians, seconds_per_time
+from exudyn_inext import ExplicitSettings, ExplicitStepper
+from reference_models.conventional.model import Quadrature
+from reference_models.conventional.model import build as build_native
+from reference_models.inextensible import build
+from reference_models.model import Model, quiet_settings, silence
+from reference_models.scenes import load_scene
+
+from .harness import UNDECIDED, Order, Results, Row, Study, at_most, column, groups, judged, largest, tables
+from .harness.plot import Panel, chart, curves_of
+from .harness.timing import Task, medians, seconds_per_time, steps_task
 
 BARS = {2: 0.5, 3: 0.6}
+SCENES = {2: "planar_pendulum", 3: "spatial_pendulum"}
 INTEGRATORS = ("Zhai", "RATTLE")
 MEASURES = ("secondDerivative", "product")
+QUADRATURES: tuple[Quadrature, ...] = ("full", "lobatto")
+EMPTY = "empty loop"
 MICRO = 1e6
-RATES = "rates alone"
-PARTS = ("assembly", "factorisation", "substitution", "update")
 
 
 def measure(order: Order) -> list[Row]:
-    """Ratios, shares, operations and rates."""
+    """Ratios."""
     numbers, measures = ((5, 20), MEASURES[:1]) if order.quick else ((5, 20, 50), MEASURES)
     timing = (3, 4e-3) if order.quick else (15, 2e-2)  # rounds, seconds of a sample
-    chains = [(dim, elements) for dim in of.SCENES for elements in numbers]
-    rows = [row for chain in chains for row in _rows_of_chain(*chain, timing, measures)]
-    return rows + list(_floors([row for row in rows if row["kind"] == "share"], timing))
+    chains = [(dim, elements) for dim in SCENES for elements in numbers]
+    return [row for chain in chains for row in _rows_of_chain(*chain, timing, measures)]
 
 
 def _rows_of_chain(
     dim: int, elements: int, timing: tuple[int, float], measures: Sequence[str]
 ) -> Iterator[Row]:
-    """Ratios and shares of one dimension and number of elements, from one round robin."""
-    tasks, steps = of.native_tasks(dim, elements), {}
-    tasks |= of.part_tasks(*of.moving_state(dim, elements, MEASURES[0]))
+    """One dimension and number of elements, from one round robin."""
+    tasks = native_tasks(dim, elements)
     for name in measures:
-        tasks[f"{RATES} {name}"] = of.rates_task(*of.moving_state(dim, elements, name))
         for integrator in INTEGRATORS:
-            tasks[f"{integrator} {name}"], steps[integrator] = of.steps_task(dim, elements, integrator, name)
+            tasks[f"{integrator} {name}"] = steps_task(half_limit(dim, elements, integrator, name))
     time = medians(seconds_per_time(tasks, *timing, f"{dim}D, N = {elements}"))
-    full, lobatto = (time[quadrature] - time[of.EMPTY] for quadrature in of.QUADRATURES)
+    full, lobatto = (time[quadrature] - time[EMPTY] for quadrature in QUADRATURES)
     for name in measures:
-        for what in (*INTEGRATORS, RATES):
+        for integrator in INTEGRATORS:
+            step = time[f"{integrator} {name}"]
             yield {
                 "kind": "ratio",
-                "label": f"{dim}D, {what}" + ("" if what == RATES else ", one step"),
+                "label": f"{dim}D, {integrator}, one step",
                 "dimension": dim,
                 "elements": elements,
-                "integrator": what,
+                "integrator": integrator,
                 "curvatureMeasure": name,
-                "microseconds": MICRO * time[f"{what} {name}"],
+                "microseconds": MICRO * step,
                 "nativeMicroseconds": MICRO * full,
-                "ratio": time[f"{what} {name}"] / full,
-                "ratioLobatto": time[f"{what} {name}"] / lobatto,
-                "bar": None if what == RATES else BARS[dim],
+                "ratio": step / full,
+                "ratioLobatto": step / lobatto,
+                "bar": BARS[dim],
             }
-    for integrator, h in steps.items():
-        step = time[f"{integrator} {MEASURES[0]}"]
-        shares = {name: time[name] / step for name in PARTS[:-1]}
-        yield {
-            "kind": "share",
-            "label": f"{dim}D, {integrator}",
-            "dimension": dim,
-            "elements": elements,
-            "integrator": integrator,
-            "microseconds": MICRO * step,
-            **shares,
-            "update": 1.0 - sum(shares.values()),
-            "stepSize": h,
-        }
 
 
-def _floors(shares: Sequence[Row], timing: tuple[int, float]) -> Iterator[Row]:
-    """Operations of a step in the middle of the motion, over what the processor can do."""
-    time = medians(seconds_per_time(of.PROCESSOR_TASKS, *timing, "multiply-adds"))
-    rates = {name: of.MULTIPLY_ADDS[name] / seconds for name, seconds in time.items()}
-    for name, rate in rates.items():
-        yield {"kind": "machine", "label": name, "perNanosecond": 1e-9 * rate}
-    asked = []
-    for row in shares:
-        _, _, q, v = of.moving_state(row["dimension"], row["elements"], MEASURES[0], 1.0)
-        known = {"scene": of.SCENES[row["dimension"]], "q": q.tolist(), "v": v.tolist()}
-        asked.append(known | {"h": row["stepSize"]} | {key: row[key] for key in ("integrator", "elements")})
-    for row, found in zip(shares, count_operations(asked), strict=True):
-        least = max(found["add"], found["multiply"]) + found["divide"] + found["root"]
-        scalar, vector = (MICRO * least / rates[name] for name in of.PROCESSOR_TASKS)
-        yield {
-            "kind": "floor",
-            "label": row["label"],
-            "elements": row["elements"],
-            **found,
-            "perElement": sum(found.values()) / row["elements"],
-            "microseconds": row["microseconds"],
-            "scalarFloor": scalar,
-            "vectorFloor": vector,
-            "aboveScalarFloor": row["microseconds"] / scalar,
-        }
+def native_tasks(dim: int, elements: int) -> dict[str, Task]:
+    """Quadrature -> C++ calls of ComputeODE2RHS in a tight loop; and that loop, empty."""
+
+    def task(times: int, model: Model, solver: Any) -> None:
+        mbs, compute = model.mbs, solver.ComputeODE2RHS
+        for _ in range(times):
+            compute(mbs)
+
+    def empty(times: int) -> None:
+        for _ in range(times):
+            pass
+
+    tasks: dict[str, Task] = {EMPTY: empty}
+    for quadrature in QUADRATURES:
+        model = build_native(load_scene(SCENES[dim]), elements, quadrature)
+        solver = exudyn.MainSolverImplicitSecondOrder()
+        with silence():
+            solver.InitializeSolver(model.mbs, quiet_settings(1.0, 1000))
+        tasks[quadrature] = partial(task, model=model, solver=solver)
+    return tasks
+
+
+def half_limit(dim: int, elements: int, integrator: str, name: str) -> ExplicitStepper:
+    """A pendulum that takes steps of half of the stability limit.   name: of the curvature measure."""
+    model = build(load_scene(SCENES[dim]), elements, name)
+    settings = ExplicitSettings(integrator, massScaling=0.0)
+    limit = ExplicitStepper(model.mbs, settings).bounds.stability_limit
+    return ExplicitStepper(model.mbs, settings, stepSize=0.5 * limit)
 
 
 def conclude(results: Results) -> list[str]:
-    """Whether the bars are kept, and where the time goes."""
-    above = column(results.of_kind("floor"), "aboveScalarFloor")
-    return [
-        *(_bar(dim, results) for dim in BARS),
-        f"A step takes {min(above):.1f} to {max(above):.1f} times as long as its multiply-adds one by one.",
-    ]
+    """Whether the bars are kept."""
+    return [_bar(dim, results) for dim in BARS]
 
 
 def _bar(dim: int, results: Results) -> str:
     """The dearest step against the bar; which rows are within it, which are not, which may be."""
-    rows = [r for r in results.of_kind("ratio") if r["dimension"] == dim and r["bar"] is not None]
+    rows = [row for row in results.of_kind("ratio") if row["dimension"] == dim]
     worst, found = largest(rows, "ratio"), {True: [], False: [], None: []}
     for row in rows:
         name = "{integrator}, {curvatureMeasure}, N = {elements}: {ratio:.2f}".format_map(row)
@@ -151,35 +136,15 @@ def _bar(dim: int, results: Results) -> str:
 
 
 def draw(results: Results, directory: Path) -> list[Path]:
-    """Ratios as bars against the limits, and the shares of a step."""
-    path = directory / "kernel_ratios.png"
-    rows = [r for r in results.of_kind("ratio") if r["curvatureMeasure"] == MEASURES[0]]
-    with new_figure(path, 11.0, 4.6) as figure:
-        for axes, dim in zip(figure.subplots(1, 2, sharey=True), of.SCENES, strict=True):
-            of_dim = [row for row in rows if row["dimension"] == dim]
-            numbers = sorted(set(column(of_dim, "elements")))
-            for place, what in enumerate((*INTEGRATORS, RATES)):
-                ratios = column([row for row in of_dim if row["integrator"] == what], "ratio")
-                axes.bar(np.arange(len(numbers)) + 0.27 * (place - 1), ratios, 0.25, label=what)
-            axes.set_axisbelow(True)
-            axes.axhline(BARS[dim], color=COLORS[-1], linestyle="--", label=f"bar: {BARS[dim]}")
-            axes.set_xticks(range(len(numbers)), [str(number) for number in numbers])
-            unit = "time over native ComputeODE2RHS [-]" if dim == 2 else ""
-            label_axes(axes, "elements N [-]", unit, f"{dim}D")
-            axes.margins(y=0.35)  # room for the legend
-            axes.legend(loc="upper right")
-    shares = results.of_kind("share")
-    labels = ["{label}, N = {elements}".format_map(row) for row in shares]
-    with new_figure(directory / "kernel_shares.png", 9.0, 0.8 + 0.35 * len(shares)) as figure:
-        axes, start = figure.subplots(), np.zeros(len(shares))
-        for part in PARTS:
-            axes.barh(labels, column(shares, part), left=start, label=part)
-            start += column(shares, part)
-        axes.set_axisbelow(True)
-        axes.invert_yaxis()
-        label_axes(axes, "share of one step [-]", "")
-        figure.legend(loc="outside upper left", ncols=4)
-    return [path, directory / "kernel_shares.png"]
+    """Ratios over the elements, below the bars."""
+    rows = [row for row in results.of_kind("ratio") if row["curvatureMeasure"] == MEASURES[0]]
+    panels = []
+    for dim, own in groups(rows, "dimension").items():
+        curves = curves_of(groups(own, "integrator"), "elements", "ratio")
+        look = {"title": f"{dim}D", "horizontal": (0.0, BARS[dim]), "ticks": column(own, "elements")}
+        labels = "elements N [-]", "time over native ComputeODE2RHS [-]"
+        panels.append(Panel(*labels, curves, "semilogx", **look))
+    return [chart(directory / "kernel_ratios.png", *panels, width=10.0)]
 
 
 TABLES = tables(
@@ -187,15 +152,6 @@ TABLES = tables(
     ratio: Microseconds, and ratios to one native ComputeODE2RHS:
         what: label | N: elements | curvature: curvatureMeasure | time [us]: microseconds |
         native [us]: nativeMicroseconds | ratio | ratio, Lobatto: ratioLobatto | bar
-    share: Shares of one step (parts timed alone; the update is what is left):
-        step: label | N: elements | h [s]: stepSize | time [us]: microseconds | assembly | factorisation |
-        substitution | update
-    machine: Multiply-adds of one core:
-        kind: label | [1/ns]: perNanosecond
-    floor: Operations of one step, and the time that they take at least:
-        step: label | N: elements | additions: add | multiplications: multiply | divisions: divide |
-        roots: root | all, an element: perElement | time [us]: microseconds |
-        floor, one by one [us]: scalarFloor | floor, vectors [us]: vectorFloor
     """
 )
 

@@ -27,6 +27,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from exudyn_inext import Zhai
 from reference_models.inextensible import Inextensible, inextensible_case
@@ -36,7 +37,7 @@ from reference_models.trajectory import Case
 from .harness import Results, Row, Study, column, groups, number, tables
 from .harness.cases import failing_case, unguarded
 from .harness.dense_pendulum import dense_cases, run_dense
-from .harness.plot import COLORS, label_axes, new_figure
+from .harness.plot import COLORS, Curve, Panel, chart
 from .harness.reference import ReferenceSolution
 from .harness.sweep import Sweep
 from .harness.timing import OK, measure
@@ -47,41 +48,31 @@ PART = 0.6  # of the stability limit: what a model's own limit costs is a part o
 QUICK_MOTION = 0.5  # [s]
 NOT_QUICK = ("measure: product", "RK4")  # kernels of their own, which take long to compile
 REPEATS, QUICK_REPEATS = 5, 2
-
-BASE: Row = {
-    "integrator": "Zhai",
-    "zeta": 100.0,
-    "measure": "secondDerivative",
-    "lengthConstraints": None,
-    "spatial": False,
-    "projectedRate": True,
-    "corrector": False,
-    "psi": 0.5,
-}
+BASE = "base"
 
 
-def changes_of(scene: Scene, elements: int) -> dict[str, Row]:
-    """Label -> what differs from the base."""
-    half = elements // 2
-    changes: dict[str, Row] = {
-        "measure: product": {"measure": "product"},
-        "n_bar = 0": {"lengthConstraints": 0},
-        "n_bar = 1": {"lengthConstraints": 1},
-        "n_bar = 2": {"lengthConstraints": 2},
-        "n_bar = N / 2": {"lengthConstraints": half},
-        "n_bar = N - 1": {"lengthConstraints": elements - 1},
-        "v_n, not the projected rate": {"projectedRate": False},
-        "zeta = 10": {"zeta": 10.0},
-        "zeta = 300": {"zeta": 300.0},
-        "corrector, psi = phi = 0": {"corrector": True, "psi": 0.0},
-        "RATTLE": {"integrator": "RATTLE"},
-        "RK4": {"integrator": "RK4"},
-        "half as many elements": {"elements": half},
-        "twice as many elements": {"elements": 2 * elements},
+def changes_of(scene: Scene, elements: int) -> dict[str, Inextensible]:
+    """ "base", and label -> the model that differs from it in one thing."""
+    base = Inextensible(elements, unguarded("Zhai", None))
+
+    def method(**changes: Any) -> Inextensible:
+        return replace(base, settings=replace(base.settings, **changes))
+
+    numbers = {"0": 0, "1": 1, "2": 2, "N / 2": elements // 2, "N - 1": elements - 1}
+    return {
+        BASE: base,
+        "measure: product": replace(base, measure="product"),
+        **{f"n_bar = {name}": replace(base, length_constraints=n) for name, n in numbers.items()},
+        "v_n, not the projected rate": method(scheme=Zhai(projected_rate=False)),
+        "zeta = 10": method(stabilizationRate=10.0),
+        "zeta = 300": method(stabilizationRate=300.0),
+        "corrector, psi = phi = 0": method(scheme=Zhai(0.0, 0.0, corrector=True)),
+        "RATTLE": method(integrator="RATTLE"),
+        "RK4": method(integrator="RK4"),
+        "half as many elements": replace(base, elements=elements // 2),
+        "twice as many elements": replace(base, elements=2 * elements),
+        **({"3D, not 2D": replace(base, spatial=True)} if scene.is_planar else {}),
     }
-    if scene.is_planar:
-        changes["3D, not 2D"] = {"spatial": True}
-    return changes
 
 
 def make_cases(quick: bool) -> list[Row]:
@@ -95,14 +86,13 @@ def make_cases(quick: bool) -> list[Row]:
                 "scene": name,
                 "label": label,
                 "elements": SCENES[name],
-                "change": change,
                 "motion": QUICK_MOTION if quick else load_scene(name).end_time,
                 "repeats": QUICK_REPEATS if quick else REPEATS,
                 "timed": True,
             }
             for name in names
-            for label, change in changes_of(load_scene(name), SCENES[name]).items()
-            if not (quick and label in NOT_QUICK)
+            for label in changes_of(load_scene(name), SCENES[name])
+            if label != BASE and not (quick and label in NOT_QUICK)
         ),
     ]
 
@@ -110,8 +100,8 @@ def make_cases(quick: bool) -> list[Row]:
 def run_change(case: Row) -> Row:
     """Errors and CPU times of base and variant, run in turn."""
     scene = replace(load_scene(case["scene"]), end_time=case["motion"])
-    base = {**BASE, "elements": case["elements"]}
-    cases = [_case(scene, base, "base"), _case(scene, base | case["change"], "variant")]
+    models = changes_of(scene, case["elements"])
+    cases = [_case(scene, models[BASE], BASE), _case(scene, models[case["label"]], "variant")]
     reference = _reference(case["scene"])
     (first, _), (second, _) = measure(cases, case["repeats"], reference.trajectory)
     return {
@@ -133,25 +123,15 @@ def _ratio(value: float | None, base: float | None) -> float | None:
     return value / base if value is not None and base else None
 
 
-def _case(scene: Scene, given: Row, label: str) -> Case:
+def _case(scene: Scene, model: Inextensible, label: str) -> Case:
     """At PART of its own stability limit; one that cannot even start fails when it is run."""
+    settings = model.settings
     try:
-        limits = inextensible_case(replace(scene, end_time=0.01), _model(given))
-        return inextensible_case(scene, _model(given, PART * limits.details["stepLimit"]), label)
+        limit = inextensible_case(replace(scene, end_time=0.01), model).details["stepLimit"]
+        model = replace(model, settings=replace(settings, stepSize=PART * limit))
+        return inextensible_case(scene, model, label)
     except ArithmeticError as error:
-        return failing_case(label, given["integrator"], given["elements"], error)
-
-
-def _model(given: Row, step: float | None = None) -> Inextensible:
-    zhai = Zhai(given["psi"], given["psi"], given["corrector"], projected_rate=given["projectedRate"])
-    scheme = zhai if given["integrator"] == "Zhai" else None
-    return Inextensible(
-        given["elements"],
-        unguarded(given["integrator"], step, zeta=given["zeta"], scheme=scheme),
-        measure=given["measure"],
-        length_constraints=given["lengthConstraints"],
-        spatial=given["spatial"],
-    )
+        return failing_case(label, settings.integrator, model.elements, error)
 
 
 @lru_cache
@@ -229,9 +209,6 @@ def _error(row: Row) -> str:
 # ------------------------------------------------------------------------------------- the study
 
 
-COST_TICKS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
-
-
 def run_case(case: Row) -> Row:
     """One of them."""
     return run_dense(case) if case["kind"] == "dense" else run_change(case)
@@ -250,25 +227,16 @@ def draw(results: Results, directory: Path) -> list[Path]:
     rows = [row for row in results.of_kind("change") if row.get("errorRatio") and row.get("costRatio")]
     if not rows:
         return []
-    path = directory / "minimal_model.png"
-    labels = list(groups(rows, "label"))
-    with new_figure(path, 10.0, 1.5 + 0.3 * len(labels)) as figure:
-        error, cost = figure.subplots(1, 2, sharey=True)
-        for (scene, own), color, marker in zip(groups(rows, "scene").items(), COLORS, "os^D", strict=False):
-            places = [labels.index(row["label"]) for row in own]
-            style = {"color": color, "marker": marker, "linestyle": ""}
-            error.semilogx(column(own, "errorRatio"), places, label=scene, **style)
-            cost.semilogx(column(own, "costRatio"), places, **style)
-        for axes in (error, cost):
-            axes.axvline(1.0, color="black", linewidth=0.8)
-        cost.minorticks_off()  # their labels would overlap
-        cost.set_xticks(COST_TICKS, [f"{tick:g}" for tick in COST_TICKS])
-        error.set_yticks(range(len(labels)), labels)
-        error.invert_yaxis()
-        label_axes(error, "error over that of the base [-]", "")
-        label_axes(cost, "CPU time over that of the base [-]", "")
-        figure.legend(loc="outside upper left", ncols=4)
-    return [path]
+    labels, scenes, panels = list(groups(rows, "label")), groups(rows, "scene").items(), []
+    for key, what in (("errorRatio", "error"), ("costRatio", "CPU time")):
+        curves = [
+            Curve(column(own, key), [labels.index(row["label"]) for row in own], scene, color, marker)
+            for (scene, own), color, marker in zip(scenes, COLORS, "os^D", strict=False)
+        ]
+        look = {"legend": False, "vertical": (1.0,), "names": labels}
+        panels.append(Panel(f"{what} over that of the base [-]", "", curves, "semilogx", **look))
+    height = 1.5 + 0.3 * len(labels)
+    return [chart(directory / "minimal_model.png", *panels, width=12.0, height=height, columns=4)]
 
 
 TABLES = tables(

@@ -33,8 +33,9 @@ from reference_models.scenes import Scene, load_scene
 
 from .harness import Order, Results, Row, Study, groups, judged, largest, tables
 from .harness.cases import stepper_case
+from .harness.engines import ask
 from .harness.inner import element_type, node_type
-from .harness.memory import memory_of
+from .harness.memory import long_cable
 from .harness.plot import Panel, chart, curves_of
 from .harness.reference import from_data
 from .harness.timing import Task, medians, seconds_per_time
@@ -46,8 +47,7 @@ CHAINS = {"2D": PLANAR, "3D": load_scene("spatial_pendulum"), "2D, closed": RING
 INTEGRATORS = {"Zhai": 9, "RATTLE": 7}  # arrays of the integrator, and the constant force
 NUMBERS = (20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000)
 RING_FORCE = 1.0  # [N]
-PORTION = 1000  # steps in one call
-RESTART = 3.0  # [s]
+PORTION, RESTART = 1000, 3.0  # steps in one call; [s] of motion
 THETA = 0.3
 LONG = 100_000
 SPREAD, MEMORY, ERROR = 1.25, 1e9, 1e-3  # the bars
@@ -99,7 +99,7 @@ def _steps(scene: Scene, elements: int, integrator: str) -> Task:
 
 
 def _memory_row(chain: str, elements: int, steps: int) -> Row:
-    found = memory_of(CHAINS[chain].name, elements, steps)
+    found = ask(long_cable, CHAINS[chain].name, elements, steps)
     return {
         "kind": "memory",
         "label": f"{chain}, RATTLE",

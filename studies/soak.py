@@ -2,7 +2,8 @@
 
 Question
     Does the energy of an undamped cable drift over ten million steps, do its constraints, and does the
-    memory of a process grow with the scenes that it has built, run and dropped?
+    memory of a process grow with the scenes that it has built, run and dropped? What lets Zhai's method,
+    which gains or loses energy by itself, last as long?
 
 What would refute it
     A mean energy of the last tenth of the run that differs from that of the first by more than a tenth of
@@ -12,28 +13,34 @@ What would refute it
 Protocol
     The planar pendulum, N = 5, RATTLE, h = 2.5e-3 s: ten million steps in compiled calls of a thousand,
     looked at after each. As a control, a tenth of that with a bending damping that is too small for a swing
-    of 5 s to show it: its loss has to be found. Then scenes of each way that a run can take, 200 times each
-    in a process of its own: built, run for some steps, dropped; memory counts after the first 20, when
-    libraries and kernels are loaded. As a control, scenes that are kept have to be found, too.
+    of 5 s to show it: its loss has to be found. The same pendulum under Zhai's method at 0.95 of its limit,
+    a million steps, and one change of that at a time; the longest-lived ones over ten million.
+    Then scenes of each way that a run can take, 200 times each in a process of its own: built, run for some
+    steps, dropped; memory counts after the first 20, when libraries and kernels are loaded. As a control,
+    scenes that are kept have to be found, too.
 
 What is left out
-    Zhai and RK4, which gain or lose energy over long runs by themselves, and memory that a scene in use
-    needs (`scaling`).
+    Memory that a scene in use needs (`scaling`).
 """
 
 import time
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from tqdm import tqdm
 
-from exudyn_inext import ExplicitSettings, ExplicitStepper
+from exudyn_inext import DivergenceError, ExplicitSettings, ExplicitStepper, Zhai
+from reference_models.inextensible import build
+from reference_models.scenes import Line, load_scene
 
 from .harness import Order, Results, Row, Study, inner, judged, tables
-from .harness.joined_scenes import GRAVITY, Contents, joined_scene
-from .harness.memory import KINDS, memory_of_scenes
+from .harness.cases import unguarded
+from .harness.engines import ask
+from .harness.joined_scenes import Contents, joined_scene
+from .harness.memory import KINDS, dropped_scenes
 from .harness.plot import COLORS, REFERENCE_COLOR, Curve, Panel, chart
 from .stability.motion import Invariants
 
@@ -47,6 +54,50 @@ QUICK = ("joined to bodies", "penaltyMass, native RK44", "control: penaltyMass, 
 POINTS = 500  # of a curve that is stored
 
 
+@dataclass(frozen=True)
+class Swing:
+    """The pendulum, released that many degrees off the vertical.
+
+    part: of the stability limit.   zeta: stabilisation rate [1/s].   measure: of curvature.
+    """
+
+    integrator: str = "Zhai"
+    part: float = 0.95
+    zeta: float = 100.0
+    scheme: Zhai | None = None
+    measure: str = "secondDerivative"
+    angle: float = 90.0
+
+    def run(self, label: str, steps: int) -> Row:
+        """So many steps, or as many as it lasts."""
+        scene, angle = load_scene("planar_pendulum"), np.radians(self.angle)
+        line = Line(direction=(float(np.sin(angle)), float(-np.cos(angle)), 0.0))
+        scene = replace(scene, cable=replace(scene.cable, shape=line))
+        model = build(scene, ELEMENTS, self.measure)
+        settings = replace(unguarded(self.integrator, None, 0.0, self.zeta, self.scheme), rejectSteps=False)
+        h = self.part * ExplicitStepper(model.mbs, settings).bounds.stability_limit
+        return long_run(label, model.mbs, replace(settings, stepSize=h), steps) | {"kind": "swing"}
+
+
+BASE = "base: 0.95 of the limit, zeta = 100"
+SWINGS = {
+    BASE: Swing(),
+    "half the step": Swing(part=0.95 / 2),
+    "a quarter of the step": Swing(part=0.95 / 4),
+    "an eighth of the step": Swing(part=0.95 / 8),
+    "zeta = 10": Swing(zeta=10.0),
+    "zeta = 30": Swing(zeta=30.0),
+    "zeta = 300": Swing(zeta=300.0),
+    "v_n, not the projected rate": Swing(scheme=Zhai(projected_rate=False)),
+    "measure product": Swing(measure="product"),
+    "swing from 30 degrees": Swing(angle=30.0),
+    "swing from 10 degrees": Swing(angle=10.0),
+    "corrector, psi = phi = 0": Swing(scheme=Zhai(psi=0.0, phi=0.0, corrector=True)),
+    "RK4": Swing("RK4"),
+}
+LONGEST = ("an eighth of the step", "RK4")
+
+
 def measure(order: Order) -> list[Row]:
     """One row for each long run and each kind of scene."""
     steps, scenes, warm_up = (20_000, 6, 3) if order.quick else (STEPS, SCENES, WARM_UP)
@@ -54,8 +105,11 @@ def measure(order: Order) -> list[Row]:
         watched_run("undamped", 0.0, steps),
         watched_run("control, slightly damped", CONTROL, steps // 10),
     ]
+    swings = [(BASE, steps)] if order.quick else [(name, steps // 10) for name in SWINGS]
+    swings += [] if order.quick else [(name, steps) for name in LONGEST]
+    rows += [SWINGS[name].run(name, number) for name, number in swings]
     for kind in tqdm(QUICK if order.quick else KINDS, desc="soak", unit="kind"):
-        rows.append(memory_row(kind, memory_of_scenes(kind, warm_up + scenes), warm_up))
+        rows.append(memory_row(kind, ask(dropped_scenes, kind, warm_up + scenes), warm_up))
     return rows
 
 
@@ -66,12 +120,11 @@ def watched_run(label: str, damping: float, steps: int) -> Row:
 
 
 def long_run(label: str, mbs: Any, settings: ExplicitSettings, steps: int) -> Row:
-    """So many steps of a cable under its weight, looked at after each call.   settings: with a step."""
-    (in_scene,) = inner.read_cables(mbs, "soak")
+    """So many steps of a lone cable, looked at after each call.   settings: with a step."""
+    (in_scene,) = inner.read_scene(mbs).cables
     cable = in_scene.cable
-    invariants = Invariants(cable, inner.gravity_force(cable, np.array(GRAVITY[:2])))
-    stepper = ExplicitStepper(mbs, settings)
-    looks = []
+    force = inner.CableLoads(in_scene).constant.reshape(cable.reference.shape)
+    invariants, stepper, looks = Invariants(cable, force), ExplicitStepper(mbs, settings), []
 
     def look() -> None:
         q, v, _ = stepper.State()
@@ -81,18 +134,24 @@ def long_run(label: str, mbs: Any, settings: ExplicitSettings, steps: int) -> Ro
     stepper.Start()
     look()
     call = min(CALL, steps // 20)
-    seconds = time.process_time()
-    for _ in tqdm(range(steps // call), desc=label, unit="call", mininterval=5.0):
-        stepper.Step(call)
-        look()
+    survives, seconds = True, time.process_time()
+    try:
+        for _ in tqdm(range(steps // call), desc=label, unit="call", mininterval=5.0):
+            stepper.Step(call)
+            look()
+    except DivergenceError:
+        survives = False
     kinetic, total, violations, rates = np.array(looks).T
-    energy = (total - total[0]) / kinetic.max()  # over the swing
-    tenth, every = len(energy) // 10, max(1, len(energy) // POINTS)
+    energy = (total - total[0]) / (kinetic.max() or 1.0)  # over the swing
+    tenth, every = max(1, len(energy) // 10), max(1, len(energy) // POINTS)
+    taken = call * (len(energy) - 1)
     return {
         "kind": "run",
         "label": label,
-        "steps": steps,
-        "hours": steps * stepper.stepSize / 3600.0,
+        "steps": taken,
+        "stepSize": stepper.stepSize,
+        "survives": survives,
+        "hours": taken * stepper.stepSize / 3600.0,
         "cpuSeconds": time.process_time() - seconds,
         "range": float(np.ptp(energy)),
         "drift": float(energy[-tenth:].mean() - energy[:tenth].mean()),
@@ -126,7 +185,7 @@ def drifts(row: Row) -> bool:
 
 
 def conclude(results: Results) -> list[str]:
-    """Drift, violations, memory, each against its limit."""
+    """Drift, violations, memory, each against its limit; what decides how long Zhai lasts."""
     sentences = []
     for row in results.of_kind("run"):
         found = row | {"drifts": _drift(row, results.quick), "limit": VIOLATION}
@@ -137,13 +196,14 @@ def conclude(results: Results) -> list[str]:
             "{label}: the largest violation of a constraint is {violation:.1e}, of its rate {rate:.1e} "
             "({side} {limit:g}).".format_map(found),
         ]
-    return sentences + [
+    sentences += [
         "{label}: memory {grows} over {scenes} scenes, {firstMegabytes:.1f} MB to {lastMegabytes:.1f} MB "
         "({growthPercent:+.2f} %, {kilobytesAScene:.1f} kB a scene).".format_map(
             row | {"grows": _growth(row, results)}
         )
         for row in results.of_kind("memory")
     ]
+    return sentences + [_lasting(row) for row in results.of_kind("swing")]
 
 
 def _drift(row: Row, quick: bool) -> str:
@@ -162,6 +222,14 @@ def _growth(row: Row, results: Results) -> str:
         return "undecided"
     words = ("NOT growing, as it should,", "growing, as it should,") if is_control else ("flat", "NOT flat")
     return judged(row["growthPercent"], 100.0 * GROWTH, results.noise, *words)
+
+
+def _lasting(row: Row) -> str:
+    end = "survives" if row["survives"] else "DIVERGES after"
+    return (
+        "Zhai's pendulum, {label}: {end} {steps:.0e} steps, energy within {range:.1e} of the swing, drift "
+        "{drift:.1e}, constraints {violation:.1e}.".format_map(row | {"end": end})
+    )
 
 
 def draw(results: Results, directory: Path) -> list[Path]:
@@ -188,6 +256,9 @@ TABLES = tables(
     run: Planar pendulum, RATTLE; energies over the swing, the largest kinetic energy:
         run: label | steps | motion [h]: hours | CPU [s]: cpuSeconds | energy varies by: range |
         its mean drifts by: drift | violation | of rates [1/s]: rate
+    swing: Planar pendulum under other schemes, one change at a time:
+        run: label | steps | h [s]: stepSize | survives | motion [h]: hours | energy varies by: range |
+        its mean drifts by: drift | violation | of rates [1/s]: rate
     memory: Resident memory of a process that builds, runs and drops scenes:
         way of the run: label | scenes | first [MB]: firstMegabytes | last [MB]: lastMegabytes |
         kB a scene: kilobytesAScene | growth [%]: growthPercent
@@ -196,4 +267,4 @@ TABLES = tables(
 
 QUESTION = "Do energy, constraints and memory stay where they are over long runs and many scenes?"
 TOO_LONG = "short runs and few scenes decide nothing on drift and memory"
-STUDY = Study("soak", QUESTION, measure, conclude, TABLES, draw, not_in_quick_report=TOO_LONG, minutes=3)
+STUDY = Study("soak", QUESTION, measure, conclude, TABLES, draw, not_in_quick_report=TOO_LONG, minutes=4)

@@ -37,18 +37,30 @@ What is left out
     Native explicit rows of more than some 20 s; rigid links on the ring and on the power line.
 """
 
-from reference_models.scenes import load_scene
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
 
-from .harness import Row, Study, tables
+import numpy as np
+
+from reference_models.scenes import Scene, load_scene
+from reference_models.trajectory import Case
+
+from .harness import Results, Row, Study, announce, groups, number, tables, verdict
+from .harness.figures import COST_AXES, LOOKS, front_curves
+from .harness.plot import COLORS, Curve, Panel, chart
+from .harness.ratios import BY_NATIVE_SOLVERS, EXPLICIT, IMPLICIT, INEXTENSIBLE, PEER, family_of, is_usable
+from .harness.reference import ReferenceSolution
 from .harness.sweep import Outcome, Sweep
-from .harness.timing import OK
-from .precision.findings import conclude
-from .precision.pictures import draw
-from .precision.scene_run import REPEATS, run_scene
+from .harness.timing import OK, measure
+from .precision import fronts
+from .precision.cases import LINKED_SCENES, NOT_INSTALLED, cases_of
+from .precision.fronts import OPPONENTS, Loss, front_of, members, read, speed_up
+from .table3 import reference_of
 
 SCENES = ("planar_pendulum", "spatial_pendulum", "vibrating_ring", "power_line")
 QUICK_MOTION, QUICK_REPEATS = 0.5, 1  # [s]
-BRIEF_MOTION = 0.05  # [s]
 
 
 def make_cases(quick: bool) -> list[Row]:
@@ -73,6 +85,205 @@ def rows_of(case: Row, outcome: Outcome) -> list[Row]:
     return list(outcome.result["rows"])
 
 
+# ------------------------------------------------------------------------------------------ measuring
+
+
+BOUNDS = (1e-2, 5e-3, 3e-3, 1e-3, 7e-4, 3e-4)  # [m]
+BELOW = "below the reference's uncertainty"
+REPEATS, SLOW_REPEATS, SLOWEST_REPEATS = 5, 3, 1
+SLOW, SLOWEST = 0.3, 3.0  # [s] of CPU time
+
+
+def repeats_of(seconds: float) -> int:
+    """Timed runs of a case whose warm-up took that CPU time [s]."""
+    if seconds > SLOWEST:
+        return SLOWEST_REPEATS
+    return SLOW_REPEATS if seconds > SLOW else REPEATS
+
+
+def run_scene(case: Row) -> Row:
+    """{"rows": ...} of a scene: its reference, every run, and the ratios."""
+    scene = replace(load_scene(case["scene"]), end_time=case["motion"])
+    announce(scene.name, "preparing the reference and the cases, finding stable steps")
+    reference = reference_of(scene)
+    runs = measured(scene, cases_of(scene, case["quick"]), reference, case["repeats"])
+    ratios = ratio_rows(scene.name, runs, reference.uncertainty)
+    return {"rows": [reference_row(scene, reference), *runs, *ratios]}
+
+
+def measured(
+    scene: Scene, cases: Sequence[Case], reference: ReferenceSolution, repeats: int = REPEATS
+) -> list[Row]:
+    """One row a case; what fails or diverges keeps its row, with its status."""
+    found = measure(cases, repeats, reference.trajectory, scene.name, repeats_of)
+    rows = [{"kind": "run", "scene": scene.name} | row for row, _ in found]
+    return [row | {"family": family_of(row)} for row in rows]
+
+
+def reference_row(scene: Scene, reference: ReferenceSolution) -> Row:
+    """What the errors of a scene are measured against."""
+    return {
+        "kind": "reference",
+        "scene": scene.name,
+        "source": reference.source,
+        "uncertainty": reference.uncertainty,
+        "selfConvergence": scene.reference is None,
+        "motion": scene.end_time,
+    }
+
+
+def ratio_rows(scene: str, runs: Sequence[Row], uncertainty: float) -> list[Row]:
+    """CPU time of every opponent over that of the inextensible cable, at every error bound."""
+    own, rows = front_of(members(runs, INEXTENSIBLE), uncertainty), []
+    for opponent, belongs in OPPONENTS.items():
+        theirs = front_of(filter(belongs, runs), uncertainty)
+        for bound in BOUNDS if any(map(belongs, runs)) else ():
+            row = {"kind": "speedUp", "scene": scene, "opponent": opponent, "bound": bound, "ratio": None}
+            if bound < uncertainty:
+                rows.append(row | {"opponentOutcome": BELOW, "ownOutcome": BELOW})
+                continue
+            slow, quick = read(theirs, bound), read(own, bound)
+            found = {"ratio": speed_up(theirs, own, bound)}
+            found |= {"opponentSeconds": slow.seconds, "ownSeconds": quick.seconds}
+            rows.append(row | found | {"opponentOutcome": slow.what, "ownOutcome": quick.what})
+    return rows
+
+
+# ------------------------------------------------------------------------------------------ sentences
+
+
+BAR = 50.0
+BAR_SCENE, BAR_BOUNDS = "planar_pendulum", (5e-3, 7e-4)
+
+
+def conclude(results: Results) -> list[str]:
+    """References, bars, ratios, losses, failures: scene by scene."""
+    failed = [f"FAILED: {row['scene']}: {row['status']}" for row in results.of_kind("scene")]
+    runs, ratios = (groups(results.of_kind(kind), "scene") for kind in ("run", "speedUp"))
+    sentences = failed + _bars(results)
+    for reference in results.of_kind("reference"):
+        scene = reference["scene"]
+        sentences += _of_scene(reference, runs.get(scene, []), ratios.get(scene, []))
+    return sentences
+
+
+def _of_scene(reference: Row, runs: Sequence[Row], ratios: Sequence[Row]) -> Iterator[str]:
+    """Reference; which methods make up the inextensible front; ratios; where it loses; what failed."""
+    scene, uncertainty = reference["scene"], reference["uncertainty"]
+    how = " (no independent one exists: self-convergence)" if reference["selfConvergence"] else ""
+    yield (
+        f"{scene}, {reference['motion']:g} s: errors are distances to {reference['source']}{how}, good to "
+        f"{number(uncertainty, 2)} m; smaller errors count as large as that."
+    )
+    own = front_of(members(runs, INEXTENSIBLE), uncertainty)
+    if own.rows:
+        ends = [f"{number(own.errors[k], 2)} m in {number(own.seconds[k], 2)} s" for k in (0, -1)]
+        methods = ", ".join(dict.fromkeys(map(fronts.method_of, own.rows)))
+        yield f"{scene}: the inextensible front reaches from {ends[0]} to {ends[1]}; on it: {methods}."
+    else:
+        yield f"{scene}: no inextensible run succeeded."
+    for opponent, rows in groups(ratios, "opponent").items():
+        found = ", ".join(f"{_ratio(row)} at {row['bound']:g} m" for row in rows)
+        yield f"{scene}, CPU time of {opponent} over that of the cable: {found}."
+    for opponent in fronts.OTHERS:
+        if theirs := [row for row in runs if fronts.OPPONENTS[opponent](row)]:
+            losses = fronts.losses(front_of(theirs, uncertainty), own)
+            where = "; ".join(f"{_range(loss)} ({loss.why})" for loss in losses) or "nowhere"
+            yield f"{scene}: against {opponent}, the inextensible cable loses {where}."
+    lost = [row for row in runs if row["status"] != "ok"]
+    if lost:
+        counts = {family: len(members(lost, family)) for family in fronts.FAMILIES}
+        parts = [f"{n} of {len(members(runs, family))} {family}" for family, n in counts.items() if n]
+        yield f"{scene}: runs that failed or diverged, kept with their status: {', '.join(parts)}."
+    if scene in LINKED_SCENES and not members(runs, PEER):
+        yield f"{scene}: {NOT_INSTALLED}"
+
+
+def _ratio(row: Row) -> str:
+    """A ratio, or why there is none."""
+    if row["ratio"] is not None:
+        return f"{row['ratio']:.0f}" if row["ratio"] >= 10.0 else f"{row['ratio']:.1f}"
+    if row["opponentOutcome"] == BELOW:
+        return f"nothing ({BELOW})"
+    who = "opponent" if row["opponentSeconds"] is None else "cable"
+    return f"none ({who}: {row['opponentOutcome'] if who == 'opponent' else row['ownOutcome']})"
+
+
+def _range(loss: Loss) -> str:
+    if loss.least == loss.largest:
+        return f"at {number(loss.least, 2)} m"
+    return f"from {number(loss.least, 2)} to {number(loss.largest, 2)} m"
+
+
+def _bars(results: Results) -> list[str]:
+    """What the study has to show, on the whole motion of the planar pendulum."""
+    if results.quick:
+        return []
+    rows = {(row["scene"], row["bound"], row["opponent"]): row for row in results.of_kind("speedUp")}
+    asked = product([BAR_SCENE], BAR_BOUNDS, (IMPLICIT, EXPLICIT, PEER))
+    return [_verdict(rows[one], 1.0 if one[-1] == PEER else BAR) for one in asked if one in rows]
+
+
+def _verdict(row: Row, bar: float) -> str:
+    left = f"bar: {row['scene']} at {row['bound']:g} m, {row['opponent']}, at least {bar:g} times"
+    if row["ratio"] is not None:
+        return f"{left}: {verdict(row['ratio'] >= bar)}, {number(row['ratio'])}."
+    return f"{left}: {_ratio(row)}."
+
+
+# ------------------------------------------------------------------------------------------ pictures
+
+
+_MARKERS = "osD^v<>PX*h"
+POINTS = 200
+_RATIO_AXES = "error [m]", "CPU time over the inextensible cable's [-]"
+
+
+def draw(results: Results, directory: Path) -> list[Path]:
+    """One picture a scene, and one of all ratios."""
+    usable = groups(filter(is_usable, results.of_kind("run")), "scene")
+    known = [(row, usable[row["scene"]]) for row in results.of_kind("reference") if row["scene"] in usable]
+    if not known:
+        return []
+    paths = [_draw_scene(reference, runs, directory) for reference, runs in known]
+    panels = [_ratios(reference, runs) for reference, runs in known]
+    path = directory / "work_precision_ratios.png"
+    return [*paths, chart(path, *panels, width=11.0, height=8.0, rows=2, columns=4)]
+
+
+def _draw_scene(reference: Row, runs: Sequence[Row], directory: Path) -> Path:
+    scene, unknown = reference["scene"], reference["uncertainty"]
+    families = groups([row | {"family": family_of(row)} for row in runs], "family")
+    own = [row for family in (INEXTENSIBLE, BY_NATIVE_SOLVERS) for row in families.get(family, [])]
+    methods = dict(sorted(groups([row | {"method": fronts.method_of(row)} for row in own], "method").items()))
+    looks = {name: (COLORS[k % len(COLORS)], _MARKERS[k % len(_MARKERS)]) for k, name in enumerate(methods)}
+    panels = []
+    for rows, look, title in (
+        (families, LOOKS, f"{scene}: all formulations"),
+        (methods, looks, "inextensible cables by method"),
+    ):
+        curves = front_curves(rows, look, lambda rows: front_of(rows, unknown).rows)
+        panels.append(Panel(*COST_AXES, curves, title=title, legend="below", unknown=unknown))
+    return chart(directory / f"work_precision_{scene}.png", *panels, width=12.0, height=6.4)
+
+
+def _ratios(reference: Row, runs: Sequence[Row]) -> Panel:
+    """Where both fronts are; ends may leave one by rounding."""
+    own = front_of(members(runs, INEXTENSIBLE), reference["uncertainty"])
+    curves = []
+    for opponent in fronts.OTHERS:
+        theirs = front_of(filter(fronts.OPPONENTS[opponent], runs), reference["uncertainty"])
+        if not (theirs.rows and own.rows):
+            continue
+        largest, least = (choose(theirs.errors[k], own.errors[k]) for choose, k in ((min, 0), (max, -1)))
+        if largest > least:
+            errors = np.geomspace(largest, least, POINTS)[1:-1]
+            ratios = [fronts.speed_up(theirs, own, float(bound)) for bound in errors]
+            curves.append(Curve(errors, ratios, opponent, LOOKS[opponent][0], "-"))
+    title = reference["scene"] + ("" if curves else ": no fronts overlap")
+    return Panel(*_RATIO_AXES, curves, title=title, legend=False, horizontal=(1.0,))
+
+
 TABLES = tables(
     """
     reference: What errors are measured against:
@@ -90,7 +301,7 @@ QUESTION = "What does an accuracy cost in each formulation, and where does the i
 STUDY = Study(
     "work_precision",
     QUESTION,
-    Sweep(make_cases, run_scene, rows_of, {"motion": BRIEF_MOTION, "repeats": 1}),
+    Sweep(make_cases, run_scene, rows_of),
     conclude,
     TABLES,
     draw,

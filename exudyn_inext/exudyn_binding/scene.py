@@ -98,25 +98,6 @@ def read_scene(mbs: Any, read: Callable[..., Constraint | None] = read_constrain
     )
 
 
-def read_cables(mbs: Any, who: str) -> list[CableInScene]:
-    """All inextensible cables of an assembled mbs that contains nothing else; empty if there is none.
-
-    Args:
-        mbs: the system.   who: asks, for messages.
-
-    Raises:
-        SceneError: besides cables, the mbs has other items that move, connect or load; all are named.
-    """
-    scene = read_scene(mbs)
-    if scene.cables and scene.foreign:
-        raise SceneError(
-            f"{who} deals with inextensible cables, coordinate constraints that hold or move positions of "
-            "their nodes or clamp them, distance constraints between ground and their nodes, and forces on "
-            f"their nodes; mbs has also: {'; '.join(scene.foreign)}. SolveExplicit takes such scenes."
-        )
-    return scene.cables
-
-
 def _contents(mbs: Any, read: Callable[..., Constraint | None]) -> Contents:
     contents = Contents()
     for number in range(mbs.systemData.NumberOfObjects()):

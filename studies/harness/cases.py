@@ -15,10 +15,8 @@ from reference_models.scenes import Scene
 from reference_models.trajectory import Array, Case, Run, Trajectory, Untimed
 
 from . import inner
+from .ratios import COMPILED, DEFAULT, INEXTENSIBLE, ONE_SETTING
 
-COMPILED = "compiled steps"
-DEFAULT, ONE_SETTING, TUNED = "default settings", "one setting", "tuned"
-"""How the inextensible rows were chosen: not at all; by one rule for all scenes; for the scene."""
 PAPER_METHOD = "paper's method at its settings: product, v_n in the predictor"
 THETA, ZETA, CONSTANT = 0.3, 100.0, 1.4  # of the one setting; C is twice the usual one
 RULE = f"Zhai, theta = {THETA}, zeta = {ZETA:g} 1/s, h by Eq. (37) with C = {CONSTANT}, at most 1/(2 zeta)"
@@ -104,7 +102,7 @@ def failing_case(
     def prepare() -> Run:
         raise error
 
-    return Case(label, "inextensible", integrator, elements, step_size, 0, prepare)
+    return Case(label, INEXTENSIBLE, integrator, elements, step_size, 0, prepare)
 
 
 def mesh_series(
@@ -194,7 +192,7 @@ def stepper_case(scene: Scene, elements: int, settings: ExplicitSettings) -> Cas
 
     label = f"{settings.integrator}, N = {elements}"
     details = {"massScaling": settings.massScaling}
-    return Case(label, "inextensible", settings.integrator, elements, h, steps * samples, prepare, details)
+    return Case(label, INEXTENSIBLE, settings.integrator, elements, h, steps * samples, prepare, details)
 
 
 def _sampled(positions: Array) -> Trajectory:

@@ -21,8 +21,11 @@ from reference_models.conventional.native_cables import NativeCables
 from reference_models.conventional.settings import Implicit, LinearSolver, Newton, simulation_settings
 from reference_models.model import quiet_settings, silence
 
-from .cases import DEFAULT, ONE_SETTING, THETA, TUNED, step_by_rule
-from .coupled_scenes import CoupledScene
+from .cases import THETA, step_by_rule
+from .coupled_scenes import CoupledScene, net_of_squares
+from .memory import peak_memory
+from .ratios import DEFAULT, ONE_SETTING, TUNED
+from .store import Row
 
 INITIAL = exudyn.ConfigurationType.Initial
 PERIOD = 0.02  # of outputs [s]
@@ -198,3 +201,20 @@ def distance(paths: Array, reference: Array) -> float | None:
     largest = np.linalg.norm(expected, axis=2).max()
     error = float(np.sqrt(((moved - expected) ** 2).sum(axis=2).mean()) / largest)
     return error if math.isfinite(error) else None
+
+
+LARGE_ELEMENTS = 6  # of a cable of a large net
+LARGE_STEP, LARGE_STEPS = 5e-4, (4, 104)  # [s]; of the short and the long run
+
+
+def large_net(formulation: str, meshes: int) -> Row:
+    """Start, step and memory of a large net, of this process; natives with modified Newton, the cheapest."""
+    is_ours = formulation == "inextensible"
+    number, h = LARGE_ELEMENTS, LARGE_STEP
+    candidate = Inextensible(number, h) if is_ours else Native(number, h, axial=1e5)
+    few, many = LARGE_STEPS
+    prepare(net_of_squares(2), candidate, few * h)()  # kernels
+    short, long = (prepare(net_of_squares(meshes), candidate, steps * h)()[0] for steps in LARGE_STEPS)
+    step = (long - short) / (many - few)
+    start = max(0.0, short - few * step)
+    return {"startSeconds": start, "stepMilliseconds": 1e3 * step, "megabytes": peak_memory() / 1e6}

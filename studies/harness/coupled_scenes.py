@@ -8,10 +8,12 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
+from exudyn.itemInterface import MarkerBodyPosition, MarkerNodePosition, SphericalJoint
+
 from examples import capstan, crane, drone, net, slider_crank, tethered_bodies
 from examples import overhead_line as line
-
-from .nets import Net
+from examples.meshes import Net
+from exudyn_inext import CreateInextensibleCable, InextensibleCable
 
 QUICK: dict[str, Any] = {"end_time": 0.06, "steps": (5e-3, 2e-3)}  # [s]
 
@@ -53,11 +55,43 @@ def overhead_line(spans: int, meshes: Sequence[int], **more: Any) -> CoupledScen
     return CoupledScene(name, build, 1.2, meshes, **own, **more)
 
 
+GRAVITY = [0.0, 0.0, -9.81]
+SECTION = InextensibleCable(massPerLength=0.2, bendingStiffness=2e-3)
+SIDE, SAG = 0.25, 0.15  # of a mesh [m], of the net over its size
+
+
+class Bowl(Net):
+    """A net in the shape of a bowl, from which it is released."""
+
+    def place(self, knot: tuple[int, int]) -> list[float]:
+        """[m]"""
+        x, y = (k / self.meshes for k in knot)
+        depth = 4.0 * SAG * self.meshes * self.mesh
+        return [self.mesh * knot[0], self.mesh * knot[1], -depth * (x * (1 - x) + y * (1 - y))]
+
+
+def _build_net(
+    meshes: int, mbs: Any, addCable: Callable[..., Any] = CreateInextensibleCable, elements: int = 6
+) -> dict[str, Any]:
+    """A cable for each side of a mesh; the corners are held."""
+    net = Bowl(meshes, SIDE, 0.0, elements)
+    cables, meeting = net.add(mbs, partial(addCable, gravity=GRAVITY), SECTION)
+    ground = mbs.CreateGround()
+    for knot, nodes in meeting.items():
+        markers = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in nodes]
+        if knot in net.corners:
+            anchor = MarkerBodyPosition(bodyNumber=ground, localPosition=net.place(knot))
+            mbs.AddObject(SphericalJoint(markerNumbers=[mbs.AddMarker(anchor), markers[0]]))
+        for marker in markers[1:]:
+            mbs.AddObject(SphericalJoint(markerNumbers=[markers[0], marker]))
+    return {"cables": cables, "bodies": []}
+
+
 def net_of_squares(meshes: int) -> CoupledScene:
     """meshes: along a side."""
-    squares = Net(meshes)
-    name, axial = f"net of {squares.cables} cables", (1e4, 1e5, 1e6)
-    return CoupledScene(name, squares.build, 0.4, (2, 3, 4, 6, 8), axial, (12, 2e-4), is_small=False)
+    name, axial = f"net of {2 * meshes * (meshes + 1)} cables", (1e4, 1e5, 1e6)
+    build = partial(_build_net, meshes)
+    return CoupledScene(name, build, 0.4, (2, 3, 4, 6, 8), axial, (12, 2e-4), is_small=False)
 
 
 SCENES = (

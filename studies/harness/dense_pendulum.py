@@ -14,8 +14,7 @@ from reference_models.scenes import load_scene
 from reference_models.trajectory import Array, Trajectory
 from studies.harness import Row, inner
 from studies.harness.reference import distance_to_reference, from_data
-from studies.stability.long_runs import pendulum_of
-from studies.stability.motion import Equilibrium
+from studies.stability.motion import GRAVITY, Equilibrium, straight
 
 NODAL = "nodal inextensibility"
 ZETA = 100.0  # [1/s]
@@ -76,7 +75,7 @@ def dense_cases(quick: bool) -> list[Row]:
 
 def run_dense(case: Row) -> Row:
     """Largest distance of the tip to the reference, and the worst stretch of a slope at a node."""
-    start = pendulum_of(case["elements"])
+    start = straight(case["elements"], GRAVITY)
     system = _system(start, **VARIANTS[case["label"]])
     integrator, substeps = inner.find_integrator("RK4"), SUBSTEPS[case["elements"]]
     take_step = inner.plain(inner.advance.dispatch(RungeKutta4))

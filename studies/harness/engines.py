@@ -173,16 +173,17 @@ class Options:
         return mpi() if self.mpi else processes(self.workers)
 
 
-def ask(module: str, *arguments: object, given: Any = None, **environment: str) -> Any:
-    """What a program of this project prints as JSON, in a process of its own.   given: what it reads.
+def ask(function: Callable[..., Any], *arguments: object, **environment: str) -> Any:
+    """What a function of a module returns in a process of its own; both of what JSON knows.
 
     Raises:
         CalledProcessError: it failed.
     """
+    call = f"import json, sys; from {function.__module__} import {function.__name__} as f"
     with leaving_when_terminated():
         process = subprocess.run(
-            [sys.executable, "-m", module, *map(str, arguments)],
-            input=json.dumps(given),
+            [sys.executable, "-c", f"{call}; print(json.dumps(f(*json.load(sys.stdin))))"],
+            input=json.dumps(arguments),
             env=os.environ | environment,
             cwd=ROOT,
             capture_output=True,

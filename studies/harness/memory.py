@@ -1,7 +1,6 @@
 """Resident memory, measured in a process of its own: of a long cable, and of scenes that are dropped."""
 
 import gc
-import json
 import sys
 import time
 from collections.abc import Callable
@@ -16,26 +15,21 @@ from reference_models.inextensible import build
 from reference_models.model import quiet_settings, silence
 from reference_models.scenes import load_scene
 
-from .engines import ask
 from .joined_scenes import Contents, joined_scene
 from .store import Row
 
 _KILO = 1024
 
 
-def memory_of(scene: str, elements: int, steps: int) -> Row:
-    """Memory in bytes, and seconds, of a cable that is built, checked and stepped.
+def long_cable(scene: str, elements: int, steps: int) -> Row:
+    """Memory in bytes, and seconds, of a cable that is built, checked and stepped, for a process of its own.
 
     Returns:
         "libraries": before anything is built; "model": with the Exudyn model; "peak": of all;
         "startSeconds": of making and starting the stepper; "stepSeconds": of one step.
     """
-    return dict(ask(__name__, "long", scene, elements, steps))
-
-
-def _long_cable(scene: str, elements: str, steps: str) -> Row:
     row: Row = {"libraries": peak_memory()}
-    model = build(load_scene(scene), int(elements))
+    model = build(load_scene(scene), elements)
     row["model"] = peak_memory()
     start = time.perf_counter()
     stepper = ExplicitStepper(model.mbs, ExplicitSettings(stepSize=2e-3, massScaling=0.3))
@@ -43,8 +37,8 @@ def _long_cable(scene: str, elements: str, steps: str) -> Row:
     row["startSeconds"] = time.perf_counter() - start
     stepper.Step()
     start = time.perf_counter()
-    stepper.Step(int(steps))
-    row["stepSeconds"] = (time.perf_counter() - start) / int(steps)
+    stepper.Step(steps)
+    row["stepSeconds"] = (time.perf_counter() - start) / steps
     return row | {"peak": peak_memory()}
 
 
@@ -125,18 +119,13 @@ KINDS = {
 }
 
 
-def memory_of_scenes(kind: str, number: int) -> list[int]:
+def dropped_scenes(name: str, number: int) -> list[int]:
     """Resident memory [bytes] after each of so many scenes of one of the `KINDS`, built, run and dropped.
 
-    Raises:
-        CalledProcessError: where the system does not tell (it is read from /proc, as on Linux).
+    For a process of its own; read from /proc, as on Linux.
     """
-    return list(ask(__name__, "dropped", kind, number))
-
-
-def _dropped_scenes(name: str, number: str) -> list[int]:
     kind, memory, kept = KINDS[name], [], []
-    for _ in range(int(number)):
+    for _ in range(number):
         mbs = joined_scene(kind.contents)
         container = mbs.variables.pop("container")  # it owns the mbs, which would own it
         with silence():
@@ -147,8 +136,3 @@ def _dropped_scenes(name: str, number: str) -> list[int]:
         gc.collect()
         memory.append(_told("smaps_rollup", "Rss"))
     return memory
-
-
-if __name__ == "__main__":
-    what, *given = sys.argv[1:]
-    print(json.dumps({"long": _long_cable, "dropped": _dropped_scenes}[what](*given)))

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 from tqdm import tqdm
@@ -14,8 +15,9 @@ from reference_models.inextensible import Inextensible, inextensible_case
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case, Trajectory
 
-from .cases import compiled_case, explicit_case, paper_case, untuned_cases
-from .ratios import Comparison, Ratio, front, kind_of, time_ratio
+from .cases import compiled_case, explicit_case, mesh_series, paper_case, untuned_cases
+from .figures import draw_convergence, draw_cost_and_accuracy, draw_trajectories
+from .ratios import Ratio, equal_accuracy, front, kind_of, time_ratio
 from .reference import ReferenceOf, ReferenceSolution, from_data, interpolation_error
 from .store import Row
 from .study import Order, Results, Study, announce
@@ -159,28 +161,35 @@ def of_pendulum(
 class PaperTable:
     """A table of the paper: its rows at the paper's settings, and rows that are tuned on both sides.
 
-    scene: its name.   at_paper_settings: (scene, quick) -> cases.
+    name: of the study.   scene: its name.   title: the scene and the length of its motion, as pages say it.
+    at_paper_settings: (scene, quick) -> cases.
     paper: the paper's figures, stored beside the measured ones; "cpuSeconds": of those cases, by label [s].
-    proposed: the label that others are divided by.   comparisons: of the tuned rows.
+    shown: labels of the rows whose motion is drawn; of the last one, others are multiples.
+    bounds: errors at which the cheapest runs are compared [m].
     inextensible: of `explicit_case`: scheme, N, h [s], mass scaling, zeta [1/s], curvature measure.
     compiled: the cheapest of them, without Exudyn's loop.
     implicit: N, solver, quadrature; see the study's head for how they were chosen; coarse ones first.
     explicit: N, integrator, quadrature, at their largest stable steps.
     meshes: of default settings and of the one setting.
     quick: how many of the inextensible, compiled and implicit ones a quick run takes.
+    series, quick_series: formulation -> numbers of elements of `mesh_series`, to be drawn.
     """
 
+    name: str
     scene: str
+    title: str
     at_paper_settings: Callable[[Scene, bool], list[Case]]
     paper: Mapping[str, Any]
-    proposed: str
-    comparisons: Sequence[Comparison]
+    shown: Sequence[str]
+    bounds: Sequence[float]
     inextensible: Sequence[tuple[Any, ...]]
     implicit: Sequence[tuple[Any, ...]]
     explicit: Sequence[tuple[Any, ...]]
     compiled: Sequence[tuple[Any, ...]] = ()
     meshes: Sequence[int] = (3, 4, 5, 6, 8, 10, 12)
     quick: tuple[int, int, int] = (2, 0, 2)
+    series: Mapping[str, Sequence[int]] = field(default_factory=dict)
+    quick_series: Sequence[int] = (4, 6)
 
     def cases(self, scene: Scene, quick: bool) -> list[Case]:
         """All rows; a quick run leaves out the costly ones."""
@@ -199,23 +208,34 @@ class PaperTable:
 
     def ratios(self, results: Results) -> list[Ratio]:
         """At the paper's settings beside the paper's, then best against best."""
-        seconds = self.paper.get("cpuSeconds", {})
+        seconds, proposed = self.paper.get("cpuSeconds", {}), self.shown[-1]
         rows = {row["label"]: row for row in results.rows}
         found = [
-            Ratio(label, there / seconds[self.proposed], time_ratio(rows.get(label), rows.get(self.proposed)))
+            Ratio(label, there / seconds[proposed], time_ratio(rows.get(label), rows.get(proposed)))
             for label, there in seconds.items()
-            if label != self.proposed
+            if label != proposed
         ]
-        return found + [ratio for one in self.comparisons for ratio in one.ratios(results.rows)]
+        return found + equal_accuracy(results.rows, self.bounds)
+
+    def draw(self, results: SceneResults, directory: Path) -> list[Path]:
+        """Cost against accuracy; motion at the paper's settings; convergence over meshes, if asked for."""
+        scene, reference = results.scene, results.reference.trajectory
+        runs = {label: results.trajectories[label] for label in self.shown if label in results.trajectories}
+        axes = [f"{scene.main_point} {axis} [m]" for axis in ("xy" if scene.is_planar else "xyz")]
+        paths = [
+            draw_cost_and_accuracy(directory / f"{self.name}_cost.png", results.rows),
+            draw_trajectories(directory / f"{self.name}_motion.png", runs, reference, axes),
+        ]
+        if self.series:
+            asked = {name: self.quick_series if results.quick else own for name, own in self.series.items()}
+            path, meshes = directory / f"{self.name}_mesh.png", mesh_series(scene, **asked)
+            paths.append(draw_convergence(path, meshes, reference, scene.main_point))
+        return paths
 
     def study(
-        self,
-        name: str,
-        question: str,
-        reference: ReferenceOf = from_data,
-        tables: Sequence[Table] = (),
-        **more: Any,
+        self, question: str, reference: ReferenceOf = from_data, tables: Sequence[Table] = (), **more: Any
     ) -> Study:
-        """Its rows, what else is shown, and its ratios.   more: of `Study`."""
+        """Its rows, what else is shown, its ratios and pictures.   more: of `Study`."""
         measure = OnScene(load_scene(self.scene), self.cases, self.paper, reference)
-        return Study(name, question, measure, tables=[ROWS, *tables], ratios=self.ratios, **more)
+        own = {"tables": [ROWS, *tables], "ratios": self.ratios, "pictures": self.draw}
+        return Study(self.name, question, measure, **own, **more)

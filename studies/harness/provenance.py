@@ -20,34 +20,44 @@ _UNKNOWN = "unknown"
 
 
 @lru_cache
-def provenance() -> dict[str, Any]:
-    """What this process runs, found once.
+def present_code() -> dict[str, Any]:
+    """What decides whether results belong together, of what this process runs; found once.
 
     Returns:
-        "commit": its hash, "unknown" outside of a repository; "changed": whether sources differ from it;
-        "sources": hash of all sources; "versions": of Python and packages.
+        "versions": of Python and packages, and "commit": its hash, "unknown" outside of a repository, and
+        whether sources differ from it; "sources": hash of all sources.
     """
     is_own_repository = Path(_git("rev-parse", "--show-toplevel") or "/").resolve() == ROOT.resolve()
     commit = (is_own_repository and _git("rev-parse", "HEAD")) or _UNKNOWN
-    changed = commit != _UNKNOWN and bool(_git("status", "--porcelain", "--", *_OWN, ":(exclude)*.md"))
+    if commit != _UNKNOWN and _git("status", "--porcelain", "--", *_OWN, ":(exclude)*.md"):
+        commit += " with changes"
     digest = hashlib.sha256()
     for package in (Path(exudyn_inext.__file__).parent, *(ROOT / name for name in _OWN[1:])):
         for source in sorted(package.rglob("*.py")):
             digest.update(source.relative_to(package.parent).as_posix().encode() + source.read_bytes())
-    found = {"commit": commit, "changed": changed}
-    return found | {"sources": digest.hexdigest()[:20], "versions": versions()}
+    return {"versions": {**versions(), "commit": commit}, "sources": digest.hexdigest()[:20]}
 
 
-def code_name(found: dict[str, Any]) -> str:
-    """A provenance in short: "commit 1a2b3c4d5e, with changes"."""
-    return f"commit {str(found['commit'])[:10]}" + (", with changes" if found["changed"] else "")
+def code_of(document: dict[str, Any]) -> dict[str, Any]:
+    """What decides whether a stored document belongs to another one."""
+    return {"versions": document["versions"], "sources": document.get("sources", _UNKNOWN)}
 
 
-def present_code() -> dict[str, Any]:
-    """What decides whether results belong together: versions, the commit among them, and sources."""
-    found = provenance()
-    commit = found["commit"] + (" with changes" if found["changed"] else "")
-    return {"versions": {**found["versions"], "commit": commit}, "sources": found["sources"]}
+def commit_of(code: dict[str, Any]) -> str:
+    """In short: "commit 1a2b3c4d5e with changes"."""
+    commit, _, changes = str(code["versions"].get("commit", _UNKNOWN)).partition(" ")
+    return " ".join(filter(None, ("commit", commit[:10], changes)))
+
+
+def differences(code: dict[str, Any], other: dict[str, Any]) -> str:
+    """What differs besides the commit: packages, sources."""
+    names = sorted(code["versions"].keys() | other["versions"].keys())
+    which = [
+        f"{name} {code['versions'].get(name, 'none')}, {other['versions'].get(name, 'none')}"
+        for name in names
+        if name != "commit" and code["versions"].get(name) != other["versions"].get(name)
+    ]
+    return "; ".join(which + (["sources"] if code["sources"] != other["sources"] else []))
 
 
 def machine() -> dict[str, str | int | None]:

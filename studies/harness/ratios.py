@@ -3,14 +3,20 @@
 Ratios are native CPU time over the inextensible cable's: at the paper's settings, and best against best.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 from .store import Row
 from .table import TextTable, at_most, judged, number, timing_noise
 
-CONVENTIONAL, INEXTENSIBLE = "conventional", "inextensible"
+CONVENTIONAL, INEXTENSIBLE, COMPILED = "conventional", "inextensible", "compiled steps"
+DEFAULT, ONE_SETTING, TUNED = "default settings", "one setting", "tuned"
+"""How the inextensible rows were chosen: not at all; by one rule for all scenes; for the scene."""
+OURS = (DEFAULT, ONE_SETTING, TUNED)
+IMPLICIT, EXPLICIT = "native, implicit", "native, explicit"
+BY_NATIVE_SOLVERS, PEER = "inextensible, native solvers", "rigid links (MuJoCo)"
 HEADER = ("CPU time over that of the inextensible cable", "paper", "here")
 
 
@@ -27,19 +33,38 @@ def is_explicit_zhai(row: Row) -> bool:
     return bool(row["integrator"].lower() == "zhai")
 
 
-def kind_of(row: Row) -> tuple[Any, ...]:
-    """Rows of the same kind compete with each other."""
-    return (row["formulation"], is_explicit(row), row.get("choice"), row.get("quadrature", "full") == "full")
-
-
 def by_default(belongs: Callable[[Row], bool]) -> Callable[[Row], bool]:
     """The same with Exudyn's default quadrature of the elastic forces."""
     return lambda row: belongs(row) and row.get("quadrature", "full") == "full"
 
 
-def is_usable(row: Row) -> bool:
+NATIVES: Mapping[str, Callable[[Row], bool]] = {
+    IMPLICIT: is_implicit,
+    f"{IMPLICIT}, default quadrature": by_default(is_implicit),
+    EXPLICIT: is_explicit,
+    f"{EXPLICIT}, default quadrature": by_default(is_explicit),
+}
+"""Kinds of native rows that the inextensible cable is compared with."""
+
+
+def family_of(row: Row) -> str:
+    """Rows that make up a front together."""
+    formulation = str(row["formulation"])
+    if formulation == INEXTENSIBLE:
+        return formulation if row.get("enforcement", "projection") == "projection" else BY_NATIVE_SOLVERS
+    if formulation == CONVENTIONAL:
+        return IMPLICIT if is_implicit(row) else EXPLICIT
+    return COMPILED if formulation == COMPILED else PEER
+
+
+def kind_of(row: Row) -> tuple[Any, ...]:
+    """Rows of the same kind compete with each other."""
+    return (row["formulation"], is_explicit(row), row.get("choice"), row.get("quadrature", "full") == "full")
+
+
+def is_usable(row: Row, error: str = "errorMax") -> bool:
     """Whether the row has both a time and an error."""
-    return row["cpuSeconds"] is not None and row["errorMax"] is not None
+    return row["cpuSeconds"] is not None and row[error] is not None
 
 
 def cheapest(rows: Iterable[Row], error_bound: float) -> Row | None:
@@ -48,11 +73,23 @@ def cheapest(rows: Iterable[Row], error_bound: float) -> Row | None:
     return min(candidates, key=lambda row: row["cpuSeconds"], default=None)
 
 
-def front(rows: Iterable[Row]) -> list[Row]:
-    """The rows that no other one beats in both time and error, cheapest first."""
+def best(rows: Iterable[Row], bound: float) -> dict[str, Row | None]:
+    """The cheapest rows within the bound [m]: ours, by how they were chosen; compiled steps; native ones."""
+    kinds: dict[str, list[Row]] = {name: [] for name in (*OURS, COMPILED, *NATIVES)}
+    for row in rows:
+        natives = [name for name, belongs in NATIVES.items() if belongs(row)]
+        ours = {TUNED, row.get("choice", TUNED)} & set(OURS)
+        own = {CONVENTIONAL: natives, INEXTENSIBLE: ours, COMPILED: (COMPILED,)}
+        for name in own.get(row["formulation"], ()):
+            kinds[name].append(row)
+    return {name: cheapest(some, bound) for name, some in kinds.items()}
+
+
+def front(rows: Iterable[Row], error: str = "errorMax") -> list[Row]:
+    """The rows that no other one beats in both time and error, cheapest first.   error: its key."""
     kept: list[Row] = []
-    for row in sorted(filter(is_usable, rows), key=lambda row: row["cpuSeconds"]):
-        if not kept or row["errorMax"] < kept[-1]["errorMax"]:
+    for row in sorted((row for row in rows if is_usable(row, error)), key=lambda row: row["cpuSeconds"]):
+        if not kept or row[error] < kept[-1][error]:
             kept.append(row)
     return kept
 
@@ -77,34 +114,22 @@ class Ratio:
     here: float | None
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """The cheapest native row of a kind against the cheapest inextensible one, at some accuracies.
+def equal_accuracy(rows: Sequence[Row], bounds: Sequence[float]) -> list[Ratio]:
+    """Cheapest native rows of each kind over the cheapest inextensible one, and over compiled steps alone.
 
-    kind: names the native rows.   belongs: whether a native row is one of them.
-    bounds: largest errorMax of both [m]; a pair has a smaller one for the inextensible row.
-    over: formulation of the inextensible rows.
+    bounds: largest errorMax of both [m].
     """
-
-    kind: str
-    belongs: Callable[[Row], bool]
-    bounds: Sequence[float | tuple[float, float]]
-    over: str = INEXTENSIBLE
-
-    def ratios(self, rows: Sequence[Row]) -> list[Ratio]:
-        """Best against best, at each bound."""
-        inextensible = [row for row in rows if row["formulation"] == self.over]
-        native = [row for row in rows if row["formulation"] == CONVENTIONAL and self.belongs(row)]
-        over = "" if self.over == INEXTENSIBLE else f", over {self.over} alone"
-        found = []
-        for bound in self.bounds:
-            theirs, ours = bound if isinstance(bound, tuple) else (bound, bound)
-            best = cheapest(native, theirs)
-            closer = f", inextensible <= {ours:g} m" if ours < theirs else ""
-            name = f": {best['label']}" if best else ""
-            text = f"cheapest native {self.kind} with error <= {theirs:g} m{closer}{over}{name}"
-            found.append(Ratio(text, None, time_ratio(best, cheapest(inextensible, ours))))
-        return found
+    found = []
+    for bound in bounds:
+        chosen = best(rows, bound)
+        for name, over in product(NATIVES, (TUNED, COMPILED)):
+            native, own = chosen[name], chosen[over]
+            if over == TUNED or (own and name.startswith(IMPLICIT)):
+                alone = f", over {COMPILED} alone" if over == COMPILED else ""
+                label = f": {native['label']}" if native else ""
+                text = f"cheapest run, {name}, with error <= {bound:g} m{alone}{label}"
+                found.append(Ratio(text, None, time_ratio(native, own)))
+    return found
 
 
 def ratio_tables(found: Sequence[Ratio]) -> list[TextTable]:

@@ -6,9 +6,9 @@ Outcomes are kept in one file a case, written whole or not at all, all of one st
 import hashlib
 import json
 import shutil
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, wait
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from functools import partial
 from itertools import chain
 from pathlib import Path
@@ -19,7 +19,7 @@ from tqdm import tqdm
 from exudyn_inext import InputError
 
 from .engines import Engine
-from .provenance import code_name, provenance
+from .provenance import commit_of, differences, present_code
 from .store import Row, plain, prepare_directory, read_json, write_json
 from .study import Order, announce
 from .timing import OK
@@ -28,7 +28,6 @@ FOLDER = "sweeps"
 ROUNDS = 3  # in which all unfinished cases run side by side, if workers die
 PATIENCE = 20.0  # [s] without any worker
 _STAMP = "provenance.json"
-_DECIDING = ("commit", "sources", "versions")
 
 RunCase = Callable[[Row], Row]
 """case -> result, both of what JSON knows; a function of a module, so that workers find it."""
@@ -36,11 +35,11 @@ RunCase = Callable[[Row], Row]
 
 @dataclass(frozen=True)
 class Outcome:
-    """status: "ok", or "failed: " and why.   result: empty if it failed.   provenance: of the worker."""
+    """status: "ok", or "failed: " and why.   result: empty if it failed.   provenance: code of the worker."""
 
     status: str
     result: Row
-    provenance: Mapping[str, Any]
+    provenance: dict[str, Any]
 
 
 def one_row(case: Row, outcome: Outcome) -> list[Row]:
@@ -54,13 +53,11 @@ class Sweep:
 
     cases: quick -> cases, all different, each with its "kind"; {"timed": True} has a case run alone.
     run: case -> what was found.   rows: of a case and its outcome; default: one.
-    brief: what makes a case short, when it is run for what it compiles.
     """
 
     cases: Callable[[bool], Sequence[Row]]
     run: RunCase
     rows: Callable[[Row, Outcome], list[Row]] = one_row
-    brief: Row = field(default_factory=dict)
 
     def __call__(self, order: Order) -> list[Row]:
         cases, options = self.cases(order.quick), order.options
@@ -103,7 +100,7 @@ class CaseFolder:
         else:
             require_same_state(output)
         prepare_directory(self._folder)
-        write_json(output / FOLDER / _STAMP, provenance())
+        write_json(output / FOLDER / _STAMP, present_code())
 
     def load(self, case: Row) -> Outcome | None:
         """What became of the case earlier, or None."""
@@ -130,16 +127,14 @@ def require_same_state(output: Path) -> None:
 
 def _foreign(output: Path) -> str:
     """What separates the state of stored cases from the present one; empty if nothing does."""
-    stamp, present = output / FOLDER / _STAMP, provenance()
+    stamp, present = output / FOLDER / _STAMP, present_code()
     found = read_json(stamp)
     if found is None and stamp.parent.exists() and any(stamp.parent.iterdir()):
-        found = {"commit": "unknown", "changed": True, "sources": "", "versions": {}}
-    which = [key for key in _DECIDING if found and found.get(key) != present[key]]
-    if not found or not which:
+        found = {"versions": {}, "sources": ""}
+    if not found or found == present:
         return ""
-    if which == ["versions"]:
-        return f"versions {found['versions']}, now {present['versions']}"
-    return f"{code_name(found)}, now {code_name(present)}; different: {', '.join(which)}"
+    which = differences(found, present)
+    return f"{commit_of(found)}, now {commit_of(present)}; also different: {which or 'nothing'}"
 
 
 # ----------------------------------------------------------------------------------------- running
@@ -185,26 +180,24 @@ def run_cases(
 
 def execute(run: RunCase, case: Row) -> Outcome:
     """Run one case, wherever that is; an exception is kept as the outcome."""
-    provenance()  # found before anything runs: sources may be edited meanwhile
+    present_code()  # found before anything runs: sources may be edited meanwhile
     try:
-        return Outcome(OK, plain(run(case)), provenance())
+        return Outcome(OK, plain(run(case)), present_code())
     except Exception as error:  # a failing case must not take the others with it
         return _failed(f"{type(error).__name__}: {error}")
 
 
 def _failed(why: str) -> Outcome:
     """The outcome of a case that gave no result."""
-    return Outcome(f"failed: {why}", {}, provenance())
+    return Outcome(f"failed: {why}", {}, present_code())
 
 
 def _require_same_code(outcome: Outcome, engine: Engine) -> None:
-    own = provenance()
-    for key in ("sources", "versions"):
-        if outcome.provenance[key] != own[key]:
-            raise InputError(
-                f"a worker of {engine.name} runs other code: {key} {outcome.provenance[key]}, here "
-                f"{own[key]}; install the same there, and restart the workers."
-            )
+    if which := differences(outcome.provenance, present_code()):
+        raise InputError(
+            f"a worker of {engine.name} runs other code: {which}; install the same there, and restart the "
+            "workers."
+        )
 
 
 def _side_by_side(engine: Engine, run: RunCase, cases: Sequence[Row]) -> Finished:

@@ -10,14 +10,13 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from contextvars import ContextVar
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
 from tqdm import tqdm
 
-from exudyn_inext import DivergenceError
+from exudyn_inext import DivergenceError, ExplicitStepper
 from reference_models.trajectory import Case, Trajectory
 
 from .reference import distance_to_reference
@@ -167,17 +166,14 @@ def _row(case: Case, measurement: Measurement, reference: Trajectory) -> Row:
 # ------------------------------------------------------------------------------------ short tasks
 
 
-_is_rehearsal = ContextVar("rehearsal", default=False)
+def steps_task(stepper: ExplicitStepper, kept: Any = None) -> Task:
+    """Steps in one compiled call, from the start of the motion.   kept: what must live as long."""
 
+    def task(times: int, kept: Any = kept) -> None:
+        stepper.Start()
+        stepper.Step(times)
 
-@contextmanager
-def each_task_once() -> Iterator[None]:
-    """Inside, `seconds_per_time` runs each task once, for what it compiles; its seconds mean nothing."""
-    token = _is_rehearsal.set(True)
-    try:
-        yield
-    finally:
-        _is_rehearsal.reset(token)
+    return task
 
 
 def seconds_per_time(
@@ -187,10 +183,6 @@ def seconds_per_time(
 
     A task is repeated in a sample as often as takes `least_seconds`.
     """
-    if _is_rehearsal.get():
-        for task in tasks.values():
-            task(1)
-        return {label: [1.0] * repeats for label in tasks}
     times = {label: _times_of(task, least_seconds) for label, task in tasks.items()}
     runs = {label: partial(partial, task, times[label]) for label, task in tasks.items()}
     found = in_turn(runs, repeats, name).items()

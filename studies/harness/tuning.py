@@ -1,13 +1,30 @@
-"""The cheapest candidate within a bound of the error: a search with single runs, then medians in turn."""
+"""The cheapest candidates on a scene of cables within bounds of the error.
+
+A search with single runs, variants of the best ones, then medians in turn; rows of all, and comparisons.
+"""
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
+from itertools import product
+from pathlib import Path
 from typing import Any
 
+import exudyn
 from tqdm import tqdm
 
+from exudyn_inext import InextensibleError
+from exudyn_inext.arrays import Array
+from reference_models.conventional.cable import Quadrature
+
+from .coupled_runs import PERIOD, Candidate, Inextensible, Native, distance, prepare
+from .coupled_scenes import CoupledScene
+from .plot import Curve, Panel, chart
+from .ratios import DEFAULT, ONE_SETTING, TUNED, front
+from .store import Row
+from .study import Results
+from .table import column, groups
 from .timing import Prepare, in_turn
 
 DEAR = (20.0, 5.0)  # times the cheapest run within each bound: smaller steps are not tried
@@ -94,3 +111,146 @@ def _promising(found: Sequence[Attempt], bound: float) -> list[Attempt]:
 
 def _cheapest(found: Sequence[Attempt], bound: float) -> list[Attempt]:
     return sorted((one for one in found if one.is_within(bound)), key=lambda one: one.seconds)
+
+
+# ------------------------------------------------------------------------------- rows of a scene
+
+
+REPETITIONS = 3
+TICKS = [digit * 10.0**power for power in range(-4, 3) for digit in (1, 3)]  # [s]
+LEAST = 0.1  # of the CPU time of a run, where its start is taken off
+
+Series = list[list[Any]]
+
+
+def ours(scene: CoupledScene) -> Series:
+    """Candidates: default settings, and series of steps."""
+    default: Series = [[Inextensible(n, choice=DEFAULT)] for n in scene.meshes]
+    return default + [[Inextensible(n, h) for h in scene.steps] for n in scene.meshes]
+
+
+def natives(scene: CoupledScene, quadratures: Sequence[Quadrature] = ("full", "lobatto")) -> Series:
+    """Candidates: series of steps."""
+    grid = product(scene.meshes, scene.axial, quadratures)
+    return [[Native(n, h, axial, quadrature) for h in scene.steps] for n, axial, quadrature in grid]
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """What is tuned, and against what.
+
+    sides: name -> series of candidates.   references: a converged run, and one that says how good it is.
+    bounds: of errors, see `distance` [-].
+    """
+
+    sides: Mapping[str, Callable[[CoupledScene], Series]]
+    references: Callable[[CoupledScene], tuple[Candidate, Candidate]]
+    bounds: Sequence[float]
+
+    def rows(self, scene: CoupledScene, quick: bool = False) -> Iterator[Row]:
+        """The reference, candidates, and the best ones of each side within each bound, timed in turn."""
+        run = partial(prepare, scene, end_time=scene.end_time)
+        reference, twin = self.references(scene)
+        attempt = partial(_attempt, scene, run(reference)()[1])
+        yield {
+            "kind": "reference",
+            "label": scene.name,
+            "scene": scene.name,
+            "error": attempt(twin).error,
+        }
+        tried = {}
+        for side, series in self.sides.items():
+            found = search(series(scene), attempt, self.bounds, side)
+            found += vary(found, attempt, self.bounds, lambda candidate: candidate.variants(scene))
+            tried[side, TUNED] = found
+            for choice in (DEFAULT, ONE_SETTING):
+                tried[side, choice] = [one for one in found if _choice(one) == choice]
+            yield from (_row("candidate", scene, side, one) for one in found)
+        asked = {(bound, *who): (found, bound) for bound in self.bounds for who, found in tried.items()}
+        repetitions = 1 if quick else REPETITIONS
+        best = choose(asked, run, repetitions)
+        begin = partial(prepare, scene, end_time=PERIOD)
+        starts = choose({name: ([one], math.inf) for name, one in best.items()}, begin, repetitions)
+        for (bound, side, choice), one in best.items():
+            row = _row("best", scene, side, one) | {"bound": bound, "choice": choice}
+            yield row | {"startSeconds": starts[bound, side, choice].seconds}
+
+
+def _choice(one: Attempt) -> str:
+    return getattr(one.candidate, "choice", TUNED)
+
+
+def _attempt(scene: CoupledScene, reference: Array, candidate: Candidate) -> Attempt:
+    """One that fails with modified Newton steps is run with full ones."""
+    try:
+        seconds, paths = prepare(scene, candidate, scene.end_time)()
+    except (InextensibleError, exudyn.ExudynError):
+        if isinstance(candidate, Native) and candidate.newton == "modified":
+            return _attempt(scene, reference, replace(candidate, newton="full"))
+        return Attempt(candidate, None, 0.0)
+    return Attempt(candidate, distance(paths, reference), seconds)
+
+
+def _row(kind: str, scene: CoupledScene, side: str, one: Attempt) -> Row:
+    candidate = one.candidate
+    return {
+        "kind": kind,
+        "label": f"{scene.name}, {side}, {candidate.elements} elements, {candidate}",
+        "scene": scene.name,
+        "formulation": side,
+        "elements": candidate.elements,
+        "settings": str(candidate),
+        "error": one.error,
+        "cpuSeconds": one.seconds,
+    }
+
+
+def compare(
+    results: Results, bounds: Sequence[float], who: Mapping[str, tuple[str, str]], digits: int = 1
+) -> list[Row]:
+    """Best runs of each scene within each bound, and quotients of their CPU times.
+
+    who: name -> side, and TUNED, DEFAULT or ONE_SETTING.   digits: of bounds in percent.
+    Keys: NAME, NAMEStart [s], NAMEError, NAMESettings, NAME/OTHER, and without their starts NAME//OTHER.
+    """
+    best = {(r["scene"], r["bound"], r["formulation"], r["choice"]): r for r in results.of_kind("best")}
+    rows = []
+    for reference, bound in product(results.of_kind("reference"), bounds):
+        found = {name: best.get((reference["scene"], bound, *side)) for name, side in who.items()}
+        row = {"scene": reference["scene"], "within": f"{bound:.{digits}%}", "agreement": reference["error"]}
+        for name, one in found.items():
+            if one:
+                row |= {name: one["cpuSeconds"], f"{name}Start": one.get("startSeconds")}
+                row |= {f"{name}Error": one.get("error"), f"{name}Settings": _settings(one)}
+        for name, other in product(found, found):
+            if name in row and other in row:
+                row[f"{name}/{other}"] = row[name] / row[other]
+                alone = [row[key] - (row[f"{key}Start"] or math.nan) for key in (name, other)]
+                if alone[1] > LEAST * row[other]:
+                    row[f"{name}//{other}"] = alone[0] / alone[1]
+        rows.append(row)
+    return rows
+
+
+def _settings(one: Row) -> str:
+    return f"{one.get('elements')} elements, {one.get('settings')}"
+
+
+def draw_fronts(results: Results, path: Path, bounds: Sequence[float]) -> Path:
+    """Error over CPU time of the best candidates of each side, and of default settings."""
+    known = [row for row in results.of_kind("candidate") if row["error"] and row["cpuSeconds"]]
+    panels = []
+    for scene, rows in groups(known, "scene").items():
+        shown = groups(rows, "formulation")
+        shown["default settings"] = [row for row in rows if row["settings"] == DEFAULT]
+        best = {name: front(some, "error") for name, some in shown.items()}
+        curves = [
+            Curve(column(some, "cpuSeconds"), column(some, "error"), name) for name, some in best.items()
+        ]
+        times = [seconds for curve in curves for seconds in curve.x]
+        ticks = [x for x in TICKS if 0.7 * min(times) < x < 1.4 * max(times)]
+        axes = {"title": scene, "legend": False, "horizontal": bounds, "ticks": ticks}
+        panels.append(Panel("CPU time [s]", "error [-]", curves, **axes))
+    rows_of_panels = -(-len(panels) // 4)
+    width, height = 3.4 * -(-len(panels) // rows_of_panels), 0.5 + 2.9 * rows_of_panels
+    return chart(path, *panels, width=width, height=height, rows=rows_of_panels, columns=len(shown))

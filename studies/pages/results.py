@@ -10,10 +10,9 @@ from typing import Any
 
 from exudyn_inext import InputError
 from studies.harness import Row
-from studies.harness.provenance import ROOT
+from studies.harness.provenance import ROOT, code_of, commit_of
 from studies.harness.store import plain, read_json, write_text
 from studies.harness.study import KEYS, Document
-from studies.report.documents import code_of, commit_of
 
 FOLDER = ROOT / "docs" / "figures"
 FORMAT = 1

@@ -1,18 +1,22 @@
 """The tables and sentences of pages, by name; each ends with where its figures come from."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
+from studies import ring, table1, table2, table3
 from studies.coupled import BOUNDS, compared
 from studies.harness import Results, Row, groups
-from studies.harness.cases import DEFAULT, ONE_SETTING, PAPER_METHOD, RULE, TUNED
+from studies.harness.cases import PAPER_METHOD, RULE
 from studies.harness.ratios import (
-    CONVENTIONAL,
-    INEXTENSIBLE,
-    by_default,
-    cheapest,
-    is_explicit,
+    BY_NATIVE_SOLVERS,
+    COMPILED,
+    DEFAULT,
+    EXPLICIT,
+    IMPLICIT,
+    OURS,
+    PEER,
+    TUNED,
+    best,
     is_explicit_zhai,
-    is_implicit,
     time_ratio,
 )
 from studies.harness.table import markdown_table
@@ -20,21 +24,11 @@ from studies.scene_cost import size_of
 
 from .results import COMPARISONS, Block, Figures
 
-SCENES: dict[str, tuple[str, tuple[float, ...]]] = {
-    "table1": ("planar pendulum, 5 s", (6e-3, 7e-4)),
-    "table2": ("spatial pendulum, 5 s", (7e-3, 4.5e-3, 7e-4)),
-    "ring": ("vibrating ring, 2 s", (2e-3, 5e-4)),
-    "table3": ("power line, 5 s", (2e-3, 1e-3)),
+SCENES = {
+    table.name: (table.title, table.bounds)
+    for table in (table1.TABLE, table2.TABLE, ring.TABLE, table3.TABLE)
 }
 """Study -> scene, and the errors at which runs are compared [m]."""
-OURS = (DEFAULT, ONE_SETTING, TUNED)
-IMPLICIT, EXPLICIT = "native, implicit", "native, explicit"
-NATIVES = {
-    IMPLICIT: is_implicit,
-    f"{IMPLICIT}, default quadrature": by_default(is_implicit),
-    EXPLICIT: is_explicit,
-    f"{EXPLICIT}, default quadrature": by_default(is_explicit),
-}
 Chosen = dict[str, Row | None]
 
 
@@ -47,16 +41,6 @@ def short(value: float | None, unit: float = 1.0) -> str:
 
 def milliseconds(row: Row | None) -> str:
     return short(row and row["cpuSeconds"], 1e-3)
-
-
-def best(rows: Sequence[Row], bound: float) -> Chosen:
-    """The cheapest rows within the bound [m]: ours, by how they were chosen, and native ones."""
-    own = [row for row in rows if row["formulation"] == INEXTENSIBLE]
-    native = [row for row in rows if row["formulation"] == CONVENTIONAL]
-    mine = {choice: [row for row in own if row.get("choice") == choice] for choice in OURS}
-    mine[TUNED] = own
-    theirs = {name: list(filter(belongs, native)) for name, belongs in NATIVES.items()}
-    return {name: cheapest(some, bound) for name, some in (mine | theirs).items()}
 
 
 def cancels(row: Row | None, bound: float) -> bool:
@@ -147,7 +131,7 @@ def comparison(figures: Figures) -> str:
 
 def _compared(chosen: Chosen, bound: float) -> Iterator[list[str]]:
     for who, row in chosen.items():
-        if row is None and who.endswith("quadrature"):
+        if who == COMPILED or (row is None and who.endswith("quadrature")):
             continue
         if row is None:
             yield [f"{bound:g} m", f"{who}: none", *["-"] * 7]
@@ -226,7 +210,7 @@ def _python(row: Row) -> str:
 
 
 READ_OFF = (5e-3, 7e-4)  # errors [m]
-OTHERS = ("rigid links (MuJoCo)", "inextensible, native solvers")
+OTHERS = (PEER, BY_NATIVE_SOLVERS)
 
 
 def everything(figures: Figures) -> str:

@@ -1,1 +1,1 @@
-"""Parts of `work_precision`: cases, fronts and what is read off them, one scene, sentences, pictures."""
+"""Parts of `work_precision`: what is run on each scene, and what is read off the fronts."""

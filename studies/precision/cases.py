@@ -49,6 +49,120 @@ def unique(cases: Iterable[Case]) -> list[Case]:
     return list(found.values())
 
 
+def plan_of(scene: Scene, quick: bool) -> "Plan":
+    """Of a scene."""
+    plan = PLANS[scene.name]
+    return brief(plan) if quick else plan
+
+
+_VERLET: ExplicitIntegrator = "velocityVerlet"
+_RK: ExplicitIntegrator = "rungeKutta44"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """What is run on a scene beside the tuned rows.
+
+    limited: elements of inextensible runs at the stability limits.   zeta: of Zhai [1/s].
+    scaled, steps: elements and steps [s] with scaled mass.
+    coarse: elements and steps [s] of such rows that are cheap rather than accurate.
+    enforced: elements under native solvers.   at_ten: steps of RK44, velocity Verlet [s] at ten elements.
+    full, lobatto, native_steps: native elements with each quadrature, steps [s]; both implicit integrators.
+    explicit, zhai: native, at their largest stable steps; the first row of each also at half its step.
+    native_coarse: cheap: elements (Lobatto), step [s], Newton's tolerance, spectral radius.
+    """
+
+    limited: Sequence[int]
+    scaled: Sequence[int]
+    steps: Sequence[float]
+    coarse: Sequence[tuple[int, float]]
+    enforced: Sequence[int]
+    at_ten: tuple[float, float]
+    full: Sequence[int]
+    lobatto: Sequence[int]
+    native_steps: Sequence[float]
+    zeta: float = 100.0
+    explicit: Sequence[tuple[ExplicitIntegrator, int, Quadrature]] = ()
+    zhai: Sequence[tuple[int, Quadrature]] = ()
+    native_coarse: Sequence[tuple[int, float, float, float]] = ()
+
+
+_PENDULUM = Plan(
+    limited=(3, 4, 5, 6, 8, 10, 14, 20),
+    scaled=(3, 4, 5, 6, 8, 10, 14, 20, 28),
+    steps=(5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
+    coarse=((2, 1e-2), (2, 5e-3), (3, 1e-2), (4, 1e-2), (5, 1e-2), (4, 3.34e-3), (5, 3.34e-3), (6, 3.34e-3)),
+    enforced=(4, 5, 7, 10),
+    at_ten=(6.25e-4, 1e-4),
+    full=(6, 10, 14, 20),
+    lobatto=(3, 4, 6, 8, 10),
+    native_steps=(5e-3, 3.5e-3, 2e-3),
+    explicit=((_VERLET, 3, "lobatto"), (_RK, 4, "lobatto"), (_VERLET, 6, "full"), (_VERLET, 8, "lobatto")),
+    zhai=((4, "lobatto"), (6, "full")),
+    native_coarse=(
+        (2, 6e-3, 1e-3, 0.7), (2, 7e-3, 1e-4, 0.6), (2, 8e-3, 1e-4, 0.6), (2, 8e-3, 1e-4, 0.8),
+        (3, 6e-3, 1e-4, 0.6), (3, 7e-3, 1e-4, 0.6), (3, 8e-3, 1e-4, 0.6), (3, 1e-2, 1e-4, 0.6),
+    ),
+)  # fmt: skip
+PLANS = {
+    "planar_pendulum": _PENDULUM,
+    "spatial_pendulum": replace(_PENDULUM, zeta=150.0, at_ten=(5e-4, 1e-4)),
+    "vibrating_ring": Plan(
+        limited=(6, 8, 10, 12, 16, 20, 28),
+        scaled=(8, 10, 12, 14, 16, 20, 28, 40),
+        steps=(2e-3, 1e-3, 5e-4, 2.5e-4),
+        coarse=((6, 5e-3), (6, 3.34e-3), (8, 3.34e-3), (8, 5e-3), (10, 3.34e-3)),
+        zeta=300.0,
+        enforced=(8, 10, 14, 20),
+        at_ten=(8e-4, 1e-4),
+        full=(20, 28, 40),
+        lobatto=(8, 10, 14, 20),
+        native_steps=(8e-3, 4e-3, 2e-3),
+        explicit=((_VERLET, 10, "lobatto"), (_RK, 10, "lobatto"), (_VERLET, 20, "full")),
+        zhai=((10, "lobatto"),),
+        native_coarse=(
+            (8, 6e-3, 1e-3, 0.7), (8, 8e-3, 1e-4, 0.8), (8, 8e-3, 1e-3, 0.7), (8, 1e-2, 1e-3, 0.7),
+        ),
+    ),
+    "power_line": Plan(
+        limited=(4, 8, 12, 16, 20, 28, 40),
+        scaled=(8, 12, 16, 20, 28, 40, 60),
+        steps=(5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
+        coarse=((4, 1e-2), (4, 5e-3), (8, 1e-2), (12, 1e-2), (16, 1e-2)),
+        zeta=300.0,
+        enforced=(8, 12, 16, 20),
+        at_ten=(2e-3, 2e-4),
+        full=(20, 32, 40),
+        lobatto=(8, 12, 20),
+        native_steps=(7.5e-3, 5e-3, 2.5e-3),
+        explicit=((_VERLET, 8, "lobatto"), (_RK, 8, "lobatto")),
+        zhai=((8, "lobatto"), (16, "full")),
+        native_coarse=(
+            (4, 1.25e-2, 1e-3, 0.7), (4, 2e-2, 1e-4, 0.6), (8, 1.25e-2, 1e-3, 0.7), (8, 2e-2, 1e-4, 0.6),
+        ),
+    ),
+}  # fmt: skip
+
+
+def brief(plan: Plan) -> Plan:
+    """Of a quick run: some cheap ones of each kind; elements are multiples of the least that are enforced."""
+    n = plan.enforced[0]
+    return replace(
+        plan,
+        limited=(n,),
+        scaled=(n, 2 * n),
+        steps=(5e-3, 2.5e-3),
+        coarse=((n, 1e-2),),
+        enforced=(n,),
+        full=(10,) if n < 8 else (),
+        lobatto=(n,),
+        native_steps=(5e-3,),
+        explicit=plan.explicit[:1] if n < 8 else (),
+        zhai=plan.zhai[:1] if n < 8 else (),
+        native_coarse=(),
+    )
+
+
 # ------------------------------------------------------------- inextensible, under explicit steps
 
 
@@ -64,63 +178,19 @@ SCALED = (("Zhai", 0.3), ("RATTLE", 0.25), ("RATTLE", EXTRA_THETA))
 DECAY = 0.6  # most of h zeta; Zhai's limit is 1
 
 
-@dataclass(frozen=True)
-class Meshes:
-    """Numbers of elements: at the stability limits, and with scaled mass; the steps of the latter [s].
-
-    coarse: elements and steps [s] of scaled rows that are cheap rather than accurate.   zeta [1/s]: of Zhai.
-    """
-
-    limited: Sequence[int]
-    scaled: Sequence[int]
-    steps: Sequence[float]
-    coarse: Sequence[tuple[int, float]]
-    zeta: float = 100.0
-
-
-_PENDULUM = Meshes(
-    (3, 4, 5, 6, 8, 10, 14, 20),
-    (3, 4, 5, 6, 8, 10, 14, 20, 28),
-    (5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
-    ((2, 1e-2), (2, 5e-3), (3, 1e-2), (4, 1e-2), (5, 1e-2), (4, 3.34e-3), (5, 3.34e-3), (6, 3.34e-3)),
-)
-MESHES = {
-    "planar_pendulum": _PENDULUM,
-    "spatial_pendulum": replace(_PENDULUM, zeta=150.0),
-    "vibrating_ring": Meshes(
-        (6, 8, 10, 12, 16, 20, 28),
-        (8, 10, 12, 14, 16, 20, 28, 40),
-        (2e-3, 1e-3, 5e-4, 2.5e-4),
-        ((6, 5e-3), (6, 3.34e-3), (8, 3.34e-3), (8, 5e-3), (10, 3.34e-3)),
-        zeta=300.0,
-    ),
-    "power_line": Meshes(
-        (4, 8, 12, 16, 20, 28, 40),
-        (8, 12, 16, 20, 28, 40, 60),
-        (5e-3, 2.5e-3, 1.25e-3, 6.25e-4),
-        ((4, 1e-2), (4, 5e-3), (8, 1e-2), (12, 1e-2), (16, 1e-2)),
-        zeta=300.0,
-    ),
-}
-QUICK_MESHES = Meshes((5,), (5, 8), (5e-3, 2.5e-3), ((3, 1e-2),))
-QUICK_MESHES_BY_FOURS = Meshes((8,), (8, 12), (5e-3, 2.5e-3), ((8, 1e-2),))
-
-
 def inextensible_cases(scene: Scene, quick: bool) -> Iterator[Case]:
     """Every scheme at fractions of its limit on many meshes, then with scaled mass."""
-    meshes = MESHES[scene.name]
-    if quick:
-        meshes = QUICK_MESHES if scene.name.endswith("pendulum") else QUICK_MESHES_BY_FOURS
-    else:
+    plan = plan_of(scene, quick)
+    if not quick:
         yield from (explicit_case(scene, *row) for row in TABLES[scene.name].inextensible)
-    for elements in meshes.limited:
+    for elements in plan.limited:
         for name in SCHEMES:
             yield from limited_cases(scene, elements, name)
-    for elements, h in [*product(meshes.scaled, meshes.steps), *meshes.coarse]:
+    for elements, h in [*product(plan.scaled, plan.steps), *plan.coarse]:
         for integrator, theta in SCALED:
             if theta == EXTRA_THETA and integrator == "RATTLE" and h < COARSE:
                 continue
-            zeta = min(meshes.zeta, DECAY / h) if integrator == "Zhai" else ExplicitSettings.stabilizationRate
+            zeta = min(plan.zeta, DECAY / h) if integrator == "Zhai" else ExplicitSettings.stabilizationRate
             yield _kept(scene, elements, unguarded(integrator, h, theta, zeta))
 
 
@@ -128,10 +198,10 @@ def limited_cases(scene: Scene, elements: int, name: str) -> list[Case]:
     """At fractions of the stability limit."""
     integrator, scheme = SCHEMES[name]
     settings = unguarded(integrator, None, scheme=scheme)
-    brief = _kept(replace(scene, end_time=BRIEF), elements, settings)
-    limit = brief.details.get("stepLimit")
+    probe = _kept(replace(scene, end_time=BRIEF), elements, settings)
+    limit = probe.details.get("stepLimit")
     if limit is None:
-        return [brief]
+        return [probe]
     return [_kept(scene, elements, replace(settings, stepSize=x * limit)) for x in FRACTIONS]
 
 
@@ -150,27 +220,17 @@ def _kept(scene: Scene, elements: int, settings: ExplicitSettings) -> Case:
 MOST_PENALTIES = 3  # of the meshes: Exudyn factorises the whole mass matrix at every stage
 IMPLICIT_STEPS = (4e-3, 2e-3, 1e-3)
 
-# elements, steps of RK44 and of velocity Verlet [s] at ten elements
-ENFORCED: dict[str, tuple[Sequence[int], tuple[float, float]]] = {
-    "planar_pendulum": ((4, 5, 7, 10), (6.25e-4, 1e-4)),
-    "spatial_pendulum": ((4, 5, 7, 10), (5e-4, 1e-4)),
-    "vibrating_ring": ((8, 10, 14, 20), (8e-4, 1e-4)),
-    "power_line": ((8, 12, 16, 20), (2e-3, 2e-4)),
-}
-
 
 def enforced_cases(scene: Scene, quick: bool) -> Iterator[Case]:
     """Penalty masses for explicit solvers, algebraic constraints for implicit ones."""
-    counts, at_ten = ENFORCED[scene.name]
-    few = slice(1 if quick else None)
-    for n in counts[few][:MOST_PENALTIES]:
-        runge_kutta, verlet = (h * (10.0 / n) ** 2 for h in at_ten)
+    plan = plan_of(scene, quick)
+    for n in plan.enforced[:MOST_PENALTIES]:
+        runge_kutta, verlet = (h * (10.0 / n) ** 2 for h in plan.at_ten)
         yield enforced_case(scene, n, "penaltyMass", Explicit(runge_kutta, "rungeKutta44"))
-        if not quick and n <= counts[1]:
+        if not quick and n <= plan.enforced[1]:
             yield enforced_case(scene, n, "penaltyMass", Explicit(verlet))
-    for n in counts[few]:
-        for h in IMPLICIT_STEPS[few]:
-            yield enforced_case(scene, n, "algebraic", Implicit(h, "modified", "sparse", 1e-6, 0.8))
+    for n, h in product(plan.enforced, IMPLICIT_STEPS[: 1 if quick else None]):
+        yield enforced_case(scene, n, "algebraic", Implicit(h, "modified", "sparse", 1e-6, 0.8))
 
 
 # ------------------------------------------------------------------------------------ native cables
@@ -180,94 +240,35 @@ EXPLICIT_FRACTIONS, ZHAI_FRACTIONS = (1.0, 0.5), (0.95, 0.5)  # of the largest s
 TRAPEZOIDAL_STEPS = (2.5e-3, 1.25e-3)  # [s]; larger ones diverge from the solution
 
 
-@dataclass(frozen=True)
-class Series:
-    """What is run beside the tuned rows.
-
-    full, lobatto: numbers of elements with each quadrature, under both implicit integrators.
-    steps: of them [s].   explicit: at their largest stable steps.   zhai: elements and quadrature.
-    coarse: cheap rather than accurate: elements (Lobatto), step [s], Newton's tolerance, spectral radius.
-    The first row of `explicit` and of `zhai` also runs at half its step.
-    """
-
-    full: Sequence[int]
-    lobatto: Sequence[int]
-    steps: Sequence[float]
-    explicit: Sequence[tuple[ExplicitIntegrator, int, Quadrature]] = ()
-    zhai: Sequence[tuple[int, Quadrature]] = ()
-    coarse: Sequence[tuple[int, float, float, float]] = ()
-
-
-_VERLET: ExplicitIntegrator = "velocityVerlet"
-_RK: ExplicitIntegrator = "rungeKutta44"
-_PENDULUM_SERIES = Series(
-    full=(6, 10, 14, 20),
-    lobatto=(3, 4, 6, 8, 10),
-    steps=(5e-3, 3.5e-3, 2e-3),
-    explicit=((_VERLET, 3, "lobatto"), (_RK, 4, "lobatto"), (_VERLET, 6, "full"), (_VERLET, 8, "lobatto")),
-    zhai=((4, "lobatto"), (6, "full")),
-    coarse=(
-        (2, 6e-3, 1e-3, 0.7), (2, 7e-3, 1e-4, 0.6), (2, 8e-3, 1e-4, 0.6), (2, 8e-3, 1e-4, 0.8),
-        (3, 6e-3, 1e-4, 0.6), (3, 7e-3, 1e-4, 0.6), (3, 8e-3, 1e-4, 0.6), (3, 1e-2, 1e-4, 0.6),
-    ),
-)  # fmt: skip
-SERIES = {
-    "planar_pendulum": _PENDULUM_SERIES,
-    "spatial_pendulum": _PENDULUM_SERIES,
-    "vibrating_ring": Series(
-        full=(20, 28, 40),
-        lobatto=(8, 10, 14, 20),
-        steps=(8e-3, 4e-3, 2e-3),
-        explicit=((_VERLET, 10, "lobatto"), (_RK, 10, "lobatto"), (_VERLET, 20, "full")),
-        zhai=((10, "lobatto"),),
-        coarse=((8, 6e-3, 1e-3, 0.7), (8, 8e-3, 1e-4, 0.8), (8, 8e-3, 1e-3, 0.7), (8, 1e-2, 1e-3, 0.7)),
-    ),
-    "power_line": Series(
-        full=(20, 32, 40),
-        lobatto=(8, 12, 20),
-        steps=(7.5e-3, 5e-3, 2.5e-3),
-        explicit=((_VERLET, 8, "lobatto"), (_RK, 8, "lobatto")),
-        zhai=((8, "lobatto"), (16, "full")),
-        coarse=((4, 1.25e-2, 1e-3, 0.7), (4, 2e-2, 1e-4, 0.6), (8, 1.25e-2, 1e-3, 0.7), (8, 2e-2, 1e-4, 0.6)),
-    ),
-}
-QUICK_SERIES = {
-    "planar_pendulum": Series((10,), (4,), (5e-3,), ((_VERLET, 3, "lobatto"),), ((3, "lobatto"),)),
-    "spatial_pendulum": Series((10,), (4,), (5e-3,), ((_RK, 3, "lobatto"),)),
-    "vibrating_ring": Series((), (10,), (5e-3,)),
-    "power_line": Series((), (8,), (5e-3,)),
-}
-
-
 def native_cases(scene: Scene, quick: bool) -> Iterator[Case]:
     """Tuned rows and series; explicit ones first search for their largest stable steps."""
-    series = QUICK_SERIES[scene.name] if quick else SERIES[scene.name]
+    plan = plan_of(scene, quick)
     if not quick:
         yield from (native_case(scene, *row) for row in TABLES[scene.name].implicit)
-    yield from _implicit_series(scene, series, quick)
+    yield from _implicit_series(scene, plan, quick)
     if not quick:
         yield from TABLES[scene.name].explicit_cases(scene)
-    yield from _explicit_series(scene, series)
+    yield from _explicit_series(scene, plan)
 
 
-def _implicit_series(scene: Scene, series: Series, quick: bool) -> Iterator[Case]:
-    for quadrature, elements in [*product(["full"], series.full), *product(["lobatto"], series.lobatto)]:
+def _implicit_series(scene: Scene, plan: Plan, quick: bool) -> Iterator[Case]:
+    for quadrature, elements in [*product(["full"], plan.full), *product(["lobatto"], plan.lobatto)]:
         linear = "sparse" if elements > 6 else "dense"
-        solvers = [Implicit(h, "modified", linear, 1e-4) for h in series.steps]
+        solvers = [Implicit(h, "modified", linear, 1e-4) for h in plan.native_steps]
         for h in TRAPEZOIDAL_STEPS[: 1 if quick else None]:
             solvers.append(Implicit(h, "modified", linear, 1e-4, integrator="trapezoidal"))
         yield from (native_case(scene, elements, solver, quadrature) for solver in solvers)
-    for elements, h, tolerance, radius in series.coarse:
+    for elements, h, tolerance, radius in plan.native_coarse:
         solver = Implicit(h, "modifiedEachStep", "dense", tolerance, radius)
         yield native_case(scene, elements, solver, "lobatto")
 
 
-def _explicit_series(scene: Scene, series: Series) -> Iterator[Case]:
-    for place, (integrator, elements, quadrature) in enumerate(series.explicit):
+def _explicit_series(scene: Scene, plan: Plan) -> Iterator[Case]:
+    for place, (integrator, elements, quadrature) in enumerate(plan.explicit):
         largest = largest_stable_step(scene, elements, integrator, quadrature)
         for fraction in EXPLICIT_FRACTIONS[: 1 if place else 2]:
             yield native_case(scene, elements, Explicit(fraction * largest, integrator), quadrature)
-    for place, (elements, quadrature) in enumerate(series.zhai):
+    for place, (elements, quadrature) in enumerate(plan.zhai):
         largest = largest_zhai_step(scene, elements, quadrature)
         for fraction in ZHAI_FRACTIONS[: 1 if place else 2]:
             yield zhai_case(scene, elements, fraction * largest, quadrature=quadrature)

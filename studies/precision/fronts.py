@@ -1,44 +1,35 @@
 """What an accuracy costs: which rows form a front together, and what is read off between its neighbours."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from exudyn_inext import InputError
-from reference_models.peers.rigid_links import FORMULATION as RIGID_LINKS
 from studies.harness import Row, column
-from studies.harness.ratios import CONVENTIONAL, by_default, front, is_explicit, is_implicit, is_usable
+from studies.harness.ratios import (
+    BY_NATIVE_SOLVERS,
+    EXPLICIT,
+    IMPLICIT,
+    INEXTENSIBLE,
+    NATIVES,
+    PEER,
+    family_of,
+    front,
+    is_usable,
+)
 
-INEXTENSIBLE = "inextensible"
-BY_NATIVE_SOLVERS = "inextensible, native solvers"
-IMPLICIT, EXPLICIT = "native, implicit", "native, explicit"
-PEER = "rigid links (MuJoCo)"
 FAMILIES = (INEXTENSIBLE, BY_NATIVE_SOLVERS, IMPLICIT, EXPLICIT, PEER)
 OTHERS = FAMILIES[1:]
 
 
-def family_of(row: Row) -> str:
-    """The family that a row belongs to."""
-    if row["formulation"] == RIGID_LINKS:
-        return PEER
-    if row["formulation"] == INEXTENSIBLE:
-        return INEXTENSIBLE if row.get("enforcement", "projection") == "projection" else BY_NATIVE_SOLVERS
-    return IMPLICIT if is_implicit(row) else EXPLICIT
+def _within(family: str, belongs: Callable[[Row], bool] = lambda row: True) -> Callable[[Row], bool]:
+    return lambda row: family_of(row) == family and belongs(row)
 
 
-def _native(belongs: Callable[[Row], bool]) -> Callable[[Row], bool]:
-    return lambda row: row["formulation"] == CONVENTIONAL and belongs(row)
-
-
-OPPONENTS: Mapping[str, Callable[[Row], bool]] = {
-    IMPLICIT: _native(is_implicit),
-    f"{IMPLICIT}, default quadrature": _native(by_default(is_implicit)),
-    EXPLICIT: _native(is_explicit),
-    f"{EXPLICIT}, default quadrature": _native(by_default(is_explicit)),
-    PEER: lambda row: family_of(row) == PEER,
-    BY_NATIVE_SOLVERS: lambda row: family_of(row) == BY_NATIVE_SOLVERS,
+OPPONENTS = {name: _within(name.partition(", default")[0], belongs) for name, belongs in NATIVES.items()} | {
+    name: _within(name) for name in (PEER, BY_NATIVE_SOLVERS)
 }
 """What the inextensible cable, moved by explicit steps, is compared with."""
 

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from studies.harness import Row
+from studies.harness.provenance import code_of, commit_of, differences
 from studies.harness.ratios import CONVENTIONAL
 from studies.harness.study import Document
 from studies.harness.timing import OK
 
-from .documents import code_of, commit_of, differences
 from .quantities import LESS, SLOWER, SPEED, TIME, Quantity, identity, noise, quantity
 from .sentences import Pair, Sentences, compare_sentences
 

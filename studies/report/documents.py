@@ -4,16 +4,13 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from exudyn_inext import InputError
 from studies.harness.engines import Options
-from studies.harness.provenance import present_code
+from studies.harness.provenance import code_of, commit_of, differences, present_code
 from studies.harness.store import prepare_directory
 from studies.harness.study import KEYS, Document, Study, announce, run
 from studies.harness.sweep import Sweep, require_same_state
-
-from .warm_up import warm_up
 
 QUICK_FOLDER = "quick"
 _FAILED = "FAILED"
@@ -70,8 +67,6 @@ def gather(studies: Mapping[str, Study], wish: Wish) -> Gathered:
     waiting = [name for name in studies if runs_all or (name in found.absent and runs_missing)]
     if any(isinstance(studies[name].measure, Sweep) for name in waiting) and not runs_all:
         require_same_state(wish.folder)
-    if wish.quick:
-        warm_up({name: studies[name] for name in waiting})
     for number, name in enumerate(waiting, 1):
         announce(name, f"study {number} of {len(waiting)}")
         found.documents.pop(name, None)
@@ -166,28 +161,6 @@ def read(path: Path) -> Document:
             "it, or choose another folder."
         )
     return dict(found)
-
-
-def code_of(document: Document) -> dict[str, Any]:
-    """What decides whether two documents belong together."""
-    return {"versions": document["versions"], "sources": document.get("sources", "unknown")}
-
-
-def commit_of(code: dict[str, Any]) -> str:
-    """In short: "commit 1a2b3c4d5e with changes"."""
-    commit, _, changes = str(code["versions"].get("commit", "unknown")).partition(" ")
-    return " ".join(filter(None, ("commit", commit[:10], changes)))
-
-
-def differences(code: dict[str, Any], other: dict[str, Any]) -> str:
-    """What differs besides the commit: packages, sources."""
-    names = sorted(code["versions"].keys() | other["versions"].keys())
-    which = [
-        f"{name} {code['versions'].get(name, 'none')}, {other['versions'].get(name, 'none')}"
-        for name in names
-        if name != "commit" and code["versions"].get(name) != other["versions"].get(name)
-    ]
-    return "; ".join(which + (["sources"] if code["sources"] != other["sources"] else []))
 
 
 # ------------------------------------------------------------------------------ an earlier report

@@ -52,7 +52,7 @@ class Quantity:
 
 FLOORS = {
     "alone.share": 0.03, "among bodies.share": 0.03, "stretch": 1e-10, "violation": 1e-11, "rate": 1e-10,
-    "energyMax": 1e-9, "range": 1e-9, "noise": 1e-14, "kilobytesAScene": 50.0,
+    "range": 1e-9, "kilobytesAScene": 50.0,
 }  # fmt: skip
 SPREADS_OF = {"cpuSeconds": "cpuSecondsMin"}
 KEYS = {
@@ -63,15 +63,15 @@ KEYS = {
     ),
     (TAIL, LESS): ("percentile999", "cpuPercentile999"),
     (QUOTIENT, LESS): (
-        "ratio.ratio", "ratioLobatto", "costRatio", "alone.share", "among bodies.share", "aboveScalarFloor",
+        "ratio.ratio", "ratioLobatto", "costRatio", "alone.share", "among bodies.share",
     ),
     (QUOTIENT, MORE): ("gain",),
-    (SPEED, MORE): ("realTime", "perNanosecond"),
+    (SPEED, MORE): ("realTime",),
     (ERROR, LESS): (
         "errorMax", "errorHalved", "errorRms", "error", "baseError", "referenceUncertainty", "stretch",
-        "violation", "rate", "energyMax", "range", "noise",
+        "violation", "rate", "range",
     ),
-    (LIMIT, MORE): ("found", "slenderness.gain", "long.seconds"),
+    (LIMIT, MORE): ("found", "hours"),
     (MEMORY, LESS): ("peakMegabytes", "lastMegabytes", "kilobytesAScene"),
 }  # fmt: skip
 QUANTITIES = {
@@ -82,7 +82,7 @@ QUANTITIES = {
 
 IDENTITY = (
     "kind", "label", "what", "scene", "scheme", "cable", "formulation", "integrator", "curvatureMeasure",
-    "enforcement", "elements", "dimension", "value", "theta", "zeta", "bits", "change", "motion", "endTime",
+    "enforcement", "elements", "dimension", "value", "theta", "zeta", "motion", "endTime",
     "members", "garbageCollection", "cables", "springs", "points", "bodies", "joints",
 )  # fmt: skip
 """What a row is about: rows with the same of these are the same row."""

@@ -4,10 +4,11 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from studies.harness import TextTable, column, groups, number
+from studies.harness.provenance import code_of, commit_of
 from studies.harness.study import Document
 
 from .compare import Change, Comparison
-from .documents import Gathered, code_of, commit_of
+from .documents import Gathered
 from .sentences import UNDECIDED, Pair, is_adverse
 
 EQUAL_ACCURACY = "at equal accuracy, the closest: "

@@ -1,16 +1,14 @@
-"""The largest stable step: predicted by linear theory, found by running, and of the linearised step."""
+"""The largest stable step: predicted by linear theory, and found by running."""
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
-from exudyn_inext import Rattle
 from reference_models.trajectory import Array
 from studies.harness import Row, inner
-from studies.harness.inner import FrequencyTracker, cable_system, index_reduced_rates, no_loads, record
+from studies.harness.inner import FrequencyTracker, cable_system, index_reduced_rates
 
 from .motion import PORTION, Equilibrium, Method, Motion
 
@@ -192,73 +190,3 @@ def compare_limits(start: Equilibrium, method: Method, steps: int = STEPS) -> Ro
         "rule": prediction.rule,
         "ruleOverLimit": prediction.rule / found if found else math.inf,
     }
-
-
-# ----------------------------------- the step itself, linearised about a cable that spins steadily
-
-
-SETTLING = 200  # steps until the stretch of a spinning cable is that of its scheme
-DIFFERENCE = 1e-6
-_TIGHT = Rattle(tolerance=1e-13)
-
-
-def limit_in_motion(start: Equilibrium, method: Method, estimate: float, steps: int) -> float:
-    """Largest step [s] at which the linearised step grows by less than GROWTH over so many steps."""
-    allowed = math.exp(math.log(GROWTH) / steps)
-
-    def is_stable(h: float) -> bool:
-        try:
-            return spectral_radius(start, method, h) <= allowed
-        except ArithmeticError:
-            return False
-
-    return largest_stable_step(is_stable, estimate, RESOLUTION) or estimate / FARTHEST
-
-
-def spectral_radius(start: Equilibrium, method: Method, h: float) -> float:
-    """Of one step of a steadily spinning cable, seen from a frame that turns with it.
-
-    By central differences in coordinates, velocities and what else the scheme carries from step to step.
-
-    Raises:
-        ArithmeticError: the undisturbed motion does not last.
-    """
-    motion = Motion(start, method, h)
-    if not motion.advance(SETTLING):
-        raise ArithmeticError("the undisturbed motion diverged")
-    fields = ["q", "v", *method.integrator.carries]
-    steady = np.concatenate([getattr(motion.state, name) for name in fields])
-    after = _one_step(motion, method, fields)
-    end = slice(start.q.size - start.q[-1].size, start.q.size - start.q[-1, 1].size)
-    before, behind = (state[end].view(complex)[0] for state in (steady, after(steady)))
-    back = before / behind * abs(behind / before)  # the turn of a step, undone
-    free = np.tile(np.repeat(~start.cable.fixed[:, :, None], 2, axis=2).ravel(), len(fields))
-    scale = np.repeat([1.0, 1.0 / h, 1.0 / h**2][: len(fields)], start.q.size)
-    columns = []
-    for place in np.flatnonzero(free):
-        unit = np.zeros(len(steady))
-        unit[place] = DIFFERENCE * scale[place]
-        change = (back * (after(steady + unit) - after(steady - unit)).view(complex)).view(float)
-        columns.append((change / (2.0 * DIFFERENCE * scale))[free])
-    return float(np.abs(np.linalg.eigvals(np.array(columns))).max())
-
-
-def _one_step(motion: Motion, method: Method, fields: list[str]) -> Callable[[Array], Array]:
-    """One step as a function of everything that it starts from."""
-    state, system, integrator = motion.state, motion.system, method.integrator
-    parameters: Any = _TIGHT if isinstance(method.parameters, Rattle) else method.parameters
-    stages = len(integrator.stages)
-    loads = no_loads(len(motion.external), stages)._replace(constant=motion.external)
-
-    def after(given: Array) -> Array:
-        parts = np.split(given, len(fields))
-        state.q[:], state.v[:] = parts[:2]
-        integrator.start(system, motion.external, state)
-        for name, part in zip(fields, parts, strict=True):
-            getattr(state, name)[:] = part
-        for records in (system.chain.nodes, system.chain.elements):
-            records["foresight"] = 0.0
-        record(parameters, system, loads, state, motion.h, 1, np.zeros((1, 3, state.q.size)))
-        return np.concatenate([getattr(state, name) for name in fields])
-
-    return after

@@ -7,14 +7,11 @@ from typing import Any
 
 from studies.harness import Row
 
-from .limits import AGREEMENT, STEPS, compare_limits, limit_in_motion, spectral_radius
+from .limits import STEPS, compare_limits
 from .motion import CABLES, GRAVITY, SCHEMES, STIFFNESS, Equilibrium, Method
 
 PLAIN = ("Zhai", "RATTLE", "RK4")
 SPIN_STEPS = 500  # few: a scheme that gains energy spins the cable up meanwhile
-FEWER_SPIN_STEPS = 200  # where the limits differ: whether that is why
-WEAK_PART = 0.3  # of the limit of w_max, where weak growth is looked at
-NO_GROWTH = 1e-5  # that rigid rotation, a double eigenvalue of one, hides
 SLOW_ZETA = 10.0  # [1/s], so that zeta does not rule where it is not asked for
 SCENES: tuple[tuple[str, dict[str, float]], ...] = (
     ("straight", {"elements": 10}),
@@ -117,7 +114,7 @@ MAPS = {
     ),
     "spin": Map(
         "Over the rate at which a cable with a mass at its end spins about its start:", "rate [rad/s]",
-        "", "",
+        "", "rate of spin [rad/s]",
         ("Zhai", "Zhai, v_n", "Zhai, corrector, psi = phi = 0", "RATTLE", "RK4"),
         _on(
             "spinning", lambda rate: {"elements": 10, "rate": rate},
@@ -151,26 +148,6 @@ def linear_cases(quick: bool) -> Iterator[Row]:
 
 
 def run_linear(case: Row) -> Row:
-    """Predicted and bisected limit; of a cable in motion, also the limit of the linearised step itself."""
+    """Predicted and bisected limit."""
     start: Equilibrium = CABLES[case["cable"]](**case["given"])
-    method, steps = Method.of(case), case["steps"]
-    found = compare_limits(start, method, steps)
-    if case["kind"] == "spin":
-        found |= _in_motion(start, method, found, steps)
-        if abs(found["ratioInMotion"] - 1.0) > AGREEMENT:
-            sooner = compare_limits(start, method, FEWER_SPIN_STEPS)
-            found["ratioSooner"] = _in_motion(start, method, sooner, FEWER_SPIN_STEPS)["ratioInMotion"]
-        found |= _weak_growth(start, method, WEAK_PART * found["predicted"])
-    return found
-
-
-def _in_motion(start: Equilibrium, method: Method, found: Row, steps: int) -> Row:
-    predicted = limit_in_motion(start, method, found["predicted"], steps)
-    return {"predictedInMotion": predicted, "ratioInMotion": found["found"] / predicted}
-
-
-def _weak_growth(start: Equilibrium, method: Method, h: float) -> Row:
-    """What a step of the spinning cable grows by well below the limit, and its order in h."""
-    growth, finer = (max(spectral_radius(start, method, step) - 1.0, NO_GROWTH) for step in (h, 0.5 * h))
-    is_seen = growth > 3.0 * NO_GROWTH and finer > NO_GROWTH
-    return {"growth": growth, "growthOrder": math.log2(growth / finer) if is_seen else None}
+    return compare_limits(start, Method.of(case), case["steps"])

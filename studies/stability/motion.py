@@ -95,9 +95,9 @@ def _arc(elements: int, turns: float) -> Array:
     return np.stack([places, np.stack([cosine, sine], axis=1)], axis=1)
 
 
-def straight(elements: int, stiffness: float = STIFFNESS) -> Equilibrium:
-    """Pinned at its start, without loads."""
-    return _cable_at(_line(elements, (1.0, 0.0)), [(0, 0)], stiffness=stiffness)
+def straight(elements: int, gravity: float = 0.0) -> Equilibrium:
+    """Pinned at its start; under gravity it is released from the horizontal."""
+    return _cable_at(_line(elements, (1.0, 0.0)), [(0, 0)], gravity)
 
 
 def hanging(elements: int, gravity: float, stiffness: float = STIFFNESS) -> Equilibrium:
@@ -220,7 +220,7 @@ class Motion:
 
 
 class Invariants:
-    """Energy [J], worst constraint [-, m] and momenta of a cable under constant forces (n, 2, 2)."""
+    """Energy [J] and worst constraint [-, m] of a cable under constant forces (n, 2, 2)."""
 
     def __init__(self, cable: inner.Cable, external: Array) -> None:
         self._potential = inner.potential_of(cable, external, 0.0)
@@ -240,9 +240,3 @@ class Invariants:
     def rate(self, q: Array, v: Array) -> float:
         """Worst |dc/dt|."""
         return float(np.abs(self._potential.jacobian(q) @ v.ravel()).max(initial=0.0))
-
-    def momenta(self, q: Array, v: Array) -> tuple[Array, float]:
-        """Linear (2,) [N s] and angular momentum about the origin [N m s]."""
-        momentum = (self._mass @ v.ravel()).reshape(v.shape)
-        angular = q[..., 0] * momentum[..., 1] - q[..., 1] * momentum[..., 0]
-        return momentum[:, 0].sum(axis=0), float(angular.sum())

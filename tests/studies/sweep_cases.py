@@ -71,6 +71,4 @@ if __name__ == "__main__":  # started as a program, and ended by a test
             cases = [{"x": x, "folder": folder} for x in range(2)]
             run_cases(cases, sweep_cases.sleeps, CaseFolder(Path(folder), "tiny"), processes(2))
         case "program":
-            ask("tests.studies.sweep_cases", "sleep", folder)
-        case "sleep":
-            sleeps({"folder": folder})
+            ask(sweep_cases.sleeps, {"folder": folder})

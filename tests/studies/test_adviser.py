@@ -5,7 +5,7 @@ import pytest
 from exudyn_inext import AdviceSettings, InputError
 from reference_models.scenes import Scene
 from studies import adviser
-from studies.advising.scenes import validation_scenes
+from studies.adviser import validation_scenes
 from studies.harness.study import Results
 
 

@@ -12,9 +12,10 @@ from reference_models.inextensible import build
 from reference_models.scenes import load_scene
 from reference_models.trajectory import Case, Trajectory
 from studies.__main__ import main
-from studies.harness.cases import DEFAULT, step_by_rule
+from studies.harness.cases import step_by_rule
 from studies.harness.on_scene import add_halved
 from studies.harness.provenance import ROOT
+from studies.harness.ratios import DEFAULT
 from studies.pages.command import PAGES, REPORT, pages_that_differ, remake, write_pages
 from studies.pages.results import FOLDER, Figures, reduced, store
 from studies.pages.tables import comparison, noise, paper

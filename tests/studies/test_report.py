@@ -36,7 +36,6 @@ def studies(monkeypatch):
     """Registered instead of the real ones."""
     registered = {name: bench(name) for name in ("first", "second")}
     monkeypatch.setattr(command, "find_studies", lambda: registered)
-    monkeypatch.setattr("studies.report.documents.warm_up", lambda studies: None)
     return registered
 
 

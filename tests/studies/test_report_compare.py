@@ -72,7 +72,7 @@ def test_the_same_key_means_what_its_kind_of_row_says():
         quantity({"kind": "ratio"}, "ratio").kind == QUOTIENT and quantity({"kind": "zeta"}, "ratio") is None
     )
     assert quantity({"kind": "change"}, "seconds").kind == TIME
-    assert quantity({"kind": "long"}, "seconds").kind == LIMIT
+    assert quantity({"kind": "swing"}, "hours").kind == LIMIT
     assert quantity({"kind": "zeta"}, "value") is None
     for kind in ("alone", "among bodies"):
         assert quantity({"kind": kind}, "share").kind == QUOTIENT

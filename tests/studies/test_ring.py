@@ -25,4 +25,4 @@ def test_ring_report_says_where_the_step_limit_is_and_what_happens_beyond(quick_
     assert "At 0.98 of it, Zhai stays stable" in report
     assert "At 1.03 of it, Zhai diverges before t = " in report
     names = {picture.name for picture in quick_ring.glob("*.png")}
-    assert names == {"ring_radial.png", "ring_snapshots.png", "ring_cost.png"}
+    assert names == {"ring_motion.png", "ring_cost.png"}

@@ -10,10 +10,10 @@ from studies import stability_limits
 from studies.__main__ import main
 from studies.harness.study import Results
 from studies.stability import linear
-from studies.stability.extremes import run_violent
-from studies.stability.findings import conclude
 from studies.stability.limits import largest_stable_step
 from studies.stability.linear import run_linear
+from studies.stability.violent import run_violent
+from studies.stability_limits import conclude
 
 SCENES = {
     "straight": {"elements": 4},
@@ -53,19 +53,17 @@ def test_zeta_rules_where_it_is_large():
     assert row["ruledBy"] == "zeta" and row["found"] == pytest.approx(1e-4, rel=0.05)
 
 
-def test_a_spinning_cable_shows_what_zhai_adds_and_rattle_does_not():
+def test_spin_lowers_the_limit_of_zhai_and_not_that_of_rattle():
     given = {"elements": 10, "rate": 100.0}
-    for scheme, is_explained_by_frequency in (("Zhai", False), ("RATTLE", True)):
-        case = linear._case("spin", "spinning", scheme, 100.0, given, steps=500)
-        row = run_linear(case)
-        assert row["ratioInMotion"] == pytest.approx(1.0, abs=0.05)
-        assert (abs(row["ratio"] - 1.0) < 0.05) == is_explained_by_frequency
-
-
-def test_a_cable_that_spins_up_meanwhile_agrees_over_fewer_steps():
-    given = {"elements": 10, "rate": 1000.0}
-    row = run_linear(linear._case("spin", "spinning", "Zhai, v_n", 1000.0, given, steps=500))
-    assert row["ratioInMotion"] < 0.95 and row["ratioSooner"] == pytest.approx(1.0, abs=0.05)
+    for scheme, is_that_of_frequency in (("Zhai", False), ("RATTLE", True)):
+        row = run_linear(linear._case("spin", "spinning", scheme, 100.0, given, steps=500))
+        assert (abs(row["ratio"] - 1.0) < 0.05) == is_that_of_frequency
+        said = " ".join(
+            conclude(
+                Results(False, [row | {"kind": "spin", "scheme": scheme, "value": 100.0, "status": "ok"}])
+            )
+        )
+        assert f"{scheme}, spinning:" in said and ("for 1 of 1 rates" in said) == is_that_of_frequency
 
 
 def test_a_violent_start_costs_zhai_more_than_rattle():
@@ -88,7 +86,7 @@ def test_limits_that_disagree_are_called_so():
     row = {
         "kind": "scheme", "scheme": "Zhai", "label": "Zhai, straight", "cable": "straight", "value": 0.0,
         "theta": 0.0, "predicted": 1.0, "found": 1.0, "ratio": 1.0, "rule": 0.9, "ruleOverLimit": 0.9,
-        "ruledBy": "bending",
+        "ruledBy": "bending", "status": "ok",
     }  # fmt: skip
     assert "bar of 5 % kept" in " ".join(conclude(Results(False, [row])))
     assert "MISSED in 1" in " ".join(conclude(Results(False, [row, row | {"found": 1.1, "ratio": 1.1}])))
@@ -97,10 +95,7 @@ def test_limits_that_disagree_are_called_so():
     )
 
 
-KINDS = {
-    "scheme", "zeta", "stiffness", "elements", "curvature", "gravity", "spin", "slenderness", "violent",
-    "long", "precision",
-}  # fmt: skip
+KINDS = {"scheme", "zeta", "stiffness", "elements", "curvature", "gravity", "spin", "violent"}
 
 
 def test_it_runs_in_quick_mode(tmp_path, monkeypatch):
@@ -108,7 +103,6 @@ def test_it_runs_in_quick_mode(tmp_path, monkeypatch):
     all_cases = stability_limits.make_cases(True)
     assert {case["kind"] for case in all_cases} == KINDS
     first = {case["kind"]: case for case in reversed(all_cases)}
-    first["long"] = first["long"] | {"value": 1000}
     measure = replace(stability_limits.STUDY.measure, cases=lambda quick: list(first.values()))
     study = replace(stability_limits.STUDY, measure=measure)
     monkeypatch.setattr("studies.__main__.find_study", lambda name: study)
@@ -119,5 +113,4 @@ def test_it_runs_in_quick_mode(tmp_path, monkeypatch):
     assert all(row["status"] == "ok" for row in document["rows"])
     report = (tmp_path / "stability_limits.md").read_text()
     assert all(sentence in report for sentence in document["conclusions"])
-    pictures = list(tmp_path.glob("stability_*.png"))
-    assert len(pictures) == 10 and all(f"({picture.name})" in report for picture in pictures)
+    assert document["pictures"] == ["stability_limits.png"] and "(stability_limits.png)" in report

@@ -15,7 +15,7 @@ from exudyn_inext.errors import InputError
 from studies.__main__ import main
 from studies.harness import engines, sweep
 from studies.harness.engines import Engine, Options, processes
-from studies.harness.provenance import provenance
+from studies.harness.provenance import present_code
 from studies.harness.study import Study
 from studies.harness.sweep import CaseFolder, Outcome, Sweep, key_of, run_cases
 from studies.harness.table import Table
@@ -144,17 +144,18 @@ def test_timed_cases_run_in_this_process_and_others_do_not(tmp_path):
 
 
 def other_code(key, value):
-    return lambda: provenance() | {key: value}
+    return lambda: present_code() | {key: value}
 
 
 @pytest.mark.parametrize(
-    ("key", "value"), [("commit", "f" * 40), ("sources", "other"), ("versions", {"numpy": "0.1"})]
+    ("key", "value"),
+    [("versions", {"commit": "f" * 40}), ("sources", "other"), ("versions", {"numpy": "0.1"})],
 )
 def test_results_of_other_code_are_refused_with_a_remedy(tmp_path, traces, monkeypatch, key, value):
     asked = sweep_of(sweep_cases.square, traces, timed=True)
     run(asked, tmp_path, NOBODY)
     with monkeypatch.context() as patch:
-        patch.setattr(sweep, "provenance", other_code(key, value))
+        patch.setattr(sweep, "present_code", other_code(key, value))
         with pytest.raises(InputError, match=r"another state of the code .*--output.*--fresh"):
             run(asked, tmp_path, NOBODY)
         CaseFolder(tmp_path, "another", fresh=True)

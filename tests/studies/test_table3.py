@@ -27,7 +27,8 @@ def test_power_line_states_the_uncertainty_of_its_own_reference(quick_table3):
     assert all(row["status"] == "ok" for row in rows.values())
     report = (quick_table3 / "table3.md").read_text()
     assert "| with ice |" in report and "| 208 |" in report
-    assert len(list(quick_table3.glob("*.png"))) == 4
+    names = {picture.name for picture in quick_table3.glob("*.png")}
+    assert names == {"table3_cost.png", "table3_motion.png"}
 
 
 def test_power_line_with_twenty_elements_stays_within_two_millimetres_over_five_seconds():

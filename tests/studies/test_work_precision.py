@@ -11,15 +11,15 @@ import pytest
 from exudyn_inext.errors import InputError
 from reference_models.scenes import load_scene
 from reference_models.trajectory import Case, Trajectory
-from studies import table3
+from studies import table3, work_precision
 from studies.__main__ import main
 from studies.harness.cases import explicit_case, failing_case
 from studies.harness.reference import from_data
 from studies.harness.study import Results
 from studies.harness.sweep import Outcome
 from studies.harness.timing import measure
-from studies.precision import cases, scene_run
-from studies.precision.findings import conclude
+from studies.precision import cases
+from studies.precision.cases import brief
 from studies.precision.fronts import (
     ALONE,
     BY_NATIVE_SOLVERS,
@@ -37,7 +37,7 @@ from studies.precision.fronts import (
     read,
     speed_up,
 )
-from studies.work_precision import STUDY, make_cases, rows_of
+from studies.work_precision import STUDY, conclude, make_cases, rows_of
 
 PLANAR = load_scene("planar_pendulum")
 U = 1e-4  # uncertainty of the reference [m]
@@ -135,7 +135,7 @@ def shifted(label, offset):
 def test_a_failing_case_keeps_its_row_and_status():
     three = [shifted("good", 1e-3), failing_case("bad", "RK4", 7, ArithmeticError("too fast"), 0.5)]
     three.append(shifted("lost", math.nan))
-    good, bad, lost = scene_run.measured(PLANAR, three, from_data(PLANAR), repeats=1)
+    good, bad, lost = work_precision.measured(PLANAR, three, from_data(PLANAR), repeats=1)
     assert (good["status"], good["kind"], good["repeats"]) == ("ok", "run", 1)
     assert good["errorMax"] == pytest.approx(1e-3) and good["family"] == INEXTENSIBLE
     assert (bad["status"], bad["errorMax"], bad["stepSize"]) == (
@@ -150,12 +150,12 @@ def test_steps_that_are_refused_or_diverge_become_rows(monkeypatch):
     monkeypatch.setattr(cases, "FRACTIONS", (1.2,))
     brief = replace(PLANAR, end_time=0.05)
     (case,) = cases.limited_cases(brief, 5, "RATTLE")
-    (row,) = scene_run.measured(brief, [case], from_data(PLANAR), repeats=1)
+    (row,) = work_precision.measured(brief, [case], from_data(PLANAR), repeats=1)
     assert row["status"].startswith("failed: StepSizeError") and row["cpuSeconds"] is None
 
 
 def test_slow_cases_are_repeated_less_often():
-    assert [scene_run.repeats_of(seconds) for seconds in (0.1, 1.0, 5.0)] == [5, 3, 1]
+    assert [work_precision.repeats_of(seconds) for seconds in (0.1, 1.0, 5.0)] == [5, 3, 1]
     pair = [shifted("a", 0.0), shifted("b", 0.0)]
     found = measure(pair, 3, from_data(PLANAR).trajectory, rounds_of=lambda seconds: 1)
     assert [row["repeats"] for row, _ in found] == [1, 1]
@@ -169,9 +169,9 @@ def test_equal_labels_are_run_once():
 def test_a_scene_without_a_reference_is_compared_with_itself_and_that_is_said(monkeypatch):
     monkeypatch.setattr(table3, "refined", lambda scene: from_data(PLANAR))
     line = load_scene("power_line")
-    row = scene_run.reference_row(line, scene_run.reference_of(line))
+    row = work_precision.reference_row(line, work_precision.reference_of(line))
     assert row["selfConvergence"] and "self-convergence" in " ".join(conclude(Results(False, [row])))
-    other = scene_run.reference_row(PLANAR, scene_run.reference_of(PLANAR))
+    other = work_precision.reference_row(PLANAR, work_precision.reference_of(PLANAR))
     assert not other["selfConvergence"]
 
 
@@ -183,7 +183,7 @@ def sentences(*rows, uncertainty=5e-5):
         "kind": "reference", "scene": "planar_pendulum", "source": "MBDyn", "uncertainty": uncertainty,
         "selfConvergence": False, "motion": 5.0,
     }  # fmt: skip
-    ratios = scene_run.ratio_rows("planar_pendulum", rows, uncertainty)
+    ratios = work_precision.ratio_rows("planar_pendulum", rows, uncertainty)
     return "\n".join(conclude(Results(False, [reference, *rows, *ratios])))
 
 
@@ -236,7 +236,7 @@ def test_a_scene_that_failed_as_a_whole_is_told():
 
 
 def test_every_scene_has_cases_of_every_formulation():
-    assert {case["scene"] for case in make_cases(False)} == set(cases.SERIES) == set(cases.MESHES)
+    assert {case["scene"] for case in make_cases(False)} == set(cases.PLANS)
     assert all(case["timed"] for case in make_cases(False))
     for name in ("planar_pendulum", "spatial_pendulum"):
         labels = [case.label for case in cases.enforced_cases(load_scene(name), False)]
@@ -270,8 +270,9 @@ def few_cases(scene, quick):
 
 
 def test_it_runs_in_quick_mode_with_rows_tables_and_pictures(tmp_path, monkeypatch):
-    monkeypatch.setattr(scene_run, "cases_of", few_cases)
-    monkeypatch.setattr(cases, "QUICK_SERIES", {"planar_pendulum": cases.Series((10,), (), (5e-3,))})
+    monkeypatch.setattr(work_precision, "cases_of", few_cases)
+    natives = {"explicit": (), "zhai": (), "lobatto": ()}
+    monkeypatch.setattr(cases, "brief", lambda plan: replace(brief(plan), **natives))
     measure = replace(STUDY.measure, cases=lambda quick: make_cases(quick)[:1])
     study = replace(STUDY, measure=measure)
     monkeypatch.setattr("studies.__main__.find_study", lambda name: study)
