@@ -144,10 +144,9 @@ def _case(scene: Scene, given: Row, label: str) -> Case:
 
 def _model(given: Row, step: float | None = None) -> Inextensible:
     zhai = Zhai(given["psi"], given["psi"], given["corrector"], projected_rate=given["projectedRate"])
-    scheme = zhai if given["integrator"] == "Zhai" else None
     return Inextensible(
         given["elements"],
-        unguarded(given["integrator"], step, zeta=given["zeta"], scheme=scheme),
+        unguarded(zhai if given["integrator"] == "Zhai" else given["integrator"], step, zeta=given["zeta"]),
         measure=given["measure"],
         length_constraints=given["lengthConstraints"],
         spatial=given["spatial"],

@@ -170,7 +170,6 @@ def _push(mbs: Any, cable: dict[str, Any], dim: int) -> None:
     def force(mbs: Any, t: float, load: list[float]) -> list[float]:
         return [0.0, 0.1 * math.sin(6.0 * t), 0.0]
 
-    force.dependsOnTimeOnly = True
     marker = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=cable["nodes"][-1]))
     mbs.AddLoad(items.Force(markerNumber=marker, loadVectorUserFunction=force))
 
@@ -179,7 +178,6 @@ def _move(mbs: Any, cable: dict[str, Any], dim: int) -> None:
     def offset(mbs: Any, t: float, item: int, value: float) -> float:
         return 0.05 * (1.0 - math.cos(3.0 * t))
 
-    offset.dependsOnTimeOnly = True
     for coordinate in range(dim):
         ground = mbs.AddNode(items.NodePointGround())
         ends = ((ground, 0), (cable["nodes"][0], coordinate))

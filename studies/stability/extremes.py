@@ -67,7 +67,7 @@ def run_slenderness(case: Row) -> Row:
     name, scheme = SCHEMES[case["scheme"]]
     frequency, vibration = fastest_vibration(model)
     predicted = inner.frequency_limit(inner.find_integrator(name), scheme) / frequency
-    settings = ExplicitSettings(name, scheme)
+    settings = ExplicitSettings(scheme or name)
     random = 0.1 * np.random.default_rng(1).uniform(-1.0, 1.0, len(vibration))
     random[:2] = 0.0
     disturbance = vibration / np.abs(vibration).max() + random
