@@ -13,7 +13,7 @@ try:
     from matplotlib.figure import Figure
     from PIL import Image as Image
 except ImportError as error:
-    missing = f"examples draw with {error.name}, not installed here: pip install 'exudyn_inext[studies]'"
+    missing = "examples draw with Matplotlib, not installed here: pip install 'exudyn_inext[studies]'"
     raise ImportError(missing, name=error.name) from None
 
 COLORS = (

@@ -34,6 +34,11 @@ def _by(rows: Sequence[Row], key: str = "scheme") -> Iterator[tuple[str, list[Ro
         yield label, own, color, size
 
 
+def _once(label: str, own: Sequence[Row], rows: Sequence[Row]) -> str | None:
+    """The label of what means the same for all schemes, at the first one."""
+    return label if own[0] is rows[0] else None
+
+
 def _hollow(size: float) -> dict[str, object]:
     return {"markersize": size, "fillstyle": "none"}
 
@@ -43,7 +48,7 @@ def _predicted_and_found(rows: Sequence[Row]) -> Iterator[Curve]:
     for scheme, own, color, size in _by(rows):
         values = [row["value"] or NO_GRAVITY for row in own]
         yield Curve(values, column(own, "predicted"), f"{scheme}, predicted", color, "-")
-        yield Curve(values, column(own, "found"), "found", color, "o", _hollow(size))
+        yield Curve(values, column(own, "found"), _once("found", own, rows), color, "o", _hollow(size))
 
 
 def _limits(what: str, rows: Sequence[Row]) -> list[Panel]:
@@ -78,8 +83,8 @@ def _spin(rows: Sequence[Row]) -> list[Panel]:
     for scheme, own, color, size in _by(rows):
         rates = column(own, "value")
         curves += [
-            Curve(rates, column(own, "found"), f"{scheme}, found", color, "o", _hollow(size)),
-            Curve(rates, column(own, "predictedInMotion"), "linearised step", color, "-"),
+            Curve(rates, column(own, "found"), _once("found", own, rows), color, "o", _hollow(size)),
+            Curve(rates, column(own, "predictedInMotion"), f"{scheme}, linearised step", color, "-"),
             Curve(rates, column(own, "predicted"), None, color, "--", THIN),
         ]
     y = "largest stable step h (dashed: of w_max alone) [s]"
@@ -90,7 +95,7 @@ def _slenderness(rows: Sequence[Row]) -> list[Panel]:
     curves = list(_predicted_and_found(rows))
     for _, own, color, _ in _by(rows):
         values = column(own, "value"), column(own, "inextensible")
-        curves.append(Curve(*values, "inextensible", color, "--"))
+        curves.append(Curve(*values, _once("inextensible", own, rows), color, "--"))
     return [Panel("EA / EI of the native cable [1/m^2]", STEP, curves, legend=False)]
 
 

@@ -54,7 +54,7 @@ def test_a_missing_library_is_named_with_what_installs_it(tmp_path):
         capture_output=True, text=True, timeout=120,
     )  # fmt: skip
     assert done.returncode == 1 and done.stderr.rstrip().endswith(
-        "examples draw with PIL, not installed here: pip install 'exudyn_inext[studies]'"
+        "examples draw with Matplotlib, not installed here: pip install 'exudyn_inext[studies]'"
     )
 
 
