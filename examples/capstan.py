@@ -6,6 +6,7 @@ import numpy as np
 
 import exudyn_inext as inext
 from contact import Surface, add_circle_contact
+from outlines import box, carried, disc
 from picture import draw, paths, sense
 
 GRAVITY = [0, -9.81, 0]
@@ -47,7 +48,9 @@ def main():
     print(inext.SolveExplicit(mbs, settings, SETTINGS)["path"])
     times, points = paths(mbs, sensors)
     heights = {"lighter mass": points[:, 0, 1], "heavier mass": points[:, -1, 1]}
-    draw("capstan", times, [points], "xy", heights, "height [m]")
+    weights = [carried(points[:, end], box([0.06, 0.06, 0])) for end in (0, -1)]
+    cylinder = carried(np.zeros((len(times), 3)), disc(RADIUS))
+    draw("capstan", times, [points], "xy", heights, "height [m]", [cylinder, *weights])
 
 
 if __name__ == "__main__":

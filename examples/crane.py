@@ -8,14 +8,15 @@ import numpy as np
 from exudyn.utilities import InertiaCuboid, MarkerBodyPosition, MarkerNodePosition, SphericalJoint
 
 import exudyn_inext as inext
+from outlines import box, follow
 from picture import draw, paths, sense
 
 GRAVITY = [0, 0, -9.81]
 LENGTH, SIDE, ELEMENTS = 1.2, 0.2, 6  # of the cable [m], of the load, a cube [m], of the cable
 SWAY = [0, 0.8, 0]  # initial velocity of the load, across the guide [m/s]
 CABLE = inext.InextensibleCable(massPerLength=0.3, bendingStiffness=0.05)
-TROLLEY = InertiaCuboid(density=1000, sideLengths=[0.4, 0.25, 0.1])
-LOAD = InertiaCuboid(density=1000, sideLengths=[SIDE] * 3)
+SIDES = [0.4, 0.25, 0.1], [SIDE] * 3  # of trolley and load [m]
+TROLLEY, LOAD = (InertiaCuboid(density=1000, sideLengths=sides) for sides in SIDES)
 SETTINGS = inext.ExplicitSettings(stepSize=2e-3, massScaling=0.3)
 
 
@@ -42,16 +43,16 @@ def build(mbs, addCable=inext.CreateInextensibleCable, elements=ELEMENTS):
 
 
 def main():
-    SC = exu.SystemContainer()
-    mbs = SC.AddSystem()
-    sensors = sense(mbs, build(mbs)["cables"][0]["nodes"])
+    scene = build(mbs := exu.SystemContainer().AddSystem())
+    sensors = sense(mbs, scene["cables"][0]["nodes"])
+    outlines = follow(mbs, scene["bodies"], *map(box, SIDES))
     mbs.Assemble()
     settings = exu.SimulationSettings()
     settings.timeIntegration.endTime = 3
     print(inext.SolveExplicit(mbs, settings, SETTINGS)["path"])
     times, points = paths(mbs, sensors)
     curves = {"trolley, x": points[:, 0, 0], "load, x": points[:, -1, 0], "load, y": points[:, -1, 1]}
-    draw("crane", times, [points], "xz", curves, "position [m]")
+    draw("crane", times, [points], "xz", curves, "position [m]", [paths(mbs, one)[1] for one in outlines])
 
 
 if __name__ == "__main__":

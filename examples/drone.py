@@ -1,13 +1,11 @@
-"""A drone takes off with constant acceleration, and a rigid load swings below it on a cable.
-
-The motion of the drone is prescribed; a native spherical joint holds the load.
-"""
+"""A drone takes off with a prescribed acceleration, and a rigid load swings below it on a cable."""
 
 import exudyn as exu
 import numpy as np
 from exudyn.utilities import InertiaCuboid, MarkerBodyPosition, MarkerNodePosition, SphericalJoint
 
 import exudyn_inext as inext
+from outlines import box, carried, follow
 from picture import draw, paths, sense
 
 GRAVITY = [0, 0, -9.81]
@@ -41,9 +39,9 @@ def build(mbs, addCable=inext.CreateInextensibleCable, elements=ELEMENTS):
 
 
 def main():
-    SC = exu.SystemContainer()
-    mbs = SC.AddSystem()
-    sensors = sense(mbs, build(mbs)["cables"][0]["nodes"])
+    scene = build(mbs := exu.SystemContainer().AddSystem())
+    sensors = sense(mbs, scene["cables"][0]["nodes"])
+    load = follow(mbs, scene["bodies"], box(SIDES))
     mbs.Assemble()
     settings = exu.SimulationSettings()
     settings.timeIntegration.endTime = 1.5
@@ -51,7 +49,8 @@ def main():
     times, points = paths(mbs, sensors)
     x, y, z = (points[:, -1] - points[:, 0]).T
     angles = {"cable": np.degrees(np.arctan2(np.hypot(x, y), -z))}
-    draw("drone", times, [points], "xz", angles, "angle to the vertical [deg]")
+    bodies = [carried(points[:, 0], box([0.4, 0.4, 0.08])), paths(mbs, *load)[1]]
+    draw("drone", times, [points], "xz", angles, "angle to the vertical [deg]", bodies)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""One picture for each example: snapshots of the cables, and one quantity over time."""
+"""One picture for each example: snapshots of cables and bodies, and one quantity over time."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -7,10 +7,10 @@ from typing import Any
 import exudyn as exu
 import numpy as np
 from exudyn.utilities import SensorNode
-from PIL import Image
 
+from outlines import outline
 from shapes import is_flat, smooth
-from style import COLORS, label_axes, new_figure
+from style import COLORS, Image, label_axes, new_figure
 
 FOLDER = Path("results/examples")
 SNAPSHOTS = 6
@@ -38,23 +38,27 @@ def draw(
     plane: str,
     curves: dict[str, np.ndarray],
     quantity: str,
-) -> Path:
+    bodies: Sequence[np.ndarray] = (),
+) -> None:
     """Save results/examples/<name>.png.
 
     Args:
         name: of the example.   times: (n,) [s].   cables: nodal positions (n, k, 3) [m] of each.
         plane: which axes the snapshots show, such as "xz".
         curves: label -> (n,) over time.   quantity: their name and unit.
+        bodies: points (n, k, 3) [m] of each, of which the outline is drawn.
     """
     FOLDER.mkdir(parents=True, exist_ok=True)
-    path = FOLDER / f"{name}.png"
+    path, axes = FOLDER / f"{name}.png", ["xyz".index(axis) for axis in plane]
     with new_figure(path, 7.5, 3.2) as figure:
         scene, history = figure.subplots(1, 2)
         for place, k in enumerate(np.linspace(0, len(times) - 1, SNAPSHOTS).round().astype(int)):
             shade = 0.2 + 0.8 * place / (SNAPSHOTS - 1)
+            for body in bodies:
+                scene.fill(*outline(body[k][:, axes]).T, color=COLORS[1], alpha=0.3 * shade, linewidth=0)
             for number, cable in enumerate(cables):
-                line = smooth(cable[k])[:, ["xyz".index(axis) for axis in plane]].T
-                label = f"t = {times[k]:.2g} s" if number == 0 else None
+                line = smooth(cable[k])[:, axes].T
+                label = None if number else f"t = {times[k]:.2g} s"
                 scene.plot(*line, color=COLORS[0], alpha=shade, label=label)
         if not is_flat(cables):
             scene.set_aspect("equal", adjustable="datalim")
@@ -62,12 +66,10 @@ def draw(
         label_axes(scene, f"{plane[0]} [m]", f"{plane[1]} [m]")
         for label, values in curves.items():
             history.plot(times, values, label=label)
-        history.legend(
-            fontsize=8, loc="lower left", bbox_to_anchor=(0, 1), ncols=3, columnspacing=1.0, handlelength=1.2
-        )
+        narrow = {"columnspacing": 1.0, "handlelength": 1.2}
+        history.legend(fontsize=8, loc="lower left", bbox_to_anchor=(0, 1), ncols=3, **narrow)
         label_axes(history, "time t [s]", quantity)
     shrink(path)
-    return path
 
 
 def shrink(path: Path) -> None:

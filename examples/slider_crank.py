@@ -7,6 +7,7 @@ import exudyn as exu
 import exudyn.utilities as eu
 
 import exudyn_inext as inext
+from outlines import box, disc, follow
 from picture import draw, paths, sense
 
 GRAVITY = [0, -9.81, 0]
@@ -23,9 +24,8 @@ def build(mbs, addCable=inext.CreateInextensibleCable, elements=ELEMENTS):
     ground, below = mbs.CreateGround(), [0, CRANK - LENGTH - 0.05, 0]
     flywheel = mbs.CreateRigidBody(inertia=FLYWHEEL, initialAngularVelocity=[0, 0, SPEED], create2D=True)
     slider = mbs.CreateRigidBody(referencePosition=below, inertia=SLIDER, gravity=GRAVITY, create2D=True)
-    line = inext.CableShape.Line(
-        [0, CRANK], [0, CRANK - LENGTH], elements, velocityStart=[-SPEED * CRANK, 0, 0]
-    )
+    ends = [0, CRANK], [0, CRANK - LENGTH]
+    line = inext.CableShape.Line(*ends, elements, velocityStart=[-SPEED * CRANK, 0, 0])
     cable = addCable(mbs, shape=line, beamTemplate=CABLE, gravity=GRAVITY)
 
     def on(body, point=(0, 0, 0), marker=eu.MarkerBodyPosition):
@@ -42,16 +42,17 @@ def build(mbs, addCable=inext.CreateInextensibleCable, elements=ELEMENTS):
 
 
 def main():
-    SC = exu.SystemContainer()
-    mbs = SC.AddSystem()
-    sensors = sense(mbs, build(mbs)["cables"][0]["nodes"])
+    scene = build(mbs := exu.SystemContainer().AddSystem())
+    sensors = sense(mbs, scene["cables"][0]["nodes"])
+    outlines = follow(mbs, scene["bodies"], disc(0.25), box([0.1, 0.1, 0]))
     mbs.Assemble()
     settings = exu.SimulationSettings()
     settings.timeIntegration.endTime = 1.3
     print(inext.SolveExplicit(mbs, settings, SETTINGS)["path"])
     times, points = paths(mbs, sensors)
     curves = {"pin, x": points[:, 0, 0], "pin, y": points[:, 0, 1], "slider, y": points[:, -1, 1] + LENGTH}
-    draw("slider_crank", times, [points], "xy", curves, "position [m]")
+    bodies = [paths(mbs, one)[1] for one in outlines]
+    draw("slider_crank", times, [points], "xy", curves, "position [m]", bodies)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from exudyn.utilities import InertiaCuboid, MarkerNodePosition, SphericalJoint
 
 import exudyn_inext as inext
 from flight import Controller, drive, settings_of_period
+from outlines import box, carried
 from picture import draw, paths, sense
 
 GRAVITY, MASS, LENGTH, ELEMENTS = np.array([0, 0, -9.81]), 4.0, 1.5, 6  # [m/s^2], of the drone [kg], [m]
@@ -50,7 +51,8 @@ def main():
         times, points = fly(inext.ExplicitSolver(SETTINGS), settings_of_period(), swingDamping)
         x, _, z = (points[:, -1] - points[:, 0]).T
         angles[label] = np.degrees(np.arctan2(x, -z))
-    draw("slung_load", times, [points], "xz", angles, "angle to the vertical [deg]")
+    bodies = carried(points[:, 0], box([0.4, 0.4, 0.08])), carried(points[:, -1], box([0.2, 0.2, 0.1]))
+    draw("slung_load", times, [points], "xz", angles, "angle to the vertical [deg]", bodies)
 
 
 if __name__ == "__main__":

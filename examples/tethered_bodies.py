@@ -1,19 +1,18 @@
-"""Two free rigid bodies that spin about each other, held together by a cable; no gravity.
-
-Both tumble as well, so that the cable's ends move on curves in space.
-"""
+"""Two free rigid bodies tumble, and spin about each other at the ends of a cable; no gravity."""
 
 import exudyn as exu
 import numpy as np
 from exudyn.utilities import InertiaCuboid, MarkerBodyPosition, MarkerNodePosition, SphericalJoint
 
 import exudyn_inext as inext
+from outlines import box, follow
 from picture import draw, paths, sense
 
 LENGTH, ELEMENTS = 2.0, 8  # of the cable [m]
 SPIN = 3.0  # of the whole about z [rad/s]
 CABLE = inext.InextensibleCable(massPerLength=0.2, bendingStiffness=0.05)
-INERTIAS = [InertiaCuboid(1000, [0.2, 0.2, 0.1]), InertiaCuboid(1000, [0.3, 0.15, 0.1])]
+SIDES = [0.2, 0.2, 0.1], [0.3, 0.15, 0.1]  # of the bodies [m]
+INERTIAS = [InertiaCuboid(1000, sides) for sides in SIDES]
 ANCHORS = [[0.1, 0.05, 0.0], [-0.15, 0.0, 0.05]]  # of the cable on the bodies [m]
 TUMBLING = [[1.0, 0.5, SPIN], [0.0, -1.0, SPIN]]  # angular velocities of the bodies [rad/s]
 SETTINGS = inext.ExplicitSettings(stepSize=2e-3, massScaling=0.3)
@@ -42,16 +41,16 @@ def build(mbs, addCable=inext.CreateInextensibleCable, elements=ELEMENTS):
 
 
 def main():
-    SC = exu.SystemContainer()
-    mbs = SC.AddSystem()
-    sensors = sense(mbs, build(mbs)["cables"][0]["nodes"])
+    scene = build(mbs := exu.SystemContainer().AddSystem())
+    sensors = sense(mbs, scene["cables"][0]["nodes"])
+    outlines = follow(mbs, scene["bodies"], *map(box, SIDES))
     mbs.Assemble()
     settings = exu.SimulationSettings()
     settings.timeIntegration.endTime = 2
     print(inext.SolveExplicit(mbs, settings, SETTINGS)["path"])
     times, points = paths(mbs, sensors)
-    curves = {axis: points[:, 0, k] for k, axis in enumerate("xyz")}
-    draw("tethered_bodies", times, [points], "xy", curves, "end at the first body [m]")
+    curves, bodies = dict(zip("xyz", points[:, 0].T, strict=True)), [paths(mbs, one)[1] for one in outlines]
+    draw("tethered_bodies", times, [points], "xy", curves, "end at the first body [m]", bodies)
 
 
 if __name__ == "__main__":

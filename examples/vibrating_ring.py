@@ -22,9 +22,6 @@ def opposite(mbs, t, loadVector):
     return [-FORCE * np.sin(FREQUENCY * t), 0, 0]
 
 
-outwards.dependsOnTimeOnly = opposite.dependsOnTimeOnly = True  # so that they may be asked ahead of time
-
-
 def build(mbs, elements=ELEMENTS):
     """Add the scene; returns its cables."""
     circle = inext.CableShape.Circle(center=[0, 0], radius=RADIUS, numberOfElements=elements)

@@ -80,6 +80,14 @@ def require_flag(name: str, value: Any) -> bool:
     return bool(value)
 
 
+def require_functions(name: str, value: Any) -> bool | Sequence[Any] | None:
+    """Return `value`, or raise InputError unless it is True, False, None or a list of functions."""
+    is_list = isinstance(value, list | tuple) and all(map(callable, value))
+    if not (value is None or isinstance(value, bool) or is_list):
+        raise InputError(f"{name} = {value!r}: must be a list of functions, True, False or None.")
+    return value
+
+
 def require_choice(name: str, value: Any, choices: Sequence[str]) -> str:
     """Return `value`, or raise InputError unless it is one of the strings `choices`."""
     if not isinstance(value, str) or value not in choices:

@@ -172,7 +172,7 @@ def inextensible_case(scene: Scene, model: Inextensible, label: str = "") -> Cas
     return Case(
         label=label or label_of(model, h),
         formulation="inextensible",
-        integrator=model.settings.integrator,
+        integrator=model.settings.integratorName,
         elements=model.elements,
         step_size=h,
         steps=report["steps"],
@@ -204,13 +204,13 @@ def fine_solution(scene: Scene, elements: int) -> Trajectory:
 
 def label_of(model: Inextensible, step_size: float) -> str:
     """Says all that distinguishes one inextensible row from another.   step_size: the one used [s]."""
-    parts = [f"inextensible {model.settings.integrator}, N = {model.elements}"]
+    parts = [f"inextensible {model.settings.integratorName}, N = {model.elements}"]
     parts.append(f"h = {step_size:.3g} s")
     if model.settings.stabilizationRate != ExplicitSettings.stabilizationRate:
         parts.append(f"zeta = {model.settings.stabilizationRate:g} 1/s")
     if model.settings.massScaling:
         parts.append(f"mass scaling {model.settings.massScaling:g}")
-    if model.settings.integrator == "Zhai" and model.settings.scheme and model.settings.scheme.corrector:
+    if has_corrector(model.settings):
         parts.append("corrector")
     if model.measure != "secondDerivative":
         parts.append(model.measure)
@@ -221,8 +221,13 @@ def label_of(model: Inextensible, step_size: float) -> str:
     return ", ".join(parts)
 
 
+def has_corrector(settings: ExplicitSettings) -> bool:
+    """Whether Zhai's method evaluates once more at the end of a step."""
+    return bool(getattr(settings.method[1], "corrector", False))
+
+
 def _solve(model: Model, scene: Scene, inextensible: Inextensible) -> dict[str, Any]:
     period = inextensible.output_period or SENSOR_PERIOD
     settings = quiet_settings(scene.end_time, round(scene.end_time / period), period)
     with silence():
-        return SolveExplicit(model.mbs, settings, inextensible.settings)
+        return SolveExplicit(model.mbs, settings, replace(inextensible.settings, dependsOnTimeOnly=True))

@@ -38,5 +38,4 @@ def _force_function(load: PointForce) -> ForceFunction:
     def force(mbs: Any, time: float, load_vector: Any) -> list[float]:
         return list(load.value(time))
 
-    force.dependsOnTimeOnly = True  # type: ignore[attr-defined]
     return force

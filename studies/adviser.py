@@ -41,7 +41,7 @@ from reference_models.scenes.section import Round, Section
 from reference_models.scenes.shape import Circle, Line, Parabolas
 from reference_models.scenes.support import Clamp, Pin
 
-from .harness import Order, Results, Row, Study, Table, inner, verdict
+from .harness import Order, Results, Row, Study, Table, inner, percent, verdict
 
 TOLERANCES = (1e-2, 3e-3, 1e-3, 3e-4)  # of the length
 FEW = AdviceSettings(numbersOfElements=(4, 6, 8))
@@ -239,7 +239,7 @@ def _is_broken(row: Row) -> bool:
 
 
 def _bar(number: int, total: int, share: float) -> str:
-    return f"bar of {share:.0%} {verdict(number >= share * total)}"
+    return f"bar of {percent(share)} {verdict(number >= share * total)}"
 
 
 TABLE = Table(

@@ -63,10 +63,10 @@ def changes_of(scene: Scene, elements: int) -> dict[str, Inextensible]:
         BASE: base,
         "measure: product": replace(base, measure="product"),
         **{f"n_bar = {name}": replace(base, length_constraints=n) for name, n in numbers.items()},
-        "v_n, not the projected rate": method(scheme=Zhai(projected_rate=False)),
+        "v_n, not the projected rate": method(integrator=Zhai(projected_rate=False)),
         "zeta = 10": method(stabilizationRate=10.0),
         "zeta = 300": method(stabilizationRate=300.0),
-        "corrector, psi = phi = 0": method(scheme=Zhai(0.0, 0.0, corrector=True)),
+        "corrector, psi = phi = 0": method(integrator=Zhai(0.0, 0.0, corrector=True)),
         "RATTLE": method(integrator="RATTLE"),
         "RK4": method(integrator="RK4"),
         "half as many elements": replace(base, elements=elements // 2),
@@ -131,7 +131,7 @@ def _case(scene: Scene, model: Inextensible, label: str) -> Case:
         model = replace(model, settings=replace(settings, stepSize=PART * limit))
         return inextensible_case(scene, model, label)
     except ArithmeticError as error:
-        return failing_case(label, settings.integrator, model.elements, error)
+        return failing_case(label, settings.integratorName, model.elements, error)
 
 
 @lru_cache

@@ -34,7 +34,7 @@ from exudyn_inext import ExplicitSettings, InextensibleError, SolveExplicit
 from reference_models.model import quiet_settings, silence
 from reference_models.trajectory import Array
 
-from .harness import Order, Results, Row, Study, column, groups, tables, verdict
+from .harness import Order, Results, Row, Study, column, groups, percent, tables, verdict
 from .harness.inner import largest_step
 from .robust.scenes import Rope, build, build_native, lone_rope, mixed_rope, moved
 
@@ -170,8 +170,8 @@ def conclude(results: Results) -> list[str]:
     share = float(np.mean(_errors(ended) < ACCURATE)) if ended else 0.0
     said = [
         f"{failures} of {len(own)} runs at default settings did not end: {verdict(failures == 0)}.",
-        f"{share:.1%} of them lie within {ACCURATE:.0%} of the motion of a run with a quarter of the step, "
-        f"before the first snap (bar {SHARE:.0%}): {verdict(1.0 - share <= 1.0 - SHARE)}.",
+        f"{percent(share)} of them lie within {percent(ACCURATE)} of the motion of a run with a quarter "
+        f"of the step, before the first snap (bar {percent(SHARE)}): {verdict(1.0 - share <= 1.0 - SHARE)}.",
         f"All of them took {seconds:.3g} s of CPU time.",
     ]
     if native:

@@ -64,6 +64,7 @@ from .harness import (
     judged,
     largest,
     number,
+    percent,
     tables,
 )
 from .harness import stretching_scenes as scenes
@@ -111,7 +112,7 @@ TUNING = Tuning(
     _references,
     BOUNDS,
 )
-compared = partial(compare, bounds=BOUNDS, who=WHO, digits=2)
+compared = partial(compare, bounds=BOUNDS, who=WHO)
 
 
 # -------------------------------------------------------------------------------- against closed forms
@@ -271,7 +272,7 @@ def _of_stiffness(rows: Sequence[Row]) -> list[str]:
     ]
     tends = judged(max(abs(power - 1.0) for power in powers), 0.1, 1.0, "tends", "does NOT tend")
     return [
-        f"The largest stable step varies by {spread:.1%} {ends}: "
+        f"The largest stable step varies by {percent(spread)} {ends}: "
         f"{judged(spread, SAME, 1.0, 'it does not depend on EA', 'it is NOT independent of EA')}; that of "
         f"natives falls from {natives[0]:.1e} s to {natives[-1]:.1e} s.",
         f"The motion {tends} to the inextensible one, with EA to the power of "

@@ -1,12 +1,13 @@
-"""Tutorial, migration page and answers: every block runs, in order, and prints what is printed below it."""
+"""Tutorial, recipes, migration, answers: every block runs, in order, and prints what is printed below it."""
 
 import pytest
 
 from tests.documents import DOCS, last_digit, python_blocks, require_printed
 from tests.gym_stub import import_environments
 
-PAGES = [*sorted((DOCS / "tutorial").glob("[!i]*.md")), DOCS / "migration.md", DOCS / "faq.md"]
-RUN_BY_TESTS = {"howto", "tutorial", "migration.md", "faq.md"}
+SERIES = [page for name in ("tutorial", "recipes") for page in sorted((DOCS / name).glob("[!i]*.md"))]
+PAGES = [*SERIES, DOCS / "migration.md", DOCS / "faq.md"]
+RUN_BY_TESTS = {"howto", "tutorial", "recipes", "migration.md", "faq.md"}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)

@@ -6,7 +6,8 @@ import pytest
 
 from tests.documents import DOCS, ROOT
 
-PAGES = [ROOT / "README.md", DOCS / "faq.md", *sorted((DOCS / "tutorial").glob("*.md"))]
+SERIES = [page for name in ("tutorial", "recipes") for page in sorted((DOCS / name).glob("*.md"))]
+PAGES = [ROOT / "README.md", DOCS / "faq.md", *SERIES]
 LONGEST = 25  # words
 FENCE = re.compile(
     r"^```.*?^```$|^<!-- figures.*?^<!-- end -->$", re.DOTALL | re.MULTILINE

@@ -42,7 +42,7 @@ def header_of(explicit: ExplicitSettings, h: float, decided_by: str, steps: int 
     count = f"; explicit steps in each STEP = {steps}" if steps else ""
     return (
         "+++++++++++++++++++++++++++++++\n"
-        f"EXUDYN V{exudyn.__version__} solver: explicit time integration ({explicit.integrator}, "
+        f"EXUDYN V{exudyn.__version__} solver: explicit time integration ({explicit.integratorName}, "
         "exudyn_inext)\n"
         f"  h = {h:.4g}s (decided by {decided_by}){scaling}{count}"
     )

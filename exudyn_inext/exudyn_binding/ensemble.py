@@ -25,6 +25,7 @@ from ..run.step_choice import StepChoice, require_stable, warn_of_damping
 from ..run.time_grid import TimeGrid, grid_of_period
 from .arguments import explicit_settings, simulation_settings
 from .ensemble_members import Member, all_systems, read_members
+from .reports import EnsembleReport
 
 NUMBERS_IN_A_CHUNK = 4_000_000  # coordinates and load factors that a thread handles at once
 CHUNKS_OF_A_THREAD = 8  # so that threads begin at once and end together
@@ -65,10 +66,10 @@ def SolveEnsemble(
         threads: number of threads; None: one a core.
 
     Returns:
-        dict with 'times' (T,), 'coordinates' (members, T, n) and, if asked for, 'velocities' and
-        'accelerations', in the order of mbs.systemData.GetODE2Coordinates(): displacements, to which
-        'referenceCoordinates' (members, n) add up to positions and slopes; 'status' of each member, 'ok'
-        or how it diverged, 'divergenceTimes' (members,), NaN for those that did not; a diverged member
+        dict, which prints as a summary, with 'times' (T,), 'coordinates' (members, T, n) and, if asked for,
+        'velocities' and 'accelerations', in the order of mbs.systemData.GetODE2Coordinates(): displacements,
+        to which 'referenceCoordinates' (members, n) add up to positions and slopes; 'status' of each member,
+        'ok' or how it diverged, 'divergenceTimes' (members,), NaN for those that did not; a diverged member
         has NaN after the last output before the inspection that found it. And, as from SolveExplicit,
         'success' (of all) and 'integrator', besides 'threads'; of each member 'stepSize' [s], 'steps',
         'massScaling', 'decidedBy' and 'bounds'.
@@ -104,7 +105,7 @@ def SolveEnsemble(
     silent = settings.timeIntegration.verboseMode < 1
     with _progress(len(builders), silent) as count:
         ensemble.solve(members, workers, count)
-    return ensemble.results() | {"threads": workers}
+    return EnsembleReport(ensemble.results(), threads=workers)
 
 
 @contextmanager
@@ -348,7 +349,7 @@ class _Ensemble:
             "referenceCoordinates": self.reference,
             "status": [OK if np.isnan(end) else f"diverged before t = {end:.6g} s" for end in ends],
             "divergenceTimes": ends,
-            "integrator": explicit.integrator,
+            "integrator": explicit.integratorName,
             "stepSize": self._smallest.min(axis=0),
             "steps": self._steps.max(axis=0),
             "massScaling": np.array([choice.theta for choice in self.choices]),

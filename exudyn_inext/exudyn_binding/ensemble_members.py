@@ -9,6 +9,7 @@ from typing import Any
 
 from ..cable.border import all_links
 from ..errors import InextensibleError, InputError, SceneError
+from ..items.functions_of_time import take_word
 from ..native.velocity_level import at_position_level
 from ..run.cable_run import CableRun
 from ..run.coupled_run import CoupledRun
@@ -104,6 +105,7 @@ def _runs(
     if not hasattr(mbs, "systemIsConsistent"):
         raise InputError(f"{mbs!r} is no system of Exudyn (mbs): a builder must return it.")
     require_assembled(mbs)
+    take_word(mbs, explicit.dependsOnTimeOnly)
     if mbs.GetPreStepUserFunction() or mbs.GetPostStepUserFunction():
         raise SceneError(
             "it has a pre- or post-step user function, which nobody calls within an ensemble: remove it, or "

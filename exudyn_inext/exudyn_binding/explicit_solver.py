@@ -9,6 +9,7 @@ import exudyn
 
 from ..checks import require_positive
 from ..errors import InputError
+from ..items.functions_of_time import take_word
 from ..native.surroundings import state_kept
 from ..native.velocity_level import at_position_level
 from ..run.output_files import require_writable_outputs
@@ -91,6 +92,7 @@ class ExplicitSolver(_NativeSolver):
         settings = simulation_settings(simulationSettings)
         _require_no_restart(settings)
         require_assembled(mbs)
+        take_word(mbs, self._given.dependsOnTimeOnly)
         sensors = [mbs.GetSensor(number) for number in range(mbs.systemData.NumberOfSensors())]
         require_writable_outputs(settings, sensors)
         loop = self._loop

@@ -34,6 +34,22 @@ class ExplicitReport(Report):
         yield f"path: {self['path']}"
 
 
+class EnsembleReport(Report):
+    """What SolveEnsemble returns."""
+
+    def _lines(self) -> Iterable[str]:
+        good, members = self["status"].count("ok"), len(self["status"])
+        least, most = min(self["stepSize"]), max(self["stepSize"])
+        yield (
+            f"SolveEnsemble: {good} of {members} members reached t = {self['times'][-1]:.6g} s, "
+            f"{self['integrator']}, h = {least:.4g} to {most:.4g} s, {self['threads']} threads"
+        )
+        for number, status in enumerate(self["status"]):
+            if status != "ok":
+                yield f"member {number}: {status}"
+        yield f"coordinates: {self['coordinates'].shape} of (members, times, coordinates)"
+
+
 class StaticReport(Report):
     """What SolveEquilibrium returns."""
 

@@ -33,7 +33,7 @@ def scene_identity(mbs: Any, explicit: ExplicitSettings, start_time: float) -> d
         mbs: assembled.   explicit: settings of the run.   start_time: [s].
     """
     given = {
-        f.name: repr(getattr(explicit, f.name)) for f in fields(explicit) if f.name not in _FREE_TO_CHANGE
+        f.name: text_of(getattr(explicit, f.name)) for f in fields(explicit) if f.name not in _FREE_TO_CHANGE
     }
     contacts = [mbs.GetGeneralContact(number) for number in range(mbs.NumberOfGeneralContacts())]
     counts = {f"{kind.lower()}s": getattr(mbs.systemData, f"NumberOf{kind}s")() for kind in _KINDS}

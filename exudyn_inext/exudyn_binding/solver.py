@@ -9,6 +9,7 @@ from typing import Any
 import exudyn
 
 from ..errors import SceneError
+from ..items.functions_of_time import take_word
 from ..native.surroundings import state_kept
 from ..native.velocity_level import Drives, at_position_level
 from ..run.loop_clock import LoopClock
@@ -78,8 +79,8 @@ def SolveExplicit(
 
     Many of Exudyn's steps are computed in one compiled call where no user function sees the states in
     between. A user function of a load that depends on the time alone does not stand in the way: if that
-    can be seen from its code (it uses neither its mbs nor other objects), or if it says so by an
-    attribute, function.dependsOnTimeOnly = True.
+    can be seen from its code (it uses neither its mbs nor other objects), or if the settings say so, see
+    ExplicitSettings.dependsOnTimeOnly.
 
     Args:
         mbs: assembled system; its inextensible cables start from the initial configuration.
@@ -115,6 +116,7 @@ def SolveExplicit(
     settings = simulation_settings(simulationSettings)
     explicit = explicit_settings(explicitSettings)
     require_assembled(mbs)
+    take_word(mbs, explicit.dependsOnTimeOnly)
     with at_position_level(mbs, float(settings.timeIntegration.startTime)) as drives:
         return _solve(mbs, settings, explicit, drives)
 
@@ -191,7 +193,7 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings, drives: Drives) 
     return ExplicitReport(
         {
             "success": True,
-            "integrator": explicit.integrator,
+            "integrator": explicit.integratorName,
             "stepSize": min(control.smallest for control in controls),
             "steps": max(control.steps for control in controls),
             "rejections": sum(control.rejections for control in controls),

@@ -1,5 +1,6 @@
 """SolveEquilibrium: the stable static equilibrium of a scene with inextensible cables."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
@@ -9,9 +10,10 @@ import numpy as np
 from ..arrays import Array
 from ..cable.cable import Cable
 from ..cable.linked_cable import cable_system
-from ..checks import require_finite, require_integer, require_positive
+from ..checks import require_finite, require_functions, require_integer, require_positive
 from ..constraints.prescribed_motion import KIND
 from ..errors import EquilibriumError, InputError, SceneError
+from ..items.functions_of_time import take_word
 from ..loads.weight import ElementWeight
 from ..native.coupled_scene import CoupledCable, CoupledScene
 from ..native.static_scene import StaticScene, require_held, rest_at
@@ -37,11 +39,13 @@ class StaticSettings:
         tolerance: of the forces that are not balanced, relative to the largest one on a cable [-].
         maxIterations: largest number of Newton steps for each load step.
         loadSteps: the loads, gravity included, are applied in that many equal parts.
+        dependsOnTimeOnly: user functions of weights that do not depend on the state, see ExplicitSettings.
     """
 
     tolerance: float = 1e-9
     maxIterations: int = 500
     loadSteps: int = 1
+    dependsOnTimeOnly: bool | Sequence[Any] | None = None
 
     def __post_init__(self) -> None:
         """Check all numbers.
@@ -52,6 +56,7 @@ class StaticSettings:
         require_positive("tolerance", self.tolerance)
         for name in ("maxIterations", "loadSteps"):
             require_integer(name, getattr(self, name), 1, MOST_ITERATIONS)
+        require_functions("dependsOnTimeOnly", self.dependsOnTimeOnly)
 
 
 def SolveEquilibrium(
@@ -94,6 +99,7 @@ def SolveEquilibrium(
     settings = simulation_settings(simulationSettings)
     static = _static_settings(staticSettings)
     require_assembled(mbs)
+    take_word(mbs, static.dependsOnTimeOnly)
     time = require_finite("timeIntegration.startTime", settings.timeIntegration.startTime, "s")
     scene = read_scene(mbs)
     if not scene.cables:
@@ -207,7 +213,7 @@ def _require_known_weight(scene_cable: CableInScene) -> None:
             raise SceneError(
                 f"the user function of the load on {load.place} may depend on the state, which "
                 "is not that of the equilibrium yet: if it depends on the time alone, set "
-                "function.dependsOnTimeOnly = True; otherwise put LoadForceVector on the nodes instead."
+                "StaticSettings(dependsOnTimeOnly=[function]); otherwise put LoadForceVector on the nodes."
             )
 
 

@@ -11,6 +11,7 @@ from ..arrays import Array
 from ..checks import require_finite, require_integer, require_positive
 from ..errors import InputError, SceneError
 from ..items.arguments import node_number
+from ..items.functions_of_time import take_word
 from ..native.velocity_level import at_position_level
 from ..run.coupled_run import CoupledRun
 from ..run.divergence import divergence
@@ -84,6 +85,7 @@ class ExplicitStepper:
         interval = None if interval is None else require_positive("interval", interval)
         duration = require_positive("duration", duration)
         require_assembled(mbs)
+        take_word(mbs, explicit.dependsOnTimeOnly)
         given = steps_of_interval(interval, explicit.stepSize, MOST_STEPS)[1] if explicit.stepSize else 0.0
         with at_position_level(mbs, start):
             runs = compiled_runs(mbs, read_scene(mbs), start, given, explicit, "ExplicitStepper")

@@ -2,11 +2,16 @@
 
 import builtins
 import dis
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from types import CodeType, FunctionType, ModuleType
 from typing import Any
+from warnings import warn_explicit
+from weakref import WeakKeyDictionary
 
 import numpy as np
+
+from ..run.settings import SAY_OF_TIME
 
 _TRUSTED = {"numpy", "math", "cmath", "scipy"}
 _OF_STATE = {"open", "input", "eval", "exec", "compile", "globals", "vars", "id", "hash", "next"}
@@ -16,26 +21,56 @@ _CONTAINERS = (list, dict, set, np.ndarray)
 _OF_CHANCE = {"random", "rvs", "default_rng"}
 _STORING = {"append", "extend", "insert", "pop", "remove", "clear", "update", "setdefault", "add", "fill"}
 _DEEPEST = 8  # functions that call each other
+_WARNED: dict[Any, Any] = {}
+_SAID: WeakKeyDictionary[Any, bool | Sequence[Any] | None] = WeakKeyDictionary()  # of each mbs
+
+
+def take_word(mbs: Any, said: bool | Sequence[Callable[..., Any]] | None) -> None:
+    """From now on, `is_of_time_alone` believes what settings say.   said: see `ExplicitSettings`."""
+    _SAID[mbs] = said
 
 
 def is_of_time_alone(mbs: Any, user_function: Any) -> bool:
-    """Whether a user function, as Exudyn gives it, says so of itself, or can be seen to be.
+    """Whether a user function, as Exudyn gives it, is said to be so, or can be seen to be.
 
-    That is where its code never reads its first argument, and else only data, functions of NumPy, SciPy
-    and math, and Python functions of which this is true, stores nothing outside, and draws no random
+    It can be seen where its code never reads its first argument, and else only data, functions of NumPy,
+    SciPy and math, and Python functions of which this is true, stores nothing outside, and draws no random
     numbers. The data must not be such that another function of the same module stores it: that one may be
     called by a sensor, by a key that is pressed, by a thread.
     """
     if not user_function:
         return False
     function = user_function["function"]
-    declared = getattr(function, "dependsOnTimeOnly", None)
-    if declared is not None:
-        return declared is True
+    said = _said_of(function, _SAID.get(mbs))
+    if said is not None:
+        return said
     if not isinstance(function, FunctionType) or _has_sensor_functions(mbs):
         return False
     code = function.__code__
     return code.co_argcount > 0 and not _reads(code, code.co_varnames[0]) and _is_pure(function, 0)
+
+
+def _said_of(function: Any, said: bool | Sequence[Any] | None) -> bool | None:
+    """What the package knows of its own functions, and users say of theirs; None: nothing."""
+    if getattr(function, "of_time_alone", False):
+        return True
+    if isinstance(said, bool):
+        return said
+    if any(function == one for one in said or ()):
+        return True
+    return _attribute_of(function)
+
+
+def _attribute_of(function: Any) -> bool | None:
+    """The attribute that stood for the setting until release 0.1."""
+    declared = getattr(function, "dependsOnTimeOnly", None)
+    if declared is None:
+        return None
+    code = getattr(function, "__code__", None)
+    file, line = (code.co_filename, code.co_firstlineno) if code else (type(function).__name__, 1)
+    said = f"{getattr(function, '__name__', function)}.dependsOnTimeOnly is deprecated: {SAY_OF_TIME}."
+    warn_explicit(said, DeprecationWarning, file, line, function.__module__, _WARNED)
+    return declared is True
 
 
 def _has_sensor_functions(mbs: Any) -> bool:

@@ -16,6 +16,7 @@ from ..errors import SceneError
 from ..items.arguments import described
 from ..items.functions_of_time import is_of_time_alone
 from ..items.parameters import Parameter, set_unnoted
+from ..run.settings import SAY_OF_TIME
 from .surroundings import state_kept
 
 CELL = 1e-3  # over which a velocity is integrated by one formula [s]
@@ -85,7 +86,7 @@ class Drive:
         def velocity(mbs: Any, t: float, itemNumber: int, lOffset: float) -> float:
             return self.velocity(t)
 
-        place.dependsOnTimeOnly = velocity.dependsOnTimeOnly = True  # type: ignore[attr-defined]
+        place.of_time_alone = velocity.of_time_alone = True  # type: ignore[attr-defined]
         velocity.given = self.rate  # type: ignore[attr-defined]  # counts in restart files
         return dict(zip(_FUNCTIONS, (place, velocity), strict=True))
 
@@ -166,7 +167,7 @@ def _read_drives(mbs: Any) -> dict[int, Drive]:
         if rate and not is_of_time_alone(mbs, rate):
             raise SceneError(
                 f"{described(data, number)} constrains a velocity by a user function that may depend on the "
-                "state: if it depends on the time alone, set function.dependsOnTimeOnly = True; otherwise "
+                f"state: if it depends on the time alone, {SAY_OF_TIME}; otherwise "
                 "set its offset in a pre-step user function."
             )
         drives[number] = Drive(mbs, number, data)

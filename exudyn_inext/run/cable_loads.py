@@ -13,6 +13,7 @@ from ..integrators.integrator import LoadHistory
 from ..loads.gravity import gravity_force
 from ..loads.weight import ElementWeight
 from ..scene.model import CableInScene, CableLoad
+from .settings import SAY_OF_TIME
 from .step_control import Piece
 
 
@@ -102,7 +103,7 @@ class CableLoads:
         """Among bodies: which weight or motion only Exudyn's side evaluates; empty if none."""
         for load in sorted(self._histories, key=lambda load: load.is_pure):
             whose = "of time" if load.is_pure else "that may depend on the state"
-            remedy = "" if load.is_pure else " (if it does not: dependsOnTimeOnly = True)"
+            remedy = "" if load.is_pure else f" (if it does not: {SAY_OF_TIME})"
             return f"the load on {load.place}, with a user function {whose}{remedy}"
         return "" if self.known_ahead else "supports of cables that were changed"
 

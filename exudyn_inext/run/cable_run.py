@@ -30,7 +30,7 @@ from .consistent_start import StartCorrection, Violation, project, require_consi
 from .divergence import GIVEN_UP, explanation
 from .paced_run import PacedRun
 from .redundancy import element_masses, require_independent
-from .settings import ExplicitSettings
+from .settings import SAY_OF_TIME, ExplicitSettings
 from .step_control import ROUND_OFF, FrequencyFollower, Piece, StepControl, StepRule
 from .time_grid import TimeGrid
 from .watch import record_watched
@@ -96,8 +96,8 @@ class CableRun(PacedRun):
 
     lenience = 1.0  # of the energy's tolerance
     reason = (
-        "user functions of loads or moving supports may depend on more than the time (if they do not, set "
-        "function.dependsOnTimeOnly = True)"
+        "user functions of loads or moving supports may depend on more than the time (if they do not, "
+        f"{SAY_OF_TIME})"
     )
 
     def __init__(

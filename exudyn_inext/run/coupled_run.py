@@ -26,7 +26,7 @@ from .divergence import explanation, listed
 from .joined_scene import EvaluatedScene, JoinedScene, OpenContacts
 from .kept_state import Elsewhere, KeptState
 from .paced_run import PacedRun
-from .redundancy import with_straight_cables
+from .redundancy import is_held_straight, with_straight_cables
 from .step_control import FrequencyFollower, Piece, StepControl, StepRule
 from .time_grid import TimeGrid
 
@@ -118,9 +118,15 @@ class CoupledRun(PacedRun):
         try:
             yield
         except RedundantConstraintError as error:
-            q = [self.state.q[dofs] for dofs in self._scene.map.slices]
-            names = [run.name for run in self._runs]
-            raise with_straight_cables(error, zip(names, self.cables, q, strict=False)) from None
+            raise with_straight_cables(error, list(self._held_straight())) from None
+
+    def _held_straight(self) -> Iterator[str]:
+        """Names of straight cables between what holds them."""
+        blocks = self._scene.surroundings.blocks
+        for run, cable, dofs in zip(self._runs, self.cables, self._scene.map.slices, strict=False):
+            jacobians = [block.jacobian for block in blocks if block.dofs == dofs]
+            if is_held_straight(cable, self.state.q[dofs], jacobians):
+                yield run.name
 
     @contextmanager
     def _mass_as_it_is(self) -> Iterator[None]:

@@ -1,6 +1,6 @@
 """Constraints of a cable that depend on each other: seen by the pivots of its factorisation."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from ..cable.cable import Cable
 from ..cable.implicit_bending import ImplicitBending
 from ..cable.linked_cable import LinkedCableSystem
 from ..errors import RedundantConstraintError
+from ..scene.joints import NOT_FINITE
 from ..scene.model import CableInScene
 from .divergence import listed
 
@@ -68,19 +69,31 @@ def _require_independent_links(scene_cable: CableInScene, factor: Array) -> None
         )
 
 
+def is_held_straight(cable: Cable, q: Array, jacobians: Iterable[Array]) -> bool:
+    """Whether a cable that cannot stretch is straight, and supports, links or joints have both of its ends.
+
+    q: (n_dof,) its coordinates.   jacobians: (rows, n_dof) of joints by them.
+    """
+    places = q.reshape(cable.reference.shape)[:, 0]
+    is_straight = np.linalg.norm(places[-1] - places[0]) >= (1.0 - STRAIGHT) * cable.length
+    if cable.stretches or not is_straight:
+        return False
+    held: np.ndarray = np.array(cable.fixed[:, 0], dtype=bool)
+    held[[node for link in cable.links for node in link.nodes]] = True
+    for jacobian in jacobians:
+        by_nodes = jacobian.reshape(-1, *cable.reference.shape)
+        held |= by_nodes[:, :, 0].any(axis=(0, 2))
+    return bool(held[0] and held[-1])
+
+
 def with_straight_cables(
-    error: RedundantConstraintError, cables: Iterable[tuple[str, Cable, Array]]
+    error: RedundantConstraintError, straight: Sequence[str]
 ) -> RedundantConstraintError:
     """The same of joints, with the cables whose straightness may make them depend on each other.
 
-    cables: name, model, and coordinates (n_dof,) of each.
+    straight: names of those that are held at both ends.
     """
-    straight = []
-    for name, cable, q in cables:
-        places = q.reshape(cable.reference.shape)[:, 0]
-        if np.linalg.norm(places[-1] - places[0]) >= (1.0 - STRAIGHT) * cable.length:
-            straight.append(name)
-    if not straight:
+    if not straight or NOT_FINITE in str(error):
         return error
     return RedundantConstraintError(
         f"{error} Straight cables hold their ends apart by their length, as {listed(straight)} here: if all "

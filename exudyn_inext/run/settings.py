@@ -1,11 +1,12 @@
 """Settings of SolveExplicit."""
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import InitVar, dataclass
 from typing import Any
+from warnings import warn
 
-from ..checks import require_flag, require_not_negative, require_positive
+from ..checks import require_flag, require_functions, require_not_negative, require_positive
 from ..errors import InputError
 from ..integrators import INTEGRATORS, find_integrator
 from ..integrators.integrator import Integrator
@@ -26,8 +27,10 @@ _CHECKS: dict[str, Callable[[str, Any], Any]] = {
     "adaptiveStep": require_flag,
     "rejectSteps": require_flag,
     "energyTolerance": _require_tolerance,
+    "dependsOnTimeOnly": require_functions,
 }
 _OPTIONAL = ("stepSize", "stepSafety", "massScaling")
+SAY_OF_TIME = "set ExplicitSettings(dependsOnTimeOnly=[function])"
 
 
 @dataclass(frozen=True)
@@ -35,10 +38,9 @@ class ExplicitSettings:
     """How SolveExplicit integrates.
 
     Args:
-        integrator: name of the scheme, 'RATTLE' or the paper's 'Zhai', see
-            exudyn_inext.integrators.INTEGRATORS; or the scheme with its parameters,
-            e.g. Zhai(psi=0, phi=0, corrector=True).
-        scheme: parameters of the named scheme; None: those given with the integrator, or its defaults.
+        integrator: 'RATTLE', 'RK4' or the paper's 'Zhai', with its default parameters; or the scheme with
+            parameters of your own, e.g. Zhai(psi=0, phi=0, corrector=True).
+        scheme: deprecated: give the scheme with its parameters as the integrator.
         stepSize: upper bound of the integrator's step [s]; the step used divides the time between two
             outputs. None: chosen by accuracy, see `massScaling`; Zhai and RK4: the largest safe one.
         stabilizationRate: zeta of Eqs. (24)-(28) [1/s]; RATTLE does not need it.
@@ -66,10 +68,13 @@ class ExplicitSettings:
             it is warned of; steps that make so much at once are rejected, and so are those in which the work
             of Exudyn's items is known no better; Zhai and RK4, which gain energy
             by themselves, end at 30 times as much. math.inf: the energy is not looked at.
+        dependsOnTimeOnly: list of those user functions of loads and constraints that depend on the time
+            alone, or True for all, False for none. They are asked ahead of time, so that a run takes many
+            steps in one compiled call. None: those of which it can be seen from their code.
     """
 
     integrator: Any = "RATTLE"
-    scheme: Any = None
+    scheme: InitVar[Any] = None
     stepSize: float | None = None
     stabilizationRate: float = 100.0
     stepConstant: float = 0.7
@@ -80,22 +85,17 @@ class ExplicitSettings:
     adaptiveStep: bool = False
     rejectSteps: bool = True
     energyTolerance: float = 0.003
+    dependsOnTimeOnly: bool | Sequence[Callable[..., Any]] | None = None
 
-    def __post_init__(self) -> None:
-        """Check all numbers.
+    def __post_init__(self, scheme: Any) -> None:
+        """Check all of them.
 
         Raises:
             InputError: unknown integrator, scheme of another integrator, number out of range.
         """
-        self._take_name_of_scheme()
-        integrator = find_integrator(self.integrator)
-        if self.scheme is not None and not isinstance(self.scheme, integrator.scheme):
-            raise InputError(
-                f"scheme = {self.scheme!r}: integrator '{self.integrator}' takes "
-                f"{integrator.scheme.__name__}(...)."
-            )
-        if self.scheme is not None:
-            integrator.checked(self.scheme)
+        if scheme is not None:
+            self._take_scheme(scheme)
+        _ = self.method
         for name, require in _CHECKS.items():
             if getattr(self, name) is not None or name not in _OPTIONAL:
                 object.__setattr__(self, name, require(name, getattr(self, name)))
@@ -107,20 +107,29 @@ class ExplicitSettings:
                 "size, and bending does not bound the step then; leave one of them out."
             )
 
-    def _take_name_of_scheme(self) -> None:
-        """Where the integrator is given as a scheme with its parameters."""
-        names = [name for name, one in INTEGRATORS.items() if isinstance(self.integrator, one.scheme)]
-        if names and self.scheme is not None:
-            raise InputError(
-                f"scheme = {self.scheme!r} with integrator = {self.integrator!r}: the integrator brings its "
-                "parameters; leave out scheme."
-            )
-        if names:
-            object.__setattr__(self, "scheme", self.integrator)
-            object.__setattr__(self, "integrator", names[0])
+    def _take_scheme(self, scheme: Any) -> None:
+        """Deprecated: parameters beside the name of their integrator; until the release after 0.1."""
+        integrator = find_integrator(self.integrator)
+        if not isinstance(scheme, integrator.scheme):
+            name = integrator.scheme.__name__
+            raise InputError(f"scheme = {scheme!r}: integrator '{self.integrator}' takes {name}(...).")
+        message = f"scheme is deprecated: set ExplicitSettings(integrator={scheme!r})."
+        warn(message, DeprecationWarning, stacklevel=4)
+        object.__setattr__(self, "integrator", scheme)
+
+    @property
+    def _integrator(self) -> Integrator:
+        found = [one for one in INTEGRATORS.values() if isinstance(self.integrator, one.scheme)]
+        return found[0] if found else find_integrator(self.integrator)
 
     @property
     def method(self) -> tuple[Integrator, Any]:
         """The integrator, and the parameters of its scheme: those given, or its defaults."""
-        integrator = find_integrator(self.integrator)
-        return integrator, integrator.checked(self.scheme or integrator.scheme())
+        integrator = self._integrator
+        given = self.integrator if isinstance(self.integrator, integrator.scheme) else integrator.scheme()
+        return integrator, integrator.checked(given)
+
+    @property
+    def integratorName(self) -> str:
+        """What the integrator is called."""
+        return self._integrator.name

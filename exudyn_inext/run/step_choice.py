@@ -134,7 +134,7 @@ def require_stable(
     """Raise StepSizeError, or warn, if the given step is above the limit; arguments: see `choose_step`."""
     if explicit.adaptiveStep or explicit.stepSize is None:
         return
-    error = step_above_limit(taken or explicit.stepSize, bounds, explicit.integrator, scaled)
+    error = step_above_limit(taken or explicit.stepSize, bounds, explicit.integratorName, scaled)
     if error is not None and not explicit.allowUnstableStep:
         raise error
     if error is not None:

@@ -12,11 +12,12 @@ from .table import (
     judged,
     largest,
     number,
+    percent,
     tables,
     verdict,
 )
 
 __all__ = [
     "UNDECIDED", "Order", "Results", "Row", "Study", "Table", "TextTable", "announce", "at_most", "column",
-    "groups", "judged", "largest", "number", "tables", "verdict",
+    "groups", "judged", "largest", "number", "percent", "tables", "verdict",
 ]  # fmt: skip

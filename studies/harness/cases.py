@@ -23,19 +23,17 @@ RULE = f"Zhai, theta = {THETA}, zeta = {ZETA:g} 1/s, h by Eq. (37) with C = {CON
 
 
 def unguarded(
-    integrator: str,
+    integrator: Any,
     step_size: float | None,
     mass_scaling: float = 0.0,
     zeta: float = ExplicitSettings.stabilizationRate,
-    scheme: Any = None,
 ) -> ExplicitSettings:
     """Not ended for its energy, which coarse runs of Zhai gain: studies measure errors.
 
-    step_size: [s].   zeta: stabilisation rate of Zhai [1/s].
+    integrator: name, or scheme with its parameters.   step_size: [s].   zeta: stabilisation rate [1/s].
     """
     return ExplicitSettings(
         integrator,
-        scheme,
         stepSize=step_size,
         massScaling=mass_scaling,
         stabilizationRate=zeta,
@@ -62,7 +60,7 @@ def paper_case(scene: Scene, proposed: Inextensible) -> Case:
 
     proposed: ours, at these settings.
     """
-    settings = replace(proposed.settings, scheme=Zhai(projected_rate=False), energyTolerance=math.inf)
+    settings = replace(proposed.settings, integrator=Zhai(projected_rate=False), energyTolerance=math.inf)
     case = kept_case(scene, replace(proposed, settings=settings, measure="product"))
     return replace(case, label=PAPER_METHOD, details={**case.details, "choice": PAPER_METHOD})
 
@@ -91,7 +89,7 @@ def kept_case(scene: Scene, model: Inextensible) -> Case:
         settings = model.settings
         step_size = settings.stepSize or math.nan
         label = label_of(model, step_size)
-        return failing_case(label, settings.integrator, model.elements, error, step_size)
+        return failing_case(label, settings.integratorName, model.elements, error, step_size)
 
 
 def failing_case(
@@ -190,9 +188,9 @@ def stepper_case(scene: Scene, elements: int, settings: ExplicitSettings) -> Cas
 
         return run
 
-    label = f"{settings.integrator}, N = {elements}"
+    label = f"{settings.integratorName}, N = {elements}"
     details = {"massScaling": settings.massScaling}
-    return Case(label, INEXTENSIBLE, settings.integrator, elements, h, steps * samples, prepare, details)
+    return Case(label, INEXTENSIBLE, settings.integratorName, elements, h, steps * samples, prepare, details)
 
 
 def _sampled(positions: Array) -> Trajectory:

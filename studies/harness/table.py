@@ -74,6 +74,11 @@ def number(value: float | None, digits: int = 3) -> str:
     return "-" if value is None else f"{value:#.{digits}g}".removesuffix(".")
 
 
+def percent(share: float) -> str:
+    """A share in percent, to two digits, or all before the point: 1 %, 0.1 %, 99.9 %."""
+    return f"{100.0 * share:.{3 if share > 0.1 else 2}g} %"
+
+
 def cell(value: Any) -> str:
     """A text as it is, a number to three digits."""
     if isinstance(value, float):

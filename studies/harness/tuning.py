@@ -24,7 +24,7 @@ from .plot import Curve, Panel, chart
 from .ratios import DEFAULT, ONE_SETTING, TUNED, front
 from .store import Row
 from .study import Results
-from .table import column, groups
+from .table import column, groups, percent
 from .timing import Prepare, in_turn
 
 DEAR = (20.0, 5.0)  # times the cheapest run within each bound: smaller steps are not tried
@@ -205,19 +205,17 @@ def _row(kind: str, scene: CoupledScene, side: str, one: Attempt) -> Row:
     }
 
 
-def compare(
-    results: Results, bounds: Sequence[float], who: Mapping[str, tuple[str, str]], digits: int = 1
-) -> list[Row]:
+def compare(results: Results, bounds: Sequence[float], who: Mapping[str, tuple[str, str]]) -> list[Row]:
     """Best runs of each scene within each bound, and quotients of their CPU times.
 
-    who: name -> side, and TUNED, DEFAULT or ONE_SETTING.   digits: of bounds in percent.
+    who: name -> side, and TUNED, DEFAULT or ONE_SETTING.
     Keys: NAME, NAMEStart [s], NAMEError, NAMESettings, NAME/OTHER, and without their starts NAME//OTHER.
     """
     best = {(r["scene"], r["bound"], r["formulation"], r["choice"]): r for r in results.of_kind("best")}
     rows = []
     for reference, bound in product(results.of_kind("reference"), bounds):
         found = {name: best.get((reference["scene"], bound, *side)) for name, side in who.items()}
-        row = {"scene": reference["scene"], "within": f"{bound:.{digits}%}", "agreement": reference["error"]}
+        row = {"scene": reference["scene"], "within": percent(bound), "agreement": reference["error"]}
         for name, one in found.items():
             if one:
                 row |= {name: one["cpuSeconds"], f"{name}Start": one.get("startSeconds")}

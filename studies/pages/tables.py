@@ -19,7 +19,7 @@ from studies.harness.ratios import (
     is_explicit_zhai,
     time_ratio,
 )
-from studies.harness.table import markdown_table
+from studies.harness.table import markdown_table, percent
 from studies.scene_cost import size_of
 
 from .results import COMPARISONS, Block, Figures
@@ -59,7 +59,7 @@ def headline(figures: Figures) -> str:
             chosen = best(figures.rows(name), bound)
             lines.append([f"{scene}; {bound:g} m", *_cells(chosen, bound)])
             marked.append(_neighbours(f"{scene.partition(',')[0]} at {bound:g} m", chosen, bound))
-    lines += [_among_bodies(row) for row in _coupled(figures) if row["within"] == f"{BOUNDS[0]:.1%}"]
+    lines += [_among_bodies(row) for row in _coupled(figures) if row["within"] == percent(BOUNDS[0])]
     header = [
         "scene; error",
         *(f"{who} [ms]" for who in (IMPLICIT, EXPLICIT)),
@@ -203,7 +203,7 @@ def _python(row: Row) -> str:
     if not (is_explicit_zhai(row) and row.get("forceSeconds") and row.get("cpuSeconds")):
         return ""
     share = row["forceSeconds"] * row["steps"] / row["cpuSeconds"]
-    return f" (driven from Python: {share:.0%} of the time in Exudyn's forces)"
+    return f" (driven from Python: {percent(share)} of the time in Exudyn's forces)"
 
 
 # ------------------------------------------------------------------------------------- other tables
@@ -266,8 +266,8 @@ def _sentences(*names: str, containing: str = "", first: int | None = None) -> B
 def noise(figures: Figures) -> str:
     """How far repeated studies differ."""
     said = [
-        f"`{name}`, repeated {one['runs']} times: CPU times differ by {one['median']:.0%} in the median, "
-        f"by {one['largest']:.0%} at most."
+        f"`{name}`, repeated {one['runs']} times: CPU times differ by {percent(one['median'])} in the "
+        f"median, by {percent(one['largest'])} at most."
         for name, document in figures.all.items()
         if (one := document.get("repeated"))
     ]

@@ -18,7 +18,7 @@ from reference_models.conventional.settings import Explicit, ExplicitIntegrator,
 from reference_models.conventional.stability import largest_stable_step
 from reference_models.conventional.zhai import largest_zhai_step, zhai_case
 from reference_models.enforced import enforced_case
-from reference_models.inextensible import Inextensible
+from reference_models.inextensible import Inextensible, has_corrector
 from reference_models.peers import rigid_links
 from reference_models.peers.rigid_links import RigidLinks
 from reference_models.scenes import Scene
@@ -167,11 +167,11 @@ def brief(plan: Plan) -> Plan:
 
 
 FRACTIONS = (0.95, 0.5)  # of the stability limit
-SCHEMES: dict[str, tuple[str, Zhai | None]] = {
-    "Zhai": ("Zhai", None),
-    "Zhai with corrector": ("Zhai", Zhai(0.0, 0.0, corrector=True)),
-    "RK4": ("RK4", None),
-    "RATTLE": ("RATTLE", None),
+SCHEMES: dict[str, str | Zhai] = {
+    "Zhai": "Zhai",
+    "Zhai with corrector": Zhai(0.0, 0.0, corrector=True),
+    "RK4": "RK4",
+    "RATTLE": "RATTLE",
 }
 EXTRA_THETA, COARSE = 0.3, 2.5e-3  # RATTLE takes this theta, too, from this step on [s]
 SCALED = (("Zhai", 0.3), ("RATTLE", 0.25), ("RATTLE", EXTRA_THETA))
@@ -196,8 +196,7 @@ def inextensible_cases(scene: Scene, quick: bool) -> Iterator[Case]:
 
 def limited_cases(scene: Scene, elements: int, name: str) -> list[Case]:
     """At fractions of the stability limit."""
-    integrator, scheme = SCHEMES[name]
-    settings = unguarded(integrator, None, scheme=scheme)
+    settings = unguarded(SCHEMES[name], None)
     probe = _kept(replace(scene, end_time=BRIEF), elements, settings)
     limit = probe.details.get("stepLimit")
     if limit is None:
@@ -208,10 +207,8 @@ def limited_cases(scene: Scene, elements: int, name: str) -> list[Case]:
 def _kept(scene: Scene, elements: int, settings: ExplicitSettings) -> Case:
     """One that diverges, or is refused, keeps its place."""
     case = kept_case(scene, Inextensible(elements, settings))
-    corrector = bool(settings.scheme and settings.scheme.corrector)
-    return replace(
-        case, details={"massScaling": settings.massScaling, **case.details, "corrector": corrector}
-    )
+    details = {"massScaling": settings.massScaling, **case.details, "corrector": has_corrector(settings)}
+    return replace(case, details=details)
 
 
 # --------------------------------------------------------------- inextensible, under native solvers

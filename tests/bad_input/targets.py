@@ -82,9 +82,9 @@ ON_CABLE = MBS | {"cable": [Of(cable_of), Of(lambda scene: scene.cable["elements
 ARC = {"arcLength": [0.0, 0.9, 1.8]}
 
 
-def assembled_run(scene: Any) -> None:
+def assembled_run(scene: Any, explicit: ExplicitSettings | None = None) -> None:
     scene.mbs.Assemble()
-    run(scene.mbs)
+    run(scene.mbs, explicit=explicit)
 
 
 def create_line(scene: Any, arguments: dict[str, Any]) -> None:
@@ -159,11 +159,11 @@ def solve_with_settings(scene: Any, arguments: dict[str, Any]) -> None:
 
 
 def solve_with_rattle(scene: Any, arguments: dict[str, Any]) -> None:
-    run(scene.mbs, explicit=ExplicitSettings(scheme=Rattle(**arguments)))
+    run(scene.mbs, explicit=ExplicitSettings(integrator=Rattle(**arguments)))
 
 
 def solve_with_zhai(scene: Any, arguments: dict[str, Any]) -> None:
-    run(scene.mbs, explicit=ExplicitSettings(integrator="Zhai", scheme=Zhai(**arguments)))
+    run(scene.mbs, explicit=ExplicitSettings(integrator=Zhai(**arguments)))
 
 
 def solve_with_initial_values(scene: Any, arguments: dict[str, Any]) -> None:
@@ -182,12 +182,11 @@ def solve_with_load(scene: Any, arguments: dict[str, Any]) -> None:
     def load_user_function(mbs: Any, t: float, load: Any) -> Any:
         return guarded(returned)(t) if callable(returned) else returned
 
-    load_user_function.dependsOnTimeOnly = arguments["dependsOnTimeOnly"]  # type: ignore[attr-defined]
     marker = scene.mbs.AddMarker(MarkerNodePosition(nodeNumber=scene.node))
     scene.mbs.AddLoad(
         LoadForceVector(markerNumber=marker, loadVector=[0, 0, 0], loadVectorUserFunction=load_user_function)
     )
-    assembled_run(scene)
+    assembled_run(scene, ExplicitSettings(dependsOnTimeOnly=arguments["dependsOnTimeOnly"]))
 
 
 def step(scene: Any, arguments: dict[str, Any]) -> None:
@@ -550,7 +549,7 @@ TARGETS = {
     "RungeKutta4": Target(
         pendulum,
         lambda scene, arguments: run(
-            scene.mbs, explicit=ExplicitSettings(integrator="RK4", scheme=RungeKutta4(**arguments))
+            scene.mbs, explicit=ExplicitSettings(integrator=RungeKutta4(**arguments))
         ),
         {"name": ["RK4"]},
         changes=False,

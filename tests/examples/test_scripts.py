@@ -13,12 +13,12 @@ from PIL import Image, ImageSequence
 
 import examples
 import exudyn_inext
-from examples import animation, net_film, tethered_bodies
+from examples import animation, net_film, outlines, tethered_bodies
 from exudyn_inext import DivergenceError
 from reference_models.model import silence
 from tests.examples.twins import run_inextensible
 
-PARTS = {"bodies", "contact", "flight", "meshes", "overhead_parts", "shapes"}
+PARTS = {"bodies", "contact", "flight", "meshes", "outlines", "overhead_parts", "shapes"}
 HELPERS = PARTS | {"__init__", "animation", "net_film", "picture", "style"}
 FILES = sorted(Path(examples.__file__).parent.glob("*.py"))
 SCRIPTS = [path.stem for path in FILES if path.stem not in HELPERS]
@@ -43,6 +43,24 @@ def test_a_script_runs_from_another_folder(tmp_path):
     assert done.returncode == 0, done.stderr
     assert f"picture: {tmp_path.resolve() / 'results' / 'examples' / 'crane.png'}" in done.stdout
     assert (tmp_path / "results" / "examples" / "crane.png").exists()
+
+
+def test_a_missing_library_is_named_with_what_installs_it(tmp_path):
+    (tmp_path / "PIL.py").write_text("raise ImportError('not here', name='PIL')")
+    script = Path(examples.__file__).parent / "planar_pendulum.py"
+    paths = [str(tmp_path), str(Path(exudyn_inext.__file__).parents[1])]
+    done = subprocess.run(
+        [sys.executable, script], cwd=tmp_path, env=os.environ | {"PYTHONPATH": os.pathsep.join(paths)},
+        capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    assert done.returncode == 1 and done.stderr.rstrip().endswith(
+        "examples draw with Matplotlib, not installed here: pip install 'exudyn_inext[studies]'"
+    )
+
+
+def test_the_outline_of_a_box_turns_with_its_body():
+    turned = outlines.box([2, 0, 1]) @ [[0, 0, 1], [0, 1, 0], [-1, 0, 0]]  # about y
+    assert np.ptp(outlines.outline(turned[:, [0, 2]]), axis=0) == pytest.approx([1, 2])
 
 
 def test_no_script_asks_for_its_folder():
@@ -106,3 +124,6 @@ def test_every_script_has_its_own_test_and_its_picture():
         assert (root / "tests" / "examples" / f"test_{name}.py").exists()
         assert (root / "docs" / "examples" / f"{name}.png").stat().st_size < 60_000
         assert f"{name}.py" in (root / "examples" / "README.md").read_text()
+        page = (root / "docs" / "gallery" / f"{name}.md").read_text()
+        assert f"examples/{name}.png" in page and f"}} ../../examples/{name}.py" in page
+        assert f"gallery/{name}\n" in (root / "docs" / "gallery.md").read_text()

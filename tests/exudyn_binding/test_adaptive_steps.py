@@ -37,7 +37,6 @@ def pulled_ring(new_mbs, add_cable, add_sensor, solve):
             def force(mbs, t, load):
                 return [sign * PULL * np.sin(np.pi * t / 0.6) ** 2, 0, 0]
 
-            force.dependsOnTimeOnly = True
             return force
 
         for place, sign in ((0, 1), (10, -1)):
@@ -147,7 +146,7 @@ def test_an_iteration_that_gives_up_says_where_and_keeps_the_last_good_state(mbs
         r"violated by \S+e-1\d after 3 iterations \(tolerance 1e-30\).*larger tolerance.*last good output"
     )
     with pytest.raises(DivergenceError, match=message):
-        solve(mbs, 0.1, scheme=Rattle(tolerance=1e-30, iterations=3))
+        solve(mbs, 0.1, integrator=Rattle(tolerance=1e-30, iterations=3))
     assert np.isfinite(mbs.systemData.GetODE2Coordinates()).all()
     fault("a tolerance of RATTLE that round-off cannot reach", "stopped, with the violation that was reached")
 

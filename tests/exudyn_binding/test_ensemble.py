@@ -50,13 +50,12 @@ def ring(stiffness):
     return pendulum(stiffness, shape=shape)
 
 
-def pushed(strength, time_only=True):
+def pushed(strength):
     """A force on the tip that depends on the time."""
 
     def force(mbs, t, load):
         return [0.0, strength * np.sin(10.0 * t), 0.0]
 
-    force.dependsOnTimeOnly = time_only
     return pendulum(build=lambda mbs, nodes: load_node(mbs, nodes[-1], [0] * 3, loadVectorUserFunction=force))
 
 
@@ -304,7 +303,12 @@ def not_assembled():
         (lambda: lambda p: None, {"parameters": [1]}, InputError, "member 0 .*: None is no system"),
         (lambda: [pendulum(), not_assembled()], {}, SceneError, "member 1 .*: mbs is not assembled"),
         (lambda: [watched()], {}, SceneError, "member 0 .*: it has a pre- or post-step user function"),
-        (lambda: [pushed(1.0, time_only=False)], {}, SceneError, r"load 0 .* may depend on the state"),
+        (
+            lambda: [pushed(1.0)],
+            {"explicitSettings": ExplicitSettings(dependsOnTimeOnly=False)},
+            SceneError,
+            r"load 0 .* may depend on the state.*dependsOnTimeOnly=",
+        ),
         (lambda: [pendulum()], {"threads": 0}, InputError, "threads = 0: must be an integer of at least 1"),
         (lambda: [pendulum()], {"derivatives": 3}, InputError, "derivatives = 3: must be .* at most 2"),
     ],

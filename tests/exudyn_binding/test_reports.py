@@ -10,7 +10,7 @@ import pytest
 
 import exudyn_inext
 from exudyn_inext import CreateInextensibleCable, EquilibriumError, InextensibleCable, StaticSettings
-from exudyn_inext.exudyn_binding.reports import AdviceReport
+from exudyn_inext.exudyn_binding.reports import AdviceReport, EnsembleReport
 from reference_models.model import quiet_settings, silence
 
 
@@ -42,6 +42,15 @@ def test_a_report_stays_a_dict(mbs):
     assert isinstance(report, dict) and dict(report) == report
     assert pickle.loads(pickle.dumps(report)) == report
     assert json.loads(json.dumps(report, default=str))["steps"] == report["steps"]
+
+
+def test_an_ensemble_prints_how_many_members_reached_the_end(mbs):
+    result = exudyn_inext.SolveEnsemble([mbs, mbs], quiet_settings(0.1, 10), threads=1)
+    said = str(result)
+    assert said.startswith("SolveEnsemble: 2 of 2 members reached t = 0.1 s, RATTLE") and "array" not in said
+    assert "(2, 11, 20) of (members, times, coordinates)" in said and isinstance(result, dict)
+    failed = EnsembleReport(result, status=["ok", "diverged before t = 0.05 s"])
+    assert "1 of 2 members" in str(failed) and "member 1: diverged before t = 0.05 s" in str(failed)
 
 
 def test_an_equilibrium_prints_its_figures(mbs):

@@ -50,7 +50,6 @@ def build(new_mbs, add_pendulum, add_sensor):
             def force(mbs, t, load):
                 return [0.1 * np.sin(9 * t), 0, 0]
 
-            force.dependsOnTimeOnly = True
             load_node(mbs, cable["nodes"][3], [1, 0, 0], loadVectorUserFunction=force)
         elif kind == "user functions":
             mbs.SetPostStepUserFunction(lambda mbs, t: True)

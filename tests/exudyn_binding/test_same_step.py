@@ -64,7 +64,6 @@ def push(mbs, items):
     def force(mbs, t, load):
         return [0.0, 2.0 * np.sin(10.0 * t), 0.0]
 
-    force.dependsOnTimeOnly = True
     load_node(mbs, items["nodes"][-1], [0, 0, 0], loadVectorUserFunction=force)
 
 

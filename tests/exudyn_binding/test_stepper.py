@@ -82,10 +82,8 @@ def test_mass_scaling_gives_the_bits_of_a_run(twin, solve):
 @pytest.mark.parametrize("pure", [True, False], ids=["known ahead", "asked in between"])
 def test_loads_in_time_and_closed_cables_give_the_bits_of_a_run(build_ring, solve, pure):
     run, stepped = build_ring(), build_ring()
-    if pure:
-        run.GetLoad(0)["loadVectorUserFunction"]["function"].dependsOnTimeOnly = True
-    solve(run, 60 * STEP, stepSize=STEP)
-    stepper = started(stepped)
+    solve(run, 60 * STEP, stepSize=STEP, dependsOnTimeOnly=pure or None)
+    stepper = started(stepped, dependsOnTimeOnly=pure or None)
     for n in (1, 1, 28, 30):
         stepper.Step(n)
     stepper.WriteToSystem()

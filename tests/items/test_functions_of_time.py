@@ -8,7 +8,7 @@ import pytest
 from exudyn.itemInterface import MarkerNodePosition, NodePoint, SensorUserFunction
 from exudyn.utilities import SmoothStep
 
-from exudyn_inext.items.functions_of_time import is_of_time_alone
+from exudyn_inext.items.functions_of_time import is_of_time_alone, take_word
 
 AMPLITUDE, TABLE, TARGET = 2.0, np.linspace(0.0, 1.0, 5), {"mbs": exudyn}
 COUNT, MEMORY, WANTED = 2.0, np.zeros(3), {"force": 0.0}
@@ -143,11 +143,35 @@ def test_no_function(mbs):
     assert not is_of_time_alone(mbs, 0)
 
 
+@pytest.mark.parametrize("said", [True, False])
+def test_what_settings_say_of_all_functions_counts(mbs, said):
+    take_word(mbs, said)
+    assert is_of_time_alone(mbs, as_given(sine)) is said
+    assert is_of_time_alone(mbs, as_given(OTHERS[0])) is said
+    take_word(mbs, None)
+    assert is_of_time_alone(mbs, as_given(sine)) and not is_of_time_alone(mbs, as_given(OTHERS[0]))
+
+
+def test_settings_say_it_of_single_functions_and_methods(mbs):
+    table = Table()
+    take_word(mbs, [table.force, OTHERS[0]])
+    assert is_of_time_alone(mbs, as_given(table.force)) and is_of_time_alone(mbs, as_given(OTHERS[0]))
+    assert not is_of_time_alone(mbs, as_given(Table().force))
+    assert not is_of_time_alone(exudyn.SystemContainer().AddSystem(), as_given(table.force))
+
+
+class Table:
+    def force(self, mbs, t, load):
+        return [t, 0, 0]
+
+
 @pytest.mark.parametrize("declared", [True, False])
-def test_what_a_function_says_of_itself_counts(mbs, declared):
+def test_the_attribute_of_earlier_releases_counts_and_is_deprecated(mbs, declared):
     function = closure(2.0)
     function.dependsOnTimeOnly = declared
-    assert is_of_time_alone(mbs, as_given(function)) is declared
+    with pytest.warns(DeprecationWarning, match=r"ExplicitSettings\(dependsOnTimeOnly=") as said:
+        assert is_of_time_alone(mbs, as_given(function)) is declared
+    assert said[0].filename == __file__
 
 
 def test_sensors_with_functions_may_change_what_others_read(mbs):

@@ -399,7 +399,7 @@ def moved(build, integrator, compiled):
     mbs.Assemble()
     explicit = ExplicitSettings(integrator, stepSize=STEP, startTolerance=100.0)
     if integrator == "RATTLE":
-        explicit = replace(explicit, massScaling=0.3, scheme=Rattle(tolerance=1e-13))
+        explicit = replace(explicit, massScaling=0.3, integrator=Rattle(tolerance=1e-13))
     form = CoupledScene.compiled
     if not compiled:
         CoupledScene.compiled = lambda *_: (None, "this test")

@@ -129,7 +129,7 @@ def moved(mbs, integrator):
     mbs.Assemble()
     explicit = ExplicitSettings(integrator, stepSize=STEP)
     if integrator == "RATTLE":
-        explicit = replace(explicit, massScaling=0.3, scheme=Rattle(tolerance=1e-13))
+        explicit = replace(explicit, massScaling=0.3, integrator=Rattle(tolerance=1e-13))
     with silence():
         report = SolveExplicit(mbs, quiet_settings(STEPS * STEP, 2), explicit)
     data = mbs.systemData

@@ -115,7 +115,7 @@ def moved(mbs, integrator, end=STEPS * STEP):
     mbs.Assemble()
     explicit = ExplicitSettings(integrator, stepSize=STEP)
     if integrator == "RATTLE":
-        explicit = replace(explicit, massScaling=0.3, scheme=Rattle(tolerance=1e-13))
+        explicit = replace(explicit, massScaling=0.3, integrator=Rattle(tolerance=1e-13))
     with silence():
         report = SolveExplicit(mbs, quiet_settings(end, 2), explicit)
     data = mbs.systemData
@@ -172,7 +172,7 @@ def swung(integrator, h):
     knots.mbs.Assemble()
     explicit = ExplicitSettings(integrator, stepSize=h)
     if integrator == "RATTLE":
-        explicit = replace(explicit, scheme=Rattle(tolerance=1e-13))
+        explicit = replace(explicit, integrator=Rattle(tolerance=1e-13))
     with silence():
         SolveExplicit(knots.mbs, quiet_settings(0.05, 1), explicit)
     return np.array(knots.mbs.systemData.GetODE2Coordinates())

@@ -114,7 +114,11 @@ REFUSED = [
         r"initial coordinates violate .*'tie0'.*by 0\.01 \(limit 1e-06\).*startTolerance",
     ),
     (tied_twice, RedundantConstraintError, r"'tie1' \(JointSpherical\), equation 0, is not independent"),
-    (closed_loop_in_space, RedundantConstraintError, r"'hinge0\.1' \(JointRevoluteZ\), equation \d, is not"),
+    (
+        closed_loop_in_space,
+        RedundantConstraintError,
+        r"'hinge0\.1' \(JointRevoluteZ\), equation \d, is not.*axialStiffness\.$",
+    ),
     (velocity_constraint, SceneError, r"'drive' \(JointRollingDisc\) constrains velocities.*penalty"),
     (rotation_vector, SceneError, r"node .*\(RigidBodyRotVecLG\).*RotationEulerParameters or RotationRxyz"),
     (node_without_body, SceneError, r"node \d+ 'lost' \(Point\) has coordinates without mass"),

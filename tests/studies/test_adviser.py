@@ -28,20 +28,20 @@ def conclude(*rows):
 def test_all_kept():
     total, near, kept = conclude(*[row(8e-4)] * 10)
     assert "10 cases: 10 judged, 0 refused, 0 failed" in total
-    assert "in 10 of 10 cases (bar of 100% kept)" in near and "in 10 of 10 cases" in kept
+    assert "in 10 of 10 cases (bar of 100 % kept)" in near and "in 10 of 10 cases" in kept
 
 
 @pytest.mark.parametrize("achieved", [4e-3, 3e-4])
 def test_an_error_further_than_a_factor_3_from_the_prediction_is_a_miss(achieved):
     _, near, _, miss = conclude(*[row(8e-4)] * 9, row(achieved, tolerance=1e-2))
-    assert "in 9 of 10 cases (bar of 100% MISSED)" in near
+    assert "in 9 of 10 cases (bar of 100 % MISSED)" in near
     assert miss.startswith("Miss: rope (measured), tolerance 0.01: a choice, predicted 0.001, achieved")
 
 
 def test_one_of_ten_may_exceed_the_tolerance_and_two_may_not():
     within, beyond = row(8e-4), row(2.5e-3)
     *_, kept, miss = conclude(*[within] * 9, beyond)
-    assert "in 9 of 10 cases that were said to be (bar of 90% kept)" in kept and "achieved 0.0025" in miss
+    assert "in 9 of 10 cases that were said to be (bar of 90 % kept)" in kept and "achieved 0.0025" in miss
     sentences = conclude(*[within] * 8, beyond, beyond)
     assert "in 8 of 10" in sentences[2] and "MISSED" in sentences[2] and len(sentences) == 5
 

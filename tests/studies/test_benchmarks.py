@@ -81,7 +81,7 @@ def test_stretch_keeps_its_bars_on_three_scenes(third, verdict):
     ratios = {"a": 30.0, "b": third, "c": 25.0, "d": 1.0}
     rows = [{"scene": name, "full/ours": ratio} for name, ratio in ratios.items() if ratio]
     rows += [{"scene": name} for name, ratio in ratios.items() if not ratio]
-    sentence = stretch._of_times("full", "0.10%", rows, 1.0)
+    sentence = stretch._of_times("full", "0.1 %", rows, 1.0)
     assert sentence.endswith(f"the bar of 20 on 3 scenes is {verdict}.")
     assert ("b -" in sentence) is (third is None)
 

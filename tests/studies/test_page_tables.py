@@ -108,7 +108,7 @@ def test_runs_of_a_study_leave_how_far_their_times_differ(copy):
         "largest": pytest.approx(0.02 / 0.11),
     }
     store(stored, folder)
-    assert "`table1`, repeated 3 times: CPU times differ by 9% in the median, by 18% at most" in noise(
+    assert "`table1`, repeated 3 times: CPU times differ by 9.1 % in the median, by 18.2 % at most" in noise(
         Figures(folder)
     )
 

@@ -21,13 +21,13 @@ def conclude(*shares):
 
 def test_shares_below_the_bar_keep_it():
     for sentence, kind in zip(conclude(0.01, 0.02, 0.029), ("alone", "among bodies"), strict=True):
-        assert sentence.startswith(f"Cables {kind}: the watch costs 2.0% of a step (median), at most 2.9%")
-        assert "N = 2" in sentence and sentence.endswith("the bar of 3% is kept.")
+        assert sentence.startswith(f"Cables {kind}: the watch costs 2 % of a step (median), at most 2.9 %")
+        assert "N = 2" in sentence and sentence.endswith("the bar of 3 % is kept.")
 
 
 def test_one_above_the_bar_misses_it():
     alone, _ = conclude(0.01, 0.02, 0.05)
-    assert "at most 5.0%" in alone and alone.endswith("the bar of 3% is MISSED by 1 of 3.")
+    assert "at most 5 %" in alone and alone.endswith("the bar of 3 % is MISSED by 1 of 3.")
 
 
 def test_the_interval_of_the_median_holds_what_the_watch_costs():
@@ -78,4 +78,4 @@ def test_among_bodies_one_run_is_compared_with_and_without_a_watch(rows_of, monk
 def test_few_samples_give_no_verdict():
     rows = [row(kind, 0.05, 5) for kind in ("alone", "among bodies")]
     for sentence in watch_cost.conclude(Results(True, rows)):
-        assert sentence.endswith("the bar of 3% is undecided within noise.")
+        assert sentence.endswith("the bar of 3 % is undecided within noise.")

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ...checks import require_integer, require_positive
+from ...checks import require_functions, require_integer, require_positive
 from ...errors import InputError
 from .pilot_runs import Build
 
@@ -26,6 +26,7 @@ class AdviceSettings:
         axialStiffness: EA of the real cables [N]; None: stretch is not looked at.
         buildConventional: function of a number of elements that builds the same scene with native cables,
             returning (mbs, sensorNumber); None: native cables are not compared.
+        dependsOnTimeOnly: user functions that depend on the time alone, see ExplicitSettings.
     """
 
     samplePeriod: float | None = None
@@ -33,6 +34,7 @@ class AdviceSettings:
     pilotBudget: float = 20.0
     axialStiffness: float | None = None
     buildConventional: Build | None = None
+    dependsOnTimeOnly: bool | Sequence[Any] | None = None
 
     def __post_init__(self) -> None:
         """Check all of them.
@@ -50,6 +52,7 @@ class AdviceSettings:
         if sorted(set(checked)) != checked:
             raise InputError(f"numbersOfElements = {numbers!r}: must increase.")
         require_builder("buildConventional", self.buildConventional, optional=True)
+        require_functions("dependsOnTimeOnly", self.dependsOnTimeOnly)
 
 
 def require_builder(name: str, build: Any, optional: bool = False) -> None:

@@ -19,7 +19,7 @@ from ...checks import require_positive
 from ...errors import InputError
 from ..reports import AdviceReport
 from .advice_settings import MOST_SAMPLES, SAMPLES, AdviceSettings, require_builder
-from .pilot_runs import Build, PilotRuns, explicit_settings
+from .pilot_runs import Build, PilotRuns
 
 
 def Advise(
@@ -86,7 +86,9 @@ class _Session:
                 f"samplePeriod = {period:g} s: these are more than {MOST_SAMPLES:g} samples in endTime = "
                 f"{end_time:g} s; give a larger one."
             )
-        self._problem = PilotRuns(build, settings.buildConventional, end_time, period)
+        self._problem = PilotRuns(
+            build, settings.buildConventional, end_time, period, settings.dependsOnTimeOnly
+        )
         self._reasons: list[str] = []
         self._search = self._survey()
 
@@ -114,7 +116,7 @@ class _Session:
             said = f"{choice.label}: error and CPU time are extrapolated from coarser meshes."
         else:
             said = choice_sentence(advised, self._tolerance)
-        explicit = None if choice.is_conventional else explicit_settings(choice)
+        explicit = None if choice.is_conventional else self._problem.explicit_settings(choice)
         stretches = choice.formulation == EXTENSIBLE
         constraints = self._problem.length_constraints if explicit and not stretches else {}
         return AdviceReport(

@@ -2,7 +2,7 @@
 
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -16,6 +16,7 @@ from ...arrays import Array
 from ...cable.cable import CurvatureMeasure
 from ...errors import DivergenceError, InputError, SceneError, StepSizeError
 from ...items.arguments import sensor_number
+from ...items.functions_of_time import take_word
 from ...run.settings import ExplicitSettings
 from ..cable_forces import CableForces
 from ..quiet import quiet_settings, silence
@@ -38,14 +39,21 @@ class PilotRuns:
     Args:
         build: of inextensible cables.   build_conventional: of native ones, or None.
         end_time: [s].   period: of the sensor's samples [s]; made to divide the end time.
+        of_time_only: user functions of which the time alone is asked, see ExplicitSettings.
     """
 
     def __init__(
-        self, build: Build, build_conventional: Build | None, end_time: float, period: float
+        self,
+        build: Build,
+        build_conventional: Build | None,
+        end_time: float,
+        period: float,
+        of_time_only: bool | Sequence[Any] | None = None,
     ) -> None:
         self._build = build
         self._build_conventional = build_conventional
         self.end_time = end_time
+        self._of_time_only = of_time_only
         self.period = end_time / max(1, round(end_time / period))
         self._limits: dict[tuple[int, str], float] = {}
         self._ran: set[tuple[str, str]] = set()
@@ -62,6 +70,7 @@ class PilotRuns:
     def _scene(self, elements: int) -> tuple[Any, int]:
         """What `build` returns; with axial stiffness if it is to have it."""
         mbs, sensor = _built("build", self._build, elements)
+        take_word(mbs, self._of_time_only)
         for item in [cable.item for cable in read_scene(mbs).cables] if self._axial_stiffness else ():
             section = replace(item.cable.section, axial_stiffness=self._axial_stiffness)
             if not item.cable.stretches:
@@ -109,7 +118,7 @@ class PilotRuns:
         if choice.formulation == CONVENTIONAL:
             return self._run_conventional(choice)
         mbs, sensor = self._scene(choice.elements)
-        settings, explicit = _settings(self.end_time, self.period), explicit_settings(choice)
+        settings, explicit = _settings(self.end_time, self.period), self.explicit_settings(choice)
         start = time.process_time()
         try:
             with warnings.catch_warnings():
@@ -149,6 +158,15 @@ class PilotRuns:
         times = np.linspace(0.0, self.end_time, round(self.end_time / self.period) + 1)
         return np.column_stack([np.interp(times, stored[:, 0], column) for column in stored.T[1:]])
 
+    def explicit_settings(self, choice: Choice) -> ExplicitSettings:
+        """Of a run with that choice."""
+        return ExplicitSettings(
+            choice.integrator,
+            stepSize=choice.step_size,
+            massScaling=choice.mass_scaling,
+            dependsOnTimeOnly=self._of_time_only,
+        )
+
     def tensions(self, choice: Choice) -> list[Tension]:
         """Largest one along each cable, or compression, at some times of a run."""
         mbs, _ = self._scene(choice.elements)
@@ -157,7 +175,7 @@ class PilotRuns:
         for start, end in pairwise(times):
             settings = _settings(float(end), float(end - start))
             settings.timeIntegration.startTime = float(start)
-            SolveExplicit(mbs, settings, explicit_settings(choice))
+            SolveExplicit(mbs, settings, self.explicit_settings(choice))
             _go_on_from_here(mbs)
             found.append([float(np.abs(_tension(mbs, cable.number)).max()) for cable in cables])
         return [
@@ -169,11 +187,6 @@ class PilotRuns:
             )
             for cable, of_cable in zip(cables, np.transpose(found), strict=True)
         ]
-
-
-def explicit_settings(choice: Choice) -> ExplicitSettings:
-    """Of a run with that choice."""
-    return ExplicitSettings(choice.integrator, stepSize=choice.step_size, massScaling=choice.mass_scaling)
 
 
 def _tension(mbs: Any, cable: int) -> Array:

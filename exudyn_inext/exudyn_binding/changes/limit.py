@@ -83,7 +83,7 @@ class StepLimit:
         self.last = bounds.stability_limit
         if self.explicit.adaptiveStep:
             return
-        error = step_above_limit(self.h, bounds, self.explicit.integrator)
+        error = step_above_limit(self.h, bounds, self.explicit.integratorName)
         if error is None or bounds.stability_limit > NOTICEABLE * last:
             return
         cause = ", ".join(map(str, changed))

@@ -13,6 +13,7 @@ from ...items.attach.clamp_to_body import Clamp
 from ...items.attach.shared_node import SameSlope
 from ...items.functions_of_time import is_of_time_alone
 from ...multibody.rows import ACROSS, ALONG, DIFFERENCE, DISTANCE, PARALLEL, ROW
+from ...run.settings import SAY_OF_TIME
 from ..joint_items import JointItem
 from .points import Place, PointReader
 from .unknown import UnknownItemError, require_no_functions
@@ -94,7 +95,7 @@ def _offset_function(mbs: Any, joint: JointItem, data: dict[str, Any]) -> Offset
     given = [data[key] for key in _OFFSET_FUNCTIONS]
     if not all(is_of_time_alone(mbs, one) for one in given if one):
         raise UnknownItemError(
-            f"{joint.name}, whose user function may depend on the state (if not: dependsOnTimeOnly = True)"
+            f"{joint.name}, whose user function may depend on the state (if not: {SAY_OF_TIME})"
         )
     number, offset = joint.number, float(data["offset"])
     value, rate = (partial(_called, one["function"], mbs, number, offset) if one else None for one in given)

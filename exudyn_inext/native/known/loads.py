@@ -11,6 +11,7 @@ from ...items.functions_of_time import is_of_time_alone
 from ...items.load_items import history_of
 from ...multibody.loads import LOAD, NONE
 from ...run.cable_loads import as_rows
+from ...run.settings import SAY_OF_TIME
 from .points import Place, PointReader
 from .unknown import UnknownItemError
 
@@ -52,7 +53,7 @@ def read_load(mbs: Any, number: int, reader: PointReader) -> tuple[Any, LoadFunc
         return record, None
     if not is_of_time_alone(mbs, user_function):
         raise UnknownItemError(
-            f"{name}, whose user function may depend on the state (if it does not: dependsOnTimeOnly = True)"
+            f"{name}, whose user function may depend on the state (if it does not: {SAY_OF_TIME})"
         )
     at = history_of(mbs, user_function, value)
     assert at is not None

@@ -62,7 +62,8 @@ SETTINGS = rows(
         ({"scheme": (0.5, 0.5)}, r"scheme = \(0.5, 0.5\): .*Rattle\(...\)"),
         ({"scheme": Zhai()}, r"scheme = Zhai\(.*'RATTLE' takes Rattle\(...\)"),
         ({"integrator": Rattle}, r"integrator = <class .* is unknown"),
-        ({"integrator": Zhai(), "scheme": Zhai()}, r"scheme = Zhai\(.*leave out scheme"),
+        ({"dependsOnTimeOnly": [1.0]}, r"dependsOnTimeOnly = \[1.0\]: must be a list of functions"),
+        ({"dependsOnTimeOnly": abs}, r"dependsOnTimeOnly = <.*: must be a list of functions"),
         ({"integrator": Zhai(psi=NAN)}, r"psi = nan: must be a finite number"),
         ({"scheme": Rattle}, r"scheme = <class.*takes Rattle\(...\)"),
         *[
@@ -94,24 +95,24 @@ SCHEMES = [
         ExplicitSettings,
         {},
         [
-            ({"scheme": Rattle(tolerance=0.0)}, r"tolerance = 0.0: must be a finite number > 0"),
-            ({"scheme": Rattle(tolerance=NAN)}, r"tolerance = nan: must be a finite number > 0"),
-            ({"scheme": Rattle(tolerance="small")}, r"tolerance = 'small': .*> 0"),
-            ({"scheme": Rattle(iterations=0)}, r"iterations = 0: must be an integer of at least 1"),
-            ({"scheme": Rattle(iterations=2.5)}, r"iterations = 2.5: must be an integer of at least 1"),
+            ({"integrator": Rattle(tolerance=0.0)}, r"tolerance = 0.0: must be a finite number > 0"),
+            ({"integrator": Rattle(tolerance=NAN)}, r"tolerance = nan: must be a finite number > 0"),
+            ({"integrator": Rattle(tolerance="small")}, r"tolerance = 'small': .*> 0"),
+            ({"integrator": Rattle(iterations=0)}, r"iterations = 0: must be an integer of at least 1"),
+            ({"integrator": Rattle(iterations=2.5)}, r"iterations = 2.5: must be an integer of at least 1"),
         ],
         of=Rattle,
         scene=empty,
     ),
     *rows(
         ExplicitSettings,
-        {"integrator": "Zhai"},
+        {},
         [
-            ({"scheme": Zhai(psi=NAN)}, r"psi = nan: must be a finite number"),
-            ({"scheme": Zhai(phi="half")}, r"phi = 'half': must be a finite number"),
-            ({"scheme": Zhai(gamma_newmark=1e300)}, r"gamma_newmark = 1e\+300: must lie between"),
-            ({"scheme": Zhai(corrector="on")}, r"corrector = 'on': must be True or False"),
-            ({"scheme": Zhai(projected_rate=None)}, r"projected_rate = None: must be True or False"),
+            ({"integrator": Zhai(psi=NAN)}, r"psi = nan: must be a finite number"),
+            ({"integrator": Zhai(phi="half")}, r"phi = 'half': must be a finite number"),
+            ({"integrator": Zhai(gamma_newmark=1e300)}, r"gamma_newmark = 1e\+300: must lie between"),
+            ({"integrator": Zhai(corrector="on")}, r"corrector = 'on': must be True or False"),
+            ({"integrator": Zhai(projected_rate=None)}, r"projected_rate = None: must be True or False"),
         ],
         of=Zhai,
         scene=empty,
@@ -120,8 +121,8 @@ SCHEMES = [
         ExplicitSettings,
         {"integrator": "RK4"},
         [
-            ({"scheme": RungeKutta4("RK5")}, r"name = 'RK5': choose one of \('RK4',\)"),
-            ({"scheme": RungeKutta4(4)}, r"name = 4: choose one of \('RK4',\)"),
+            ({"integrator": RungeKutta4("RK5")}, r"name = 'RK5': choose one of \('RK4',\)"),
+            ({"integrator": RungeKutta4(4)}, r"name = 4: choose one of \('RK4',\)"),
             ({"scheme": Rattle()}, r"scheme = Rattle\(.*'RK4' takes RungeKutta4"),
         ],
         of=RungeKutta4,
@@ -199,7 +200,6 @@ def loaded(force: Any) -> Any:
         def push(mbs: Any, t: float, load: Any) -> Any:
             return force(t) if t > 1e-3 else [0.0, 0.0, 0.0]
 
-        push.dependsOnTimeOnly = True  # type: ignore[attr-defined]
         marker = scene.mbs.AddMarker(MarkerNodePosition(nodeNumber=scene.node))
         load = {"loadVector": [0, 0, 0], "loadVectorUserFunction": push}
         scene.mbs.AddLoad(LoadForceVector(markerNumber=marker, **load))
