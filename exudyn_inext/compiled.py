@@ -27,6 +27,7 @@ from .lowered import (
     KernelCompiler,
     PartAndKernel,
     PartCompiler,
+    entry_of,
     name_cached_files,
 )
 
@@ -81,6 +82,22 @@ def _compiled(function: _Function, options: dict[str, Any]) -> _Function:
     if CACHE_FOLDER is not None:
         name_cached_files(compiled)
     return compiled
+
+
+class Prepared:
+    """A kernel whose arguments have the types of its first call: they are not looked at any more.
+
+    To find out the types of a scene's records takes three times as long as a step of a small one.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._function = function
+        self._entry: Callable[..., Any] | None = None
+
+    def __call__(self, *arguments: Any) -> Any:
+        if self._entry is None:
+            self._entry = entry_of(self._function, arguments)
+        return self._entry(*arguments)
 
 
 def plain(function: _Function) -> _Function:

@@ -9,6 +9,7 @@ import hashlib
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, suppress
+from ctypes import memmove
 from functools import partial
 from typing import Any, ClassVar
 
@@ -156,6 +157,28 @@ def _no_executable(library: Any, description: Any, environment: Any) -> Any:
     return make_function(description.lookup_module(), description.qualname, "", 0, environment, (library,))
 
 
+def entry_of(function: Any, arguments: tuple[Any, ...]) -> Any:
+    """The machine code of a kernel for the types of these arguments; of what is no kernel, the function."""
+    if not isinstance(function, CPUDispatcher) or isinstance(function, CompiledPart):
+        return function
+    key = function, _kinds(arguments)
+    if key not in _ENTRIES:
+        _ENTRIES[key] = function.compile(tuple(map(function.typeof_pyval, arguments)))
+    return _ENTRIES[key]
+
+
+_ENTRIES: dict[Any, Any] = {}  # Numba takes long to find types
+
+
+def _kinds(argument: Any) -> Any:
+    """What decides on the type of an argument, to be compared fast."""
+    if isinstance(argument, tuple):
+        return type(argument), *map(_kinds, argument)
+    if isinstance(argument, np.ndarray):
+        return argument.dtype, argument.ndim, argument.flags.c_contiguous, argument.flags.writeable
+    return type(argument)
+
+
 class CompiledPart(CPUDispatcher):
     """A compiled function without an entry for Python, where it runs as plain Python."""
 
@@ -247,6 +270,23 @@ def _lower_set_multiple(context: Any, builder: Any, signature: Any, arguments: A
 @lower_builtin(subtract_multiple, *_ARGUMENTS)
 def _lower_subtract_multiple(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     return _lower(context, builder, signature, arguments, subtracts=True)
+
+
+def copy_memory(target: int, source: int, size: int) -> None:
+    """Copy that many bytes between two addresses, which do not overlap."""
+    memmove(target, source, size)
+
+
+@type_callable(copy_memory)
+def _type_copy_memory(_context: Any) -> Any:
+    return lambda target, source, size: types.none
+
+
+@lower_builtin(copy_memory, types.Integer, types.Integer, types.Integer)
+def _lower_copy_memory(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+    target, source = (builder.inttoptr(address, cgutils.voidptr_t) for address in arguments[:2])
+    cgutils.raw_memcpy(builder, target, source, arguments[2], 1)
+    return context.get_dummy_value()
 
 
 def local_array(rows: int, columns: int) -> Any:

@@ -6,9 +6,10 @@ import exudyn
 import numba
 import pytest
 
-from exudyn_inext import compiled
+from exudyn_inext import ExplicitSettings, ExplicitStepper, SolveEnsemble, compiled
 from exudyn_inext.exudyn_binding.compile_notice import compile_notice
 from reference_models.model import quiet_settings, silence
+from tests.exudyn_binding.items import add_pendulum, load_node
 
 pytestmark = pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
 
@@ -49,6 +50,16 @@ def test_processes_that_compile_at_once_do_not_get_each_others_code(process, mon
     assert later(3.0) == 1.5
 
 
+def stepped(mbs):
+    stepper = ExplicitStepper(mbs, stepSize=1e-3)
+    stepper.Start()
+    stepper.Step()
+
+
+def in_an_ensemble(mbs):
+    SolveEnsemble([mbs], quiet_settings(0.01, 10), ExplicitSettings(stepSize=1e-3), threads=1)
+
+
 @pytest.mark.parametrize("folder", [True, False])
 @pytest.mark.parametrize("verbose", [0, 1])
 def test_a_run_says_once_that_kernels_are_compiled(process, capsys, monkeypatch, folder, verbose):
@@ -81,6 +92,23 @@ def test_exudyns_clock_stands_still_while_kernels_are_compiled(process):
     with compile_notice(quiet_settings(1.0, 1), solver), silence():
         process()(3.0)
     assert 0.0 < solver.output.cpuSolverStartTime < 60.0
+
+
+@pytest.mark.parametrize("solve", [stepped, in_an_ensemble], ids=lambda solve: solve.__name__)
+def test_steppers_and_ensembles_say_so_too(process, capsys, solve):
+    """The first kernel that is compiled within them is a user's."""
+    new = process()
+
+    def force(mbs, t, load):
+        return [new(t), 0.0, 0.0]
+
+    force.dependsOnTimeOnly = True
+    exudyn.config.printToConsole = True
+    mbs = exudyn.SystemContainer().AddSystem()
+    load_node(mbs, add_pendulum(mbs)["nodes"][-1], [0, 0, 0], loadVectorUserFunction=force)
+    mbs.Assemble()
+    solve(mbs)
+    assert "compiling kernels" in capsys.readouterr().err
 
 
 def third(x):

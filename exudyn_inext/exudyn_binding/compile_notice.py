@@ -12,11 +12,12 @@ from ..lowered import Compilation
 
 
 @contextmanager
-def compile_notice(settings: Any, solver: Any = None) -> Iterator[None]:
+def compile_notice(settings: Any = None, solver: Any = None) -> Iterator[None]:
     """Before the first kernel that is compiled within; from verboseMode = 1 on also how long it took.
 
     Args:
-        settings: simulation settings.   solver: of Exudyn, whose clock stands still meanwhile; or None.
+        settings: simulation settings, or None.
+        solver: of Exudyn, whose clock stands still meanwhile; or None.
     """
 
     def stop_the_clock(seconds: float) -> None:
@@ -28,7 +29,7 @@ def compile_notice(settings: Any, solver: Any = None) -> Iterator[None]:
         with compilation.listening():
             yield
     finally:
-        if compilation.seconds and settings.timeIntegration.verboseMode:
+        if compilation.seconds and settings is not None and settings.timeIntegration.verboseMode:
             print(f"exudyn_inext: kernels compiled in {compilation.seconds:.1f} s", flush=True)
 
 

@@ -24,6 +24,7 @@ from ..run.settings import ExplicitSettings
 from ..run.step_choice import StepChoice, require_stable, warn_of_damping
 from ..run.time_grid import TimeGrid, grid_of_period
 from .arguments import explicit_settings, simulation_settings
+from .compile_notice import compile_notice
 from .ensemble_members import Member, all_systems, read_members
 from .reports import EnsembleReport
 
@@ -93,18 +94,19 @@ def SolveEnsemble(
     time = require_finite("timeIntegration.startTime", settings.timeIntegration.startTime, "s")
     duration = float(settings.timeIntegration.endTime) - time
     members = read_members(builders, time, duration, h, explicit)
-    if smallest is None:  # outputs at every step are those of the shortest one
-        members, all_of_them = tee(members)
-        choices = [member.choice for member in all_of_them]
-        worst = _worst(choices)
-        named = replace(choices[worst], bounds=choices[worst].bounds_of_member(worst))
-        warn_of_damping(named, duration)
-        smallest = min(choice.h for choice in choices)
-    grids = partial(_grid, settings, smallest)
-    ensemble = _Ensemble(len(builders), grids, smallest, explicit, derivatives + 1)
     silent = settings.timeIntegration.verboseMode < 1
-    with _progress(len(builders), silent) as count:
-        ensemble.solve(members, workers, count)
+    with compile_notice(settings):
+        if smallest is None:  # outputs at every step are those of the shortest one
+            members, all_of_them = tee(members)
+            choices = [member.choice for member in all_of_them]
+            worst = _worst(choices)
+            named = replace(choices[worst], bounds=choices[worst].bounds_of_member(worst))
+            warn_of_damping(named, duration)
+            smallest = min(choice.h for choice in choices)
+        grids = partial(_grid, settings, smallest)
+        ensemble = _Ensemble(len(builders), grids, smallest, explicit, derivatives + 1)
+        with _progress(len(builders), silent) as count:
+            ensemble.solve(members, workers, count)
     return EnsembleReport(ensemble.results(), threads=workers)
 
 

@@ -5,6 +5,8 @@ from typing import Any
 
 import exudyn
 
+from ..items.functions_that_look import may_look_at_forces
+
 POSITIONS, VELOCITIES, ACCELERATIONS = 1, 2, 3
 
 _Type = exudyn.OutputVariableType
@@ -22,19 +24,22 @@ _OF_POINTS = {"Node", "Body", "Marker", "SuperElement"}
 _OF_VELOCITIES = {_Type.Velocity, _Type.Coordinates_t, _Type.AngularVelocity}
 
 
-def observed_derivatives(settings: Any, sensors: Sequence[Any]) -> int:
+def observed_derivatives(settings: Any, sensors: Sequence[Any], functions: Sequence[Any] = ()) -> int:
     """How many of coordinates, velocities, accelerations are needed at each step, the first ones always.
 
     Args:
         settings: exudyn.SimulationSettings, whose solution file decides.
         sensors: data of all sensors, which decide, too.
+        functions: of the user, called between steps; they may look at any sensor.
     """
+    if any(map(may_look_at_forces, functions)):
+        return ACCELERATIONS
     needed = POSITIONS
     if settings.solution.file.write:
         export = settings.solution.file.export
         needed = VELOCITIES if export.velocities else needed
         needed = ACCELERATIONS if export.accelerations else needed
-    if settings.solution.sensors.active:
+    if settings.solution.sensors.active or functions:
         needed = max([needed, *map(_derivatives_of, sensors)])
     return needed
 

@@ -62,10 +62,10 @@ class RunBuilder:
         held = {number: held for number, held in scene.held.items() if number not in changed}
         scene, explicit = replace(scene, held=held), self.explicit
         if state is None:
-            return runs_of_scene(self.mbs, scene, time, self.scaling, explicit, end)
+            return runs_of_scene(self.mbs, scene, time, self.scaling, explicit, end, changed)
         with initial_state(self.mbs, state):
             lenient = replace(explicit, startTolerance=LARGEST)
-            return runs_of_scene(self.mbs, scene, time, self.scaling, lenient, end)
+            return runs_of_scene(self.mbs, scene, time, self.scaling, lenient, end, changed)
 
 
 def runs_of_cables(
@@ -85,6 +85,7 @@ def runs_of_scene(
     h: float,
     explicit: ExplicitSettings,
     end_of_step: float | None = None,
+    moved: Set[int] = frozenset(),
 ) -> Sequence[Run]:
     """One run for each cable, or one for cables, bodies and joints together.
 
@@ -92,7 +93,7 @@ def runs_of_scene(
         mbs: the system; the user functions of its cables are switched off if it needs coupling.
         scene: what it contains.   time: of the start [s].
         h: step that scales the mass [s]; 0 without mass scaling.   explicit: settings.
-        end_of_step: see `CoupledRun`.
+        end_of_step: see `CoupledRun`.   moved: see `CoupledScene`.
 
     Raises:
         SceneError: nothing moves.
@@ -115,7 +116,8 @@ def runs_of_scene(
     start, why = Start.at(time, h, explicit), _shortened(scene.foreign)
 
     def coupled_run(held: Mapping[int, HeldCoordinate]) -> CoupledRun:
-        joined = CoupledScene(mbs, cables, scene.own_constraints, explicit.stabilizationRate, held)
+        own, zeta = scene.own_constraints, explicit.stabilizationRate
+        joined = CoupledScene(mbs, cables, own, zeta, held, moved)
         return CoupledRun(joined, runs, explicit.method, start, why, end_of_step)
 
     if scene.held and end_of_step is None:  # compiled forms take them as joints

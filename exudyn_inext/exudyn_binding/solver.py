@@ -38,7 +38,7 @@ from .reports import ExplicitReport
 from .restart import Restarts
 from .scene import read_scene, require_assembled
 from .scene_runs import RunBuilder, bounds_if_scaled, needs_coupling
-from .time_loop import ExplicitTimeLoop, is_watched, warn_of_findings, worst_figures
+from .time_loop import ExplicitTimeLoop, is_watched, step_functions, warn_of_findings, worst_figures
 
 
 def SolveExplicit(
@@ -158,7 +158,7 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings, drives: Drives) 
             grid = restarts.grid(given or time_grid(mbs, settings, choice.h))
             builder.take_step(explicit, grid.h)
             decided_by = choice.decider(grid.substeps, grid.h, "output period")
-            observed = observed_derivatives(settings, sensors)
+            observed = observed_derivatives(settings, sensors, step_functions(mbs))
             limit = StepLimit(grid.h, bounds.stability_limit, explicit)
             if restarts.changes:
                 limit.restore(restarts.changes)

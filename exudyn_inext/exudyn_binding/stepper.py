@@ -1,6 +1,7 @@
 """ExplicitStepper: an mbs with cables, step by step, for hardware in the loop and co-simulation."""
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from typing import Any
 
@@ -20,6 +21,7 @@ from ..run.step_choice import MOST_DURATION, choose_step, warn_of_damping
 from ..run.stepped_run import SteppedRun
 from ..run.time_grid import TimeGrid, steps_of_interval
 from .arguments import explicit_settings
+from .compile_notice import compile_notice
 from .scene import read_scene, require_assembled
 from .scene_runs import compiled_runs
 
@@ -69,6 +71,7 @@ class ExplicitStepper:
             q, v, time = stepper.State()
     """
 
+    @compile_notice()
     def __init__(
         self,
         mbs: Any,
@@ -123,8 +126,9 @@ class ExplicitStepper:
         """
         self._taken = 0
         self._is_ready = False
-        for run in self._runs:
-            run.start(self._start_time, self.stepSize)
+        with compile_notice():
+            for run in self._runs:
+                run.start(self._start_time, self.stepSize)
         self._is_ready = True
 
     def Step(self, n: int = 1) -> None:
@@ -143,7 +147,9 @@ class ExplicitStepper:
         most = MOST_STEPS // self._substeps
         steps = require_integer("n", n, 1, most, ", the steps of one call") * self._substeps
         grid = TimeGrid(self._start_time, 1, steps, self.stepSize, before=self._taken)
-        if not all([run.step(grid) for run in self._runs]):
+        with nullcontext() if self._taken else compile_notice():
+            are_good = [run.step(grid) for run in self._runs]
+        if not all(are_good):
             self._stop(grid.time(1))
         self._taken += steps
 

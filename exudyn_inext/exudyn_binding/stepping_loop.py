@@ -108,7 +108,7 @@ class SteppingLoop(ExplicitTimeLoop):
 
         def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
             nonlocal is_first
-            with self._remembering_errors():
+            with self._remembering_errors:
                 if is_first:
                     self._begin_portion()
                 else:
@@ -148,7 +148,7 @@ class SteppingLoop(ExplicitTimeLoop):
         substeps, h = steps_of_interval(portion.step, self._largest, MOST_LOOP_STEPS)
         self.grid, self._computed, self._begins = TimeGrid(portion.start, portion.steps, substeps, h), 0, True
         self._ahead = (0, np.zeros((0, ACCELERATIONS, 0)))
-        self._written = [[np.nan] * len(part) for part in self._present()]  # the state of mbs is taken over
+        self._written = [np.full(len(part), np.nan) for part in self._present()]  # that of mbs is taken over
         self._reactions.clear()
         self.changes.reader.drives.start(portion.start)
         self.changes.take_step(self._explicit, h)

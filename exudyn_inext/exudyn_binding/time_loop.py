@@ -4,7 +4,6 @@ import struct
 import warnings
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
 from itertools import chain
 from typing import Any, Protocol
 
@@ -16,7 +15,7 @@ from ..errors import DivergenceError
 from ..run.divergence import divergence, listed
 from ..run.run import Run
 from ..run.time_grid import TimeGrid
-from .observed import ACCELERATIONS, POSITIONS
+from .observed import ACCELERATIONS, POSITIONS, VELOCITIES
 from .restart import Restarts
 
 LOOK_AHEAD_LIMIT = 1_000_000  # coordinates times steps in a call: some 30 ms, so that Ctrl-C works
@@ -32,6 +31,20 @@ class Changes(Protocol):
     def follow(self, runs: Sequence[Run], time: float, end: float) -> Sequence[Run]: ...
 
     def require_all_seen(self, runs: Sequence[Run]) -> None: ...
+
+
+class _RememberingErrors:
+    """Exudyn would replace the types and traces of errors by its own."""
+
+    def __init__(self, loop: "ExplicitTimeLoop") -> None:
+        self._loop = loop
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: Any, error: BaseException | None, trace: Any) -> None:
+        if isinstance(error, Exception):
+            self._loop.error = error
 
 
 class ExplicitTimeLoop:
@@ -57,11 +70,12 @@ class ExplicitTimeLoop:
         self._changes = changes
         self.grid = grid
         self.error: Exception | None = None
+        self._remembering_errors = _RememberingErrors(self)
         self._data = mbs.systemData
         self._is_watched = is_watched(mbs, runs)
         self._written = self._present(exudyn.ConfigurationType.Initial)
-        self._observed = ACCELERATIONS if self._is_watched else observed
-        self._shows_forces = observed == ACCELERATIONS or has_functions(mbs)
+        self._observed = max(observed, VELOCITIES) if self._is_watched else observed
+        self._shows_forces = observed == ACCELERATIONS
         self._restarts = restarts
         self._places = [as_slice(run.indices) for run in runs]
         self._computed = grid.first  # steps of the loop
@@ -73,7 +87,7 @@ class ExplicitTimeLoop:
             run.start(grid.start)
         if restarts.found:
             restarts.resume(runs, grid)
-            self._written = restarts.first_state
+            self._written = [np.asarray(part) for part in restarts.first_state]
 
     @property
     def shows_accelerations(self) -> bool:
@@ -156,7 +170,7 @@ class ExplicitTimeLoop:
         plain = self._plain_user_function()
 
         def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
-            with self._remembering_errors():
+            with self._remembering_errors:
                 self._take_over_changes()
                 self._follow_changes()
             plain(solver, mbs, settings)
@@ -172,7 +186,7 @@ class ExplicitTimeLoop:
         """
         while True:
             first = self._computed
-            with self._remembering_errors():
+            with self._remembering_errors:
                 states, good = self._compute_ahead()
             self._ahead = (first, states[:good])
             if self._observed == POSITIONS:  # tuples are cheaper than lists
@@ -202,15 +216,6 @@ class ExplicitTimeLoop:
             left = f"{chosen}: a stepSize has to be smaller. {left}"
         return divergence(list(filter(None, verdicts)), time, left)
 
-    @contextmanager
-    def _remembering_errors(self) -> Iterator[None]:
-        """Exudyn would replace their types and traces by its own."""
-        try:
-            yield
-        except Exception as error:
-            self.error = error
-            raise
-
     def _compute_ahead(self) -> tuple[Array, int]:
         """(intervals, 3, n) displacements, velocities, accelerations after the next loop steps.
 
@@ -228,7 +233,7 @@ class ExplicitTimeLoop:
                 time = self.grid.time(self._computed + 1)
                 history[0, 2] = run.accelerations(time, reactions[0])
                 are_set = True
-            elif good:
+            elif good and (self._shows_forces or self._takes_last_step or not self._is_watched):
                 are_set |= self._complete(run, history[:good], reactions)
             states[:, :, places] = history
         self._last_reactions = reactions[min(good, len(reactions)) - 1] if are_set and good else None
@@ -265,10 +270,10 @@ class ExplicitTimeLoop:
         coordinates = sum(len(run.indices) for run in self.runs)
         return max(1, min(remaining, LOOK_AHEAD_LIMIT // (coordinates * self.grid.substeps)))
 
-    def _present(self, configuration: Any = exudyn.ConfigurationType.Current) -> list[list[float]]:
+    def _present(self, configuration: Any = exudyn.ConfigurationType.Current) -> list[Array]:
         data = self._data
         getters = (data.GetODE2Coordinates, data.GetODE2Coordinates_t, data.GetODE1Coordinates)
-        return [get(configuration) for get in getters]
+        return [np.asarray(get(configuration)) for get in getters]
 
     @property
     def time(self) -> float:
@@ -290,9 +295,9 @@ class ExplicitTimeLoop:
     def _take_over_changes(self) -> None:
         """A user function may have set coordinates since the last step: restart from them."""
         present = self._present()
-        if all(map(np.array_equal, present, self._written)):
+        if all(now.tobytes() == then.tobytes() for now, then in zip(present, self._written, strict=True)):
             return
-        q, v, first_order = map(np.asarray, present)
+        q, v, first_order = present
         for run in self.runs:
             number = len(run.indices)
             run.state.q[:number] = q[run.indices] + run.reference
@@ -335,4 +340,10 @@ def is_watched(mbs: Any, runs: Sequence[Run]) -> bool:
 
 def has_functions(mbs: Any) -> bool:
     """Whether the user has functions that are called before or after each step of Exudyn's loop."""
-    return bool(mbs.GetPreStepUserFunction()) or bool(mbs.GetPostStepUserFunction())
+    return bool(step_functions(mbs))
+
+
+def step_functions(mbs: Any) -> list[Any]:
+    """Functions of the user that are called before or after each step of Exudyn's loop."""
+    given = mbs.GetPreStepUserFunction(), mbs.GetPostStepUserFunction()
+    return [one["function"] if isinstance(one, dict) else one for one in given if one]

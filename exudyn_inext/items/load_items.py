@@ -30,6 +30,7 @@ def read_load(mbs: Any, number: int) -> NodalLoad | None:
         constant=np.atleast_1d(np.asarray(value, dtype=float)),
         history=history_of(mbs, user_function, value),
         is_pure=is_of_time_alone(mbs, user_function),
+        number=number,
     )
 
 

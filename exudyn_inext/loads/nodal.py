@@ -19,6 +19,7 @@ class NodalLoad:
     constant: (m,) components [N, Nm].
     history: t -> its components as the user function returns them, or None if the load is constant.
     is_pure: whether the history depends on the time alone, so that it may be asked ahead of time.
+    number: of the load in its mbs.
     """
 
     node: int
@@ -26,6 +27,7 @@ class NodalLoad:
     constant: Array
     history: Callable[[float], Any] | None
     is_pure: bool = False
+    number: int = -1
 
     unit: ClassVar[str] = "N"
 

@@ -58,7 +58,7 @@ def compiled_form(
     scene.surroundings.forces(t, q, v)  # mbs is in this state, too
     elsewhere = scene.elsewhere.union(cable.number for cable in scene.cables)
     known, numbers = read_known_items(
-        scene.mbs, scene.bodies, scene.joints, scene.map, on_cables, elsewhere, q, has_forces
+        scene.mbs, scene.bodies, scene.joints, scene.map, on_cables, elsewhere, q, has_forces, scene.moved
     )
     if len(known.rows) != len(scene.system.foresight):
         raise UnknownItemError("equations of joints")
@@ -71,7 +71,8 @@ def compiled_form(
     if not scene.body_system.share_foresight(known.bodies["first"] - on_cables, known.bodies["foresight"]):
         raise UnknownItemError("bodies that share coordinates")
     own = [(place, c.system, c.loads) for place, c in zip(places, scene.cables, strict=True)]
-    form = CompiledScene(system, acting, own, scene.surroundings.joints, numbers.read_again)
+    joints = scene.surroundings.joints
+    form = CompiledScene(system, acting, own, joints, numbers.read_again, numbers.moved)
     require_agreement(scene, form, t, q, v, has_forces)
     return form
 

@@ -1,6 +1,6 @@
 """Cables, bodies and joints of an mbs as one coupled system."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import suppress
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -65,6 +65,7 @@ class CoupledScene:
         own_constraints: frozenset[int],
         zeta: float,
         held: Mapping[int, HeldCoordinate] = _NONE,
+        moved: Set[int] = frozenset(),
     ) -> None:
         """Read all but the cables from mbs.
 
@@ -73,13 +74,14 @@ class CoupledScene:
             cables: its inextensible cables.   own_constraints: object numbers of what belongs to them.
             zeta: stabilisation rate of the joints [1/s].
             held: coordinates to be left out where a body of constant mass has them, by their constraints.
+            moved: numbers of constraints whose offsets or lengths may be set between steps.
 
         Raises:
             SceneError: coordinates without mass, or a joint that is not supported.
         """
         self.mbs = mbs
         self.cables = cables
-        self.elsewhere = own_constraints
+        self.elsewhere, self.moved = own_constraints, moved
         solver = evaluator(mbs)
         on_cables = np.concatenate([np.zeros(0, int), *(cable.indices for cable in cables)])
         total = SystemMass(mbs, solver)

@@ -1,6 +1,7 @@
 """The external force of one cable: gravity, constant forces, and sampled histories; and its motions."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from ..cable.link import Motion
 from ..errors import SceneError
 from ..integrators.integrator import LoadHistory
 from ..loads.gravity import gravity_force
+from ..loads.nodal import NodalLoad
 from ..loads.weight import ElementWeight
 from ..scene.model import CableInScene, CableLoad
 from .settings import SAY_OF_TIME
@@ -69,15 +71,32 @@ class CableLoads:
         self._motions = [motion for motion in motions if not motion.rests]
         self._loads = cable.loads
         self._histories = [load for load in cable.loads if load.history is not None]
-        for load in cable.loads:
-            if load.history is None:
-                (components,) = self._components(load, [0.0])
-                for pattern, value in zip(self._patterns(load), components, strict=True):
-                    self.constant += value * pattern
+        self._steady = [(load, self._patterns(load)) for load in cable.loads if load.history is None]
+        self._alone = self.constant.copy()  # without loads
+        self._add_steady()
         rows = [row for load in self._histories for row in self._patterns(load)]
         if self._motions:
             rows += self._motion_patterns(len(force), motions)
         self.pattern = np.array(rows).reshape(len(rows), len(self.constant))
+
+    def _add_steady(self) -> None:
+        for load, patterns in self._steady:
+            (components,) = self._components(load, [0.0])
+            for pattern, value in zip(patterns, components, strict=True):
+                self.constant += value * pattern
+
+    def change(self, number: int, components: Array) -> bool:
+        """Whether nothing but constant loads acts, of which this one, on a node, now has these components.
+
+        number: of the load in its mbs.   components: (m,) [N, Nm].
+        """
+        for place, (load, patterns) in enumerate(self._steady):
+            if isinstance(load, NodalLoad) and load.number == number and not len(self.pattern):
+                self._steady[place] = replace(load, constant=components), patterns
+                self.constant[:] = self._alone
+                self._add_steady()
+                return True
+        return False
 
     @property
     def has_histories(self) -> bool:

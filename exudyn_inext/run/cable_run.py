@@ -18,6 +18,7 @@ from ..cable.frequency import FrequencyTracker, largest_frequency
 from ..cable.implicit_bending import ImplicitBending
 from ..cable.linked_cable import cable_system, memory_of
 from ..cable.support_forces import SupportedCable
+from ..compiled import Prepared
 from ..errors import SceneError
 from ..integrators.integrator import Integrator, remembered
 from ..integrators.linear_stability import frequency_limit
@@ -131,6 +132,7 @@ class CableRun(PacedRun):
         self.watch = CableWatch(
             scene_cable, self.loads, self.state, start.energy_tolerance, integrator.stabilised
         )
+        self._record_watched = Prepared(record_watched)
         self._rejects = start.rejects
         self.control = StepControl(rejects=start.rejects)
         self.start_correction = self._project(*violations, start)
@@ -341,7 +343,8 @@ class CableRun(PacedRun):
         """See `PacedRun.take`: in one compiled call."""
         before, loads = self.watch.steps, self.loads.sample(piece, self.integrator.stages)
         rows, watch = history[: piece.intervals], self.watch.watch
-        record_watched(self.scheme, self.system, loads, self.state, piece.h, piece.in_interval, rows, watch)
+        steps = piece.h, piece.in_interval
+        self._record_watched(self.scheme, self.system, loads, self.state, *steps, rows, watch)
         taken = self.watch.steps - before
         if taken < piece.steps:
             self.trouble = self.integrator.trouble(self.scheme, self.watch.watch.kept)

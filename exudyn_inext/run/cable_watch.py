@@ -59,6 +59,11 @@ class CableWatch(RunWatch):
         """With another step, from a state that the integrator has just started from."""
         go_on(self.watch, system, external, state)
 
+    def keep(self, state: Any) -> None:
+        """Return to this state after steps that go wrong: it begins with other forces than the one before."""
+        for kept, now in zip(self.watch.kept, state, strict=True):
+            kept[:] = now
+
     @property
     def steps(self) -> int:
         """That have been inspected and found well."""

@@ -1,6 +1,6 @@
 """A scene of which all items have compiled forms: many steps in one call."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,7 +9,7 @@ from ..arrays import Array
 from ..cable.cable import Cable
 from ..cable.linked_cable import cable_system
 from ..cable.many_cables import Systems, in_few_chains
-from ..compiled import plain
+from ..compiled import Prepared
 from ..errors import RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied
@@ -28,10 +28,13 @@ from ..multibody.scene import (
     take_steps,
 )
 from ..scene.joints import NOT_FINITE, dependent_row, not_independent
-from ..system import index_reduced_rates
+from ..system import accelerate_and_project, index_reduced_rates
 from .cable_loads import CableLoads
+from .moved_offsets import MovedOffset
 
 FEW = 50  # states
+
+ChangedItem = tuple[str, int, str]  # kind, number, name of the parameter
 
 
 class SceneLoads:
@@ -102,7 +105,8 @@ class CompiledScene:
     Args:
         system: of all.   loads: of the cables, and functions of time.   cables: place, and system of each.
         names: of the rows of joints, for messages.
-        read_again: (kind, number, connectors, loads): brings the records of an item up to date, if it can.
+        read_again: (item, connectors, loads): brings the records of a changed item up to date, if it can.
+        moved: offsets that are set between steps, by the numbers of their joints.
 
     forces: (n,) what the items did to the coordinates at the last evaluation [N, Nm].
     multipliers: (m,) of the joints there.   given: (n,) forces that others set, besides those of the items.
@@ -114,14 +118,18 @@ class CompiledScene:
         loads: SceneLoads,
         cables: Sequence[tuple[slice, Any, CableLoads]],
         names: Sequence[str],
-        read_again: Callable[[str, int, Any, Any], bool],
+        read_again: Callable[[ChangedItem, Any, Any], bool],
+        moved: Mapping[int, MovedOffset],
     ) -> None:
         self.system = system
         self.loads = loads
         self._cables = cables
         self._names = names
-        self._read_again = read_again
+        self._read_again, self._moved = read_again, moved
         self._unscaled: SceneSystem | None = None
+        self._take_steps = Prepared(take_steps)
+        self._accelerate = Prepared(accelerate_and_project.dispatch(SceneSystem))
+        self._energy = Prepared(bodies_energy)
         self.forces = system.items.force
         self.multipliers = system.items.joints.multipliers
         self.given = system.items.given
@@ -131,14 +139,43 @@ class CompiledScene:
         items = self.system.items._replace(path=path)
         self.system = self.system._replace(items=items)
 
-    def take_over(self, kind: str, number: int) -> bool:
-        """Whether the changed item, 'Load' or 'Object', is now what it is in Exudyn."""
+    def take_over(self, item: ChangedItem) -> bool:
+        """Whether the changed item is now what it is in Exudyn; joints that are moved are not looked at."""
+        if item[1] in self._moved and item[0] == "Object":
+            return True
         items = self.system.items
-        is_known = self._read_again(kind, number, items.connectors, items.loads)
-        if self._unscaled is not None:
-            self._unscaled.items.connectors[...] = items.connectors
-            self._unscaled.items.loads[...] = items.loads
-        return is_known
+        return self._read_again(item, items.connectors, items.loads)
+
+    def can_move(self, number: int) -> bool:
+        """Whether the offset of a joint may be set between steps."""
+        return number in self._moved
+
+    def approach(self, time: float, end: float, q: Array, tolerance: float) -> bool:
+        """Let joints that are violated by more than the tolerance at (time, q) be fulfilled at `end` [s].
+
+        Returns whether all of them can be moved.
+        """
+        joints, others = self.system.items.joints, np.ones(len(self.multipliers), dtype=bool)
+        self.rest()
+        for one in self._moved.values():
+            for system in filter(None, (self.system, self._unscaled)):
+                system.items.joints.rows["rest"][one.row] = one.given()
+            others[one.row] = False
+        self.violation(time, q)
+        for one in self._moved.values():
+            left = float(joints.value[one.row])
+            one.aim(left if abs(left) > tolerance else 0.0, time, end)
+        return not len(others) or not np.abs(joints.value[others]).max(initial=0.0) > tolerance
+
+    def rest(self) -> None:
+        """Joints that have been moved stay where they are."""
+        for one in self._moved.values():
+            one.rest()
+
+    @property
+    def approaches(self) -> bool:
+        """Whether joints have moved through the last step."""
+        return any(one.moves for one in self._moved.values())
 
     def take(self, steps: Steps, state: Any, work: Array, before: Array) -> None:
         """Take steps.
@@ -153,7 +190,7 @@ class CompiledScene:
         counting, loads = self.system.items.counting, self.loads.sample(steps.times)
         counting[MODE] = EACH if steps.have_one_evaluation else ALL_BUT_FIRST
         where = steps.done, steps.in_interval, steps.history
-        take_steps(steps.scheme, self.system, loads, state, steps.h, *where, work, before)
+        self._take_steps(steps.scheme, self.system, loads, state, steps.h, *where, work, before)
         counting[MODE] = NOT_COUNTED
         self.require_independence()
 
@@ -176,24 +213,29 @@ class CompiledScene:
         if self._unscaled is None:
             self._unscaled = self._without_scaling(cables)
         multipliers = np.zeros((len(times), len(self.multipliers)))
-        memory = np.zeros(len(self.loads.constant)), np.zeros(history.shape[2])
-        loads = self.loads.sample(times[:, np.newaxis])
-        evaluate = evaluate_states if len(times) > FEW else plain(evaluate_states)  # it takes long to compile
-        evaluate(self._unscaled, loads, history, multipliers, *memory)
+        system, rate = self._unscaled, np.zeros(history.shape[2])
+        if len(times) > FEW:  # it takes long to compile
+            memory = np.zeros(len(self.loads.constant)), rate
+            evaluate_states(system, self.loads.sample(times[:, np.newaxis]), history, multipliers, *memory)
+            return multipliers
+        for t, (q, v, a), row in zip(times.tolist(), history, multipliers, strict=True):
+            self._accelerate(system, self.loads.at(t), q, v, 0.0, a, rate)
+            row[:] = system.items.joints.multipliers
         return multipliers
 
     def _without_scaling(self, cables: Sequence[Cable]) -> SceneSystem:
         """The same system in memory of its own, with the cables' mass as it is."""
         groups = in_few_chains([cable_system(cable, self.system.zeta) for cable in cables])
         system = cables_of_kinds(groups, [loads for _, _, loads in self._cables])
-        own = self.system._replace(cables=system, items=copied(self.system.items))
-        own.items.joints.foresight[:] = 0.0
-        own.items.bodies["foresight"] = 0.0
-        return own
+        items, copies = self.system.items, copied(self.system.items)
+        copies.joints.foresight[:] = 0.0
+        copies.bodies["foresight"] = 0.0
+        forces = {"connectors": items.connectors, "loads": items.loads}  # may change
+        return self.system._replace(cables=system, items=copies._replace(**forces))
 
     def kinetic_energy(self, q: Array, v: Array) -> float:
         """Of the bodies [J]."""
-        return float(bodies_energy(self.system.items.bodies, q, v))
+        return float(self._energy(self.system.items.bodies, q, v))
 
     def violation(self, t: float, q: Array) -> float:
         """Largest |c| of the joints [m, -]."""

@@ -18,7 +18,7 @@ from ..scene.closed_contacts import rates_in_contact
 from ..scene.small_vibrations import FastestRates, VibrationTracker, fastest_rates
 from ..system import accelerate_and_project, index_reduced_rates
 from .cable_run import CableRun, Start
-from .compiled_scene import CompiledScene, Steps
+from .compiled_scene import ChangedItem, CompiledScene, Steps
 from .consistent_start import StartCorrection, agree
 from .coupled_start import consistent_start
 from .coupled_watch import LENIENCE, CoupledWatch
@@ -70,20 +70,19 @@ class CoupledRun(PacedRun):
             self.state.q[dofs], self.state.v[dofs] = run.state.q, run.state.v
         scene.require_finite(self.state.v)
         self.start_correction = StartCorrection()
+        self._form: CompiledScene | None = None
         with self._naming_straight_cables():
             if end_of_step is None:
                 self._project(start)
-            else:
-                self.approach(start.time, end_of_step)
+        self._form, self._why_not = scene.compiled(start.time, self.state.q, self.state.v)
+        with self._naming_straight_cables():
+            if end_of_step is not None:
+                self._approach(start.time, end_of_step)
         self._tracker: VibrationTracker | None = None
         self._rejects = start.rejects
         self.control = StepControl(rejects=start.rejects)
         self._unsolvable = ""  # what was said of joints that could not be solved for
         self._output = np.zeros((1, 3, scene.size))
-        self._form: CompiledScene | None = None
-        self._why_not = "joints that are being moved" if self.approaches else ""
-        if not self._why_not:
-            self._form, self._why_not = scene.compiled(start.time, self.state.q, self.state.v)
         external = np.zeros(len(self._form.loads.constant) if self._form else 1)
         self.state = self.state._replace(external=external)
         evaluated: EvaluatedScene = self._form or scene
@@ -189,21 +188,27 @@ class CoupledRun(PacedRun):
         self._scene.surroundings.forget()
         self._begin_by(self.integrator.resume, time)
 
-    def take_over(self, changed: Sequence[tuple[str, int]], is_simple: bool, time: float) -> None:
+    def take_values(self, changed: Sequence[ChangedItem]) -> bool:
+        """Whether loads and springs that were changed act now; otherwise some may."""
+        return self._form is None or all(map(self._form.take_over, changed))
+
+    def take_over(self, changed: Sequence[ChangedItem], is_simple: bool, time: float) -> None:
         """Go on from the present state, at `time` [s], with items that were changed.
 
-        changed: kinds and numbers of them.   is_simple: whether they are loads and springs only.
+        is_simple: whether they are loads, springs, and joints that are moved, only.
         """
         if self._form is None:
             if not is_simple and self._scene.parts_in_one:
                 self._scene.leave_compiled_parts()
                 self._begin_by(self.integrator.resume, time)
             return
-        if not is_simple or not all(self._form.take_over(*item) for item in changed):
+        if not is_simple or not self.take_values(changed):
             self.leave_kernels("items that were changed during the run", time)
 
     def require_same_items(self, time: float) -> None:
         """Raise SceneError if Exudyn's items are not those that have moved the scene."""
+        if self._form:
+            self._form.rest()
         self._scene.require_agreement(self._form, time, self.state.q, self.state.v)
 
     @contextmanager
@@ -293,21 +298,42 @@ class CoupledRun(PacedRun):
 
     def approach(self, time: float, end: float) -> None:
         """Let joints that have been changed be fulfilled at `end` [s], with velocities for that."""
-        self._scene.surroundings.begin_approach(time, end, self.state.q, FULFILLED)
+        is_compiled = self._form is not None or self._scene.parts_in_one is not None
+        self._approach(time, end)
+        if is_compiled and not self._form:
+            self.watch.evaluate_by(self._scene)
+            self._begin_by(self.integrator.resume, time)
+
+    def _approach(self, time: float, end: float) -> None:
+        scene, q = self._scene, self.state.q
+        if self._form and not self._form.approach(time, end, q, FULFILLED):
+            self._form, self._why_not = None, "joints that are being moved"
+        if not self._form:
+            scene.surroundings.begin_approach(time, end, q, FULFILLED)
+            if self.approaches:
+                scene.leave_compiled_parts()
         self._agree(time)
+
+    def can_move(self, number: int) -> bool:
+        """Whether the offset of a joint may be set between steps, with the system as it is."""
+        return self._form is None or self._form.can_move(number)
 
     def rest_joints(self, time: float) -> None:
         """After an approach."""
         self._scene.surroundings.approach = None
+        if self._form:
+            self._form.rest()
         self._agree(time)
 
     def _agree(self, time: float) -> None:
         """Project the velocities onto all constraints."""
-        agree(self._scene.system, np.array([time]), self.state)
+        agree(*self._system_at(time), self.state)
 
     @property
     def approaches(self) -> bool:
         """Whether joints have moved through the last step, as they were changed."""
+        if self._form:
+            return self._form.approaches
         return self._scene.surroundings.approach is not None
 
     def accelerations(self, time: float, multipliers: Array) -> Array:
@@ -330,12 +356,16 @@ class CoupledRun(PacedRun):
 
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; see `CableRun.start`."""
+        self.begin_again(time)
+        for run in self._runs:
+            run.require_independence()
+
+    def begin_again(self, time: float) -> None:
+        """As `start`, with supports of the cables that have been looked at."""
         self._scene.forget()
         for run in self._runs:
             run.forget()
         self._begin_by(self.integrator.start, time)
-        for run in self._runs:
-            run.require_independence()
         self.watch.open(time, self.state)
 
     def memory(self) -> dict[str, Any]:

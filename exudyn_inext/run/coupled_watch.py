@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..compiled import Prepared
 from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit
 from ..scene.path_work import LACK, SCALE, SUMS, WAY, begin_path, build_path, expect_energy, follow, take_sums
@@ -47,11 +48,15 @@ GROWTH = 0.1  # of a vibration in a step [-], that is unstable
 
 
 class _Together(NamedTuple):
-    """Cables that share records.   system: of all.   dofs: their place.   loads: of each."""
+    """Cables that share records.   system: of all.   dofs: their place.   loads: of each.
+
+    gauge: of them.
+    """
 
     system: Any
     dofs: slice
     loads: Sequence[CableLoads]
+    gauge: Callable[..., None]
 
     def external(self, t: float) -> Array:
         """As the system takes it, at t [s]."""
@@ -246,16 +251,12 @@ class CoupledWatch(RunWatch):
         """Of velocities v (n,) in the present configuration [J]."""
         gauges = np.zeros(5)
         total = self._evaluated.kinetic_energy(state.q, v)
-        for system, dofs, external in self._groups_at(t):
+        for one in self._together:
+            dofs = one.dofs
             force, rates = np.zeros(dofs.stop - dofs.start), v[dofs]
-            gauge.dispatch(type(system))(system, external, state.q[dofs], rates, rates, force, gauges)
+            one.gauge(one.system, one.external(t), state.q[dofs], rates, rates, force, gauges)
             total += gauges[AGITATION]  # the mass alone; what bending adds to it is in KINETIC
         return total
-
-    def _groups_at(self, t: float) -> Iterator[tuple[Any, slice, Array]]:
-        """System, place and external force of cables that share records, at t [s]."""
-        for one in self._together:
-            yield one.system, one.dofs, one.external(t)
 
     def _set_gauges(self, t: float, state: Any) -> None:
         total = self.watch.gauges_now
@@ -264,11 +265,10 @@ class CoupledWatch(RunWatch):
             for cable, run in enumerate(self._runs):
                 if len(run.loads.pattern):  # its own solve knows no joints
                     self._evaluated.set_multipliers(cable, t, state.q, state.v)
-        for system, dofs, external in self._groups_at(t):
+        for one in self._together:
+            dofs, external = one.dofs, one.external(t)
             mine, force = np.zeros(5), np.zeros(dofs.stop - dofs.start)
-            gauge.dispatch(type(system))(
-                system, external, state.q[dofs], state.v[dofs], state.a[dofs], force, mine
-            )
+            one.gauge(one.system, external, state.q[dofs], state.v[dofs], state.a[dofs], force, mine)
             worst = np.maximum(total[VIOLATION], mine[VIOLATION])
             total += mine
             total[VIOLATION] = worst
@@ -288,5 +288,6 @@ def _groups(scene: JoinedScene, runs: Sequence[CableRun]) -> Iterator[_Together]
     for system, alike in scene.groups:
         end = done + len(alike)
         dofs = slice(scene.map.slices[done].start, scene.map.slices[end - 1].stop)
-        yield _Together(system, dofs, [run.loads for run in runs[done:end]])
+        loads, measure = [run.loads for run in runs[done:end]], Prepared(gauge.dispatch(type(system)))
+        yield _Together(system, dofs, loads, measure)
         done = end

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..compiled import Prepared
 from ..multibody.scene import bodies_energy, joint_violation, subtract_inertia_forces, subtract_joint_forces
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .compiled_scene import CompiledScene
@@ -29,7 +30,8 @@ class CompiledParts:
         self.multipliers = form.multipliers
         form.given[:] = 0.0
         protocols = index_reduced_rates, accelerate_and_project, correct_position
-        self._rates, self._accelerate, self._correct = (p.dispatch(type(self._system)) for p in protocols)
+        kinds = (Prepared(protocol.dispatch(type(self._system))) for protocol in protocols)
+        self._rates, self._accelerate, self._correct = kinds
 
     @property
     def drift(self) -> Array:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from ..arrays import Array
+from ..compiled import Prepared
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .joints import JointBlock, JointSolve, JointTerms
 
@@ -38,7 +39,7 @@ class _Resolved(NamedTuple):
 def _resolve(part: Part) -> _Resolved:
     protocols = index_reduced_rates, accelerate_and_project, correct_position
     return _Resolved(
-        part.system, part.dofs, *(protocol.dispatch(type(part.system)) for protocol in protocols)
+        part.system, part.dofs, *(Prepared(protocol.dispatch(type(part.system))) for protocol in protocols)
     )
 
 

@@ -21,8 +21,9 @@ _PLACES = ("offset", "distance")
 
 
 class Demand(IntEnum):
-    """An evaluation by Exudyn; joints that move; the scene read again; runs built again."""
+    """Nothing; an evaluation by Exudyn; joints that move; the scene read again; runs built again."""
 
+    NOTHING = 0
     EVALUATE = 1
     MOVE = 2
     READ = 3
@@ -38,7 +39,7 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
         mbs: the system.   runs: of it.   own: objects that belong to a cable.   key: what has changed.
     """
     if key.kind == "Node":
-        return Demand.EVALUATE  # initial values
+        return Demand.NOTHING  # initial values
     coupled = [run for run in runs if isinstance(run, CoupledRun)]
     if not coupled or key.kind == "Marker":
         return Demand.READ
@@ -50,7 +51,11 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
         return Demand.READ
     if _JACOBIAN in mbs.ComputeItem(ObjectIndex(key.number)):
         is_joint = key.name in _PLACES and not any(run.holds(key.number) for run in coupled)
-        return Demand.BUILD if not is_joint else Demand.READ if key.number in own else Demand.MOVE
+        if is_joint and key.number in own:
+            return Demand.READ
+        if is_joint and not mbs.GetObjectParameter(key.number, "activeConnector"):
+            return Demand.NOTHING
+        return Demand.MOVE if is_joint and all(run.can_move(key.number) for run in coupled) else Demand.BUILD
     is_connector = kind.startswith(("Connector", "Contact"))
     return Demand.EVALUATE if is_connector else Demand.BUILD
 

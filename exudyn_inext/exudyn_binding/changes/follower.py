@@ -49,6 +49,7 @@ class ChangeFollower:
     def __post_init__(self) -> None:
         self.reader.nodes = frozenset(node for cable in self.scene.cables for node in cable.item.nodes)
         self._figures: dict[str, float] = {}
+        self._demands: dict[Parameter, Demand] = {}  # of the present runs
 
     def take_step(self, explicit: ExplicitSettings, h: float) -> None:
         """Other runs, and the limit of the step, are for steps of h [s] from now on."""
@@ -80,6 +81,8 @@ class ChangeFollower:
         """
         changed = self.log.take()
         self.reader.begin_step(time, end)
+        if self._act_at_once(runs, changed, time):
+            return runs
         with state_kept(self.mbs):
             self.mbs.systemData.SetTime(time)
             self.reader.drives.follow(changed, time)
@@ -111,22 +114,60 @@ class ChangeFollower:
                 "before a run."
             )
 
+    def _act_at_once(self, runs: Sequence[Run], changed: Sequence[Parameter], time: float) -> bool:
+        """Whether all that has changed are values of loads and springs, which act without anything else."""
+        if self.moves or self.limit.grown(self.mbs, changed):
+            return False
+        alone = _alone(runs)
+        if alone:
+            return self._load_at_once(alone, changed, time)
+        if any(self._demand(runs, key) > Demand.EVALUATE for key in changed):
+            return False
+        forget_evaluators(self.sensors)
+        items = self._acting(runs, changed)
+        return all(run.take_values(items) for run in runs if isinstance(run, CoupledRun))
+
+    def _load_at_once(self, runs: Sequence[CableRun], changed: Sequence[Parameter], time: float) -> bool:
+        """As `_act_at_once`, for constant forces on nodes of cables among nothing else."""
+        if any(key.kind != "Load" or key.name not in ("load", "loadVector") for key in changed):
+            return False
+        loaded: dict[int, CableRun] = {}
+        for key in changed:
+            components = np.atleast_1d(np.asarray(key.value(self.mbs), dtype=float))
+            taken = {id(run): run for run in runs if run.loads.change(key.number, components)}
+            if not taken:
+                return False
+            loaded |= taken
+        forget_evaluators(self.sensors)
+        for run in loaded.values():
+            start_after_jump(run, run.start_scheme, time)
+            run.watch.keep(run.state)
+        return True
+
+    def _acting(self, runs: Sequence[Run], changed: Sequence[Parameter]) -> list[Parameter]:
+        return [key for key in changed if self._demand(runs, key) > Demand.NOTHING]
+
+    def _demand(self, runs: Sequence[Run], key: Parameter) -> Demand:
+        if key not in self._demands:
+            self._demands[key] = demand(self.mbs, runs, self.scene.own_constraints, key)
+        return self._demands[key]
+
     def _followed(
         self, runs: Sequence[Run], changed: Sequence[Parameter], time: float, end: float
     ) -> Sequence[Run]:
-        own = self.scene.own_constraints
-        asked = max((demand(self.mbs, runs, own, key) for key in changed), default=Demand.EVALUATE)
+        asked = max((self._demand(runs, key) for key in changed), default=Demand.EVALUATE)
         if changed:
             forget_evaluators(self.sensors)
-            items = [(key.kind, key.number) for key in changed if key.kind != "Node"]
+            items = self._acting(runs, changed)
             for run in runs:
                 if isinstance(run, CoupledRun) and asked < Demand.BUILD:
-                    run.take_over(items, asked == Demand.EVALUATE, time)
+                    run.take_over(items, asked <= Demand.MOVE, time)
         if asked < Demand.READ:
             is_stiffer = self.limit.follow_stiffness(self.mbs, runs, changed, time)
             if self.moves or is_stiffer or asked == Demand.MOVE:
                 _go_on(runs, time, end, asked == Demand.MOVE)
             return runs
+        self._demands.clear()
         before, scene = self.scene, read_scene(self.mbs, self.reader)
         self.scene = scene
         same_items = same_cables(before, scene) and sorted(before.foreign) == sorted(scene.foreign)
@@ -169,15 +210,17 @@ def _go_on(runs: Sequence[Run], time: float, end: float, has_changed: bool) -> N
         assert isinstance(run, CableRun | CoupledRun)
         watch = run.watch.watch
         account = watch.account[NOW].copy()
+        start = run.start
         if isinstance(run, CableRun):
             agree(run.system, run.loads.at(time), run.state)
         else:
+            start = run.begin_again
             run.watch.is_close = True
             if has_changed:
                 run.approach(time, end)
             else:
                 run.rest_joints(time)
-        start_after_jump(run, run.start, time)
+        start_after_jump(run, start, time)
         account.start = watch.account[NOW].start - account.work - account.surplus
         watch.account[NOW] = watch.account[KEPT] = account
 

@@ -41,6 +41,11 @@ class StepLimit:
         """Let the limit be looked at when it would have been without an interruption."""
         self._seen = {Parameter(*names): size for *names, size in memory["seen"]}
 
+    def grown(self, mbs: Any, changed: Sequence[Parameter]) -> dict[Parameter, float]:
+        """Stiffnesses that are much larger than when the limit was looked at, and how large they are."""
+        sizes = {key: float(np.abs(key.value(mbs)).max()) for key in filter(_is_of_stiffness, changed)}
+        return {key: size for key, size in sizes.items() if size > GROWTH * self._seen.get(key, 0.0)}
+
     def follow_stiffness(
         self, mbs: Any, runs: Sequence[Run], changed: Sequence[Parameter], time: float
     ) -> bool:
@@ -49,8 +54,7 @@ class StepLimit:
         Raises:
             StepSizeError: the change has brought the limit below the step.
         """
-        sizes = {key: float(np.abs(key.value(mbs)).max()) for key in filter(_is_of_stiffness, changed)}
-        grown = {key: size for key, size in sizes.items() if size > GROWTH * self._seen.get(key, 0.0)}
+        grown = self.grown(mbs, changed)
         self._seen |= grown
         if grown:
             for run in runs:

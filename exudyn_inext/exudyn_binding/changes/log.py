@@ -100,11 +100,11 @@ class ChangeLog:
         key = Parameter(_SETTERS[method], int(number), name)
         if key.name == "name" or key.name.startswith("V"):
             return
-        before = key.value(self.mbs)
-        if not _is_same(before, value):
+        if key not in self._before:
+            self._before[key] = key.value(self.mbs)
+        if key not in self.changed and not _is_same(self._before[key], value):
             self._require_possible(key)
-        self._before.setdefault(key, before)
-        self.changed.add(key)
+            self.changed.add(key)
 
     def _require_possible(self, key: Parameter) -> None:
         if key.name in _CONNECTIONS or (key.kind, key.name) == ("Node", "referenceCoordinates"):
@@ -170,6 +170,8 @@ def _logs_of(mbs: Any) -> list[ChangeLog]:
 
 def _is_same(x: Any, y: Any) -> bool:
     """Whether two values of a parameter are equal: numbers, lists, arrays, functions, or anything else."""
+    if type(x) is float is type(y):
+        return x == y
     try:
         return x is y or bool(np.array_equal(x, y))
     except (TypeError, ValueError):

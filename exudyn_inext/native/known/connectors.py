@@ -1,7 +1,7 @@
 """Spring-dampers as records."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,9 +10,24 @@ from ...multibody.connectors import CARTESIAN, CONNECTOR, SIX, SPRING
 from .points import Place, PointReader
 from .unknown import UnknownItemError, require_no_functions
 
+VALUES = {"stiffness", "damping", "offset", "referenceLength", "velocityOffset", "force", "torque"}
 
-def read_connector(data: dict[str, Any], number: int, reader: PointReader) -> Any:
-    """The record of an object; UnknownItemError if it has no compiled form."""
+
+class KnownConnector(NamedTuple):
+    """record: of a connector.   data: that it was read from.   places: of its markers."""
+
+    record: Any
+    data: dict[str, Any]
+    places: list[Place]
+
+    def set(self, parameter: str, value: Any, record: Any) -> None:
+        """One of the VALUES changes, and the record with it."""
+        self.data[parameter] = value
+        _READERS[self.data["objectType"]](self.data, "", self.places, record)
+
+
+def read_connector(data: dict[str, Any], number: int, reader: PointReader) -> KnownConnector:
+    """An object; UnknownItemError if it has no compiled form."""
     name = described(data, number)
     if data["objectType"] not in _READERS:
         raise UnknownItemError(name)
@@ -23,7 +38,7 @@ def read_connector(data: dict[str, Any], number: int, reader: PointReader) -> An
     places = [reader.marker(k) for k in data["markerNumbers"]]
     record.points[:] = [place.point for place in places]
     _READERS[data["objectType"]](data, name, places, record)
-    return record
+    return KnownConnector(record, data, places)
 
 
 def _spring(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:

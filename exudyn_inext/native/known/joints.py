@@ -1,9 +1,9 @@
 """Joints and constraints as rows."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Sequence, Set
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,9 @@ from ...constraints.motion import motion_of
 from ...items.attach.clamp_to_body import Clamp
 from ...items.attach.shared_node import SameSlope
 from ...items.functions_of_time import is_of_time_alone
+from ...multibody.build import FunctionOfTime
 from ...multibody.rows import ACROSS, ALONG, DIFFERENCE, DISTANCE, PARALLEL, ROW
+from ...run.moved_offsets import MovedOffset
 from ...run.settings import SAY_OF_TIME
 from ..joint_items import JointItem
 from .points import Place, PointReader
@@ -20,6 +22,7 @@ from .unknown import UnknownItemError, require_no_functions
 
 X, Y, Z = range(3)
 _OFFSET_FUNCTIONS = ("offsetUserFunction", "offsetUserFunction_t")
+_OFFSETS = {"ConnectorCoordinate": "offset", "ConnectorDistance": "distance"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,14 +69,26 @@ class OffsetFunction:
         return np.array([self.at(t)[:, 0] for t in times]).reshape(-1, 3)
 
 
-def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader) -> tuple[Any, list[OffsetFunction]]:
-    """(m,) records, in the order of the joints, and functions of time that their offsets are.
+class KnownRows(NamedTuple):
+    """Joints.   records: (m,), in their order.   functions: of time, that offsets are.
+
+    moved: offsets that are set between steps, by the numbers of their joints.
+    """
+
+    records: Any
+    functions: Sequence[FunctionOfTime]
+    moved: dict[int, MovedOffset]
+
+
+def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved: Set[int]) -> KnownRows:
+    """Read joints, of which some may be `moved` between steps.
 
     Raises:
         UnknownItemError: one has no compiled form.
     """
     rows: list[Any] = []
-    functions: list[OffsetFunction] = []
+    functions: list[FunctionOfTime] = []
+    found_moved: dict[int, MovedOffset] = {}
     for joint in joints:
         data = mbs.GetObject(joint.number)
         read = _READERS.get(data["objectType"])
@@ -86,8 +101,13 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader) -> tup
         if data.get("offsetUserFunction"):
             of_joint[0].function, of_joint[0].rest = 3 * len(functions), 0.0
             functions.append(_offset_function(mbs, joint, data))
+        elif joint.number in moved and data["objectType"] in _OFFSETS and of_joint:
+            of_joint[0].function, of_joint[0].rest = 3 * len(functions), of_joint[0].offset
+            given = partial(mbs.GetObjectParameter, joint.number, _OFFSETS[data["objectType"]])
+            found_moved[joint.number] = MovedOffset(len(rows), given)
+            functions.append(found_moved[joint.number])
         rows += of_joint
-    return collected(ROW, rows), functions
+    return KnownRows(collected(ROW, rows), functions, found_moved)
 
 
 def _offset_function(mbs: Any, joint: JointItem, data: dict[str, Any]) -> OffsetFunction:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,8 +33,16 @@ class LoadFunction:
         return result
 
 
-def read_load(mbs: Any, number: int, reader: PointReader) -> tuple[Any, LoadFunction | None] | None:
-    """The record of a load, and its function of time; None for a weight of a cable's own.
+class KnownLoad(NamedTuple):
+    """record: of a load.   scale: of its components.   function: of time, or None."""
+
+    record: Any
+    scale: float
+    function: LoadFunction | None
+
+
+def read_load(mbs: Any, number: int, reader: PointReader) -> KnownLoad | None:
+    """None for a weight of a cable's own.
 
     Raises:
         UnknownItemError: it has no compiled form.
@@ -50,14 +58,14 @@ def read_load(mbs: Any, number: int, reader: PointReader) -> tuple[Any, LoadFunc
     record.constant[: len(components)] = components
     user_function = data.get("loadVectorUserFunction") or data.get("loadUserFunction")
     if not user_function:
-        return record, None
+        return KnownLoad(record, scale, None)
     if not is_of_time_alone(mbs, user_function):
         raise UnknownItemError(
             f"{name}, whose user function may depend on the state (if it does not: {SAY_OF_TIME})"
         )
     at = history_of(mbs, user_function, value)
     assert at is not None
-    return record, LoadFunction(name, at, scale, len(components))
+    return KnownLoad(record, scale, LoadFunction(name, at, scale, len(components)))
 
 
 def _placed(data: dict[str, Any], name: str, mbs: Any, reader: PointReader) -> tuple[Any, float]:

@@ -1,20 +1,24 @@
 """All items of a scene but its cables, if each has a compiled form."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence, Set
 from typing import Any
+
+import numpy as np
 
 from ...arrays import Array, collected
 from ...items.attach.inert import is_inert_cable
 from ...multibody.build import FunctionOfTime, KnownItems
 from ...multibody.connectors import CONNECTOR
 from ...multibody.loads import LOAD, NONE
+from ...run.compiled_scene import ChangedItem
+from ...run.moved_offsets import MovedOffset
 from ..bodies import Body
 from ..coordinates import CoordinateMap
 from ..joint_items import JointItem
 from .bodies import read_body_records
-from .connectors import read_connector
+from .connectors import VALUES, KnownConnector, read_connector
 from .joints import read_rows
-from .loads import read_load
+from .loads import KnownLoad, read_load
 from .points import PointReader
 from .unknown import UnknownItemError
 
@@ -28,6 +32,7 @@ def read_known_items(
     elsewhere: frozenset[int],
     q: Array,
     has_forces: bool,
+    moved: Set[int],
 ) -> tuple[KnownItems, "KnownNumbers"]:
     """Read all items but the cables; and by their numbers, those that may be read again.
 
@@ -36,7 +41,7 @@ def read_known_items(
         joints: all constraints, in the order of their rows.
         coordinates: of the scene; those on cables are the first `on_cables` ones.
         elsewhere: objects that belong to the cables.
-        has_forces: whether springs and loads are read.
+        has_forces: whether springs and loads are read.   moved: constraints that are, between steps.
 
     Raises:
         UnknownItemError: an item has no compiled form.
@@ -50,9 +55,9 @@ def read_known_items(
     order = {int(first): number for number, first in enumerate(records["first"])}
     of_bodies = {body.number: order[first] for body, first in zip(bodies, firsts, strict=True)}
     reader = PointReader(mbs, coordinates, on_cables, records, of_bodies)
-    rows, offsets = read_rows(mbs, joints, reader)
+    rows, functions, of_moved = read_rows(mbs, joints, reader, moved)
     done = {*of_bodies, *elsewhere, *(joint.number for joint in joints)}
-    items = KnownNumbers(mbs, reader, offsets)
+    items = KnownNumbers(mbs, reader, functions, of_moved)
     if has_forces:
         for number in range(mbs.systemData.NumberOfObjects()):
             if number not in done:
@@ -67,55 +72,83 @@ class KnownNumbers:
     """Connectors and loads as records, by their numbers, so that they can be read again.
 
     connectors, loads: records, in the order in which they were added.   functions: of time, to which those of
-    the loads are added.
+    the loads are added.   moved: offsets that are set between steps.
     """
 
-    def __init__(self, mbs: Any, reader: PointReader, functions: Sequence[FunctionOfTime]) -> None:
-        self._mbs, self._reader = mbs, reader
+    def __init__(
+        self,
+        mbs: Any,
+        reader: PointReader,
+        functions: Sequence[FunctionOfTime],
+        moved: Mapping[int, MovedOffset],
+    ) -> None:
+        self._mbs, self._reader, self.moved = mbs, reader, moved
         self.connectors: list[Any] = []
         self.loads: list[Any] = []
         self.functions = list(functions)
-        self._places: dict[tuple[str, int], int] = {}  # of kind and number
+        self._springs: dict[int, tuple[int, KnownConnector]] = {}  # place of each, by its number
+        self._forces: dict[int, tuple[int, KnownLoad]] = {}
 
     def add_object(self, number: int) -> None:
         """A connector, or what does nothing; UnknownItemError if it has no compiled form."""
         data = self._mbs.GetObject(number)
         if data["objectType"] != "Ground" and not is_inert_cable(data) and data.get("activeConnector", True):
-            self._places["Object", number] = len(self.connectors)
-            self.connectors.append(read_connector(data, number, self._reader))
+            spring = read_connector(data, number, self._reader)
+            self._springs[number] = len(self.connectors), spring
+            self.connectors.append(spring.record)
 
     def add_load(self, number: int) -> None:
         """UnknownItemError if it has no compiled form."""
         read = read_load(self._mbs, number, self._reader)
         if read is None:
             return
-        record, function = read
-        if function is not None:
-            record.function = 3 * len(self.functions)
-            self.functions.append(function)
-        self._places["Load", number] = len(self.loads)
-        self.loads.append(record)
+        if read.function is not None:
+            read.record.function = 3 * len(self.functions)
+            self.functions.append(read.function)
+        self._forces[number] = len(self.loads), read
+        self.loads.append(read.record)
 
-    def read_again(self, kind: str, number: int, connectors: Any, loads: Any) -> bool:
+    def read_again(self, item: ChangedItem, connectors: Any, loads: Any) -> bool:
         """Bring the records of an item, 'Object' or 'Load', up to date; False if they cannot be.
 
         connectors, loads: records that a system holds now.
         """
-        place = self._places.get((kind, number))
-        if place is None:
+        kind, number, _ = item
+        if number not in (self._forces if kind == "Load" else self._springs):
             return False
         before = self._reader.number_of_points
         try:
-            if kind == "Load":
-                record, function = read_load(self._mbs, number, self._reader) or (None, None)
-                if record is None or function is not None or loads[place].function != NONE:
-                    return False
-                loads[place] = record
-            else:
-                data = self._mbs.GetObject(number)
-                if not data.get("activeConnector", True):
-                    return False
-                connectors[place] = read_connector(data, number, self._reader)
+            is_known = (
+                self._load_again(item, loads) if kind == "Load" else self._spring_again(item, connectors)
+            )
         except UnknownItemError:
             return False
-        return self._reader.number_of_points == before
+        return is_known and self._reader.number_of_points == before
+
+    def _load_again(self, item: ChangedItem, loads: Any) -> bool:
+        _, number, name = item
+        place, known = self._forces[number]
+        if loads["function"][place] != NONE:
+            return False
+        if name in ("load", "loadVector"):
+            value = np.atleast_1d(self._mbs.GetLoadParameter(number, name))
+            loads["constant"][place, : len(value)] = known.scale * value
+            return True
+        read = read_load(self._mbs, number, self._reader)
+        if read is None or read.function is not None:
+            return False
+        self._forces[number], loads[place] = (place, read), read.record
+        return True
+
+    def _spring_again(self, item: ChangedItem, connectors: Any) -> bool:
+        _, number, name = item
+        place, known = self._springs[number]
+        if name in VALUES:
+            known.set(name, self._mbs.GetObjectParameter(number, name), connectors[place])
+            return True
+        data = self._mbs.GetObject(number)
+        if not data.get("activeConnector", True):
+            return False
+        known = read_connector(data, number, self._reader)
+        self._springs[number], connectors[place] = (place, known), known.record
+        return True
