@@ -120,7 +120,7 @@ def runs_of_scene(
         joined = CoupledScene(mbs, cables, own, zeta, held, moved)
         return CoupledRun(joined, runs, explicit.method, start, why, end_of_step)
 
-    if scene.held and end_of_step is None:  # compiled forms take them as joints
+    if scene.held:  # compiled forms take them as joints
         with suppress(InextensibleError, UserWarning), warnings.catch_warnings():
             warnings.simplefilter("error", UserWarning)  # whatever is to be said, the other run says
             run = coupled_run({})
