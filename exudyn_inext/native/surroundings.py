@@ -166,7 +166,7 @@ class NativeSurroundings:
         alone = [which.start if which.stop - which.start == 1 else None for which in self._of_wholes]
         return [nothing if cable is None else self._loads[cable].at(t) for cable in alone]
 
-    def begin_approach(self, t: float, end: float, q: Array, tolerance: float) -> None:
+    def approach_joints(self, t: float, end: float, q: Array, tolerance: float) -> None:
         """Let joints that are violated by more than the tolerance at (t, q) be fulfilled at `end` [s]."""
         self.forget()
         self._rows.forget()

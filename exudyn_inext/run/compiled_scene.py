@@ -129,7 +129,7 @@ class CompiledScene:
         self._unscaled: SceneSystem | None = None
         self._take_steps = Prepared(take_steps)
         self._accelerate = Prepared(accelerate_and_project.dispatch(SceneSystem))
-        self._energy = Prepared(bodies_energy)
+        self._energy, self._violation = Prepared(bodies_energy), Prepared(joint_violation)
         self.forces = system.items.force
         self.multipliers = system.items.joints.multipliers
         self.given = system.items.given
@@ -150,7 +150,7 @@ class CompiledScene:
         """Whether the offset of a joint may be set between steps."""
         return number in self._moved
 
-    def approach(self, time: float, end: float, q: Array, tolerance: float) -> bool:
+    def approach_joints(self, time: float, end: float, q: Array, tolerance: float) -> bool:
         """Let joints that are violated by more than the tolerance at (time, q) be fulfilled at `end` [s].
 
         Returns whether all of them can be moved.
@@ -240,7 +240,7 @@ class CompiledScene:
     def violation(self, t: float, q: Array) -> float:
         """Largest |c| of the joints [m, -]."""
         functions = self.loads.at(t)[len(self.system.cable_force) :]
-        return float(joint_violation(self.system.items, functions, q))
+        return float(self._violation(self.system.items, functions, q))
 
     def power_of_joints(self) -> float:
         """See `EvaluatedScene`."""

@@ -71,6 +71,7 @@ class CoupledRun(PacedRun):
         scene.require_finite(self.state.v)
         self.start_correction = StartCorrection()
         self._form: CompiledScene | None = None
+        self._end_of_step = start.time  # until which joints are moved [s]
         with self._naming_straight_cables():
             if end_of_step is None:
                 self._project(start)
@@ -100,7 +101,12 @@ class CoupledRun(PacedRun):
             run.state.q[:], run.state.v[:] = state.q[dofs], state.v[dofs]
             run.make_consistent(start)
             state.q[dofs], state.v[dofs] = run.state.q, run.state.v
+        if self._form and self.approaches:  # Exudyn knows nothing of that
+            for evaluated in (self._form, scene.surroundings):
+                evaluated.approach_joints(start.time, self._end_of_step, state.q, FULFILLED)
         self._project(start)
+        if self._form:
+            scene.surroundings.approach = None
 
     def _project(self, start: Start) -> None:
         """Onto all constraints: impulses at the start meet the mass as it is, without scaling."""
@@ -305,11 +311,11 @@ class CoupledRun(PacedRun):
             self._begin_by(self.integrator.resume, time)
 
     def _approach(self, time: float, end: float) -> None:
-        scene, q = self._scene, self.state.q
-        if self._form and not self._form.approach(time, end, q, FULFILLED):
+        scene, q, self._end_of_step = self._scene, self.state.q, end
+        if self._form and not self._form.approach_joints(time, end, q, FULFILLED):
             self._form, self._why_not = None, "joints that are being moved"
         if not self._form:
-            scene.surroundings.begin_approach(time, end, q, FULFILLED)
+            scene.surroundings.approach_joints(time, end, q, FULFILLED)
             if self.approaches:
                 scene.leave_compiled_parts()
         self._agree(time)
