@@ -20,7 +20,7 @@ from ..system import accelerate_and_project, index_reduced_rates
 from .cable_run import CableRun, Start
 from .compiled_scene import CompiledScene, Steps
 from .consistent_start import StartCorrection, agree
-from .coupled_start import consistent_start
+from .coupled_start import compiled_start, consistent_start
 from .coupled_watch import LENIENCE, CoupledWatch
 from .divergence import explanation, listed
 from .joined_scene import EvaluatedScene, JoinedScene, OpenContacts
@@ -70,20 +70,22 @@ class CoupledRun(PacedRun):
             self.state.q[dofs], self.state.v[dofs] = run.state.q, run.state.v
         scene.require_finite(self.state.v)
         self.start_correction = StartCorrection()
+        self._form: CompiledScene | None = None
         with self._naming_straight_cables():
+            if end_of_step is not None:
+                self.approach(start.time, end_of_step)
+            self._why_not = "joints that are being moved" if self.approaches else ""
+            if not self._why_not:
+                self._form, self._why_not = scene.compiled(start.time, self.state.q, self.state.v)
             if end_of_step is None:
                 self._project(start)
-            else:
-                self.approach(start.time, end_of_step)
+        if not (self._form or self.approaches):
+            scene.compile_parts(start.time, self.state.q, self.state.v)
         self._tracker: VibrationTracker | None = None
         self._rejects = start.rejects
         self.control = StepControl(rejects=start.rejects)
         self._unsolvable = ""  # what was said of joints that could not be solved for
         self._output = np.zeros((1, 3, scene.size))
-        self._form: CompiledScene | None = None
-        self._why_not = "joints that are being moved" if self.approaches else ""
-        if not self._why_not:
-            self._form, self._why_not = scene.compiled(start.time, self.state.q, self.state.v)
         external = np.zeros(len(self._form.loads.constant) if self._form else 1)
         self.state = self.state._replace(external=external)
         evaluated: EvaluatedScene = self._form or scene
@@ -108,9 +110,9 @@ class CoupledRun(PacedRun):
         scene, state = self._scene, self.state
         scene.take_hold(state.v, start.tolerance)
         with self._mass_as_it_is():
-            self.start_correction = consistent_start(
-                scene.system, self.cables, start.time, state.q, state.v, start.tolerance
-            )
+            given = start.time, state.q, state.v, start.tolerance
+            correction = compiled_start(self._form, *given) if self._form else None
+            self.start_correction = correction or consistent_start(scene.system, self.cables, *given)
 
     @contextmanager
     def _naming_straight_cables(self) -> Iterator[None]:
