@@ -38,6 +38,7 @@ def a_clock_that_jumps(monkeypatch):
 def by_exudyn(monkeypatch):
     """Exudyn evaluates its items, although they have compiled forms."""
     monkeypatch.setattr(CoupledScene, "compiled", lambda *_: (None, "this test"))
+    monkeypatch.setattr(CoupledScene, "compile_parts", lambda *_: None)
 
 
 @pytest.fixture

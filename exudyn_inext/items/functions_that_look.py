@@ -8,34 +8,16 @@ import exudyn
 import numpy as np
 
 _TRUSTED = {"builtins", "numpy", "math", "exudyn"}
-_OF_MBS = {
-    *(f"Set{kind}Parameter" for kind in ("Load", "Object", "Marker", "Node")),
-    *(f"Get{kind}Parameter" for kind in ("Load", "Object", "Marker", "Node")),
-    *("systemData", "GetTime", "GetODE2Coordinates", "GetODE2Coordinates_t", "SetODE2Coordinates"),
-    *(
-        "SetODE2Coordinates_t",
-        "GetSensorValues",
-        "GetNodeOutput",
-        "GetObjectOutputBody",
-        "OutputVariableType",
-    ),
-    *("Position", "Displacement", "Velocity", "Rotation", "AngularVelocity", "Coordinates", "Coordinates_t"),
-    *(
-        "append",
-        "extend",
-        "tolist",
-        "copy",
-        "T",
-        "dot",
-        "sum",
-        "min",
-        "max",
-        "items",
-        "values",
-        "keys",
-        "get",
-    ),
-}
+_OF_MBS = set(
+    """
+    SetLoadParameter SetObjectParameter SetMarkerParameter SetNodeParameter
+    GetLoadParameter GetObjectParameter GetMarkerParameter GetNodeParameter
+    systemData GetTime GetODE2Coordinates GetODE2Coordinates_t SetODE2Coordinates SetODE2Coordinates_t
+    GetSensorValues GetNodeOutput GetObjectOutputBody OutputVariableType
+    Position Displacement Velocity Rotation AngularVelocity Coordinates Coordinates_t
+    append extend tolist copy T dot sum min max items values keys get
+    """.split()
+)
 _TYPES = {
     getattr(exudyn.OutputVariableType, name) for name in _OF_MBS if hasattr(exudyn.OutputVariableType, name)
 }

@@ -172,10 +172,12 @@ def _knots_of(
     is_tie = (rows["kind"] == DIFFERENCE) & (rows["factor"] == 1.0) & (rows["offset"] == 0.0)
     is_tie &= rows["function"] < 0
     is_tie &= ~(points["kind"][rows["points"]] == COORDINATE).any(axis=1)
-    if np.count_nonzero(is_tie) < FEWEST - 1:
-        return []
     begin, end = points["first"].tolist(), (points["first"] + points["width"]).tolist()
-    pairs = rows["points"].tolist()
+    pairs, tied = rows["points"].tolist(), np.flatnonzero(is_tie).tolist()
+    component_of = rows["component"].tolist()
+    places = [(component_of[r], begin[k]) for r in tied for k in pairs[r] if owners[k] != GROUND]
+    if len(tied) < FEWEST - 1 or len(set(places)) == len(places):  # no two of them meet
+        return []
     owners = [
         GROUND if still[a:b].any() and still[a:b].all() else owner
         for a, b, owner in zip(begin, end, owners, strict=True)
@@ -227,9 +229,8 @@ def _pairs(holds: Sequence[_Hold], unknowns: int) -> np.ndarray:
     keys, begin = [np.arange(unknowns) * (unknowns + 1)], 0
     for end in _parts(holds).tolist():
         own = unknown[begin:end]
-        own = np.unique(own[own >= 0])
-        one, other = np.tril_indices(len(own))
-        keys.append(own[other] * unknowns + own[one])
+        own = own[own >= 0]
+        keys.append((own[:, None] * unknowns + own)[own[:, None] <= own])
         begin = end
     return np.stack(np.divmod(np.unique(np.concatenate(keys)), max(unknowns, 1)), axis=1)
 
@@ -240,15 +241,13 @@ def _build_holds(holds: Sequence[_Hold], place: np.ndarray, factor: Any, cables:
     at, ends = place[unknown], _parts(holds)
     sizes = np.diff(ends, prepend=0)
     square = np.cumsum(sizes**2) - sizes**2
-    begins = (ends - sizes).tolist()
-    own = [np.broadcast_arrays(at[a:b, None], at[None, a:b]) for a, b in zip(begins, ends, strict=True)]
-    rows, columns = (
-        np.concatenate([np.zeros(0, np.int64), *(pair[side].ravel() for pair in own)]) for side in range(2)
-    )
+    part = np.repeat(np.arange(len(sizes)), sizes**2)
+    first, within = (ends - sizes)[part], np.arange(len(part)) - square[part]
+    rows, columns = at[first + within // sizes[part]], at[first + within % sizes[part]]
     into, goes = np.full(len(rows), NONE), np.minimum(rows, columns) >= 0
     rows, columns = np.maximum(rows, columns), np.minimum(rows, columns)
     into[goes] = places_of(factor, columns[goes], rows[goes])
-    at_knots = [int((is_row[end - size : end] == 0).sum()) for end, size in zip(ends, sizes, strict=True)]
+    at_knots = np.diff(np.append(0, np.cumsum(is_row == 0))[ends], prepend=0)
     memory = np.zeros((2, len(holds)))
     return Holds(
         entry=entry,
@@ -257,7 +256,7 @@ def _build_holds(holds: Sequence[_Hold], place: np.ndarray, factor: Any, cables:
         member=member,
         body=np.where(owner < cables, NONE, owner - cables),
         end=ends,
-        at_knots=np.array(at_knots, dtype=np.int64),
+        at_knots=at_knots,
         square=square,
         local=np.zeros(len(into)),
         into=into,

@@ -76,6 +76,8 @@ def lay_out(ends: Ends, cables: Sequence[int], first: int) -> Layout:
 def _pairs_of_blocks(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
     """(K, 2, s, s) unknowns of the rows and columns of each block, NONE where there is no entry."""
     unknown, (number, size) = layout.unknown, layout.unknown.shape
+    if not number:
+        return (np.zeros((0, 2, size, size), np.int64),) * 2
     following = np.roll(unknown, -1, axis=0)
     shape = (number, 2, size, size)
     rows = np.broadcast_to(unknown[:, None, :, None], shape).copy()
@@ -188,7 +190,6 @@ def build_nodes(
     into, is_there = np.full(one.shape, NONE), one >= 0
     into[is_there] = _lower_places(factor, place[one[is_there]], place[other[is_there]])
     number, dim = len(layout.unknown), layout.dimension
-    corrections = np.zeros((2, 2 * dim * number))
     return Nodes(
         dof=starts[list(layout.cables)],
         begin=layout.begin,
@@ -202,8 +203,6 @@ def build_nodes(
         base=rows.base,
         first=rows.first,
         row_into=_lower_places(factor, place[rows.row], place[rows.unknown]),
-        correction=corrections[0],
-        effect=corrections[1],
     )
 
 

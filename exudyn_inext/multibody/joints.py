@@ -31,10 +31,7 @@ from .nodes import (
     Nodes,
     add_nodes,
     add_rates_of_nodes,
-    clear_correction,
     correct_nodes,
-    effect_on_nodes,
-    keep_effect,
 )
 from .rows import add_row_jacobian, row_gamma, row_value
 from .sparse_factor import SparseFactor, eliminate_column, substitute
@@ -386,7 +383,6 @@ def apply_joints(joints, x, refines):
     entries, holds = joints.entries, joints.holds
     for r in range(len(joints.solved)):
         joints.solved[r] = 0.0
-    clear_correction(joints.nodes)
     for _ in range(2 if refines and len(joints.members.row) > 0 else 1):
         _set_held_rates(joints, x)
         _set_right_hand_side(joints, x)
@@ -414,7 +410,6 @@ def keep_multipliers(joints):
     """Those of the solve just made."""
     for r in range(len(joints.multipliers)):
         joints.multipliers[r] = joints.solved[r]
-    keep_effect(joints.nodes)
 
 
 @inlined
@@ -425,25 +420,3 @@ def subtract_forces(joints, x):
         force, first, dof = joints.multipliers[entries.row[e]], entries.first[e], entries.dof[e]
         for i in range(entries.begin[e], entries.stop[e]):
             x[dof + i] -= entries.jacobian[first + i] * force
-
-
-def effect_of_joints(joints: Joints, size: int) -> tuple[Array, Array]:
-    """What joints took off the accelerations at the last evaluation, by their multipliers.
-
-    Returns:
-        (size,) the sums, and the sums of the sizes: forces of several joints may cancel each other.
-    """
-    entries, holds, members = joints.entries, joints.holds, joints.members
-    force = np.where(holds.member < 0, joints.multipliers[entries.row[holds.entry]], 0.0)
-    pull = np.where(members.row < 0, 0.0, members.sign * joints.multipliers[members.row])
-    np.add.at(force, members.hold, pull)
-    is_child = members.parent >= 0
-    np.add.at(force, members.hold[members.parent[is_child]], -pull[is_child])
-    total, sizes = np.zeros((2, size))
-    for e, share in zip(holds.entry, holds.sign * force, strict=True):
-        first, width, dof = entries.first[e], entries.width[e], entries.dof[e]
-        effect = entries.response[first : first + width] * share
-        total[dof : dof + width] += effect
-        sizes[dof : dof + width] += abs(effect)
-    effect_on_nodes(joints.nodes, total, sizes)
-    return total, sizes

@@ -10,7 +10,7 @@ a node, see `cable.saddle_point`. Multipliers follow the coordinates that they a
 elimination, so that no pivot vanishes: what is left of A among coordinates is positive definite.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,7 +32,6 @@ class Nodes(NamedTuple):
     basis: (K, dim, dim - 1) transverse to slopes.   free: (K, 2) see `records.node_type`.
     entry: (R,).   node: (R, 2) first of its nodes, and after the last.   base: (R,) first coordinate of its
         first node on the cable.   first: (R,) where its places begin in `row_into`, 2 dim - 1 a node.
-    correction, effect: (2 dim K,) d of a solve, and of the accelerations.
     """
 
     dof: np.ndarray
@@ -47,8 +46,6 @@ class Nodes(NamedTuple):
     base: np.ndarray
     first: np.ndarray
     row_into: np.ndarray
-    correction: Array
-    effect: Array
 
 
 @inlined
@@ -162,40 +159,15 @@ def add_rates_of_nodes(held, entries, places, x, unknowns):
 
 @inlined
 def correct_nodes(held, unknowns, x):
-    """x -= d, and d added to `correction`.   x: (n,)."""
+    """x -= d.   x: (n,)."""
     dim = held.basis.shape[1]
     for c in range(len(held.dof)):
-        at, own = held.dof[c], 2 * dim * held.begin[c]
+        at = held.dof[c]
         for k in range(held.begin[c], held.begin[c + 1]):
             for i in range(dim):
                 turn = 0.0
                 for j in range(dim - 1):
                     turn += held.basis[k, i, j] * unknowns[held.place[k, dim + j]]
-                held.correction[own + i] += unknowns[held.place[k, i]]
-                held.correction[own + dim + i] += turn
                 x[at + i] -= unknowns[held.place[k, i]]
                 x[at + dim + i] -= turn
-            at, own = at + 2 * dim, own + 2 * dim
-
-
-@inlined
-def clear_correction(held):
-    """Before a solve."""
-    for i in range(len(held.correction)):
-        held.correction[i] = 0.0
-
-
-@inlined
-def keep_effect(held):
-    """That of the solve just made, for the accelerations."""
-    for i in range(len(held.effect)):
-        held.effect[i] = held.correction[i]
-
-
-def effect_on_nodes(held: Any, total: Array, sizes: Array) -> None:
-    """Add what joints took off the accelerations of these cables, and its size.   total, sizes: (n,)."""
-    for dof, begin, end in zip(held.dof, held.begin, held.begin[1:], strict=False):
-        size = held.place.shape[1]
-        own, effect = slice(dof, dof + size * (end - begin)), held.effect[size * begin : size * end]
-        total[own] += effect
-        sizes[own] += abs(effect)
+            at += 2 * dim

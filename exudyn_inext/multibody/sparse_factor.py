@@ -43,10 +43,10 @@ def find_order(pairs: np.ndarray, number: int) -> np.ndarray:
     """
     if number <= FEW:
         return np.arange(number)
-    one, other = pairs.T
-    matrix = csc_array((np.full(len(pairs), -0.5 / len(pairs)), (one, other)), shape=(number, number))
-    matrix = (matrix + matrix.T).tocsc()
-    matrix.setdiag(2.0)
+    column, row = np.divmod(np.unique((pairs * number + pairs[:, ::-1]).ravel()), number)
+    values = np.where(row == column, 2.0, -1.0 / len(pairs))
+    start = np.searchsorted(column, np.arange(number + 1))
+    matrix = csc_array((values, row.astype(np.int32), start.astype(np.int32)), shape=(number, number))
     options = {"SymmetricMode": True}
     found = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
     return np.asarray(found.perm_c, dtype=np.int64)

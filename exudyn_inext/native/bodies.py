@@ -115,16 +115,16 @@ def read_bodies(mbs: Any, cables: Sequence[int], on_cables: np.ndarray, total: S
     Raises:
         SceneError: an object with mass on nodes of an inextensible cable.
     """
-    bodies = []
+    bodies, inner, of_cables = [], set(cables), set(on_cables.tolist())
     for number in range(mbs.systemData.NumberOfObjects()):
         coordinates = np.array(mbs.systemData.GetObjectLTGODE2(number), dtype=int)
-        if number in cables or not len(coordinates):
+        if number in inner or not len(coordinates):
             continue
         mass, tells_mass = _mass_of_object(mbs, number, coordinates, total)
         if not mass.any():
             continue
         data = mbs.GetObject(number)
-        if np.isin(coordinates, on_cables).any():
+        if not of_cables.isdisjoint(coordinates.tolist()):
             raise SceneError(
                 f"{described(data, number)} has mass and lies on nodes of an inextensible cable: put it on "
                 "the cable by AddPointMass, give it no mass (a companion for markers and contact), or give "
@@ -222,8 +222,8 @@ class BodyMasses:
         constant = [group for group in groups if all(body.has_constant_mass for body in group)]
         variable = [group for group in groups if not all(body.has_constant_mass for body in group)]
         of_constant = _coordinates_of([body for group in constant for body in group])
-        self.held = np.intersect1d(of_constant, np.array(sorted(holdable), dtype=int))
-        self.coordinates = np.setdiff1d(_coordinates_of(bodies), self.held)
+        self.held = of_constant[np.isin(of_constant, sorted(holdable))] if holdable else np.zeros(0, int)
+        self.coordinates = self._free(bodies)
         self.held_mass = np.zeros((len(self.held), len(self.held)))
         self.coupling = np.zeros((len(self.held), len(self.coordinates)))
         if len(self.held):
@@ -231,16 +231,18 @@ class BodyMasses:
             self.held_mass[:] = initial[np.ix_(self.held, self.held)].toarray()
             self.coupling[:] = initial[np.ix_(self.held, self.coordinates)].toarray()
         self._needs_total = not all(body.tells_mass for group in variable for body in group)
-        sizes = sorted({len(self._dofs_of(group)) for group in variable})
-        self._stacks = [self._stack(size, variable, quaternions) for size in sizes]
+        by_size: dict[int, list[tuple[list[Body], np.ndarray]]] = {}
+        for group in variable:
+            dofs = self._dofs_of(group)
+            by_size.setdefault(len(dofs), []).append((group, dofs))
+        self._stacks = [self._stack(alike, quaternions) for _, alike in sorted(by_size.items())]
         blocks = [MassBlock(self._dofs_of(group), self._initial_mass(group)) for group in constant]
         initial = np.array(mbs.systemData.GetODE2Coordinates(exudyn.ConfigurationType.Initial))
-        pairs = [(block.dofs, block.mass) for block in blocks]
+        alike = [(block.dofs[np.newaxis], block.mass[np.newaxis]) for block in blocks]
         for stack in self._stacks:
-            masses = self._masses_with_normals(stack, initial[self.coordinates])
-            pairs += zip(stack.blocks.dofs, masses, strict=True)
-        for dofs, mass in pairs:
-            require_mass(mbs, self.coordinates[dofs[_without_mass(mass)]])
+            alike.append((stack.blocks.dofs, self._masses_with_normals(stack, initial[self.coordinates])))
+        for dofs, masses in alike:
+            require_mass(mbs, self.coordinates[_without_mass(dofs, masses)])
         variables = [stack.blocks for stack in self._stacks]
         self.system = BodiesSystem(len(self.coordinates), blocks, variables, zeta)
 
@@ -261,18 +263,20 @@ class BodyMasses:
     def _local(self, coordinates: np.ndarray) -> np.ndarray:
         return np.searchsorted(self.coordinates, coordinates)
 
+    def _free(self, bodies: Sequence[Body]) -> np.ndarray:
+        """Places of their coordinates that are not held, sorted."""
+        places = _coordinates_of(bodies)
+        return np.setdiff1d(places, self.held) if len(self.held) else places
+
     def _dofs_of(self, group: Sequence[Body]) -> np.ndarray:
-        return self._local(np.setdiff1d(_coordinates_of(group), self.held))
+        return self._local(self._free(group))
 
     def _stack(
-        self, size: int, variable: Sequence[Sequence[Body]], quaternions: Sequence[Quaternion]
+        self, groups: Sequence[tuple[Sequence[Body], np.ndarray]], quaternions: Sequence[Quaternion]
     ) -> _Stack:
-        groups = [group for group in variable if len(self._dofs_of(group)) == size]
-        dofs = np.stack([self._dofs_of(group) for group in groups])
-        bodies = [
-            [(body, self._places(own, body.coordinates)) for body in group]
-            for group, own in zip(groups, dofs, strict=True)
-        ]
+        """Of groups with equally many coordinates, and their places."""
+        dofs = np.stack([own for _, own in groups])
+        bodies = [[(body, self._places(own, body.coordinates)) for body in group] for group, own in groups]
         first, reference = np.full(len(groups), -1), np.zeros((len(groups), 4))
         for quaternion in quaternions:
             own = self._local(quaternion.coordinates)
@@ -334,13 +338,18 @@ def require_mass(mbs: Any, without: np.ndarray) -> None:
             )
 
 
-def _without_mass(mass: Array) -> np.ndarray:
-    """Coordinates of a block (k, k) along which nothing resists; none, if it has an inverse."""
-    sizes = np.sqrt(np.maximum(np.diagonal(mass), 0.0))
+def _without_mass(dofs: np.ndarray, masses: Array) -> np.ndarray:
+    """Coordinates along which nothing resists; none, if all blocks have inverses.
+
+    dofs: (B, k).   masses: (B, k, k).
+    """
+    sizes = np.sqrt(np.maximum(np.diagonal(masses, axis1=1, axis2=2), 0.0))
     sizes[sizes == 0.0] = 1.0
-    scaled = mass / np.outer(sizes, sizes)
+    scaled = masses / (sizes[:, :, np.newaxis] * sizes[:, np.newaxis])
     with suppress(np.linalg.LinAlgError):
-        if np.diagonal(np.linalg.cholesky(scaled)).min() ** 2 > _SINGULAR:
+        if np.diagonal(np.linalg.cholesky(scaled), axis1=1, axis2=2).min() ** 2 > _SINGULAR:
             return np.zeros(0, dtype=int)
-    shape = np.abs(np.linalg.eigh(scaled)[1][:, 0])
-    return np.flatnonzero(shape == shape.max())
+    rests, vectors = np.linalg.eigh(scaled)
+    worst = int(np.argmin(rests[:, 0]))
+    shape = np.abs(vectors[worst, :, 0])
+    return dofs[worst, shape == shape.max()]

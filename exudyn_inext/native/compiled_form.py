@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..arrays import Array
 from ..multibody.build import build_scene
-from ..multibody.joints import effect_of_joints
 from ..multibody.scene import accelerate_and_project_scene, subtract_inertia_forces
 from ..run.compiled_scene import CompiledScene, SceneLoads, cables_of_kinds
 from ..run.parts_in_one import CompiledParts
@@ -19,6 +19,7 @@ from .known.unknown import UnknownItemError
 
 if TYPE_CHECKING:
     from .coupled_scene import CoupledCable, CoupledScene
+    from .joint_rows import JointRows
 
 MOST_KINDS = 2  # of cables
 TOLERANCE = 1e-9  # of forces, accelerations, joints and their rates, relative
@@ -55,7 +56,8 @@ def compiled_form(
     if not_compiled := next(filter(None, (of_cable.not_compiled for of_cable in loads)), ""):
         raise UnknownItemError(not_compiled)
     on_cables = places[-1].stop if places else 0
-    scene.surroundings.forces(t, q, v)  # mbs is in this state, too
+    q, v = _with_unit_quaternions(scene.rows, np.array([[q, v]]))[0]
+    scene.surroundings.set_state(t, q, v)
     elsewhere = scene.elsewhere.union(cable.number for cable in scene.cables)
     known, numbers = read_known_items(
         scene.mbs, scene.bodies, scene.joints, scene.map, on_cables, elsewhere, q, has_forces, scene.moved
@@ -94,66 +96,97 @@ def require_agreement(
     Raises:
         UnknownItemError: they differ; the message says where.
     """
-    random = np.random.default_rng(1)
-    for number in range(1 + STATES):
-        at, rates = q.copy(), v.copy()
-        if number:
-            at += WAY * random.uniform(-1.0, 1.0, len(q))
-            rates += SPEED * random.uniform(-1.0, 1.0, len(q))
-            scene.map.repeat(at)
-            scene.map.repeat(rates)
-        _normalise(form.system.items.bodies, at)
-        scene.surroundings.forces(t, at, rates)
-        scene.body_system.project(rates[scene.map.slices[-1]])
+    wanted, found, external = [], [], form.loads.at(t)
+    states = _states(scene, q, v)
+    for at, rates in states:
+        given = scene.surroundings.forces(t, at, rates)[-1]
         if not has_forces:
             form.given[:] = scene.surroundings.native_forces
             subtract_inertia_forces(form.system.items.bodies, at, rates, form.given)
-        _compare_parts(scene, form, t, at, rates)
-        if scene.joints:
-            _compare_joints(scene, form, t, at, rates)
+        found.append(_evaluated(form, external, at, rates))
+        wanted.append(_evaluated_by_exudyn(scene, t, at, rates, given, form.multipliers))
+    parts, own_parts = (np.array([one[0] for one in side]) for side in (wanted, found))
+    _compare_parts(scene, parts, own_parts, np.array([sizes for _, _, sizes in wanted]))
+    if scene.joints:
+        size, speed = np.abs(states).max(axis=(0, 2), initial=1.0).tolist()
+        rows, own_rows = (np.array([one[1] for one in side]) for side in (wanted, found))
+        _compare_joints(scene, rows, own_rows, size, speed)
 
 
-def _normalise(bodies: Any, q: Array) -> None:
-    """Quaternions in q (n,) to the norm of one, in place."""
-    turning = bodies[bodies["rotations"] == 4]
-    places = (turning["first"] + turning["translations"])[:, np.newaxis] + np.arange(4)
-    p = q[places] + turning["reference"][:, 3:]
-    q[places] += p / np.linalg.norm(p, axis=1, keepdims=True) - p
+def _states(scene: CoupledScene, q: Array, v: Array) -> Array:
+    """(1 + STATES, 2, n) coordinates and velocities, the given ones first."""
+    states = np.tile(np.array([q, v]), (1 + STATES, 1, 1))
+    states[1:] += _random_changes(len(q))
+    scene.map.repeat(states)
+    return _with_unit_quaternions(scene.rows, states)
 
 
-def _compare_parts(scene: CoupledScene, form: CompiledScene, t: float, q: Array, v: Array) -> None:
-    """Forces on the cables, and accelerations of the bodies without joints."""
-    given = scene.surroundings.forces(t, q, v)
-    bodies, items, number = scene.map.slices[-1], form.system.items, form.system.cable_dofs
-    wanted, found, rate = np.zeros((3, len(q)))
-    bodies_rates(scene.body_system, given[-1], q[bodies], v[bodies], wanted[bodies], rate[bodies])
-    accelerate_and_project_scene(form.system, form.loads.at(t), q, v, 0.0, found, rate)
-    of_joints, pulls = effect_of_joints(items.joints, len(q))
-    found += of_joints
-    wanted[:number], found[:number] = scene.surroundings.native_forces[:number], items.force[:number]
+@lru_cache(maxsize=8)
+def _random_changes(size: int) -> Array:
+    """(STATES, 2, size) of coordinates and velocities, always the same ones."""
+    changes = np.random.default_rng(1).uniform(-1.0, 1.0, (STATES, 2, size))
+    return changes * np.array([[WAY], [SPEED]])
+
+
+def _with_unit_quaternions(rows: JointRows, states: Array) -> Array:
+    """The same states (k, 2, n), see `_states`, in which quaternions have, and keep, the norm of one."""
+    p, rate = np.moveaxis(states[:, :, rows.quaternions], 1, 0)
+    p = p + rows.references
+    normal = p / np.sqrt((p * p).sum(axis=2, keepdims=True))
+    states[:, 0, rows.quaternions] += normal - p
+    states[:, 1, rows.quaternions] -= normal * (normal * rate).sum(axis=2, keepdims=True)
+    return states
+
+
+def _evaluated(form: CompiledScene, external: Array, q: Array, v: Array) -> tuple[Array, Array]:
+    """(n,) forces on the cables, and accelerations of the bodies; and (4, m) of joints."""
+    system, (result, rate) = form.system, np.zeros((2, len(q)))
+    accelerate_and_project_scene(system, external, q, v, 0.0, result, rate)
+    result[: system.cable_dofs] = system.items.force[: system.cable_dofs]
+    joints = system.items.joints
+    drift = -joints.rows["drift"][:, 0]
+    return result, np.array([joints.value, joints.rate - drift, joints.gamma, drift])
+
+
+def _evaluated_by_exudyn(
+    scene: CoupledScene, t: float, q: Array, v: Array, given: Array, multipliers: Array
+) -> tuple[Array, Array, Array]:
+    """As `_evaluated`, with these multipliers (m,) of the joints.   given: forces on the bodies.
+
+    Of the joints: values, rates, second derivatives along the motion, and rates of what moves them. The last
+    result is the sizes (n,) of what may cancel: accelerations by each row of the joints.
+    """
+    result, bodies, rows = scene.surroundings.native_forces.copy(), scene.map.slices[-1], np.zeros((4, 0))
+    if scene.joints:
+        terms = scene.surroundings.constrain(t, q, v)
+        rows = np.array([terms.value, np.zeros(len(terms.value)), terms.gamma, terms.drift])
+    rate = np.zeros(bodies.stop - bodies.start)
+    bodies_rates(scene.body_system, given, q[bodies], v[bodies], result[bodies], rate)
+    sizes = np.abs(result)
+    for block in scene.surroundings.blocks:
+        rows[1, block.rows] += block.jacobian @ v[block.dofs]
+        if block.dofs == bodies:
+            pulls = scene.body_system.responses(multipliers[block.rows, np.newaxis] * block.jacobian)
+            result[bodies] -= pulls.sum(axis=0)
+            sizes[bodies] += np.abs(pulls).sum(axis=0)
+    return result, rows, sizes
+
+
+def _compare_parts(scene: CoupledScene, wanted: Array, found: Array, sizes: Array) -> None:
+    """wanted, found, sizes: (states, n)."""
     for dofs in scene.map.slices:
-        scale = max(float(np.abs(x[dofs]).max(initial=SMALLEST)) for x in (wanted, pulls))
-        wrong = np.flatnonzero(~(np.abs(wanted - found)[dofs] <= TOLERANCE * scale))
+        scale = sizes[:, dofs].max(initial=SMALLEST)
+        wrong = np.flatnonzero(~(np.abs(wanted - found)[:, dofs] <= TOLERANCE * scale).all(axis=0))
         if len(wrong):
             where = scene.coordinate_name(scene.map.indices[dofs][wrong[0]])
             raise UnknownItemError(f"{where}, on which Exudyn's forces are others")
 
 
-def _compare_joints(scene: CoupledScene, form: CompiledScene, t: float, q: Array, v: Array) -> None:
-    """Values, rates and second derivatives along the motion, as `_compare_parts` has left them."""
-    terms, joints = scene.surroundings.constrain(t, q, v), form.system.items.joints
-    size, speed = max(1.0, float(np.abs(q).max())), max(1.0, float(np.abs(v).max()))
-    rates = np.zeros(len(joints.value))
-    for block in scene.surroundings.blocks:
-        rates[block.rows] += block.jacobian @ v[block.dofs]
-    drift = -joints.rows["drift"][:, 0]
-    compared = (
-        (terms.value, joints.value, TOLERANCE * size),
-        (rates, joints.rate - drift, TOLERANCE * size * speed),
-        (terms.gamma, joints.gamma, OF_DIFFERENCES * size * speed**2),
-        (terms.drift, drift, OF_DIFFERENCES * max(1.0, float(np.abs(drift).max(initial=0.0)))),
-    )
-    for wanted, found, tolerance in compared:
-        wrong = np.flatnonzero(~(np.abs(wanted - found) <= tolerance))
-        if len(wrong):
-            raise UnknownItemError(f"{scene.surroundings.joints[wrong[0]]} which Exudyn evaluates otherwise")
+def _compare_joints(scene: CoupledScene, wanted: Array, found: Array, size: float, speed: float) -> None:
+    """wanted, found: (states, 4, m).   size, speed: largest coordinate and velocity, at least 1."""
+    drift = OF_DIFFERENCES * max(1.0, float(np.abs(found[:, 3]).max()))
+    tolerance = (TOLERANCE * size, TOLERANCE * size * speed, OF_DIFFERENCES * size * speed**2, drift)
+    is_right = (np.abs(wanted - found) <= np.array(tolerance)[:, np.newaxis]).all(axis=(0, 1))
+    if not is_right.all():
+        which = scene.surroundings.joints[int(np.argmin(is_right))]
+        raise UnknownItemError(f"{which} which Exudyn evaluates otherwise")

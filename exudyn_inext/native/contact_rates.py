@@ -71,7 +71,8 @@ def open_contacts(mbs: Any, coordinates: CoordinateMap, size: int) -> OpenContac
     Args:
         mbs: assembled.   coordinates: of the coupled parts.   size: number of coordinates of all parts.
     """
-    contacts = [_read(mbs, number) for number in range(mbs.systemData.NumberOfObjects())]
+    data = mbs.systemData
+    contacts = [_read(mbs, number) for number in range(data.NumberOfObjects() if data.DataSize() else 0)]
     found = [contact for contact in contacts if contact is not None]
     if not found:
         return None

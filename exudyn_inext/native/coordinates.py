@@ -56,18 +56,18 @@ class CoordinateMap:
         return self._vector.tolist()
 
     def repeat(self, x: Array) -> None:
-        """Give coordinates that stand twice the values that they have in their first place, in x (n,)."""
+        """Give coordinates that stand twice the values that they have in their first place, in x (..., n)."""
         again = np.flatnonzero(self.of_forces < 0)
-        x[again] = x[self._first[self.indices[again]]]
+        x[..., again] = x[..., self._first[self.indices[again]]]
 
     def places(self, coordinates: np.ndarray) -> list[tuple[int, np.ndarray, np.ndarray]]:
         """(part, which of `coordinates` lie in it, their places there), for each part that is met."""
         at = self._first[coordinates]
         parts = np.where(at >= 0, self._part_of[at], -1)
         found = []
-        for part in np.unique(parts[parts >= 0]):
+        for part in sorted(set(parts.tolist()) - {-1}):
             own = np.flatnonzero(parts == part)
-            found.append((int(part), own, at[own] - self.slices[part].start))
+            found.append((part, own, at[own] - self.slices[part].start))
         return found
 
     def place(self, coordinate: int) -> int:

@@ -51,7 +51,8 @@ class CoupledScene:
     """The parts of a scene in one order: cables, bodies, first order states.
 
     system: all of it.   map: its coordinates in the mbs.   surroundings: forces and joints.
-    joints: native constraints that couple the parts.   held: coordinates that belong to no part.
+    joints: native constraints that couple the parts.   rows: theirs.
+    held: coordinates that belong to no part.
     cable_systems: of the cables, in memory that they share.
     parts_in_one: compiled code that evaluates bodies and joints, while Exudyn evaluates the forces, or None.
     """
@@ -102,7 +103,7 @@ class CoupledScene:
         evaluated = [part.whole or part for part in of_cables]
         wholes = [*{id(whole): whole for whole in evaluated}.values(), *others]
         self.joints = read_joints(mbs, own_constraints.union(self.held.numbers))
-        rows = JointRows(self.joints, quaternions, parts, self.map, masses.held)
+        self.rows = rows = JointRows(self.joints, quaternions, parts, self.map, masses.held)
         loads = [cable.loads for cable in cables]
         self.surroundings = NativeSurroundings(mbs, solver, wholes, self.map, loads, masses, rows, self.held)
         self.system = CoupledSystem(parts, self.surroundings, zeta, wholes)
@@ -248,16 +249,17 @@ class CoupledScene:
             with state_kept(self.mbs):
                 return compiled_form(self, t, q, v), ""
         except UnknownItemError as why:
-            if len(self.joints) or len(self.bodies):
-                self._join_in_one(t, q, v)
             return None, str(why)
         finally:
             self.surroundings.forget()
 
-    def _join_in_one(self, t: float, q: Array, v: Array) -> None:
-        """Let compiled code evaluate bodies and joints, if they have such forms."""
+    def compile_parts(self, t: float, q: Array, v: Array) -> None:
+        """See `JoinedScene`."""
+        if not (len(self.joints) or len(self.bodies)):
+            return
         with suppress(UnknownItemError), state_kept(self.mbs):
             self._take_parts(compiled_parts(self, t, q, v))
+        self.surroundings.forget()
 
     def _take_parts(self, parts: CompiledParts | None) -> None:
         self.parts_in_one = self.system.in_one = parts

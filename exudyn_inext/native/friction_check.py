@@ -32,7 +32,8 @@ class FrictionCheck:
     def __init__(self, mbs: Any) -> None:
         self._mbs = mbs
         system = mbs.systemData
-        self._numbers = [n for n in range(system.NumberOfObjects()) if _is_checked(mbs.GetObject(n))]
+        objects = range(system.NumberOfObjects() if system.DataSize() else 0)  # contact remembers
+        self._numbers = [number for number in objects if _is_checked(mbs.GetObject(number))]
         places = [np.array(system.GetObjectLTGData(number), dtype=int) for number in self._numbers]
         self._states = [own[len(own) // 3 : 2 * len(own) // 3] for own in places]
         self._limits = [mbs.GetObject(number)["frictionCoefficient"] for number in self._numbers]

@@ -22,6 +22,7 @@ class JointRows:
 
     names: (m,) of the rows.   blocks: Jacobian by parts, overwritten at each evaluation.
     on_held: (k, m) its transpose for coordinates that lie in no part.
+    quaternions: (Q, 4) places of those of bodies.   references: (Q, 4) what separates them from Exudyn's.
 
     Args:
         held: (k,) places of these in the system vector.
@@ -59,8 +60,8 @@ class JointRows:
             (own, *_common(joint.coordinates, held)) for own, joint in zip(rows, joints, strict=True)
         ]
         of_nodes = [[coordinates.place(c) for c in q.coordinates] for q in quaternions]
-        self._quaternions = np.array(of_nodes, dtype=int).reshape(-1, 4)
-        self._references = np.array([q.reference for q in quaternions], dtype=float).reshape(-1, 4)
+        self.quaternions = np.array(of_nodes, dtype=int).reshape(-1, 4)
+        self.references = np.array([q.reference for q in quaternions], dtype=float).reshape(-1, 4)
 
     @property
     def number(self) -> int:
@@ -100,7 +101,7 @@ class JointRows:
         Exudyn's Jacobians are those of rotations: they do not see a change of that norm.
         """
         moved = q + duration * v
-        _keep_norms(self._quaternions, self._references, q, moved)
+        _keep_norms(self.quaternions, self.references, q, moved)
         return moved
 
     def terms(self, value_at: Callable[[float, Array], Array], t: float, q: Array, v: Array) -> JointTerms:
@@ -124,6 +125,8 @@ class JointRows:
 
 def _common(coordinates: np.ndarray, held: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Where those that are held stand in both."""
+    if not len(held):
+        return held, held
     _, columns, places = np.intersect1d(coordinates, held, return_indices=True)
     return columns, places
 

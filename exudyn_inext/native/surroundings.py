@@ -111,7 +111,7 @@ class NativeSurroundings:
 
     def forces(self, t: float, q: Array, v: Array) -> Sequence[Array]:
         """Gravity and motions of the cables, and all that Exudyn's items do to the parts."""
-        self._set_state(t, q, v)
+        self.set_state(t, q, v)
         if self.settles:
             self._settle()
         self._solver.ComputeODE2RHS(self._mbs)
@@ -210,7 +210,7 @@ class NativeSurroundings:
         if not self._remembers:
             return
         if not self.settles:
-            self._set_state(t, q, v)
+            self.set_state(t, q, v)
             self._settle()
         self._data.SetDataCoordinates(self._data.GetDataCoordinates(), _START_OF_STEP)
 
@@ -221,7 +221,7 @@ class NativeSurroundings:
 
     def show(self, t: float, state: Any, multipliers: Array) -> None:
         """Leave the state at t in mbs, with the Lagrange multipliers of all algebraic equations."""
-        self._set_state(t, state.q, state.v)
+        self.set_state(t, state.q, state.v)
         self._data.SetAECoordinates(multipliers)
 
     def equations(self, rows: Array) -> Array:
@@ -250,7 +250,8 @@ class NativeSurroundings:
         self._data.SetTime(t)
         self._data.SetODE2Coordinates(self._coordinates.displacements(q[: len(self._coordinates.indices)]))
 
-    def _set_state(self, t: float, q: Array, v: Array) -> None:
+    def set_state(self, t: float, q: Array, v: Array) -> None:
+        """Bring mbs to the state (q, v) at t [s]."""
         self._set_positions(t, q)
         number = len(self._coordinates.indices)
         self._data.SetODE2Coordinates_t(self._coordinates.rates(v[:number]))
@@ -333,8 +334,10 @@ def switched_off(mbs: Any, cables: Sequence[int], constraints: Sequence[int] = (
         "dampingMatrix": np.zeros((0, 0)),
         "forceVector": [],
     }
-    saved = [(number, name, mbs.GetObject(number)[name]) for number in cables for name in nothing]
-    saved = [(number, name, value) for number, name, value in saved if _is_set(value)]
+    objects = ((number, mbs.GetObject(number)) for number in cables)
+    saved = [
+        (number, name, data[name]) for number, data in objects for name in nothing if _is_set(data[name])
+    ]
     active = [number for number in constraints if mbs.GetObjectParameter(number, "activeConnector")]
     try:
         for number, name, _ in saved:

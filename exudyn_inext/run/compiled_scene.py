@@ -196,9 +196,14 @@ class CompiledScene:
 
     def require_independence(self) -> None:
         """Raise RedundantConstraintError if a joint depends on others."""
+        if self.has_dependent_joints:
+            raise _dependent(self.system.items.joints, self._names)
+
+    @property
+    def has_dependent_joints(self) -> bool:
+        """Whether a joint depends on others, as seen at the last evaluation."""
         joints = self.system.items.joints
-        if len(joints.rows) and joints.dependent[0] >= 0:
-            raise _dependent(joints, self._names)
+        return len(joints.rows) > 0 and bool(joints.dependent[0] >= 0)
 
     def evaluate(self, cables: Sequence[Cable], times: Array, history: Array) -> Array:
         """Accelerations of states, by the mass as it is; see `evaluate_states`.

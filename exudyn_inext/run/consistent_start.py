@@ -55,10 +55,12 @@ def worst_violations(
     speed = max(1.0, float(np.abs(v).max()))
     rests = not (v.any() or scene_cable.moving)  # then no rate can be wrong
     of_places, of_rates = Violation(0.0, PLACES), Violation(0.0, RATES)
-    if rests and _is_kept(system, scene_cable.cable, q):
+    is_kept = _is_kept(system, scene_cable.cable, q)
+    if rests and is_kept:
         return of_places, of_rates
     for constraint in constraints_of_cable(scene_cable.cable):
-        of_places = _worse(of_places, constraint, constraint.value(q, time))
+        if not is_kept:
+            of_places = _worse(of_places, constraint, constraint.value(q, time))
         if not rests:
             with np.errstate(invalid="ignore"):  # of what is infinite
                 of_rates = _worse(of_rates, constraint, constraint.rate(q, v, time) / speed)
@@ -101,15 +103,18 @@ def found(scene_cable: CableInScene, violation: Violation, tolerance: float) -> 
     )
 
 
-def settle(system: Any, inputs: Array, q: Array, v: Array) -> None:
+def settle(system: Any, inputs: Array, q: Array, v: Array, projected: Array | None = None) -> None:
     """Move q and v (n_dof,) onto the constraints of a system, in the mass metric, in place.
 
     Args:
         system: with the protocols of `system`; its memory is used.   inputs: its external force.
+        projected: (n_dof,) v on the constraints, if the system has just been evaluated at q and v.
     """
-    memory, end_velocity, correction = (np.zeros(q.size) for _ in range(3))
-    for _ in range(_ITERATIONS):
-        accelerate_and_project(system, inputs, q, v, 0.0, memory, end_velocity)
+    memory, correction = np.zeros((2, q.size))
+    end_velocity = np.zeros(q.size) if projected is None else projected
+    for number in range(_ITERATIONS):
+        if number or projected is None:
+            accelerate_and_project(system, inputs, q, v, 0.0, memory, end_velocity)
         if not correct_position(system, inputs, q, ROUND_OFF, 0.0, correction) > ROUND_OFF:
             break
         q += correction

@@ -20,7 +20,7 @@ from ..system import accelerate_and_project, index_reduced_rates
 from .cable_run import CableRun, Start
 from .compiled_scene import ChangedItem, CompiledScene, Steps
 from .consistent_start import StartCorrection, agree
-from .coupled_start import consistent_start
+from .coupled_start import compiled_start, consistent_start
 from .coupled_watch import LENIENCE, CoupledWatch
 from .divergence import explanation, listed
 from .joined_scene import EvaluatedScene, JoinedScene, OpenContacts
@@ -73,12 +73,13 @@ class CoupledRun(PacedRun):
         self._form: CompiledScene | None = None
         self._end_of_step = start.time  # until which joints are moved [s]
         with self._naming_straight_cables():
+            self._form, self._why_not = scene.compiled(start.time, self.state.q, self.state.v)
             if end_of_step is None:
                 self._project(start)
-        self._form, self._why_not = scene.compiled(start.time, self.state.q, self.state.v)
-        with self._naming_straight_cables():
-            if end_of_step is not None:
+            else:
                 self._approach(start.time, end_of_step)
+        if not (self._form or self.approaches):
+            scene.compile_parts(start.time, self.state.q, self.state.v)
         self._tracker: VibrationTracker | None = None
         self._rejects = start.rejects
         self.control = StepControl(rejects=start.rejects)
@@ -113,9 +114,9 @@ class CoupledRun(PacedRun):
         scene, state = self._scene, self.state
         scene.take_hold(state.v, start.tolerance)
         with self._mass_as_it_is():
-            self.start_correction = consistent_start(
-                scene.system, self.cables, start.time, state.q, state.v, start.tolerance
-            )
+            given = start.time, state.q, state.v, start.tolerance
+            correction = compiled_start(self._form, *given) if self._form else None
+            self.start_correction = correction or consistent_start(scene.system, self.cables, *given)
 
     @contextmanager
     def _naming_straight_cables(self) -> Iterator[None]:

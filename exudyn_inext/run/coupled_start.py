@@ -9,6 +9,7 @@ from ..cable.cable import Cable
 from ..errors import SceneError
 from ..scene.coupled_system import CoupledSystem
 from ..system import accelerate_and_project
+from .compiled_scene import CompiledScene
 from .consistent_start import PLACES, RATES, StartCorrection, settle
 from .start_velocities import kinetic_energy, warn_of_velocities
 
@@ -31,16 +32,37 @@ def consistent_start(
     if not system.has_joints:
         return StartCorrection()
     given_q, given_v = q.copy(), v.copy()
-    external = np.array([time])
-    accelerate_and_project(system, external, q, v, 0.0, np.zeros(len(q)), np.zeros(len(q)))
+    external, (a, projected) = np.array([time]), np.zeros((2, len(q)))
+    accelerate_and_project(system, external, q, v, 0.0, a, projected)
     said = _violations(system, time, q, v, tolerance)
     before = _kinetic_energy(system, cables, v) if said else 0.0
-    settle(system, external, q, v)
+    settle(system, external, q, v, projected)
     if said:
         warn_of_velocities(said, before, _kinetic_energy(system, cables, v))
-    return StartCorrection(
-        position=float(np.abs(q - given_q).max()), velocity=float(np.abs(v - given_v).max())
-    )
+    return _correction(q - given_q, v - given_v)
+
+
+def compiled_start(
+    form: CompiledScene, time: float, q: Array, v: Array, tolerance: float
+) -> StartCorrection | None:
+    """As `consistent_start`, in compiled code; None where joints are violated, or depend on each other."""
+    joints = form.system.items.joints
+    if not len(joints.rows):
+        return StartCorrection()
+    given_q, given_v = q.copy(), v.copy()
+    external, (a, projected) = form.loads.at(time), np.zeros((2, len(q)))
+    accelerate_and_project(form.system, external, q, v, 0.0, a, projected)
+    speed = max(1.0, float(np.abs(v).max()))
+    worst = np.abs([joints.value, joints.rate / speed]).max()
+    if form.has_dependent_joints or not worst <= tolerance:
+        return None
+    settle(form.system, external, q, v, projected)
+    return _correction(q - given_q, v - given_v)
+
+
+def _correction(way: Array, change: Array) -> StartCorrection:
+    """way, change: (n,) of coordinates and of velocities."""
+    return StartCorrection(position=float(np.abs(way).max()), velocity=float(np.abs(change).max()))
 
 
 def _violations(system: CoupledSystem, time: float, q: Array, v: Array, tolerance: float) -> str:

@@ -139,10 +139,10 @@ class JoinedScene(EvaluatedScene, Protocol):
         """Whose coordinate it is, by its place in the system vector."""
 
     def compiled(self, t: float, q: Array, v: Array) -> tuple[CompiledScene | None, str]:
-        """The same scene in compiled code, or None and why there is none; (q, v) is a state at t [s].
+        """The same scene in compiled code, or None and why there is none; (q, v) is a state at t [s]."""
 
-        If there is none, Exudyn evaluates the forces, and compiled code bodies and joints, where it can.
-        """
+    def compile_parts(self, t: float, q: Array, v: Array) -> None:
+        """Let compiled code evaluate bodies and joints where it can; Exudyn evaluates the forces."""
 
     def leave_compiled_parts(self) -> None:
         """Let Exudyn evaluate bodies and joints, too."""

@@ -5,6 +5,7 @@ Runs in plain Python: forces come from outside, and each part is one call.
 """
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -107,14 +108,22 @@ class CoupledSystem:
     ) -> None:
         self.parts = parts
         self.wholes = parts if wholes is None else wholes
-        self.resolved = [_resolve(part) for part in self.wholes]
         self.surroundings = surroundings
         self.zeta = zeta
-        self.solve = JointSolve(surroundings.blocks, surroundings.joints)
         self.foresight = np.zeros(len(surroundings.joints))
         self.multipliers = np.zeros(len(surroundings.joints))
         self.drift = np.zeros(len(surroundings.joints))
         self.has_joints = len(surroundings.joints) > 0
+
+    @cached_property
+    def resolved(self) -> list[_Resolved]:
+        """The wholes."""
+        return [_resolve(part) for part in self.wholes]
+
+    @cached_property
+    def solve(self) -> JointSolve:
+        """Of the joints."""
+        return JointSolve(self.surroundings.blocks, self.surroundings.joints)
 
     def joint_force(self, dofs: slice) -> Array:
         """J^T nu on one part, at the last evaluation.   dofs: its place."""

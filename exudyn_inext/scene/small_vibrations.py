@@ -4,12 +4,15 @@ Both are eigenvalues of the constrained acceleration's derivatives, found by Arn
 differences of the system's own right-hand side: whatever acts on the parts takes part.
 """
 
+import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.linalg import lapack
 
 from ..arrays import Array
+from ..compiled import kernel, plain
 from ..system import accelerate_and_project
 
 STEP = 1e-6  # of the differences [m, -, m/s, 1/s]
@@ -54,33 +57,59 @@ def _operators(system: Any, external: Array, q: Array, v: Array) -> tuple[_Opera
 
     Arguments: see `fastest_rates`.
     """
-    rest = np.zeros(len(q))
-    evaluate = accelerate_and_project.dispatch(type(system))
-
-    def acceleration(at: Array, rates: Array) -> Array:
-        result, rate = np.zeros(len(q)), np.zeros(len(q))
-        evaluate(system, external, at, rates, 0.0, result, rate)
-        return result
+    memory, nothing = np.zeros((5, len(q))), np.zeros(len(q))
+    differentiate = _differentiate if isinstance(system, tuple) else plain(_differentiate)
 
     def projected(v: Array) -> Array:
-        result, memory = np.zeros(len(q)), np.zeros(len(q))
-        evaluate(system, external, q, v, 0.0, memory, result)
+        a, result = np.zeros((2, len(q)))
+        accelerate_and_project(system, external, q, v, 0.0, a, result)
         return result
 
-    offset = projected(rest)  # moving supports
+    offset = projected(nothing)  # moving supports
 
     def stiffness(x: Array) -> Array:
-        difference = acceleration(q - STEP * x, v) - acceleration(q + STEP * x, v)
-        return (projected(difference) - offset) / (2.0 * STEP)
+        result = np.zeros(len(q))
+        differentiate(system, external, q, v, x, False, offset, memory, result)
+        return result
 
     def damping(x: Array) -> Array:
-        def difference(step: float) -> Array:
-            return acceleration(q, -step * x) - acceleration(q, step * x)
-
-        smooth = difference(2.0 * STEP) - difference(STEP)  # a jump, as of Coulomb friction, drops out
-        return (projected(smooth) - offset) / (2.0 * STEP)
+        result = np.zeros(len(q))
+        differentiate(system, external, q, nothing, x, True, offset, memory, result)
+        return result
 
     return stiffness, damping, projected(np.cos(np.arange(len(q), dtype=float) ** 2 * 1.6180339887)) - offset
+
+
+@kernel
+def _differentiate(system, external, q, v, x, by_rates, offset, memory, result):
+    """Difference of -a over that of q along x, or of v, on the constraints; of those the smooth part alone.
+
+    A jump, as of Coulomb friction, drops out of d(2 h) - d(h), d(h) = a(-h) - a(h).
+
+    Args:
+        x: (n,).   by_rates: whether v changes.   offset: (n,) velocities of moving supports.
+        memory: (5, n).   result: (n,) output.   Others: see `fastest_rates`.
+    """
+    at, rates, a, projected, total = memory[0], memory[1], memory[2], memory[3], memory[4]
+    for i in range(len(q)):
+        at[i], rates[i], total[i] = q[i], v[i], 0.0
+    for number in range(4 if by_rates else 2):
+        step = 2.0 * STEP if by_rates and number < 2 else STEP
+        sign = 1.0 if number % 2 == 0 else -1.0
+        for i in range(len(q)):
+            if by_rates:
+                rates[i] = v[i] - sign * step * x[i]
+            else:
+                at[i] = q[i] - sign * step * x[i]
+            a[i] = 0.0
+        accelerate_and_project(system, external, at, rates, 0.0, a, projected)
+        for i in range(len(q)):
+            total[i] += sign * a[i] if number < 2 else -sign * a[i]
+    for i in range(len(q)):
+        a[i] = 0.0
+    accelerate_and_project(system, external, q, total, 0.0, a, projected)
+    for i in range(len(q)):
+        result[i] = (projected[i] - offset[i]) / (2.0 * STEP)
 
 
 class VibrationTracker:
@@ -124,7 +153,7 @@ def _largest_eigenvalue(operator: Callable[[Array], Array], start: Array, neglig
 
     def scaled(x: Array) -> Array:
         norm = float(np.abs(x).max())
-        return norm * operator(np.real(x) / norm) if norm > 0.0 else np.zeros(len(start))
+        return norm * operator(x / norm) if norm > 0.0 else np.zeros(len(start))
 
     if not start.any():
         return 0.0
@@ -133,7 +162,7 @@ def _largest_eigenvalue(operator: Callable[[Array], Array], start: Array, neglig
         return np.nan
     if np.linalg.norm(first) <= negligible * np.linalg.norm(start):
         return 0.0
-    return _positive(_by_arnoldi(scaled, start) if first.any() else 0.0)
+    return _positive(_by_arnoldi(scaled, start, first) if first.any() else 0.0)
 
 
 def _positive(value: float) -> float:
@@ -141,40 +170,62 @@ def _positive(value: float) -> float:
     return 0.0 if value <= 0.0 else value
 
 
-def _by_arnoldi(operator: Callable[[Array], Array], start: Array) -> float:
+def _by_arnoldi(operator: Callable[[Array], Array], start: Array, first: Array) -> float:
     """Largest real part of an eigenvalue, once its Ritz value has converged; NaN if something is not finite.
+
+    first: image of the start.
 
     At the latest after `MOST_STEPS`: within some (ln n / m)^2 of the range after m steps, n the coordinates:
     J. Kuczynski, H. Wozniakowski, SIAM J. Matrix Anal. Appl. 13 (1992) 1094-1122.
     """
     most, next_look, before = min(len(start), MOST_STEPS), FIRST_LOOK, np.inf
     basis, hessenberg = np.zeros((FIRST_LOOK, len(start))), np.zeros((most, most))
-    basis[0] = start / np.linalg.norm(start)
+    scale = np.linalg.norm(start)
+    basis[0] = start / scale
     for k in range(most):
-        image = operator(basis[k])
-        size = np.linalg.norm(image)
-        for _ in range(2):  # the second time against round-off
-            share = basis[: k + 1] @ image
-            image = image - share @ basis[: k + 1]
-            hessenberg[: k + 1, k] += share
-        norm = np.linalg.norm(image)
-        if not np.isfinite(norm):
-            return np.nan
+        image = operator(basis[k]) if k else first / scale
+        size = math.sqrt(image @ image)
+        norm = _orthogonalise(basis, k + 1, image, hessenberg[k])
+        if not math.isfinite(norm):
+            return math.nan
         is_last = k + 1 == most or norm <= ROUND_OFF * size
         if is_last or k + 1 == next_look:
-            value, error = _rightmost(hessenberg[: k + 1, : k + 1], float(norm))
+            value, error = _rightmost(hessenberg[: k + 1, : k + 1].T, norm)
             is_settled = abs(value - before) <= SETTLED * abs(value)
             if is_last or (is_settled and error <= ACCURACY * abs(value)):
                 return value
             next_look, before = int(GROWTH * next_look) + 1, value
             basis = np.concatenate([basis, np.zeros((next_look - len(basis), len(start)))])
-        hessenberg[k + 1, k] = norm
+        hessenberg[k, k + 1] = norm
         basis[k + 1] = image / norm
     raise AssertionError  # the last step returns
 
 
+@kernel
+def _orthogonalise(basis, number, image, shares):
+    """Take what lies along the first rows of a basis off the image; returns the norm of what is left.
+
+    Args:
+        basis: (k, n) orthonormal rows, of which `number` count.   image: (n,) in place.
+        shares: output: what was along each of them, added.
+    """
+    for _ in range(2):  # the second time against round-off
+        for j in range(number):
+            share = 0.0
+            for i in range(len(image)):
+                share += basis[j, i] * image[i]
+            for i in range(len(image)):
+                image[i] -= share * basis[j, i]
+            shares[j] += share
+    square = 0.0
+    for i in range(len(image)):
+        square += image[i] * image[i]
+    return np.sqrt(square)
+
+
 def _rightmost(matrix: Array, norm: float) -> tuple[float, float]:
     """Largest real part of a Ritz value, and the residual of its vector.   norm: of the next vector."""
-    values, vectors = np.linalg.eig(matrix)
-    which = int(np.argmax(values.real))
-    return float(values[which].real), norm * float(np.abs(vectors[-1, which]))
+    real, imaginary, _, vectors, _ = lapack.dgeev(matrix, compute_vl=0)
+    which = int(np.argmax(real))  # the first one of a complex pair, whose vector has two columns
+    last = vectors[-1, which : which + 2] if imaginary[which] else vectors[-1, which : which + 1]
+    return float(real[which]), norm * math.hypot(*last)

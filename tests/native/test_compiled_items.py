@@ -400,14 +400,12 @@ def moved(build, integrator, compiled):
     explicit = ExplicitSettings(integrator, stepSize=STEP, startTolerance=100.0)
     if integrator == "RATTLE":
         explicit = replace(explicit, massScaling=0.3, integrator=Rattle(tolerance=1e-13))
-    form = CoupledScene.compiled
-    if not compiled:
-        CoupledScene.compiled = lambda *_: (None, "this test")
-    try:
+    with pytest.MonkeyPatch.context() as patch:
+        if not compiled:
+            patch.setattr(CoupledScene, "compiled", lambda *_: (None, "this test"))
+            patch.setattr(CoupledScene, "compile_parts", lambda *_: None)
         with silence():
             report = SolveExplicit(mbs, quiet_settings(STEPS * STEP, 2), explicit)
-    finally:
-        CoupledScene.compiled = form
     data = mbs.systemData
     return np.array(data.GetODE2Coordinates()), np.array(data.GetAECoordinates()), report["path"]
 
@@ -513,7 +511,7 @@ def with_compiled_parts(kinds, seed, dimension, integrator, monkeypatch, toleran
         for kind in [*kinds, controlled]:
             kind(builder)
         if evaluated:
-            monkeypatch.setattr(CoupledScene, "_join_in_one", lambda *_: None)
+            monkeypatch.setattr(CoupledScene, "compile_parts", lambda *_: None)
         *coordinates, path = moved(lambda b=builder: b.mbs, integrator, compiled=True)
         monkeypatch.undo()
         assert ("bodies and joints are compiled" in path) is not evaluated, path
@@ -567,7 +565,7 @@ def test_a_body_that_changes_during_the_run_is_evaluated_by_exudyn_from_then_on(
         builder.mbs.SetPreStepUserFunction(lambda mbs, t, b=builder: heavier(mbs, t, b.bodies[0]))
         builder.mbs.Assemble()
         if evaluated:
-            monkeypatch.setattr(CoupledScene, "_join_in_one", lambda *_: None)
+            monkeypatch.setattr(CoupledScene, "compile_parts", lambda *_: None)
         found.append(run(builder)[0])
     np.testing.assert_allclose(*found, atol=1e-10)
 

@@ -1,6 +1,7 @@
 """Mass points and rigid bodies as records."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from types import SimpleNamespace
 from typing import Any
 
@@ -8,7 +9,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...items.arguments import described
-from ...multibody.bodies import BODY, move_body, place_body
+from ...multibody.bodies import BODY, place_body
 from ..bodies import Body
 from ..coordinates import CoordinateMap
 from .unknown import UnknownItemError, require_no_functions
@@ -21,6 +22,7 @@ _COORDINATES = {
     "RigidBodyRxyz": (3, 3),
     "RigidBodyEP": (3, 4),
 }
+MOST_CONDITION = 1e15  # of a mass
 _OBJECTS = {"MassPoint", "MassPoint2D", "RigidBody2D", "RigidBody"}
 # numbers of translations and rotations -> directions in which a body can move, of the frame of the body
 _FREE = {
@@ -64,24 +66,25 @@ def _read_body(mbs: Any, body: Body, coordinates: CoordinateMap, q: Array, recor
     if places != list(range(places[0], places[0] + sum(kind))) or places[0] < 0:
         raise UnknownItemError(f"{name} has coordinates that are held")
     reference = np.asarray(node["referenceCoordinates"], dtype=float)
-    record.first = places[0]
-    record.translations, record.rotations = kind
-    record.reference[: kind[0]] = reference[: kind[0]]
-    record.reference[3 : 3 + kind[1]] = reference[kind[0] :][: kind[1]]
-    record.orientation[:] = np.eye(3)
-    record.rates[2, 0] = record.inverse_rates[0, 2] = 1.0  # in the plane
+    record["first"], record["translations"], record["rotations"] = places[0], *kind
     fields = SimpleNamespace(**{name: record[name] for name in BODY.names or ()})  # read faster than records
+    fields.reference[: kind[0]] = reference[: kind[0]]
+    fields.reference[3 : 3 + kind[1]] = reference[kind[0] :][: kind[1]]
+    fields.orientation[:] = np.eye(3)
+    fields.rates[2, 0] = fields.inverse_rates[0, 2] = 1.0  # in the plane
     place_body(fields, q)
-    move_body(fields, q, np.zeros(len(q)))
     free = _FREE[kind]
     if not (body.has_constant_mass or body.tells_mass):
         raise UnknownItemError(f"{name}, of which Exudyn does not tell the mass")
     mass = body.initial_mass if body.has_constant_mass else body.mass(mbs)
     fields.mass[:] = mass_in_frame(fields, mass)
-    own = fields.mass[np.ix_(free, free)]
-    if not np.linalg.cond(own) < 1e15:
-        raise UnknownItemError(f"{name} has no mass in one direction")
-    fields.inverse[np.ix_(free, free)] = np.linalg.inv(own)
+    among = np.ix_(free, free)
+    own = fields.mass[among]
+    with suppress(np.linalg.LinAlgError):
+        fields.inverse[among] = inverse = np.linalg.inv(own)
+        if np.abs(own).sum(axis=0).max() * np.abs(inverse).sum(axis=0).max() < MOST_CONDITION:
+            return
+    raise UnknownItemError(f"{name} has no mass in one direction")
 
 
 def mass_in_frame(body: Any, mass: Array) -> Array:

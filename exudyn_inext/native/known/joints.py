@@ -37,13 +37,11 @@ class _Joint:
 
     def row(self, kind: int, **fields: Any) -> Any:
         row = np.zeros(1, ROW)[0]
-        row.kind, row.factor = kind, fields.get("factor", 1.0)
-        row.points[:] = [place.point for place in self.places]
-        row.entry[:] = -1
-        row.function = -1
-        for name in ("component", "offset"):
-            setattr(row, name, fields.get(name, 0))
-        row.axes[:] = fields.get("axes", np.zeros((2, 3)))
+        row["points"] = [place.point for place in self.places]
+        row["entry"] = row["function"] = -1
+        given = {"kind": kind, "factor": 1.0, **fields}
+        for name, value in given.items():
+            row[name] = value
         return row
 
     def difference(self, i: int) -> Any:
@@ -99,7 +97,7 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved:
         found = read(data, joint.name, reader)
         of_joint = [found[k] for k in joint.active]
         if data.get("offsetUserFunction"):
-            of_joint[0].function, of_joint[0].rest = 3 * len(functions), 0.0
+            of_joint[0]["function"], of_joint[0]["rest"] = 3 * len(functions), 0.0
             functions.append(_offset_function(mbs, joint, data))
         elif joint.number in moved and data["objectType"] in _OFFSETS and of_joint:
             of_joint[0].function, of_joint[0].rest = 3 * len(functions), of_joint[0].offset

@@ -54,8 +54,8 @@ def read_load(mbs: Any, number: int, reader: PointReader) -> KnownLoad | None:
     record, scale = _placed(data, name, mbs, reader)
     value = data["load"] if data["loadType"] == "Coordinate" else data["loadVector"]
     components = scale * np.atleast_1d(np.asarray(value, dtype=float))
-    record.function = NONE
-    record.constant[: len(components)] = components
+    record["function"] = NONE
+    record["constant"][: len(components)] = components
     user_function = data.get("loadVectorUserFunction") or data.get("loadUserFunction")
     if not user_function:
         return KnownLoad(record, scale, None)
@@ -85,6 +85,6 @@ def _placed(data: dict[str, Any], name: str, mbs: Any, reader: PointReader) -> t
     if data.get("bodyFixed"):
         if not np.array_equal(place.turn, np.eye(3)):
             raise UnknownItemError(f"{name} in the frame of a marker that is turned")
-        record.is_fixed_to_body = 1
-    record.point, record.is_torque = place.point, int(kind == "TorqueVector")
+        record["is_fixed_to_body"] = 1
+    record["point"], record["is_torque"] = place.point, int(kind == "TorqueVector")
     return record, scale

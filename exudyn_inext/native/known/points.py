@@ -67,7 +67,7 @@ class PointReader:
         data = self._mbs.GetMarker(number)
         kind = data["markerType"]
         if kind in ("BodyPosition", "BodyRigid"):
-            turn = np.array(data["localHT"])[:3, :3] if "localHT" in data else np.eye(3)
+            turn = np.array(data["localHT"])[:3, :3] if "localHT" in data else _ALONG
             local = np.asarray(data["localPosition"], dtype=float)
             return self._on_object(int(data["bodyNumber"]), local, kind == "BodyRigid", turn)
         if kind in ("NodePosition", "NodeRigid"):
@@ -85,7 +85,7 @@ class PointReader:
     def fixed(self, position: Array, orientation: Array = _ALONG, has_frame: bool = True) -> Place:
         """A point of the ground."""
         point = _new(FIXED)
-        point.x[0], point.orientation[:] = position, orientation
+        point["x"][0], point["orientation"][:] = position, orientation
         return self._add(point, has_frame=has_frame)
 
     def _on_object(self, number: int, local: Array, has_frame: bool, turn: Array) -> Place:
@@ -108,13 +108,13 @@ class PointReader:
             UnknownItemError: a mass point has no frame.
         """
         record = self._bodies[body]
-        translations, rotations = int(record.translations), int(record.rotations)
+        translations, rotations = int(record["translations"]), int(record["rotations"])
         if has_frame and not rotations:
             raise UnknownItemError("a marker with a frame on a mass point")
-        point = _new(ON_BODY, int(record.first), translations + rotations)
-        point.body = body
-        point.local[:] = local
-        point.along[:, :translations] = np.eye(3)[:, :translations]
+        point = _new(ON_BODY, int(record["first"]), translations + rotations)
+        point["body"] = body
+        point["local"][:] = local
+        point["along"][:, :translations] = _ALONG[:, :translations]
         return self._add(point, has_frame=has_frame)
 
     def centre_of_mass(self, number: int) -> Place:
@@ -152,8 +152,8 @@ class PointReader:
         if dim == 3:
             raise UnknownItemError(f"a marker with a frame on node {number} '{node['name']}'")
         point = _new(FRAME_OF_CABLE, first, 2 * dim)
-        point.dimension, point.weights[0] = dim, 1.0
-        point.along[:dim, :dim] = np.eye(dim)
+        point["dimension"], point["weights"][0] = dim, 1.0
+        point["along"][:dim, :dim] = _ALONG[:dim, :dim]
         return self._add(point, has_frame=True)
 
     def body_of_node(self, number: int) -> Place:
@@ -180,10 +180,10 @@ class PointReader:
 
     def _weighted(self, first: int, dim: int, weights: list[float]) -> Place:
         point = _new(ON_CABLE, first, len(weights) * dim)
-        point.dimension = dim
+        point["dimension"] = dim
+        point["weights"][: len(weights)] = weights
         for k, weight in enumerate(weights):
-            point.weights[k] = weight
-            point.along[:dim, k * dim : (k + 1) * dim] = weight * np.eye(dim)
+            point["along"][:dim, k * dim : (k + 1) * dim] = weight * _ALONG[:dim, :dim]
         return self._add(point)
 
     def coordinate(self, number: int, which: int) -> Place:
@@ -195,13 +195,13 @@ class PointReader:
         if place < 0:
             raise UnknownItemError(f"coordinate {which} of node {number} '{node['name']}', which is held")
         point = _new(COORDINATE, place, 1)
-        point.local[0] = -self._coordinates.reference[place]
-        point.along[0, 0] = 1.0
+        point["local"][0] = -self._coordinates.reference[place]
+        point["along"][0, 0] = 1.0
         return self._add(point)
 
 
 def _new(kind: int, first: int = 0, width: int = 0) -> Any:
     point = np.zeros(1, POINT)[0]
-    point.kind, point.first, point.width = kind, first, width
-    point.orientation[:] = np.eye(3)
+    point["kind"], point["first"], point["width"] = kind, first, width
+    point["orientation"] = _ALONG
     return point
