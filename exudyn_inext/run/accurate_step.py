@@ -3,7 +3,8 @@
 A transverse wave of the speed c, which the tension gives it, takes 20 steps to pass an element: the error in
 time is then near that of the mesh. c^2 is the tension over rho_A that weight, loads and inertia can cause at
 most, and twice the energy by mass that the motion starts with. The first vibration of the bent cable is
-resolved in any case. How fast the motion really is, the watch finds out, see `watch`.
+resolved in any case. How fast the motion really is, the watch finds out, see `watch`: then the step becomes
+shorter, down to one whose error in bending waves is that of the mesh.
 """
 
 import math
@@ -30,6 +31,18 @@ def accurate_step(run: CableRun, time: float) -> float:
     bends = math.sqrt(section.mass_per_length / section.bending_stiffness) * cable.length**2
     of_drag = BY_DRAG / run.drag_rate if run.drag_rate > 0.0 else math.inf
     return min(of_waves, FIRST_VIBRATION * bends, of_drag)
+
+
+def resolution_of_mesh(run: CableRun, time: float, theta: float) -> Array:
+    """(4,) by which the errors of step and mesh in waves of a cable are known, see `watch`.
+
+    c^2 [m^2/s^2], s^2 = EI / rho_A [m^4/s^2], the length l of the shortest element [m], and theta [-].
+    """
+    cable = run.scene_cable.cable
+    section = cable.section
+    stiffness = section.bending_stiffness / section.mass_per_length
+    with np.errstate(over="ignore"):
+        return np.array([_wave_speed(run, time) ** 2, stiffness, cable.element_lengths.min(), theta])
 
 
 def _wave_speed(run: CableRun, time: float) -> float:

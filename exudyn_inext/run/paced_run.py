@@ -108,18 +108,18 @@ class PacedRun:
     def reject(self, time: float) -> None:
         """After steps that went wrong, in the state before them, at `time` [s]: take smaller ones."""
         watch: RunWatch = self.watch
-        if times := watch.steps_to_halve:
-            self.control.halve(times)
-            if not self.control.may_halve:
-                watch.limit_phase(1.0, math.inf)
+        if watch.is_too_fast:
+            self.control.shorten(watch.parts)
+            if not self.control.may_shorten:
+                watch.limit_phase(1.0, math.inf, watch.watch.mesh)
         elif watch.gains_too_much or not self.control.reject():
             self.gave_up = True
             return
         self.resume(time)
 
     def _begin_again(self, beginning: KeptState, time: float) -> None:
-        """With half the step, from the beginning, which a longer one has spoilt.   time: of it [s]."""
-        halvings = self.control.halvings
+        """With a shorter step, from the beginning, which a longer one has spoilt.   time: of it [s]."""
+        divisor = self.control.divisor
         beginning.restore()
-        self.control.halve(halvings - self.control.halvings)
+        self.control.shorten(divisor // self.control.divisor)
         self.resume(time)

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from ..arrays import Array
 from ..integrators.integrator import remembered
 from .watch import (
     ALL_IS_WELL,
@@ -29,9 +30,9 @@ class RunWatch:
 
     watch: Watch
 
-    def limit_phase(self, duration: float, phase: float) -> None:
+    def limit_phase(self, duration: float, phase: float, mesh: Array) -> None:
         """Let it find steps that are too long for the motion; arguments: see `Watch`."""
-        self.watch = self.watch._replace(duration=duration, phase=phase)
+        self.watch = self.watch._replace(duration=duration, phase=phase, mesh=mesh)
 
     @property
     def looks_at_phase(self) -> bool:
@@ -56,12 +57,16 @@ class RunWatch:
         return float(max(motion, account.round_off))
 
     @property
-    def steps_to_halve(self) -> int:
-        """How often the step must be halved for the motion; 0 if it is short enough."""
-        if self.watch.account[NOW].trouble != TOO_FAST:
-            return 0
-        excess = self.watch.account[FAILED].phase / self.watch.phase
-        return max(1, math.ceil(0.5 * math.log2(max(excess, 1.0))))
+    def is_too_fast(self) -> bool:
+        """Whether the step is too long for the motion."""
+        return bool(self.watch.account[NOW].trouble == TOO_FAST)
+
+    @property
+    def parts(self) -> int:
+        """Of a step that is too long: a power of two, or fewer where its error then is that of the mesh."""
+        found = self.watch.account[FAILED]
+        halvings = max(1, math.ceil(0.5 * math.log2(max(found.phase / self.watch.phase, 1.0))))
+        return math.ceil(min(2.0**halvings, math.sqrt(found.over_mesh)))
 
     @property
     def is_spoilt(self) -> bool:
@@ -69,7 +74,7 @@ class RunWatch:
         watch, found = self.watch, self.watch.account[FAILED]
         passed = found.time if found.extent else watch.duration
         is_much = found.phase * passed > SPOILT * watch.phase * watch.duration
-        return bool(self.steps_to_halve and (is_much or not found.extent))
+        return bool(self.is_too_fast and (is_much or not found.extent))
 
     @contextmanager
     def finding_kept(self) -> Iterator[None]:

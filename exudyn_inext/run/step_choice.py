@@ -11,12 +11,13 @@ from dataclasses import dataclass, replace
 from ..cable.cable import Cable
 from ..errors import SceneError, StepSizeError
 from ..integrators.linear_stability import decay_limit, frequency_limit
-from .accurate_step import accurate_step
+from .accurate_step import accurate_step, resolution_of_mesh
 from .cable_run import CableRun
 from .coupled_run import CoupledRun
 from .run import Run
 from .settings import ExplicitSettings
 from .step_control import StepRule
+from .watch import NO_MESH
 
 SAFETY_ALONE, SAFETY_AMONG_BODIES = 0.95, 0.7  # share of the limit at the start that is used
 THETA = 0.3  # share of bending that is implicit: 1/4 leaves no margin for the tension
@@ -148,12 +149,13 @@ def _bounds_and_scaling(
     cables = [cable for run in runs for cable in run.cable_runs]
     if explicit.stepSize is not None or explicit.method[0].stabilised or not cables:
         return step_bounds(runs, start, explicit), explicit
-    for run in runs:
-        run.watch.limit_phase(min(duration, MOST_DURATION), PHASE)
     step = accuracy = min(accurate_step(cable, start) for cable in cables)
-    explicit = replace(explicit, massScaling=_mass_scaling(cables, accuracy, explicit))
+    theta = _mass_scaling(cables, accuracy, explicit)
+    explicit = replace(explicit, massScaling=theta)
+    for run in runs:
+        mesh = resolution_of_mesh(run, start, theta) if isinstance(run, CableRun) else NO_MESH
+        run.watch.limit_phase(min(duration, MOST_DURATION), PHASE, mesh)
     for _ in range(MOST_TRIALS):
-        theta = explicit.massScaling or 0.0
         for run in runs if theta else []:
             run.scale_mass(theta, step)
         bounds = step_bounds(runs, start, explicit, accuracy)

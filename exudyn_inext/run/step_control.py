@@ -2,7 +2,7 @@
 
 Steps that go wrong are rejected: the run goes on from the state before them with a quarter of the step, and
 with that again, until they go well; then they grow again. The nominal step is that of the time grid; it is
-halved where the motion turns out to be too fast for it, or follows the present stability limit of the cable.
+shortened where the motion turns out to be too fast, or follows the present stability limit of the cable.
 """
 
 import math
@@ -18,7 +18,7 @@ from .time_grid import TimeGrid, steps_within
 ROUND_OFF = 1e-12  # of a time, relative
 QUARTERS = 6  # at most: below 1/4096 of the nominal step a run has diverged
 PIECE = 8  # nominal steps that are taken at once while steps are smaller, half as many for each quarter
-MOST_HALVINGS = 12  # of the nominal step
+MOST_PARTS = 4096  # of the nominal step
 MOST_PATIENCE = 64  # pieces before a longer step is tried again
 STEPS_BETWEEN = 32  # two looks at the frequency
 SMALLEST = 1e-3  # nominal step, relative to the first one, below which a run has diverged
@@ -30,7 +30,7 @@ _LOG = np.dtype(
         ("present", np.float64),
         ("smallest", np.float64),
         ("offset", np.float64),
-        ("halvings", np.int64),
+        ("divisor", np.int64),
         ("quarters", np.int64),
         ("calm", np.int64),
         ("patience", np.int64),
@@ -129,7 +129,7 @@ class StepControl:
         self._rejects = rejects
         self._log = np.zeros(1, _LOG)[0]
         self._log["smallest"] = math.inf
-        self._log["patience"] = 1
+        self._log["patience"] = self._log["divisor"] = 1
 
     @property
     def smallest(self) -> float:
@@ -144,9 +144,9 @@ class StepControl:
         return int(self._log["rejections"])
 
     @property
-    def halvings(self) -> int:
-        """How often the nominal step has been halved."""
-        return int(self._log["halvings"])
+    def divisor(self) -> int:
+        """What the nominal step is divided by."""
+        return int(self._log["divisor"])
 
     @property
     def present(self) -> float:
@@ -184,7 +184,7 @@ class StepControl:
         """
         if self.is_nominal:
             return self.whole_intervals(grid, interval, most)
-        nominal = grid.h / 2**self.halvings
+        nominal = grid.h / self.divisor
         remaining = grid.substeps * grid.h - self.offset
         together = PIECE
         if self.follower is not None:
@@ -203,9 +203,9 @@ class StepControl:
 
     def whole_intervals(self, grid: TimeGrid, interval: int, number: int) -> Piece:
         """All nominal steps of so many intervals of the loop, from that one on."""
-        halved = 2**self.halvings
-        before, substeps = grid.steps_until(interval) * halved, grid.substeps * halved
-        return Piece(grid.start, before, grid.h / halved, number * substeps, substeps, is_whole=True)
+        parts = self.divisor
+        before, substeps = grid.steps_until(interval) * parts, grid.substeps * parts
+        return Piece(grid.start, before, grid.h / parts, number * substeps, substeps, is_whole=True)
 
     def count(self, piece: Piece, taken: int, grid: TimeGrid) -> int:
         """So many steps of a piece went well; returns how many intervals of the loop they have completed."""
@@ -246,11 +246,11 @@ class StepControl:
         log["quarters"] += 1
         return True
 
-    def halve(self, times: int) -> None:
-        """The nominal step is too long for the motion; `may_halve`."""
-        self._log["halvings"] = min(self.halvings + times, MOST_HALVINGS)
+    def shorten(self, parts: int) -> None:
+        """The nominal step is too long for the motion; `may_shorten`."""
+        self._log["divisor"] = min(self.divisor * parts, MOST_PARTS)
 
     @property
-    def may_halve(self) -> bool:
+    def may_shorten(self) -> bool:
         """Whether the nominal step may become still shorter."""
-        return self.halvings < MOST_HALVINGS
+        return self.divisor < MOST_PARTS

@@ -10,6 +10,9 @@ It also looks at how fast the motion is: the vibrations that carry it, of the fr
 have a phase error of w T (h w)^2 / 24 after a time T under a scheme of central differences. That counts the
 less the smaller their amplitude is, relative to the way of the motion so far: by 1 / (w t). Where the extent
 X of the motion is known, |x - x_0| in the metric of M, their amplitude |v| / w counts relative to that.
+
+Where bending carries the waves of a cable, its mesh has a phase error, too. A step whose error is no larger
+is short enough, whatever their frequency: both errors grow with the fourth power of the wave number.
 """
 
 from typing import Any, NamedTuple
@@ -32,10 +35,13 @@ LARGEST_VIOLATION = 0.05  # of |r_x|^2 = 1 [-], and of lengths, relative
 LARGEST_JUMP = 1.0  # of the energy between two inspections, times the tolerance
 VIOLENT = 30.0  # times the tolerance: what a scheme that gains energy may gain altogether
 MOTION = 1e-3  # times the bound of the energy's round-off: less is none
+SAMPLED = 20.0  # phase [rad] up to which inspections are at most 1 rad apart
 BEGINNING = 10.0  # phase [rad] of the motion before which its frequency is not known
 SHARE_OF_EXTENT = 0.3  # so that a phase error of 0.003 is one of 1 % of the extent
 SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
 SCATTER = 4.0  # times its standard deviation may the work of forces be wrong
+
+NO_MESH = np.zeros(4)
 
 ACCOUNT = record_type(
     [
@@ -45,6 +51,7 @@ ACCOUNT = record_type(
         ("forces", np.float64),
         ("speeds", np.float64),
         ("phase", np.float64),
+        ("over_mesh", np.float64),
         ("extent", np.float64),
         ("round_off", np.float64),
         ("agitation", np.float64),
@@ -75,10 +82,12 @@ class Watch(NamedTuple):
     tolerance: energy that a run may gain, as a share of what its motion turns over [-].
     most: as `tolerance`, of a scheme that gains energy: with more, it has diverged.
     duration: T of the run [s].   phase: error that the step may cause in it [rad], see above.
+    mesh: (4,) of the mesh that errors of the step are compared with, see `resolution_of_mesh`; or `NO_MESH`.
     account: (3,) records, NOW, KEPT and FAILED. Energy at the `start` and `agitation` then [J/s^2]; its
         present `surplus` [J]; `time` since then [s], and the integrals of `forces`, a . M a / 2 [J/s], and
         `speeds`, v . M v / 2 [J s], over it, and the `phase` error of the run that they let expect
-        [rad]; the largest `extent` so far, x . M x / 2 [J s^2], or 0: not known; its `round_off` [J];
+        [rad]; the error of the step in waves `over_mesh`, relative to that of the mesh [-]; the largest
+        `extent` so far, x . M x / 2 [J s^2], or 0: not known; its `round_off` [J];
         `work` done since [J], of which we are `unsure`, to one side [J], and its `scatter` [J^2], `scattered`
         until the last inspection; the `slope` of the power [W/s], whose
         changes tell how well trapezoids fit, and the `largest_power` so far [W]; bounds of kinetic and
@@ -98,6 +107,7 @@ class Watch(NamedTuple):
     most: float
     duration: float
     phase: float
+    mesh: Array
     account: Any
     position: Array
     pattern: Array
@@ -133,6 +143,7 @@ def build_watch(
         most,
         duration=1.0,
         phase=np.inf,
+        mesh=NO_MESH,
         account=account,
         position=np.zeros(size),
         pattern=own,
@@ -325,6 +336,25 @@ def _draw_up(watch, steps, duration):
 
 
 @inlined
+def _errors_of_waves(mesh, squared, h_squared):
+    """Relative errors of the squared frequency of a wave [-]: of the step, and of the mesh.
+
+    By w^2 = w_b^2 + c^2 k^2, w_b = s k^2, the wave has the number k. Cubic elements raise w_b^2 by
+    (k l)^4 / 720, relative. The step raises w^2 by (h w)^2 / 12, and mass scaling lowers it by
+    theta (h w_b)^2; where these cancel, the first one counts.
+
+    mesh: see `Watch`.   squared: w^2 [rad^2/s^2].   h_squared: [s^2].
+    """
+    tension, stiffness, length, theta = mesh[0], mesh[1], mesh[2], mesh[3]
+    if stiffness == 0.0 or not squared > 0.0:
+        return h_squared * squared / 12.0, 0.0
+    number = 2.0 * squared / (np.sqrt(tension**2 + 4.0 * stiffness * squared) + tension)  # k^2
+    bending = stiffness * number**2
+    of_step = h_squared * max(squared / 12.0, theta * bending - squared / 12.0)
+    return of_step, bending / squared * (number * length**2) ** 2 / 720.0
+
+
+@inlined
 def _is_too_fast(watch, steps, duration):
     """Whether the motion so far is too fast for the step."""
     account, now = watch.account[NOW], watch.gauges_now
@@ -333,7 +363,9 @@ def _is_too_fast(watch, steps, duration):
     account.speeds += now[KINETIC] * duration
     squared = account.forces / account.speeds
     turned = np.sqrt(squared) * account.time
-    error = np.sqrt(squared) * watch.duration * (duration / steps) ** 2 * squared / 24.0
+    of_step, of_mesh = _errors_of_waves(watch.mesh, squared, (duration / steps) ** 2)
+    account.over_mesh = of_step / of_mesh if of_mesh > 0.0 else np.inf
+    error = 0.5 * of_step * np.sqrt(squared) * watch.duration
     if account.extent > 0.0:
         amplitude = np.sqrt(account.speeds / (account.time * account.extent * squared))
         account.phase = error * SHARE_OF_EXTENT * amplitude
@@ -341,8 +373,11 @@ def _is_too_fast(watch, steps, duration):
     else:
         account.phase = error * BEGINNING / turned
         passed = watch.duration
+    if turned < SAMPLED and steps * account.time < account.ahead * turned * duration:
+        account.ahead = max(watch.least, int(steps * account.time / (turned * duration)))
     moves = account.largest_kinetic > MOTION * account.round_off
-    return moves and turned > BEGINNING and account.phase * passed > watch.phase * watch.duration
+    is_much = account.phase * passed > watch.phase * watch.duration
+    return moves and turned > BEGINNING and is_much and account.over_mesh > 1.0
 
 
 @inlined

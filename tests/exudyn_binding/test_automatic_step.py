@@ -13,9 +13,18 @@ from exudyn.itemInterface import (
 )
 
 from examples import overhead_line
-from exudyn_inext import AttachToBody, CreateInextensibleCable, InextensibleCable, SolveEquilibrium
+from exudyn_inext import (
+    AttachToBody,
+    CreateInextensibleCable,
+    ExplicitSettings,
+    InextensibleCable,
+    SolveEquilibrium,
+)
 from exudyn_inext.run.coupled_run import CoupledRun
-from reference_models.model import quiet_settings, silence
+from exudyn_inext.run.watch import _errors_of_waves
+from reference_models.inextensible import Inextensible, inextensible_case, solved
+from reference_models.model import quiet_settings, sensor_trajectory, silence
+from reference_models.scenes import load_scene
 
 END, PERIOD = 1.0, 0.01
 
@@ -238,3 +247,83 @@ def test_among_bodies_the_step_is_what_its_own_scaled_mass_allows(new_mbs, solve
     again = solve(scene(), 0.1, stepSize=step, massScaling=theta)
     allowed = again["bounds"].safety * again["bounds"].stability_limit
     assert 0.97 * allowed < step < 1.03 * allowed
+
+
+@pytest.fixture
+def guided_beam(new_mbs, add_cable, solve):
+    """(elements, settings) -> path of the middle of a beam on two supports that is let go, and report."""
+
+    def run(elements, **explicit):
+        mbs = new_mbs()
+        beam = add_cable(
+            mbs,
+            positionEnd=[1, 0, 0],
+            numberOfElements=elements,
+            beamTemplate=InextensibleCable(massPerLength=0.1, bendingStiffness=5.0),
+            gravity=[0, 0, 0],
+            groundConstraintsStart=PINNED,
+            groundConstraintsEnd=[False, True, False, False],
+        )
+        middle = beam["nodes"][elements // 2]
+        marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=middle))
+        load = mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=[0, -5, 0]))
+        position = exudyn.OutputVariableType.Position
+        sensor = mbs.AddSensor(
+            exudyn.itemInterface.SensorNode(
+                nodeNumber=middle, outputVariableType=position, storeInternal=True
+            )
+        )
+        mbs.Assemble()
+        SolveEquilibrium(mbs)
+        mbs.SetLoadParameter(load, "loadVector", [0, 0, 0])
+        report = solve(mbs, settings=quiet_settings(0.5, 1, PERIOD), **explicit)
+        return np.asarray(mbs.GetSensorStoredData(sensor))[:, 1:4], report
+
+    return run
+
+
+def of_step_over_of_mesh(run, elements, finer):
+    """Errors of a run at default settings."""
+    path, report = run(elements)
+    given = {"stepSize": report["stepSize"] / 6, "massScaling": report["massScaling"]}
+    fine = run(elements, **given)[0]
+    finest = run(finer, **given)[0]
+    of_step, of_mesh = (np.linalg.norm(a - b, axis=1).max() for a, b in ((path, fine), (fine, finest)))
+    return of_step / of_mesh
+
+
+@pytest.mark.parametrize("elements", [4, 8, 16])
+def test_bending_waves_are_resolved_by_the_step_as_by_the_mesh(guided_beam, elements):
+    assert 0.25 < of_step_over_of_mesh(guided_beam, elements, 48) < 1.5
+
+
+@pytest.mark.parametrize(("name", "elements", "finer"), [("power_line", 16, 40), ("vibrating_ring", 14, 40)])
+def test_steps_of_a_scene_are_as_accurate_as_its_mesh(name, elements, finer):
+    scene = load_scene(name)
+
+    def run(number, **explicit):
+        report = inextensible_case(scene, Inextensible(number, ExplicitSettings(**explicit)))
+        path = sensor_trajectory(
+            solved(scene, Inextensible(number, ExplicitSettings(**explicit))), scene.main_point
+        )
+        return path.positions, {"stepSize": report.step_size, **report.details}
+
+    assert 0.4 < of_step_over_of_mesh(run, elements, finer) < 1.5
+
+
+@pytest.mark.parametrize("theta", [0.0, 0.3])
+def test_errors_of_step_and_mesh_are_those_of_a_discretised_wave(theta):
+    """Of a beam without tension, periodic: two coordinates a node, from the matrices of textbooks."""
+    stiffness, length, number, h = 7.0, 0.2, 3.0, 2e-4
+    mass = (
+        length / 420 * np.array([[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]])
+    )
+    bend = stiffness / length * np.array([[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]])
+    wave = np.vstack([np.eye(2), np.exp(1j * number * length) * np.eye(2)])
+    m, k = (wave.conj().T @ matrix @ wave for matrix in (mass, bend / length**2))
+    exact = stiffness * number**4
+    of_mesh = np.linalg.eigvals(np.linalg.solve(m, k)).real.min() / exact - 1.0
+    scaled = h**2 * exact / (1.0 + theta * h**2 * exact)
+    of_step = (2.0 * np.arcsin(0.5 * np.sqrt(scaled)) / h) ** 2 / exact - 1.0
+    found = _errors_of_waves(np.array([0.0, stiffness, length, theta]), exact, h**2)
+    assert found == pytest.approx((abs(of_step), of_mesh), rel=0.02)
