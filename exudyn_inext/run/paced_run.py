@@ -86,6 +86,7 @@ class PacedRun:
             good += self.control.count(piece, taken, grid)
             if taken == piece.steps:
                 self.control.accept()
+                self._lengthen()
                 continue
             self.reject(piece.time(taken))
             if self.watch.is_spoilt and beginning:
@@ -117,9 +118,14 @@ class PacedRun:
             return
         self.resume(time)
 
+    def _lengthen(self) -> None:
+        """Double the nominal step if it has been halved for a motion that is slow again."""
+        if self.watch.is_slow and self.control.double():
+            self.watch.expect_double_step()
+
     def _begin_again(self, beginning: KeptState, time: float) -> None:
         """With half the step, from the beginning, which a longer one has spoilt.   time: of it [s]."""
-        halvings = self.control.halvings
+        halvings, beginnings = self.control.halvings, self.control.beginnings
         beginning.restore()
-        self.control.halve(halvings - self.control.halvings)
+        self.control.begin_again(halvings, beginnings)
         self.resume(time)

@@ -2,7 +2,8 @@
 
 Steps that go wrong are rejected: the run goes on from the state before them with a quarter of the step, and
 with that again, until they go well; then they grow again. The nominal step is that of the time grid; it is
-halved where the motion turns out to be too fast for it, or follows the present stability limit of the cable.
+halved where the motion turns out to be too fast for it, and doubled when it is slow again, or follows the
+present stability limit of the cable.
 """
 
 import math
@@ -19,6 +20,7 @@ ROUND_OFF = 1e-12  # of a time, relative
 QUARTERS = 6  # at most: below 1/4096 of the nominal step a run has diverged
 PIECE = 8  # nominal steps that are taken at once while steps are smaller, half as many for each quarter
 MOST_HALVINGS = 12  # of the nominal step
+MOST_BEGINNINGS = 2  # of a run whose nominal step may become longer again
 MOST_PATIENCE = 64  # pieces before a longer step is tried again
 STEPS_BETWEEN = 32  # two looks at the frequency
 SMALLEST = 1e-3  # nominal step, relative to the first one, below which a run has diverged
@@ -31,6 +33,7 @@ _LOG = np.dtype(
         ("smallest", np.float64),
         ("offset", np.float64),
         ("halvings", np.int64),
+        ("beginnings", np.int64),
         ("quarters", np.int64),
         ("calm", np.int64),
         ("patience", np.int64),
@@ -149,6 +152,11 @@ class StepControl:
         return int(self._log["halvings"])
 
     @property
+    def beginnings(self) -> int:
+        """How often the run has begun again."""
+        return int(self._log["beginnings"])
+
+    @property
     def present(self) -> float:
         return float(self._log["present"])
 
@@ -183,7 +191,7 @@ class StepControl:
             most: intervals that a piece may span.
         """
         if self.is_nominal:
-            return self.whole_intervals(grid, interval, most)
+            return self.whole_intervals(grid, interval, 1 if self.halvings else most)
         nominal = grid.h / 2**self.halvings
         remaining = grid.substeps * grid.h - self.offset
         together = PIECE
@@ -249,6 +257,19 @@ class StepControl:
     def halve(self, times: int) -> None:
         """The nominal step is too long for the motion; `may_halve`."""
         self._log["halvings"] = min(self.halvings + times, MOST_HALVINGS)
+
+    def begin_again(self, halvings: int, beginnings: int) -> None:
+        """With the nominal step halved so often, after so many other beginnings."""
+        self._log["halvings"], self._log["beginnings"] = halvings, beginnings + 1
+
+    def double(self) -> bool:
+        """The nominal step is much shorter than the motion needs; returns whether it is longer now.
+
+        Not in a run that began again twice: longer steps are what spoilt it.
+        """
+        may_double = self.halvings > 0 and self._log["beginnings"] < MOST_BEGINNINGS
+        self._log["halvings"] -= may_double
+        return may_double
 
     @property
     def may_halve(self) -> bool:

@@ -10,6 +10,8 @@ It also looks at how fast the motion is: the vibrations that carry it, of the fr
 have a phase error of w T (h w)^2 / 24 after a time T under a scheme of central differences. That counts the
 less the smaller their amplitude is, relative to the way of the motion so far: by 1 / (w t). Where the extent
 X of the motion is known, |x - x_0| in the metric of M, their amplitude |v| / w counts relative to that.
+Implicit axial vibrations that the step does not resolve are left out of a, as shorter steps would not make
+them more accurate before they resolve them.
 """
 
 from typing import Any, NamedTuple
@@ -19,7 +21,7 @@ import numpy as np
 from ..arrays import Array, record_type
 from ..compiled import called_kernel, inlined, kernel
 from ..integrators.integrator import FACTOR, FIRST, LAST, PROJECTION, SUM, LoadHistory, advance
-from ..system import AGITATION, ELASTIC, KINETIC, POWER, VIOLATION, gauge
+from ..system import ELASTIC, GAUGES, KINETIC, POWER, RESOLVED, VIOLATION, gauge
 
 NOW, KEPT, FAILED = range(3)  # accounts
 ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY, JUMP, TOO_FAST, LACK_OF_WORK, UNSTABLE = range(8)
@@ -33,6 +35,8 @@ LARGEST_JUMP = 1.0  # of the energy between two inspections, times the tolerance
 VIOLENT = 30.0  # times the tolerance: what a scheme that gains energy may gain altogether
 MOTION = 1e-3  # times the bound of the energy's round-off: less is none
 BEGINNING = 10.0  # phase [rad] of the motion before which its frequency is not known
+LONG = 30.0  # phase [rad] after which it is, however short the time: waves of a sudden start pass before that
+WAITING = 0.25  # share of the run after which it is in any case
 SHARE_OF_EXTENT = 0.3  # so that a phase error of 0.003 is one of 1 % of the extent
 SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
 SCATTER = 4.0  # times its standard deviation may the work of forces be wrong
@@ -88,7 +92,7 @@ class Watch(NamedTuple):
     position: (n_dof,) when work was counted last.
     pattern, work: (P, n_dof), (P, 5) of load histories, see `LoadHistory`.
     kept_work: at the last inspection.
-    gauges: (5,) at the last inspection, see `gauge`.   force, gauges_now: memory.
+    gauges: (6,) at the last inspection, see `gauge`.   force, gauges_now: memory.
     kept: state of the integrator at the last inspection; if it found trouble, the state that it found.
     """
 
@@ -138,9 +142,9 @@ def build_watch(
         pattern=own,
         work=_no_work(own),
         kept_work=_no_work(own),
-        gauges=np.zeros(5),
+        gauges=np.zeros(GAUGES),
         force=np.zeros(size),
-        gauges_now=np.zeros(5),
+        gauges_now=np.zeros(GAUGES),
         kept=type(state)(*[memory.copy() for memory in state]),
     )
 
@@ -200,7 +204,7 @@ def _open(watch, state, round_off):
     account.forces = 0.0
     account.speeds = 0.0
     account.extent = 0.0
-    account.agitation = watch.gauges_now[AGITATION]
+    account.agitation = watch.gauges_now[RESOLVED]
     account.work = 0.0
     account.unsure = round_off
     account.round_off = round_off
@@ -283,7 +287,7 @@ def _look_ahead(watch, duration):
     account, power = watch.account[NOW], watch.gauges_now[POWER]
     slope = (power - watch.gauges[POWER]) / duration
     bend = duration * abs(slope - account.slope)
-    account.scatter += (duration / 12.0 * bend) ** 2
+    account.scatter += (duration / 8.0 * bend) ** 2  # enough for a power that falls to nothing at once
     account.slope = slope
     account.largest_power = max(account.largest_power, abs(power))
     if bend > BENT * account.largest_power:
@@ -297,7 +301,7 @@ def _draw_up(watch, steps, duration):
     """The present error of the energy, beyond what the account itself may be wrong by; returns its jump.
 
     A central difference scheme keeps the energy less h^2 a . M a / 8, exactly if the system is linear: so
-    much is in vibrations that the step does not resolve.
+    much is in vibrations that the step does not resolve. Implicit ones keep it as it is.
     """
     account, now = watch.account[NOW], watch.gauges_now
     by_power = 0.5 * (watch.gauges[POWER] + now[POWER]) * duration
@@ -309,7 +313,7 @@ def _draw_up(watch, steps, duration):
     account.largest_elastic = max(account.largest_elastic, now[ELASTIC])
     turned_over = account.largest_kinetic + account.largest_elastic - account.least_elastic
     error = now[KINETIC] + now[ELASTIC] - account.start - account.work
-    unresolved = 0.25 * (duration / steps) ** 2 * (account.agitation + now[AGITATION])
+    unresolved = 0.25 * (duration / steps) ** 2 * (account.agitation + now[RESOLVED])
     unsure = account.unsure + SCATTER * np.sqrt(account.scatter) + unresolved
     doubt = (
         SHARE_OF_POWER * abs(by_power) + SCATTER * np.sqrt(account.scatter - account.scattered) + unresolved
@@ -329,7 +333,7 @@ def _is_too_fast(watch, steps, duration):
     """Whether the motion so far is too fast for the step."""
     account, now = watch.account[NOW], watch.gauges_now
     account.time += duration
-    account.forces += now[AGITATION] * duration
+    account.forces += now[RESOLVED] * duration
     account.speeds += now[KINETIC] * duration
     squared = account.forces / account.speeds
     turned = np.sqrt(squared) * account.time
@@ -342,7 +346,8 @@ def _is_too_fast(watch, steps, duration):
         account.phase = error * BEGINNING / turned
         passed = watch.duration
     moves = account.largest_kinetic > MOTION * account.round_off
-    return moves and turned > BEGINNING and account.phase * passed > watch.phase * watch.duration
+    is_known = turned > LONG or (turned > BEGINNING and account.time > WAITING * watch.duration)
+    return moves and is_known and account.phase * passed > watch.phase * watch.duration
 
 
 @inlined
