@@ -42,6 +42,7 @@ from .assembly import (
 from .axial_stiffness import (
     ADDED_MASS,
     DAMPING,
+    FIRST_DAMPING,
     FORCE,
     FREE_STRAIN,
     FROZEN,
@@ -54,6 +55,7 @@ from .axial_stiffness import (
     STRAIN,
 )
 from .factorisation import eliminate_node, factorise
+from .saddle_point import solve_column
 
 ACCELERATION, CORRECTION = 0, 1
 HUGE = 1e30  # 1/s
@@ -107,6 +109,7 @@ def _set_force(record, strain, rate, bend, place, duration):
     axial[STRAIN] = strain
     axial[PLACE] = place
     axial[FORCE] = force
+    axial[FIRST_DAMPING] = 0.5 * h * (1.0 - of_steps) * axial[DAMPING]
     record.target[ACCELERATION] = force
     record.target[CORRECTION] = 0.0
 
@@ -368,9 +371,13 @@ def stored_energy(axes, nodes, elements, chain, q, v, a):
 
 @inlined
 def _energy_of_force(record, rate, acceleration):
-    """(f + h^2/2 E J a - d J v)^2 / (2 D) [J].   rate, acceleration: J v, J a."""
-    force = record.axial[FORCE] + record.axial[ADDED_MASS] * acceleration - record.axial[DAMPING] * rate
-    return 0.5 * force * force / record.axial[STIFFNESS] if record.axial[STIFFNESS] > 0.0 else 0.0
+    """(f + h^2/2 E J a - d J v)^2 / (2 D) [J].   rate, acceleration: J v, J a.
+
+    At the start of a run, v is the velocity before its first half step, and damping acts behind that.
+    """
+    axial = record.axial
+    force = axial[FORCE] + (axial[ADDED_MASS] - axial[FIRST_DAMPING]) * acceleration - axial[DAMPING] * rate
+    return 0.5 * force * force / axial[STIFFNESS] if axial[STIFFNESS] > 0.0 else 0.0
 
 
 @inlined
@@ -389,6 +396,32 @@ def _stretched_bending_energy(axes, element, q, k):
     right -= middle
     rise = left * rise_by_left(left, right) + right * rise_by_left(right, left)
     return -0.5 * (contract(axes, e, force) + element.bending[0] * rise) / (stretch * stretch)
+
+
+@inlined
+def _all_of_it(axes, nodes, elements, a, resolved):
+    for k in range(len(nodes)):
+        for i in range(len(axes)):
+            resolved[k, 0, i] = a[k, 0, i]
+            resolved[k, 1, i] = a[k, 1, i]
+
+
+@optional("axial", otherwise=_all_of_it)
+def resolved_acceleration(axes, nodes, elements, a, resolved):
+    """(M + h^2/2 J^T E J)^-1 M a: a (n, 2, dim) without axial vibrations that the step does not resolve.
+
+    One of the frequency w is left with the share 1 / (1 + (h w / 2)^2).   resolved: (n, 2, dim) output.
+    """
+    for k in range(len(nodes)):
+        nodes[k].target[CORRECTION] = nodes[k].axial[ADDED_MASS] * _along_node(axes, nodes[k], a[k])
+    for k in range(len(elements)):
+        along = _along_element(axes, elements[k], a[k], a[k + 1])
+        elements[k].target[CORRECTION] = elements[k].axial[ADDED_MASS] * along
+    solve_column(axes, nodes, elements, CORRECTION, resolved)
+    for k in range(len(nodes)):
+        for i in range(len(axes)):
+            resolved[k, 0, i] += a[k, 0, i]
+            resolved[k, 1, i] += a[k, 1, i]
 
 
 @inlined

@@ -14,10 +14,10 @@ from .cable import Cable, reference_lengths
 # the strain of the stress-free cable [-];
 # E = D/2 + d/h [N m] and h^2/2 E [kg m^2] along J, 0 where axial forces are explicit; h [s];
 # a constant force instead of all of these [N m], see `frozen`;
-# at the last evaluation: c [-], J q [-], force f [N m];
+# at the last evaluation: c [-], J q [-], force f [N m]; h/2 d [N m s^2] at the start of a run, 0 afterwards;
 # of the last step: mean force mu [N m], rho of the one before [-].
 STIFFNESS, DAMPING, FREE_STRAIN, IMPLICIT, ADDED_MASS, STEP = range(6)
-FROZEN, STRAIN, PLACE, FORCE, MEAN_FORCE, REST_BEFORE = range(6, 12)
+FROZEN, STRAIN, PLACE, FORCE, FIRST_DAMPING, MEAN_FORCE, REST_BEFORE = range(6, 13)
 
 
 def set_axial_stiffness(cable: Cable, nodes: Any, elements: Any) -> None:

@@ -8,6 +8,7 @@ from ..system import (
     ELASTIC,
     KINETIC,
     POWER,
+    RESOLVED,
     VIOLATION,
     accelerate_and_project,
     correct_position,
@@ -30,6 +31,7 @@ from .axial import (
     axial_power,
     factorise_chain,
     largest_violation,
+    resolved_acceleration,
     stored_energy,
 )
 from .chain import Chain
@@ -170,14 +172,17 @@ def gauge_chain(chain, external, q, v, a, force, gauges):
     axes, nodes, elements = chain.axes, chain.nodes, chain.elements
     shape = (len(nodes), 2, len(axes))
     known, rates = q.reshape(shape), v.reshape(shape)
-    for i in range(len(q)):
-        force[i] = external[i]
     gauges[KINETIC] = kinetic_energy(axes, nodes, elements, rates) - lagging_energy(axes, elements, rates)
     gauges[ELASTIC] = stored_energy(axes, nodes, elements, chain, known, rates, a.reshape(shape))
     gauges[AGITATION] = kinetic_energy(axes, nodes, elements, a.reshape(shape))
     gauges[POWER] = dissipative_power(axes, nodes, elements, known, rates)
     gauges[POWER] += axial_power(axes, nodes, elements, rates)
     gauges[VIOLATION] = largest_violation(axes, nodes, elements, known)
+    resolved = force.reshape(shape)  # as memory
+    resolved_acceleration(axes, nodes, elements, a.reshape(shape), resolved)
+    gauges[RESOLVED] = kinetic_energy(axes, nodes, elements, resolved)
+    for i in range(len(q)):
+        force[i] = external[i]
 
 
 @implements(gauge, CableSystem)

@@ -11,6 +11,7 @@ import numpy as np
 from ..arrays import record_type
 
 NUMBER = np.float64
+AXIAL_SIZE = 13  # coefficients of `axial_stiffness`
 
 
 @lru_cache
@@ -40,7 +41,7 @@ def node_type(dim: int, axial: bool = False) -> np.dtype:
             ("ends_group", np.bool_),
             ("slope", NUMBER, (dim,)),
             ("basis", NUMBER, (dim, dim if axial else dim - 1)),
-            ("axial", NUMBER, (12 if axial else 0,)),
+            ("axial", NUMBER, (AXIAL_SIZE if axial else 0,)),
             ("force", NUMBER, (2, 2, dim)),
             ("constraint", NUMBER, (3,)),
             ("target", NUMBER, (2,)),
@@ -92,7 +93,7 @@ def element_type(
             ("lag", NUMBER, (1,) if damped else (0,)),
             ("drag", NUMBER, (4, 8) if dragged else (0, 8)),
             ("drag_law", NUMBER, (2, 3) if dragged else (0, 3)),
-            ("axial", NUMBER, (12 if axial else 0,)),
+            ("axial", NUMBER, (AXIAL_SIZE if axial else 0,)),
             ("bending", NUMBER, (1 if axial else 0,)),
             ("slope_gram", NUMBER, (3, 3)),
             ("reference_length", NUMBER),

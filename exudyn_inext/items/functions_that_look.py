@@ -8,16 +8,15 @@ import exudyn
 import numpy as np
 
 _TRUSTED = {"builtins", "numpy", "math", "exudyn"}
-_OF_MBS = set(
-    """
+_NAMES = """
     SetLoadParameter SetObjectParameter SetMarkerParameter SetNodeParameter
     GetLoadParameter GetObjectParameter GetMarkerParameter GetNodeParameter
     systemData GetTime GetODE2Coordinates GetODE2Coordinates_t SetODE2Coordinates SetODE2Coordinates_t
     GetSensorValues GetNodeOutput GetObjectOutputBody OutputVariableType
     Position Displacement Velocity Rotation AngularVelocity Coordinates Coordinates_t
     append extend tolist copy T dot sum min max items values keys get
-    """.split()
-)
+"""  # of mbs, of what it gives, and of lists and arrays
+_OF_MBS = set(_NAMES.split())
 _TYPES = {
     getattr(exudyn.OutputVariableType, name) for name in _OF_MBS if hasattr(exudyn.OutputVariableType, name)
 }

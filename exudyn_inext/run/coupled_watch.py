@@ -16,7 +16,7 @@ from ..compiled import Prepared
 from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit
 from ..scene.path_work import LACK, SCALE, SUMS, WAY, begin_path, build_path, expect_energy, follow, take_sums
-from ..system import AGITATION, KINETIC, POWER, VIOLATION, gauge
+from ..system import AGITATION, GAUGES, KINETIC, POWER, RESOLVED, VIOLATION, gauge
 from .cable_loads import CableLoads
 from .cable_run import CableRun
 from .joined_scene import EvaluatedScene, JoinedScene
@@ -249,7 +249,7 @@ class CoupledWatch(RunWatch):
 
     def _kinetic_energy(self, t: float, state: Any, v: Array) -> float:
         """Of velocities v (n,) in the present configuration [J]."""
-        gauges = np.zeros(5)
+        gauges = np.zeros(GAUGES)
         total = self._evaluated.kinetic_energy(state.q, v)
         for one in self._together:
             dofs = one.dofs
@@ -267,7 +267,7 @@ class CoupledWatch(RunWatch):
                     self._evaluated.set_multipliers(cable, t, state.q, state.v)
         for one in self._together:
             dofs, external = one.dofs, one.external(t)
-            mine, force = np.zeros(5), np.zeros(dofs.stop - dofs.start)
+            mine, force = np.zeros(GAUGES), np.zeros(dofs.stop - dofs.start)
             one.gauge(one.system, external, state.q[dofs], state.v[dofs], state.a[dofs], force, mine)
             worst = np.maximum(total[VIOLATION], mine[VIOLATION])
             total += mine
@@ -276,7 +276,7 @@ class CoupledWatch(RunWatch):
             worst_of_joints = self._evaluated.violation(t, state.q) / self._scale
             total[VIOLATION] = np.maximum(total[VIOLATION], worst_of_joints)
         total[KINETIC] += self._evaluated.kinetic_energy(state.q, state.v)
-        total[AGITATION] += self._evaluated.kinetic_energy(state.q, state.a)
+        total[RESOLVED] += self._evaluated.kinetic_energy(state.q, state.a)
         total[POWER] += self._evaluated.power_of_joints()
         account = self.watch.account[NOW]
         extent = self._kinetic_energy(t, state, state.q - self._start)

@@ -86,6 +86,7 @@ class PacedRun:
             good += self.control.count(piece, taken, grid)
             if taken == piece.steps:
                 self.control.accept()
+                self._lengthen(first + good)
                 continue
             self.reject(piece.time(taken))
             if self.watch.is_spoilt and beginning:
@@ -117,9 +118,14 @@ class PacedRun:
             return
         self.resume(time)
 
+    def _lengthen(self, interval: int) -> None:
+        """Double the nominal step if it has been shortened for a motion that is slow again."""
+        if self.watch.is_slow and self.control.lengthen(interval):
+            self.watch.expect_double_step()
+
     def _begin_again(self, beginning: KeptState, time: float) -> None:
         """With a shorter step, from the beginning, which a longer one has spoilt.   time: of it [s]."""
-        divisor = self.control.divisor
+        divisor, beginnings = self.control.divisor, self.control.beginnings
         beginning.restore()
-        self.control.shorten(divisor // self.control.divisor)
+        self.control.begin_again(divisor, beginnings)
         self.resume(time)

@@ -9,6 +9,7 @@ from ..arrays import Array
 from ..integrators.integrator import remembered
 from .watch import (
     ALL_IS_WELL,
+    BEGINNING,
     CONSTRAINTS,
     ENERGY,
     FAILED,
@@ -22,6 +23,7 @@ from .watch import (
     Watch,
 )
 
+SLOW = 16.0  # times the phase error: what it is with twice the step, and a margin of 4
 SPOILT = 2.0  # error so far, relative to what the whole run may have
 
 
@@ -67,6 +69,17 @@ class RunWatch:
         found = self.watch.account[FAILED]
         halvings = max(1, math.ceil(0.5 * math.log2(max(found.phase / self.watch.phase, 1.0))))
         return math.ceil(min(2.0**halvings, math.sqrt(found.over_mesh)))
+
+    @property
+    def is_slow(self) -> bool:
+        """Whether the motion so far allows much longer steps."""
+        now = self.watch.account[NOW]
+        has_turned = now.forces * now.time**2 > BEGINNING**2 * now.speeds
+        return bool(self.looks_at_phase and has_turned and SLOW * now.phase < self.watch.phase)
+
+    def expect_double_step(self) -> None:
+        """The motion so far has this phase error at steps twice as long."""
+        self.watch.account["phase"][NOW] *= 4.0
 
     @property
     def is_spoilt(self) -> bool:

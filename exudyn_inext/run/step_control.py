@@ -2,7 +2,8 @@
 
 Steps that go wrong are rejected: the run goes on from the state before them with a quarter of the step, and
 with that again, until they go well; then they grow again. The nominal step is that of the time grid; it is
-shortened where the motion turns out to be too fast, or follows the present stability limit of the cable.
+shortened where the motion turns out to be too fast for it, and doubled when it is slow again, or follows the
+present stability limit of the cable.
 """
 
 import math
@@ -19,6 +20,8 @@ ROUND_OFF = 1e-12  # of a time, relative
 QUARTERS = 6  # at most: below 1/4096 of the nominal step a run has diverged
 PIECE = 8  # nominal steps that are taken at once while steps are smaller, half as many for each quarter
 MOST_PARTS = 4096  # of the nominal step
+MOST_BEGINNINGS = 2  # of a run whose nominal step may become longer again
+BETWEEN = 8  # intervals of the loop after which it may
 MOST_PATIENCE = 64  # pieces before a longer step is tried again
 STEPS_BETWEEN = 32  # two looks at the frequency
 SMALLEST = 1e-3  # nominal step, relative to the first one, below which a run has diverged
@@ -31,6 +34,7 @@ _LOG = np.dtype(
         ("smallest", np.float64),
         ("offset", np.float64),
         ("divisor", np.int64),
+        ("beginnings", np.int64),
         ("quarters", np.int64),
         ("calm", np.int64),
         ("patience", np.int64),
@@ -149,6 +153,11 @@ class StepControl:
         return int(self._log["divisor"])
 
     @property
+    def beginnings(self) -> int:
+        """How often the run has begun again."""
+        return int(self._log["beginnings"])
+
+    @property
     def present(self) -> float:
         return float(self._log["present"])
 
@@ -183,6 +192,8 @@ class StepControl:
             most: intervals that a piece may span.
         """
         if self.is_nominal:
+            if self.divisor > 1:
+                most = min(most, BETWEEN - interval % BETWEEN)
             return self.whole_intervals(grid, interval, most)
         nominal = grid.h / self.divisor
         remaining = grid.substeps * grid.h - self.offset
@@ -249,6 +260,24 @@ class StepControl:
     def shorten(self, parts: int) -> None:
         """The nominal step is too long for the motion; `may_shorten`."""
         self._log["divisor"] = min(self.divisor * parts, MOST_PARTS)
+
+    def begin_again(self, divisor: int, beginnings: int) -> None:
+        """With the nominal step divided so, after so many other beginnings."""
+        self._log["divisor"], self._log["beginnings"] = divisor, beginnings + 1
+
+    def lengthen(self, interval: int) -> bool:
+        """The nominal step is much shorter than the motion needs; returns whether it is longer now.
+
+        At most twice as long, between pieces that do not depend on who asks for them; not in a run that
+        began again twice: longer steps are what spoilt it.
+
+        interval: of the loop, the next one.
+        """
+        may = self.divisor > 1 and self.is_nominal and interval % BETWEEN == 0
+        if not may or self.beginnings >= MOST_BEGINNINGS:
+            return False
+        self._log["divisor"] = (self.divisor + 1) // 2
+        return True
 
     @property
     def may_shorten(self) -> bool:

@@ -13,6 +13,9 @@ X of the motion is known, |x - x_0| in the metric of M, their amplitude |v| / w 
 
 Where bending carries the waves of a cable, its mesh has a phase error, too. A step whose error is no larger
 is short enough, whatever their frequency: both errors grow with the fourth power of the wave number.
+
+Implicit axial vibrations that the step does not resolve are left out of a, as shorter steps would not make
+them more accurate before they resolve them.
 """
 
 from typing import Any, NamedTuple
@@ -22,7 +25,7 @@ import numpy as np
 from ..arrays import Array, record_type
 from ..compiled import called_kernel, inlined, kernel
 from ..integrators.integrator import FACTOR, FIRST, LAST, PROJECTION, SUM, LoadHistory, advance
-from ..system import AGITATION, ELASTIC, KINETIC, POWER, VIOLATION, gauge
+from ..system import ELASTIC, GAUGES, KINETIC, POWER, RESOLVED, VIOLATION, gauge
 
 NOW, KEPT, FAILED = range(3)  # accounts
 ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY, JUMP, TOO_FAST, LACK_OF_WORK, UNSTABLE = range(8)
@@ -37,6 +40,8 @@ VIOLENT = 30.0  # times the tolerance: what a scheme that gains energy may gain 
 MOTION = 1e-3  # times the bound of the energy's round-off: less is none
 SAMPLED = 20.0  # phase [rad] up to which inspections are at most 1 rad apart
 BEGINNING = 10.0  # phase [rad] of the motion before which its frequency is not known
+LONG = 30.0  # phase [rad] after which it is, however short the time: waves of a sudden start pass before that
+WAITING = 0.25  # share of the run after which it is in any case
 SHARE_OF_EXTENT = 0.3  # so that a phase error of 0.003 is one of 1 % of the extent
 SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
 SCATTER = 4.0  # times its standard deviation may the work of forces be wrong
@@ -97,7 +102,7 @@ class Watch(NamedTuple):
     position: (n_dof,) when work was counted last.
     pattern, work: (P, n_dof), (P, 5) of load histories, see `LoadHistory`.
     kept_work: at the last inspection.
-    gauges: (5,) at the last inspection, see `gauge`.   force, gauges_now: memory.
+    gauges: (6,) at the last inspection, see `gauge`.   force, gauges_now: memory.
     kept: state of the integrator at the last inspection; if it found trouble, the state that it found.
     """
 
@@ -149,9 +154,9 @@ def build_watch(
         pattern=own,
         work=_no_work(own),
         kept_work=_no_work(own),
-        gauges=np.zeros(5),
+        gauges=np.zeros(GAUGES),
         force=np.zeros(size),
-        gauges_now=np.zeros(5),
+        gauges_now=np.zeros(GAUGES),
         kept=type(state)(*[memory.copy() for memory in state]),
     )
 
@@ -211,7 +216,7 @@ def _open(watch, state, round_off):
     account.forces = 0.0
     account.speeds = 0.0
     account.extent = 0.0
-    account.agitation = watch.gauges_now[AGITATION]
+    account.agitation = watch.gauges_now[RESOLVED]
     account.work = 0.0
     account.unsure = round_off
     account.round_off = round_off
@@ -294,7 +299,7 @@ def _look_ahead(watch, duration):
     account, power = watch.account[NOW], watch.gauges_now[POWER]
     slope = (power - watch.gauges[POWER]) / duration
     bend = duration * abs(slope - account.slope)
-    account.scatter += (duration / 12.0 * bend) ** 2
+    account.scatter += (duration / 8.0 * bend) ** 2  # enough for a power that falls to nothing at once
     account.slope = slope
     account.largest_power = max(account.largest_power, abs(power))
     if bend > BENT * account.largest_power:
@@ -308,7 +313,7 @@ def _draw_up(watch, steps, duration):
     """The present error of the energy, beyond what the account itself may be wrong by; returns its jump.
 
     A central difference scheme keeps the energy less h^2 a . M a / 8, exactly if the system is linear: so
-    much is in vibrations that the step does not resolve.
+    much is in vibrations that the step does not resolve. Implicit ones keep it as it is.
     """
     account, now = watch.account[NOW], watch.gauges_now
     by_power = 0.5 * (watch.gauges[POWER] + now[POWER]) * duration
@@ -320,7 +325,7 @@ def _draw_up(watch, steps, duration):
     account.largest_elastic = max(account.largest_elastic, now[ELASTIC])
     turned_over = account.largest_kinetic + account.largest_elastic - account.least_elastic
     error = now[KINETIC] + now[ELASTIC] - account.start - account.work
-    unresolved = 0.25 * (duration / steps) ** 2 * (account.agitation + now[AGITATION])
+    unresolved = 0.25 * (duration / steps) ** 2 * (account.agitation + now[RESOLVED])
     unsure = account.unsure + SCATTER * np.sqrt(account.scatter) + unresolved
     doubt = (
         SHARE_OF_POWER * abs(by_power) + SCATTER * np.sqrt(account.scatter - account.scattered) + unresolved
@@ -359,7 +364,7 @@ def _is_too_fast(watch, steps, duration):
     """Whether the motion so far is too fast for the step."""
     account, now = watch.account[NOW], watch.gauges_now
     account.time += duration
-    account.forces += now[AGITATION] * duration
+    account.forces += now[RESOLVED] * duration
     account.speeds += now[KINETIC] * duration
     squared = account.forces / account.speeds
     turned = np.sqrt(squared) * account.time
@@ -377,7 +382,8 @@ def _is_too_fast(watch, steps, duration):
         account.ahead = max(watch.least, int(steps * account.time / (turned * duration)))
     moves = account.largest_kinetic > MOTION * account.round_off
     is_much = account.phase * passed > watch.phase * watch.duration
-    return moves and turned > BEGINNING and is_much and account.over_mesh > 1.0
+    is_known = turned > LONG or (turned > BEGINNING and account.time > WAITING * watch.duration)
+    return moves and is_known and is_much and account.over_mesh > 1.0
 
 
 @inlined

@@ -6,17 +6,24 @@ import pytest
 from exudyn_inext.cable.axial_energy import static_energy
 from exudyn_inext.cable.cable import Cable, CurvatureMeasure, Section
 from exudyn_inext.cable.chain import build_chain
+from exudyn_inext.cable.implicit_bending import ImplicitBending
+from exudyn_inext.cable.linked_cable import cable_system
+from exudyn_inext.system import AGITATION, GAUGES, RESOLVED, accelerate_and_project, gauge
 
 pytestmark = pytest.mark.kernel
 
 AXIAL, BENDING = 40.0, 0.3
 
 
-def chain_of(q, lengths, curvature=0.0):
+def cable_of(q, lengths, curvature=0.0):
     section = Section(1.0, BENDING, curvature, axial_stiffness=AXIAL, axial_strain=0.02)
     fixed = np.zeros(q.shape[:2], dtype=bool)
     measure = CurvatureMeasure.SECOND_DERIVATIVE
-    return build_chain(Cable(q, lengths, section, measure, len(lengths), fixed))
+    return Cable(q, lengths, section, measure, len(lengths), fixed)
+
+
+def chain_of(q, lengths, curvature=0.0):
+    return build_chain(cable_of(q, lengths, curvature))
 
 
 def energy(chain, q):
@@ -61,3 +68,22 @@ def test_bending_energy_depends_on_how_much_a_cable_turns_and_not_on_its_stretch
     bent = [energy(chain, stretch * q) - other for stretch, other in zip((1.0, 1.4), of_strain, strict=True)]
     assert bent[0] == pytest.approx(0.5 * BENDING * 2.0 * np.pi, rel=1e-3)
     assert bent[1] == pytest.approx(bent[0], rel=1e-12)
+
+
+@pytest.mark.parametrize("h", [1e-4, 0.1])
+def test_axial_vibrations_count_as_far_as_the_step_resolves_them(h):
+    """Of the wave cos(pi x), w = pi sqrt(EA / rho_A), the share 1 / (1 + (h w / 2)^2) is left."""
+    x, lengths = np.linspace(0.0, 1.0, 33), np.full(32, 1.0 / 32)
+    q, along, across = np.zeros((3, 33, 2, 2))
+    q[:, 0, 0], q[:, 1, 0] = x, 1.0
+    along[:, 0, 0], along[:, 1, 0] = np.cos(np.pi * x), -np.pi * np.sin(np.pi * x)
+    across[:, 0, 1], across[:, 1, 1] = along[:, 0, 0], along[:, 1, 0]
+    system, rest = cable_system(cable_of(q, lengths), 0.0, ImplicitBending(step=h)), np.zeros(q.size)
+    accelerate_and_project(system, rest, q.ravel(), rest, 0.0, rest.copy(), rest.copy())
+    shares = []
+    for a in (along, across):
+        gauges = np.zeros(GAUGES)
+        gauge(system, rest, q.ravel(), rest, a.ravel(), rest.copy(), gauges)
+        shares.append(np.sqrt(gauges[RESOLVED] / gauges[AGITATION]))
+    share = 1.0 / (1.0 + (0.5 * h * np.pi) ** 2 * AXIAL)
+    assert shares == pytest.approx([share, 1.0], rel=1e-3)

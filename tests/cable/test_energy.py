@@ -10,8 +10,10 @@ from exudyn_inext.cable.linked_cable import cable_system
 from exudyn_inext.system import (
     AGITATION,
     ELASTIC,
+    GAUGES,
     KINETIC,
     POWER,
+    RESOLVED,
     VIOLATION,
     accelerate_and_project,
     gauge,
@@ -36,7 +38,7 @@ pytestmark = pytest.mark.kernel
 def gauged(system, state, v):
     """gauges and forces at (q, v), the system evaluated there."""
     q, inputs = state.q.ravel(), state.inputs
-    a, rate, force, gauges = np.zeros(q.size), np.zeros(q.size), np.zeros(q.size), np.zeros(5)
+    a, rate, force, gauges = np.zeros(q.size), np.zeros(q.size), np.zeros(q.size), np.zeros(GAUGES)
     index_reduced_rates(system, inputs, q, v, a, rate)
     gauge(system, inputs, q, v, a, force, gauges)
     return gauges, force, a
@@ -50,6 +52,7 @@ def test_energies_are_those_of_the_dense_matrices(dim, measure):
     v = state.v.ravel()
     assert gauges[KINETIC] == pytest.approx(0.5 * v @ dense_mass(state.cable) @ v)
     assert gauges[AGITATION] == pytest.approx(0.5 * a @ dense_mass(state.cable) @ a)
+    assert gauges[RESOLVED] == gauges[AGITATION]
     assert gauges[ELASTIC] == pytest.approx(bending_energy(state.cable, state.q))
     np.testing.assert_array_equal(force, state.external.ravel())
     assert gauges[POWER] == 0.0
@@ -102,6 +105,6 @@ def test_gauges_leave_no_trace_in_the_evaluations_to_come(dim):
     system, q, v = cable_system(state.cable, 0.0), state.q.ravel(), state.v.ravel()
     before, after = np.zeros((2, q.size)), np.zeros((2, q.size))
     index_reduced_rates(system, state.inputs, q, v, *before)
-    gauge(system, state.inputs, q, v, before[0], np.zeros(q.size), np.zeros(5))
+    gauge(system, state.inputs, q, v, before[0], np.zeros(q.size), np.zeros(GAUGES))
     index_reduced_rates(system, state.inputs, q, v, *after)
     np.testing.assert_array_equal(before, after)

@@ -11,7 +11,7 @@ from exudyn_inext.cable.implicit_bending import ImplicitBending
 from exudyn_inext.cable.linked_cable import cable_system
 from exudyn_inext.element.bending import stiffness_matrix
 from exudyn_inext.loads.gravity import gravity_force
-from exudyn_inext.system import accelerate_and_project, gauge, index_reduced_rates
+from exudyn_inext.system import GAUGES, accelerate_and_project, gauge, index_reduced_rates
 from tests.cables import (
     MEASURES,
     State,
@@ -87,7 +87,7 @@ def test_zhai_damps_at_the_half_step_behind(dim):
 @pytest.mark.kernel
 def test_the_damping_on_the_left_is_no_mass_of_the_kinetic_energy():
     state = damped(2)
-    gauges, force = np.zeros(5), np.zeros(state.q.size)
+    gauges, force = np.zeros(GAUGES), np.zeros(state.q.size)
     system = implicit_system(state.cable)
     flat = [array.ravel() for array in (state.q, state.v, state.v)]
     gauge(system, state.inputs, *flat, force, gauges)

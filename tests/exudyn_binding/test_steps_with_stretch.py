@@ -1,0 +1,157 @@
+"""The automatic step of cables that stretch does not resolve waves that do not matter."""
+
+import math
+import warnings
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.beams import GenerateBeamElementsAlongLine
+from exudyn.utilities import (
+    CoordinateConstraint,
+    InertiaCuboid,
+    MarkerBodyPosition,
+    MarkerNodeCoordinate,
+    MarkerNodePosition,
+    NodePointGround,
+    ObjectANCFCable,
+    ObjectANCFCable2D,
+    SensorNode,
+    SphericalJoint,
+)
+
+from exudyn_inext import CreateInextensibleCable, SolveExplicit
+from reference_models.model import quiet_settings
+
+PERIOD = 0.02
+CLAMPED, PINNED = [True] * 4, [True, True, False, False]
+
+
+def cable(mbs, is_native, template, elements, **where):
+    """Nodes of a cable."""
+    where = {"positionStart": [0, 0, 0], "numberOfElements": elements} | where
+    if is_native:
+        return GenerateBeamElementsAlongLine(mbs, beamTemplate=template, **where)["nodes"]
+    is_spatial = isinstance(template, ObjectANCFCable)
+    made = CreateInextensibleCable(
+        mbs, beamTemplate=template, extensible=True, dimension=3 if is_spatial else 2, **where
+    )
+    return made["nodes"]
+
+
+def path_and_report(build, end, is_native=False, elements=8):
+    """Path (T, 3) of the last node, and the report.   build: (mbs, is_native, elements) -> nodes."""
+    mbs = exudyn.SystemContainer().AddSystem()
+    node = build(mbs, is_native, elements)[-1]
+    position = exudyn.OutputVariableType.Position
+    sensor = mbs.AddSensor(SensorNode(nodeNumber=node, outputVariableType=position, storeInternal=True))
+    mbs.Assemble()
+    settings = quiet_settings(end, round(end / (5e-4 if is_native else PERIOD)), PERIOD)
+    report = {}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of initial velocities
+        if is_native:
+            settings.linearSolver.solverType = exudyn.LinearSolverType.EigenSparse
+            settings.timeIntegration.generalizedAlpha.spectralRadius = 0.8
+            mbs.SolveDynamic(settings)
+        else:
+            report = SolveExplicit(mbs, settings)
+    return np.array(mbs.GetSensorStoredData(sensor))[:, 1:4], report
+
+
+def strained(mbs, is_native, elements, strain=-0.01):
+    """A cable that contracts at the start, against strong axial damping."""
+    template = ObjectANCFCable2D(
+        massPerLength=0.1,
+        bendingStiffness=1e-3,
+        axialStiffness=4000.0,
+        axialDamping=40.0,
+        referenceAxialStrain=strain,
+        useReducedOrderIntegration=2,
+    )
+    return cable(
+        mbs,
+        is_native,
+        template,
+        elements,
+        positionEnd=[1, 0, 0],
+        gravity=[0, -9.81, 0],
+        groundConstraintsStart=PINNED,
+    )
+
+
+def curved(mbs, is_native, elements, stiffness=1e3):
+    """A straight cable whose natural curvature acts from the start on."""
+    template = ObjectANCFCable2D(
+        massPerLength=0.1,
+        bendingStiffness=1e-2,
+        axialStiffness=stiffness,
+        referenceCurvature=1.5,
+        useReducedOrderIntegration=2,
+    )
+    return cable(
+        mbs,
+        is_native,
+        template,
+        elements,
+        positionEnd=[1, 0, 0],
+        gravity=[0, -9.81, 0],
+        groundConstraintsStart=CLAMPED,
+    )
+
+
+def winch(mbs, is_native, elements):
+    """A damped cable between a driven slider and a body, which begins with a velocity of its own."""
+    gravity = [0, 0, -9.81]
+    template = ObjectANCFCable(
+        massPerLength=0.2,
+        bendingStiffness=0.05,
+        bendingDamping=0.002,
+        axialStiffness=400.0,
+        useReducedOrderIntegration=2,
+    )
+    nodes = cable(mbs, is_native, template, elements, positionEnd=[1.2, 0, 0], gravity=gravity)
+    slider = mbs.CreateMassPoint(mass=0.5, gravity=gravity, returnDict=True)["nodeNumber"]
+    ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+    axes = [mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=slider, coordinate=axis)) for axis in range(3)]
+    for axis in axes[:2]:
+        mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, axis]))
+    mbs.AddObject(
+        CoordinateConstraint(
+            markerNumbers=[ground, axes[2]],
+            offsetUserFunction=lambda mbs, t, item, offset: 0.4 / 3.0 * (1.0 - math.cos(3.0 * t)),
+        )
+    )
+    body = mbs.CreateRigidBody(
+        referencePosition=[1.2, 0, -0.1],
+        inertia=InertiaCuboid(2000, [0.05, 0.05, 0.1]),
+        gravity=gravity,
+        initialVelocity=[0, 0.5, 0],
+    )
+    ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in (nodes[0], slider, nodes[-1])]
+    hook = mbs.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=[0, 0, 0.1]))
+    mbs.AddObject(SphericalJoint(markerNumbers=ends[:2]))
+    mbs.AddObject(SphericalJoint(markerNumbers=[ends[2], hook]))
+    return nodes
+
+
+@pytest.mark.parametrize(("build", "most"), [(strained, 600), (curved, 500), (winch, 400)])
+def test_steps_are_as_long_as_accuracy_allows(build, most):
+    path, report = path_and_report(build, 0.6)
+    native, _ = path_and_report(build, 0.6, is_native=True, elements=24)
+    assert report["steps"] < most
+    extent = np.linalg.norm(native - native[0], axis=1).max()
+    assert np.linalg.norm(path - native, axis=1).max() < 0.01 * extent
+
+
+def test_strains_that_are_damped_at_the_start_cost_no_steps():
+    _, report = path_and_report(strained, 0.2)
+    _, usual = path_and_report(lambda *which: strained(*which, strain=0.0), 0.2)
+    assert report["rejections"] == 0 and report["steps"] < 2 * usual["steps"]  # the strain is tension, too
+    assert report["drift"]["energyGain"] < 1e-3
+
+
+def test_waves_of_a_sudden_start_do_not_decide_on_the_whole_run():
+    """They pass at once; two hundred thousand steps resolved them."""
+    _, report = path_and_report(curved, 1.0, elements=10)
+    assert report["steps"] < 5000
