@@ -146,10 +146,11 @@ def _compare_joints(scene: CoupledScene, form: CompiledScene, t: float, q: Array
     for block in scene.surroundings.blocks:
         rates[block.rows] += block.jacobian @ v[block.dofs]
     drift = -joints.rows["drift"][:, 0]
+    acceleration = max(size * speed**2, float(np.abs(joints.gamma).max()))
     compared = (
         (terms.value, joints.value, TOLERANCE * size),
         (rates, joints.rate - drift, TOLERANCE * size * speed),
-        (terms.gamma, joints.gamma, OF_DIFFERENCES * size * speed**2),
+        (terms.gamma, joints.gamma, OF_DIFFERENCES * acceleration),
         (terms.drift, drift, OF_DIFFERENCES * max(1.0, float(np.abs(drift).max(initial=0.0)))),
     )
     for wanted, found, tolerance in compared:
