@@ -4,6 +4,7 @@ import exudyn
 import numpy as np
 import pytest
 from exudyn.itemInterface import (
+    CartesianSpringDamper,
     GenericJoint,
     LoadForceVector,
     MarkerBodyPosition,
@@ -163,6 +164,29 @@ def test_spring_within_an_element_is_that_on_a_native_cable(new_mbs, add_pendulu
     solve_native(native, 0.4)
     found, expected = (trajectory(*pair)[:, 1:] for pair in ((ours, sensor), (native, expected)))
     np.testing.assert_allclose(found, expected, atol=1e-2 * np.ptp(expected[:, 1]))
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_stiff_spring_at_rest_moves_nothing_until_a_load_sets_in(new_mbs, add_cable, add_sensor, solve, dim):
+    """Its round-off is no motion, and no reason to leave compiled code."""
+    mbs = new_mbs()
+    held = [True] * dim + [False] * dim
+    cable = add_cable(mbs, gravity=[0, 0, 0], groundConstraintsStart=held, dimension=dim)
+    anchor = MarkerBodyPosition(bodyNumber=mbs.CreateGround(), localPosition=[1.13, 0, 0])
+    markers = [mbs.AddMarker(anchor), AddMarkerOnCable(mbs, cable, 1.13)]
+    mbs.AddObject(CartesianSpringDamper(markerNumbers=markers, stiffness=[1e5, 1e5, 1e5]))
+
+    def late(mbs, t, load):
+        return [0, 0.1 * (t > 0.1), 0]
+
+    load_node(mbs, cable["nodes"][-1], [0, 0, 0], loadVectorUserFunction=late)
+    tip = add_sensor(mbs, cable["nodes"][-1])
+    mbs.Assemble()
+    report = solve(mbs, 0.2, steps=20)
+    y = trajectory(mbs, tip)[:, 2]
+    assert "in one compiled call" in report["path"] and report["rejections"] == 0
+    assert np.abs(y[:11]).max() < 1e-12
+    assert y[-1] > 1e-3
 
 
 def test_body_hinged_within_an_element_swings_as_on_a_native_cable(new_mbs, add_pendulum, add_sensor, solve):
