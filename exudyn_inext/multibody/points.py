@@ -15,7 +15,7 @@ POINT = record_type(
         ("first", np.int64),  # coordinate among all of the scene
         ("width", np.int64),  # number of coordinates
         ("dimension", np.int64),  # of a cable
-        ("local", np.float64, (3,)),  # position in the frame of a body or cable; what is added to a coordinate
+        ("local", np.float64, (3,)),  # in the frame of a body or cable; what is added to a coordinate
         ("weights", np.float64, (4,)),  # of positions and slopes of a cable's nodes in the point on its axis
         ("slope_weights", np.float64, (4,)),  # in the slope there
         ("x", np.float64, (3, 3)),  # position, velocity, and acceleration with that of the coordinates zero
