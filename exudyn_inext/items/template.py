@@ -94,13 +94,13 @@ class InextensibleCable:
             curvature,
             require_not_negative("bendingDamping", self.bendingDamping),
             *self._axial(),
-            require_finite("strainIsRelativeToReference", self.strainIsRelativeToReference, ""),
+            require_finite("strainIsRelativeToReference", self.strainIsRelativeToReference),
         )
 
     def _axial(self) -> tuple[float | None, float, float]:
         """Checked axial stiffness, damping and strain of the stress-free cable."""
         damping = require_not_negative("axialDamping", self.axialDamping)
-        strain = require_finite("referenceAxialStrain", self.referenceAxialStrain, "")
+        strain = require_finite("referenceAxialStrain", self.referenceAxialStrain)
         if self.axialStiffness is None:
             for name, value in (("axialDamping", damping), ("referenceAxialStrain", strain)):
                 if value:
@@ -143,7 +143,8 @@ class InextensibleCable:
 def _native_value(template: Any, name: str) -> Any:
     """A property of a native template, also by its name of older versions (`physicsMassPerLength`)."""
     older = getattr(template, f"physics{name[0].upper()}{name[1:]}", None)
-    return getattr(template, name, 0.0) if older is None else older
+    value = getattr(template, name, 0.0) if older is None else older
+    return float(value) if isinstance(value, bool) else value
 
 
 def _is_set(value: Any) -> bool:

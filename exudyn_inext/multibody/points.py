@@ -15,8 +15,9 @@ POINT = record_type(
         ("first", np.int64),  # coordinate among all of the scene
         ("width", np.int64),  # number of coordinates
         ("dimension", np.int64),  # of a cable
-        ("local", np.float64, (3,)),  # position in the frame of a body; what is added to a coordinate
-        ("weights", np.float64, (4,)),  # of positions and slopes of a cable's nodes
+        ("local", np.float64, (3,)),  # in the frame of a body or cable; what is added to a coordinate
+        ("weights", np.float64, (4,)),  # of positions and slopes of a cable's nodes in the point on its axis
+        ("slope_weights", np.float64, (4,)),  # in the slope there
         ("x", np.float64, (3, 3)),  # position, velocity, and acceleration with that of the coordinates zero
         ("orientation", np.float64, (3, 3)),
         ("spin", np.float64, (3,)),  # angular velocity
@@ -101,24 +102,49 @@ def _combine(point, q, order):
 
 
 @inlined
+def _slope_of(point, q):
+    """Slope at a point of a planar cable, or its rate."""
+    x, y = 0.0, 0.0
+    for k in range(4):
+        if 2 * k < point.width:
+            x += point.slope_weights[k] * q[point.first + 2 * k]
+            y += point.slope_weights[k] * q[point.first + 2 * k + 1]
+    return x, y
+
+
+@inlined
 def _place_frame(point, q):
-    """The frame of a planar cable at a node follows the slope."""
-    x, y = q[point.first + 2], q[point.first + 3]
+    """The frame of a planar cable follows its slope: r + local_y n."""
+    x, y = _slope_of(point, q)
     square = x * x + y * y
     norm = np.sqrt(square)
-    turn = point.orientation
+    turn, off = point.orientation, point.local[1]
     turn[0, 0], turn[0, 1], turn[1, 0], turn[1, 1] = x / norm, -y / norm, y / norm, x / norm
-    point.about[2, 2], point.about[2, 3] = -y / square, x / square
+    for i in range(2):
+        point.x[0, i] += off * turn[i, 1]
+    for k in range(4):
+        if 2 * k < point.width:
+            for j in range(2):
+                about = point.slope_weights[k] * turn[j, 1] / norm
+                point.about[2, 2 * k + j] = about
+                for i in range(2):
+                    on_axis = point.weights[k] if i == j else 0.0
+                    point.along[i, 2 * k + j] = on_axis - off * turn[i, 0] * about
 
 
 @inlined
 def _move_frame(point, q, v):
-    """w = s x s_t / s^2 and its rate with s_tt = 0."""
-    x, y = q[point.first + 2], q[point.first + 3]
-    u, w = v[point.first + 2], v[point.first + 3]
+    """w = s x s_t / s^2 and its rate with s_tt = 0; n_t = -w t."""
+    x, y = _slope_of(point, q)
+    u, w = _slope_of(point, v)
     square = x * x + y * y
-    point.spin[2] = (x * w - y * u) / square
-    point.spin_rate[2] = -2.0 * point.spin[2] * (x * u + y * w) / square
+    spin = (x * w - y * u) / square
+    rate = -2.0 * spin * (x * u + y * w) / square
+    point.spin[2], point.spin_rate[2] = spin, rate
+    turn, off = point.orientation, point.local[1]
+    for i in range(2):
+        point.x[1, i] -= off * spin * turn[i, 0]
+        point.x[2, i] = -off * (rate * turn[i, 0] + spin**2 * turn[i, 1])
 
 
 @inlined

@@ -184,8 +184,9 @@ def _compare_parts(scene: CoupledScene, wanted: Array, found: Array, sizes: Arra
 
 def _compare_joints(scene: CoupledScene, wanted: Array, found: Array, size: float, speed: float) -> None:
     """wanted, found: (states, 4, m).   size, speed: largest coordinate and velocity, at least 1."""
-    drift = OF_DIFFERENCES * max(1.0, float(np.abs(found[:, 3]).max()))
-    tolerance = (TOLERANCE * size, TOLERANCE * size * speed, OF_DIFFERENCES * size * speed**2, drift)
+    gamma, drift = np.abs(found[:, 2:]).max(axis=(0, 2)).tolist()
+    gamma, drift = OF_DIFFERENCES * max(size * speed**2, gamma), OF_DIFFERENCES * max(1.0, drift)
+    tolerance = (TOLERANCE * size, TOLERANCE * size * speed, gamma, drift)
     is_right = (np.abs(wanted - found) <= np.array(tolerance)[:, np.newaxis]).all(axis=(0, 1))
     if not is_right.all():
         which = scene.surroundings.joints[int(np.argmin(is_right))]

@@ -24,8 +24,8 @@ class PartCoordinates:
 class CoordinateMap:
     """Between coordinates of the parts, one after the other, and the system vector of an mbs.
 
-    A coordinate may stand twice (first and last node of a closed cable): forces and Jacobians then go
-    to the first one.
+    A coordinate may stand twice (first and last node of a closed cable): values then come from the first
+    one, and forces and Jacobians go to it.
 
     indices, reference: (n,) of all parts.   slices: of the parts.
     of_forces: (n,) as the indices, with -1 for coordinates that stand there already.
@@ -43,6 +43,7 @@ class CoordinateMap:
         again = np.flatnonzero(first[self.indices] != np.arange(len(self.indices)))
         self.of_forces = self.indices.copy()
         self.of_forces[again] = -1
+        self._own = np.flatnonzero(self.of_forces >= 0)
         self._vector = np.zeros(size)
         self._part_of = np.repeat(np.arange(len(parts)), np.diff(ends))
 
@@ -52,7 +53,7 @@ class CoordinateMap:
 
     def rates(self, v: Array) -> list[float]:
         """(size,) system vector of velocities or accelerations (n,)."""
-        self._vector[self.indices] = v
+        self._vector[self.indices[self._own]] = v[self._own]
         return self._vector.tolist()
 
     def repeat(self, x: Array) -> None:

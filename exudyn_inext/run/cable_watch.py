@@ -28,7 +28,7 @@ ROUND_OFF = 1e3 * np.finfo(float).eps
 class CableWatch(RunWatch):
     """Keeps the account of one cable.
 
-    watch: for `record_watched`.
+    watch: for `record_watched`.   round_off: of the energy [J].
     """
 
     def __init__(
@@ -43,7 +43,7 @@ class CableWatch(RunWatch):
         self._cable = cable
         self._names = scene_cable.item.node_names
         self._shape = cable.reference.shape
-        self._round_off = _round_off(cable, loads.constant)
+        self.round_off = _round_off(cable, loads.constant)
         moves = not all(motion.rests for motion in motions_of(all_links(cable)))
         is_damped = bool(cable.section.bending_damping or cable.section.axial_damping)
         has_power = moves or is_damped or cable.drag is not None
@@ -53,7 +53,7 @@ class CableWatch(RunWatch):
 
     def open(self, system: Any, external: Array, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""
-        open_account(self.watch, system, external, state, self._round_off)
+        open_account(self.watch, system, external, state, self.round_off)
 
     def go_on(self, system: Any, external: Array, state: Any) -> None:
         """With another step, from a state that the integrator has just started from."""

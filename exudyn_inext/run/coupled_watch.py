@@ -15,7 +15,18 @@ from ..arrays import Array
 from ..compiled import Prepared
 from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit
-from ..scene.path_work import LACK, SCALE, SUMS, WAY, begin_path, build_path, expect_energy, follow, take_sums
+from ..scene.path_work import (
+    FLOOR,
+    LACK,
+    SCALE,
+    SUMS,
+    WAY,
+    begin_path,
+    build_path,
+    expect_energy,
+    follow,
+    take_sums,
+)
 from ..system import AGITATION, GAUGES, KINETIC, POWER, RESOLVED, VIOLATION, gauge
 from .cable_loads import CableLoads
 from .cable_run import CableRun
@@ -43,6 +54,7 @@ STEPS_BETWEEN_GLANCES = 32  # at the velocities, at most; outputs are looked at,
 CALM = 16.0  # growth of their square since the last inspection that calls for another one
 LENIENCE = 10.0  # of the energy: forces that jump, as those of contact do, have work between two steps
 ROUND_OFF = 1e-10  # of the energy, relative to the forces times the extent
+OF_PLACES = 1e3 * np.finfo(float).eps  # of places, relative to the extent
 STEPS_BETWEEN_LOOKS = 8  # at the frequency of a step, which is looked at more often after an inspection
 GROWTH = 0.1  # of a vibration in a step [-], that is unstable
 
@@ -120,6 +132,7 @@ class CoupledWatch(RunWatch):
         self.evaluate_by(evaluated)
         self._scale = 1.0  # of violated joints [m, -]
         self._step = 0.0  # last one [s]
+        self._resolution = 0.0  # energy of velocities of round-off, times the square of the step [J s^2]
         self._last = np.zeros(2)  # inspection: its time [s], and the square of the velocities then
         self._calm = 0.0  # largest square of velocities that calls for no other one
         self._counts = np.zeros(2, int)  # of steps since then, and until the next one at most
@@ -146,9 +159,18 @@ class CoupledWatch(RunWatch):
         extent = float(np.abs(state.q).max(initial=0.0))
         self._scale = max(1.0, extent)
         size = float(np.abs(forces + self._gravity[: len(forces)]).sum())
-        open_with_gauges(self.watch, state, ROUND_OFF * extent * size)
-        floor = float(self.watch.account[NOW].round_off)
+        floor = ROUND_OFF * extent * size + sum(run.watch.round_off for run in self._runs)
+        open_with_gauges(self.watch, state, floor)
+        self._resolution = self._kinetic_energy(t, state, np.full(len(state.q), OF_PLACES * extent))
+        self._step = 0.0
         expect_energy(self.path_of_evaluations, self.turned_over, floor, self._energy_tolerance)
+
+    def _set_step(self, h: float) -> None:
+        """Round-off of places moves everything by velocities of that over h [s]."""
+        self._step, account, floor = h, self.watch.account[NOW], self._resolution / h**2
+        account.round_off = max(account.round_off, floor)
+        account.unsure = max(account.unsure, floor)
+        self._lacks[FLOOR] = max(self._lacks[FLOOR], floor)
 
     def _begin_work(self, t: float, state: Any) -> Any:
         """Count work from a state on; returns the forces of Exudyn's items in it."""
@@ -183,7 +205,8 @@ class CoupledWatch(RunWatch):
 
     def is_well_at(self, t: float, h: float, state: Any, at_once: bool = False) -> bool:
         """Judge the steps of h [s] until t [s] from time to time, and `at_once`, or if velocities grow."""
-        self._step = h
+        if h != self._step:
+            self._set_step(h)
         if self._lacks[LACK] > self._energy_tolerance:
             return self._condemn(state, LACK_OF_WORK, self._lacks[LACK])
         if self._is_due and (excess := self._excess(t, h, state)) > 1.0:

@@ -89,11 +89,12 @@ class Potential:
 
     def values(self, q: Array) -> Array:
         """(m,) all constraints."""
-        return np.concatenate([c.value(q, self.time) for c in self._constraints])
+        return np.concatenate([np.zeros(0), *(c.value(q, self.time) for c in self._constraints)])
 
     def jacobian(self, q: Array) -> csr_array:
         """(m, n_dof) of all constraints."""
-        return csr_array(vstack([c.jacobian(q, self.time) for c in self._constraints]))
+        none = csr_array((0, q.size))  # a ring that stretches has none
+        return csr_array(vstack([none, *(c.jacobian(q, self.time) for c in self._constraints)]))
 
     def hessian(self, q: Array, multipliers: Array) -> csr_array:
         """Of the Lagrangian."""

@@ -528,7 +528,9 @@ TARGETS = {
             "localDirection": [None, [1, 0, 0]],
         },
     ),
-    "AddMarkerOnCable": Target(loose_pendulum, mark, ON_CABLE | ARC),
+    "AddMarkerOnCable": Target(
+        loose_pendulum, mark, ON_CABLE | ARC | {"offset": [0.0, -0.02], "hasFrame": [False, True]}
+    ),
     "CreateCompanionCables": Target(loose_pendulum, accompany, ON_CABLE | {"show": [False, True]}),
     "AddPointMass": Target(loose_pendulum, weigh, ON_CABLE | ARC | {"mass": [0.01]}),
     "SetCableDrag": Target(

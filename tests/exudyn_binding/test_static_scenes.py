@@ -23,8 +23,11 @@ from exudyn.itemInterface import (
 from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import (
+    CableShape,
     CreateCompanionCables,
+    CreateInextensibleCable,
     EquilibriumError,
+    InextensibleCable,
     InputError,
     SceneError,
     SolveEquilibrium,
@@ -320,6 +323,30 @@ def test_it_holds_after_a_new_assembly_and_an_equilibrium_needs_no_search():
     assert SolveEquilibrium(builder.mbs)["iterations"] <= 2
     after = totals(builder.mbs)
     assert max(np.abs(after[n] - at).max() for n, at in before.items()) < 1e-9
+
+
+@pytest.mark.parametrize("stretch", [{}, {"axialStiffness": 500.0}])
+def test_a_ring_hangs_by_its_first_node_as_by_another_one(stretch):
+    def lowest(first):
+        """Place of the node opposite to the top; node `first` is at the right, on a spring."""
+        turn = np.array([[0.0, -1.0], [1.0, 0.0]]) if first else np.eye(2)
+        b = Builder(dimension=2)
+        section = InextensibleCable(massPerLength=MASS, bendingStiffness=BENDING, **stretch)
+        ring = CreateInextensibleCable(
+            b.mbs,
+            beamTemplate=section,
+            shape=CableShape.Circle([0, 0], 0.5, 8),
+            gravity=[*(turn.T @ [0, -9.81]), 0],
+        )
+        for node, anchor in ((first, [0.7, 0.6]), (first + 4, [-0.7, 0.6])):
+            held = b.at(ring["nodes"][node % 8]), b.on(b.ground, [*(turn.T @ anchor), 0])
+            b.mbs.AddObject(CartesianSpringDamper(markerNumbers=list(held), stiffness=[20, 20, 0]))
+        b.mbs.Assemble()
+        SolveEquilibrium(b.mbs)
+        place = b.mbs.GetNodeOutput(ring["nodes"][(first + 6) % 8], exudyn.OutputVariableType.Position)
+        return turn @ place[:2]
+
+    np.testing.assert_allclose(lowest(0), lowest(6), atol=1e-8)
 
 
 def test_a_body_that_nothing_holds_is_named_and_nothing_changes():

@@ -20,3 +20,10 @@ def test_a_native_template_brings_all_of_its_values(template, names):
     native = template(**names({**VALUES, **AXIAL, **curvature}))
     read = InextensibleCable.from_template(native, extensible=True)
     assert read == InextensibleCable(**VALUES, **AXIAL, **curvature)
+
+
+@pytest.mark.parametrize("share", [False, True])
+def test_scripts_say_a_share_of_strain_by_true_and_false(share):
+    native = ObjectANCFCable2D(**VALUES, **AXIAL, strainIsRelativeToReference=share)
+    read = InextensibleCable.from_template(native, extensible=True)
+    assert read.section(2).strain_is_relative == float(share)

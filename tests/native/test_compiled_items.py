@@ -10,6 +10,7 @@ from exudyn.itemInterface import (
     CoordinateConstraint,
     CoordinateSpringDamper,
     DistanceConstraint,
+    GenericJoint,
     LoadCoordinate,
     LoadForceVector,
     LoadMassProportional,
@@ -132,8 +133,8 @@ class Builder:
         body = self.ground if which is None else self.bodies[which]
         return self.mbs.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=self.vector(0.1)))
 
-    def on_cable(self):
-        return AddMarkerOnCable(self.mbs, self.cable, float(self.random.uniform(0.1, 1.2)))
+    def on_cable(self, **options):
+        return AddMarkerOnCable(self.mbs, self.cable, float(self.random.uniform(0.1, 1.2)), **options)
 
     def coordinate(self, node, which):
         return self.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=which))
@@ -194,6 +195,40 @@ def torsional_spring_at_a_node(b):
         b.mbs.AddObject(TorsionalSpringDamper(markerNumbers=[b.rigid(0), tip], stiffness=0.3, damping=0.01))
         hinge = {"stiffness": np.diag([9, 8, 0, 0, 0, 0.2]), "damping": 0.01 * np.eye(6)}
         b.mbs.AddObject(RigidBodySpringDamper(markerNumbers=[tip, b.rigid(1)], **hinge))
+
+
+def beside_the_cable(b):
+    """In the plane, a cable has frames, and points beside its axis, at any arc length."""
+    if b.dimension == 2:
+        beside, turned = b.on_cable(offset=0.1), b.on_cable(offset=-0.07, hasFrame=True)
+        b.mbs.AddLoad(LoadForceVector(markerNumber=beside, loadVector=b.vector(3.0)))
+        b.mbs.AddLoad(LoadTorqueVector(markerNumber=turned, loadVector=[0, 0, 0.1]))
+        b.mbs.AddLoad(LoadForceVector(markerNumber=turned, loadVector=b.vector(3.0), bodyFixed=True))
+        law = {"stiffness": np.diag([9, 8, 0, 0, 0, 0.2]), "damping": 0.01 * np.eye(6)}
+        b.mbs.AddObject(RigidBodySpringDamper(markerNumbers=[turned, b.rigid(1)], **law))
+
+
+def fixed_beside_the_cable(b):
+    """A body on an arm, and a slider along the cable's frame."""
+    if b.dimension == 2:
+        first, second = b.on_cable(offset=0.1, hasFrame=True), b.on_cable(offset=-0.2)
+        position, frame = b.place(b.bodies[0])
+        x = b.mbs.GetMarker(first)["localPosition"][0] + element_start(b, first)
+        local = frame.T @ ([x, 0.1, 0.0] - position)
+        pair = [first, b.mbs.AddMarker(MarkerBodyRigid(bodyNumber=b.bodies[0], localPosition=local))]
+        b.mbs.AddObject(
+            GenericJoint(markerNumbers=pair, constrainedAxes=[1, 1, 0, 0, 0, 1], rotationMarker1=frame.T)
+        )
+        x = b.mbs.GetMarker(second)["localPosition"][0] + element_start(b, second)
+        distance = float(np.linalg.norm(b.place(b.bodies[1])[0] - [x, -0.2, 0]))
+        other = b.mbs.AddMarker(MarkerNodePosition(nodeNumber=b.nodes[1]))
+        b.mbs.AddObject(DistanceConstraint(markerNumbers=[second, other], distance=distance))
+
+
+def element_start(b, marker):
+    """x of the first node of a marker's element."""
+    left = b.mbs.GetObject(b.mbs.GetMarker(marker)["bodyNumber"])["nodeNumbers"][0]
+    return b.mbs.GetNode(left)["referenceCoordinates"][0]
 
 
 def coordinate_spring(b):
@@ -374,6 +409,8 @@ KINDS = [
     rigid_body_spring,
     torsional_spring,
     torsional_spring_at_a_node,
+    beside_the_cable,
+    fixed_beside_the_cable,
     coordinate_spring,
     forces,
     torques,

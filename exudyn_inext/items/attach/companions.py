@@ -9,6 +9,7 @@ from weakref import WeakKeyDictionary
 
 from exudyn.itemInterface import (
     MarkerBodyPosition,
+    MarkerBodyRigid,
     ObjectANCFCable,
     ObjectANCFCable2D,
     VObjectANCFCable,
@@ -16,7 +17,8 @@ from exudyn.itemInterface import (
 )
 
 from ...cable.attached import place_on_elements
-from ...checks import require_flag
+from ...checks import require_finite, require_flag
+from ...errors import InputError
 from ...scene.model import CableItem
 from ..cable_data import point_on_cable, require_cable
 from .inert import INERT, is_inert_cable
@@ -25,11 +27,12 @@ from .inert import INERT, is_inert_cable
 def CreateCompanionCables(mbs: Any, cable: Any, show: bool = False) -> list[int]:
     """Native ANCF cables without mass and stiffness on the nodes of a cable, one for each element.
 
-    What Exudyn attaches to bodies then attaches to the cable: MarkerBodyPosition,
-    MarkerBodyCable2DShape, MarkerBodyCable2DCoordinates, SensorBody, and through them loads, springs,
-    joints and contact. Companions that nothing acts on change neither motion nor cost of a run. A
-    cable has one set of them: a second call returns the first set. Sensors and contour plots show motion
-    and CurvatureLocal; section forces, which companions lack, come from `CreateCableForceSensor`.
+    What Exudyn attaches to bodies then attaches to the cable: MarkerBodyPosition, in the plane also
+    MarkerBodyRigid, points beside the axis, MarkerBodyCable2DShape and MarkerBodyCable2DCoordinates,
+    SensorBody, and through them loads, springs, joints and contact. Companions that nothing acts on change
+    neither motion nor cost of a run. A cable has one set of them: a second call returns the first set.
+    Sensors and contour plots show motion and CurvatureLocal; section forces, which companions lack, come
+    from `CreateCableForceSensor`.
 
     Contact works in the plane: ObjectContactCircleCable2D and ObjectContactFrictionCircleCable2D, whose
     stiffness and damping bound the steps of SolveExplicit before they close, and
@@ -64,31 +67,44 @@ def CreateCompanionCables(mbs: Any, cable: Any, show: bool = False) -> list[int]
     ]
 
 
-def AddMarkerOnCable(mbs: Any, cable: Any, arcLength: float) -> int:
-    """A marker on the position of a cable at any arc length, for loads, springs, joints and sensors.
+def AddMarkerOnCable(
+    mbs: Any, cable: Any, arcLength: float, offset: float = 0.0, hasFrame: bool = False
+) -> int:
+    """A marker on a cable at any arc length, or beside it, for loads, springs, joints and sensors.
 
-    It is a MarkerBodyPosition on a companion, see `CreateCompanionCables`, which is created if needed.
-    At nodes, MarkerNodePosition, MarkerNodeCoordinate and (planar) MarkerNodeRigid work without one, and
-    loads on them keep a run on its fastest path.
+    It is a MarkerBodyPosition or MarkerBodyRigid on a companion, see `CreateCompanionCables`, which is
+    created if needed. At nodes, MarkerNodePosition, MarkerNodeCoordinate and (planar) MarkerNodeRigid work
+    without one, and loads on them keep a run on its fastest path.
 
     Args:
         mbs: the system; call mbs.Assemble() afterwards.
         cable: what CreateInextensibleCable returned, or the number of its object.
         arcLength: where, 0 to the cable's length [m].
+        offset: y of the point r + y n, with the normal n to the left of the slope [m]; planar cables only.
+        hasFrame: whether the marker turns with the slope, for torques, rotations and joints that hold them;
+            planar cables only.
 
     Returns:
         marker number.
 
     Raises:
-        InputError: not a cable, or the point is not on it; mbs is unchanged then.
+        InputError: not a cable, the point is not on it, or a frame in space; mbs is unchanged then.
 
     Example:
         mbs.AddLoad(LoadForceVector(markerNumber=AddMarkerOnCable(mbs, cable, 1.3), loadVector=[0, -2, 0]))
+        lamp = AddMarkerOnCable(mbs, cable, 0.7, offset=-0.05, hasFrame=True)
     """
     _, item = require_cable(mbs, cable)
-    element, offset = place_on_cable(item, arcLength)
+    element, x = place_on_cable(item, arcLength)
+    beside, framed = require_finite("offset", offset, "m"), require_flag("hasFrame", hasFrame)
+    if item.cable.dimension == 3 and (beside or framed):
+        raise InputError(
+            f"offset = {offset!r}, hasFrame = {hasFrame!r}: a cable in space has no orientation about its "
+            "axis; leave both out, or create the cable with dimension=2."
+        )
+    marker = MarkerBodyRigid if framed else MarkerBodyPosition
     body = CreateCompanionCables(mbs, cable)[element]
-    return int(mbs.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=[offset, 0.0, 0.0])))
+    return int(mbs.AddMarker(marker(bodyNumber=body, localPosition=[x, beside, 0.0])))
 
 
 def place_on_cable(item: CableItem, arc_length: Any) -> tuple[int, float]:

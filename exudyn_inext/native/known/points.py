@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...arrays import Array, collected
-from ...element.shape_functions import shape_functions
+from ...element.shape_functions import first_derivatives, shape_functions
 from ...items.arguments import described
 from ...items.attach.inert import is_inert_cable
 from ...multibody.points import COORDINATE, FIXED, FRAME_OF_CABLE, ON_BODY, ON_CABLE, POINT
@@ -97,8 +97,8 @@ class PointReader:
             return place._replace(turn=turn)
         if number in self._of_bodies:
             return self.on_body(self._of_bodies[number], local, has_frame)._replace(turn=turn)
-        if is_inert_cable(data) and not has_frame and not local[1:].any():
-            return self._on_element(data, float(local[0]))
+        if is_inert_cable(data) and not local[2]:
+            return self._on_element(data, local, has_frame)._replace(turn=turn)
         raise UnknownItemError(f"a marker on {described(data, number)}")
 
     def on_body(self, body: int, local: Array, has_frame: bool = True) -> Place:
@@ -151,10 +151,7 @@ class PointReader:
             return self._weighted(first, dim, [1.0])
         if dim == 3:
             raise UnknownItemError(f"a marker with a frame on node {number} '{node['name']}'")
-        point = _new(FRAME_OF_CABLE, first, 2 * dim)
-        point["dimension"], point["weights"][0] = dim, 1.0
-        point["along"][:dim, :dim] = _ALONG[:dim, :dim]
-        return self._add(point, has_frame=True)
+        return self._frame(first, np.eye(4)[0, :2], np.eye(4)[1, :2])
 
     def body_of_node(self, number: int) -> Place:
         """The body on a node, with its frame."""
@@ -169,14 +166,26 @@ class PointReader:
         dim = len(places) // 2
         return self._weighted(first + dim, dim, [1.0])
 
-    def _on_element(self, data: dict[str, Any], x: float) -> Place:
+    def _on_element(self, data: dict[str, Any], local: Array, has_frame: bool) -> Place:
         (left, _), (right, _) = (self._of_node(int(number)) for number in data["nodeNumbers"])
         first, last = self._coordinates.place(left[0]), self._coordinates.place(right[0])
         dim = len(left) // 2
         if last != first + 2 * dim or not 0 <= first < self._on_cables:
             raise UnknownItemError(f"a marker on the last element of a closed cable ('{data['name']}')")
-        length = float(data["length"])
-        return self._weighted(first, dim, shape_functions(x / length, length).tolist())
+        length, x, off = float(data["length"]), float(local[0]), float(local[1])
+        weights = shape_functions(x / length, length)
+        if not (off or has_frame):
+            return self._weighted(first, dim, weights.tolist())
+        if dim == 3:
+            raise UnknownItemError(f"a marker beside the axis of '{data['name']}'")
+        return self._frame(first, weights, first_derivatives(x / length, length), off)
+
+    def _frame(self, first: int, weights: Array, slope_weights: Array, off: float = 0.0) -> Place:
+        """Of a planar cable, on its axis or beside it."""
+        point = _new(FRAME_OF_CABLE, first, 2 * len(weights))
+        point.dimension, point.local[1] = 2, off
+        point.weights[: len(weights)], point.slope_weights[: len(weights)] = weights, slope_weights
+        return self._add(point, has_frame=True)
 
     def _weighted(self, first: int, dim: int, weights: list[float]) -> Place:
         point = _new(ON_CABLE, first, len(weights) * dim)

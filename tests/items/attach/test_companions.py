@@ -4,9 +4,14 @@ import exudyn
 import numpy as np
 import pytest
 from exudyn.itemInterface import (
+    CartesianSpringDamper,
+    GenericJoint,
     LoadForceVector,
     MarkerBodyPosition,
+    MarkerBodyRigid,
     MarkerNodePosition,
+    NodeRigidBody2D,
+    ObjectRigidBody2D,
     SensorBody,
     SensorMarker,
     SphericalJoint,
@@ -161,6 +166,28 @@ def test_spring_within_an_element_is_that_on_a_native_cable(new_mbs, add_pendulu
     np.testing.assert_allclose(found, expected, atol=1e-2 * np.ptp(expected[:, 1]))
 
 
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_spring_at_rest_moves_nothing_until_a_load_sets_in(mbs, add_cable, add_sensor, solve, dim):
+    """Its round-off is no motion, and no reason to leave compiled code."""
+    held = [True] * dim + [False] * dim
+    cable = add_cable(mbs, gravity=[0, 0, 0], groundConstraintsStart=held, dimension=dim)
+    anchor = MarkerBodyPosition(bodyNumber=mbs.CreateGround(), localPosition=[1.13, 0, 0])
+    markers = [mbs.AddMarker(anchor), AddMarkerOnCable(mbs, cable, 1.13)]
+    mbs.AddObject(CartesianSpringDamper(markerNumbers=markers, stiffness=[1e5, 1e5, 1e5]))
+
+    def late(mbs, t, load):
+        return [0, 0.1 * (t > 0.1), 0]
+
+    load_node(mbs, cable["nodes"][-1], [0, 0, 0], loadVectorUserFunction=late)
+    tip = add_sensor(mbs, cable["nodes"][-1])
+    mbs.Assemble()
+    report = solve(mbs, 0.2, steps=20)
+    y = trajectory(mbs, tip)[:, 2]
+    assert "in one compiled call" in report["path"] and report["rejections"] == 0
+    assert np.abs(y[:11]).max() < 1e-12
+    assert y[-1] > 1e-3
+
+
 def test_body_hinged_within_an_element_swings_as_on_a_native_cable(new_mbs, add_pendulum, add_sensor, solve):
     def hinge(mbs, marker):
         body = mbs.CreateMassPoint(
@@ -182,6 +209,46 @@ def test_body_hinged_within_an_element_swings_as_on_a_native_cable(new_mbs, add_
     solve_native(native, 0.4)
     found, expected = trajectory(ours, found)[:, 1:], trajectory(native, expected)[:, 1:]
     np.testing.assert_allclose(found, expected, atol=1e-3 * np.ptp(expected[:, 1]))
+
+
+def test_bodies_beside_a_cable_swing_as_beside_a_native_one(new_mbs, add_pendulum, add_sensor, solve):
+    """A rigid body fixed to an arm, and a mass point hinged to another one."""
+
+    def hang_beside(mbs, arm, hook):
+        node = mbs.AddNode(NodeRigidBody2D(referenceCoordinates=[0.8, -0.1, 0]))
+        lamp = mbs.AddObject(ObjectRigidBody2D(nodeNumber=node, mass=0.04, inertia=1e-4))
+        frame = mbs.AddMarker(MarkerBodyRigid(bodyNumber=lamp))
+        mbs.AddLoad(LoadForceVector(markerNumber=frame, loadVector=[0, -9.81 * 0.04, 0]))
+        mbs.AddObject(GenericJoint(markerNumbers=[arm, frame], constrainedAxes=[1, 1, 0, 0, 0, 1]))
+        point = mbs.CreateMassPoint(mass=0.01, referencePosition=[1.45, 0.08, 0], create2D=True)
+        markers = [mbs.AddMarker(MarkerBodyPosition(bodyNumber=point)), hook]
+        mbs.AddObject(SphericalJoint(markerNumbers=markers, constrainedAxes=[1, 1, 0]))
+        return add_sensor(mbs, node)
+
+    ours, native = new_mbs(), new_mbs()
+    cable = add_pendulum(ours, numberOfElements=24)
+    arm = AddMarkerOnCable(ours, cable, 0.8, offset=-0.1, hasFrame=True)
+    found = hang_beside(ours, arm, AddMarkerOnCable(ours, cable, 1.45, offset=0.08))
+    held = {"groundConstraintsStart": [True, True, False, False]}
+    elements = native_cable(native, 2, 36, section=SECTION, **held)["elements"]
+    arm = MarkerBodyRigid(bodyNumber=elements[16], localPosition=[0, -0.1, 0])
+    hook = MarkerBodyPosition(bodyNumber=elements[29], localPosition=[0, 0.08, 0])
+    expected = hang_beside(native, native.AddMarker(arm), native.AddMarker(hook))
+    for mbs in (ours, native):
+        mbs.Assemble()
+    assert "in one compiled call" in solve(ours, 0.4)["path"]
+    solve_native(native, 0.4, 5e-4)
+    found, expected = trajectory(ours, found)[:, 1:], trajectory(native, expected)[:, 1:]
+    np.testing.assert_allclose(found, expected, atol=5e-3 * np.ptp(expected[:, 1]))
+
+
+@pytest.mark.parametrize("beside", [{"offset": 0.1}, {"hasFrame": True}])
+def test_points_beside_a_cable_in_space_are_refused(mbs, add_cable, contents, beside):
+    cable = add_cable(mbs, dimension=3)
+    before = contents(mbs)
+    with pytest.raises(InputError, match="a cable in space has no orientation about its axis"):
+        AddMarkerOnCable(mbs, cable, 0.5, **beside)
+    assert contents(mbs) == before
 
 
 @pytest.mark.parametrize("arc_length", [-0.1, 1.9, np.nan, "tip"])
