@@ -35,7 +35,8 @@ class ContactReader:
     def __init__(self, mbs: Any, reader: PointReader, checked: Sequence[int]) -> None:
         self._mbs = mbs
         self._reader = reader
-        self._checked = list(checked)
+        self._row_of = {number: row for row, number in enumerate(checked)}
+        self._segments = 0
         self._records: list[Any] = []
         self._weights: list[Array] = []
 
@@ -57,10 +58,11 @@ class ContactReader:
         record.circle = place.point
         record.nodes[:] = self._reader.nodes_of_element(marker["bodyNumber"])
         record.segments = segments = int(data["numberOfContactSegments"])
-        record.first = sum(int(other.segments) for other in self._records)
+        record.first = self._segments
+        self._segments += segments
         record.place = self._mbs.systemData.GetObjectLTGData(number)[0]
         record.pointwise = not data.get("useSegmentNormals", True)
-        record.checked = self._checked.index(number) if number in self._checked else -1
+        record.checked = self._row_of.get(number, -1)
         for field, parameter in _NAMES.items():
             setattr(record, field, data.get(parameter, 0.0))
         length = float(self._mbs.GetObject(marker["bodyNumber"])["length"])
@@ -75,7 +77,7 @@ class ContactReader:
             return NoContacts()
         ends = np.zeros(sum(map(len, self._weights)), END)
         ends["weights"] = np.concatenate(self._weights).transpose(0, 2, 1)
-        segments = np.zeros(len(ends) - len(self._records), SEGMENT)
+        segments = np.zeros(self._segments, SEGMENT)
         data = np.array([self._mbs.systemData.GetDataCoordinates(exudyn.ConfigurationType.Initial)] * 2)
         records = np.array(self._records, CONTACT)
         return Contacts(records, ends, segments, data, data[:1].copy(), sums, np.zeros(1, np.int64))
