@@ -44,8 +44,8 @@ def read_known_items(
         joints: all constraints, in the order of their rows.
         coordinates: of the scene; those on cables are the first `on_cables` ones.
         elsewhere: objects that belong to the cables.
-        has_forces: whether springs, contacts and loads are read.   moved: constraints that are, between steps.
-        friction: that is looked at.
+        has_forces: whether springs, contacts and loads are read.
+        moved: constraints that are, between steps.   friction: that is looked at.
 
     Raises:
         UnknownItemError: an item has no compiled form.
