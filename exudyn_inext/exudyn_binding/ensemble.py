@@ -77,8 +77,8 @@ def SolveEnsemble(
 
     Raises:
         InputError: no member, members of different structure (it says which differs in what).
-        SceneError: a member contains what is not supported, or items that only Exudyn can evaluate, such as
-            contact and user functions that depend on the state.
+        SceneError: a member contains what is not supported, contact, or items that only Exudyn can evaluate,
+            such as user functions that depend on the state.
         StepSizeError: stepSize is above the stability limit of a member.
 
     Example:

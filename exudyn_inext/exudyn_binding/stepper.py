@@ -58,7 +58,8 @@ class ExplicitStepper:
         startCorrections: of each cable: how far its initial state was from its constraints.
 
     Raises:
-        SceneError: mbs not assembled, without a cable, or with items that only Exudyn can evaluate.
+        SceneError: mbs not assembled, without a cable, or with contact, or items that only Exudyn can
+            evaluate.
         StepSizeError: the step is above the stability limit.
         RedundantConstraintError: constraints that depend on each other.
 

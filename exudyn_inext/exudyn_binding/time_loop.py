@@ -82,6 +82,7 @@ class ExplicitTimeLoop:
         self._ahead: tuple[int, Array] = (0, np.zeros((0, ACCELERATIONS, 0)))  # first step and its states
         self._reactions: deque[Array] = deque()  # after the steps that have been computed, if they are shown
         self._last_reactions: Array | None = None
+        self._remembered: deque[Any] = deque()  # by contacts, after these steps
         for run in runs:
             run.set_step(grid.h)
             run.start(grid.start)
@@ -133,7 +134,21 @@ class ExplicitTimeLoop:
                 set_reactions(reactions.popleft())
             return True
 
-        return take_step if set_others else take_step_of_positions
+        return self._with_contacts(take_step if set_others else take_step_of_positions)
+
+    def _with_contacts(self, take_step: Any) -> Any:
+        """The same, where mbs shall have what compiled contacts remember."""
+        remembered, set_data = self._remembered, self._data.SetDataCoordinates
+        if not self._is_watched and all(run.remembered is None for run in self.runs):
+            return take_step
+
+        def take_step_of_contacts(solver: Any, mbs: Any, settings: Any) -> bool:
+            take_step(solver, mbs, settings)
+            if remembered:
+                set_data(remembered.popleft())
+            return True
+
+        return take_step_of_contacts
 
     def _setters(self) -> list[Any]:
         data = self._data
@@ -236,6 +251,8 @@ class ExplicitTimeLoop:
             elif good and (self._shows_forces or self._takes_last_step or not self._is_watched):
                 are_set |= self._complete(run, history[:good], reactions)
             states[:, :, places] = history
+            if run.remembered is not None:
+                self._remembered.extend(run.remembered.tolist())
         self._last_reactions = reactions[min(good, len(reactions)) - 1] if are_set and good else None
         if are_set and self._shows_forces:
             self._reactions.extend(reactions[:good])

@@ -28,6 +28,7 @@ class KnownItems:
     rows: Any
     connectors: Any
     loads: Any
+    contacts: Any
     functions: Sequence[FunctionOfTime]
 
 
@@ -53,7 +54,7 @@ def build_scene(
     joints = build_joints(places, known.bodies, known.points, known.rows, foresight, still, ends)
     path, counting = np.zeros((5, max(size, 7))), np.zeros(2, np.int64)
     force, given, predicted = np.zeros((3, size))
-    records = known.bodies, known.points, known.connectors, known.loads
+    records = known.bodies, known.points, known.connectors, known.loads, known.contacts
     items = Items(*records, joints, force, given, predicted, path, counting)
     number = places[-1].stop if places else 0
     return SceneSystem(cables, number, np.zeros(external), items, zeta)

@@ -4,12 +4,13 @@ The external force is followed by functions of time: (n_cables + F,) numbers, th
 own system takes them.
 """
 
+from functools import singledispatch
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import called_kernel, inlined, kernel
+from ..compiled import called_kernel, dispatched, inlined, kernel
 from ..integrators.integrator import LoadHistory, advance, external_force
 from ..scene.path_work import follow
 from ..system import accelerate_and_project, correct_position, implements, index_reduced_rates
@@ -26,6 +27,7 @@ from .bodies import (
     twice_energy,
 )
 from .cables import clear_if_fulfilled, respond_with_cables
+from .circle_contacts import Contacts, NoContacts, add_contacts, finish_contacts, recall_contacts
 from .connectors import add_connectors
 from .joints import (
     Joints,
@@ -43,16 +45,16 @@ from .loads import add_loads
 from .points import move_points, place_points
 from .rows import move_rows
 
-NOT_COUNTED, EACH, ALL_BUT_FIRST = range(3)  # evaluations whose work is counted
+NOT_COUNTED, EACH, ALL_BUT_FIRST, SETTLING = range(4)  # evaluations whose work is counted
 MODE, EVALUATION = range(2)
 
 
 class Items(NamedTuple):
     """All but the cables: records, and memory.
 
-    bodies, points, connectors, loads: records.   joints: see `Joints`.
-    force: (n,) what connectors and loads do to all coordinates [N, Nm].   given: (n,) what others do.
-    predicted: (n,) velocities at which they act.
+    bodies, points, connectors, loads: records.   contacts, joints: see `Contacts`, `Joints`.
+    force: (n,) what connectors, contacts and loads do to all coordinates [N, Nm].
+    given: (n,) what others do.   predicted: (n,) velocities at which they act.
     path: memory of their work, see `scene.path_work`.   counting: (2,) MODE and EVALUATION: in which
         evaluations it is counted, and the number of the present one in its step.
     """
@@ -61,6 +63,7 @@ class Items(NamedTuple):
     points: Any
     connectors: Any
     loads: Any
+    contacts: Any
     joints: Joints
     force: Array
     given: Array
@@ -91,9 +94,8 @@ def _count_work(items, q):
         follow(items.path, q, items.force)
 
 
-@called_kernel
-def act(items, functions, q, v):
-    """Place all items at q (n,); forces at the velocities v (n,).   functions: (F,) of time."""
+@inlined
+def _place(items, q, v):
     for b in range(len(items.bodies)):
         body = items.bodies[b]
         place_body(body, q)
@@ -101,12 +103,46 @@ def act(items, functions, q, v):
         move_body(body, q, v)
     place_points(items.points, items.bodies, q)
     move_points(items.points, items.bodies, q, v)
+
+
+@called_kernel
+def act(items, functions, q, v):
+    """Place all items at q (n,); forces at the velocities v (n,).   functions: (F,) of time.
+
+    Where a step has one evaluation, at its end, contact settles there: what closes within a step acts in it.
+    """
+    _place(items, q, v)
     for i in range(len(items.force)):
         items.force[i] = items.given[i]
     add_connectors(items.connectors, items.points, items.force)
+    settles = items.counting[MODE] == EACH or items.counting[MODE] == SETTLING
+    add_contacts(items.contacts, items.points, q, v, settles, items.force)
     add_loads(items.loads, items.points, functions, items.force)
     move_rows(items.joints.rows, functions)
     _count_work(items, q)
+
+
+@dispatched
+@singledispatch
+def settle_contacts(contacts, items, q, v):
+    """Bring the data of contacts up to date with a state (q, v) at the end of a step.
+
+    Raises:
+        NotImplementedError: no such contacts.
+    """
+    raise NotImplementedError(f"no contacts of type {type(contacts).__name__}")
+
+
+@implements(settle_contacts, NoContacts)
+def settle_no_contacts(contacts, items, q, v):
+    """There are no data."""
+
+
+@implements(settle_contacts, Contacts)
+def settle_circle_contacts(contacts, items, q, v):
+    """Arguments: see `settle_contacts`."""
+    _place(items, q, v)
+    add_contacts(contacts, items.points, q, v, True, items.predicted)
 
 
 @called_kernel
@@ -315,6 +351,8 @@ def take_steps(scheme, system, loads, state, h, done, in_interval, history, tota
         advance(scheme, system, one, state, h, 1, history[interval : interval + 1])
         if items.counting[MODE] == ALL_BUT_FIRST:
             follow(total, state.q, items.force)
+            settle_contacts(items.contacts, items, state.q, state.v)
+        finish_contacts(items.contacts, len(history) - interval)
         if len(items.joints.rows) > 0 and items.joints.dependent[0] >= 0:
             break
 
@@ -325,13 +363,14 @@ def evaluate_states(system, loads, history, multipliers, external, rate):
 
     Args:
         system: that has taken no steps.   loads: history, one row a state.
-        history: (k, 3, n) coordinates and velocities, and output: accelerations.
+        history: (k, 3, n) coordinates and velocities, and output: accelerations; that of contacts is given.
         multipliers: (k, m) output.   external, rate: memory.
     """
     joints = system.items.joints
     for k in range(len(history)):
         q, v, a = history[k, 0], history[k, 1], history[k, 2]
         external_force(loads, k, 0, external)
+        recall_contacts(system.items.contacts, k)
         accelerate_and_project(system, external, q, v, 0.0, a, rate)
         for r in range(len(joints.rows)):
             multipliers[k, r] = joints.multipliers[r]

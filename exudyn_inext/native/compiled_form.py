@@ -10,10 +10,17 @@ import numpy as np
 
 from ..arrays import Array
 from ..multibody.build import build_scene
-from ..multibody.scene import accelerate_and_project_scene, subtract_inertia_forces
+from ..multibody.scene import (
+    MODE,
+    NOT_COUNTED,
+    SETTLING,
+    accelerate_and_project_scene,
+    subtract_inertia_forces,
+)
 from ..run.compiled_scene import CompiledScene, SceneLoads, cables_of_kinds
 from ..run.parts_in_one import CompiledParts
 from ..scene.bodies import bodies_rates
+from .known.contacts import disturb
 from .known.scene import read_known_items
 from .known.unknown import UnknownItemError
 
@@ -60,7 +67,16 @@ def compiled_form(
     scene.surroundings.set_state(t, q, v)
     elsewhere = scene.elsewhere.union(cable.number for cable in scene.cables)
     known, numbers = read_known_items(
-        scene.mbs, scene.bodies, scene.joints, scene.map, on_cables, elsewhere, q, has_forces, scene.moved
+        scene.mbs,
+        scene.bodies,
+        scene.joints,
+        scene.map,
+        on_cables,
+        elsewhere,
+        q,
+        has_forces,
+        scene.moved,
+        scene.friction,
     )
     if len(known.rows) != len(scene.system.foresight):
         raise UnknownItemError("equations of joints")
@@ -97,14 +113,21 @@ def require_agreement(
         UnknownItemError: they differ; the message says where.
     """
     wanted, found, external = [], [], form.loads.at(t)
-    states = _states(scene, q, v)
-    for at, rates in states:
+    states, contacts = _states(scene, q, v), form.contacts
+    remembered, random = contacts.data[0].copy(), np.random.default_rng(1)
+    for number, (at, rates) in enumerate(states):
+        if number:
+            disturb(contacts, random)
+        scene.remember(contacts.data)
         given = scene.surroundings.forces(t, at, rates)[-1]
         if not has_forces:
             form.given[:] = scene.surroundings.native_forces
             subtract_inertia_forces(form.system.items.bodies, at, rates, form.given)
         found.append(_evaluated(form, external, at, rates))
         wanted.append(_evaluated_by_exudyn(scene, t, at, rates, given, form.multipliers))
+        if number and form.has_contacts:
+            _compare_contacts(scene, form, t, at, rates)
+    contacts.data[:] = remembered
     parts, own_parts = (np.array([one[0] for one in side]) for side in (wanted, found))
     _compare_parts(scene, parts, own_parts, np.array([sizes for _, _, sizes in wanted]))
     if scene.joints:
@@ -180,6 +203,18 @@ def _compare_parts(scene: CoupledScene, wanted: Array, found: Array, sizes: Arra
         if len(wrong):
             where = scene.coordinate_name(scene.map.indices[dofs][wrong[0]])
             raise UnknownItemError(f"{where}, on which Exudyn's forces are others")
+
+
+def _compare_contacts(scene: CoupledScene, form: CompiledScene, t: float, q: Array, v: Array) -> None:
+    """What contacts remember once they have settled."""
+    counting, memory = form.system.items.counting, np.zeros((2, len(q)))
+    counting[MODE] = SETTLING
+    accelerate_and_project_scene(form.system, form.loads.at(t), q, v, 0.0, *memory)
+    counting[MODE] = NOT_COUNTED
+    wanted, found = scene.surroundings.settled(t, q, v), form.contacts.data[0]
+    scale = max(1.0, float(np.abs(wanted).max(initial=0.0)))
+    if not (np.abs(wanted - found) <= TOLERANCE * scale).all():
+        raise UnknownItemError("contact, which Exudyn settles otherwise")
 
 
 def _compare_joints(scene: CoupledScene, wanted: Array, found: Array, size: float, speed: float) -> None:

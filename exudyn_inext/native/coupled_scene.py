@@ -218,6 +218,11 @@ class CoupledScene:
         data = self.mbs.systemData
         return DataCoordinates(data) if data.DataSize() else None
 
+    def remember(self, data: Array) -> None:
+        """Let contacts in mbs remember this, at present and at the start of the step.   data: (2, D)."""
+        if data.shape[1]:
+            DataCoordinates(self.mbs.systemData).put_back(data.tolist())
+
     def coordinate_name(self, index: int) -> str:
         """The node that has a coordinate, by its place in the system vector."""
         data = self.mbs.systemData

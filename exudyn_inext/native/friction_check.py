@@ -25,6 +25,7 @@ _VELOCITY, _FORCE = exudyn.OutputVariableType.Coordinates_t, exudyn.OutputVariab
 class FrictionCheck:
     """Compares friction with Coulomb's law, step by step.
 
+    numbers: of the objects that are looked at.
     sums: (contacts, 4) of each contact: powers summed over steps [W], of friction that drives slip, of that
         above the limit of sticking, and of all; and how often it was looked at while it lasted.
     """
@@ -33,18 +34,18 @@ class FrictionCheck:
         self._mbs = mbs
         system = mbs.systemData
         objects = range(system.NumberOfObjects() if system.DataSize() else 0)  # contact remembers
-        self._numbers = [number for number in objects if _is_checked(mbs.GetObject(number))]
-        places = [np.array(system.GetObjectLTGData(number), dtype=int) for number in self._numbers]
+        self.numbers = [number for number in objects if _is_checked(mbs.GetObject(number))]
+        places = [np.array(system.GetObjectLTGData(number), dtype=int) for number in self.numbers]
         self._states = [own[len(own) // 3 : 2 * len(own) // 3] for own in places]
-        self._limits = [mbs.GetObject(number)["frictionCoefficient"] for number in self._numbers]
+        self._limits = [mbs.GetObject(number)["frictionCoefficient"] for number in self.numbers]
         self._before = np.array(system.GetDataCoordinates())
         self._steps = 0
-        self.sums = np.zeros((len(self._numbers), 4))
+        self.sums = np.zeros((len(self.numbers), 4))
 
     @property
     def is_needed(self) -> bool:
         """Whether there is such a contact."""
-        return bool(self._numbers)
+        return bool(self.numbers)
 
     def look(self) -> None:
         """At the end of a step: at contacts that have just closed, from time to time at all of them."""
@@ -61,7 +62,7 @@ class FrictionCheck:
 
     def _count(self, contact: int, state: Array, closed: Array, weight: int) -> None:
         """Add powers.   state, closed: (segments,).   weight: of those that last, in steps."""
-        number, total = self._numbers[contact], self.sums[contact]
+        number, total = self.numbers[contact], self.sums[contact]
         velocity = np.array(self._mbs.GetObjectOutput(number, _VELOCITY))[::2]
         force, normal = np.reshape(self._mbs.GetObjectOutput(number, _FORCE), (-1, 2)).T
         power = force * velocity
@@ -92,10 +93,10 @@ class FrictionCheck:
 
     def _culprit(self) -> str:
         """The contact with most of it, and how many there are besides."""
-        number = self._numbers[int(np.argmax(self.sums[:, 0] + self.sums[:, 1]))]
+        number = self.numbers[int(np.argmax(self.sums[:, 0] + self.sums[:, 1]))]
         data = self._mbs.GetObject(number)
         given = ", ".join(f"{name} = {data[name]:g}" for name in _CAUSES)
-        others = f" and {len(self._numbers) - 1} more like it" if len(self._numbers) > 1 else ""
+        others = f" and {len(self.numbers) - 1} more like it" if len(self.numbers) > 1 else ""
         return f"object {number} '{data['name']}' ({data['objectType']}: {given}){others}"
 
 

@@ -214,6 +214,17 @@ class NativeSurroundings:
             self._settle()
         self._data.SetDataCoordinates(self._data.GetDataCoordinates(), _START_OF_STEP)
 
+    @property
+    def remembered(self) -> Array:
+        """(D,) by contacts at present."""
+        return np.array(self._data.GetDataCoordinates())
+
+    def settled(self, t: float, q: Array, v: Array) -> Array:
+        """(D,) what contacts remember once they have settled at (t, q, v)."""
+        self.set_state(t, q, v)
+        self._settle()
+        return self.remembered
+
     def _settle(self) -> None:
         """Contact and friction look at the state of mbs."""
         if self._remembers:

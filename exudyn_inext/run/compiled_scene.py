@@ -99,6 +99,22 @@ class Steps(NamedTuple):
     in_interval: int
 
 
+class RememberedByContacts:
+    """What contacts of a compiled scene remember, see `kept_state.Elsewhere`; restart files have that of mbs.
+
+    data: see `Contacts`.
+    """
+
+    def __init__(self, data: Array) -> None:
+        self._data = data
+
+    def present(self) -> Array:
+        return self._data.copy()
+
+    def put_back(self, copy: Array) -> None:
+        self._data[:] = copy
+
+
 class CompiledScene:
     """The compiled system of a scene, and its loads; `scene` is the same one, evaluated by Exudyn.
 
@@ -133,6 +149,20 @@ class CompiledScene:
         self.forces = system.items.force
         self.multipliers = system.items.joints.multipliers
         self.given = system.items.given
+
+    @property
+    def contacts(self) -> Any:
+        """See `Contacts`, and `NoContacts`."""
+        return self.system.items.contacts
+
+    @property
+    def has_contacts(self) -> bool:
+        return len(self.contacts.records) > 0
+
+    def begin_history(self, data: Array, intervals: int) -> None:
+        """Begin intervals with what contacts remember.   data: (D,)."""
+        self.contacts.data[:] = data
+        self.system = _with_history(self.system, np.zeros((intervals, len(data))))
 
     def count_work_in(self, path: Array) -> None:
         """Count the work of the items' forces there, see `scene.path_work`."""
@@ -205,12 +235,15 @@ class CompiledScene:
         joints = self.system.items.joints
         return len(joints.rows) > 0 and bool(joints.dependent[0] >= 0)
 
-    def evaluate(self, cables: Sequence[Cable], times: Array, history: Array) -> Array:
+    def evaluate(
+        self, cables: Sequence[Cable], times: Array, history: Array, remembered: Array | None = None
+    ) -> Array:
         """Accelerations of states, by the mass as it is; see `evaluate_states`.
 
         Args:
             cables: of the scene.   times: (k,) [s].
             history: (k, 3, n) total coordinates, velocities, and output: accelerations.
+            remembered: (k, D) by contacts, if there are any.
 
         Returns:
             (k, m) multipliers of the joints.
@@ -219,13 +252,17 @@ class CompiledScene:
             self._unscaled = self._without_scaling(cables)
         multipliers = np.zeros((len(times), len(self.multipliers)))
         system, rate = self._unscaled, np.zeros(history.shape[2])
+        if remembered is not None:
+            system = _with_history(system, remembered)
         if len(times) > FEW:  # it takes long to compile
             memory = np.zeros(len(self.loads.constant)), rate
             evaluate_states(system, self.loads.sample(times[:, np.newaxis]), history, multipliers, *memory)
             return multipliers
-        for t, (q, v, a), row in zip(times.tolist(), history, multipliers, strict=True):
+        for k, (t, (q, v, a)) in enumerate(zip(times.tolist(), history, strict=True)):
+            if remembered is not None:
+                system.items.contacts.data[0] = remembered[k]
             self._accelerate(system, self.loads.at(t), q, v, 0.0, a, rate)
-            row[:] = system.items.joints.multipliers
+            multipliers[k] = system.items.joints.multipliers
         return multipliers
 
     def _without_scaling(self, cables: Sequence[Cable]) -> SceneSystem:
@@ -264,6 +301,12 @@ class CompiledScene:
         """See `EvaluatedScene`; by `evaluate`."""
         assert self._unscaled is not None
         return _joined_forces(self._unscaled)
+
+
+def _with_history(system: SceneSystem, history: Array) -> SceneSystem:
+    """The same, with this memory of what contacts remember, (k, D)."""
+    contacts = system.items.contacts._replace(history=history)
+    return system._replace(items=system.items._replace(contacts=contacts))
 
 
 def _joined_forces(system: SceneSystem) -> Array:

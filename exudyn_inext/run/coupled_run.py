@@ -18,7 +18,7 @@ from ..scene.closed_contacts import rates_in_contact
 from ..scene.small_vibrations import FastestRates, VibrationTracker, fastest_rates
 from ..system import accelerate_and_project, index_reduced_rates
 from .cable_run import CableRun, Start
-from .compiled_scene import ChangedItem, CompiledScene, Steps
+from .compiled_scene import ChangedItem, CompiledScene, RememberedByContacts, Steps
 from .consistent_start import StartCorrection, agree
 from .coupled_start import compiled_start, consistent_start
 from .coupled_watch import LENIENCE, CoupledWatch
@@ -83,6 +83,7 @@ class CoupledRun(PacedRun):
         self._tracker: VibrationTracker | None = None
         self._rejects = start.rejects
         self.control = StepControl(rejects=start.rejects)
+        self._recorded = 0  # intervals
         self._unsolvable = ""  # what was said of joints that could not be solved for
         self._output = np.zeros((1, 3, scene.size))
         external = np.zeros(len(self._form.loads.constant) if self._form else 1)
@@ -191,6 +192,7 @@ class CoupledRun(PacedRun):
         if self._form is None:
             return
         self._form, self._why_not = None, why
+        self.__dict__.pop("_kept", None)
         self.watch.evaluate_by(self._scene)
         self._scene.surroundings.forget()
         self._begin_by(self.integrator.resume, time)
@@ -250,10 +252,10 @@ class CoupledRun(PacedRun):
         """The rates if all of these contacts close at once; zero where there are none."""
         if self.contacts is None:
             return FastestRates(0.0, 0.0)
+        system, external = self._system_at(self._time)
+        given = self._form.given if self._form else None
         with self._without_implicit_forces(self._time):
-            return rates_in_contact(
-                self._scene.system, self.contacts.closed, self._time, self.state.q, self.state.v
-            )
+            return rates_in_contact(system, external, given, self.contacts.closed, self.state.q, self.state.v)
 
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the present configuration, joints included."""
@@ -315,6 +317,7 @@ class CoupledRun(PacedRun):
         scene, q, self._end_of_step = self._scene, self.state.q, end
         if self._form and not self._form.approach_joints(time, end, q, FULFILLED):
             self._form, self._why_not = None, "joints that are being moved"
+            self.__dict__.pop("_kept", None)
         if not self._form:
             scene.surroundings.approach_joints(time, end, q, FULFILLED)
             if self.approaches:
@@ -402,8 +405,11 @@ class CoupledRun(PacedRun):
         """See `CableRun.record`; where Exudyn evaluates its items, mbs is left in the state at the end."""
         surroundings = self._scene.surroundings
         surroundings.forget()
+        if self._form and self._form.has_contacts:
+            self._form.begin_history(surroundings.remembered, len(history))
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges
             good = self.advance(grid, first, history)
+        self._recorded = good
         history[:good, 0] -= self.reference
         if good and not self._form:
             multipliers = surroundings.all_multipliers(self._scene.system.multipliers, self.state.a)
@@ -428,6 +434,11 @@ class CoupledRun(PacedRun):
                 f"{who} needs compiled forms of all items, and Exudyn evaluates this scene because of "
                 f"{self._why_not}: use SolveExplicit, or leave that item out."
             )
+        if self._form.has_contacts:
+            raise SceneError(
+                f"{who} does not keep what contacts of cables with circles remember "
+                f"({len(self._form.contacts.records)} in this scene): use SolveExplicit, or leave them out."
+            )
 
     @property
     def settable_forces(self) -> Array:
@@ -439,11 +450,13 @@ class CoupledRun(PacedRun):
         """See `Run.complete`; one by one where supports of cables are asked for after each."""
         if not self._form:
             return False
+        contacts = None if self.remembered is None else self.remembered[-len(times) :]
         history[:, 0] += self.reference
         together = 1 if any(run.has_reactions for run in self._runs) else len(times)
         for first in range(0, len(times), together):
             which = slice(first, first + together)
-            rows = self._form.evaluate(self.cables, times[which], history[which])
+            remembered = None if contacts is None else contacts[which]
+            rows = self._form.evaluate(self.cables, times[which], history[which], remembered)
             multipliers[which] = [self._scene.surroundings.equations(row) for row in rows]
             self._put_reactions(self._form, times[first], history[first], multipliers[first])
         history[:, 0] -= self.reference
@@ -473,8 +486,14 @@ class CoupledRun(PacedRun):
 
     @property
     def elsewhere(self) -> Elsewhere | None:  # type: ignore[override]
-        """See `PacedRun`: contact and friction remember in mbs."""
-        return self._scene.remembered
+        """See `PacedRun`: what contact and friction remember, in mbs if Exudyn evaluates them."""
+        return RememberedByContacts(self._form.contacts.data) if self._form else self._scene.remembered
+
+    @property
+    def remembered(self) -> Array | None:  # type: ignore[override]
+        """See `PacedRun`."""
+        form = self._form
+        return form.contacts.history[: self._recorded] if form and form.has_contacts else None
 
     @cached_property
     def _kept(self) -> KeptState:

@@ -19,6 +19,8 @@ class PacedRun:
     trouble: what the integrator said of the last steps that went wrong.
     looks_ahead: whether several steps of the time loop can be computed at once.
     elsewhere: what of the state lies in no array of the run.
+    remembered: (k, D) by contacts after the intervals of the last `record`; None: mbs knows, or there are
+        none.
     finding: what the user is to be told at the end, besides the energy.
     """
 
@@ -32,6 +34,7 @@ class PacedRun:
     trouble = ""
     finding = ""
     elsewhere: Elsewhere | None = None
+    remembered: Array | None = None
 
     @property
     def has_implicit_bending(self) -> bool:

@@ -32,6 +32,9 @@ class Run(Protocol):
     def finding(self) -> str: ...
 
     @property
+    def remembered(self) -> Array | None: ...
+
+    @property
     def reason(self) -> str: ...
 
     @property

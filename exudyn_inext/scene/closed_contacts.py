@@ -1,11 +1,13 @@
 """Springs and dashpots that do not act yet: contacts that are open now, as if they were closed."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from ..arrays import Array
+from ..system import accelerate_and_project
 from .coupled_system import CoupledSystem
 from .joints import JointBlock, JointTerms
 from .small_vibrations import FastestRates, fastest_rates
@@ -19,14 +21,13 @@ class ClosedContacts:
     """
 
     def __init__(self, motion: Any, stiffness: Array, damping: Array) -> None:
-        self._motion = motion
-        self._stiffness = stiffness
-        self._damping = damping
+        self._stiffness, self._damping = (
+            csr_array(motion.T @ (values[:, np.newaxis] * motion)) for values in (stiffness, damping)
+        )
 
     def forces(self, moved: Array, v: Array) -> Array:
         """(n,) forces after displacements `moved` (n,) with velocities v (n,)."""
-        springs = self._stiffness * (self._motion @ moved)
-        result: Array = -(self._motion.T @ (springs + self._damping * (self._motion @ v)))
+        result: Array = -(self._stiffness @ moved + self._damping @ v)
         return result
 
 
@@ -61,13 +62,45 @@ class _InContact:
         return self._open.motions(t)
 
 
+class _GivenContacts(NamedTuple):
+    """A compiled system to which these contacts are given as forces (n,).   start: q_0 (n,)."""
+
+    system: Any
+    given: Array
+    contacts: ClosedContacts
+    start: Array
+
+
+@accelerate_and_project.register(_GivenContacts)
+def _accelerate_in_contact(system, external, q, v, duration, acceleration, end_velocity):
+    """Arguments: see `accelerate_and_project`."""
+    system.given[:] = system.contacts.forces(q - system.start, v + duration * acceleration)
+    evaluate = accelerate_and_project.dispatch(type(system.system))
+    evaluate(system.system, external, q, v, duration, acceleration, end_velocity)
+
+
 def rates_in_contact(
-    system: CoupledSystem, contacts: ClosedContacts, t: float, q: Array, v: Array
+    system: Any, external: Array, given: Array | None, contacts: ClosedContacts, q: Array, v: Array
 ) -> FastestRates:
-    """As `fastest_rates`, while these contacts act, too."""
+    """As `fastest_rates`, while these contacts act, too.
+
+    given: (n,) forces besides those of its items that act on a compiled system; None for a `CoupledSystem`.
+    """
+    if given is None:
+        return _rates_of_coupled(system, external, contacts, q, v)
+    before = given.copy()
+    try:
+        return fastest_rates(_GivenContacts(system, given, contacts, q.copy()), external, q, v)
+    finally:
+        given[:] = before
+
+
+def _rates_of_coupled(
+    system: CoupledSystem, external: Array, contacts: ClosedContacts, q: Array, v: Array
+) -> FastestRates:
     surroundings = system.surroundings
     system.surroundings = _InContact(system, contacts, q)
     try:
-        return fastest_rates(system, np.array([t]), q, v)
+        return fastest_rates(system, external, q, v)
     finally:
         system.surroundings = surroundings

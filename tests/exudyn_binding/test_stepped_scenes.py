@@ -117,7 +117,7 @@ def test_a_force_on_a_node_of_a_cable_among_bodies_is_one_of_the_scene(build):
     np.testing.assert_array_equal(stepper.State()[0], free)
 
 
-def test_a_scene_that_exudyn_has_to_evaluate_is_refused_with_the_item(build, new_mbs, add_pendulum, fault):
+def test_a_scene_with_contact_is_refused_with_the_reason(build, new_mbs, add_pendulum, fault):
     mbs = new_mbs()
     cable = add_pendulum(mbs)
     element = CreateCompanionCables(mbs, cable)[-1]
@@ -128,7 +128,8 @@ def test_a_scene_that_exudyn_has_to_evaluate_is_refused_with_the_item(build, new
     mbs.AddObject(ObjectContactCircleCable2D(markerNumbers=[circle, shape], **contact))
     mbs.Assemble()
     with pytest.raises(
-        SceneError, match=r"ExplicitStepper needs compiled forms.*because of contact.*SolveExplicit"
+        SceneError,
+        match=r"ExplicitStepper does not keep what contacts .*\(1 in this scene\): use SolveExplicit",
     ):
         ExplicitStepper(mbs, stepSize=STEP)
-    fault("a stepper for a scene with contact", "refused, with the item that has no compiled form")
+    fault("a stepper for a scene with contact", "refused, with the reason")

@@ -15,14 +15,18 @@ from exudyn.itemInterface import (
     LoadForceVector,
     LoadMassProportional,
     LoadTorqueVector,
+    MarkerBodyCable2DShape,
     MarkerBodyMass,
     MarkerBodyPosition,
     MarkerBodyRigid,
     MarkerNodeCoordinate,
     MarkerNodePosition,
     MarkerNodeRigid,
+    NodeGenericData,
     NodePointGround,
     NodeRigidBody2D,
+    ObjectContactCircleCable2D,
+    ObjectContactFrictionCircleCable2D,
     ObjectRigidBody2D,
     PrismaticJoint2D,
     RevoluteJoint2D,
@@ -38,6 +42,7 @@ from hypothesis import strategies as st
 from exudyn_inext import (
     AddMarkerOnCable,
     AttachToBody,
+    CreateCompanionCables,
     CreateInextensibleCable,
     ExplicitSettings,
     InextensibleCable,
@@ -46,11 +51,13 @@ from exudyn_inext import (
 )
 from exudyn_inext.errors import SceneError
 from exudyn_inext.native.coupled_scene import CoupledScene
+from exudyn_inext.native.friction_check import FrictionCheck
 from exudyn_inext.native.known import scene
 from exudyn_inext.native.known.connectors import read_connector
 from reference_models.model import quiet_settings, silence
 
 STEP, STEPS = 5e-5, 100
+SEGMENTS = 3  # of an element in contact
 TOLERANCE = 1e-10  # of coordinates after all steps, relative to the largest one
 OF_JOINTS = 1e-9  # with joints, whose second derivatives Exudyn's side finds by differences
 OFF_UNITY = {"RATTLE": 3e-9, "RK4": 5e-8, "Zhai": 3e-6}  # where quaternions are not quite of unit norm
@@ -387,6 +394,49 @@ def clamp(b):
     AttachToBody(b.mbs, b.cable, "end", b.bodies[0], local.tolist(), kind="clamp")
 
 
+def circles(b):
+    """Wheels and a fixed circle that touch the cable, or will: slow ones stick, others slide."""
+    if b.dimension == 3:
+        return
+    elements = CreateCompanionCables(b.mbs, b.cable)
+    friction = {"frictionCoefficient": 0.4, "frictionVelocityPenalty": 2.0}
+    kinds = [
+        (0, 2e-3, {**friction, "frictionStiffness": 300.0, "useSegmentNormals": False}),
+        (1, 1e-3, {**friction, "frictionStiffness": 3e4, "frictionCoefficient": 5.0}),
+        (1, -1e-3, friction),
+        (0, -5e-4, {"frictionStiffness": 2e3, "frictionCoefficient": 0.1}),
+        (None, 2e-3, None),
+        (1, -1e-3, None),
+    ]
+    for body, depth, law in kinds:
+        circle(b, elements, body, depth, law)
+
+
+def circle(b, elements, body, depth, law):
+    """A circle on a body or ground that reaches that deep into the straight cable."""
+    centre = b.place(b.ground if body is None else b.bodies[body])[0]
+    nearest = np.array([np.clip(centre[0], 0.0, 1.2), 0.0, 0.0])
+    radius = float(np.linalg.norm(centre - nearest)) + depth
+    marker = b.rigid(body, [0, 0, 0])
+    height = 2e-3 * np.sign(centre[1]) if body == 1 else 0.0
+    form = {"numberOfSegments": SEGMENTS, "verticalOffset": height}
+    for element in elements:
+        shape = b.mbs.AddMarker(MarkerBodyCable2DShape(bodyNumber=element, **form))
+        memory = [0.1] * SEGMENTS + ([-2] * SEGMENTS + [0] * SEGMENTS) * (law is not None)
+        data = b.mbs.AddNode(NodeGenericData(initialCoordinates=memory, numberOfDataCoordinates=len(memory)))
+        given = {
+            "markerNumbers": [marker, shape],
+            "nodeNumber": data,
+            "numberOfContactSegments": SEGMENTS,
+            "contactStiffness": 2e3,
+            "circleRadius": radius,
+        }
+        if law is None:
+            b.mbs.AddObject(ObjectContactCircleCable2D(**given, offset=1e-4))
+        else:
+            b.mbs.AddObject(ObjectContactFrictionCircleCable2D(**given, contactDamping=0.5, **law))
+
+
 def shared_nodes(b):
     """A cable that leaves the end of the first one along it, and one that hangs on its middle."""
     section = InextensibleCable(massPerLength=0.2, bendingStiffness=0.01)
@@ -417,6 +467,7 @@ KINDS = [
     weights,
     coordinate_loads,
     mass_points,
+    circles,
     spherical_joint,
     revolute_joint,
     prismatic_joint,
@@ -430,7 +481,7 @@ KINDS = [
 ]
 
 
-def moved(build, integrator, compiled):
+def moved(build, integrator, compiled, outputs=2):
     """Coordinates and multipliers after the steps, and the path that they took."""
     mbs = build()
     mbs.Assemble()
@@ -442,7 +493,7 @@ def moved(build, integrator, compiled):
             patch.setattr(CoupledScene, "compiled", lambda *_: (None, "this test"))
             patch.setattr(CoupledScene, "compile_parts", lambda *_: None)
         with silence():
-            report = SolveExplicit(mbs, quiet_settings(STEPS * STEP, 2), explicit)
+            report = SolveExplicit(mbs, quiet_settings(STEPS * STEP, outputs), explicit)
     data = mbs.systemData
     return np.array(data.GetODE2Coordinates()), np.array(data.GetAECoordinates()), report["path"]
 
@@ -471,6 +522,40 @@ def require_the_same(kinds, seed, dimension, integrator="RATTLE", tolerance=None
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_kind_moves_as_exudyn_says(kind, dimension):
     require_the_same([kind], len(kind.__name__), dimension)
+
+
+@pytest.mark.parametrize("integrator", ["RATTLE", "RK4"])
+def test_contacts_that_close_stick_and_slide_are_what_exudyn_says(integrator, monkeypatch):
+    """At the end of each step, as a user function sees them; so is the work of friction that is checked."""
+    works = []
+    monkeypatch.setattr(FrictionCheck, "finding", property(lambda self: works.append(self.sums.copy()) or ""))
+
+    def remembered(seed, compiled):
+        rows = []
+
+        def build():
+            builder = Builder(seed, 2)
+            circles(builder)
+            containers.append(builder.container)
+            builder.mbs.SetPostStepUserFunction(
+                lambda mbs, t: rows.append(mbs.systemData.GetDataCoordinates()) or True
+            )
+            return builder.mbs
+
+        moved(build, integrator, compiled, outputs=STEPS)
+        return np.array(rows)
+
+    containers, seen = [], set()
+    for seed in (2, 5):
+        ours, theirs = remembered(seed, True), remembered(seed, False)
+        np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(works[-2], works[-1], rtol=1e-6, atol=1e-12)
+        assert works[-1].any(axis=0)[2:].all()
+        with_friction = 4 * 4 * 3 * SEGMENTS  # circles, elements, numbers of a segment
+        states = ours[:, :with_friction].reshape(len(ours), -1, 3, SEGMENTS)[:, :, 1]
+        seen |= set(zip(states[:-1].ravel().tolist(), states[1:].ravel().tolist(), strict=True))
+    closing, opening, slipping, sticking = (-2, 0), (1, -2), (0, 1), (1, 0)
+    assert {closing, opening, slipping, sticking, (0, 0), (1, 1), (-1, -1)} <= seen
 
 
 @every_integrator

@@ -166,10 +166,21 @@ class PointReader:
         dim = len(places) // 2
         return self._weighted(first + dim, dim, [1.0])
 
+    def nodes_of_element(self, number: int) -> tuple[int, int]:
+        """First coordinates of both nodes of a planar cable's companion; UnknownItemError if it is none."""
+        data = self._mbs.GetObject(number)
+        first, last, dim = self._span(data) if is_inert_cable(data) else (-1, -1, 0)
+        if not (dim == 2 and 0 <= min(first, last) <= max(first, last) < self._on_cables):
+            raise UnknownItemError(f"contact of {described(data, number)}")
+        return first, last
+
+    def _span(self, data: dict[str, Any]) -> tuple[int, int, int]:
+        """First coordinates of both nodes of an element, and its dimension."""
+        (left, _), (right, _) = (self._of_node(int(node)) for node in data["nodeNumbers"])
+        return self._coordinates.place(left[0]), self._coordinates.place(right[0]), len(left) // 2
+
     def _on_element(self, data: dict[str, Any], local: Array, has_frame: bool) -> Place:
-        (left, _), (right, _) = (self._of_node(int(number)) for number in data["nodeNumbers"])
-        first, last = self._coordinates.place(left[0]), self._coordinates.place(right[0])
-        dim = len(left) // 2
+        first, last, dim = self._span(data)
         if last != first + 2 * dim or not 0 <= first < self._on_cables:
             raise UnknownItemError(f"a marker on the last element of a closed cable ('{data['name']}')")
         length, x, off = float(data["length"]), float(local[0]), float(local[1])

@@ -14,9 +14,11 @@ from ...run.compiled_scene import ChangedItem
 from ...run.moved_offsets import MovedOffset
 from ..bodies import Body
 from ..coordinates import CoordinateMap
+from ..friction_check import FrictionCheck
 from ..joint_items import JointItem
 from .bodies import read_body_records
 from .connectors import VALUES, KnownConnector, read_connector
+from .contacts import ContactReader
 from .joints import read_rows
 from .loads import KnownLoad, read_load
 from .points import PointReader
@@ -33,6 +35,7 @@ def read_known_items(
     q: Array,
     has_forces: bool,
     moved: Set[int],
+    friction: FrictionCheck,
 ) -> tuple[KnownItems, "KnownNumbers"]:
     """Read all items but the cables; and by their numbers, those that may be read again.
 
@@ -41,14 +44,15 @@ def read_known_items(
         joints: all constraints, in the order of their rows.
         coordinates: of the scene; those on cables are the first `on_cables` ones.
         elsewhere: objects that belong to the cables.
-        has_forces: whether springs and loads are read.   moved: constraints that are, between steps.
+        has_forces: whether springs, contacts and loads are read.
+        moved: constraints that are, between steps.   friction: that is looked at.
 
     Raises:
         UnknownItemError: an item has no compiled form.
     """
     if mbs.systemData.ODE1Size():
         raise UnknownItemError("states of first order")
-    if has_forces and (mbs.systemData.DataSize() or mbs.NumberOfGeneralContacts()):
+    if has_forces and mbs.NumberOfGeneralContacts():
         raise UnknownItemError("contact")
     records = read_body_records(mbs, bodies, coordinates, q)
     firsts = [coordinates.place(int(body.coordinates[0])) for body in bodies]
@@ -58,14 +62,16 @@ def read_known_items(
     rows, functions, of_moved = read_rows(mbs, joints, reader, moved)
     done = {*of_bodies, *elsewhere, *(joint.number for joint in joints)}
     items = KnownNumbers(mbs, reader, functions, of_moved)
+    touching = ContactReader(mbs, reader, friction.numbers)
     if has_forces:
         for number in range(mbs.systemData.NumberOfObjects()):
-            if number not in done:
+            if number not in done and not touching.adds(number):
                 items.add_object(number)
         for number in range(mbs.systemData.NumberOfLoads()):
             items.add_load(number)
     springs, loads = collected(CONNECTOR, items.connectors), collected(LOAD, items.loads)
-    return KnownItems(records, reader.records, rows, springs, loads, items.functions), items
+    contacts = touching.contacts(friction.sums)
+    return KnownItems(records, reader.records, rows, springs, loads, contacts, items.functions), items
 
 
 class KnownNumbers:
