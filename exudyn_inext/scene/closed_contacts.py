@@ -1,7 +1,8 @@
 """Springs and dashpots that do not act yet: contacts that are open now, as if they were closed."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -62,7 +63,8 @@ class _InContact:
         return self._open.motions(t)
 
 
-class _GivenContacts(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class _GivenContacts:
     """A compiled system to which these contacts are given as forces (n,).   start: q_0 (n,)."""
 
     system: Any
