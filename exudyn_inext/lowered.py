@@ -274,7 +274,7 @@ def _lower_subtract_multiple(context: Any, builder: Any, signature: Any, argumen
 
 def copy_memory(target: int, source: int, size: int) -> None:
     """Copy that many bytes between two addresses, which do not overlap."""
-    memmove(target, source, size)
+    memmove(int(target), int(source), int(size))
 
 
 @type_callable(copy_memory)

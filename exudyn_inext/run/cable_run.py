@@ -29,6 +29,7 @@ from .cable_loads import CableLoads
 from .cable_watch import CableWatch
 from .consistent_start import StartCorrection, Violation, project, require_consistent, worst_violations
 from .divergence import GIVEN_UP, explanation
+from .jump import accelerate_again, remembers_axial_forces
 from .paced_run import PacedRun
 from .redundancy import element_masses, require_independent
 from .settings import SAY_OF_TIME, ExplicitSettings
@@ -314,10 +315,15 @@ class CableRun(PacedRun):
             RedundantConstraintError: length constraints and supports depend on each other.
         """
         self.forget()
-        external = self.loads.at(time)
-        self.integrator.start(self.system, external, self.state)
+        self.begin_again(time)
+
+    def begin_again(self, time: float) -> None:
+        """As `start`, with axial forces of earlier steps."""
+        if not self._stretches:
+            self.forget()
+        self.start_scheme(time)
         self.require_independence()
-        self.watch.open(self.system, external, self.state)
+        self.watch.open(self.system, self.loads.at(time), self.state)
 
     def memory(self) -> dict[str, Any]:
         """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
@@ -353,7 +359,11 @@ class CableRun(PacedRun):
 
     def start_scheme(self, time: float) -> None:
         """See `PacedRun.start_scheme`."""
-        self.integrator.start(self.system, self.loads.at(time), self.state)
+        external, memory = self.loads.at(time), memory_of(self.system)
+        if remembers_axial_forces(memory):
+            accelerate_again(self.system, external, self.state, self.control.present, [memory])
+        else:
+            self.integrator.start(self.system, external, self.state)
 
     def watch_on(self, time: float) -> None:
         """See `PacedRun.watch_on`."""

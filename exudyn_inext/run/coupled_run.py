@@ -24,6 +24,7 @@ from .coupled_start import compiled_start, consistent_start
 from .coupled_watch import LENIENCE, CoupledWatch
 from .divergence import explanation, listed
 from .joined_scene import EvaluatedScene, JoinedScene, OpenContacts
+from .jump import accelerate_again, remembers_axial_forces
 from .kept_state import Elsewhere, KeptState
 from .paced_run import PacedRun
 from .redundancy import is_held_straight, with_straight_cables
@@ -366,30 +367,41 @@ class CoupledRun(PacedRun):
 
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; see `CableRun.start`."""
+        for run in self._runs:
+            run.forget()
         self.begin_again(time)
         for run in self._runs:
             run.require_independence()
 
     def begin_again(self, time: float) -> None:
-        """As `start`, with supports of the cables that have been looked at."""
-        self._scene.forget()
-        for run in self._runs:
-            run.forget()
-        self._begin_by(self.integrator.start, time)
+        """As `start`, with supports that have been looked at, and axial forces of earlier steps."""
+        if not self._has_axial_forces:
+            self._scene.forget()
+            for run in self._runs:
+                run.forget()
+        self.start_scheme(time)
         self.watch.open(time, self.state)
 
     def memory(self) -> dict[str, Any]:
         """Arrays that the next steps depend on; see `CableRun.memory`."""
-        cables = {str(k): memory_of(system) for k, (system, _) in enumerate(self._scene.groups)}
         tracker = self._tracker
         return {
             "state": remembered(self.state),
             "scene": self._scene.memory(),
-            "cables": cables,
+            "cables": self._taught,
             "watch": self.watch.memory(),
             "control": self.control.memory() | ({"vibration": tracker.vibration} if tracker else {}),
             "friction": self._scene.friction.sums,
         }
+
+    @property
+    def _taught(self) -> dict[str, Any]:
+        """What earlier steps taught the cables."""
+        return {str(k): memory_of(system) for k, (system, _) in enumerate(self._scene.groups)}
+
+    @property
+    def _has_axial_forces(self) -> bool:
+        return any(map(remembers_axial_forces, self._taught.values()))
 
     def resume(self, time: float) -> None:
         """Go on at `time` [s] with the memory that has been set; data coordinates are those of mbs."""
@@ -514,7 +526,13 @@ class CoupledRun(PacedRun):
 
     def start_scheme(self, time: float) -> None:
         """See `PacedRun.start_scheme`."""
-        self._begin_by(self.integrator.start, time)
+        if not self._has_axial_forces:
+            self._begin_by(self.integrator.start, time)
+            return
+        scene = KeptState(self._scene.memory())
+        cables = list(self._taught.values())
+        accelerate_again(*self._system_at(time), self.state, self.control.present, cables)
+        scene.restore()
 
     def watch_on(self, time: float) -> None:
         """See `PacedRun.watch_on`."""

@@ -1,5 +1,6 @@
 """The automatic step of cables that stretch does not resolve waves that do not matter."""
 
+import itertools
 import math
 import warnings
 
@@ -10,6 +11,7 @@ from exudyn.beams import GenerateBeamElementsAlongLine
 from exudyn.utilities import (
     CoordinateConstraint,
     InertiaCuboid,
+    LoadForceVector,
     MarkerBodyPosition,
     MarkerNodeCoordinate,
     MarkerNodePosition,
@@ -20,7 +22,7 @@ from exudyn.utilities import (
     SphericalJoint,
 )
 
-from exudyn_inext import CreateInextensibleCable, SolveExplicit
+from exudyn_inext import CreateInextensibleCable, ExplicitSettings, InextensibleCable, SolveExplicit
 from reference_models.model import quiet_settings
 
 PERIOD = 0.02
@@ -155,3 +157,37 @@ def test_waves_of_a_sudden_start_do_not_decide_on_the_whole_run():
     """They pass at once; two hundred thousand steps resolved them."""
     _, report = path_and_report(curved, 1.0, elements=10)
     assert report["steps"] < 5000
+
+
+def pulled(what):
+    """Where the tip of a pendulum is after 0.3 s, if a load or a support is set again before each step."""
+    mbs = exudyn.SystemContainer().AddSystem()
+    made = CreateInextensibleCable(
+        mbs,
+        [0, 0, 0],
+        [1.8, 0, 0],
+        8,
+        InextensibleCable(massPerLength=0.03477, bendingStiffness=0.08665, axialStiffness=1e6),
+        gravity=[0, -9.81, 0],
+        groundConstraintsStart=PINNED,
+    )
+    tip = mbs.AddMarker(MarkerNodePosition(nodeNumber=made["nodes"][-1]))
+    load = mbs.AddLoad(LoadForceVector(markerNumber=tip, loadVector=[0, 0, 0]))
+    step, signs = 2e-3, itertools.cycle((1.0, -1.0))
+
+    def change(mbs, t):
+        if what == "load":
+            mbs.SetLoadParameter(load, "loadVector", [1e-12 * next(signs), 0, 0])
+        elif what == "support":
+            mbs.SetObjectParameter(made["constraintObjects"][0], "offset", 1e-16 * next(signs))
+        return True
+
+    mbs.SetPreStepUserFunction(change)
+    mbs.Assemble()
+    SolveExplicit(mbs, quiet_settings(0.3, 150), ExplicitSettings(stepSize=step, massScaling=0.3))
+    return np.array(mbs.GetNodeOutput(made["nodes"][-1], exudyn.OutputVariableType.Position))
+
+
+@pytest.mark.parametrize("what", ["load", "support"])
+def test_steps_go_on_as_before_after_next_to_nothing_has_changed(what):
+    np.testing.assert_allclose(pulled(what), pulled(None), rtol=0.0, atol=1e-11)

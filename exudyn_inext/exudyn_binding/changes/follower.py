@@ -210,17 +210,15 @@ def _go_on(runs: Sequence[Run], time: float, end: float, has_changed: bool) -> N
         assert isinstance(run, CableRun | CoupledRun)
         watch = run.watch.watch
         account = watch.account[NOW].copy()
-        start = run.start
         if isinstance(run, CableRun):
             agree(run.system, run.loads.at(time), run.state)
         else:
-            start = run.begin_again
             run.watch.is_close = True
             if has_changed:
                 run.approach(time, end)
             else:
                 run.rest_joints(time)
-        start_after_jump(run, start, time)
+        start_after_jump(run, run.begin_again, time)
         account.start = watch.account[NOW].start - account.work - account.surplus
         watch.account[NOW] = watch.account[KEPT] = account
 
