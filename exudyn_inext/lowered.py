@@ -175,7 +175,10 @@ def _kinds(argument: Any) -> Any:
     if isinstance(argument, tuple):
         return type(argument), *map(_kinds, argument)
     if isinstance(argument, np.ndarray):
-        return argument.dtype, argument.ndim, argument.flags.c_contiguous, argument.flags.writeable
+        flags = argument.flags
+        return argument.dtype, argument.ndim, flags.c_contiguous, flags.f_contiguous, flags.writeable
+    if isinstance(argument, np.generic):
+        return argument.dtype
     return type(argument)
 
 

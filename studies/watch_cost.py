@@ -144,6 +144,7 @@ def _blind(watch: Any) -> Any:
     return SimpleNamespace(
         open=watch.open,
         looks_at_phase=False,
+        is_slow=False,
         path_of_evaluations=None,
         path=watch.path,
         before=watch.before,

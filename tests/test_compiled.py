@@ -50,14 +50,17 @@ def test_processes_that_compile_at_once_do_not_get_each_others_code(process, mon
     assert later(3.0) == 1.5
 
 
+KNOWN = ExplicitSettings(stepSize=1e-3, dependsOnTimeOnly=True)
+
+
 def stepped(mbs):
-    stepper = ExplicitStepper(mbs, stepSize=1e-3)
+    stepper = ExplicitStepper(mbs, KNOWN)
     stepper.Start()
     stepper.Step()
 
 
 def in_an_ensemble(mbs):
-    SolveEnsemble([mbs], quiet_settings(0.01, 10), ExplicitSettings(stepSize=1e-3), threads=1)
+    SolveEnsemble([mbs], quiet_settings(0.01, 10), KNOWN, threads=1)
 
 
 @pytest.mark.parametrize("folder", [True, False])
@@ -102,7 +105,6 @@ def test_steppers_and_ensembles_say_so_too(process, capsys, solve):
     def force(mbs, t, load):
         return [new(t), 0.0, 0.0]
 
-    force.dependsOnTimeOnly = True
     exudyn.config.printToConsole = True
     mbs = exudyn.SystemContainer().AddSystem()
     load_node(mbs, add_pendulum(mbs)["nodes"][-1], [0, 0, 0], loadVectorUserFunction=force)

@@ -15,6 +15,7 @@ import numpy as np
 from ..arrays import Array
 from ..cable.assembly import elastic_energy
 from .cable_run import CableRun
+from .watch import NO_MESH
 
 STEPS_BY_ELEMENT = 20.0  # while a wave passes it
 BY_DRAG = 0.02  # step times the rate at which drag slows a cable down
@@ -37,8 +38,11 @@ def resolution_of_mesh(run: CableRun, time: float, theta: float) -> Array:
     """(4,) by which the errors of step and mesh in waves of a cable are known, see `watch`.
 
     c^2 [m^2/s^2], s^2 = EI / rho_A [m^4/s^2], the length l of the shortest element [m], and theta [-].
+    A cable that stretches has other waves, too: `NO_MESH`.
     """
     cable = run.scene_cable.cable
+    if cable.stretches:
+        return NO_MESH
     section = cable.section
     stiffness = section.bending_stiffness / section.mass_per_length
     with np.errstate(over="ignore"):

@@ -230,6 +230,11 @@ class CompiledScene:
             raise _dependent(self.system.items.joints, self._names)
 
     @property
+    def has_knots(self) -> bool:
+        """Whether three or more parts meet somewhere."""
+        return len(self.system.items.joints.members.hold) > 0
+
+    @property
     def has_dependent_joints(self) -> bool:
         """Whether a joint depends on others, as seen at the last evaluation."""
         joints = self.system.items.joints

@@ -117,8 +117,13 @@ class CoupledRun(PacedRun):
         scene.take_hold(state.v, start.tolerance)
         with self._mass_as_it_is():
             given = start.time, state.q, state.v, start.tolerance
-            correction = compiled_start(self._form, *given) if self._form else None
+            correction = compiled_start(self._form, *given) if self._form and self._sees_dependence else None
             self.start_correction = correction or consistent_start(scene.system, self.cables, *given)
+
+    @property
+    def _sees_dependence(self) -> bool:
+        """Whether the compiled form sees joints that depend on each other: knots of straight cables yield."""
+        return not (self._form and self._form.has_knots and any(self._held_straight()))
 
     @contextmanager
     def _naming_straight_cables(self) -> Iterator[None]:

@@ -75,7 +75,8 @@ class RunWatch:
         """Whether the motion so far allows much longer steps."""
         now = self.watch.account[NOW]
         has_turned = now.forces * now.time**2 > BEGINNING**2 * now.speeds
-        return bool(self.looks_at_phase and has_turned and SLOW * now.phase < self.watch.phase)
+        keeps_mesh = not 0.25 < now.over_mesh < math.inf
+        return bool(self.looks_at_phase and has_turned and keeps_mesh and SLOW * now.phase < self.watch.phase)
 
     def expect_double_step(self) -> None:
         """The motion so far has this phase error at steps twice as long."""

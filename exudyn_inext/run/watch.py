@@ -40,8 +40,8 @@ VIOLENT = 30.0  # times the tolerance: what a scheme that gains energy may gain 
 MOTION = 1e-3  # times the bound of the energy's round-off: less is none
 SAMPLED = 20.0  # phase [rad] up to which inspections are at most 1 rad apart
 BEGINNING = 10.0  # phase [rad] of the motion before which its frequency is not known
-LONG = 30.0  # phase [rad] after which it is, however short the time: waves of a sudden start pass before that
-WAITING = 0.25  # share of the run after which it is in any case
+LONG = 30.0  # and, but for an inextensible cable alone, before which waves of a sudden start have not passed
+WAITING = 0.25  # share of the run after which they do not count any more
 SHARE_OF_EXTENT = 0.3  # so that a phase error of 0.003 is one of 1 % of the extent
 SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
 SCATTER = 4.0  # times its standard deviation may the work of forces be wrong
@@ -378,11 +378,12 @@ def _is_too_fast(watch, steps, duration):
     else:
         account.phase = error * BEGINNING / turned
         passed = watch.duration
-    if turned < SAMPLED and steps * account.time < account.ahead * turned * duration:
+    if of_mesh > 0.0 and turned < SAMPLED and steps * account.time < account.ahead * turned * duration:
         account.ahead = max(watch.least, int(steps * account.time / (turned * duration)))
     moves = account.largest_kinetic > MOTION * account.round_off
     is_much = account.phase * passed > watch.phase * watch.duration
-    is_known = turned > LONG or (turned > BEGINNING and account.time > WAITING * watch.duration)
+    is_late = turned > LONG or account.time > WAITING * watch.duration or watch.mesh[1] > 0.0
+    is_known = turned > BEGINNING and is_late
     return moves and is_known and is_much and account.over_mesh > 1.0
 
 

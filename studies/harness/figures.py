@@ -68,7 +68,7 @@ def _until(reference: Trajectory, curves: Mapping[Any, Trajectory]) -> Trajector
 def draw_cost_and_accuracy(path: Path, rows: Sequence[Row]) -> Path:
     """The largest error of every usable row over its CPU time; a line joins the best of a kind."""
     families = groups([row | {"family": family_of(row)} for row in rows if is_usable(row)], "family")
-    return chart(path, Panel(*COST_AXES, front_curves(families, LOOKS)), height=5.0)
+    return chart(path, Panel(*COST_AXES, front_curves(families, LOOKS), legend="direct"), height=5.0)
 
 
 def front_curves(

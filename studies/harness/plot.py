@@ -52,7 +52,7 @@ class Panel:
     """Curves in one pair of axes.
 
     x, y: labels with units.   scale: a method of `Axes`, such as "loglog".
-    legend: whether it has one of its own; "below" the axes.
+    legend: whether it has one of its own; "below" the axes; "direct": labels at the ends of the curves.
     horizontal, vertical: dotted lines at these values.   ticks: numbers at the x axis.
     unknown: what is below it on the y axis is shaded, as the reference cannot tell it.
     least: where the y axis begins.   names: of y = 0, 1, ..., from above.
@@ -93,10 +93,29 @@ class Panel:
             axes.set_yticks(range(len(self.names)), self.names)
             axes.set_ylim(len(self.names) - 0.5, -0.5)
         label_axes(axes, self.x, self.y, self.title)
-        if self.legend == "below":
+        self._name_curves(axes)
+
+    def _name_curves(self, axes: Axes) -> None:
+        if self.legend == "direct":
+            self._label_ends(axes)
+        elif self.legend == "below":
             axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=2)
         elif self.legend and any(curve.label for curve in self.curves):
             axes.legend(fontsize=8)
+
+    def _label_ends(self, axes: Axes) -> None:
+        """Each label in its curve's color, below the last point, and below other labels there."""
+        axes.margins(0.12)
+        axes.figure.canvas.draw()  # places are known then
+        taken: list[Any] = []
+        for curve in sorted((c for c in self.curves if c.label), key=lambda c: -c.y[-1]):
+            end, look = (curve.x[-1], curve.y[-1]), {"color": curve.color, "fontsize": 9}
+            text = axes.annotate(
+                str(curve.label), end, (0, -8), textcoords="offset points", ha="center", va="top", **look
+            )
+            while any(text.get_window_extent().overlaps(other) for other in taken):
+                text.xyann = (0, text.xyann[1] - 3)
+            taken.append(text.get_window_extent())
 
 
 def chart(

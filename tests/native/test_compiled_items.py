@@ -732,9 +732,9 @@ def run(builder, explicit=ExplicitSettings(stepSize=1e-3, massScaling=0.3)):  # 
 
 def test_a_form_that_disagrees_with_exudyn_is_not_taken_and_named(monkeypatch, fault):
     def softer(data, number, reader):
-        record = read_connector(data, number, reader)
-        record.stiffness *= 1.0 - 1e-6
-        return record
+        known = read_connector(data, number, reader)
+        known.record.stiffness *= 1.0 - 1e-6
+        return known
 
     expected, path = run(hanging())
     assert "in one compiled call" in path
