@@ -646,7 +646,7 @@ STORED += [joint_released_and_caught, spring_and_force, mass_that_grows]
 
 @pytest.mark.parametrize("kind", STORED, ids=name_of)
 def test_a_run_that_is_continued_begins_with_what_had_been_changed(kind, tmp_path):
-    """To round-off: Exudyn adds up the time that the functions are given. Automatic steps know the end time."""
+    """To round-off: Exudyn adds up the time that the functions are given. Automatic steps know the end."""
 
     def state(end_time, name):
         model = Model(False)
