@@ -24,7 +24,7 @@ from .surroundings import state_kept
 
 STIFFNESSES = ("contactStiffness", "frictionStiffness")  # across and along the cable
 DAMPINGS = ("contactDamping", "frictionVelocityPenalty")
-_CONTACTS = {"ContactFrictionCircleCable2D", "ContactCircleCable2D"}
+WITH_CIRCLES = {"ContactFrictionCircleCable2D", "ContactCircleCable2D"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +106,7 @@ def _require_finite(contact: _OpenContact) -> None:
 def _read(mbs: Any, number: int) -> _OpenContact | None:
     """The contact that this object is, or None if it is none that is open."""
     data = mbs.GetObject(number)
-    if data["objectType"] not in _CONTACTS or not data["activeConnector"]:
+    if data["objectType"] not in WITH_CIRCLES or not data["activeConnector"]:
         return None
     cable = mbs.GetMarker(data["markerNumbers"][1])["bodyNumber"]
     body = mbs.GetObject(cable)

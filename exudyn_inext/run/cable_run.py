@@ -315,15 +315,18 @@ class CableRun(PacedRun):
             RedundantConstraintError: length constraints and supports depend on each other.
         """
         self.forget()
-        self.begin_again(time)
+        self._begin(self.loads.at(time))
 
     def begin_again(self, time: float) -> None:
         """As `start`, with axial forces of earlier steps."""
         if not self._stretches:
             self.forget()
-        self.start_scheme(time)
+        self._begin(self.loads.at(time))
+
+    def _begin(self, external: Array) -> None:
+        self._accelerate(external)
         self.require_independence()
-        self.watch.open(self.system, self.loads.at(time), self.state)
+        self.watch.open(self.system, external, self.state)
 
     def memory(self) -> dict[str, Any]:
         """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
@@ -359,7 +362,10 @@ class CableRun(PacedRun):
 
     def start_scheme(self, time: float) -> None:
         """See `PacedRun.start_scheme`."""
-        external, memory = self.loads.at(time), memory_of(self.system)
+        self._accelerate(self.loads.at(time))
+
+    def _accelerate(self, external: Array) -> None:
+        memory = memory_of(self.system)
         if remembers_axial_forces(memory):
             accelerate_again(self.system, external, self.state, self.control.present, [memory])
         else:

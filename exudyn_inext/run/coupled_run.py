@@ -117,13 +117,14 @@ class CoupledRun(PacedRun):
         scene.take_hold(state.v, start.tolerance)
         with self._mass_as_it_is():
             given = start.time, state.q, state.v, start.tolerance
-            correction = compiled_start(self._form, *given) if self._form and self._sees_dependence else None
+            form = None if self._hides_dependence else self._form
+            correction = compiled_start(form, *given) if form else None
             self.start_correction = correction or consistent_start(scene.system, self.cables, *given)
 
     @property
-    def _sees_dependence(self) -> bool:
-        """Whether the compiled form sees joints that depend on each other: knots of straight cables yield."""
-        return not (self._form and self._form.has_knots and any(self._held_straight()))
+    def _hides_dependence(self) -> bool:
+        """Whether the compiled form may miss that joints depend on each other: its knots yield a little."""
+        return self._form is not None and self._form.has_knots and any(self._held_straight())
 
     @contextmanager
     def _naming_straight_cables(self) -> Iterator[None]:
@@ -197,11 +198,14 @@ class CoupledRun(PacedRun):
         """Let Exudyn evaluate its items from the present state on, at `time` [s]."""
         if self._form is None:
             return
-        self._form, self._why_not = None, why
-        self.__dict__.pop("_kept", None)
+        self._leave_form(why)
         self.watch.evaluate_by(self._scene)
         self._scene.surroundings.forget()
         self._begin_by(self.integrator.resume, time)
+
+    def _leave_form(self, why: str) -> None:
+        self._form, self._why_not = None, why
+        self.__dict__.pop("_kept", None)  # elsewhere is another place now
 
     def take_values(self, changed: Sequence[ChangedItem]) -> bool:
         """Whether loads and springs that were changed act now; otherwise some may."""
@@ -322,8 +326,7 @@ class CoupledRun(PacedRun):
     def _approach(self, time: float, end: float) -> None:
         scene, q, self._end_of_step = self._scene, self.state.q, end
         if self._form and not self._form.approach_joints(time, end, q, FULFILLED):
-            self._form, self._why_not = None, "joints that are being moved"
-            self.__dict__.pop("_kept", None)
+            self._leave_form("joints that are being moved")
         if not self._form:
             scene.surroundings.approach_joints(time, end, q, FULFILLED)
             if self.approaches:
@@ -372,18 +375,24 @@ class CoupledRun(PacedRun):
 
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; see `CableRun.start`."""
-        for run in self._runs:
-            run.forget()
-        self.begin_again(time)
+        self._forget()
+        self._begin(time)
         for run in self._runs:
             run.require_independence()
 
     def begin_again(self, time: float) -> None:
         """As `start`, with supports that have been looked at, and axial forces of earlier steps."""
         if not self._has_axial_forces:
-            self._scene.forget()
-            for run in self._runs:
-                run.forget()
+            self._forget()
+        self._begin(time)
+
+    def _forget(self) -> None:
+        """What earlier steps taught does not hold any more."""
+        self._scene.forget()
+        for run in self._runs:
+            run.forget()
+
+    def _begin(self, time: float) -> None:
         self.start_scheme(time)
         self.watch.open(time, self.state)
 

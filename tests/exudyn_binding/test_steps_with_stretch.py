@@ -27,6 +27,7 @@ from reference_models.model import quiet_settings
 
 PERIOD = 0.02
 CLAMPED, PINNED = [True] * 4, [True, True, False, False]
+HANGING = {"positionEnd": [1, 0, 0], "gravity": [0, -9.81, 0]}
 
 
 def cable(mbs, is_native, template, elements, **where):
@@ -71,15 +72,7 @@ def strained(mbs, is_native, elements, strain=-0.01):
         referenceAxialStrain=strain,
         useReducedOrderIntegration=2,
     )
-    return cable(
-        mbs,
-        is_native,
-        template,
-        elements,
-        positionEnd=[1, 0, 0],
-        gravity=[0, -9.81, 0],
-        groundConstraintsStart=PINNED,
-    )
+    return cable(mbs, is_native, template, elements, **HANGING, groundConstraintsStart=PINNED)
 
 
 def curved(mbs, is_native, elements, stiffness=1e3):
@@ -91,15 +84,7 @@ def curved(mbs, is_native, elements, stiffness=1e3):
         referenceCurvature=1.5,
         useReducedOrderIntegration=2,
     )
-    return cable(
-        mbs,
-        is_native,
-        template,
-        elements,
-        positionEnd=[1, 0, 0],
-        gravity=[0, -9.81, 0],
-        groundConstraintsStart=CLAMPED,
-    )
+    return cable(mbs, is_native, template, elements, **HANGING, groundConstraintsStart=CLAMPED)
 
 
 def winch(mbs, is_native, elements):

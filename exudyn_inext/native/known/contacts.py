@@ -10,10 +10,10 @@ from ...arrays import Array
 from ...element.shape_functions import first_derivatives, shape_functions
 from ...items.arguments import described
 from ...multibody.circle_contacts import CONTACT, END, SEGMENT, Contacts, NoContacts
+from ..contact_rates import WITH_CIRCLES
 from .points import PointReader
 from .unknown import UnknownItemError
 
-_CONTACTS = {"ContactCircleCable2D", "ContactFrictionCircleCable2D"}
 _NAMES = {
     "radius": "circleRadius",
     "offset": "offset",
@@ -43,7 +43,7 @@ class ContactReader:
     def adds(self, number: int) -> bool:
         """Whether the object is a contact that acts; UnknownItemError if that has no compiled form."""
         data = self._mbs.GetObject(number)
-        if data["objectType"] not in _CONTACTS or not data["activeConnector"]:
+        if data["objectType"] not in WITH_CIRCLES or not data["activeConnector"]:
             return False
         self._add(data, number)
         return True
