@@ -3,6 +3,7 @@
 import os
 import sys
 import threading
+import warnings
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -77,8 +78,8 @@ def SolveEnsemble(
 
     Raises:
         InputError: no member, members of different structure (it says which differs in what).
-        SceneError: a member contains what is not supported, contact, or items that only Exudyn can evaluate,
-            such as user functions that depend on the state.
+        SceneError: a member contains what is not supported, or items that only Exudyn can evaluate, such as
+            user functions that depend on the state.
         StepSizeError: stepSize is above the stability limit of a member.
 
     Example:
@@ -197,6 +198,7 @@ class _Ensemble:
     ) -> None:
         self._grids, self.grid = grids, grids(smallest)
         self.choices: list[StepChoice] = []
+        self._findings: list[str] = []
         self._explicit = explicit
         integrator, self._scheme = explicit.method
         self._stages = integrator.stages
@@ -268,6 +270,8 @@ class _Ensemble:
             if isinstance(run, CoupledRun) and len(self.states) == len(DERIVATIVES):
                 times = np.array([grid.time(k) for k in range(good + 1)])
                 run.set_accelerations(times, history[: good + 1])
+            if run.finding:
+                self._findings.append(f"member {number} of the ensemble: {run.finding}")
             place = cable, number
             self._good[place] = good
             self._steps[place], self._smallest[place] = run.control.steps, run.control.smallest
@@ -343,6 +347,8 @@ class _Ensemble:
         worst = _worst(self.choices)
         taken = grid.h if explicit.massScaling else 0.0
         require_stable(self.choices[worst].bounds_of_member(worst), explicit, taken)  # warns of it
+        for finding in self._findings[:1]:
+            warnings.warn(finding, stacklevel=3)
         ends = self._divergence_times()
         return {
             "success": bool(np.isnan(ends).all()),

@@ -142,7 +142,7 @@ def compiled_runs(
     with switched_off(mbs, *scene.evaluated_by_kernels), state_kept(mbs):
         runs: Sequence[Any] = runs_of_scene(mbs, scene, time, h, explicit)
     for run in runs:
-        run.require_compiled_form(who)
+        run.leave_mbs(who)
     return runs
 
 

@@ -58,8 +58,7 @@ class ExplicitStepper:
         startCorrections: of each cable: how far its initial state was from its constraints.
 
     Raises:
-        SceneError: mbs not assembled, without a cable, or with contact, or items that only Exudyn can
-            evaluate.
+        SceneError: mbs not assembled, without a cable, or with items that only Exudyn can evaluate.
         StepSizeError: the step is above the stability limit.
         RedundantConstraintError: constraints that depend on each other.
 
@@ -214,7 +213,7 @@ class ExplicitStepper:
         run.set_force(number, force)
 
     def WriteToSystem(self) -> None:
-        """Write coordinates, velocities, accelerations and the time to the current state of the mbs.
+        """Write coordinates, velocities, accelerations, data and the time to the current state of the mbs.
 
         Sensors, node outputs and, after mbs.SendRedrawSignal(), the renderer then show it.
         """
@@ -223,7 +222,9 @@ class ExplicitStepper:
         for run in self._runs:
             run.write(states)
         displacements, velocities, accelerations = states.tolist()
+        remembered = self._runs[0].run.data[0].tolist() or data.GetDataCoordinates()
         for configuration in _SHOWN:
+            data.SetDataCoordinates(remembered, configuration)
             data.SetODE2Coordinates(displacements, configuration)
             data.SetODE2Coordinates_t(velocities, configuration)
             data.SetODE2Coordinates_tt(accelerations, configuration)

@@ -208,9 +208,13 @@ class CoupledScene:
         """Whether friction of cables on circles obeys Coulomb's law."""
         return FrictionCheck(self.mbs)
 
-    def open_contacts(self) -> OpenContacts | None:
-        """Contacts that are open in the present state of mbs, if there are any."""
-        return open_contacts(self.mbs, self.map, self.size)
+    def open_contacts(self, t: float, q: Array, v: Array, data: Array | None) -> OpenContacts | None:
+        """See `JoinedScene`."""
+        with state_kept(self.mbs):
+            self.surroundings.set_state(t, q, v)
+            if data is not None:
+                self.mbs.systemData.SetDataCoordinates(data.tolist())
+            return open_contacts(self.mbs, self.map, self.size)
 
     @property
     def remembered(self) -> DataCoordinates | None:

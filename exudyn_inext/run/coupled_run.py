@@ -85,6 +85,8 @@ class CoupledRun(PacedRun):
         self._rejects = start.rejects
         self.control = StepControl(rejects=start.rejects)
         self._recorded = 0  # intervals
+        self._first_data = self.data[0]  # of them
+        self._is_alone = False  # mbs does not follow it
         self._unsolvable = ""  # what was said of joints that could not be solved for
         self._output = np.zeros((1, 3, scene.size))
         external = np.zeros(len(self._form.loads.constant) if self._form else 1)
@@ -255,7 +257,8 @@ class CoupledRun(PacedRun):
     @cached_property
     def contacts(self) -> OpenContacts | None:
         """Contacts that are open at the start, if there are any."""
-        return self._scene.open_contacts()
+        state = self._time, self.state.q, self.state.v
+        return self._scene.open_contacts(*state, self.data[0] if self._form else None)
 
     @property
     def rates_in_contact(self) -> FastestRates:
@@ -432,7 +435,8 @@ class CoupledRun(PacedRun):
         surroundings = self._scene.surroundings
         surroundings.forget()
         if self._form and self._form.has_contacts:
-            self._form.begin_history(surroundings.remembered, len(history))
+            self._first_data = self.data[0].copy() if self._is_alone else surroundings.remembered
+            self._form.begin_history(self._first_data, len(history))
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges
             good = self.advance(grid, first, history)
         self._recorded = good
@@ -453,18 +457,20 @@ class CoupledRun(PacedRun):
         """See `CableRun.places_of_nodes`; of cables and bodies."""
         return self._scene.places_of_nodes
 
-    def require_compiled_form(self, who: str) -> None:
-        """Raise SceneError if Exudyn evaluates the scene.   who: asks, for messages."""
+    def leave_mbs(self, who: str) -> None:
+        """Do without mbs from now on.   who: asks, for messages.
+
+        Raises:
+            SceneError: Exudyn evaluates items of the scene.
+        """
         if self._form is None:
             raise SceneError(
                 f"{who} needs compiled forms of all items, and Exudyn evaluates this scene because of "
                 f"{self._why_not}: use SolveExplicit, or leave that item out."
             )
+        self._is_alone = True
         if self._form.has_contacts:
-            raise SceneError(
-                f"{who} does not keep what contacts of cables with circles remember "
-                f"({len(self._form.contacts.records)} in this scene): use SolveExplicit, or leave them out."
-            )
+            self._form.begin_history(self.data[0], 1)
 
     @property
     def settable_forces(self) -> Array:
@@ -489,10 +495,11 @@ class CoupledRun(PacedRun):
         return True
 
     def set_accelerations(self, times: Array, history: Array) -> None:
-        """As `complete`, in compiled code, without multipliers."""
+        """As `complete`, of the beginning and all intervals of the last `record`, without multipliers."""
         assert self._form is not None
         history[:, 0] += self.reference
-        self._form.evaluate(self.cables, times, history)
+        data = None if self.remembered is None else np.vstack([self._first_data, self.remembered])
+        self._form.evaluate(self.cables, times, history, data)
         history[:, 0] -= self.reference
 
     def _put_reactions(self, evaluated: EvaluatedScene, t: float, state: Any, multipliers: Array) -> None:
@@ -514,6 +521,11 @@ class CoupledRun(PacedRun):
     def elsewhere(self) -> Elsewhere | None:  # type: ignore[override]
         """See `PacedRun`: what contact and friction remember, in mbs if Exudyn evaluates them."""
         return RememberedByContacts(self._form.contacts.data) if self._form else self._scene.remembered
+
+    @property
+    def data(self) -> Array:  # type: ignore[override]
+        """See `PacedRun`."""
+        return self._form.contacts.data if self._form else PacedRun.data
 
     @property
     def remembered(self) -> Array | None:  # type: ignore[override]

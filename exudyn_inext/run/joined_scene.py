@@ -132,8 +132,8 @@ class JoinedScene(EvaluatedScene, Protocol):
     def take_hold(self, v: Array, tolerance: float) -> None:
         """Stop the held coordinates at the start; v (n,) in place."""
 
-    def open_contacts(self) -> OpenContacts | None:
-        """Contacts that are open at present, if there are any."""
+    def open_contacts(self, t: float, q: Array, v: Array, data: Array | None) -> OpenContacts | None:
+        """Contacts that are open in a state, if there are any.   data: (D,) of them; None: mbs knows."""
 
     def coordinate_name(self, index: int) -> str:
         """Whose coordinate it is, by its place in the system vector."""

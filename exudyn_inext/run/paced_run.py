@@ -3,6 +3,8 @@
 import math
 from typing import Any
 
+import numpy as np
+
 from ..arrays import Array
 from ..integrators.integrator import Integrator
 from .kept_state import Elsewhere, KeptState
@@ -21,6 +23,7 @@ class PacedRun:
     elsewhere: what of the state lies in no array of the run.
     remembered: (k, D) by contacts after the intervals of the last `record`; None: mbs knows, or there are
         none.
+    data: (2, D) what contacts in compiled code remember, now and from the start of the step.
     finding: what the user is to be told at the end, besides the energy.
     """
 
@@ -35,6 +38,7 @@ class PacedRun:
     finding = ""
     elsewhere: Elsewhere | None = None
     remembered: Array | None = None
+    data: Array = np.zeros((2, 0))
 
     @property
     def has_implicit_bending(self) -> bool:

@@ -37,7 +37,8 @@ class SteppedRun:
         self.cables = [_view(run.state, *place) for place in run.places_of_cables]
         self._forces = run.settable_forces
         self._without = self._forces.copy()
-        self._initial = KeptState(run.memory())
+        self._initial = KeptState(run.memory(), run.elsewhere)
+        self._data_before = run.data.copy()
         self._present, self._before = (np.zeros((1, 3, len(run.indices))) for _ in range(2))
 
     def start(self, time: float, h: float) -> None:
@@ -52,6 +53,7 @@ class SteppedRun:
     def step(self, grid: TimeGrid) -> bool:
         """Take the one loop step of the grid; returns whether it went well."""
         self._present, self._before = self._before, self._present
+        self._data_before[:] = self.run.data
         return self.run.advance(grid, 0, self._present) == 1
 
     def verdict(self, time: float, h: float) -> str:
@@ -59,7 +61,8 @@ class SteppedRun:
         return self.run.verdict(time, h)
 
     def restore(self) -> None:
-        """Coordinates, velocities and accelerations before the last call of `step`."""
+        """Coordinates, velocities, accelerations and data before the last call of `step`."""
+        self.run.data[:] = self._data_before
         self._present[:] = self._before
         state = self.run.state
         state.q[:], state.v[:], state.a[:] = self._present[0]

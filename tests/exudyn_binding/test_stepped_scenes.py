@@ -7,18 +7,15 @@ from exudyn.itemInterface import (
     LoadForceVector,
     MarkerBodyPosition,
     MarkerNodePosition,
-    NodeGenericData,
-    ObjectContactCircleCable2D,
     SpringDamper,
 )
 from exudyn.utilities import InertiaCuboid
 
+from examples import capstan
 from exudyn_inext import (
     AttachToBody,
-    CreateCompanionCables,
     ExplicitSettings,
     ExplicitStepper,
-    SceneError,
     SolveExplicit,
 )
 from reference_models.model import quiet_settings, silence
@@ -117,19 +114,24 @@ def test_a_force_on_a_node_of_a_cable_among_bodies_is_one_of_the_scene(build):
     np.testing.assert_array_equal(stepper.State()[0], free)
 
 
-def test_a_scene_with_contact_is_refused_with_the_reason(build, new_mbs, add_pendulum, fault):
-    mbs = new_mbs()
-    cable = add_pendulum(mbs)
-    element = CreateCompanionCables(mbs, cable)[-1]
-    circle = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.CreateGround(referencePosition=[1.7, -0.5, 0])))
-    shape = mbs.AddMarker(exudyn.itemInterface.MarkerBodyCable2DShape(bodyNumber=element, numberOfSegments=2))
-    node = mbs.AddNode(NodeGenericData(initialCoordinates=[1.0, 1.0], numberOfDataCoordinates=2))
-    contact = {"nodeNumber": node, "numberOfContactSegments": 2, "contactStiffness": 100, "circleRadius": 0.1}
-    mbs.AddObject(ObjectContactCircleCable2D(markerNumbers=[circle, shape], **contact))
-    mbs.Assemble()
-    with pytest.raises(
-        SceneError,
-        match=r"ExplicitStepper does not keep what contacts .*\(1 in this scene\): use SolveExplicit",
-    ):
-        ExplicitStepper(mbs, stepSize=STEP)
-    fault("a stepper for a scene with contact", "refused, with the reason")
+def test_contact_moves_as_in_solve_explicit_and_begins_anew():
+    """A cable that slides over a cylinder, whose friction remembers where it sticks."""
+    systems = [exudyn.SystemContainer().AddSystem() for _ in range(2)]
+    for mbs in systems:
+        capstan.build(mbs, elements=10)
+        mbs.Assemble()
+    slide, end = ExplicitSettings(stepSize=1e-4), 0.05
+    with silence():
+        SolveExplicit(systems[0], quiet_settings(end, 10), slide)
+    stepper = ExplicitStepper(systems[1], slide, interval=end / 10)
+    stepper.Start()
+    stepper.Step(3)
+    stepper.Start()
+    stepper.Step(10)
+    stepper.WriteToSystem()
+    data = [mbs.systemData for mbs in systems]
+    for read in ("GetODE2Coordinates", "GetODE2Coordinates_t", "GetDataCoordinates"):
+        expected, found = (np.array(getattr(one, read)()) for one in data)
+        np.testing.assert_array_equal(found, expected)
+    touching = np.array(data[1].GetDataCoordinates(exudyn.ConfigurationType.Initial))
+    assert np.abs(found - touching).max() > 0.1  # segments have closed, stuck and slipped
