@@ -100,6 +100,7 @@ class SteppingLoop(ExplicitTimeLoop):
         """Complete the state of mbs, after all steps or those before somebody stopped the loop."""
         self.changes.log.is_idle = True
         self.complete_state()
+        self._withdraw()
         self._written = self._present()
         self._begins = self.error is not None or not self._is_now(self._data.GetTime())
 
@@ -115,8 +116,6 @@ class SteppingLoop(ExplicitTimeLoop):
                     self._look_between_steps()
             is_first = False
             plain(solver, mbs, settings)
-            if self._is_watched:
-                self._written = self._present()
             return True
 
         return take_step

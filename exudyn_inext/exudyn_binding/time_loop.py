@@ -5,6 +5,7 @@ import warnings
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
+from operator import length_hint
 from typing import Any, Protocol
 
 import exudyn
@@ -13,6 +14,7 @@ import numpy as np
 from ..arrays import Array, as_slice
 from ..errors import DivergenceError
 from ..run.divergence import divergence, listed
+from ..run.kept_state import KeptState
 from ..run.run import Run
 from ..run.time_grid import TimeGrid
 from .observed import ACCELERATIONS, POSITIONS, VELOCITIES
@@ -20,6 +22,7 @@ from .restart import Restarts
 
 LOOK_AHEAD_LIMIT = 1_000_000  # coordinates times steps in a call: some 30 ms, so that Ctrl-C works
 HANDED_OUT = 64  # states that are turned into Python numbers at once
+UNSEEN = 32  # steps at most that are computed ahead where functions may still change something
 
 
 class Changes(Protocol):
@@ -27,6 +30,9 @@ class Changes(Protocol):
 
     @property
     def has_news(self) -> bool: ...
+
+    @property
+    def moves(self) -> bool: ...
 
     def follow(self, runs: Sequence[Run], time: float, end: float) -> Sequence[Run]: ...
 
@@ -52,7 +58,8 @@ class ExplicitTimeLoop:
 
     Where no user function can see or change the state between two steps of the loop, several of them
     are computed in one compiled call and handed out one by one: coordinates, and derivatives as far as
-    they are `observed`; the last ones when the run ends.
+    they are `observed`; the last ones when the run ends. Where functions have changed nothing for some steps,
+    this is done as well, and what is left of them is computed again after the next change.
     """
 
     step_is_from = ""  # what decided on the step, if the user did not
@@ -83,6 +90,10 @@ class ExplicitTimeLoop:
         self._reactions: deque[Array] = deque()  # after the steps that have been computed, if they are shown
         self._last_reactions: Array | None = None
         self._remembered: deque[Any] = deque()  # by contacts, after these steps
+        self._blocks: Iterator[Iterable[Any]] = iter(())
+        self._states: Iterator[Any] = iter(())  # of a block, where functions may make it void
+        self._kept: list[KeptState] = []  # of the runs, before the block
+        self._calm = 0  # steps since something was changed
         for run in runs:
             run.set_step(grid.h)
             run.start(grid.start)
@@ -107,6 +118,8 @@ class ExplicitTimeLoop:
         if self._is_watched:
             reasons = [run.reason for run in self.runs if not run.looks_ahead]
             reasons = list(dict.fromkeys(reasons)) or ["pre- or post-step user functions may look at it"]
+            if all(run.is_steady for run in self.runs):
+                reasons[-1] += f" (up to {UNSEEN} steps at once while they change nothing)"
             return f"{names}: one call for each of Exudyn's steps, because {'; '.join(reasons)}"
         ahead = self._steps_at_once
         return f"{names}: {ahead} of Exudyn's steps in one compiled call, because all loads are known"
@@ -117,7 +130,9 @@ class ExplicitTimeLoop:
         return self._intervals(self.grid.first)
 
     def _plain_user_function(self) -> Any:
-        next_state = chain.from_iterable(self._blocks_of_states()).__next__
+        self._blocks, self._states = self._blocks_of_states(), iter(())
+        is_watched = self._is_watched
+        next_state = self._next_state if is_watched else chain.from_iterable(self._blocks).__next__
         set_q, *set_others = self._setters()[: self._observed]
         reactions, set_reactions = self._reactions, self._data.SetAECoordinates
 
@@ -189,10 +204,45 @@ class ExplicitTimeLoop:
                 self._take_over_changes()
                 self._follow_changes()
             plain(solver, mbs, settings)
-            self._written = self._present()
             return True
 
         return take_step
+
+    def _next_state(self) -> Any:
+        """As `_blocks_of_states` gives it, and remembered as what mbs then holds."""
+        state = next(self._states, None)
+        if state is None:
+            self._states = iter(next(self._blocks))
+            state = next(self._states)
+        self._calm += 1
+        first, states = self._ahead
+        self._written = [*states[self._taken - first - 1, :2], self._data.GetODE1Coordinates()]
+        return state
+
+    @property
+    def _taken(self) -> int:
+        """Steps of the loop whose states have been handed out."""
+        return self._computed - length_hint(self._states)
+
+    def _withdraw(self) -> None:
+        """Let the runs be in the state that was handed out last: something has been changed there."""
+        first, taken = self._ahead[0], self._taken
+        self._calm = 0
+        if taken < self._computed:
+            self._states = iter(())
+            self._return_to(first)
+            for run in self.runs if taken > first else ():
+                run.record(self.grid, first, np.empty((taken - first, 3, len(run.indices))))
+            self._computed = taken
+
+    def _return_to(self, first: int) -> None:
+        """The step before a block."""
+        self._computed = first
+        self._reactions.clear()
+        for run, kept in zip(self.runs, self._kept, strict=True):
+            kept.restore()
+            run.gave_up = False
+            run.resume(self.grid.time(first))
 
     def _blocks_of_states(self) -> Iterator[Iterable[Any]]:
         """Some steps of the loop: after each, q if that is all that is observed, or a list of what is.
@@ -202,7 +252,7 @@ class ExplicitTimeLoop:
         while True:
             first = self._computed
             with self._remembering_errors:
-                states, good = self._compute_ahead()
+                states, good = self._compute_well()
             self._ahead = (first, states[:good])
             if self._observed == POSITIONS:  # tuples are cheaper than lists
                 yield struct.iter_unpack(f"{states.shape[2]}d", states[:good, 0].tobytes())
@@ -231,24 +281,45 @@ class ExplicitTimeLoop:
             left = f"{chosen}: a stepSize has to be smaller. {left}"
         return divergence(list(filter(None, verdicts)), time, left)
 
-    def _compute_ahead(self) -> tuple[Array, int]:
+    def _compute_well(self) -> tuple[Array, int]:
+        """As `_compute_ahead`; what goes wrong there is tried again after one step, which functions see."""
+        self._write_restart()
+        first, intervals = self._computed, self._intervals(self._computed)
+        if not self._is_watched or intervals == 1:
+            return self._compute_ahead(intervals)
+        self._keep()
+        states, good = self._compute_ahead(intervals)
+        if good == intervals:
+            return states, good
+        self._calm = 0
+        self._return_to(first)
+        return self._compute_ahead(1)
+
+    def _keep(self) -> None:
+        """What runs return to if steps turn out to be void."""
+        if self._kept:
+            for kept in self._kept:
+                kept.keep()
+        else:
+            self._kept = [KeptState(run.memory()) for run in self.runs]
+
+    def _compute_ahead(self, intervals: int) -> tuple[Array, int]:
         """(intervals, 3, n) displacements, velocities, accelerations after the next loop steps.
 
         And how many of them are good.
         """
-        self._write_restart()
-        intervals = self._intervals(self._computed)
+        takes_last_step = self._computed + intervals == self.grid.loop_steps
         states = np.zeros((intervals, 3, len(self._written[0])))
         reactions = np.zeros((intervals if self._shows_forces else 1, self._data.AEsize()))
         good, are_set = intervals, False
         for run, places in zip(self.runs, self._places, strict=True):
             history = np.empty((intervals, 3, len(run.indices)))
             good = min(good, run.record(self.grid, self._computed, history))
-            if good and not run.looks_ahead and (self._shows_forces or self._takes_last_step):
+            if good and not run.looks_ahead and (self._shows_forces or takes_last_step):
                 time = self.grid.time(self._computed + 1)
                 history[0, 2] = run.accelerations(time, reactions[0])
                 are_set = True
-            elif good and (self._shows_forces or self._takes_last_step or not self._is_watched):
+            elif good and (self._shows_forces or takes_last_step or not self._is_watched):
                 are_set |= self._complete(run, history[:good], reactions)
             states[:, :, places] = history
             if run.remembered is not None:
@@ -268,11 +339,6 @@ class ExplicitTimeLoop:
         times = np.array([self.grid.time(self._computed + 1 + k) for k in range(first, len(history))])
         return run.complete(times, history[first:], reactions[: len(times)])
 
-    @property
-    def _takes_last_step(self) -> bool:
-        """Whether what is computed next is what mbs holds after the run."""
-        return self._computed + 1 == self.grid.loop_steps
-
     def _write_restart(self) -> None:
         """If it is time to: all that has been computed has been handed out."""
         if self._restarts.is_due(self.grid, self._computed):
@@ -281,11 +347,19 @@ class ExplicitTimeLoop:
 
     def _intervals(self, step: int) -> int:
         """Number of steps of the loop to compute in one call, after that step."""
-        if self._is_watched:
+        if self._is_watched and (
+            self._calm < 4 or self._moves or not all(run.is_steady for run in self.runs)
+        ):
             return 1
         remaining = min(self.grid.loop_steps - step, self._restarts.steps_until_due(self.grid, step))
+        if self._is_watched:
+            remaining = min(remaining, self._calm // 2, UNSEEN)
         coordinates = sum(len(run.indices) for run in self.runs)
         return max(1, min(remaining, LOOK_AHEAD_LIMIT // (coordinates * self.grid.substeps)))
+
+    @property
+    def _moves(self) -> bool:
+        return self._changes is not None and self._changes.moves
 
     def _present(self, configuration: Any = exudyn.ConfigurationType.Current) -> list[Array]:
         data = self._data
@@ -294,13 +368,14 @@ class ExplicitTimeLoop:
 
     @property
     def time(self) -> float:
-        """After the steps of the loop that have been computed [s]."""
-        return self.grid.time(self._computed)
+        """After the steps of the loop that have been handed out [s]."""
+        return self.grid.time(self._taken)
 
     def _follow_changes(self) -> None:
         """A user function may have changed items since the last step: go on with what they are now."""
         if self._changes is None or not self._changes.has_news:
             return
+        self._withdraw()
         try:
             runs = self._changes.follow(self.runs, self.time, self.grid.time(self._computed + 1))
         except Exception:
@@ -308,12 +383,14 @@ class ExplicitTimeLoop:
             raise
         if runs is not self.runs:
             self.runs, self._places = runs, [as_slice(run.indices) for run in runs]
+            self._kept.clear()
 
     def _take_over_changes(self) -> None:
         """A user function may have set coordinates since the last step: restart from them."""
         present = self._present()
         if all(now.tobytes() == then.tobytes() for now, then in zip(present, self._written, strict=True)):
             return
+        self._withdraw()
         q, v, first_order = present
         for run in self.runs:
             number = len(run.indices)

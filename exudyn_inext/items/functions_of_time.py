@@ -20,7 +20,7 @@ _NUMBERS = (int, float, complex, bool, str, type(None), np.generic)
 _CONTAINERS = (list, dict, set, np.ndarray)
 _OF_CHANCE = {"random", "rvs", "default_rng"}
 _STORING = {"append", "extend", "insert", "pop", "remove", "clear", "update", "setdefault", "add", "fill"}
-_DEEPEST = 8  # functions that call each other
+DEEPEST = 8  # functions that call each other
 _WARNED: dict[Any, Any] = {}
 _SAID: WeakKeyDictionary[Any, bool | Sequence[Any] | None] = WeakKeyDictionary()  # of each mbs
 
@@ -97,17 +97,30 @@ def _reads(code: CodeType, name: str) -> bool:
 
 def _is_pure(function: FunctionType, depth: int) -> bool:
     """Whether it reads only data and pure functions, and stores nothing outside."""
-    try:
-        cells = [cell.cell_contents for cell in function.__closure__ or ()]
-    except ValueError:  # one that is not filled yet
+    known = known_to(function)
+    if known is None:
         return False
-    known = {**vars(builtins), **function.__globals__}
-    known |= dict(zip(function.__code__.co_freevars, cells, strict=True))
     codes = _all_codes(function.__code__)
     data = {name for code in codes for name in _outer_names(code) if _is_data(known.get(name))}
     if data and data & _stored_in(function.__globals__):
         return False
     return all(_is_pure_code(code, known, depth) for code in codes)
+
+
+def known_to(function: FunctionType) -> dict[str, Any] | None:
+    """Values of the names that a function reads from outside; None if one has no value yet."""
+    try:
+        cells = [cell.cell_contents for cell in function.__closure__ or ()]
+    except ValueError:
+        return None
+    inner = dict(zip(function.__code__.co_freevars, cells, strict=True))
+    return {**vars(builtins), **function.__globals__, **inner}
+
+
+def package_of(value: Any) -> str:
+    """That something is from; of a module, the package that contains it."""
+    name = value.__name__ if isinstance(value, ModuleType) else value.__module__
+    return str(name).split(".")[0]
 
 
 def _stored_in(module: dict[str, Any]) -> set[str]:
@@ -164,14 +177,13 @@ def _is_pure_code(code: CodeType, known: dict[str, Any], depth: int) -> bool:
 def _is_pure_value(name: str, value: Any, depth: int) -> bool:
     """Whether a value that code reads from outside depends on nothing else."""
     if isinstance(value, ModuleType):
-        return value.__name__.split(".")[0] in _TRUSTED
-    module = getattr(value, "__module__", None) or type(value).__module__
+        return package_of(value) in _TRUSTED
     if _is_data(value):
         return True
-    if str(module).split(".")[0] in _TRUSTED:
+    if package_of(value if getattr(value, "__module__", None) else type(value)) in _TRUSTED:
         return not isinstance(value, np.ndarray)
     if isinstance(value, FunctionType):
-        return depth < _DEEPEST and _is_pure(value, depth + 1)
+        return depth < DEEPEST and _is_pure(value, depth + 1)
     return name in _BUILTINS and value is getattr(builtins, name, None)
 
 

@@ -1,11 +1,12 @@
 """Whether a user function may look at accelerations, or at forces of constraints."""
 
-import builtins
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
 
 import exudyn
 import numpy as np
+
+from .functions_of_time import DEEPEST, known_to, package_of
 
 _TRUSTED = {"builtins", "numpy", "math", "exudyn"}
 _NAMES = """
@@ -22,7 +23,6 @@ _TYPES = {
 }
 _OPEN = {"getattr", "eval", "exec", "vars", "globals", "locals", "__import__", "compile", "open", "input"}
 _DATA = (int, float, complex, str, bool, type(None), np.ndarray, np.generic, list, tuple, dict, set)
-_DEEPEST = 8  # functions that call each other
 
 
 def may_look_at_forces(function: Any) -> bool:
@@ -35,16 +35,11 @@ def may_look_at_forces(function: Any) -> bool:
 
 
 def _is_known(function: FunctionType, depth: int) -> bool:
-    try:
-        cells = [cell.cell_contents for cell in function.__closure__ or ()]
-    except ValueError:  # one that is not filled yet
-        return False
-    outer = {**vars(builtins), **function.__globals__}
-    outer |= dict(zip(function.__code__.co_freevars, cells, strict=True))
+    outer = known_to(function)
     given = [*(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values()]
-    return all(_is_known_value(value, depth) for value in given) and _is_known_code(
-        function.__code__, outer, depth
-    )
+    if outer is None or not all(_is_known_value(value, depth) for value in given):
+        return False
+    return _is_known_code(function.__code__, outer, depth)
 
 
 def _is_known_code(code: CodeType, outer: dict[str, Any], depth: int) -> bool:
@@ -62,9 +57,9 @@ def _is_known_code(code: CodeType, outer: dict[str, Any], depth: int) -> bool:
 
 def _is_known_value(value: Any, depth: int) -> bool:
     if isinstance(value, ModuleType):
-        return value.__name__.split(".")[0] in _TRUSTED
+        return package_of(value) in _TRUSTED
     if isinstance(value, FunctionType):
-        return _root(value) == "numpy" or (depth < _DEEPEST and _is_known(value, depth + 1))
+        return package_of(value) == "numpy" or (depth < DEEPEST and _is_known(value, depth + 1))
     if isinstance(value, list | tuple | set):
         return all(_is_known_value(one, depth) for one in value)
     if isinstance(value, dict):
@@ -72,15 +67,10 @@ def _is_known_value(value: Any, depth: int) -> bool:
     if isinstance(value, exudyn.OutputVariableType):
         return value in _TYPES
     if isinstance(value, type):
-        return _root(value) in _TRUSTED
+        return package_of(value) in _TRUSTED
     is_built_in = isinstance(value, BuiltinFunctionType | np.ufunc) and not _is_bound(value)
-    is_of_exudyn = _root(type(value)) == "exudyn" and not callable(value)
+    is_of_exudyn = package_of(type(value)) == "exudyn" and not callable(value)
     return is_built_in or is_of_exudyn or isinstance(value, _DATA)
-
-
-def _root(value: Any) -> str:
-    """The package that something is from."""
-    return str(value.__module__).split(".")[0]
 
 
 def _is_bound(value: Any) -> bool:

@@ -35,7 +35,7 @@ from .redundancy import element_masses, require_independent
 from .settings import SAY_OF_TIME, ExplicitSettings
 from .step_control import ROUND_OFF, FrequencyFollower, Piece, StepControl, StepRule
 from .time_grid import TimeGrid
-from .watch import record_watched
+from .watch import KEPT, NOW, record_watched
 
 STEPS_BETWEEN_LIMITS = 20_000  # so that a look at the present stability limit costs next to nothing
 
@@ -257,6 +257,11 @@ class CableRun(PacedRun):
         return a
 
     @property
+    def is_steady(self) -> bool:
+        """Whether nothing but the state, and values that are set, decides on the next steps."""
+        return not len(self.loads.pattern)
+
+    @property
     def is_scaled(self) -> bool:
         """Whether its mass is scaled."""
         return self._theta > 0.0
@@ -318,10 +323,14 @@ class CableRun(PacedRun):
         self._begin(self.loads.at(time))
 
     def begin_again(self, time: float) -> None:
-        """As `start`, with axial forces of earlier steps."""
+        """As `start`, with axial forces of earlier steps; what has changed the energy is no error."""
         if not self._stretches:
             self.forget()
+        watch = self.watch.watch
+        account = watch.account[NOW].copy()
         self._begin(self.loads.at(time))
+        account.start = watch.account[NOW].start - account.work - account.surplus
+        watch.account[NOW] = watch.account[KEPT] = account
 
     def _begin(self, external: Array) -> None:
         self._accelerate(external)

@@ -28,7 +28,7 @@ from ..multibody.scene import (
     take_steps,
 )
 from ..scene.joints import NOT_FINITE, dependent_row, not_independent
-from ..system import accelerate_and_project, index_reduced_rates
+from ..system import accelerate_and_project, implements, index_reduced_rates
 from .cable_loads import CableLoads
 from .moved_offsets import MovedOffset
 
@@ -58,6 +58,12 @@ class SceneLoads:
         if not len(self.pattern):
             return self.constant.copy()
         return self.constant + self.factors([t])[0] @ self.pattern
+
+    @property
+    def are_steady(self) -> bool:
+        """Whether nothing depends on the time, as long as no offset is set."""
+        offsets = [one for one in self._functions if isinstance(one, MovedOffset) and not one.moves]
+        return 3 * len(offsets) == len(self.pattern)
 
     def factors(self, times: list[float]) -> Array:
         """(T, P) of all that depends on the time."""
@@ -146,6 +152,7 @@ class CompiledScene:
         self._take_steps = Prepared(take_steps)
         self._accelerate = Prepared(accelerate_and_project.dispatch(SceneSystem))
         self._energy, self._violation = Prepared(bodies_energy), Prepared(joint_violation)
+        self._power = Prepared(power_of_offsets)
         self.forces = system.items.force
         self.multipliers = system.items.joints.multipliers
         self.given = system.items.given
@@ -280,6 +287,10 @@ class CompiledScene:
         forces = {"connectors": items.connectors, "loads": items.loads}  # may change
         return self.system._replace(cables=system, items=copies._replace(**forces))
 
+    def accelerate(self, *arguments: Any) -> None:
+        """See `accelerate_and_project`, without the system."""
+        self._accelerate(self.system, *arguments)
+
     def kinetic_energy(self, q: Array, v: Array) -> float:
         """Of the bodies [J]."""
         return float(self._energy(self.system.items.bodies, q, v))
@@ -291,7 +302,7 @@ class CompiledScene:
 
     def power_of_joints(self) -> float:
         """See `EvaluatedScene`."""
-        return float(power_of_offsets(self.system.items.joints))
+        return float(self._power(self.system.items.joints))
 
     def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
         """See `JoinedScene.set_multipliers`."""
@@ -306,6 +317,17 @@ class CompiledScene:
         """See `EvaluatedScene`; by `evaluate`."""
         assert self._unscaled is not None
         return _joined_forces(self._unscaled)
+
+
+@implements(accelerate_and_project, CompiledScene, compiled=lambda function: function)
+def _accelerate_compiled(scene: CompiledScene, *arguments: Any) -> None:
+    """Without a look at the types of all records, which takes as long as the evaluation."""
+    scene.accelerate(*arguments)
+
+
+@implements(index_reduced_rates, CompiledScene, compiled=lambda function: function)
+def _rates_of_compiled(scene: CompiledScene, *arguments: Any) -> None:
+    index_reduced_rates(scene.system, *arguments)
 
 
 def _with_history(system: SceneSystem, history: Array) -> SceneSystem:

@@ -194,7 +194,8 @@ class CoupledRun(PacedRun):
 
     def _begin_by(self, function: Callable[..., None], time: float) -> None:
         """Begin with a function of the integrator, of (system, external, state)."""
-        plain(function)(*self._system_at(time), self.state)
+        system, external = self._system_at(time)
+        plain(function)(self._form or system, external, self.state)
 
     def leave_kernels(self, why: str, time: float) -> None:
         """Let Exudyn evaluate its items from the present state on, at `time` [s]."""
@@ -349,7 +350,7 @@ class CoupledRun(PacedRun):
 
     def _agree(self, time: float) -> None:
         """Project the velocities onto all constraints."""
-        agree(*self._system_at(time), self.state)
+        self._begin_by(agree, time)
 
     @property
     def approaches(self) -> bool:
@@ -384,10 +385,14 @@ class CoupledRun(PacedRun):
             run.require_independence()
 
     def begin_again(self, time: float) -> None:
-        """As `start`, with supports that have been looked at, and axial forces of earlier steps."""
+        """As `start`, with supports that have been looked at, and axial forces of earlier steps.
+
+        What has changed the energy is no error.
+        """
         if not self._has_axial_forces:
             self._forget()
-        self._begin(time)
+        self.start_scheme(time)
+        self.watch.begin_again(time, self.state)
 
     def _forget(self) -> None:
         """What earlier steps taught does not hold any more."""
@@ -516,6 +521,12 @@ class CoupledRun(PacedRun):
     def looks_ahead(self) -> bool:  # type: ignore[override]
         """See `PacedRun`."""
         return self._form is not None
+
+    @property
+    def is_steady(self) -> bool:
+        """See `CableRun.is_steady`; what contacts remember is in mbs, too."""
+        form = self._form
+        return form is not None and not form.has_contacts and form.loads.are_steady
 
     @property
     def elsewhere(self) -> Elsewhere | None:  # type: ignore[override]

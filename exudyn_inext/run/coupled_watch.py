@@ -182,6 +182,14 @@ class CoupledWatch(RunWatch):
         self._changes[:] = 0.0
         return forces
 
+    def begin_again(self, t: float, state: Any) -> None:
+        """Go on from a state that the integrator has just started from, and that has been changed."""
+        self._counts[1] = FIRST_STEPS
+        self._begin_work(t, state)
+        self._begin(t, state)
+        self._start[:] = self.watch.position[:] = state.q
+        go_on_with_gauges(self.watch, state)
+
     def go_on(self, t: float, state: Any) -> None:
         """With another step, from a state that the integrator has just started from, at t [s]."""
         if self._steps:  # what has gone on since the last inspection counts, and is not judged any more
@@ -301,9 +309,8 @@ class CoupledWatch(RunWatch):
         total[KINETIC] += self._evaluated.kinetic_energy(state.q, state.v)
         total[RESOLVED] += self._evaluated.kinetic_energy(state.q, state.a)
         total[POWER] += self._evaluated.power_of_joints()
-        account = self.watch.account[NOW]
-        extent = self._kinetic_energy(t, state, state.q - self._start)
-        account.extent = max(account.extent, extent)
+        extent = self.watch.account["extent"]
+        extent[NOW] = max(extent[NOW], self._kinetic_energy(t, state, state.q - self._start))
 
 
 def _groups(scene: JoinedScene, runs: Sequence[CableRun]) -> Iterator[_Together]:

@@ -127,7 +127,8 @@ class PacedRun:
 
     def _lengthen(self, interval: int) -> None:
         """Double the nominal step if it has been shortened for a motion that is slow again."""
-        if self.watch.is_slow and self.control.lengthen(interval):
+        if self.control.may_lengthen(interval) and self.watch.is_slow:
+            self.control.lengthen()
             self.watch.expect_double_step()
 
     def _begin_again(self, beginning: KeptState, time: float) -> None:

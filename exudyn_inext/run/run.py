@@ -29,6 +29,9 @@ class Run(Protocol):
     def looks_ahead(self) -> bool: ...
 
     @property
+    def is_steady(self) -> bool: ...
+
+    @property
     def finding(self) -> str: ...
 
     @property

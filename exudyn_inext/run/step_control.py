@@ -265,19 +265,18 @@ class StepControl:
         """With the nominal step divided so, after so many other beginnings."""
         self._log["divisor"], self._log["beginnings"] = divisor, beginnings + 1
 
-    def lengthen(self, interval: int) -> bool:
-        """The nominal step is much shorter than the motion needs; returns whether it is longer now.
+    def may_lengthen(self, interval: int) -> bool:
+        """Whether the nominal step may become longer again, before that interval of the loop.
 
-        At most twice as long, between pieces that do not depend on who asks for them; not in a run that
-        began again twice: longer steps are what spoilt it.
-
-        interval: of the loop, the next one.
+        Between pieces that do not depend on who asks for them; not in a run that began again twice: longer
+        steps are what spoilt it.
         """
         may = self.divisor > 1 and self.is_nominal and interval % BETWEEN == 0
-        if not may or self.beginnings >= MOST_BEGINNINGS:
-            return False
+        return may and self.beginnings < MOST_BEGINNINGS
+
+    def lengthen(self) -> None:
+        """The nominal step is much shorter than the motion needs: double it."""
         self._log["divisor"] = (self.divisor + 1) // 2
-        return True
 
     @property
     def may_shorten(self) -> bool:

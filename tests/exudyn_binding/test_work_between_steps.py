@@ -2,17 +2,23 @@
 
 import numpy as np
 import pytest
+from exudyn.itemInterface import SphericalJoint
 
+from exudyn_inext import DivergenceError
 from exudyn_inext.compiled import Prepared
+from exudyn_inext.exudyn_binding import time_loop
 from exudyn_inext.lowered import _kinds
+from exudyn_inext.run.cable_run import CableRun
 from exudyn_inext.run.kept_state import KeptState
 from tests.exudyn_binding.test_changes_between_steps import (
+    Model,
     deviation,
     driven_mass,
     force_on_a_node,
     moved,
     moving_support,
     name_of,
+    release,
     spring_and_force,
     winch,
 )
@@ -63,6 +69,96 @@ def test_kernels_are_called_with_the_types_that_they_are_prepared_for(kind, monk
     monkeypatch.setattr(Prepared, "__call__", checked)
     moved(kind, False, end_time=0.05)
     assert len(calls) >= 100
+
+
+def force_that_is_switched_on(model):
+    load = model.force(model.nodes[-1])
+    return lambda t: model.mbs.SetLoadParameter(load, "loadVector", [0, 0.5 * (t > 0.2), 0])
+
+
+def force_on_a_mass_that_is_switched_on(model):
+    node, _ = model.mass_point([1.8, 0, 0])
+    model.mbs.AddObject(SphericalJoint(markerNumbers=[model.at(model.nodes[-1]), model.at(node)]))
+    load = model.force(node)
+    return lambda t: model.mbs.SetLoadParameter(load, "loadVector", [0, 0.5 * (t > 0.2), 0])
+
+
+def velocities_that_are_halved(model):
+    data = model.mbs.systemData
+
+    def change(t):
+        if abs(t - 0.2) < 1e-9:
+            data.SetODE2Coordinates_t(0.5 * np.asarray(data.GetODE2Coordinates_t()))
+
+    return change
+
+
+def number_that_a_load_reads(model):
+    """The load seems to be of the time alone, and is not."""
+    height = 0.0
+    model.force(model.nodes[-1], loadVectorUserFunction=lambda mbs, t, load: [0, height * t, 0])
+
+    def change(t):
+        nonlocal height
+        height = 3.0 * (t > 0.2)
+
+    return change
+
+
+JUMPS = [
+    force_that_is_switched_on,
+    force_on_a_mass_that_is_switched_on,
+    velocities_that_are_halved,
+    number_that_a_load_reads,
+    release,
+]
+
+
+@pytest.mark.parametrize("kind", JUMPS, ids=name_of)
+def test_a_change_after_many_steps_without_one_acts_in_the_next_step(kind, monkeypatch):
+    together = moved(kind, False, end_time=0.4, step=1e-3).motion
+    monkeypatch.setattr(time_loop, "UNSEEN", 1)
+    one_by_one = moved(kind, False, end_time=0.4, step=1e-3).motion
+    np.testing.assert_allclose(together, one_by_one, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "kind", [force_that_is_switched_on, force_on_a_mass_that_is_switched_on], ids=name_of
+)
+def test_a_force_that_is_switched_on_late_acts_as_under_the_implicit_solver(kind):
+    ours, native = (moved(kind, is_native, end_time=0.4) for is_native in (False, True))
+    assert deviation(ours.motion, native.motion) < 0.003
+
+
+def test_a_function_that_only_looks_sees_each_of_the_steps_that_are_computed_together(monkeypatch):
+    model, record, seen, calls = Model(False), CableRun.record, [], []
+
+    def look(mbs, t):
+        seen.append(mbs.GetSensorValues(model.sensors[0]))
+        return True
+
+    def counted(*arguments):
+        calls.append(1)
+        return record(*arguments)
+
+    monkeypatch.setattr(CableRun, "record", counted)
+    model.mbs.SetPreStepUserFunction(look)
+    model.run(0.3, 1e-3)
+    np.testing.assert_array_equal(seen[::10], model.motion[:-1, 0])
+    assert 10 * len(calls) < len(seen)
+
+
+def test_a_run_that_diverges_while_a_function_looks_ends_in_its_last_good_step(monkeypatch):
+    ends = []
+    for unseen in (time_loop.UNSEEN, 1):
+        monkeypatch.setattr(time_loop, "UNSEEN", unseen)
+        model = Model(False)
+        model.mbs.SetPreStepUserFunction(lambda mbs, t: True)
+        with pytest.warns(UserWarning, match="stability limit"), pytest.raises(DivergenceError):
+            model.run(1.1, 1.1e-3, stepSize=1.1e-3, allowUnstableStep=True, rejectSteps=False)
+        assert model.mbs.systemData.GetTime() > 0.02
+        ends.append([model.mbs.systemData.GetTime(), *model.mbs.systemData.GetODE2Coordinates()])
+    np.testing.assert_allclose(*ends, rtol=0, atol=1e-12)
 
 
 def test_a_state_is_kept_whatever_the_gaps_between_its_numbers():

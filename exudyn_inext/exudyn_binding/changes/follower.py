@@ -15,7 +15,6 @@ from ...run.consistent_start import agree
 from ...run.coupled_run import CoupledRun
 from ...run.run import Run
 from ...run.settings import ExplicitSettings
-from ...run.watch import KEPT, NOW
 from ...scene.model import Scene
 from ..cable_forces import forget_evaluators
 from ..mbs_state import state_of
@@ -59,7 +58,7 @@ class ChangeFollower:
     @property
     def has_news(self) -> bool:
         """Whether something has changed since the last step, or must stop."""
-        return self.moves or self.log.is_pending
+        return self.log.is_pending or self.moves
 
     def stored(self) -> dict[str, Any]:
         """All that has been changed so far, as JSON has it, for a restart file; empty if nothing has."""
@@ -208,8 +207,6 @@ def _go_on(runs: Sequence[Run], time: float, end: float, has_changed: bool) -> N
     """
     for run in runs:
         assert isinstance(run, CableRun | CoupledRun)
-        watch = run.watch.watch
-        account = watch.account[NOW].copy()
         if isinstance(run, CableRun):
             agree(run.system, run.loads.at(time), run.state)
         else:
@@ -219,8 +216,6 @@ def _go_on(runs: Sequence[Run], time: float, end: float, has_changed: bool) -> N
             else:
                 run.rest_joints(time)
         start_after_jump(run, run.begin_again, time)
-        account.start = watch.account[NOW].start - account.work - account.surplus
-        watch.account[NOW] = watch.account[KEPT] = account
 
 
 def start_after_jump(run: Run, start: Callable[[float], None], time: float) -> None:

@@ -50,11 +50,14 @@ class ChangeLog:
 
     @property
     def is_pending(self) -> bool:
-        """Whether there may be something to take."""
+        """Whether there is something to take."""
+        if self._before and not self.is_outdated:
+            before = self._before.items()
+            self._before = {key: x for key, x in before if not _is_same(x, key.value(self.mbs))}
         return bool(self._before) or self.is_outdated or not self.mbs.systemIsConsistent
 
     def take(self) -> list[Parameter]:
-        """What has changed since the last time.
+        """What had changed since the last time, when `is_pending` was asked for.
 
         Raises:
             SceneError: items were added, removed or modified.
@@ -64,7 +67,7 @@ class ChangeLog:
         if not self.mbs.systemIsConsistent:
             self.refuse("items were added, removed or modified", _REMEDY)
         before, self._before = self._before, {}
-        return [key for key, value in before.items() if not _is_same(value, key.value(self.mbs))]
+        return list(before)
 
     def memory(self) -> dict[str, Any]:
         """Present values of what has been changed, as JSON has it."""
@@ -170,9 +173,9 @@ def _logs_of(mbs: Any) -> list[ChangeLog]:
 
 def _is_same(x: Any, y: Any) -> bool:
     """Whether two values of a parameter are equal: numbers, lists, arrays, functions, or anything else."""
-    if type(x) is float is type(y):
-        return x == y
     try:
+        if type(x) is type(y) and isinstance(x, float | list):
+            return bool(x == y)
         return x is y or bool(np.array_equal(x, y))
     except (TypeError, ValueError):
         return False
