@@ -77,9 +77,10 @@ def SolveExplicit(
     of loads, connectors, constraints, markers and bodies, active connectors, and states. A constraint that
     gets another place is fulfilled at the end of the step. Items cannot be added, nor connected otherwise.
 
-    Many of Exudyn's steps are computed in one compiled call where no user function sees the states in
-    between. A user function of a load that depends on the time alone does not stand in the way: if that
-    can be seen from its code (it uses neither its mbs nor other objects), or if the settings say so, see
+    Many of Exudyn's steps are computed in one compiled call where no user function sees the states
+    in between, and up to 32 where functions see them, but have changed nothing for a while. A user
+    function of a load that depends on the time alone does not stand in the way: if that can be seen
+    from its code (it uses neither its mbs nor other objects), or if the settings say so, see
     ExplicitSettings.dependsOnTimeOnly.
 
     Args:
