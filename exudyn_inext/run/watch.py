@@ -327,9 +327,8 @@ def _draw_up(watch, steps, duration):
     error = now[KINETIC] + now[ELASTIC] - account.start - account.work
     unresolved = 0.25 * (duration / steps) ** 2 * (account.agitation + now[RESOLVED])
     unsure = account.unsure + SCATTER * np.sqrt(account.scatter) + unresolved
-    doubt = (
-        SHARE_OF_POWER * abs(by_power) + SCATTER * np.sqrt(account.scatter - account.scattered) + unresolved
-    )
+    scattered = SCATTER * np.sqrt(account.scatter - account.scattered)
+    doubt = SHARE_OF_POWER * abs(by_power) + scattered + unresolved + account.round_off
     account.scattered = account.scatter
     jump = (error - account.surplus - doubt) / max(turned_over, unsure)
     account.surplus = error
