@@ -10,10 +10,11 @@ from ..cable.cable import CurvatureMeasure, Section
 from ..checks import require_choice, require_finite, require_integer, require_not_negative, require_positive
 from ..errors import InputError
 
-_NOT_YET = (
-    "bendingMomentUserFunction",
-    "axialForceUserFunction",
+_ON_OTHER_ELEMENTS = (
+    ", and give what it differs from EI (kappa - kappa_0) + D kappa_t by to ObjectANCFCable2D elements "
+    "without mass and stiffness on the nodes of the cable"
 )
+_NOT_YET = {"bendingMomentUserFunction": _ON_OTHER_ELEMENTS, "axialForceUserFunction": ""}
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ class InextensibleCable:
             if _is_set(_native_value(template, name)):
                 raise InputError(
                     f"beamTemplate.{name} = {_native_value(template, name)!r}: not supported by the "
-                    "inextensible cable yet; set it to zero."
+                    f"inextensible cable yet; set it to zero{_NOT_YET.get(name, '')}."
                 )
         bending = ("bendingDamping", "referenceCurvature", "strainIsRelativeToReference")
         names = ("massPerLength", "bendingStiffness", *bending, *axial)
