@@ -11,10 +11,11 @@ from ..element.shape_functions import shape_functions
 
 @dataclass(frozen=True)
 class PointMass:
-    """A mass [kg] at an arc length [m]."""
+    """A mass [kg] at an arc length [m].   has_weight: whether it feels the cable's gravity."""
 
     arc_length: float
     mass: float
+    has_weight: bool = True
 
 
 @dataclass(frozen=True)
@@ -37,11 +38,15 @@ class Drag:
 
 @dataclass(frozen=True)
 class PlacedMass:
-    """A point mass.   element: its number.   xi: its place within, 0 to 1 [-].   mass: [kg]."""
+    """A point mass.
+
+    element: its number.   xi: its place within, 0 to 1 [-].   mass: [kg].   heavy: that gravity acts on [kg].
+    """
 
     element: int
     xi: float
     mass: float
+    heavy: float
 
 
 def place_on_elements(point: float, lengths: Array) -> tuple[int, float]:
@@ -54,7 +59,9 @@ def place_on_elements(point: float, lengths: Array) -> tuple[int, float]:
 
 def placed(masses: Sequence[PointMass], lengths: Array) -> list[PlacedMass]:
     """The point masses on elements of these lengths (N,) [m]."""
-    return [PlacedMass(*place_on_elements(m.arc_length, lengths), m.mass) for m in masses]
+    return [
+        PlacedMass(*place_on_elements(m.arc_length, lengths), m.mass, m.mass * m.has_weight) for m in masses
+    ]
 
 
 def mass_of_points(masses: Sequence[PointMass], lengths: Array) -> Array:

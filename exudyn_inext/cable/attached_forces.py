@@ -30,7 +30,8 @@ def attached_variation(cable: Cable, state: Any, gravity: Array, k: np.ndarray, 
     variation = np.zeros((len(k), cable.dimension))
     for point in placed(cable.point_masses, cable.element_lengths):
         shape = shape_functions(point.xi, float(cable.element_lengths[point.element]))
-        jump: Array = point.mass * (shape @ _of_element(state.a, point.element) - gravity[point.element])
+        acceleration = shape @ _of_element(state.a, point.element)
+        jump: Array = point.mass * acceleration - point.heavy * gravity[point.element]
         mean = 1.0 - point.xi**2 * (3.0 - 2.0 * point.xi)
         here = k == point.element
         variation[here] += np.multiply.outer((xi[here] > point.xi) - mean, jump)

@@ -8,6 +8,7 @@ from typing import Any, TypeGuard
 import exudyn
 import numpy as np
 
+from ..cable.attached import PointMass
 from ..cable.link import Link, rest
 from ..constraints.prescribed_motion import prescribed
 from ..errors import SceneError
@@ -19,6 +20,7 @@ from ..items.cable_item import supports_of_flags
 from ..items.element_weights import Elements, elements_by_nodes, put_together, read_weight
 from ..items.link_items import read_held_coordinate, read_moving_coordinate, read_rod
 from ..items.load_items import read_load
+from ..items.mass_points import mass_of_point, node_of_mass_point, require_none_connected
 from ..loads.nodal import NodalLoad
 from ..loads.weight import ElementWeight
 from ..run.cable_loads import as_rows
@@ -37,6 +39,7 @@ class Contents:
 
     names: of the cables.   constraints: that may be supports and links of them.
     enforcing: constraints by which cables keep their length under other solvers.
+    mass_points: on nodes of cables, node and mass [kg].
     others: descriptions for messages.
     """
 
@@ -44,6 +47,7 @@ class Contents:
     names: dict[int, str] = field(default_factory=dict)
     constraints: dict[int, Constraint] = field(default_factory=dict)
     enforcing: list[int] = field(default_factory=list)
+    mass_points: dict[int, tuple[int, float]] = field(default_factory=dict)
     others: list[str] = field(default_factory=list)
 
 
@@ -99,17 +103,21 @@ def read_scene(mbs: Any, read: Callable[..., Constraint | None] = read_constrain
 
 
 def _contents(mbs: Any, read: Callable[..., Constraint | None]) -> Contents:
-    contents = Contents()
+    contents, on_cables = Contents(), set[int]()
     for number in range(mbs.systemData.NumberOfObjects()):
         data = mbs.GetObject(number)
+        require_none_connected(mbs, number, data, contents.mass_points)
         item = find_cable_item(data)
         if item is not None:
             contents.items[number] = item
             contents.names[number] = data["name"]
+            on_cables.update(item.nodes)
         elif (constraint := read(mbs, number, data)) is not None:
             contents.constraints[number] = constraint
         elif belongs_to_a_cable(data):
             contents.enforcing.append(number)
+        elif (node := node_of_mass_point(data)) in on_cables:
+            contents.mass_points[number] = node, mass_of_point(data)
         elif _does_something(data):
             contents.others.append(described(data, number))
     return contents
@@ -225,11 +233,15 @@ def _cable_in_scene(
     links += links_of_motions(moving, places, item.cable.dimension)
     for rod in rods:
         links += rod.links([places[node] for node in rod.nodes], item.cable.dimension)
+    ends = np.append(0.0, np.cumsum(item.cable.element_lengths))
+    masses = [*item.cable.point_masses]
+    found = [(places[node], mass) for node, mass in contents.mass_points.values() if node in places]
+    masses += [PointMass(float(ends[place]), mass, has_weight=False) for place, mass in found]
     indices = np.array(mbs.systemData.GetObjectLTGODE2(number))
     if item.cable.closed:
         indices = np.append(indices, indices[: 2 * item.cable.dimension])
     return CableInScene(
-        cable=replace(item.cable, fixed=fixed, links=tuple(links)),
+        cable=replace(item.cable, fixed=fixed, links=tuple(links), point_masses=tuple(masses)),
         item=item,
         indices=indices,
         loads=loads,

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..loads.nodal import NodalLoad
 from .functions_of_time import is_of_time_alone
+from .mass_points import mass_of_point, node_of_mass_point
 
 _POSITION_MARKERS = {"NodePosition", "NodeRigid"}
 
@@ -19,6 +20,8 @@ def read_load(mbs: Any, number: int) -> NodalLoad | None:
     if kinds[0] == "ForceVector" and kinds[1] in _POSITION_MARKERS and not data["bodyFixed"]:
         coordinates: tuple[int, ...] = (0, 1, 2)
         value, user_function = data["loadVector"], data["loadVectorUserFunction"]
+    elif kinds == ("MassProportional", "BodyMass"):
+        return _weight_of_mass_point(mbs, data, mbs.GetObject(marker["bodyNumber"]))
     elif kinds == ("Coordinate", "NodeCoordinate"):
         coordinates = (int(marker["coordinate"]),)
         value, user_function = data["load"], data["loadUserFunction"]
@@ -31,6 +34,25 @@ def read_load(mbs: Any, number: int) -> NodalLoad | None:
         history=history_of(mbs, user_function, value),
         is_pure=is_of_time_alone(mbs, user_function),
         number=number,
+    )
+
+
+def _weight_of_mass_point(mbs: Any, data: dict[str, Any], body: dict[str, Any]) -> NodalLoad | None:
+    """A force on the node of a mass point, or None if the body is something else.
+
+    It has no number: whoever sets its vector sets no force.   data: of a LoadMassProportional.
+    """
+    node = node_of_mass_point(body)
+    if node < 0:
+        return None
+    mass, user_function = mass_of_point(body), data["loadVectorUserFunction"]
+    acceleration = history_of(mbs, user_function, data["loadVector"])
+    return NodalLoad(
+        node=node,
+        coordinates=(0, 1, 2),
+        constant=mass * np.asarray(data["loadVector"], dtype=float),
+        history=acceleration and (lambda t: mass * np.asarray(acceleration(t), dtype=float)),
+        is_pure=is_of_time_alone(mbs, user_function),
     )
 
 

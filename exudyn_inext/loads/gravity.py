@@ -27,5 +27,5 @@ def gravity_force(cable: Cable, gravity: Array) -> Array:
     force[1:] += elements[:, 2:]
     for point in placed(cable.point_masses, cable.element_lengths):
         k, length = point.element, float(cable.element_lengths[point.element])
-        force[k : k + 2] += point_force(point.mass * gravity[k], point.xi, length).reshape(2, 2, -1)
+        force[k : k + 2] += point_force(point.heavy * gravity[k], point.xi, length).reshape(2, 2, -1)
     return force

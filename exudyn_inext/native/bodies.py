@@ -13,6 +13,7 @@ from scipy.sparse import coo_array, csr_array
 from ..arrays import Array
 from ..errors import SceneError
 from ..items.arguments import described
+from ..items.mass_points import mass_of_point, node_of_mass_point
 from ..scene.bodies import BodiesSystem, MassBlock, VariableBlocks
 
 _MASS = exudyn.ComputeItemType.MassMatrix
@@ -99,21 +100,18 @@ def _mass_of_object(mbs: Any, number: int, coordinates: np.ndarray, total: Syste
 
 def _mass_of_point(data: dict[str, Any], size: int) -> Array | None:
     """(size, size) of a mass point, whose mass is one of its parameters; None of another object."""
-    if data["objectType"] not in ("MassPoint", "MassPoint2D"):
-        return None
-    mass: float | None = data.get("mass", data.get("physicsMass"))  # names in Exudyn's versions
-    return None if mass is None else mass * np.eye(size)
+    return None if node_of_mass_point(data) < 0 else mass_of_point(data) * np.eye(size)
 
 
 def read_bodies(mbs: Any, cables: Sequence[int], on_cables: np.ndarray, total: SystemMass) -> list[Body]:
-    """All objects with mass but the inextensible cables.
+    """All objects with mass but the inextensible cables, and mass points on their nodes.
 
     Args:
         mbs: assembled.   cables: object numbers.   on_cables: system coordinates of the cables.
         total: mass of all items.
 
     Raises:
-        SceneError: an object with mass on nodes of an inextensible cable.
+        SceneError: another object with mass on nodes of an inextensible cable.
     """
     bodies, inner, of_cables = [], set(cables), set(on_cables.tolist())
     for number in range(mbs.systemData.NumberOfObjects()):
@@ -125,6 +123,8 @@ def read_bodies(mbs: Any, cables: Sequence[int], on_cables: np.ndarray, total: S
             continue
         data = mbs.GetObject(number)
         if not of_cables.isdisjoint(coordinates.tolist()):
+            if node_of_mass_point(data) >= 0:
+                continue
             raise SceneError(
                 f"{described(data, number)} has mass and lies on nodes of an inextensible cable: put it on "
                 "the cable by AddPointMass, give it no mass (a companion for markers and contact), or give "

@@ -8,6 +8,7 @@ from ...arrays import Array, collected
 from ...element.shape_functions import first_derivatives, shape_functions
 from ...items.arguments import described
 from ...items.attach.inert import is_inert_cable
+from ...items.mass_points import mass_of_point, node_of_mass_point
 from ...multibody.points import COORDINATE, FIXED, FRAME_OF_CABLE, ON_BODY, ON_CABLE, POINT
 from ..coordinates import CoordinateMap
 from .unknown import UnknownItemError
@@ -97,6 +98,8 @@ class PointReader:
             return place._replace(turn=turn)
         if number in self._of_bodies:
             return self.on_body(self._of_bodies[number], local, has_frame)._replace(turn=turn)
+        if self.is_mass_on_cable(data):
+            return self._on_node(node_of_mass_point(data), has_frame)
         if is_inert_cable(data) and not local[2]:
             return self._on_element(data, local, has_frame)._replace(turn=turn)
         raise UnknownItemError(f"a marker on {described(data, number)}")
@@ -118,8 +121,10 @@ class PointReader:
         return self._add(point, has_frame=has_frame)
 
     def centre_of_mass(self, number: int) -> Place:
-        """That of a body, from its mass matrix; UnknownItemError if the object is none."""
+        """That of a body, from its mass matrix, or of a mass point; UnknownItemError of other objects."""
         if number not in self._of_bodies:
+            if self.is_mass_on_cable(data := self._mbs.GetObject(number)):
+                return self._on_node(node_of_mass_point(data), has_frame=False)
             raise UnknownItemError(f"a marker on the mass of object {number}")
         mass = self._bodies[self._of_bodies[number]].mass
         local = np.array([mass[1, 5], -mass[0, 5], mass[0, 4]]) / mass[0, 0]
@@ -131,7 +136,9 @@ class PointReader:
         return "bodyNumber" in marker and is_inert_cable(self._mbs.GetObject(int(marker["bodyNumber"])))
 
     def mass(self, number: int) -> float:
-        """Of a body [kg]."""
+        """Of a body or mass point [kg]."""
+        if number not in self._of_bodies:
+            return mass_of_point(self._mbs.GetObject(number))
         return float(self._bodies[self._of_bodies[number]].mass[0, 0])
 
     def _of_node(self, number: int) -> tuple[list[int], dict[str, Any]]:
@@ -152,6 +159,11 @@ class PointReader:
         if dim == 3:
             raise UnknownItemError(f"a marker with a frame on node {number} '{node['name']}'")
         return self._frame(first, np.eye(4)[0, :2], np.eye(4)[1, :2])
+
+    def is_mass_on_cable(self, data: dict[str, Any]) -> bool:
+        """Whether an object is a mass point on a node of a cable."""
+        node = node_of_mass_point(data)
+        return node >= 0 and 0 <= self._coordinates.place(self._of_node(node)[0][0]) < self._on_cables
 
     def body_of_node(self, number: int) -> Place:
         """The body on a node, with its frame."""

@@ -98,7 +98,8 @@ class KnownNumbers:
     def add_object(self, number: int) -> None:
         """A connector, or what does nothing; UnknownItemError if it has no compiled form."""
         data = self._mbs.GetObject(number)
-        if data["objectType"] != "Ground" and not is_inert_cable(data) and data.get("activeConnector", True):
+        is_of_cable = is_inert_cable(data) or self._reader.is_mass_on_cable(data)
+        if data["objectType"] != "Ground" and not is_of_cable and data.get("activeConnector", True):
             spring = read_connector(data, number, self._reader)
             self._springs[number] = len(self.connectors), spring
             self.connectors.append(spring.record)
