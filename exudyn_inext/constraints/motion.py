@@ -44,7 +44,7 @@ def motion_of(
             return (p_t(t + STEP) - p_t(t - STEP)) / (2.0 * STEP)
         return (p(t + STEP) - 2.0 * p(t) + p(t - STEP)) / STEP**2
 
-    return Motion(lambda t: np.stack([p(t), p_t(t), p_tt(t)]), is_pure=is_pure)
+    return Motion(lambda t: np.array([p(t), p_t(t), p_tt(t)]), is_pure=is_pure)
 
 
 def require_smooth(motion: Motion, t: float, name: str) -> None:

@@ -5,7 +5,7 @@ import dis
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 from types import CodeType, FunctionType, ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 from warnings import warn_explicit
 from weakref import WeakKeyDictionary
 
@@ -44,10 +44,11 @@ def is_of_time_alone(mbs: Any, user_function: Any) -> bool:
     said = _said_of(function, _SAID.get(mbs))
     if said is not None:
         return said
-    if not isinstance(function, FunctionType) or _has_sensor_functions(mbs):
+    if not isinstance(function, FunctionType):
         return False
     code = function.__code__
-    return code.co_argcount > 0 and not _reads(code, code.co_varnames[0]) and _is_pure(function, 0)
+    is_pure = code.co_argcount > 0 and not _reads(code, code.co_varnames[0]) and _is_pure(function, 0)
+    return is_pure and not _has_sensor_functions(mbs)
 
 
 def _said_of(function: Any, said: bool | Sequence[Any] | None) -> bool | None:
@@ -82,16 +83,44 @@ def _has_sensor_functions(mbs: Any) -> bool:
     return not all(getattr(function, "onlyLooks", False) for function in functions)
 
 
+class _Code(NamedTuple):
+    """What a function does outside of itself, but for those within it.
+
+    assigned: global names.   stores: whether into anything.   outer, free: names that it reads, of its module
+    and of functions around it.   is_open: whether it does what a function of time alone cannot do.
+    """
+
+    assigned: frozenset[str]
+    stores: bool
+    outer: frozenset[str]
+    free: frozenset[str]
+    is_open: bool
+
+
 @lru_cache(maxsize=256)
-def _instructions(code: CodeType) -> tuple[dis.Instruction, ...]:
-    return tuple(dis.get_instructions(code))
+def _looked_at(code: CodeType) -> _Code:
+    instructions = list(dis.get_instructions(code))
+
+    def names(*operations: str) -> frozenset[str]:
+        return frozenset(i.argval for i in instructions if i.opname in operations)
+
+    assigned, around = names("STORE_GLOBAL", "DELETE_GLOBAL"), set(code.co_freevars)
+    changed = names("STORE_ATTR", "IMPORT_NAME", "IMPORT_FROM") | names("STORE_DEREF") & around
+    return _Code(
+        assigned,
+        stores=any(i.opname == "STORE_SUBSCR" or i.argval in _STORING for i in instructions),
+        outer=names("LOAD_GLOBAL", "LOAD_NAME"),
+        free=names("LOAD_DEREF", "LOAD_CLASSDEREF") & around,
+        is_open=bool(assigned or changed or names("LOAD_ATTR", "LOAD_METHOD") & _OF_CHANCE),
+    )
 
 
+@lru_cache(maxsize=256)
 def _reads(code: CodeType, name: str) -> bool:
     """Whether the code, or a function within it, reads this variable of its own."""
     if name in code.co_cellvars:
         return True
-    loads = (i.argval for i in _instructions(code) if i.opname.startswith("LOAD_FAST"))
+    loads = (i.argval for i in dis.get_instructions(code) if i.opname.startswith("LOAD_FAST"))
     return any(name in value if isinstance(value, tuple) else name == value for value in loads)
 
 
@@ -101,7 +130,8 @@ def _is_pure(function: FunctionType, depth: int) -> bool:
     if known is None:
         return False
     codes = _all_codes(function.__code__)
-    data = {name for code in codes for name in _outer_names(code) if _is_data(known.get(name))}
+    outer = frozenset().union(*(_looked_at(code).outer for code in codes))
+    data = {name for name in outer if _is_data(known.get(name))}
     if data and data & _stored_in(function.__globals__):
         return False
     return all(_is_pure_code(code, known, depth) for code in codes)
@@ -135,17 +165,12 @@ def _stored_in(module: dict[str, Any]) -> set[str]:
     return names
 
 
-def _stored_by(code: CodeType, module: dict[str, Any]) -> set[str]:
+def _stored_by(code: CodeType, module: dict[str, Any]) -> frozenset[str]:
     """Of one function: what it assigns; all lists and the like that it reads, if it stores into anything."""
-    instructions = _instructions(code)
-    stored = {i.argval for i in instructions if i.opname in ("STORE_GLOBAL", "DELETE_GLOBAL")}
-    if any(i.opname == "STORE_SUBSCR" or i.argval in _STORING for i in instructions):
-        stored |= {name for name in _outer_names(code) if isinstance(module.get(name), _CONTAINERS)}
-    return stored
-
-
-def _outer_names(code: CodeType) -> set[str]:
-    return {i.argval for i in _instructions(code) if i.opname in ("LOAD_GLOBAL", "LOAD_NAME")}
+    found = _looked_at(code)
+    if not found.stores:
+        return found.assigned
+    return found.assigned | {name for name in found.outer if isinstance(module.get(name), _CONTAINERS)}
 
 
 def _all_codes(code: CodeType) -> list[CodeType]:
@@ -155,23 +180,14 @@ def _all_codes(code: CodeType) -> list[CodeType]:
 
 
 def _is_pure_code(code: CodeType, known: dict[str, Any], depth: int) -> bool:
-    stores, reads_lists = False, False
-    for instruction in _instructions(code):
-        operation, name = instruction.opname, instruction.argval
-        if operation in ("STORE_GLOBAL", "STORE_ATTR", "DELETE_GLOBAL", "IMPORT_NAME", "IMPORT_FROM"):
-            return False
-        if operation == "STORE_DEREF" and name in code.co_freevars:
-            return False
-        if operation in ("LOAD_ATTR", "LOAD_METHOD") and name in _OF_CHANCE:
-            return False
-        stores |= operation == "STORE_SUBSCR" or name in _STORING
-        is_outer = operation in ("LOAD_GLOBAL", "LOAD_NAME")
-        is_outer |= operation in ("LOAD_DEREF", "LOAD_CLASSDEREF") and name in code.co_freevars
-        if is_outer and name in known:
-            if not _is_pure_value(name, known[name], depth):
-                return False
-            reads_lists |= isinstance(known[name], list | dict | np.ndarray)
-    return not (stores and reads_lists)
+    found = _looked_at(code)
+    if found.is_open:
+        return False
+    values = {name: known[name] for name in found.outer | found.free if name in known}
+    if not all(_is_pure_value(name, value, depth) for name, value in values.items()):
+        return False
+    reads_lists = any(isinstance(value, list | dict | np.ndarray) for value in values.values())
+    return not (found.stores and reads_lists)
 
 
 def _is_pure_value(name: str, value: Any, depth: int) -> bool:

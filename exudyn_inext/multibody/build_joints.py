@@ -66,7 +66,9 @@ def build_joints(
     layout = lay_out(ends, crowded, len(free) + len(alone))
     on_nodes = rows_on_nodes(layout, entries, np.array([owner for owner, _ in numbers]), unknown_of_row)
     unknowns = len(free) + len(alone) + int(layout.is_owner.sum())
-    pairs = np.concatenate([_pairs(found, unknowns), pairs_on_nodes(layout, on_nodes)])
+    pairs = _pairs(found, unknowns)
+    if crowded:
+        pairs = np.concatenate([pairs, pairs_on_nodes(layout, on_nodes)])
     place = order_with_nodes(pairs, unknowns, layout) if crowded else find_order(pairs, unknowns)
     factor = build_factor(place[pairs], unknowns)
     is_row = np.zeros(unknowns, dtype=bool)

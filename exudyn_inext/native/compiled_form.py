@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..arrays import Array
+from ..compiled import Prepared
 from ..multibody.build import build_scene
 from ..multibody.scene import (
     MODE,
@@ -114,16 +115,18 @@ def require_agreement(
     """
     wanted, found, external = [], [], form.loads.at(t)
     states, contacts = _states(scene, q, v), form.contacts
-    remembered, random = contacts.data[0].copy(), np.random.default_rng(1)
+    remembered = contacts.data[0].copy()
+    random = np.random.default_rng(1) if form.has_contacts else None
+    evaluate = Prepared(accelerate_and_project_scene)
     for number, (at, rates) in enumerate(states):
-        if number:
+        if number and random:
             disturb(contacts, random)
         scene.remember(contacts.data)
         given = scene.surroundings.forces(t, at, rates)[-1]
         if not has_forces:
             form.given[:] = scene.surroundings.native_forces
             subtract_inertia_forces(form.system.items.bodies, at, rates, form.given)
-        found.append(_evaluated(form, external, at, rates))
+        found.append(_evaluated(form, evaluate, external, at, rates))
         wanted.append(_evaluated_by_exudyn(scene, t, at, rates, given, form.multipliers))
         if number and form.has_contacts:
             _compare_contacts(scene, form, t, at, rates)
@@ -161,10 +164,12 @@ def _with_unit_quaternions(rows: JointRows, states: Array) -> Array:
     return states
 
 
-def _evaluated(form: CompiledScene, external: Array, q: Array, v: Array) -> tuple[Array, Array]:
+def _evaluated(
+    form: CompiledScene, evaluate: Prepared, external: Array, q: Array, v: Array
+) -> tuple[Array, Array]:
     """(n,) forces on the cables, and accelerations of the bodies; and (4, m) of joints."""
     system, (result, rate) = form.system, np.zeros((2, len(q)))
-    accelerate_and_project_scene(system, external, q, v, 0.0, result, rate)
+    evaluate(system, external, q, v, 0.0, result, rate)
     result[: system.cable_dofs] = system.items.force[: system.cable_dofs]
     joints = system.items.joints
     drift = -joints.rows["drift"][:, 0]

@@ -1,6 +1,6 @@
 """The state of a run before its last steps, to which it returns if they go wrong."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import reduce
 from typing import Any, Protocol
 
@@ -31,11 +31,13 @@ class KeptState:
     def __init__(self, memory: Mapping[str, Any], elsewhere: Elsewhere | None = None) -> None:
         self._elsewhere = elsewhere
         self._arrays = list(_arrays(memory))
-        self._copies = [array.copy() for array in self._arrays]
-        pairs = zip(self._copies, self._arrays, strict=True)
-        self._there = np.concatenate([_blocks(*pair) for pair in pairs])
+        blocks = _blocks(self._arrays)
+        ends = np.cumsum(blocks[:, 1])
+        self._copies = np.empty(ends[-1] if len(ends) else 0, np.uint8)
+        places = self._copies.ctypes.data + ends - blocks[:, 1]
+        self._there = np.column_stack([places, blocks])
         self._back = np.ascontiguousarray(self._there[:, [1, 0, 2]])
-        self._other = elsewhere and elsewhere.present()
+        self.keep()
 
     def keep(self) -> None:
         """Copy the present state."""
@@ -49,17 +51,15 @@ class KeptState:
             self._elsewhere.put_back(self._other)
 
 
-def _blocks(target: np.ndarray, source: np.ndarray) -> np.ndarray:
-    """(k, 3) addresses of both, and sizes [bytes], of parts without gaps."""
-    arrays = target, source
-    if all(array.flags.c_contiguous for array in arrays):
-        return np.array([[_address(target), _address(source), source.nbytes]])
-    places = [_address(array) + _offsets(array) for array in arrays]
-    return np.stack([*places, np.full(source.size, source.itemsize)], axis=1)
-
-
-def _address(array: np.ndarray) -> int:
-    return int(array.__array_interface__["data"][0])
+def _blocks(arrays: Sequence[np.ndarray]) -> np.ndarray:
+    """(k, 2) addresses and sizes [bytes] of their parts without gaps."""
+    whole = [[array.ctypes.data, array.nbytes] for array in arrays if array.flags.c_contiguous]
+    blocks = [np.array(whole, dtype=np.int64).reshape(-1, 2)]
+    for array in arrays:
+        if not array.flags.c_contiguous:
+            places = array.ctypes.data + _offsets(array)
+            blocks.append(np.column_stack([places, np.full(array.size, array.itemsize)]))
+    return np.concatenate(blocks)
 
 
 def _offsets(array: np.ndarray) -> np.ndarray:

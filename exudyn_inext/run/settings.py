@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import InitVar, dataclass
+from functools import cached_property
 from typing import Any
 from warnings import warn
 
@@ -122,7 +123,7 @@ class ExplicitSettings:
         found = [one for one in INTEGRATORS.values() if isinstance(self.integrator, one.scheme)]
         return found[0] if found else find_integrator(self.integrator)
 
-    @property
+    @cached_property
     def method(self) -> tuple[Integrator, Any]:
         """The integrator, and the parameters of its scheme: those given, or its defaults."""
         integrator = self._integrator
@@ -132,4 +133,4 @@ class ExplicitSettings:
     @property
     def integratorName(self) -> str:
         """What the integrator is called."""
-        return self._integrator.name
+        return self.method[0].name

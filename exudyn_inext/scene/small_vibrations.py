@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from ..arrays import Array
-from ..compiled import kernel, plain
+from ..compiled import Prepared, kernel, plain
 from ..system import accelerate_and_project
 
 STEP = 1e-6  # of the differences [m, -, m/s, 1/s]
@@ -58,11 +58,12 @@ def _operators(system: Any, external: Array, q: Array, v: Array) -> tuple[_Opera
     Arguments: see `fastest_rates`.
     """
     memory, nothing = np.zeros((5, len(q))), np.zeros(len(q))
-    differentiate = _differentiate if isinstance(system, tuple) else plain(_differentiate)
+    differentiate = Prepared(_differentiate if isinstance(system, tuple) else plain(_differentiate))
+    evaluate = Prepared(accelerate_and_project.dispatch(type(system)))
 
     def projected(v: Array) -> Array:
         a, result = np.zeros((2, len(q)))
-        accelerate_and_project(system, external, q, v, 0.0, a, result)
+        evaluate(system, external, q, v, 0.0, a, result)
         return result
 
     offset = projected(nothing)  # moving supports
