@@ -9,6 +9,7 @@ import numpy as np
 from ..arrays import Array
 from .build_joints import build_joints
 from .build_nodes import ends_of_cables
+from .cables import TwoKinds
 from .scene import Items, SceneSystem
 
 
@@ -57,7 +58,10 @@ def build_scene(
     records = known.bodies, known.points, known.connectors, known.loads, known.contacts
     items = Items(*records, joints, force, given, predicted, path, counting)
     number = places[-1].stop if places else 0
-    return SceneSystem(cables, number, np.zeros(external), items, zeta)
+    forces = np.arange(number)
+    if isinstance(cables, TwoKinds):  # motions of the first ones lie between the forces
+        forces[cables.dofs :] += cables.external - cables.dofs
+    return SceneSystem(cables, number, np.zeros(external), forces, items, zeta)
 
 
 def copied(memory: Any) -> Any:

@@ -75,12 +75,14 @@ class Items(NamedTuple):
 class SceneSystem(NamedTuple):
     """cables: the system of all cables, or `NoCables`.   cable_dofs: their number of coordinates.
 
-    cable_force: (n_cables,) memory.   zeta: stabilisation rate of the joints [1/s].
+    cable_force: (n_cables,) memory.   cable_places: (cable_dofs,) where in it the force on a coordinate is.
+    zeta: stabilisation rate of the joints [1/s].
     """
 
     cables: Any
     cable_dofs: int
     cable_force: Array
+    cable_places: np.ndarray
     items: Items
     zeta: float
 
@@ -163,7 +165,7 @@ def _set_cable_force(system, external):
     for i in range(len(force)):
         force[i] = external[i]
     for i in range(system.cable_dofs):
-        force[i] += system.items.force[i]
+        force[system.cable_places[i]] += system.items.force[i]
 
 
 @called_kernel

@@ -268,10 +268,10 @@ def test_native_templates_bring_their_axial_stiffness_when_asked(tip_of, templat
     np.testing.assert_array_equal(found, own)
 
 
-@pytest.mark.parametrize("dim", [2, 3])
-def test_bending_damping_is_that_of_native_cables(tip_of, native_tip, dim):
-    natives = [native_tip(1.0, 20, SOFT, HEAVY, dim, bendingDamping=damping) for damping in (0.02, 0.0)]
-    pin = {"groundConstraintsStart": [True] * dim + [False] * dim, "dimension": dim}
+def test_bending_damping_in_space_is_that_of_native_cables(tip_of, native_tip):
+    """In the plane, that of the arc that is free of stress is."""
+    natives = [native_tip(1.0, 20, SOFT, HEAVY, 3, bendingDamping=damping) for damping in (0.02, 0.0)]
+    pin = {"groundConstraintsStart": [True] * 3 + [False] * 3, "dimension": 3}
     tip, report = tip_of(1.0, HEAVY, **stretching(SOFT, bendingDamping=0.02), **pin)
     assert distance(tip, natives[0]) < 5e-4 < 0.05 * distance(*natives)
     assert max(report["drift"]["energyGain"], report["drift"]["energyLoss"]) < 3e-3
@@ -285,8 +285,9 @@ def test_natural_curvature_is_that_of_native_cables(tip_of, native_tip):
 
 @pytest.mark.parametrize("stiffness", [None, 100.0])
 def test_a_shape_may_be_free_of_stress(new_mbs, add_cable, add_sensor, solve, stiffness):
-    """An arc, clamped, under gravity: against native elements with strainIsRelativeToReference."""
-    section, twin = SECTION | {"strainIsRelativeToReference": 1.0}, {"useReducedOrderIntegration": 2}
+    """An arc, clamped, damped, under gravity: against native elements with strainIsRelativeToReference."""
+    section = SECTION | {"strainIsRelativeToReference": 1.0, "bendingDamping": 1e-3}
+    twin = {"useReducedOrderIntegration": 2}
 
     def curve(elements):
         angle = np.linspace(0.0, 1.5, elements + 1)
