@@ -554,12 +554,13 @@ class CoupledRun(PacedRun):
         """See `PacedRun.has_implicit_bending`."""
         return any(run.has_implicit_bending for run in self._runs)
 
-    def reject(self, time: float) -> None:
+    def reject(self, time: float) -> bool:
         """See `PacedRun.reject`; joints that cannot be solved for end the run."""
         try:
-            super().reject(time)
+            return super().reject(time)
         except RedundantConstraintError as error:
             self._unsolvable, self.gave_up = str(error), True
+            return False
 
     def start_scheme(self, time: float) -> None:
         """See `PacedRun.start_scheme`."""

@@ -104,6 +104,7 @@ class CoupledWatch(RunWatch):
     ) -> None:
         self._scene = scene
         self._runs = runs
+        self.stretches = any(cable.stretches for run in runs for cable in run.cables)
         self._together = list(_groups(scene, runs))
         self._bodies = scene.system.parts[len(runs)]
         tolerance = LENIENCE * energy_tolerance

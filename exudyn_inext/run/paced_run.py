@@ -12,6 +12,8 @@ from .run_watch import RunWatch
 from .step_control import ROUND_OFF, Piece, StepControl
 from .time_grid import TimeGrid
 
+HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are smaller for a while only
+
 
 class PacedRun:
     """What a cable and a coupled scene have in common; see `step_control`.
@@ -95,8 +97,8 @@ class PacedRun:
                 self.control.accept()
                 self._lengthen(first + good)
                 continue
-            self.reject(piece.time(taken))
-            if self.watch.is_spoilt and beginning:
+            is_shortened = self.reject(piece.time(taken))
+            if is_shortened and self.watch.is_spoilt and beginning:
                 self._begin_again(beginning, grid.time(first))
                 good = 0
         return good
@@ -113,17 +115,23 @@ class PacedRun:
             self.integrator.change_step(self.state, h / before)
         self.watch_on(time)
 
-    def reject(self, time: float) -> None:
-        """After steps that went wrong, in the state before them, at `time` [s]: take smaller ones."""
+    def reject(self, time: float) -> bool:
+        """After steps that went wrong, in the state before them, at `time` [s]: take smaller ones.
+
+        Returns:
+            Whether all that follow are smaller.
+        """
         watch: RunWatch = self.watch
-        if watch.is_too_fast:
+        is_shortened = watch.is_too_fast or (watch.hides_energy and self.control.divisor < HIDING_PARTS)
+        if is_shortened:
             self.control.shorten(watch.parts)
             if not self.control.may_shorten:
                 watch.limit_phase(1.0, math.inf, watch.watch.mesh)
         elif watch.gains_too_much or not self.control.reject():
             self.gave_up = True
-            return
+            return False
         self.resume(time)
+        return is_shortened
 
     def _lengthen(self, interval: int) -> None:
         """Double the nominal step if it has been shortened for a motion that is slow again."""

@@ -17,6 +17,7 @@ from .watch import (
     LACK_OF_WORK,
     LARGEST_JUMP,
     LARGEST_VIOLATION,
+    NOT_FINITE,
     NOW,
     TOO_FAST,
     UNSTABLE,
@@ -28,9 +29,13 @@ SPOILT = 2.0  # error so far, relative to what the whole run may have
 
 
 class RunWatch:
-    """A run's account and what it means; whoever knows the run draws it up.   watch: the account."""
+    """A run's account and what it means; whoever knows the run draws it up.
+
+    watch: the account.   stretches: whether one of its cables does.
+    """
 
     watch: Watch
+    stretches: bool
 
     def limit_phase(self, duration: float, phase: float, mesh: Array) -> None:
         """Let it find steps that are too long for the motion; arguments: see `Watch`."""
@@ -64,9 +69,20 @@ class RunWatch:
         return bool(self.watch.account[NOW].trouble == TOO_FAST)
 
     @property
+    def hides_energy(self) -> bool:
+        """Whether it is too long for a cable that stretches.
+
+        Axial vibrations that it does not resolve hide energy, which shorter steps for a while would set free.
+        """
+        trouble = self.watch.account[NOW].trouble
+        return self.stretches and self.looks_at_phase and trouble in (ENERGY, JUMP, NOT_FINITE, UNSTABLE)
+
+    @property
     def parts(self) -> int:
         """Of a step that is too long: a power of two, or fewer where its error then is that of the mesh."""
         found = self.watch.account[FAILED]
+        if found.trouble != TOO_FAST:
+            return 2
         halvings = max(1, math.ceil(0.5 * math.log2(max(found.phase / self.watch.phase, 1.0))))
         return math.ceil(min(2.0**halvings, math.sqrt(found.over_mesh)))
 
@@ -84,11 +100,11 @@ class RunWatch:
 
     @property
     def is_spoilt(self) -> bool:
-        """Whether steps too long for the motion have made more of an error than a run may have."""
+        """Whether steps that were too long have made more of an error than a run may have."""
         watch, found = self.watch, self.watch.account[FAILED]
         passed = found.time if found.extent else watch.duration
         is_much = found.phase * passed > SPOILT * watch.phase * watch.duration
-        return bool(self.is_too_fast and (is_much or not found.extent))
+        return bool(found.trouble != TOO_FAST or is_much or not found.extent)
 
     @contextmanager
     def finding_kept(self) -> Iterator[None]:

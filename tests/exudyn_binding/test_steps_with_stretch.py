@@ -22,7 +22,14 @@ from exudyn.utilities import (
     SphericalJoint,
 )
 
-from exudyn_inext import CreateInextensibleCable, ExplicitSettings, InextensibleCable, SolveExplicit
+from exudyn_inext import (
+    AddPointMass,
+    CreateInextensibleCable,
+    DivergenceError,
+    ExplicitSettings,
+    InextensibleCable,
+    SolveExplicit,
+)
 from reference_models.model import quiet_settings
 
 PERIOD = 0.02
@@ -176,3 +183,46 @@ def pulled(what):
 @pytest.mark.parametrize("what", ["load", "support"])
 def test_steps_go_on_as_before_after_next_to_nothing_has_changed(what):
     np.testing.assert_allclose(pulled(what), pulled(None), rtol=0.0, atol=1e-11)
+
+
+def jerked(mbs, is_native, elements):
+    """A cable of 0.1 kg with a body of 1 kg at its end, which pulls it tight again and again."""
+    template = ObjectANCFCable2D(
+        massPerLength=0.1, bendingStiffness=1e-2, axialStiffness=1e4, useReducedOrderIntegration=2
+    )
+    nodes = cable(mbs, is_native, template, elements, **HANGING, groundConstraintsStart=PINNED)
+    body = mbs.CreateMassPoint(referencePosition=[1, 0, 0], mass=1.0, gravity=[0, -9.81, 0], returnDict=True)
+    ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in (nodes[-1], body["nodeNumber"])]
+    mbs.AddObject(SphericalJoint(markerNumbers=ends))
+    return nodes
+
+
+def test_a_run_that_a_jerk_spoils_begins_again_with_shorter_steps():
+    """Shorter steps for a while set hidden energy free, and no step was short enough then."""
+    path, report = path_and_report(jerked, 1.3)
+    native, _ = path_and_report(jerked, 1.3, is_native=True, elements=16)
+    assert report["rejections"] == 0 and report["steps"] < 5000
+    extent = np.linalg.norm(native - native[0], axis=1).max()
+    assert np.linalg.norm(path - native, axis=1).max() < 0.01 * extent
+
+
+def energies_of_heavy_pendulum(step):
+    """The report on them, of 12 s in steps of that size [s], after which the cable has been slack often."""
+    mbs = exudyn.SystemContainer().AddSystem()
+    template = InextensibleCable(massPerLength=0.0348, bendingStiffness=0.0866, axialStiffness=86645.0)
+    cable = CreateInextensibleCable(
+        mbs, [0, 0, 0], [1.8, 0, 0], 5, template, gravity=[0, -9.81, 0], groundConstraintsStart=PINNED
+    )
+    AddPointMass(mbs, cable, 1.8, 0.4)
+    mbs.Assemble()
+    return SolveExplicit(mbs, quiet_settings(12, 600), ExplicitSettings(stepSize=step, massScaling=0.3))[
+        "drift"
+    ]
+
+
+def test_energy_that_long_steps_hide_is_told_of():
+    """Runs ended with sixty times the energy of their motion, and told of a loss."""
+    with pytest.raises(DivergenceError, match=r"more energy than the work.*reduce stepSize"):
+        energies_of_heavy_pendulum(2e-3)
+    drift = energies_of_heavy_pendulum(2e-4)
+    assert drift["energyGain"] < 1e-3 and drift["energyLoss"] < 0.01
