@@ -35,6 +35,10 @@ class DivergenceError(InextensibleError, ArithmeticError):
     """The run left the finite numbers, or its constraints, or gained energy."""
 
 
+class OffCableError(InextensibleError, ArithmeticError):
+    """A body has slid beyond the end of its cable."""
+
+
 class EquilibriumError(InextensibleError, ArithmeticError):
     """No stable static equilibrium was found.   report: figures and last state."""
 

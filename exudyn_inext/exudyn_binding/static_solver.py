@@ -16,7 +16,7 @@ from ..errors import EquilibriumError, InputError, SceneError
 from ..items.functions_of_time import take_word
 from ..loads.weight import ElementWeight
 from ..native.coupled_scene import CoupledCable, CoupledScene
-from ..native.static_scene import StaticScene, require_held, rest_at
+from ..native.static_scene import StaticScene, put_data, require_held, rest_at
 from ..native.surroundings import state_kept, switched_off
 from ..run.cable_loads import CableLoads
 from ..scene.model import CableInScene, Scene, put_reactions
@@ -169,6 +169,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         equilibrium = find_equilibrium(JoinedPotential(potentials, others, start), start, options)
         q = equilibrium.q
         reactions = others.reactions(q, equilibrium.multipliers[-len(others.values(q)) or len(q) :])
+        places = others.places(q)
     first = 0
     for cable, potential, dofs in zip(scene.cables, potentials, joined.map.slices, strict=False):
         own = slice(first, first + potential.number_of_constraints)
@@ -183,6 +184,8 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         said = _failure("the scene", equilibrium, "maxIterations")
         raise EquilibriumError(said, StaticReport(report, success=False))
     rest_at(mbs, joined.displacements(q), reactions)
+    if places is not None:
+        put_data(mbs, places)
     return report
 
 

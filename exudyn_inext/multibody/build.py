@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from .build_joints import build_joints
-from .build_nodes import ends_of_cables
+from .build_nodes import Ends, ends_of_cables
 from .cables import TwoKinds
 from .scene import Items, SceneSystem
 
@@ -26,6 +26,7 @@ class KnownItems:
 
     bodies: Any
     points: Any
+    sliders: Any
     rows: Any
     connectors: Any
     loads: Any
@@ -51,17 +52,27 @@ def build_scene(
         zeta: stabilisation rate [1/s].   foresight: (m,) memory, see `CoupledSystem`.
         still: (n_cables,) coordinates of cables that supports hold.
     """
-    ends = ends_of_cables(cables, places)
+    ends = _without(ends_of_cables(cables, places), places, known.sliders.records["first"].tolist())
     joints = build_joints(places, known.bodies, known.points, known.rows, foresight, still, ends)
     path, counting = np.zeros((5, max(size, 7))), np.zeros(2, np.int64)
     force, given, predicted = np.zeros((3, size))
-    records = known.bodies, known.points, known.connectors, known.loads, known.contacts
+    records = known.bodies, known.points, known.sliders, known.connectors, known.loads, known.contacts
     items = Items(*records, joints, force, given, predicted, path, counting)
     number = places[-1].stop if places else 0
     forces = np.arange(number)
     if isinstance(cables, TwoKinds):  # motions of the first ones lie between the forces
         forces[cables.dofs :] += cables.external - cables.dofs
     return SceneSystem(cables, number, np.zeros(external), forces, items, zeta)
+
+
+def _without(ends: Ends, places: Sequence[slice], firsts: Sequence[int]) -> Ends:
+    """Without cables on which points slide: these may be anywhere.   firsts: a coordinate of each."""
+    kept = {
+        cable: own
+        for cable, own in ends.of_cables.items()
+        if not any(places[cable].start <= first < places[cable].stop for first in firsts)
+    }
+    return ends._replace(of_cables=kept)
 
 
 def copied(memory: Any) -> Any:

@@ -44,6 +44,7 @@ from .joints import (
 from .loads import add_loads
 from .points import move_points, place_points
 from .rows import move_rows
+from .sliding import move_sliders, place_sliders
 
 NOT_COUNTED, EACH, ALL_BUT_FIRST, SETTLING = range(4)  # evaluations whose work is counted
 MODE, EVALUATION = range(2)
@@ -52,7 +53,8 @@ MODE, EVALUATION = range(2)
 class Items(NamedTuple):
     """All but the cables: records, and memory.
 
-    bodies, points, connectors, loads: records.   contacts, joints: see `Contacts`, `Joints`.
+    bodies, points, connectors, loads: records.
+    sliders, contacts, joints: see `Sliders`, `Contacts`, `Joints`.
     force: (n,) what connectors, contacts and loads do to all coordinates [N, Nm].
     given: (n,) what others do.   predicted: (n,) velocities at which they act.
     path: memory of their work, see `scene.path_work`.   counting: (2,) MODE and EVALUATION: in which
@@ -61,6 +63,7 @@ class Items(NamedTuple):
 
     bodies: Any
     points: Any
+    sliders: Any
     connectors: Any
     loads: Any
     contacts: Any
@@ -97,6 +100,12 @@ def _count_work(items, q):
 
 
 @inlined
+def _move_points(items, q, v):
+    move_points(items.points, items.bodies, q, v)
+    move_sliders(items.sliders, items.points, v)
+
+
+@inlined
 def _place(items, q, v):
     for b in range(len(items.bodies)):
         body = items.bodies[b]
@@ -104,7 +113,8 @@ def _place(items, q, v):
         set_normal(body)
         move_body(body, q, v)
     place_points(items.points, items.bodies, q)
-    move_points(items.points, items.bodies, q, v)
+    place_sliders(items.sliders, items.points, q)
+    _move_points(items, q, v)
 
 
 @called_kernel
@@ -152,7 +162,7 @@ def hold(items, q, v):
     """Jacobian and gamma of the joints at (q, v), after `act`, and the responses of bodies."""
     for b in range(len(items.bodies)):
         move_body(items.bodies[b], q, v)
-    move_points(items.points, items.bodies, q, v)
+    _move_points(items, q, v)
     set_values(items.joints, items.points)
     set_jacobian(items.joints, items.points)
     respond_with_bodies(items.joints, items.bodies)
@@ -268,6 +278,7 @@ def _correct_items(items, functions, q, learning, correction):
             correction[body.first + i] = 0.0
         add_lever(body, correction[body.first :])
     place_points(items.points, items.bodies, q)
+    place_sliders(items.sliders, items.points, q)
     move_rows(joints.rows, functions)
     set_values(joints, items.points)
     for r in range(len(joints.value)):
@@ -319,6 +330,7 @@ def joint_violation(items, functions, q):
     for b in range(len(items.bodies)):
         place_body(items.bodies[b], q)
     place_points(items.points, items.bodies, q)
+    place_sliders(items.sliders, items.points, q)
     set_values(items.joints, items.points)
     return largest_value(items.joints, 0.0)
 

@@ -212,7 +212,7 @@ class CoupledScene:
         """See `JoinedScene`."""
         with state_kept(self.mbs):
             self.surroundings.set_state(t, q, v)
-            if data is not None:
+            if data is not None and len(data):
                 self.mbs.systemData.SetDataCoordinates(data.tolist())
             return open_contacts(self.mbs, self.map, self.size)
 

@@ -1,44 +1,20 @@
 """Native constraints of an mbs as joints: their values, Jacobians and second derivatives, from Exudyn."""
 
 from collections.abc import Collection
-from dataclasses import dataclass
 from typing import Any
 
 import exudyn
 import numpy as np
 from exudyn.exudynCPP import ObjectIndex
 
-from ..arrays import Array
 from ..errors import SceneError
 from ..items.arguments import described
+from .joint_item import JACOBIAN, JointItem
+from .sliding_joints import read_sliding_joint
 
 _LINEAR = {"JointSpherical", "ConnectorCoordinate"}
 _WITHOUT_ROTATION = {"Ground", "MassPoint", "MassPoint2D", "Mass1D"}
-_WITH_UNKNOWNS = {"JointSliding2D", "JointSliding", "JointALEMoving2D"}
-_JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
-
-
-@dataclass(frozen=True, eq=False)
-class JointItem:
-    """An object with algebraic equations.
-
-    number: of the object.   rows: (k,) places of its active equations among all algebraic equations.
-    active: (k,) which of its own equations these are.   coordinates: (n,) places in the system vector.
-    name: for messages.   follows_time: whether user functions take part.
-    is_linear: whether its Jacobian never changes.
-    """
-
-    number: int
-    rows: np.ndarray
-    active: np.ndarray
-    coordinates: np.ndarray
-    name: str
-    follows_time: bool
-    is_linear: bool
-
-    def jacobian(self, mbs: Any) -> Array:
-        """(k, n) with respect to `coordinates`, in the current configuration."""
-        return np.asarray(mbs.ComputeItem(ObjectIndex(self.number), _JACOBIAN))[self.active]
+_WITH_UNKNOWNS = {"JointSliding", "JointALEMoving2D"}
 
 
 def read_joints(mbs: Any, elsewhere: Collection[int]) -> list[JointItem]:
@@ -53,7 +29,7 @@ def read_joints(mbs: Any, elsewhere: Collection[int]) -> list[JointItem]:
     """
     joints = []
     for number in range(mbs.systemData.NumberOfObjects()):
-        if number in elsewhere or _JACOBIAN not in mbs.ComputeItem(ObjectIndex(number)):
+        if number in elsewhere or JACOBIAN not in mbs.ComputeItem(ObjectIndex(number)):
             continue
         data = mbs.GetObject(number)
         name = described(data, number)
@@ -67,18 +43,19 @@ def read_joints(mbs: Any, elsewhere: Collection[int]) -> list[JointItem]:
         if data["objectType"] in _WITH_UNKNOWNS:
             raise SceneError(
                 f"{name} brings algebraic unknowns of its own, the place on the cable among them, which "
-                "explicit steps do not support: keep the joint and create the cable with "
-                "enforcement='algebraic' for mbs.SolveDynamic, or hold the body at a point of the cable, by "
-                "AddMarkerOnCable and a joint or a spring."
+                "explicit steps support for no joint but ObjectJointSliding2D: keep the joint and create "
+                "the cable with enforcement='algebraic' for mbs.SolveDynamic, or hold the body at a point of "
+                "the cable, by AddMarkerOnCable and a joint or a spring."
             )
-        joints.append(_joint(mbs, number, data, name))
+        read = read_sliding_joint if data["objectType"] == "JointSliding2D" else _joint
+        joints.append(read(mbs, number, data, name))
     return [joint for joint in joints if len(joint.rows)]
 
 
 def _joint(mbs: Any, number: int, data: dict[str, Any], name: str) -> JointItem:
     rows = np.array(mbs.systemData.GetObjectLTGAE(number), dtype=int)
     try:
-        jacobian = np.asarray(mbs.ComputeItem(ObjectIndex(number), _JACOBIAN))
+        jacobian = np.asarray(mbs.ComputeItem(ObjectIndex(number), JACOBIAN))
     except exudyn.InternalError as error:
         raise SceneError(f"{name} cannot be evaluated in the initial configuration: {error}") from None
     active = np.flatnonzero(np.abs(jacobian).max(axis=1, initial=0.0) > 0.0)

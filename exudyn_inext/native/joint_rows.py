@@ -12,7 +12,8 @@ from ..scene.coupled_system import Part
 from ..scene.joints import JointBlock, JointTerms
 from .bodies import Quaternion
 from .coordinates import CoordinateMap
-from .joint_items import JointItem
+from .joint_item import JointItem
+from .sliding_joints import SlidingJoint
 
 STEP = 1e-4  # of differences along the motion [m, -, s]
 
@@ -22,6 +23,7 @@ class JointRows:
 
     names: (m,) of the rows.   blocks: Jacobian by parts, overwritten at each evaluation.
     on_held: (k, m) its transpose for coordinates that lie in no part.
+    sliding: rows of sliding joints, and these.
     quaternions: (Q, 4) places of those of bodies.   references: (Q, 4) what separates them from Exudyn's.
 
     Args:
@@ -45,6 +47,8 @@ class JointRows:
         self._equations = np.concatenate([np.zeros(0, int), *(joint.rows for joint in joints)])
         ends = np.cumsum([0, *(len(joint.rows) for joint in joints)])
         rows = [np.arange(a, b) for a, b in pairwise(ends)]
+        pairs = zip(rows, joints, strict=True)
+        self.sliding = [(own[0], joint) for own, joint in pairs if isinstance(joint, SlidingJoint)]
         places = [coordinates.places(joint.coordinates) for joint in joints]
         of_parts = _blocks(parts, rows, places)
         self.blocks = list(of_parts.values())
@@ -67,15 +71,34 @@ class JointRows:
     def number(self) -> int:
         return len(self.names)
 
-    def values(self, equations: Array) -> Array:
-        """(m,) from the values of all algebraic equations."""
-        return equations[self._equations]
+    def values(self, mbs: Any, equations: Array) -> Array:
+        """(m,) in the current configuration of mbs, from the values of all algebraic equations there."""
+        result = equations[self._equations]
+        for row, joint in self.sliding:
+            result[row] = joint.foot(mbs).distance
+        return result
 
-    def equations(self, rows: Array, size: int) -> Array:
-        """(size,) for all algebraic equations, from those of the rows (m,)."""
+    def multipliers(self, mbs: Any, rows: Array, size: int) -> Array:
+        """(size,) of all algebraic equations, from those of the rows (m,) in mbs's configuration."""
         result = np.zeros(size)
         result[self._equations] = rows
+        for row, joint in self.sliding:
+            first = self._equations[row]
+            result[first : first + 3] = joint.multipliers(mbs, rows[row])
         return result
+
+    def beyond(self, mbs: Any) -> Array:
+        """(m,) how far what slides is beyond the ends of its cable [m]."""
+        result = np.zeros(self.number)
+        for row, joint in self.sliding:
+            result[row] = joint.beyond(mbs)
+        return result
+
+    def put_places(self, mbs: Any, data: Array) -> Array:
+        """Data (D,) of mbs with the places of what slides; OffCableError if one has left its cable."""
+        for _, joint in self.sliding:
+            joint.put_place(mbs, data)
+        return data
 
     def forget(self) -> None:
         """Joints or their markers may have been changed."""

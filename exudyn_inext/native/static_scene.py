@@ -50,7 +50,11 @@ class StaticScene:
         """See `Others`."""
         if not self._scene.joints:
             return np.zeros(0)
-        return self._scene.surroundings.violations(self._time, q)
+        surroundings = self._scene.surroundings
+        values = surroundings.violations(self._time, q)
+        if surroundings.has_sliding_joints:  # what no change of c makes up for
+            values = values + np.copysign(surroundings.beyond(), values)
+        return values
 
     def jacobian(self, q: Array) -> csr_array:
         """See `Others`."""
@@ -69,6 +73,12 @@ class StaticScene:
         self.force(q)
         return self._scene.surroundings.all_multipliers(nu, self._rest)
 
+    def places(self, q: Array) -> Array | None:
+        """Data (D,) with the places of sliding joints, or None without these."""
+        self.force(q)
+        surroundings = self._scene.surroundings
+        return surroundings.present_places() if surroundings.has_sliding_joints else None
+
     def node_of(self, place: int) -> str:
         """The node that has a coordinate of the scene."""
         return self._scene.coordinate_name(self._scene.map.indices[place])
@@ -79,9 +89,10 @@ def _varying(scene: CoupledScene) -> list[np.ndarray]:
     mbs, data = scene.mbs, scene.mbs.systemData
     if mbs.NumberOfGeneralContacts():
         return [np.arange(len(scene.map.indices))]
-    linear = {joint.number for joint in scene.joints if joint.is_linear}
-    left_out = linear | {cable.number for cable in scene.cables} | scene.elsewhere
+    left_out = {cable.number for cable in scene.cables} | scene.elsewhere
     found = [_places(scene, body.coordinates) for body in scene.bodies]
+    found += [_places(scene, joint.coordinates) for joint in scene.joints if not joint.is_linear]
+    left_out.update(joint.number for joint in scene.joints)
     for number in range(data.NumberOfObjects()):
         if number not in left_out and mbs.GetObject(number).get("activeConnector"):
             found.append(_places(scene, data.GetObjectLTGODE2(number)))
@@ -155,6 +166,12 @@ def require_held(scene: CoupledScene, cables_held: list[bool]) -> None:
                 f"nothing connects {name} to the ground, so that it has no equilibrium of its own: add a "
                 "support, a joint or a spring, or let SolveExplicit move it."
             )
+
+
+def put_data(mbs: Any, data: Array) -> None:
+    """As initial and present data (D,) of mbs."""
+    for configuration in (exudyn.ConfigurationType.Initial, exudyn.ConfigurationType.Current):
+        mbs.systemData.SetDataCoordinates(data.tolist(), configuration)
 
 
 def rest_at(mbs: Any, displacements: Array, multipliers: Array) -> None:

@@ -21,7 +21,7 @@ from .coordinates import CoordinateMap
 from .held import HeldCoordinates
 from .joint_rows import JointRows
 
-_START_OF_STEP = exudyn.ConfigurationType.StartOfStep
+_CURRENT, _START_OF_STEP = exudyn.ConfigurationType.Current, exudyn.ConfigurationType.StartOfStep
 
 
 class Approach(NamedTuple):
@@ -184,7 +184,8 @@ class NativeSurroundings:
         self._set_positions(t, q)
         if self._values is None:
             self._solver.ComputeAlgebraicEquations(self._mbs, False)
-            self._values = self._rows.values(self._solver.GetSystemResidual()[sum(self._sizes) :])
+            equations = self._solver.GetSystemResidual()[sum(self._sizes) :]
+            self._values = self._rows.values(self._mbs, equations)
         return self._values
 
     def constrain(self, t: float, q: Array, v: Array) -> JointTerms:
@@ -209,10 +210,17 @@ class NativeSurroundings:
         self._is_first = True
         if not self._remembers:
             return
-        if not self.settles:
+        if not self.settles or self.has_sliding_joints:  # joints have looked beside (q, v), too
             self.set_state(t, q, v)
+        if not self.settles:
             self._settle()
-        self._data.SetDataCoordinates(self._data.GetDataCoordinates(), _START_OF_STEP)
+        data = self.present_places()
+        for configuration in (_CURRENT, _START_OF_STEP) if self._rows.sliding else (_START_OF_STEP,):
+            self._data.SetDataCoordinates(data, configuration)
+
+    def present_places(self) -> Array:
+        """(D,) data of mbs with the places of what slides; OffCableError if one has left its cable."""
+        return self._rows.put_places(self._mbs, self.remembered)
 
     @property
     def remembered(self) -> Array:
@@ -235,9 +243,39 @@ class NativeSurroundings:
         self.set_state(t, state.q, state.v)
         self._data.SetAECoordinates(multipliers)
 
-    def equations(self, rows: Array) -> Array:
-        """Of all algebraic equations, from those of the joints (m,)."""
-        return self._rows.equations(rows, self._data.AEsize())
+    def multipliers(self, rows: Array, t: float, q: Array) -> Array:
+        """Of all algebraic equations, from those of the joints (m,) at (t, q)."""
+        if not self._rows.sliding:
+            return self._rows.multipliers(self._mbs, rows, self._data.AEsize())
+        with self._visited(t, q):
+            return self._rows.multipliers(self._mbs, rows, self._data.AEsize())
+
+    @property
+    def has_sliding_joints(self) -> bool:
+        return len(self._rows.sliding) > 0
+
+    def beyond(self) -> Array:
+        """(m,) how far what slides is beyond the ends of its cable at present [m]."""
+        return self._rows.beyond(self._mbs)
+
+    def places_in(self, data: Array, times: Sequence[float], history: Array) -> Array:
+        """Data (k, D) with the places of what slides in some states.   history: (k, 3, n).
+
+        Raises:
+            OffCableError: one has left its cable.
+        """
+        for row, t, q in zip(data, times, history[:, 0], strict=True):
+            with self._visited(t, q):
+                self._rows.put_places(self._mbs, row)
+        return data
+
+    @contextmanager
+    def _visited(self, t: float, q: Array) -> Iterator[None]:
+        """mbs is at (t, q), and afterwards where it was."""
+        with state_kept(self._mbs):
+            self._set_positions(t, q)
+            yield
+        self.forget()
 
     def all_multipliers(self, multipliers: Array, a: Array) -> Array:
         """Of all algebraic equations, for the state that was evaluated last.
@@ -245,7 +283,7 @@ class NativeSurroundings:
         Args:
             multipliers: (m,) of the joints.   a: (n,) accelerations of all parts.
         """
-        result = self._rows.equations(multipliers, self._data.AEsize())
+        result = self._rows.multipliers(self._mbs, multipliers, self._data.AEsize())
         on_held = self._forces_on_held - self._rows.on_held @ multipliers
         result[self._held.rows] = self._held.reactions(on_held, a[self._bodies])
         return result
@@ -293,7 +331,7 @@ def evaluator(mbs: Any) -> Any:
 class DataCoordinates:
     """What contact and friction remember in an mbs, see `run.kept_state.Elsewhere`."""
 
-    _CONFIGURATIONS = (exudyn.ConfigurationType.Current, _START_OF_STEP)
+    _CONFIGURATIONS = (_CURRENT, _START_OF_STEP)
 
     def __init__(self, data: Any) -> None:
         """data: mbs.systemData."""

@@ -10,7 +10,7 @@ from ..cable.cable import Cable
 from ..cable.linked_cable import cable_system
 from ..cable.many_cables import Systems, in_few_chains
 from ..compiled import Prepared
-from ..errors import RedundantConstraintError
+from ..errors import OffCableError, RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied
 from ..multibody.cables import NoCables, TwoKinds
@@ -27,6 +27,7 @@ from ..multibody.scene import (
     subtract_joint_forces,
     take_steps,
 )
+from ..multibody.sliding import BEYOND
 from ..scene.joints import NOT_FINITE, dependent_row, not_independent
 from ..system import accelerate_and_project, implements, index_reduced_rates
 from .cable_loads import CableLoads
@@ -230,11 +231,21 @@ class CompiledScene:
         self._take_steps(steps.scheme, self.system, loads, state, steps.h, *where, work, before)
         counting[MODE] = NOT_COUNTED
         self.require_independence()
+        self._require_on_cables()
 
     def require_independence(self) -> None:
         """Raise RedundantConstraintError if a joint depends on others."""
         if self.has_dependent_joints:
             raise _dependent(self.system.items.joints, self._names)
+
+    def _require_on_cables(self) -> None:
+        """Raise OffCableError if what slides has left its cable; it names the joint."""
+        rows = self.system.items.joints.rows
+        for slider in self.system.items.sliders.records:
+            beyond = max(-slider.x, slider.x - slider.length)
+            if beyond > BEYOND * slider.length:
+                row = int(np.flatnonzero(rows["points"][:, 0] == slider.point)[0])
+                raise off_cable(self._names[row], beyond, slider.x < 0.0)
 
     @property
     def has_knots(self) -> bool:
@@ -328,6 +339,15 @@ def _accelerate_compiled(scene: CompiledScene, *arguments: Any) -> None:
 @implements(index_reduced_rates, CompiledScene, compiled=lambda function: function)
 def _rates_of_compiled(scene: CompiledScene, *arguments: Any) -> None:
     index_reduced_rates(scene.system, *arguments)
+
+
+def off_cable(name: str, beyond: float, at_start: bool) -> OffCableError:
+    """What is said of a joint whose slider is a distance [m] beyond an end of its elements."""
+    end = "start" if at_start else "end"
+    return OffCableError(
+        f"{name} has slid {beyond:.3g} m beyond the {end} of the elements in its slidingMarkerNumbers (limit "
+        "0 m): let the cable go on there, or stop the body before, by a spring or a support."
+    )
 
 
 def _with_history(system: SceneSystem, history: Array) -> SceneSystem:

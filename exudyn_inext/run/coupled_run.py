@@ -11,7 +11,7 @@ from ..arrays import Array
 from ..cable.cable import Cable
 from ..cable.linked_cable import memory_of
 from ..compiled import plain
-from ..errors import DivergenceError, RedundantConstraintError, SceneError
+from ..errors import DivergenceError, OffCableError, RedundantConstraintError, SceneError
 from ..integrators.integrator import Integrator, LoadHistory, advance, remembered
 from ..integrators.linear_stability import frequency_limit
 from ..scene.closed_contacts import rates_in_contact
@@ -87,6 +87,7 @@ class CoupledRun(PacedRun):
         self._recorded = 0  # intervals
         self._first_data = self.data[0]  # of them
         self._is_alone = False  # mbs does not follow it
+        self._data_of_intervals = np.zeros((0, 0))  # with places of what slides
         self._unsolvable = ""  # what was said of joints that could not be solved for
         self._output = np.zeros((1, 3, scene.size))
         external = np.zeros(len(self._form.loads.constant) if self._form else 1)
@@ -445,6 +446,8 @@ class CoupledRun(PacedRun):
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges
             good = self.advance(grid, first, history)
         self._recorded = good
+        if self._form and surroundings.has_sliding_joints:
+            self._data_of_intervals = self._with_places(grid, first, history[:good])
         history[:good, 0] -= self.reference
         if good and not self._form:
             multipliers = surroundings.all_multipliers(self._scene.system.multipliers, self.state.a)
@@ -473,6 +476,11 @@ class CoupledRun(PacedRun):
                 f"{who} needs compiled forms of all items, and Exudyn evaluates this scene because of "
                 f"{self._why_not}: use SolveExplicit, or leave that item out."
             )
+        if self._scene.surroundings.has_sliding_joints:
+            raise SceneError(
+                f"{who} does not say where joints are that slide along cables: use SolveExplicit, or leave "
+                "these out."
+            )
         self._is_alone = True
         if self._form.has_contacts:
             self._form.begin_history(self.data[0], 1)
@@ -487,14 +495,15 @@ class CoupledRun(PacedRun):
         """See `Run.complete`; one by one where supports of cables are asked for after each."""
         if not self._form:
             return False
-        contacts = None if self.remembered is None else self.remembered[-len(times) :]
+        contacts = None if self._of_contacts is None else self._of_contacts[-len(times) :]
         history[:, 0] += self.reference
         together = 1 if any(run.has_reactions for run in self._runs) else len(times)
         for first in range(0, len(times), together):
             which = slice(first, first + together)
             remembered = None if contacts is None else contacts[which]
             rows = self._form.evaluate(self.cables, times[which], history[which], remembered)
-            multipliers[which] = [self._scene.surroundings.equations(row) for row in rows]
+            states = zip(rows, times[which].tolist(), history[which, 0], strict=True)
+            multipliers[which] = [self._scene.surroundings.multipliers(*state) for state in states]
             self._put_reactions(self._form, times[first], history[first], multipliers[first])
         history[:, 0] -= self.reference
         return True
@@ -503,7 +512,7 @@ class CoupledRun(PacedRun):
         """As `complete`, of the beginning and all intervals of the last `record`, without multipliers."""
         assert self._form is not None
         history[:, 0] += self.reference
-        data = None if self.remembered is None else np.vstack([self._first_data, self.remembered])
+        data = None if self._of_contacts is None else np.vstack([self._first_data, self._of_contacts])
         self._form.evaluate(self.cables, times, history, data)
         history[:, 0] -= self.reference
 
@@ -541,8 +550,22 @@ class CoupledRun(PacedRun):
     @property
     def remembered(self) -> Array | None:  # type: ignore[override]
         """See `PacedRun`."""
+        slides = self._form is not None and self._scene.surroundings.has_sliding_joints
+        return self._data_of_intervals if slides else self._of_contacts
+
+    @property
+    def _of_contacts(self) -> Array | None:
+        """(k, D) data of compiled contacts after the intervals of the last `record`."""
         form = self._form
         return form.contacts.history[: self._recorded] if form and form.has_contacts else None
+
+    def _with_places(self, grid: TimeGrid, first: int, history: Array) -> Array:
+        """(k, D) data, with the places of what slides, in states (k, 3, n) from an interval on."""
+        surroundings, data = self._scene.surroundings, self._of_contacts
+        if data is None:
+            data = np.tile(surroundings.remembered, (len(history), 1))
+        times = [grid.time(first + 1 + k) for k in range(len(history))]
+        return surroundings.places_in(data, times, history)
 
     @cached_property
     def _kept(self) -> KeptState:
@@ -614,8 +637,8 @@ class CoupledRun(PacedRun):
                 self._take_steps(piece, times, done)
             self.watch.count(len(times))
             return self.watch.is_well_at(piece.time(end), piece.h, self.state, is_judged)
-        except (DivergenceError, RedundantConstraintError) as error:
-            self._unsolvable = str(error) if isinstance(error, RedundantConstraintError) else ""
+        except (DivergenceError, RedundantConstraintError, OffCableError) as error:
+            self._unsolvable = "" if isinstance(error, DivergenceError) else str(error)
             self.watch.give_up(self.state)
             return False
         except Exception as error:  # Exudyn's, in place of that of a user function

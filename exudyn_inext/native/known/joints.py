@@ -14,9 +14,11 @@ from ...items.attach.shared_node import SameSlope
 from ...items.functions_of_time import is_of_time_alone
 from ...multibody.build import FunctionOfTime
 from ...multibody.rows import ACROSS, ALONG, DIFFERENCE, DISTANCE, PARALLEL, ROW
+from ...multibody.sliding import SLIDER, NoSliders, Sliders
 from ...run.moved_offsets import MovedOffset
 from ...run.settings import SAY_OF_TIME
-from ..joint_items import JointItem
+from ..joint_item import JointItem
+from ..sliding_joints import SlidingJoint
 from .points import Place, PointReader
 from .unknown import UnknownItemError, require_no_functions
 
@@ -70,12 +72,13 @@ class OffsetFunction:
 class KnownRows(NamedTuple):
     """Joints.   records: (m,), in their order.   functions: of time, that offsets are.
 
-    moved: offsets that are set between steps, by the numbers of their joints.
+    moved: offsets that are set between steps, by the numbers of their joints.   sliders: see `Sliders`.
     """
 
     records: Any
     functions: Sequence[FunctionOfTime]
     moved: dict[int, MovedOffset]
+    sliders: Any
 
 
 def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved: Set[int]) -> KnownRows:
@@ -87,7 +90,13 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved:
     rows: list[Any] = []
     functions: list[FunctionOfTime] = []
     found_moved: dict[int, MovedOffset] = {}
+    sliding: list[tuple[Any, Array]] = []
     for joint in joints:
+        if isinstance(joint, SlidingJoint):
+            row, slider = _sliding(joint, reader)
+            rows.append(row)
+            sliding.append((slider, joint.lengths))
+            continue
         data = mbs.GetObject(joint.number)
         read = _READERS.get(data["objectType"])
         if read is None:
@@ -105,7 +114,32 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved:
             found_moved[joint.number] = MovedOffset(len(rows), given)
             functions.append(found_moved[joint.number])
         rows += of_joint
-    return KnownRows(collected(ROW, rows), functions, found_moved)
+    return KnownRows(collected(ROW, rows), functions, found_moved, _sliders(sliding))
+
+
+def _sliders(found: Sequence[tuple[Any, Array]]) -> Any:
+    """Of records, and the lengths of their elements."""
+    if not found:
+        return NoSliders()
+    sizes = [len(lengths) for _, lengths in found]
+    records = collected(SLIDER, [slider for slider, _ in found])
+    records["lengths"] = np.cumsum(sizes) - sizes
+    return Sliders(records, np.concatenate([lengths for _, lengths in found]))
+
+
+def _sliding(joint: SlidingJoint, reader: PointReader) -> tuple[Any, Any]:
+    """The row, and the record of the point that slides along one cable."""
+    chain = [reader.nodes_of_element(int(element)) for element in joint.elements]
+    first = chain[0][0]
+    if chain != [(first + 4 * k, first + 4 * (k + 1)) for k in range(len(chain))]:
+        raise UnknownItemError(f"{joint.name} along elements that do not follow each other on one cable")
+    slider, follows = np.zeros(1, SLIDER)[0], reader.marker(joint.slider)
+    point = reader.on_chain(first, len(chain))
+    slider["point"], slider["follows"], slider["first"] = point.point, follows.point, first
+    slider["elements"], slider["segment"], slider["x"] = len(chain), *joint.last
+    slider["length"] = joint.lengths[int(joint.last[0])]
+    normal = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
+    return _Joint((point, follows), np.zeros((2, 3, 3))).row(ALONG, axes=normal), slider
 
 
 def _offset_function(mbs: Any, joint: JointItem, data: dict[str, Any]) -> OffsetFunction:

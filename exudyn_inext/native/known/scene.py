@@ -15,7 +15,7 @@ from ...run.moved_offsets import MovedOffset
 from ..bodies import Body
 from ..coordinates import CoordinateMap
 from ..friction_check import FrictionCheck
-from ..joint_items import JointItem
+from ..joint_item import JointItem
 from .bodies import read_body_records
 from .connectors import VALUES, KnownConnector, read_connector
 from .contacts import ContactReader
@@ -59,7 +59,7 @@ def read_known_items(
     order = {int(first): number for number, first in enumerate(records["first"])}
     of_bodies = {body.number: order[first] for body, first in zip(bodies, firsts, strict=True)}
     reader = PointReader(mbs, coordinates, on_cables, records, of_bodies)
-    rows, functions, of_moved = read_rows(mbs, joints, reader, moved)
+    rows, functions, of_moved, sliders = read_rows(mbs, joints, reader, moved)
     done = {*of_bodies, *elsewhere, *(joint.number for joint in joints)}
     items = KnownNumbers(mbs, reader, functions, of_moved)
     touching = ContactReader(mbs, reader, friction.numbers)
@@ -71,7 +71,8 @@ def read_known_items(
             items.add_load(number)
     springs, loads = collected(CONNECTOR, items.connectors), collected(LOAD, items.loads)
     contacts = touching.contacts(friction.sums)
-    return KnownItems(records, reader.records, rows, springs, loads, contacts, items.functions), items
+    known = records, reader.records, sliders, rows, springs, loads, contacts, items.functions
+    return KnownItems(*known), items
 
 
 class KnownNumbers:

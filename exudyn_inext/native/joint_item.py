@@ -1,0 +1,35 @@
+"""A native constraint of an mbs as a joint, which Exudyn evaluates."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import exudyn
+import numpy as np
+from exudyn.exudynCPP import ObjectIndex
+
+from ..arrays import Array
+
+JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
+
+
+@dataclass(frozen=True, eq=False)
+class JointItem:
+    """An object with algebraic equations.
+
+    number: of the object.   rows: (k,) places of its active equations among all algebraic equations.
+    active: (k,) which of its own equations these are.   coordinates: (n,) places in the system vector.
+    name: for messages.   follows_time: whether user functions take part.
+    is_linear: whether its Jacobian never changes.
+    """
+
+    number: int
+    rows: np.ndarray
+    active: np.ndarray
+    coordinates: np.ndarray
+    name: str
+    follows_time: bool
+    is_linear: bool
+
+    def jacobian(self, mbs: Any) -> Array:
+        """(k, n) with respect to `coordinates`, in the current configuration."""
+        return np.asarray(mbs.ComputeItem(ObjectIndex(self.number), JACOBIAN))[self.active]

@@ -1,0 +1,204 @@
+"""Sliding joints: the position p of a marker slides along planar cable elements, without friction.
+
+The place s on the cable is no unknown. It is the foot of the perpendicular of p on the cable r(s), and with
+the unit normal n there the joint is one equation between the coordinates,
+
+    c = n . (p - r(s)) = 0,    dc = n . (dp - S dq),
+
+as neither the change of s nor that of n adds anything at the foot, r' . (p - r) = 0. Exudyn's
+ObjectJointSliding2D has the place as an unknown of its own, which it finds in each step.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import exudyn
+import numpy as np
+from exudyn.exudynCPP import ObjectIndex
+
+from ..arrays import Array
+from ..element.shape_functions import first_derivatives, second_derivatives, shape_functions
+from ..errors import SceneError
+from ..items.parameters import set_unnoted
+from ..multibody.sliding import BEYOND
+from ..run.compiled_scene import off_cable
+from .joint_item import JACOBIAN, JointItem
+
+FORMULATION = "useClassicalFormulation"
+CLOSE = 1e-13  # of the place to the foot, relative to the length of an element
+MOST_STEPS = 30  # of Newton's method, besides those from element to element
+OFFSET = 1e-6  # of slidingMarkerOffsets from the ends of elements, relative to the length of the shortest
+_POSITION = exudyn.OutputVariableType.Position
+
+
+class Foot(NamedTuple):
+    """Place on a chain.   segment: which element.   x: on it [m].   weights: (4,) S.   slope: (2,) r'.
+
+    way: (2,) p - r [m].
+    """
+
+    segment: int
+    x: float
+    weights: Array
+    slope: Array
+    way: Array
+
+    @property
+    def normal(self) -> Array:
+        """(2,) to the left of the slope."""
+        return np.array([-self.slope[1], self.slope[0]]) / np.linalg.norm(self.slope)
+
+    def beyond(self, length: float) -> float:
+        """How far it lies beyond the ends of its element [m]; that of others than the end ones never does."""
+        return max(-self.x, self.x - length, 0.0)
+
+    @property
+    def distance(self) -> float:
+        """Of p along the normal [m]."""
+        return float(self.normal @ self.way)
+
+
+@dataclass(frozen=True, eq=False)
+class SlidingJoint(JointItem):
+    """See `JointItem`; it has one equation, and `rows` the place of the first of Exudyn's three.
+
+    slider: marker.   elements: (E,) objects.
+    chain: (E, 8) places of their coordinates in the system vector.   references: (E, 8) of these.
+    lengths, offsets: (E,) of elements, and s of their first nodes [m].
+    data: (2,) places of segment and s among the data.   is_classical: which of Exudyn's formulations it has.
+    last: (2,) segment, and x there [m], that were found last.
+    """
+
+    slider: int
+    elements: np.ndarray
+    chain: np.ndarray
+    references: Array
+    lengths: Array
+    offsets: Array
+    data: np.ndarray
+    is_classical: bool
+    last: Array = field(default_factory=lambda: np.zeros(2))
+
+    def foot(self, mbs: Any) -> Foot:
+        """Of the slider's position in mbs, by Newton's method from the last one.
+
+        Beyond its ends the cable goes on straight.
+        """
+        position = np.asarray(mbs.GetMarkerOutput(self.slider, _POSITION))[:2]
+        all_q = np.asarray(mbs.systemData.GetODE2Coordinates())
+        segment, x = int(self.last[0]), float(self.last[1])
+        for _ in range(MOST_STEPS + len(self.chain)):
+            nodes = (all_q[self.chain[segment]] + self.references[segment]).reshape(4, 2)
+            length = float(self.lengths[segment])
+            weights, *derivatives = _shapes(x, length)
+            slope, bend = (one @ nodes for one in derivatives)
+            way = position - weights @ nodes
+            square = slope @ slope
+            step = float(slope @ way) / max(square - bend @ way, 0.5 * square)
+            if abs(step) <= CLOSE * length:
+                break
+            x += step
+            if x < 0.0 and segment > 0:
+                segment, x = segment - 1, float(self.lengths[segment - 1])
+            elif x > length and segment < len(self.chain) - 1:
+                segment, x = segment + 1, 0.0
+        self.last[:] = segment, x
+        return Foot(segment, x, weights, slope, way)
+
+    def jacobian(self, mbs: Any) -> Array:
+        """See `JointItem`; what the slider moves by is that of Exudyn's first two equations, -dp/dq."""
+        foot = self.foot(mbs)
+        if not self.is_classical:
+            set_unnoted(mbs, self.number, FORMULATION, True)
+        moved = np.asarray(mbs.ComputeItem(ObjectIndex(self.number), JACOBIAN))[:2]
+        if not self.is_classical:
+            set_unnoted(mbs, self.number, FORMULATION, False)
+        result = np.zeros((1, len(self.coordinates)))
+        of_slider = moved.shape[1] - self.chain.shape[1]
+        result[0, :of_slider] = -foot.normal @ moved[:, :of_slider]
+        at = np.searchsorted(self.coordinates[of_slider:], self.chain[foot.segment]) + of_slider
+        np.add.at(result[0], at, -np.outer(foot.weights, foot.normal).ravel())
+        return result
+
+    def multipliers(self, mbs: Any, nu: float) -> Array:
+        """(3,) of Exudyn's equations: the force on the slider, and no change of s."""
+        foot = self.foot(mbs)
+        if self.is_classical:
+            return np.array([*(-nu * foot.normal), 0.0])
+        return np.array([0.0, -nu / float(np.linalg.norm(foot.slope)), 0.0])
+
+    def beyond(self, mbs: Any) -> float:
+        """How far the foot lies beyond the ends of the chain [m]."""
+        foot = self.foot(mbs)
+        return foot.beyond(float(self.lengths[foot.segment]))
+
+    def put_place(self, mbs: Any, data: Array) -> None:
+        """Set segment and s at present in data (D,).
+
+        Raises:
+            OffCableError: it has left the chain of elements.
+        """
+        foot = self.foot(mbs)
+        length = float(self.lengths[foot.segment])
+        beyond = foot.beyond(length)
+        if beyond > BEYOND * length:
+            raise off_cable(self.name, beyond, foot.x < 0.0)
+        data[self.data] = foot.segment, self.offsets[foot.segment] + foot.x
+
+
+def _shapes(x: float, length: float) -> Sequence[Array]:
+    """S, S' and S'' (4,) at x [m] on an element, which goes on straight beyond its ends."""
+    at = min(max(x, 0.0), length)
+    slope = first_derivatives(at / length, length)
+    bend = second_derivatives(at / length, length) if at == x else np.zeros(4)
+    return shape_functions(at / length, length) + (x - at) * slope, slope, bend
+
+
+def read_sliding_joint(mbs: Any, number: int, data: dict[str, Any], name: str) -> SlidingJoint:
+    """An ObjectJointSliding2D, at the place that its data say.
+
+    Raises:
+        SceneError: it holds a rotation, pulls along the cable, or its offsets are not those of its elements.
+    """
+    for parameter in ("constrainRotation", "axialForce"):
+        if data[parameter]:
+            raise SceneError(
+                f"{name} has {parameter} = {data[parameter]!r}, which explicit steps do not support: leave "
+                "it out, or create the cable with enforcement='algebraic' for mbs.SolveDynamic."
+            )
+    elements = [int(mbs.GetMarker(marker)["bodyNumber"]) for marker in data["slidingMarkerNumbers"]]
+    cables = [mbs.GetObject(element) for element in elements]
+    lengths, offsets = np.array([cable["length"] for cable in cables]), np.array(data["slidingMarkerOffsets"])
+    wanted = offsets[0] + np.cumsum([0.0, *lengths[:-1]])
+    if not np.abs(offsets - wanted).max() <= OFFSET * lengths.min():
+        raise SceneError(
+            f"{name} has slidingMarkerOffsets = {offsets.tolist()}, but its elements, of lengths "
+            f"{lengths.tolist()}, begin at {wanted.tolist()} m: let them follow each other."
+        )
+    system = mbs.systemData
+    nodes = [[int(node) for node in cable["nodeNumbers"]] for cable in cables]
+    chain = np.array([[c for node in pair for c in system.GetNodeLTGODE2(node)] for pair in nodes], dtype=int)
+    references = [[c for node in pair for c in mbs.GetNode(node)["referenceCoordinates"]] for pair in nodes]
+    of_slider = system.GetObjectLTGODE2(number)[: -chain.shape[1]]
+    at = np.array(system.GetObjectLTGData(number), dtype=int)
+    segment, s = np.asarray(system.GetDataCoordinates())[at]
+    segment = int(np.clip(segment, 0, len(elements) - 1))
+    return SlidingJoint(
+        number=number,
+        rows=np.array(system.GetObjectLTGAE(number)[:1], dtype=int),
+        active=np.zeros(1, dtype=int),
+        coordinates=np.concatenate([np.array(of_slider, dtype=int), np.unique(chain)]),
+        name=name,
+        follows_time=False,
+        is_linear=False,
+        slider=int(data["markerNumbers"][0]),
+        elements=np.array(elements),
+        chain=chain,
+        references=np.array(references),
+        lengths=lengths,
+        offsets=offsets,
+        data=at,
+        is_classical=bool(data[FORMULATION]),
+        last=np.array([segment, s - offsets[segment]]),
+    )
