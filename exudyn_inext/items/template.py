@@ -62,12 +62,20 @@ class InextensibleCable:
         if isinstance(template, cls):
             return template
         if not isinstance(template, ObjectANCFCable | ObjectANCFCable2D):
+            is_item = hasattr(template, "visualization")
+            given = type(template).__name__ if is_item else repr(template)
             raise InputError(
-                f"beamTemplate = {template!r}: must be an InextensibleCable, or an ObjectANCFCable2D or "
+                f"beamTemplate = {given}: must be an InextensibleCable, or an ObjectANCFCable2D or "
                 "ObjectANCFCable whose massPerLength and bendingStiffness are taken over."
             )
         axial = ("axialStiffness", "axialDamping", "referenceAxialStrain") if extensible else ()
-        for name in (*_NOT_YET, *(() if extensible else ("referenceAxialStrain",))):
+        strain = _native_value(template, "referenceAxialStrain")
+        if _is_set(strain) and not extensible:
+            raise InputError(
+                f"beamTemplate.referenceAxialStrain = {strain!r}: only cables that stretch begin "
+                "strained; give extensible=True, which takes axialStiffness over, too, or set it to zero."
+            )
+        for name in _NOT_YET:
             if _is_set(_native_value(template, name)):
                 raise InputError(
                     f"beamTemplate.{name} = {_native_value(template, name)!r}: not supported by the "

@@ -1,9 +1,10 @@
 """Native templates are read under the names of all of Exudyn's versions."""
 
 import pytest
-from exudyn.itemInterface import ObjectANCFCable, ObjectANCFCable2D
+from exudyn.itemInterface import ObjectALEANCFCable2D, ObjectANCFCable, ObjectANCFCable2D
 
 from exudyn_inext import InextensibleCable
+from exudyn_inext.errors import InputError
 
 VALUES = {"massPerLength": 2.0, "bendingStiffness": 3.0, "bendingDamping": 0.1}
 AXIAL = {"axialStiffness": 5.0, "axialDamping": 0.2, "referenceAxialStrain": 0.01}
@@ -27,3 +28,16 @@ def test_scripts_say_a_share_of_strain_by_true_and_false(share):
     native = ObjectANCFCable2D(**VALUES, **AXIAL, strainIsRelativeToReference=share)
     read = InextensibleCable.from_template(native, extensible=True)
     assert read.section(2).strain_is_relative == float(share)
+
+
+def test_a_prestretched_belt_is_refused_until_the_remedy_is_followed():
+    """As in Exudyn's belt drives; an inextensible cable has no strain to begin with."""
+    belt = ObjectANCFCable2D(**VALUES, axialStiffness=5.0, referenceAxialStrain=-0.002)
+    with pytest.raises(InputError, match=r"referenceAxialStrain = -0\.002: .*give extensible=True"):
+        InextensibleCable.from_template(belt)
+    assert InextensibleCable.from_template(belt, extensible=True).referenceAxialStrain == -0.002
+
+
+def test_a_native_element_of_another_kind_is_named_and_not_printed():
+    with pytest.raises(InputError, match=r"^beamTemplate = ObjectALEANCFCable2D: must be"):
+        InextensibleCable.from_template(ObjectALEANCFCable2D(**VALUES))
