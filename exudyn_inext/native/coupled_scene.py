@@ -210,11 +210,15 @@ class CoupledScene:
 
     def open_contacts(self, t: float, q: Array, v: Array, data: Array | None) -> OpenContacts | None:
         """See `JoinedScene`."""
+        if not self.mbs.systemData.DataSize():
+            return None
         with state_kept(self.mbs):
             self.surroundings.set_state(t, q, v)
             if data is not None and len(data):
                 self.mbs.systemData.SetDataCoordinates(data.tolist())
-            return open_contacts(self.mbs, self.map, self.size)
+            found = open_contacts(self.mbs, self.map, self.size)
+        self.surroundings.forget()
+        return found
 
     @property
     def remembered(self) -> DataCoordinates | None:

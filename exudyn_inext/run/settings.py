@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import InitVar, dataclass
-from functools import cached_property
 from typing import Any
 from warnings import warn
 
@@ -123,7 +122,7 @@ class ExplicitSettings:
         found = [one for one in INTEGRATORS.values() if isinstance(self.integrator, one.scheme)]
         return found[0] if found else find_integrator(self.integrator)
 
-    @cached_property
+    @property
     def method(self) -> tuple[Integrator, Any]:
         """The integrator, and the parameters of its scheme: those given, or its defaults."""
         integrator = self._integrator
@@ -133,4 +132,4 @@ class ExplicitSettings:
     @property
     def integratorName(self) -> str:
         """What the integrator is called."""
-        return self.method[0].name
+        return self._integrator.name
