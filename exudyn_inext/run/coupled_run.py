@@ -533,9 +533,8 @@ class CoupledRun(PacedRun):
 
     @property
     def is_steady(self) -> bool:
-        """See `CableRun.is_steady`; what contacts remember is in mbs, too."""
-        form = self._form
-        return form is not None and not form.has_contacts and form.loads.are_steady
+        """See `CableRun.is_steady`; what contacts and sliding joints remember is in mbs, too."""
+        return self._form is not None and self.remembered is None and self._form.loads.are_steady
 
     @property
     def elsewhere(self) -> Elsewhere | None:  # type: ignore[override]
