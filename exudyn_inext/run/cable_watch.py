@@ -49,7 +49,7 @@ class CableWatch(RunWatch):
         is_damped = bool(cable.section.bending_damping or cable.section.axial_damping)
         has_power = moves or is_damped or cable.drag is not None
         every = STEPS_WITH_POWER if has_power else STEPS_BETWEEN
-        most = VIOLENT * energy_tolerance if gains_energy or cable.stretches else np.inf
+        most = VIOLENT * energy_tolerance if gains_energy else np.inf
         self.watch = build_watch(state, every, energy_tolerance, loads.pattern, LEAST_STEPS, most)
 
     def open(self, system: Any, external: Array, state: Any) -> None:

@@ -85,7 +85,7 @@ class Watch(NamedTuple):
 
     every, least: steps between two inspections, at most and at least.
     tolerance: energy that a run may gain, as a share of what its motion turns over [-].
-    most: as `tolerance`, of a scheme that gains energy or a cable that stretches: with more, it has diverged.
+    most: as `tolerance`, of a scheme that gains energy: with more, it has diverged.
     duration: T of the run [s].   phase: error that the step may cause in it [rad], see above.
     mesh: (4,) of the mesh that errors of the step are compared with, see `resolution_of_mesh`; or `NO_MESH`.
     account: (3,) records, NOW, KEPT and FAILED. Energy at the `start` and `agitation` then [J/s^2]; its
@@ -261,16 +261,14 @@ def open_with_gauges(watch, state, round_off):
 @inlined
 def _go_on(watch, state):
     account, now = watch.account[NOW], watch.gauges_now
-    account.surplus += now[ELASTIC] - watch.gauges[ELASTIC]
     account.start = now[KINETIC] + now[ELASTIC] - account.work - account.surplus
     _keep(watch, state)
 
 
 @kernel
 def go_on(watch, system, external, state):
-    """After a change of the step, and so of the mass: the kinetic energy is another one, its surplus is not.
+    """After a change of the step, and so of the mass: the energy is another one, its surplus is not.
 
-    Axial vibrations that a long step did not resolve have more energy in shorter ones: that is surplus.
     Arguments: see `open_account`.
     """
     gauge(system, external, state.q, state.v, state.a, watch.force, watch.gauges_now)
@@ -418,10 +416,10 @@ def _judge(watch, state, steps, duration):
         jump = _draw_up(watch, steps, duration)
         if now[VIOLATION] > LARGEST_VIOLATION:
             account.trouble = CONSTRAINTS
-        elif jump > LARGEST_JUMP * watch.tolerance:
-            account.trouble = JUMP
         elif account.error > watch.most:
             account.trouble = ENERGY
+        elif jump > LARGEST_JUMP * watch.tolerance:
+            account.trouble = JUMP
         elif _is_too_fast(watch, steps, duration):
             account.trouble = TOO_FAST
     if account.trouble == ALL_IS_WELL:
