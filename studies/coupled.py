@@ -38,6 +38,7 @@ from pathlib import Path
 from .harness import Order, Results, Row, Study, Table, announce, groups, judged
 from .harness.coupled_runs import (
     LARGE_ELEMENTS,
+    LARGE_RUNS,
     LARGE_STEP,
     Candidate,
     Inextensible,
@@ -69,7 +70,7 @@ def measure(order: Order) -> list[Row]:
             announce("coupled", scene.name)
             rows += TUNING.rows(scene.brief() if order.quick else scene, order.quick)
     for meshes in (2,) if order.quick else LARGE:
-        rows += [_large(meshes, formulation) for formulation in SIDES]
+        rows += [_large(meshes, formulation, 1 if order.quick else LARGE_RUNS) for formulation in SIDES]
     return rows
 
 
@@ -87,9 +88,9 @@ compared = partial(compare, bounds=BOUNDS, who=WHO)
 TUNING = Tuning(dict(zip(SIDES, (_ours, natives), strict=True)), _references, BOUNDS)
 
 
-def _large(meshes: int, formulation: str) -> Row:
+def _large(meshes: int, formulation: str, runs: int) -> Row:
     """Start, step and memory, each in a process of its own."""
-    found = dict(ask(large_net, formulation, meshes, OPENBLAS_NUM_THREADS="1"))
+    found = dict(ask(large_net, formulation, meshes, runs, OPENBLAS_NUM_THREADS="1"))
     cables = 2 * meshes * (meshes + 1)
     label = f"{cables} cables, {formulation}"
     return {"kind": "large", "label": label, "cables": cables, "formulation": formulation, **found}

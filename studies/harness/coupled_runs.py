@@ -205,18 +205,21 @@ def distance(paths: Array, reference: Array) -> float | None:
 
 LARGE_ELEMENTS = 6  # of a cable of a large net
 LARGE_STEP, LARGE_STEPS = 5e-4, (4, 104)  # [s]; of the short and the long run
-LARGE_RUNS = 3  # of each, the fastest of which counts: starts vary by as much as some steps cost
+LARGE_RUNS = 3  # of each: starts vary by as much as some steps cost
 
 
-def large_net(formulation: str, meshes: int) -> Row:
-    """Start, step and memory of a large net, of this process; natives with modified Newton, the cheapest."""
+def large_net(formulation: str, meshes: int, runs: int) -> Row:
+    """Start, step and memory of a large net, of this process; natives with modified Newton, the cheapest.
+
+    runs: short and long ones, the fastest of which count.
+    """
     is_ours = formulation == "inextensible"
     number, h = LARGE_ELEMENTS, LARGE_STEP
     candidate = Inextensible(number, h) if is_ours else Native(number, h, axial=1e5)
     few, many = LARGE_STEPS
     prepare(net_of_squares(2), candidate, few * h)()  # kernels
     short, long = (
-        min(prepare(net_of_squares(meshes), candidate, steps * h)()[0] for _ in range(LARGE_RUNS))
+        min(prepare(net_of_squares(meshes), candidate, steps * h)()[0] for _ in range(runs))
         for steps in LARGE_STEPS
     )
     step = (long - short) / (many - few)

@@ -1,12 +1,10 @@
 """Ensembles of cables among bodies, springs and joints."""
 
-from functools import partial
-
 import exudyn
 import numpy as np
 import pytest
 
-from examples import capstan, crane, net, slider_crank, tethered_bodies
+from examples import crane, net, slider_crank, tethered_bodies
 from exudyn_inext import (
     CreateInextensibleCable,
     ExplicitSettings,
@@ -66,7 +64,6 @@ def solve(build, parameters, threads=1, **explicit):
         (tethered_bodies.build, {}),
         (slider_crank.build, {}),
         (net.build, {"integrator": "Zhai"}),
-        (partial(capstan.build, elements=10), {"stepSize": 2e-4, "massScaling": 0.3}),
     ],
 )
 def test_every_member_moves_as_it_does_alone(build, explicit):

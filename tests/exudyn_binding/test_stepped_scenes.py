@@ -16,6 +16,7 @@ from exudyn_inext import (
     AttachToBody,
     ExplicitSettings,
     ExplicitStepper,
+    SolveEnsemble,
     SolveExplicit,
 )
 from reference_models.model import quiet_settings, silence
@@ -114,7 +115,7 @@ def test_a_force_on_a_node_of_a_cable_among_bodies_is_one_of_the_scene(build):
     np.testing.assert_array_equal(stepper.State()[0], free)
 
 
-def test_contact_moves_as_in_solve_explicit_and_begins_anew():
+def test_contact_moves_as_in_solve_explicit_in_ensembles_too():
     """A cable that slides over a cylinder, whose friction remembers where it sticks."""
     systems = [exudyn.SystemContainer().AddSystem() for _ in range(2)]
     for mbs in systems:
@@ -135,3 +136,6 @@ def test_contact_moves_as_in_solve_explicit_and_begins_anew():
         np.testing.assert_array_equal(found, expected)
     touching = np.array(data[1].GetDataCoordinates(exudyn.ConfigurationType.Initial))
     assert np.abs(found - touching).max() > 0.1  # segments have closed, stuck and slipped
+    member = SolveEnsemble(systems[1:], quiet_settings(end, 10), slide, derivatives=2)
+    for name, read in (("coordinates", "GetODE2Coordinates"), ("accelerations", "GetODE2Coordinates_tt")):
+        np.testing.assert_array_equal(member[name][0, -1], getattr(data[0], read)())
