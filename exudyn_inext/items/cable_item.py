@@ -10,6 +10,7 @@ from exudyn.itemInterface import (
     NodePoint2DSlope1,
     NodePointGround,
     NodePointSlope1,
+    ObjectANCFCable,
     ObjectGenericODE2,
     VObjectGenericODE2,
 )
@@ -80,8 +81,8 @@ def CreateInextensibleCable(
         nodeNumberEnd: the same for the last node.
         shape: CableShape for curved cables and initial velocities, in place of the three arguments
             of the straight cable.
-        dimension: 2 or 3; None: 2 if shape, velocities and gravity lie in the x-y plane, and no node is
-            shared with a cable in space.
+        dimension: 2 or 3; None: 3 if beamTemplate is an ObjectANCFCable, or a node is shared with a cable
+            in space; otherwise 2 if shape, velocities and gravity lie in the x-y plane.
         enforcement: of inextensibility in native solvers. 'projection': none, SolveExplicit only;
             'penaltyMass' or PenaltyMass(...): penalties, for native explicit solvers; 'algebraic': exact
             constraint objects, for native implicit solvers. SolveExplicit takes all of them alike.
@@ -114,7 +115,7 @@ def CreateInextensibleCable(
     _require_projection(template, way)
     gravity_vector = require_vector("gravity", gravity, " [m/s^2]")
     shared = _shared_nodes(mbs, way, (nodeNumberStart, nodeNumberEnd), (shareSlopeStart, shareSlopeEnd))
-    in_space = any(one.dimension == 3 for one in shared.values())
+    in_space = isinstance(beamTemplate, ObjectANCFCable) or any(one.dimension == 3 for one in shared.values())
     dim = _dimension(3 if in_space and dimension is None else dimension, checked, gravity_vector)
     number = len(checked.lengths)
     cable = Cable(

@@ -16,7 +16,7 @@ from ..compiled import inlined
 BODY = record_type(
     [
         ("first", np.int64),  # coordinate among all of the scene
-        ("translations", np.int64),  # coordinates: 2 or 3
+        ("translations", np.int64),  # coordinates: 1, 2 or 3
         ("rotations", np.int64),  # coordinates: 0, 1 (angle about z), 3 (angles x, y, z) or 4 (quaternion)
         ("reference", np.float64, (7,)),
         ("mass", np.float64, (6, 6)),  # in the frame of the body

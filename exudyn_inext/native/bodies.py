@@ -23,7 +23,7 @@ _CONSTANT_MASS = {
     "MassPoint",
     "MassPoint2D",
     "Mass1D",
-    "Rotor1D",
+    "RotationalMass1D",
 }
 _CENTRE_OF_MASS = {"centerOfMass", "physicsCenterOfMass"}  # names in Exudyn's versions
 _SINGULAR = 1e-13  # part of a mass that must resist in each direction

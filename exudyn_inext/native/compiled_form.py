@@ -40,7 +40,7 @@ WAY, SPEED = 0.01, 1.0  # of random states [m, -] from the first one, and [m/s, 
 def compiled_parts(scene: CoupledScene, t: float, q: Array, v: Array) -> CompiledParts:
     """The cables, bodies and joints of a scene in compiled code; arguments: see `compiled_form`."""
     form = compiled_form(scene, t, q, v, has_forces=False)
-    return CompiledParts(form, scene.map.slices[-1])
+    return CompiledParts(form, [part.dofs for part in scene.system.parts[len(scene.cables) :]])
 
 
 def compiled_form(
@@ -122,11 +122,11 @@ def require_agreement(
         if number and random:
             disturb(contacts, random)
         scene.remember(contacts.data)
-        given = scene.surroundings.forces(t, at, rates)[-1]
+        given = scene.surroundings.forces(t, at, rates)[scene.place_of_bodies]
         if not has_forces:
-            form.given[:] = scene.surroundings.native_forces
+            form.given[: len(scene.map.indices)] = scene.surroundings.native_forces
             subtract_inertia_forces(form.system.items.bodies, at, rates, form.given)
-        found.append(_evaluated(form, evaluate, external, at, rates))
+        found.append(_evaluated(form, evaluate, external, at, rates, len(scene.map.indices)))
         wanted.append(_evaluated_by_exudyn(scene, t, at, rates, given, form.multipliers))
         if number and form.has_contacts:
             _compare_contacts(scene, form, t, at, rates)
@@ -165,15 +165,15 @@ def _with_unit_quaternions(rows: JointRows, states: Array) -> Array:
 
 
 def _evaluated(
-    form: CompiledScene, evaluate: Prepared, external: Array, q: Array, v: Array
+    form: CompiledScene, evaluate: Prepared, external: Array, q: Array, v: Array, number: int
 ) -> tuple[Array, Array]:
-    """(n,) forces on the cables, and accelerations of the bodies; and (4, m) of joints."""
+    """(number,) forces on the cables, and accelerations of the bodies; and (4, m) of joints."""
     system, (result, rate) = form.system, np.zeros((2, len(q)))
     evaluate(system, external, q, v, 0.0, result, rate)
     result[: system.cable_dofs] = system.items.force[: system.cable_dofs]
     joints = system.items.joints
     drift = -joints.rows["drift"][:, 0]
-    return result, np.array([joints.value, joints.rate - drift, joints.gamma, drift])
+    return result[:number], np.array([joints.value, joints.rate - drift, joints.gamma, drift])
 
 
 def _evaluated_by_exudyn(

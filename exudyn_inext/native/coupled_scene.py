@@ -54,6 +54,7 @@ class CoupledScene:
     joints: native constraints that couple the parts.   rows: theirs.
     held: coordinates that belong to no part.
     cable_systems: of the cables, in memory that they share.
+    place_of_bodies: among what is evaluated at once.
     parts_in_one: compiled code that evaluates bodies and joints, while Exudyn evaluates the forces, or None.
     """
 
@@ -102,6 +103,7 @@ class CoupledScene:
         parts = [*of_cables, *others]
         evaluated = [part.whole or part for part in of_cables]
         wholes = [*{id(whole): whole for whole in evaluated}.values(), *others]
+        self.place_of_bodies = len(wholes) - len(others)
         self.joints = read_joints(mbs, own_constraints.union(self.held.numbers))
         self.rows = rows = JointRows(self.joints, quaternions, parts, self.map, masses.held)
         loads = [cable.loads for cable in cables]

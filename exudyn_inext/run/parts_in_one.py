@@ -16,16 +16,18 @@ class CompiledParts:
     """The compiled form of cables, bodies and joints, without springs and loads.
 
     Args:
-        form: of them.   bodies: their place among the coordinates.
+        form: of them.   others: places of the bodies among the coordinates, and of first order states.
 
     multipliers: (m,) of the joints at the last evaluation.
     """
 
-    def __init__(self, form: CompiledScene, bodies: slice) -> None:
+    def __init__(self, form: CompiledScene, others: Sequence[slice]) -> None:
         self.form = form
         self._system = form.system
         self._items = form.system.items
-        self._bodies = bodies
+        self._others = others
+        states = others[-1].stop - others[0].stop  # of first order, last among the records
+        self._bodies = self._items.bodies[: len(self._items.bodies) - states]
         self._cables = len(form.system.cable_force)
         self.multipliers = form.multipliers
         form.given[:] = 0.0
@@ -41,10 +43,10 @@ class CompiledParts:
 
     def subtract_inertia(self, q: Array, v: Array, forces: Array) -> None:
         """See `NativeSurroundings`."""
-        subtract_inertia_forces(self._items.bodies, q, v, forces)
+        subtract_inertia_forces(self._bodies, q, v, forces)
 
     def rates(self, t: float, forces: Sequence[Array], *arrays: Array) -> None:
-        """See `index_reduced_rates`.   forces: on all cables, then on the bodies."""
+        """See `index_reduced_rates`.   forces: on all cables, then on the others."""
         self._rates(self._system, self._external(t, forces), *arrays)
         self.form.require_independence()
 
@@ -58,10 +60,12 @@ class CompiledParts:
         return float(self._correct(self._system, self.form.loads.at(t), *arguments))
 
     def _external(self, t: float, forces: Sequence[Array]) -> Array:
-        """As the system takes it; forces on bodies are given to them."""
-        self._items.given[self._bodies] = forces[-1]
+        """As the system takes it; forces on the others are given to them."""
+        number = len(forces) - len(self._others)
+        for dofs, force in zip(self._others, forces[number:], strict=True):
+            self._items.given[dofs] = force
         external = self.form.loads.at(t)
-        external[: self._cables] = np.concatenate([*forces[:-1], np.zeros(0)])
+        external[: self._cables] = np.concatenate([*forces[:number], np.zeros(0)])
         return external
 
     def joint_force(self, dofs: slice) -> Array:
@@ -73,7 +77,7 @@ class CompiledParts:
 
     def kinetic_energy(self, q: Array, v: Array) -> float:
         """Of the bodies [J]."""
-        return float(bodies_energy(self._items.bodies, q, v))
+        return float(bodies_energy(self._bodies, q, v))
 
     def violation(self, t: float, q: Array) -> float:
         """Largest |c| of the joints [m, -]."""

@@ -1,9 +1,10 @@
 """Native templates are read under the names of all of Exudyn's versions."""
 
+import exudyn
 import pytest
 from exudyn.itemInterface import ObjectALEANCFCable2D, ObjectANCFCable, ObjectANCFCable2D
 
-from exudyn_inext import InextensibleCable
+from exudyn_inext import CreateInextensibleCable, InextensibleCable
 from exudyn_inext.errors import InputError
 
 VALUES = {"massPerLength": 2.0, "bendingStiffness": 3.0, "bendingDamping": 0.1}
@@ -41,3 +42,10 @@ def test_a_prestretched_belt_is_refused_until_the_remedy_is_followed():
 def test_a_native_element_of_another_kind_is_named_and_not_printed():
     with pytest.raises(InputError, match=r"^beamTemplate = ObjectALEANCFCable2D: must be"):
         InextensibleCable.from_template(ObjectALEANCFCable2D(**VALUES))
+
+
+@pytest.mark.parametrize(("template", "size"), [(ObjectANCFCable2D, 4), (ObjectANCFCable, 6)])
+def test_a_native_template_decides_whether_a_straight_cable_lies_in_space(template, size):
+    mbs = exudyn.SystemContainer().AddSystem()
+    cable = CreateInextensibleCable(mbs, [0, 0, 0], [1, 0, 0], 2, template(**VALUES))
+    assert len(mbs.GetNodeParameter(cable["nodes"][0], "referenceCoordinates")) == size

@@ -22,12 +22,17 @@ from exudyn.itemInterface import (
     MarkerNodeCoordinate,
     MarkerNodePosition,
     MarkerNodeRigid,
+    Node1D,
     NodeGenericData,
+    NodeGenericODE1,
     NodePointGround,
     NodeRigidBody2D,
     ObjectContactCircleCable2D,
     ObjectContactFrictionCircleCable2D,
+    ObjectGenericODE1,
+    ObjectMass1D,
     ObjectRigidBody2D,
+    ObjectRotationalMass1D,
     PrismaticJoint2D,
     RevoluteJoint2D,
     RigidBodySpringDamper,
@@ -368,6 +373,18 @@ def coordinate_constraints(b):
     b.mbs.AddObject(CoordinateConstraint(markerNumbers=list(pair), factor1=0.5))
 
 
+def drums(b):
+    """Masses with one coordinate: one is geared to a body, one drags the cable's tip by a spring."""
+    turning, sliding = (b.mbs.AddNode(Node1D(referenceCoordinates=[x])) for x in (0.0, 0.1))
+    b.mbs.AddObject(ObjectRotationalMass1D(inertia=0.02, nodeNumber=turning))
+    b.mbs.AddObject(ObjectMass1D(mass=0.4, nodeNumber=sliding))
+    turn, way = (b.coordinate(node, 0) for node in (turning, sliding))
+    b.mbs.AddObject(CoordinateConstraint(markerNumbers=[turn, b.coordinate(b.nodes[0], 0)], factor1=5.0))
+    tip = b.coordinate(b.cable["nodes"][-1], 0)
+    b.mbs.AddObject(CoordinateSpringDamper(markerNumbers=[way, tip], stiffness=40.0, damping=0.3))
+    b.mbs.AddLoad(LoadCoordinate(markerNumber=turn, load=0.7))
+
+
 def driven(b):
     """Coordinates that follow functions of time: one with its rate, one that another body shares."""
     ground = b.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=b.mbs.AddNode(NodePointGround()), coordinate=0))
@@ -476,6 +493,7 @@ KINDS = [
     planar_slider,
     distances,
     coordinate_constraints,
+    drums,
     clamp,
     shared_nodes,
 ]
@@ -650,6 +668,28 @@ def with_compiled_parts(kinds, seed, dimension, integrator, monkeypatch, toleran
 def test_bodies_and_joints_are_compiled_where_forces_are_not(kind, dimension, monkeypatch):
     tolerance = OF_JOINTS if kind in JOINTS else TOLERANCE
     with_compiled_parts([kind], len(kind.__name__), dimension, "RATTLE", monkeypatch, tolerance)
+
+
+def filtered(b):
+    """A force that two states of first order let rise."""
+    size = {"referenceCoordinates": [0.0, 0.0], "initialCoordinates": [0.5, 0.0]}
+    states = b.mbs.AddNode(NodeGenericODE1(**size, numberOfODE1Coordinates=2))
+    matrix = [[-40.0, 10.0], [5.0, -60.0]]
+    b.mbs.AddObject(ObjectGenericODE1(nodeNumbers=[states], systemMatrix=matrix, rhsVector=[20.0, 60.0]))
+
+    def pull(mbs, t, load):
+        x, y = mbs.GetNodeOutput(states, exudyn.OutputVariableType.Coordinates)
+        return [x, y, 0.0]
+
+    force = LoadForceVector(markerNumber=b.on_cable(), loadVector=[0, 0, 0], loadVectorUserFunction=pull)
+    b.mbs.AddLoad(force)
+
+
+@every_integrator
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_bodies_and_joints_are_compiled_beside_states_of_first_order(integrator, dimension, monkeypatch):
+    kinds = [filtered, spring, generic_joint, drums]
+    with_compiled_parts(kinds, 5, dimension, integrator, monkeypatch, OF_JOINTS)
 
 
 @every_integrator

@@ -1,4 +1,4 @@
-"""Mass points and rigid bodies as records."""
+"""Mass points, rigid bodies, and masses with one coordinate, as records."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -16,6 +16,7 @@ from .unknown import UnknownItemError, require_no_functions
 
 # node type -> numbers of translations and rotations
 _COORDINATES = {
+    "1D": (1, 0),
     "Point2D": (2, 0),
     "Point": (3, 0),
     "RigidBody2D": (2, 1),
@@ -23,9 +24,10 @@ _COORDINATES = {
     "RigidBodyEP": (3, 4),
 }
 MOST_CONDITION = 1e15  # of a mass
-_OBJECTS = {"MassPoint", "MassPoint2D", "RigidBody2D", "RigidBody"}
+_OBJECTS = {"Mass1D", "RotationalMass1D", "MassPoint", "MassPoint2D", "RigidBody2D", "RigidBody"}
 # numbers of translations and rotations -> directions in which a body can move, of the frame of the body
 _FREE = {
+    (1, 0): [0],
     (2, 0): [0, 1],
     (3, 0): [0, 1, 2],
     (2, 1): [0, 1, 5],
@@ -50,6 +52,14 @@ def read_body_records(mbs: Any, bodies: Sequence[Body], coordinates: CoordinateM
     if len(firsts) < len(bodies):
         raise UnknownItemError("two bodies lie on one node")
     return records[np.argsort(records["rotations"] != 4, kind="stable")]
+
+
+def first_order_records(first: int, number: int) -> Any:
+    """(number,) records of first order states, as velocities of unit masses.   first: place of the first."""
+    records = np.zeros(number, BODY)
+    records["first"], records["translations"] = first + np.arange(number), 1
+    records["orientation"], records["mass"][:, 0, 0], records["inverse"][:, 0, 0] = np.eye(3), 1.0, 1.0
+    return records
 
 
 def _read_body(mbs: Any, body: Body, coordinates: CoordinateMap, q: Array, record: Any) -> None:

@@ -16,7 +16,7 @@ from ..bodies import Body
 from ..coordinates import CoordinateMap
 from ..friction_check import FrictionCheck
 from ..joint_item import JointItem
-from .bodies import read_body_records
+from .bodies import first_order_records, read_body_records
 from .connectors import VALUES, KnownConnector, read_connector
 from .contacts import ContactReader
 from .joints import read_rows
@@ -44,13 +44,14 @@ def read_known_items(
         joints: all constraints, in the order of their rows.
         coordinates: of the scene; those on cables are the first `on_cables` ones.
         elsewhere: objects that belong to the cables.
-        has_forces: whether springs, contacts and loads are read.
+        has_forces: whether springs, contacts and loads are read, and there are no states of first order.
         moved: constraints that are, between steps.   friction: that is looked at.
 
     Raises:
         UnknownItemError: an item has no compiled form.
     """
-    if mbs.systemData.ODE1Size():
+    states = mbs.systemData.ODE1Size()
+    if has_forces and states:
         raise UnknownItemError("states of first order")
     if has_forces and mbs.NumberOfGeneralContacts():
         raise UnknownItemError("contact")
@@ -58,6 +59,8 @@ def read_known_items(
     firsts = [coordinates.place(int(body.coordinates[0])) for body in bodies]
     order = {int(first): number for number, first in enumerate(records["first"])}
     of_bodies = {body.number: order[first] for body, first in zip(bodies, firsts, strict=True)}
+    if states:
+        records = np.append(records, first_order_records(len(coordinates.indices), states))
     reader = PointReader(mbs, coordinates, on_cables, records, of_bodies)
     rows, functions, of_moved, sliders = read_rows(mbs, joints, reader, moved)
     done = {*of_bodies, *elsewhere, *(joint.number for joint in joints)}

@@ -11,7 +11,7 @@ from exudyn.itemInterface import (
     MarkerNodePosition,
     Node1D,
     NodePointGround,
-    Rotor1D,
+    ObjectGenericODE2,
     SensorNode,
 )
 
@@ -255,11 +255,11 @@ def body_beside() -> Any:
     return scene
 
 
-def rotor_beside() -> Any:
+def matrices_beside() -> Any:
     """A cable, and an item that has no compiled form."""
     scene = loose_pendulum()
     node = scene.mbs.AddNode(Node1D(referenceCoordinates=[0.0]))
-    scene.mbs.AddObject(Rotor1D(nodeNumber=node, inertia=1.0, name="axle"))
+    scene.mbs.AddObject(ObjectGenericODE2(nodeNumbers=[node], massMatrix=[[1.0]], name="axle"))
     scene.mbs.Assemble()
     return scene
 
@@ -435,9 +435,9 @@ STEPPER = [
     Row(
         ExplicitStepper,
         {"mbs": MBS},
-        r"ExplicitStepper needs compiled forms .* because of object \d .axle. \(Rotat.*\): use SolveExplicit",
+        r"ExplicitStepper needs compiled forms .* because of object \d .axle. \(Gener.*\): use SolveExplicit",
         SceneError,
-        scene=rotor_beside,
+        scene=matrices_beside,
     ),
 ]
 
