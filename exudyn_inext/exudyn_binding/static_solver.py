@@ -169,7 +169,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         equilibrium = find_equilibrium(JoinedPotential(potentials, others, start), start, options)
         q = equilibrium.q
         reactions = others.reactions(q, equilibrium.multipliers[-len(others.values(q)) or len(q) :])
-        places = others.places(q)
+        data = others.data(q)
     first = 0
     for cable, potential, dofs in zip(scene.cables, potentials, joined.map.slices, strict=False):
         own = slice(first, first + potential.number_of_constraints)
@@ -184,8 +184,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         said = _failure("the scene", equilibrium, "maxIterations")
         raise EquilibriumError(said, StaticReport(report, success=False))
     rest_at(mbs, joined.displacements(q), reactions)
-    if places is not None:
-        put_data(mbs, places)
+    put_data(mbs, data)
     return report
 
 

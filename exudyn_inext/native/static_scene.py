@@ -11,6 +11,7 @@ from ..arrays import Array
 from ..errors import SceneError
 from ..items.arguments import described
 from .bodies import read_quaternions
+from .circles_in_the_way import CirclesInTheWay
 from .coupled_scene import CoupledScene
 
 _ROTATIONS = {"RigidBody2D": 2, "Point2DSlope1": 2, "PointSlope1": 3, "PointSlope12": 3, "PointSlope23": 3}
@@ -40,11 +41,21 @@ class StaticScene:
         self.quaternions = np.array(places, dtype=int).reshape(-1, 4)
         self.references = np.array([one.reference for one in quaternions]).reshape(-1, 4)
         self.turning = _turning(scene, bodies.start)
+        self._circles = CirclesInTheWay(mbs)
 
     def force(self, q: Array) -> Array:
         """See `Others`."""
         self._scene.surroundings.forces(self._time, q, self._rest)
         return self._scene.surroundings.native_forces.copy()
+
+    def is_blocked(self, q: Array, trial: Array) -> bool:
+        """Whether a cable would jump over a circle that it touches, or through it."""
+        return len(self._circles) > 0 and self._circles.are_between(self._ends(q), self._ends(trial))
+
+    def _ends(self, q: Array) -> Array:
+        """Of segments in contact with circles, see `CirclesInTheWay`."""
+        self._scene.surroundings.set_state(self._time, q, self._rest)
+        return self._circles.present()
 
     def values(self, q: Array) -> Array:
         """See `Others`."""
@@ -73,11 +84,10 @@ class StaticScene:
         self.force(q)
         return self._scene.surroundings.all_multipliers(nu, self._rest)
 
-    def places(self, q: Array) -> Array | None:
-        """Data (D,) with the places of sliding joints, or None without these."""
+    def data(self, q: Array) -> Array:
+        """(D,) what contacts remember once they have settled, and the places of sliding joints."""
         self.force(q)
-        surroundings = self._scene.surroundings
-        return surroundings.present_places() if surroundings.has_sliding_joints else None
+        return self._scene.surroundings.present_places()
 
     def node_of(self, place: int) -> str:
         """The node that has a coordinate of the scene."""
