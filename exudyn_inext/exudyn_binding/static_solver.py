@@ -66,7 +66,8 @@ def SolveEquilibrium(
 
     The search runs downhill on the constraints from the initial configuration, which need not fulfil them,
     to a stable equilibrium, and writes it into mbs as the initial and the present state, at rest: a
-    following SolveExplicit starts from it, after loads were changed, for example. Bodies, springs, joints,
+    following SolveExplicit starts from it, after loads were changed, for example. Initial velocities are
+    lost, with a warning. Bodies, springs, joints,
     torques and contact, which Exudyn evaluates, come to rest together with the cables. Lagrange multipliers
     of joints and supports go into mbs, too, so that outputs and sensors show their forces, with the sign of
     mbs.SolveStatic, which is opposite to that of mbs.SolveDynamic.

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from typing import Any
+from warnings import warn
 
 import exudyn
 import numpy as np
@@ -190,6 +191,13 @@ def rest_at(mbs: Any, displacements: Array, multipliers: Array) -> None:
     multipliers: (m,) lam of M a + C_q^T lam = F; Exudyn's static solver has the other sign.
     """
     data, rest = mbs.systemData, np.zeros(len(displacements)).tolist()
+    if np.any(data.GetODE2Coordinates_t(exudyn.ConfigurationType.Initial)):
+        warn(
+            "SolveEquilibrium has set the initial velocities of mbs to zero. To start a run with them, take "
+            "v = mbs.systemData.GetODE2Coordinates_t(exu.ConfigurationType.Initial) before it, and call "
+            "mbs.systemData.SetODE2Coordinates_t(v, exu.ConfigurationType.Initial) after it.",
+            stacklevel=3,
+        )
     for configuration in (exudyn.ConfigurationType.Initial, exudyn.ConfigurationType.Current):
         data.SetODE2Coordinates(displacements.tolist(), configuration)
         data.SetODE2Coordinates_t(rest, configuration)
