@@ -26,6 +26,7 @@ from .arguments import simulation_settings
 from .reports import StaticReport
 from .scene import initial_state, read_scene, require_assembled
 from .scene_runs import needs_coupling
+from .static_outputs import write_equilibrium
 
 REACH_TOLERANCE = 1e-9
 MOST_ITERATIONS = 1_000_000
@@ -74,8 +75,9 @@ def SolveEquilibrium(
 
     Args:
         mbs: assembled system.
-        simulationSettings: exudyn.SimulationSettings; used is timeIntegration.startTime, at which loads and
-            moving supports are taken.
+        simulationSettings: exudyn.SimulationSettings; used are timeIntegration.startTime, at which loads and
+            moving supports are taken, and what is written: the equilibrium in the solution file and sensors,
+            at the time staticSolver.loadStepStart + loadStepDuration; None: nothing is written.
         staticSettings: tolerances and load steps.
 
     Returns:
@@ -105,8 +107,15 @@ def SolveEquilibrium(
     scene = read_scene(mbs)
     if not scene.cables:
         raise SceneError("mbs has no inextensible cable: use mbs.SolveStatic for native items.")
-    if needs_coupling(scene):
-        return _solve_scene(mbs, scene, time, static)
+    solve = _solve_scene if needs_coupling(scene) else _solve_cables
+    report = solve(mbs, scene, time, static)
+    if simulationSettings is not None:
+        write_equilibrium(mbs, settings, scene.evaluated_by_kernels[0])
+    return report
+
+
+def _solve_cables(mbs: Any, scene: Scene, time: float, static: StaticSettings) -> dict[str, Any]:
+    """Each cable by itself; arguments: see `_solve_cable`."""
     cables = scene.cables
     found = [_solve_cable(mbs, cable, time, static) for cable in cables]
     report = _report(cables, found)
