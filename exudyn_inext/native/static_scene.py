@@ -11,6 +11,7 @@ from scipy.sparse import coo_array, csr_array
 from ..arrays import Array
 from ..errors import SceneError
 from ..items.arguments import described
+from ..items.attach.inert import is_inert_cable
 from .bodies import read_quaternions
 from .circles_in_the_way import CirclesInTheWay
 from .coupled_scene import CoupledScene
@@ -105,13 +106,20 @@ def _varying(scene: CoupledScene) -> list[np.ndarray]:
     found += [_places(scene, joint.coordinates) for joint in scene.joints if not joint.is_linear]
     left_out.update(joint.number for joint in scene.joints)
     for number in range(data.NumberOfObjects()):
-        if number not in left_out and mbs.GetObject(number).get("activeConnector"):
+        if number not in left_out and _acts(mbs.GetObject(number)):
             found.append(_places(scene, data.GetObjectLTGODE2(number)))
     for number in range(data.NumberOfLoads()):
         load = mbs.GetLoad(number)
         if load["loadType"] == "TorqueVector" or load.get("bodyFixed"):
             found.append(_coordinates_of_marker(scene, int(load["markerNumber"])))
     return found
+
+
+def _acts(item: dict[str, Any]) -> bool:
+    """Whether an object is an active connector, or a native cable that resists."""
+    return bool(item.get("activeConnector")) or (
+        "ANCFCable" in item["objectType"] and not is_inert_cable(item)
+    )
 
 
 def _places(scene: CoupledScene, coordinates: Iterable[int]) -> np.ndarray:

@@ -9,7 +9,8 @@ import pytest
 from exudyn.beams import GenerateBeamElementsAlongLine
 from exudyn.itemInterface import ObjectANCFCable2D
 
-from exudyn_inext import CableForces, CreateInextensibleCable, InputError, SceneError
+from exudyn_inext import CableForces, CreateInextensibleCable, InputError, SceneError, SolveEquilibrium
+from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import either_cable, solve_native
 
 SECTION = {"massPerLength": 78.0, "bendingStiffness": 2000.0}
@@ -89,6 +90,30 @@ def test_a_template_with_functions_moves_as_a_native_cable(new_mbs, solve):
     np.testing.assert_allclose(*tips, atol=2e-4 * LENGTH)
     with pytest.raises(SceneError, match="by user functions, of which its section forces know nothing"):
         CableForces(ours, 0)
+
+
+def much_softer(mbs, t, element, x, kappa, kappa_t, kappa_0, stiffness, *rest):
+    """Of a section that hardly resists more than a curvature of 0.1 / m [N m]."""
+    return 0.1 * stiffness * atan(10.0 * (kappa - kappa_0))
+
+
+def test_it_comes_to_rest_where_a_native_cable_does(new_mbs):
+    template = ObjectANCFCable2D(
+        massPerLength=7.8, bendingStiffness=2000.0, axialStiffness=1e5, bendingMomentUserFunction=much_softer
+    )
+    line = [[0, 0, 0], [LENGTH, 0, 0], 16, template, [0, -9.81, 0], [True, True, False, True]]
+    ours, native = new_mbs(), new_mbs()
+    tip = CreateInextensibleCable(ours, *line, extensible=True)["nodes"][-1]
+    other = GenerateBeamElementsAlongLine(native, *line)["nodes"][-1]
+    ours.Assemble()
+    native.Assemble()
+    with silence():
+        report = SolveEquilibrium(ours)
+        native.SolveStatic(quiet_settings(1.0, 1))
+    kind = exudyn.OutputVariableType.Position
+    places = [ours.GetNodeOutput(tip, kind), native.GetNodeOutput(other, kind)]
+    np.testing.assert_allclose(*places, atol=1e-5)
+    assert places[0][1] < -0.08 and report["iterations"] < 20  # as the Hessian knows of the function
 
 
 @pytest.mark.parametrize(
