@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import cached_property
+from itertools import pairwise
 from numbers import Integral
 from typing import Any
 
@@ -15,12 +16,13 @@ from ..cable.linked_cable import cable_system
 from ..cable.section_forces import SectionForces, SolvedState, multiplier_tension, section_forces
 from ..checks import LARGEST_NUMBER_OF_ITEMS, require_flag, require_integer
 from ..errors import InputError, SceneError
+from ..items.arguments import described
 from ..items.cable_data import point_on_cable, require_cable
 from ..native.coupled_scene import CoupledCable, CoupledScene
 from ..native.surroundings import state_kept, switched_off
 from ..native.velocity_level import at_position_level
 from ..run.cable_loads import CableLoads
-from ..scene.model import Scene
+from ..scene.model import CableInScene, Scene
 from ..system import index_reduced_rates
 from .scene import read_scene, require_assembled
 
@@ -37,6 +39,7 @@ class CableEvaluator:
         self._scene = read_scene(mbs)
         self._place = _place_of(self._scene, mbs, number)
         self._cable = self._scene.cables[self._place]
+        _require_linear_laws(mbs, self._cable)
         self._system = cable_system(self._cable.cable, 0.0)
         self._coupled: CoupledScene | None = None
         self._gravity = np.zeros(self._cable.cable.dimension)  # of the state that was solved
@@ -202,6 +205,21 @@ def _place_of(scene: Scene, mbs: Any, number: int) -> int:
         if cable.number == number:
             return place
     raise SceneError(f"object {number} is not in the assembled system: call mbs.Assemble().")
+
+
+def _require_linear_laws(mbs: Any, cable: CableInScene) -> None:
+    """Raise SceneError if elements with user functions bend or pull the cable."""
+    spans = set(pairwise(cable.item.node_names))
+    for number in range(mbs.systemData.NumberOfObjects()):
+        data = mbs.GetObject(number)
+        if data["objectType"] != "ANCFCable2D" or tuple(map(int, data["nodeNumbers"])) not in spans:
+            continue
+        if data["bendingMomentUserFunction"] or data["axialForceUserFunction"]:
+            raise SceneError(
+                f"{described(data, number)} bends or pulls cable '{cable.name}' by user functions, of which "
+                "its section forces know nothing: ask for CurvatureLocal or StrainLocal of that element by "
+                "SensorBody, and call the functions with these."
+            )
 
 
 def _points(given: Any, evaluator: CableEvaluator) -> Array:

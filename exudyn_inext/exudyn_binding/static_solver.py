@@ -26,6 +26,7 @@ from .arguments import simulation_settings
 from .reports import StaticReport
 from .scene import initial_state, read_scene, require_assembled
 from .scene_runs import needs_coupling
+from .static_outputs import write_equilibrium
 
 REACH_TOLERANCE = 1e-9
 MOST_ITERATIONS = 1_000_000
@@ -66,15 +67,17 @@ def SolveEquilibrium(
 
     The search runs downhill on the constraints from the initial configuration, which need not fulfil them,
     to a stable equilibrium, and writes it into mbs as the initial and the present state, at rest: a
-    following SolveExplicit starts from it, after loads were changed, for example. Bodies, springs, joints,
+    following SolveExplicit starts from it, after loads were changed, for example. Initial velocities are
+    lost, with a warning. Bodies, springs, joints,
     torques and contact, which Exudyn evaluates, come to rest together with the cables. Lagrange multipliers
     of joints and supports go into mbs, too, so that outputs and sensors show their forces, with the sign of
     mbs.SolveStatic, which is opposite to that of mbs.SolveDynamic.
 
     Args:
         mbs: assembled system.
-        simulationSettings: exudyn.SimulationSettings; used is timeIntegration.startTime, at which loads and
-            moving supports are taken.
+        simulationSettings: exudyn.SimulationSettings; used are timeIntegration.startTime, at which loads and
+            moving supports are taken, and what is written: the equilibrium in the solution file and sensors,
+            at the time staticSolver.loadStepStart + loadStepDuration; None: nothing is written.
         staticSettings: tolerances and load steps.
 
     Returns:
@@ -104,8 +107,15 @@ def SolveEquilibrium(
     scene = read_scene(mbs)
     if not scene.cables:
         raise SceneError("mbs has no inextensible cable: use mbs.SolveStatic for native items.")
-    if needs_coupling(scene):
-        return _solve_scene(mbs, scene, time, static)
+    solve = _solve_scene if needs_coupling(scene) else _solve_cables
+    report = solve(mbs, scene, time, static)
+    if simulationSettings is not None:
+        write_equilibrium(mbs, settings, scene.evaluated_by_kernels[0])
+    return report
+
+
+def _solve_cables(mbs: Any, scene: Scene, time: float, static: StaticSettings) -> dict[str, Any]:
+    """Each cable by itself; arguments: see `_solve_cable`."""
     cables = scene.cables
     found = [_solve_cable(mbs, cable, time, static) for cable in cables]
     report = _report(cables, found)
@@ -169,7 +179,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         equilibrium = find_equilibrium(JoinedPotential(potentials, others, start), start, options)
         q = equilibrium.q
         reactions = others.reactions(q, equilibrium.multipliers[-len(others.values(q)) or len(q) :])
-        places = others.places(q)
+        data = others.data(q)
     first = 0
     for cable, potential, dofs in zip(scene.cables, potentials, joined.map.slices, strict=False):
         own = slice(first, first + potential.number_of_constraints)
@@ -184,8 +194,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         said = _failure("the scene", equilibrium, "maxIterations")
         raise EquilibriumError(said, StaticReport(report, success=False))
     rest_at(mbs, joined.displacements(q), reactions)
-    if places is not None:
-        put_data(mbs, places)
+    put_data(mbs, data)
     return report
 
 

@@ -22,6 +22,7 @@ from ..errors import InputError
 from ..scene.model import CableItem
 from .arguments import require_system
 from .attach.shared_node import SharedNode, find_shared_node
+from .attach.user_forces import add_user_forces, user_forces_of
 from .cable_data import carrying_graphics, find_cable_item, remember_nodes
 from .enforcement import find_enforcement
 from .enforcement.protocol import Enforcement
@@ -140,8 +141,11 @@ def CreateInextensibleCable(
     held[0] = _constraint_flags("groundConstraintsStart", groundConstraintsStart, cable.reference[0])
     if not checked.closed:
         held[-1] = _constraint_flags("groundConstraintsEnd", groundConstraintsEnd, cable.reference[-1])
+    functions = user_forces_of(beamTemplate, template, dim)
     warn_of_units(cable)
-    return _add_items(mbs, cable, checked.v[:, :, :dim], gravity_vector[:dim], held, way, shared)
+    item, made = _add_items(mbs, cable, checked.v[:, :, :dim], gravity_vector[:dim], held, way, shared)
+    add_user_forces(mbs, item, template, functions)
+    return made
 
 
 def _shared_nodes(
@@ -255,7 +259,8 @@ def _add_items(
     held: np.ndarray,
     way: Enforcement,
     shared: dict[int, SharedNode],
-) -> dict[str, Any]:
+) -> tuple[CableItem, dict[str, Any]]:
+    """The cable, and what `CreateInextensibleCable` returns."""
     own_held = held.copy()
     own_held[[k for k, node in shared.items() if node.has_slope]] = False  # the shared nodes' own
     way.require_independent(CableItem(cable, gravity, (), way.name, own_held), own_held)
@@ -280,7 +285,7 @@ def _add_items(
     constraints = _add_ground_constraints(mbs, given, held) if way.supports_are_objects else []
     for k, node in shared.items():
         constraints += node.join(mbs, nodes[k], cable.reference[k, 1])
-    return {
+    return item, {
         "nodes": given,
         "elements": [element],
         "nodePositions": [[*q[0].tolist(), 0.0][:3] for q in cable.reference[:count]],

@@ -10,12 +10,6 @@ from ..cable.cable import CurvatureMeasure, Section
 from ..checks import require_choice, require_finite, require_integer, require_not_negative, require_positive
 from ..errors import InputError
 
-_ON_OTHER_ELEMENTS = (
-    ", and give what it differs from EI (kappa - kappa_0) + D kappa_t by to ObjectANCFCable2D elements "
-    "without mass and stiffness on the nodes of the cable"
-)
-_NOT_YET = {"bendingMomentUserFunction": _ON_OTHER_ELEMENTS, "axialForceUserFunction": ""}
-
 
 @dataclass(frozen=True)
 class InextensibleCable:
@@ -54,10 +48,11 @@ class InextensibleCable:
     def from_template(cls, template: Any, extensible: bool = False) -> "InextensibleCable":
         """`template` itself, or the counterpart of a native ANCF cable template.
 
-        Without `extensible` the axial stiffness of a native template is left out.
+        Without `extensible` the axial stiffness of a native template is left out. Its user functions are
+        taken by `items.attach.user_forces`.
 
         Raises:
-            InputError: not a cable template, or a property that has no counterpart yet.
+            InputError: not a cable template, or one that begins strained without `extensible`.
         """
         if isinstance(template, cls):
             return template
@@ -75,12 +70,6 @@ class InextensibleCable:
                 f"beamTemplate.referenceAxialStrain = {strain!r}: only cables that stretch begin "
                 "strained; give extensible=True, which takes axialStiffness over, too, or set it to zero."
             )
-        for name in _NOT_YET:
-            if _is_set(_native_value(template, name)):
-                raise InputError(
-                    f"beamTemplate.{name} = {_native_value(template, name)!r}: not supported by the "
-                    f"inextensible cable yet; set it to zero{_NOT_YET.get(name, '')}."
-                )
         bending = ("bendingDamping", "referenceCurvature", "strainIsRelativeToReference")
         names = ("massPerLength", "bendingStiffness", *bending, *axial)
         return cls(**{name: _native_value(template, name) for name in names})

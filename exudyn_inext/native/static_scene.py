@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from typing import Any
+from warnings import warn
 
 import exudyn
 import numpy as np
@@ -10,7 +11,9 @@ from scipy.sparse import coo_array, csr_array
 from ..arrays import Array
 from ..errors import SceneError
 from ..items.arguments import described
+from ..items.attach.inert import is_inert_cable
 from .bodies import read_quaternions
+from .circles_in_the_way import CirclesInTheWay
 from .coupled_scene import CoupledScene
 
 _ROTATIONS = {"RigidBody2D": 2, "Point2DSlope1": 2, "PointSlope1": 3, "PointSlope12": 3, "PointSlope23": 3}
@@ -40,11 +43,21 @@ class StaticScene:
         self.quaternions = np.array(places, dtype=int).reshape(-1, 4)
         self.references = np.array([one.reference for one in quaternions]).reshape(-1, 4)
         self.turning = _turning(scene, bodies.start)
+        self._circles = CirclesInTheWay(mbs)
 
     def force(self, q: Array) -> Array:
         """See `Others`."""
         self._scene.surroundings.forces(self._time, q, self._rest)
         return self._scene.surroundings.native_forces.copy()
+
+    def is_blocked(self, q: Array, trial: Array) -> bool:
+        """Whether a cable would jump over a circle that it touches, or through it."""
+        return len(self._circles) > 0 and self._circles.are_between(self._ends(q), self._ends(trial))
+
+    def _ends(self, q: Array) -> Array:
+        """Of segments in contact with circles, see `CirclesInTheWay`."""
+        self._scene.surroundings.set_state(self._time, q, self._rest)
+        return self._circles.present()
 
     def values(self, q: Array) -> Array:
         """See `Others`."""
@@ -73,11 +86,10 @@ class StaticScene:
         self.force(q)
         return self._scene.surroundings.all_multipliers(nu, self._rest)
 
-    def places(self, q: Array) -> Array | None:
-        """Data (D,) with the places of sliding joints, or None without these."""
+    def data(self, q: Array) -> Array:
+        """(D,) what contacts remember once they have settled, and the places of sliding joints."""
         self.force(q)
-        surroundings = self._scene.surroundings
-        return surroundings.present_places() if surroundings.has_sliding_joints else None
+        return self._scene.surroundings.present_places()
 
     def node_of(self, place: int) -> str:
         """The node that has a coordinate of the scene."""
@@ -94,13 +106,20 @@ def _varying(scene: CoupledScene) -> list[np.ndarray]:
     found += [_places(scene, joint.coordinates) for joint in scene.joints if not joint.is_linear]
     left_out.update(joint.number for joint in scene.joints)
     for number in range(data.NumberOfObjects()):
-        if number not in left_out and mbs.GetObject(number).get("activeConnector"):
+        if number not in left_out and _acts(mbs.GetObject(number)):
             found.append(_places(scene, data.GetObjectLTGODE2(number)))
     for number in range(data.NumberOfLoads()):
         load = mbs.GetLoad(number)
         if load["loadType"] == "TorqueVector" or load.get("bodyFixed"):
             found.append(_coordinates_of_marker(scene, int(load["markerNumber"])))
     return found
+
+
+def _acts(item: dict[str, Any]) -> bool:
+    """Whether an object is an active connector, or a native cable that resists."""
+    return bool(item.get("activeConnector")) or (
+        "ANCFCable" in item["objectType"] and not is_inert_cable(item)
+    )
 
 
 def _places(scene: CoupledScene, coordinates: Iterable[int]) -> np.ndarray:
@@ -180,6 +199,13 @@ def rest_at(mbs: Any, displacements: Array, multipliers: Array) -> None:
     multipliers: (m,) lam of M a + C_q^T lam = F; Exudyn's static solver has the other sign.
     """
     data, rest = mbs.systemData, np.zeros(len(displacements)).tolist()
+    if np.any(data.GetODE2Coordinates_t(exudyn.ConfigurationType.Initial)):
+        warn(
+            "SolveEquilibrium has set the initial velocities of mbs to zero. To start a run with them, take "
+            "v = mbs.systemData.GetODE2Coordinates_t(exu.ConfigurationType.Initial) before it, and call "
+            "mbs.systemData.SetODE2Coordinates_t(v, exu.ConfigurationType.Initial) after it.",
+            stacklevel=3,
+        )
     for configuration in (exudyn.ConfigurationType.Initial, exudyn.ConfigurationType.Current):
         data.SetODE2Coordinates(displacements.tolist(), configuration)
         data.SetODE2Coordinates_t(rest, configuration)

@@ -90,7 +90,7 @@ def _line_search(
     for _ in range(30):
         trial, left = feasible(potential, q + size * step, feasibility)
         falls = not is_resolved or potential.fall(q, trial) >= -_ARMIJO * size * slope
-        if left <= 1e3 * feasibility and falls:
+        if left <= 1e3 * feasibility and falls and not potential.is_blocked(q, trial):
             return trial
         size *= 0.5
     return None
@@ -153,7 +153,7 @@ def _escape(
     trials = []
     for size in (0.1, -0.1, 0.01, -0.01):
         trial, left = feasible(potential, q + size * direction.reshape(q.shape), options.feasibility)
-        if left <= 1e3 * options.feasibility:
+        if left <= 1e3 * options.feasibility and not potential.is_blocked(q, trial):
             trials.append((potential.fall(q, trial), trial))
     fall, best = max(trials, key=lambda pair: pair[0], default=(0.0, q))
     return best if fall > 0.0 else None

@@ -42,6 +42,9 @@ class Others(Protocol):
     def force(self, q: Array) -> Array:
         """F (n,) of all items but the cables, and of these items on the cables, at rest."""
 
+    def is_blocked(self, q: Array, trial: Array) -> bool:
+        """See `StaticSystem`."""
+
     def values(self, q: Array) -> Array:
         """c (m,) of the joints."""
 
@@ -100,6 +103,10 @@ class JoinedPotential:
         return (
             sum(cable.scale_of_energy(own) for cable, own in self._parts(q)) + self.largest_load * self.length
         )
+
+    def is_blocked(self, q: Array, trial: Array) -> bool:
+        """See `StaticSystem`."""
+        return self._others.is_blocked(q, trial)
 
     def turn(self, step: Array) -> float:
         """See `StaticSystem`."""

@@ -73,6 +73,10 @@ class Potential:
         """[J]"""
         return abs(self.energy(q)) + self.largest_load * self.length
 
+    def is_blocked(self, q: Array, trial: Array) -> bool:
+        """Nothing is in the way of a cable alone."""
+        return False
+
     def turn(self, step: Array) -> float:
         """Largest change of a slope in a step (n, 2, dim)."""
         return float(np.abs(step[:, 1]).max())

@@ -38,6 +38,9 @@ class StaticSystem(Protocol):
     def scale_of_energy(self, q: Array) -> float:
         """Relative to which round-off hides a gain [J]."""
 
+    def is_blocked(self, q: Array, trial: Array) -> bool:
+        """Whether something lies in the way from q to `trial`, so that the step has to be shorter."""
+
     def turn(self, step: Array) -> float:
         """Largest change of a slope, and angle of a body, in a step."""
 

@@ -5,7 +5,15 @@ import math
 import exudyn
 import numpy as np
 import pytest
-from exudyn.itemInterface import CoordinateConstraint, MarkerNodeCoordinate, NodePointGround
+from exudyn.itemInterface import (
+    CoordinateConstraint,
+    LoadForceVector,
+    MarkerNodeCoordinate,
+    MarkerNodePosition,
+    NodePointGround,
+    SensorNode,
+    SensorObject,
+)
 
 from exudyn_inext import (
     CableShape,
@@ -82,14 +90,19 @@ def test_result_survives_a_new_assembly(mbs, add_hanging, coordinates, drift):
     assert drift(mbs, nodes) < 1e-8
 
 
-def test_velocities_are_set_to_rest(mbs, add_cable, drift):
+def test_velocities_are_set_to_rest_and_kept_by_whoever_follows_the_warning(mbs, add_cable, drift):
     shape = CableShape.Line([0, 0, 0], [0, -1.8, 0], 5, velocityEnd=[2.0, 0, 0])
     nodes = add_cable(mbs, shape=shape, groundConstraintsStart=PIN)["nodes"]
     mbs.Assemble()
-    SolveEquilibrium(mbs)
+    before = mbs.systemData.GetODE2Coordinates_t(exudyn.ConfigurationType.Initial)
+    with pytest.warns(UserWarning, match="set the initial velocities of mbs to zero"):
+        SolveEquilibrium(mbs)
     assert drift(mbs, nodes) < 1e-8
     mbs.Assemble()
     assert drift(mbs, nodes) < 1e-8
+    SolveEquilibrium(mbs)
+    mbs.systemData.SetODE2Coordinates_t(before, exudyn.ConfigurationType.Initial)
+    assert drift(mbs, nodes) > 1e-2
 
 
 def test_lengths_are_those_of_the_elements_where_the_shape_is_only_near(mbs, add_hanging, coordinates):
@@ -200,6 +213,52 @@ def test_moving_support_is_where_it_is_at_the_start_time(mbs, add_cable, coordin
     settings.timeIntegration.startTime = 0.5
     assert SolveEquilibrium(mbs, settings)["success"]
     np.testing.assert_allclose(coordinates(mbs, nodes)[-1, 0], [1.3, 0.05], atol=1e-11)
+
+
+def loaded_step_by_step(mbs, made, solve, file):
+    """Rows of a sensor of the tip, of one of a support's force, and times in the solution file."""
+    tip = made["nodes"][-1]
+    marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=tip))
+    load = mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=[0, 0, 0]))
+    kinds = exudyn.OutputVariableType
+    place = SensorNode(nodeNumber=tip, storeInternal=True, outputVariableType=kinds.Position)
+    force = SensorObject(
+        objectNumber=made["constraintObjects"][1], storeInternal=True, outputVariableType=kinds.Force
+    )
+    sensors = [mbs.AddSensor(place), mbs.AddSensor(force)]
+    mbs.Assemble()
+    settings = quiet_settings(1.0, 1)
+    settings.solution.file.write, settings.solution.file.name = True, str(file)
+    settings.solution.file.writeInitialValues = False
+    for step in range(3):
+        mbs.SetLoadParameter(load, "loadVector", [0, -0.02 * (step + 1), 0])
+        settings.staticSolver.loadStepStart = step
+        solve(mbs, settings)
+        settings.solution.file.append = settings.solution.sensors.append = True
+        settings.solution.file.writeHeader = False
+    stored = [np.array(mbs.GetSensorStoredData(sensor))[-3:] for sensor in sensors]
+    lines = [line for line in file.read_text().splitlines() if not line.startswith("#")]
+    return [*stored, np.array([float(line.split(",")[0]) for line in lines])]
+
+
+def test_equilibria_are_written_as_by_the_native_static_solver(new_mbs, add_cable, tmp_path):
+    """One after the other, in the same solution file and sensors, of cables of EA = 1e5 N."""
+    ours, native = new_mbs(), new_mbs()
+    clamp = {"groundConstraintsStart": [True] * 4}
+    made = add_cable(ours, numberOfElements=16, dimension=2, **clamp)
+    theirs = native_cable(native, 2, 32, axial_stiffness=1e5, **clamp)
+
+    def solve_static(mbs, settings):
+        mbs.SolveStatic(settings, updateInitialValues=True)
+
+    with silence():
+        found = loaded_step_by_step(ours, made, SolveEquilibrium, tmp_path / "ours.txt")
+        expected = loaded_step_by_step(native, theirs, solve_static, tmp_path / "native.txt")
+    for own, other in zip(found, expected, strict=True):
+        np.testing.assert_allclose(own, other, atol=1e-3)
+    assert found[1].shape == (3, 2) and found[2].shape == (3,)
+    assert SolveEquilibrium(ours)["success"]  # and writes nothing
+    assert len(ours.GetSensorStoredData(1)) == 3
 
 
 # ------------------------------------------------------------------- refusals

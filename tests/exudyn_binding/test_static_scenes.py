@@ -165,12 +165,21 @@ def halves(b):
     b.mbs.AddLoad(LoadForceVector(markerNumber=b.at(other[-1]), loadVector=[4.0, 0.0, 0.0]))
 
 
-def over_a_wheel(b):
-    """A cantilever that lies on a circle, found by Exudyn's contact."""
-    ground = b.mbs.CreateGround(referencePosition=[0.6, -0.3, 0])
-    b.cable([0, 0, 0], [1, 0, 0], 24, clamped=["Start"])
-    elements = b.made["elements"] if b.native else CreateCompanionCables(b.mbs, b.made)
-    add_frictionless_contact(b.mbs, elements, Circle(0.1, 2e3, 0.0, 0.0), ground)
+def over_circles(b, length, elements, *circles):
+    """A cantilever that lies on circles (x, y, radius), found by Exudyn's contact."""
+    b.cable([0, 0, 0], [length, 0, 0], elements, clamped=["Start"])
+    of_cable = b.made["elements"] if b.native else CreateCompanionCables(b.mbs, b.made)
+    for x, y, radius in circles:
+        ground = b.mbs.CreateGround(referencePosition=[x, y, 0])
+        add_frictionless_contact(b.mbs, of_cable, Circle(radius, 2e3, 0.0, 0.0), ground)
+
+
+def over_a_wheel(b, elements=24):
+    over_circles(b, 1, elements, (0.6, -0.3, 0.1))
+
+
+def over_two_wheels(b, elements):
+    over_circles(b, 2, elements, (0.5, -0.15, 0.1), (1.3, -0.5, 0.3))
 
 
 SCENES = {
@@ -237,7 +246,7 @@ def begin_with(native, ours):
     data.SetODE2Coordinates(initial.tolist(), exudyn.ConfigurationType.Initial)
 
 
-@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("scene", sorted({*SCENES} - {"wheel"}))  # whose contacts are open there at first
 def test_native_twins_stay_where_it_ends(scene):
     """By statics; where that does not converge, by a dynamic run from there."""
     ours, native = built(scene), built(scene, native=True)
@@ -271,6 +280,32 @@ def test_a_run_from_there_stays_at_rest(scene):
         SolveExplicit(builder.mbs, quiet_settings(0.2, 2))
     after = totals(builder.mbs)
     assert max(np.abs(after[n] - at).max() for n, at in before.items()) < 1e-7
+
+
+def with_steps_of_load(mbs):
+    """Exudyn's static solver, whose contacts close little by little."""
+    settings = quiet_settings(1.0, 1)
+    static = settings.staticSolver
+    static.adaptiveStep, static.numberOfLoadSteps = False, 40
+    static.loadStepGeometric, static.loadStepGeometricRange = True, 5e3
+    static.newton.relativeTolerance, static.newton.maxIterations = 1e-6, 40
+    static.discontinuous.iterationTolerance, static.stabilizerODE2term = 1e-4, 2
+    mbs.SolveStatic(settings)
+
+
+@pytest.mark.parametrize("scene", [over_a_wheel, over_two_wheels])
+def test_a_cable_comes_to_rest_on_circles_and_not_behind_them(scene):
+    """A step of the search could jump over each of them; a native cable has steps of load."""
+    ours, native = Builder(dimension=2), Builder(native=True, dimension=2)
+    with silence():
+        for builder in (ours, native):
+            scene(builder, 32 // (FINER if builder.native else 1))
+            builder.mbs.Assemble()
+        SolveEquilibrium(ours.mbs)
+        with_steps_of_load(native.mbs)
+    found, expected = totals(ours.mbs), totals(native.mbs)
+    for own, theirs in zip(ours.cables[0], native.cables[0], strict=True):
+        np.testing.assert_allclose(found[own][:2], expected[theirs][:2], atol=5e-4)
 
 
 def test_a_moment_rolls_a_cantilever_up_to_a_circle():

@@ -6,9 +6,11 @@ from math import atan
 import exudyn
 import numpy as np
 import pytest
+from exudyn.beams import GenerateBeamElementsAlongLine
 from exudyn.itemInterface import ObjectANCFCable2D
 
-from exudyn_inext import CreateInextensibleCable, InputError
+from exudyn_inext import CableForces, CreateInextensibleCable, InputError, SceneError, SolveEquilibrium
+from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import either_cable, solve_native
 
 SECTION = {"massPerLength": 78.0, "bendingStiffness": 2000.0}
@@ -52,7 +54,77 @@ def test_elements_without_mass_bend_a_cable_by_their_function(new_mbs, solve):
     np.testing.assert_allclose(ours, native, atol=2e-3 * LENGTH)
 
 
-def test_the_refusal_of_a_template_with_a_function_names_these_elements(mbs):
-    template = ObjectANCFCable2D(**SECTION, axialStiffness=1e7, bendingMomentUserFunction=moment)
-    with pytest.raises(InputError, match="to ObjectANCFCable2D elements without mass and stiffness"):
-        CreateInextensibleCable(mbs, [0, 0, 0], [LENGTH, 0, 0], 8, template)
+def softer_in_time(mbs, t, element, x, strain, strain_t, strain_0, stiffness, damping, *rest):
+    """Of a section whose axial stiffness falls with time [N]."""
+    return (1.5 - t) * stiffness * (strain - strain_0) + damping * strain_t
+
+
+def of_section(mbs, t, element, x, kappa, kappa_t, kappa_0, stiffness, damping, *rest):
+    """As `moment`, of a section with damping [N m]."""
+    return stiffness * atan(kappa - kappa_0) + damping * kappa_t
+
+
+def test_a_template_with_functions_moves_as_a_native_cable(new_mbs, solve):
+    """Of moments and axial forces, with damping and natural curvature."""
+    template = ObjectANCFCable2D(
+        **SECTION,
+        bendingDamping=20.0,
+        axialStiffness=1e5,
+        axialDamping=5e3,
+        referenceCurvature=-0.2,
+        bendingMomentUserFunction=of_section,
+        axialForceUserFunction=softer_in_time,
+    )
+    line = [[0, 0, 0], [LENGTH, 0, 0], 16, template, [0, -9.81, 0], [True, True, False, True]]
+    ours, native = new_mbs(), new_mbs()
+    nodes = CreateInextensibleCable(ours, *line, extensible=True)["nodes"]
+    ours.Assemble()
+    solve(ours, END, steps=100)
+    others = GenerateBeamElementsAlongLine(native, *line)["nodes"]
+    native.Assemble()
+    solve_native(native, END, 2e-3)
+    tips = [
+        mbs.GetNodeOutput(numbers[-1], exudyn.OutputVariableType.Position)
+        for mbs, numbers in ((ours, nodes), (native, others))
+    ]
+    np.testing.assert_allclose(*tips, atol=2e-4 * LENGTH)
+    with pytest.raises(SceneError, match="by user functions, of which its section forces know nothing"):
+        CableForces(ours, 0)
+
+
+def much_softer(mbs, t, element, x, kappa, kappa_t, kappa_0, stiffness, *rest):
+    """Of a section that hardly resists more than a curvature of 0.1 / m [N m]."""
+    return 0.1 * stiffness * atan(10.0 * (kappa - kappa_0))
+
+
+def test_it_comes_to_rest_where_a_native_cable_does(new_mbs):
+    template = ObjectANCFCable2D(
+        massPerLength=7.8, bendingStiffness=2000.0, axialStiffness=1e5, bendingMomentUserFunction=much_softer
+    )
+    line = [[0, 0, 0], [LENGTH, 0, 0], 16, template, [0, -9.81, 0], [True, True, False, True]]
+    ours, native = new_mbs(), new_mbs()
+    tip = CreateInextensibleCable(ours, *line, extensible=True)["nodes"][-1]
+    other = GenerateBeamElementsAlongLine(native, *line)["nodes"][-1]
+    ours.Assemble()
+    native.Assemble()
+    with silence():
+        report = SolveEquilibrium(ours)
+        native.SolveStatic(quiet_settings(1.0, 1))
+    kind = exudyn.OutputVariableType.Position
+    places = [ours.GetNodeOutput(tip, kind), native.GetNodeOutput(other, kind)]
+    np.testing.assert_allclose(*places, atol=1e-5)
+    assert places[0][1] < -0.08 and report["iterations"] < 20  # as the Hessian knows of the function
+
+
+@pytest.mark.parametrize(
+    ("function", "given", "said"),
+    [
+        ("bendingMomentUserFunction", {"dimension": 3}, "only planar cables"),
+        ("axialForceUserFunction", {}, "give extensible=True"),
+    ],
+)
+def test_a_function_that_the_cable_cannot_have_is_refused(mbs, function, given, said):
+    template = ObjectANCFCable2D(**SECTION, axialStiffness=1e7, **{function: moment})
+    with pytest.raises(InputError, match=f"{function}.*{said}"):
+        CreateInextensibleCable(mbs, [0, 0, 0], [LENGTH, 0, 0], 8, template, **given)
+    assert mbs.systemData.NumberOfNodes() == 0

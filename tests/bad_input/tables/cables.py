@@ -108,7 +108,7 @@ SECTIONS = of_cable(
         ],
         (
             {"beamTemplate": ObjectANCFCable2D(**UNIT, bendingMomentUserFunction=[1, [2, 3]])},
-            r"bendingMomentUserFunction = \[1, \[2, 3\]\]: not supported.*zero",
+            r"bendingMomentUserFunction = \[1, \[2, 3\]\]: must be a function, or zero",
         ),
         (
             {"beamTemplate": ObjectANCFCable2D(**UNIT, referenceCurvature=2.0), "dimension": 3},
