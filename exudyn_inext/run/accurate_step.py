@@ -3,8 +3,9 @@
 A transverse wave of the speed c, which the tension gives it, takes 20 steps to pass an element: the error in
 time is then near that of the mesh. c^2 is the tension over rho_A that weight, loads and inertia can cause at
 most, and twice the energy by mass that the motion starts with. The first vibration of the bent cable is
-resolved in any case. How fast the motion really is, the watch finds out, see `watch`: then the step becomes
-shorter, down to one whose error in bending waves is that of the mesh.
+resolved in any case, and among bodies all bending waves that the mesh resolves. How fast the motion really
+is, the watch finds out, see `watch`: then the step becomes shorter, down to one whose error in bending waves
+is that of the mesh.
 """
 
 import math
@@ -18,6 +19,7 @@ from .cable_run import CableRun
 from .watch import NO_MESH
 
 STEPS_BY_ELEMENT = 20.0  # while a wave passes it
+SHORT_WAVE = 0.2  # step times the frequency of a bending wave of 2 pi elements, among bodies
 BY_DRAG = 0.02  # step times the rate at which drag slows a cable down
 FIRST_VIBRATION = 0.085  # step over L^2 sqrt(rho_A / EI): 0.3 / 3.52, h w of a cantilever's first one
 
@@ -32,6 +34,16 @@ def accurate_step(run: CableRun, time: float) -> float:
     bends = math.sqrt(section.mass_per_length / section.bending_stiffness) * cable.length**2
     of_drag = BY_DRAG / run.drag_rate if run.drag_rate > 0.0 else math.inf
     return min(of_waves, FIRST_VIBRATION * bends, of_drag)
+
+
+def step_of_short_waves(run: CableRun) -> float:
+    """Largest step that resolves the bending waves that the mesh of a cable resolves [s].
+
+    Among bodies, joints and torques make such waves, of a size that nobody knows before the run.
+    """
+    cable = run.scene_cable.cable
+    section, length = cable.section, float(cable.element_lengths.min())
+    return SHORT_WAVE * length**2 * math.sqrt(section.mass_per_length / section.bending_stiffness)
 
 
 def resolution_of_mesh(run: CableRun, time: float, theta: float) -> Array:

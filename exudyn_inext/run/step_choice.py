@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from ..cable.cable import Cable
 from ..errors import SceneError, StepSizeError
 from ..integrators.linear_stability import decay_limit, frequency_limit
-from .accurate_step import accurate_step, resolution_of_mesh
+from .accurate_step import accurate_step, resolution_of_mesh, step_of_short_waves
 from .cable_run import CableRun
 from .coupled_run import CoupledRun
 from .run import Run
@@ -21,6 +21,7 @@ from .watch import NO_MESH
 
 SAFETY_ALONE, SAFETY_AMONG_BODIES = 0.95, 0.7  # share of the limit at the start that is used
 THETA = 0.3  # share of bending that is implicit: 1/4 leaves no margin for the tension
+THETA_AMONG_BODIES = 0.55  # with which bending alone, h w < theta^(-1/2), keeps to the share that is used
 PHASE = 0.003  # error of the motion at the end of a run [rad]
 MOST_DURATION = 100.0  # of a run, for that [s]
 MUCH = 10.0  # times that damping may shorten the step without a word
@@ -149,12 +150,15 @@ def _bounds_and_scaling(
     cables = [cable for run in runs for cable in run.cable_runs]
     if explicit.stepSize is not None or explicit.method[0].stabilised or not cables:
         return step_bounds(runs, start, explicit), explicit
-    step = accuracy = min(accurate_step(cable, start) for cable in cables)
-    theta = _mass_scaling(cables, accuracy, explicit)
+    accuracy = min(accurate_step(cable, start) for cable in cables)
+    usual = THETA
+    if _are_among_bodies(runs):
+        accuracy, usual = min(accuracy, *map(step_of_short_waves, cables)), THETA_AMONG_BODIES
+    step, theta = accuracy, _mass_scaling(cables, accuracy, explicit, usual)
     explicit = replace(explicit, massScaling=theta)
     for run in runs:
         mesh = resolution_of_mesh(run, start, theta) if isinstance(run, CableRun) else NO_MESH
-        run.watch.limit_phase(min(duration, MOST_DURATION), PHASE, mesh)
+        run.watch.limit_phase(min(duration, MOST_DURATION), _phase(theta), mesh)
     for _ in range(MOST_TRIALS):
         for run in runs if theta else []:
             run.scale_mass(theta, step)
@@ -164,6 +168,15 @@ def _bounds_and_scaling(
             break
         step = _for_its_own_mass(wanted, step, theta, bounds)
     return bounds, explicit
+
+
+def _are_among_bodies(runs: Sequence[Run]) -> bool:
+    return any(isinstance(run, CoupledRun) for run in runs)
+
+
+def _phase(theta: float) -> float:
+    """What the watch allows [rad]: scaled masses make bending waves slower by (theta - 1/12) (h w)^2 / 2."""
+    return PHASE * (THETA - 1.0 / 12.0) / (max(theta, THETA) - 1.0 / 12.0)
 
 
 def _for_its_own_mass(wanted: float, step: float, theta: float, bounds: StepSizeBounds) -> float:
@@ -181,12 +194,12 @@ def _for_its_own_mass(wanted: float, step: float, theta: float, bounds: StepSize
     return min(wanted, product * math.sqrt(as_it_is / (1.0 - theta * product**2)))
 
 
-def _mass_scaling(cables: Sequence[CableRun], step: float, explicit: ExplicitSettings) -> float:
-    """theta of the settings; None there: where bending would bound a step of that size [s]."""
+def _mass_scaling(cables: Sequence[CableRun], step: float, explicit: ExplicitSettings, usual: float) -> float:
+    """theta of the settings; None there: the usual one where bending would bound a step of that size [s]."""
     if explicit.massScaling is not None or explicit.adaptiveStep:
         return explicit.massScaling or 0.0
     decides = any(step > rule_of_cable(cable.scene_cable.cable, 1.0) for cable in cables)
-    return THETA if decides and math.isfinite(step) else 0.0
+    return usual if decides and math.isfinite(step) else 0.0
 
 
 def step_bounds(
@@ -213,7 +226,7 @@ def step_bounds(
         largest_frequency=frequencies[fastest],
         cable=runs[fastest].name,
         contact=contact,
-        safety=SAFETY_AMONG_BODIES if any(isinstance(run, CoupledRun) for run in runs) else SAFETY_ALONE,
+        safety=SAFETY_AMONG_BODIES if _are_among_bodies(runs) else SAFETY_ALONE,
         undamped=limit(frequencies[fastest]),
         damping=ratios[fastest] * frequencies[fastest],
         touching=touching,

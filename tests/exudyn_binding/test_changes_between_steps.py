@@ -389,6 +389,27 @@ def test_a_post_step_function_does_so_too(kind):
     assert deviation(ours.motion, native.motion) < 0.01
 
 
+@pytest.mark.parametrize("kind", [None, Model.mass_point], ids=["alone", "among others"])
+def test_what_is_set_before_the_first_step_is_there_from_the_beginning(kind):
+    """A force that never acts leaves no trace, however large it was."""
+
+    def motion(force):
+        model = Model(native=False)
+        if kind:
+            kind(model, [3, 0, 0])
+        load = model.force(model.nodes[-1], [0, force, 0])
+
+        def change(mbs, t):
+            mbs.SetLoadParameter(load, "loadVector", [0.3 * np.sin(5 * t), 0, 0])
+            return True
+
+        model.mbs.SetPreStepUserFunction(change)
+        model.run(0.1, stepSize=STEP, massScaling=0.3)
+        return model.motion
+
+    assert np.array_equal(motion(10.0), motion(0.0))
+
+
 def test_a_weight_that_changes_acts_alone_and_among_others():
     alone, beside = moved(weight, False).motion, moved(weight_beside_a_mass, False).motion[:, :2]
     without = moved(lambda model: lambda t: None, False).motion

@@ -120,7 +120,7 @@ class ChangeFollower:
         alone = _alone(runs)
         if alone:
             return self._load_at_once(alone, changed, time)
-        if any(self._demand(runs, key) > Demand.EVALUATE for key in changed):
+        if not _have_begun(runs) or any(self._demand(runs, key) > Demand.EVALUATE for key in changed):
             return False
         forget_evaluators(self.sensors)
         items = self._acting(runs, changed)
@@ -165,6 +165,9 @@ class ChangeFollower:
             is_stiffer = self.limit.follow_stiffness(self.mbs, runs, changed, time)
             if self.moves or is_stiffer or asked == Demand.MOVE:
                 _go_on(runs, time, end, asked == Demand.MOVE)
+            elif not _have_begun(runs):
+                for run in runs:
+                    run.start(time)
             return runs
         self._demands.clear()
         before, scene = self.scene, read_scene(self.mbs, self.reader)
@@ -184,6 +187,11 @@ class ChangeFollower:
 def _alone(runs: Sequence[Run]) -> list[CableRun]:
     """Those of cables among nothing else."""
     return [run for run in runs if isinstance(run, CableRun)]
+
+
+def _have_begun(runs: Sequence[Run]) -> bool:
+    """Whether steps have been taken: what functions set before the first one is there from the beginning."""
+    return any(run.control.steps for run in runs)
 
 
 def _take_loads(runs: Sequence[Run], scene: Scene) -> bool:
