@@ -331,10 +331,12 @@ def require_mass(mbs: Any, without: np.ndarray) -> None:
     for number in range(data.NumberOfNodes()):
         if np.isin(without, data.GetNodeLTGODE2(number)).any():
             node = mbs.GetNode(number)
+            is_ale = node["nodeType"] == "GenericODE2"
+            said = " (of an ALE element, which has no counterpart?)" if is_ale else ""
             raise SceneError(
-                f"node {number} '{node['name']}' ({node['nodeType']}) has coordinates without mass, whose "
-                "accelerations are not determined: give its body mass and inertia (put one on it, if there "
-                "is none), or remove it."
+                f"node {number} '{node['name']}' ({node['nodeType']}) has coordinates without mass{said}, "
+                "whose accelerations are not determined: give its body mass and inertia (put one on it, if "
+                "there is none), or remove it."
             )
 
 
