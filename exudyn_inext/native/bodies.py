@@ -236,7 +236,8 @@ class BodyMasses:
             dofs = self._dofs_of(group)
             by_size.setdefault(len(dofs), []).append((group, dofs))
         self._stacks = [self._stack(alike, quaternions) for _, alike in sorted(by_size.items())]
-        blocks = [MassBlock(self._dofs_of(group), self._initial_mass(group)) for group in constant]
+        moving = [group for group in constant if len(self._free(group))]
+        blocks = [MassBlock(self._dofs_of(group), self._initial_mass(group)) for group in moving]
         initial = np.array(mbs.systemData.GetODE2Coordinates(exudyn.ConfigurationType.Initial))
         alike = [(block.dofs[np.newaxis], block.mass[np.newaxis]) for block in blocks]
         for stack in self._stacks:

@@ -16,6 +16,7 @@ from exudyn.itemInterface import (
     MarkerNodeCoordinate,
     MarkerNodePosition,
     MarkerNodeRigid,
+    NodePointGround,
     RevoluteJoint2D,
     SphericalJoint,
     TorsionalSpringDamper,
@@ -37,7 +38,7 @@ from exudyn_inext import (
 from exudyn_inext.element.shape_functions import shape_functions
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import either_cable
-from tests.items.attach.contact import Circle, add_frictionless_contact
+from tests.items.attach.contact import Circle, add_frictionless_contact, add_general_contact
 
 MASS, BENDING, AXIAL = 0.2, 0.05, 1e6  # per length [kg/m], [N m^2], of native cables [N]
 SIZE = 1e-4  # of what a finer mesh and a stretch of 1e-6 may change [m]
@@ -271,6 +272,38 @@ def test_a_run_from_there_stays_at_rest(scene):
         SolveExplicit(builder.mbs, quiet_settings(0.2, 2))
     after = totals(builder.mbs)
     assert max(np.abs(after[n] - at).max() for n, at in before.items()) < 1e-7
+
+
+def held_wheel(b):
+    """A body in the plane, each of whose coordinates a constraint holds."""
+    body = b.mbs.CreateRigidBody(
+        inertia=InertiaCuboid(200, [0.2, 0.2, 0.05]), referencePosition=[0.6, -0.3, 0], create2D=True
+    )
+    ground = b.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=b.mbs.AddNode(NodePointGround()), coordinate=0))
+    node = b.mbs.GetObject(body)["nodeNumber"]
+    for k in range(3):
+        marker = b.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=k))
+        b.mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, marker]))
+    return body
+
+
+@pytest.mark.parametrize("is_general", [False, True])
+def test_a_cable_lies_on_a_held_body_as_on_ground(is_general):
+    """By contact objects, and by Exudyn's GeneralContact, which finds the same contacts."""
+    on_ground, b = built("wheel"), Builder(dimension=2)
+    SolveEquilibrium(on_ground.mbs)
+    body = held_wheel(b)
+    nodes = b.cable([0, 0, 0], [1, 0, 0], 24, clamped=["Start"])
+    elements, circle = CreateCompanionCables(b.mbs, b.made), Circle(0.1, 2e3, 0.0, 0.0)
+    if is_general:
+        add_general_contact(b.mbs, elements, circle, b.on(body, rigid=True))
+    else:
+        add_frictionless_contact(b.mbs, elements, circle, body)
+    b.mbs.Assemble()
+    SolveEquilibrium(b.mbs)
+    found, expected = totals(b.mbs), totals(on_ground.mbs)
+    for own, theirs in zip(nodes, on_ground.cables[0], strict=True):
+        np.testing.assert_allclose(found[own], expected[theirs], atol=1e-6)
 
 
 def test_a_moment_rolls_a_cantilever_up_to_a_circle():
