@@ -19,6 +19,7 @@ from exudyn.itemInterface import (
     NodePointGround,
     RevoluteJoint2D,
     SphericalJoint,
+    SpringDamper,
     TorsionalSpringDamper,
 )
 from exudyn.utilities import InertiaCuboid
@@ -304,6 +305,39 @@ def test_a_cable_lies_on_a_held_body_as_on_ground(is_general):
     found, expected = totals(b.mbs), totals(on_ground.mbs)
     for own, theirs in zip(nodes, on_ground.cables[0], strict=True):
         np.testing.assert_allclose(found[own], expected[theirs], atol=1e-6)
+
+
+def test_what_falls_slowly_beside_a_taut_cable_comes_to_rest():
+    """An upright pendulum, whose negative stiffness is a thousandth of what the tension is over the mass."""
+    b = Builder(dimension=2)
+    nodes = b.cable([0, 0, 0], [1, 0, 0], pinned=["Start"])
+    b.mbs.AddLoad(LoadForceVector(markerNumber=b.at(nodes[-1]), loadVector=[1e4, 0, 0]))
+    inertia = InertiaCuboid(200, [0.2, 0.1, 0.05])
+    body = b.mbs.CreateRigidBody(
+        inertia=inertia, referencePosition=[2.001, 0.5, 0], gravity=b.gravity, create2D=True
+    )
+    pair = [b.on(b.ground, [2, 0, 0]), b.on(body, [-0.001, -0.5, 0])]
+    b.mbs.AddObject(RevoluteJoint2D(markerNumbers=pair))
+    b.mbs.Assemble()
+    report = SolveEquilibrium(b.mbs)
+    place = b.mbs.GetObjectOutputBody(body, exudyn.OutputVariableType.Position)
+    np.testing.assert_allclose(place[:2], [2, -np.hypot(0.5, 0.001)], atol=1e-4)
+    assert report["iterations"] < 60
+
+
+def test_a_column_bows_as_little_as_a_stiff_spring_lets_it():
+    """Straight it is unstable. Of the spring's force Euler's load is left: the tip sinks by s = e - N / k and
+    bows by 4 sqrt(s) / pi."""
+    b, stiffness, excess = Builder(dimension=2), 1e6, 5e-7
+    nodes = b.cable([0, 0, 0], [1, 0, 0], clamped=["Start"], gravity=[0, 0, 0])
+    pair = [b.on(b.ground, [1001, 0, 0]), b.at(nodes[-1])]
+    spring = SpringDamper(markerNumbers=pair, stiffness=stiffness, referenceLength=1000 + excess)
+    b.mbs.AddObject(spring)
+    b.mbs.Assemble()
+    SolveEquilibrium(b.mbs)
+    sinks = excess - np.pi**2 * BENDING / 4 / stiffness
+    bow = abs(b.mbs.GetNodeOutput(nodes[-1], exudyn.OutputVariableType.Displacement)[1])
+    np.testing.assert_allclose(bow, 4 * np.sqrt(sinks) / np.pi, rtol=0.01)
 
 
 def test_a_moment_rolls_a_cantilever_up_to_a_circle():
