@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from numbers import Number
 from typing import Any
 
-from exudyn.itemInterface import ObjectANCFCable, ObjectANCFCable2D
+from exudyn.itemInterface import ObjectALEANCFCable2D, ObjectANCFCable, ObjectANCFCable2D
 
 from ..cable.cable import CurvatureMeasure, Section
 from ..checks import require_choice, require_finite, require_integer, require_not_negative, require_positive
@@ -56,6 +56,12 @@ class InextensibleCable:
         """
         if isinstance(template, cls):
             return template
+        if isinstance(template, ObjectALEANCFCable2D):
+            raise InputError(
+                "beamTemplate = ObjectALEANCFCable2D: elements through which the cable moves (ALE) have no "
+                "counterpart; move them by mbs.SolveDynamic, or give an ObjectANCFCable2D, whose nodes go "
+                "with the cable, and leave out the ALE node and its constraints."
+            )
         if not isinstance(template, ObjectANCFCable | ObjectANCFCable2D):
             is_item = hasattr(template, "visualization")
             given = type(template).__name__ if is_item else repr(template)

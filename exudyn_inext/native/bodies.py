@@ -236,7 +236,8 @@ class BodyMasses:
             dofs = self._dofs_of(group)
             by_size.setdefault(len(dofs), []).append((group, dofs))
         self._stacks = [self._stack(alike, quaternions) for _, alike in sorted(by_size.items())]
-        blocks = [MassBlock(self._dofs_of(group), self._initial_mass(group)) for group in constant]
+        moving = [group for group in constant if len(self._free(group))]
+        blocks = [MassBlock(self._dofs_of(group), self._initial_mass(group)) for group in moving]
         initial = np.array(mbs.systemData.GetODE2Coordinates(exudyn.ConfigurationType.Initial))
         alike = [(block.dofs[np.newaxis], block.mass[np.newaxis]) for block in blocks]
         for stack in self._stacks:
@@ -331,10 +332,12 @@ def require_mass(mbs: Any, without: np.ndarray) -> None:
     for number in range(data.NumberOfNodes()):
         if np.isin(without, data.GetNodeLTGODE2(number)).any():
             node = mbs.GetNode(number)
+            is_ale = node["nodeType"] == "GenericODE2"
+            said = " (of an ALE element, which has no counterpart?)" if is_ale else ""
             raise SceneError(
-                f"node {number} '{node['name']}' ({node['nodeType']}) has coordinates without mass, whose "
-                "accelerations are not determined: give its body mass and inertia (put one on it, if there "
-                "is none), or remove it."
+                f"node {number} '{node['name']}' ({node['nodeType']}) has coordinates without mass{said}, "
+                "whose accelerations are not determined: give its body mass and inertia (put one on it, if "
+                "there is none), or remove it."
             )
 
 

@@ -99,10 +99,9 @@ class StaticScene:
 def _varying(scene: CoupledScene) -> list[np.ndarray]:
     """Coordinates that forces of items, or Jacobians of joints, depend on, of each item."""
     mbs, data = scene.mbs, scene.mbs.systemData
-    if mbs.NumberOfGeneralContacts():
-        return [np.arange(len(scene.map.indices))]
     left_out = {cable.number for cable in scene.cables} | scene.elsewhere
-    found = [_places(scene, body.coordinates) for body in scene.bodies]
+    found = _in_general_contact(scene)
+    found += [_places(scene, body.coordinates) for body in scene.bodies]
     found += [_places(scene, joint.coordinates) for joint in scene.joints if not joint.is_linear]
     left_out.update(joint.number for joint in scene.joints)
     for number in range(data.NumberOfObjects()):
@@ -120,6 +119,18 @@ def _acts(item: dict[str, Any]) -> bool:
     return bool(item.get("activeConnector")) or (
         "ANCFCable" in item["objectType"] and not is_inert_cable(item)
     )
+
+
+def _in_general_contact(scene: CoupledScene) -> list[np.ndarray]:
+    """Bodies, any two of which may touch, and each native element with all of them."""
+    mbs, data = scene.mbs, scene.mbs.systemData
+    if not mbs.NumberOfGeneralContacts():
+        return []
+    bodies = np.arange(scene.map.slices[-1].start, len(scene.map.indices))
+    objects = range(data.NumberOfObjects())
+    elements = [number for number in objects if mbs.GetObject(number)["objectType"] == "ANCFCable2D"]
+    own = [_places(scene, data.GetObjectLTGODE2(number)) for number in elements]
+    return [bodies, *(np.concatenate([places, bodies]) for places in own)]
 
 
 def _places(scene: CoupledScene, coordinates: Iterable[int]) -> np.ndarray:

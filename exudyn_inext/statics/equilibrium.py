@@ -21,7 +21,8 @@ from .static_system import StaticSystem
 
 LARGEST_EXCURSION = 100.0  # of a coordinate, in lengths of the longest cable: no equilibrium there
 RESOLUTION = 1e-10  # gain of energy that round-off hides, relative
-SHIFTS = (1.0, 10.0)  # of an indefinite Hessian, in units of the loads' own [-]
+SHIFTS = (1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0)  # of an indefinite Hessian, in units of the loads' own [-]
+ESCAPES = (0.1, 0.01, 1e-3, 1e-4)  # turns of slopes and bodies beside an unstable equilibrium [-]
 _ARMIJO = 1e-4
 
 
@@ -151,7 +152,7 @@ def _escape(
         return None
     direction = worst / max(potential.turn(worst.reshape(q.shape)), 1e-300)
     trials = []
-    for size in (0.1, -0.1, 0.01, -0.01):
+    for size in (sign * turn for turn in ESCAPES for sign in (1.0, -1.0)):
         trial, left = feasible(potential, q + size * direction.reshape(q.shape), options.feasibility)
         if left <= 1e3 * options.feasibility and not potential.is_blocked(q, trial):
             trials.append((potential.fall(q, trial), trial))

@@ -61,11 +61,11 @@ class JoinedPotential:
 
     def __init__(self, cables: Sequence[Potential], others: Others, start: Array) -> None:
         self._cables, self._others = cables, others
-        self._rounds = rounds_of(others.varying)
         sizes = [cable.cable.reference.size for cable in cables]
         ends = np.cumsum([0, *sizes])
         self._places = [slice(a, b) for a, b in pairwise(ends.tolist())]
         self._bodies = slice(int(ends[-1]), len(start))
+        self._rounds = rounds_of(others.varying, self._bodies.start)
         self.length = max(cable.length for cable in cables)
         self.mass = csr_array(block_diag([*(cable.mass for cable in cables), others.mass]))
         self.metric = csr_array(block_diag([*(cable.metric for cable in cables), others.mass]))
@@ -164,7 +164,7 @@ class JoinedPotential:
         return csr_array(total + SHARE * self.shift * self.mass)
 
     def _of_others(self, q: Array, nu: Array) -> csr_array:
-        """Derivatives of G, by central differences."""
+        """Derivatives of G, by central differences; those of forces on bodies along cables by symmetry."""
 
         def out_of_balance(at: Array) -> Array:
             force: Array = self._others.jacobian(at).T @ nu - self._others.force(at)
@@ -180,7 +180,10 @@ class JoinedPotential:
         none = np.zeros(0, np.int64)
         rows = np.concatenate([none, *(one.rows for one in self._rounds)])
         columns = np.concatenate([none, *(one.columns for one in self._rounds)])
-        found = csr_array((np.concatenate(values), (rows, columns)), (len(q), len(q)))
+        entries, first = np.concatenate(values), self._bodies.start
+        above = (rows < first) & (columns >= first)
+        places = np.append(rows, columns[above]), np.append(columns, rows[above])
+        found = csr_array((np.append(entries, entries[above]), places), (len(q), len(q)))
         found.eliminate_zeros()
         return found
 

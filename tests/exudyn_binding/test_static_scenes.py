@@ -16,8 +16,10 @@ from exudyn.itemInterface import (
     MarkerNodeCoordinate,
     MarkerNodePosition,
     MarkerNodeRigid,
+    NodePointGround,
     RevoluteJoint2D,
     SphericalJoint,
+    SpringDamper,
     TorsionalSpringDamper,
 )
 from exudyn.utilities import InertiaCuboid
@@ -37,7 +39,7 @@ from exudyn_inext import (
 from exudyn_inext.element.shape_functions import shape_functions
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import either_cable
-from tests.items.attach.contact import Circle, add_frictionless_contact
+from tests.items.attach.contact import Circle, add_frictionless_contact, add_general_contact
 
 MASS, BENDING, AXIAL = 0.2, 0.05, 1e6  # per length [kg/m], [N m^2], of native cables [N]
 SIZE = 1e-4  # of what a finer mesh and a stretch of 1e-6 may change [m]
@@ -306,6 +308,71 @@ def test_a_cable_comes_to_rest_on_circles_and_not_behind_them(scene):
     found, expected = totals(ours.mbs), totals(native.mbs)
     for own, theirs in zip(ours.cables[0], native.cables[0], strict=True):
         np.testing.assert_allclose(found[own][:2], expected[theirs][:2], atol=5e-4)
+
+
+def held_wheel(b):
+    """A body in the plane, each of whose coordinates a constraint holds."""
+    body = b.mbs.CreateRigidBody(
+        inertia=InertiaCuboid(200, [0.2, 0.2, 0.05]), referencePosition=[0.6, -0.3, 0], create2D=True
+    )
+    ground = b.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=b.mbs.AddNode(NodePointGround()), coordinate=0))
+    node = b.mbs.GetObject(body)["nodeNumber"]
+    for k in range(3):
+        marker = b.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=k))
+        b.mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, marker]))
+    return body
+
+
+@pytest.mark.parametrize("is_general", [False, True])
+def test_a_cable_lies_on_a_held_body_as_on_ground(is_general):
+    """By contact objects, and by Exudyn's GeneralContact, which finds the same contacts."""
+    on_ground, b = built("wheel"), Builder(dimension=2)
+    SolveEquilibrium(on_ground.mbs)
+    body = held_wheel(b)
+    nodes = b.cable([0, 0, 0], [1, 0, 0], 24, clamped=["Start"])
+    elements, circle = CreateCompanionCables(b.mbs, b.made), Circle(0.1, 2e3, 0.0, 0.0)
+    if is_general:
+        add_general_contact(b.mbs, elements, circle, b.on(body, rigid=True))
+    else:
+        add_frictionless_contact(b.mbs, elements, circle, body)
+    b.mbs.Assemble()
+    SolveEquilibrium(b.mbs)
+    found, expected = totals(b.mbs), totals(on_ground.mbs)
+    for own, theirs in zip(nodes, on_ground.cables[0], strict=True):
+        np.testing.assert_allclose(found[own], expected[theirs], atol=1e-6)
+
+
+def test_what_falls_slowly_beside_a_taut_cable_comes_to_rest():
+    """An upright pendulum, whose negative stiffness is a thousandth of what the tension is over the mass."""
+    b = Builder(dimension=2)
+    nodes = b.cable([0, 0, 0], [1, 0, 0], pinned=["Start"])
+    b.mbs.AddLoad(LoadForceVector(markerNumber=b.at(nodes[-1]), loadVector=[1e4, 0, 0]))
+    inertia = InertiaCuboid(200, [0.2, 0.1, 0.05])
+    body = b.mbs.CreateRigidBody(
+        inertia=inertia, referencePosition=[2.001, 0.5, 0], gravity=b.gravity, create2D=True
+    )
+    pair = [b.on(b.ground, [2, 0, 0]), b.on(body, [-0.001, -0.5, 0])]
+    b.mbs.AddObject(RevoluteJoint2D(markerNumbers=pair))
+    b.mbs.Assemble()
+    report = SolveEquilibrium(b.mbs)
+    place = b.mbs.GetObjectOutputBody(body, exudyn.OutputVariableType.Position)
+    np.testing.assert_allclose(place[:2], [2, -np.hypot(0.5, 0.001)], atol=1e-4)
+    assert report["iterations"] < 60
+
+
+def test_a_column_bows_as_little_as_a_stiff_spring_lets_it():
+    """Straight it is unstable. Of the spring's force Euler's load is left: the tip sinks by s = e - N / k and
+    bows by 4 sqrt(s) / pi."""
+    b, stiffness, excess = Builder(dimension=2), 1e6, 5e-7
+    nodes = b.cable([0, 0, 0], [1, 0, 0], clamped=["Start"], gravity=[0, 0, 0])
+    pair = [b.on(b.ground, [1001, 0, 0]), b.at(nodes[-1])]
+    spring = SpringDamper(markerNumbers=pair, stiffness=stiffness, referenceLength=1000 + excess)
+    b.mbs.AddObject(spring)
+    b.mbs.Assemble()
+    SolveEquilibrium(b.mbs)
+    sinks = excess - np.pi**2 * BENDING / 4 / stiffness
+    bow = abs(b.mbs.GetNodeOutput(nodes[-1], exudyn.OutputVariableType.Displacement)[1])
+    np.testing.assert_allclose(bow, 4 * np.sqrt(sinks) / np.pi, rtol=0.01)
 
 
 def test_a_moment_rolls_a_cantilever_up_to_a_circle():

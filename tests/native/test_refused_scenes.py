@@ -8,6 +8,7 @@ from exudyn.itemInterface import (
     MarkerBodyPosition,
     MarkerBodyRigid,
     MarkerNodePosition,
+    NodeGenericODE2,
     NodePoint,
     NodeRigidBody2D,
     ObjectANCFCable2D,
@@ -63,6 +64,12 @@ def rotation_vector(mbs, nodes):
 
 def node_without_body(mbs, nodes):
     mbs.AddNode(NodePoint(name="lost"))
+    mass_point(mbs)
+
+
+def node_of_ale_elements(mbs, nodes):
+    zero = {"initialCoordinates": [0], "initialCoordinates_t": [0], "referenceCoordinates": [0]}
+    mbs.AddNode(NodeGenericODE2(numberOfODE2Coordinates=1, name="flow", **zero))
     mass_point(mbs)
 
 
@@ -122,6 +129,7 @@ REFUSED = [
     (velocity_constraint, SceneError, r"'drive' \(JointRollingDisc\) constrains velocities.*penalty"),
     (rotation_vector, SceneError, r"node .*\(RigidBodyRotVecLG\).*RotationEulerParameters or RotationRxyz"),
     (node_without_body, SceneError, r"node \d+ 'lost' \(Point\) has coordinates without mass"),
+    (node_of_ale_elements, SceneError, r"'flow' \(GenericODE2\) has coordinates without mass \(of an ALE"),
     (disc_without_inertia, SceneError, r"'disc' \(RigidBody2D\) has coordinates without mass.*inertia"),
     (rod_without_inertia_about_its_axis, SceneError, r"\(RigidBodyEP\) has coordinates without mass"),
     (

@@ -31,7 +31,7 @@ def test_all_entries_of_what_the_items_do_are_found(groups):
     q, expected, found = np.linspace(0.1, 1.0, SIZE), np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE))
     for group, factor in zip(groups, factors, strict=True):
         expected[np.ix_(group, group)] += 3.0 * factor[group, np.newaxis] * q[group].sum() ** 2
-    for one in rounds_of(groups):
+    for one in rounds_of(groups, SIZE):
         step = np.zeros(SIZE)
         step[one.places] = 1e-5
         change = (force(q + step) - force(q - step)) / 2e-5
@@ -40,4 +40,11 @@ def test_all_entries_of_what_the_items_do_are_found(groups):
 
 
 def test_the_number_of_rounds_does_not_grow_with_the_scene():
-    assert len(rounds_of(chain(20))) == len(rounds_of(chain(200))) == 5
+    assert len(rounds_of(chain(20), 20)) == len(rounds_of(chain(200), 200)) == 5
+
+
+def test_a_wheel_that_all_elements_touch_adds_its_own_rounds_alone():
+    wheel = [1000, 1001, 1002]
+    for length in (20, 200):
+        touching = [np.append(element, wheel) for element in chain(length)]
+        assert len(rounds_of(touching, wheel[0])) == 5 + len(wheel)

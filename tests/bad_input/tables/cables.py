@@ -5,7 +5,7 @@ from typing import Any
 
 import exudyn
 import numpy as np
-from exudyn.itemInterface import ObjectANCFCable, ObjectANCFCable2D, ObjectMassPoint
+from exudyn.itemInterface import ObjectALEANCFCable2D, ObjectANCFCable, ObjectANCFCable2D, ObjectMassPoint
 
 from exudyn_inext import (
     AddPointMass,
@@ -95,6 +95,10 @@ SECTIONS = of_cable(
         ({"beamTemplate": InextensibleCable}, r"beamTemplate = <class.*: must be an InextensibleCable"),
         ({"beamTemplate": SECTION}, r"beamTemplate = \{'mass.*: must be an InextensibleCable"),
         ({"beamTemplate": ObjectMassPoint()}, r"beamTemplate = ObjectMassPoint: must be an Inext"),
+        (
+            {"beamTemplate": ObjectALEANCFCable2D()},
+            r"ObjectALEANCFCable2D: .*\(ALE\) have no counterpart.*ObjectANCFCable2D",
+        ),
         *[
             ({"beamTemplate": native(**UNIT, bendingDamping=-0.1)}, r"bendingDamping = -0.1: .*>= 0")
             for native in NATIVE
