@@ -1,5 +1,6 @@
 """Circles that lie between two states of cables in contact with them."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import exudyn
@@ -22,17 +23,12 @@ class CirclesInTheWay:
     def __init__(self, mbs: Any) -> None:
         self._mbs, self._markers = mbs, []
         weights, elements, segments, radii = [np.zeros((0, 4))], [np.zeros((0, 8), int)], [0], []
-        for number in range(mbs.systemData.NumberOfObjects()):
-            data = mbs.GetObject(number)
-            if data["objectType"] not in WITH_CIRCLES or not data["activeConnector"]:
-                continue
-            circle, shape = data["markerNumbers"]
-            cable = mbs.GetMarker(shape)["bodyNumber"]
-            ends = np.linspace(0.0, 1.0, int(data["numberOfContactSegments"]) + 1)
-            weights.append(shape_functions(ends, float(mbs.GetObject(cable)["length"])).T)
-            elements.append(np.tile(mbs.systemData.GetObjectLTGODE2(cable), (len(ends), 1)))
+        for circle, element, number, radius in _pairs(mbs):
+            ends = np.linspace(0.0, 1.0, number + 1)
+            weights.append(shape_functions(ends, float(mbs.GetObject(element)["length"])).T)
+            elements.append(np.tile(mbs.systemData.GetObjectLTGODE2(element), (len(ends), 1)))
             segments.append(len(ends))
-            radii += [float(data["circleRadius"])] * (len(ends) - 1)
+            radii += [radius] * number
             self._markers.append(circle)
         self._weights, self._elements = np.concatenate(weights), np.concatenate(elements).reshape(-1, 4, 2)
         self._contact_of_end = np.repeat(np.arange(len(self._markers)), segments[1:])
@@ -65,3 +61,29 @@ class CirclesInTheWay:
         nearest = np.clip(-(start * along).sum(axis=1) / squares, 0.0, 1.0)
         found: Array = np.linalg.norm(start + nearest[:, np.newaxis] * along, axis=1)
         return found
+
+
+def _pairs(mbs: Any) -> Iterator[tuple[int, int, int, float]]:
+    """Marker of a circle, an element that may touch it, segments of that element, and the radius [m].
+
+    Of a GeneralContact only where it has all planar elements: Exudyn does not say which ones it has.
+    """
+    elements = []
+    for number in range(mbs.systemData.NumberOfObjects()):
+        data = mbs.GetObject(number)
+        if data["objectType"] == "ANCFCable2D":
+            elements.append(number)
+        if data["objectType"] in WITH_CIRCLES and data["activeConnector"]:
+            circle, shape = data["markerNumbers"]
+            element, segments = mbs.GetMarker(shape)["bodyNumber"], data["numberOfContactSegments"]
+            yield int(circle), int(element), int(segments), float(data["circleRadius"])
+    for number in range(mbs.NumberOfGeneralContacts()):
+        contact = mbs.GetGeneralContact(number)
+        sizes = contact.GetPythonObject()
+        if sizes["numberOfANCFCable2D"] != len(elements):
+            continue
+        for k in range(sizes["numberOfSpheresMarkerBased"]):
+            sphere = contact.GetSphereMarkerBased(k, addData=True)
+            for element in elements:
+                segments = contact.ancfCableNumberOfContactSegments
+                yield int(sphere["markerIndex"]), element, int(segments), float(sphere["radius"])
