@@ -102,7 +102,7 @@ def _count_work(items, q):
 @inlined
 def _move_points(items, q, v):
     move_points(items.points, items.bodies, q, v)
-    move_sliders(items.sliders, items.points, v)
+    move_sliders(items.sliders, items.points, q, v)
 
 
 @inlined

@@ -1,13 +1,17 @@
-"""Points that slide along planar cables: each is the foot of the perpendicular of another point p.
+"""Points that slide along cables: each is the foot of the perpendicular of another point p.
 
 On a chain of elements r(s), with d = p - r, the slope r' and the rates r_t and r'_t at a fixed s,
 
     r' . d = 0,    s_t = (r' . (p_t - r_t) + r'_t . d) / (r' . r' - r'' . d),
 
-    x = r,    x_t = r_t + r' s_t,    x_tt = 2 r'_t s_t + r'' s_t^2,
+    x = r,    x_t = r_t + r' s_t,    x_tt = 2 r'_t s_t + r'' s_t^2 + r' s_tt.
 
-with a frame along the slope. What x_tt lacks lies along the slope, and so does what `along` lacks, that is S:
-this does for equations along the normal.
+The frame has t = r' / |r'| and one or two normals n. x_tt goes without its last term, and `along` is S alone:
+both lack what lies along the slope, which does for equations along the normals.
+
+In space the frame follows from a direction e; only a cable along -e, which hardly ever happens, has none:
+n = b - (b . t) / (1 + e . t) (t + e), with b at right angles to e. It turns by w = t x t_t + tau t with
+tau = (t x e) . t_t / (1 + e . t).
 """
 
 from functools import singledispatch
@@ -18,26 +22,33 @@ import numpy as np
 from ..arrays import Array, record_type
 from ..compiled import dispatched, inlined
 from ..system import implements
+from .points import cross, dot
 
 CLOSE = 1e-13  # of the place to the foot, relative to the length of an element
 MOST_STEPS = 30  # of Newton's method, besides those from element to element
 BEYOND = 1e-6  # the ends of a chain that a foot may be, relative to the length of an element
-PER_NODE = 4  # coordinates
+FRAME = np.array(
+    [[1.0, np.sqrt(2.0), np.sqrt(3.0)], [np.sqrt(2.0), -1.0, 0.0], [1.0, np.sqrt(2.0), -np.sqrt(3.0)]]
+)
+FRAME /= np.linalg.norm(FRAME, axis=1)[:, np.newaxis]  # rows e and both b
 
 SLIDER = record_type(
     [
         ("point", np.int64),  # that slides, a point of a cable
         ("follows", np.int64),  # p, a point before it
+        ("dimension", np.int64),  # of the cable
         ("first", np.int64),  # coordinate of the chain
         ("elements", np.int64),  # how many
         ("segment", np.int64),  # which of them, at present
         ("x", np.float64),  # on it [m]
         ("length", np.float64),  # of that element
         ("lengths", np.int64),  # first of those of all its elements, see `Sliders`
-        ("weights", np.float64, (3, 4)),  # S, S' and S'' there
-        ("slope", np.float64, (2,)),  # r'
-        ("bend", np.float64, (2,)),  # r''
-        ("way", np.float64, (2,)),  # d
+        ("weights", np.float64, (4, 4)),  # S and its first three derivatives there
+        ("slope", np.float64, (3,)),  # r'
+        ("bend", np.float64, (3,)),  # r''
+        ("way", np.float64, (3,)),  # d
+        ("rate", np.float64, (3,)),  # of r', where the point is
+        ("change", np.float64, (3,)),  # of this rate, with accelerations of the coordinates zero
     ]
 )
 
@@ -68,8 +79,8 @@ def place_sliders(sliders, points, q):
 
 @dispatched
 @singledispatch
-def move_sliders(sliders, points, v):
-    """Velocities at v (n,), and accelerations with those of the coordinates zero; all points move.
+def move_sliders(sliders, points, q, v):
+    """Velocities at (q, v), (n,) each, and accelerations with those of the coordinates zero; all points move.
 
     Raises:
         NotImplementedError: no such points.
@@ -83,13 +94,29 @@ def place_no_sliders(sliders, points, q):
 
 
 @implements(move_sliders, NoSliders)
-def move_no_sliders(sliders, points, v):
+def move_no_sliders(sliders, points, q, v):
     """There are none."""
 
 
 @inlined
+def set_frame(dimension, slope, turn):
+    """Slope and normals as columns of an orientation (3, 3).   slope: (3,) r'."""
+    norm = np.sqrt(dot(slope, slope))
+    for i in range(3):
+        turn[i, 0] = slope[i] / norm
+    if dimension == 2:
+        turn[0, 1], turn[1, 1] = -turn[1, 0], turn[0, 0]
+        return
+    t = turn[:, 0]
+    for j in range(1, 3):
+        share = dot(FRAME[j], t) / (1.0 + dot(FRAME[0], t))
+        for i in range(3):
+            turn[i, j] = FRAME[j, i] - share * (t[i] + FRAME[0, i])
+
+
+@inlined
 def _weigh(slider):
-    """S, S' and S'' at the present place, see `element.shape_functions`; straight beyond a chain's ends."""
+    """S and derivatives at present, see `element.shape_functions`; straight beyond a chain's ends."""
     w, length = slider.weights, slider.length
     at = min(max(slider.x, 0.0), length)
     x, beyond = at / length, slider.x - at
@@ -105,18 +132,22 @@ def _weigh(slider):
     w[2, 1] = (6.0 * x - 4.0) / length
     w[2, 2] = -w[2, 0]
     w[2, 3] = (6.0 * x - 2.0) / length
+    w[3, 0] = 12.0 / (length * length * length)
+    w[3, 1] = w[3, 3] = 6.0 / (length * length)
+    w[3, 2] = -w[3, 0]
     if beyond != 0.0:
         for k in range(4):
             w[0, k] += beyond * w[1, k]
-            w[2, k] = 0.0
+            w[2, k] = w[3, k] = 0.0
 
 
 @inlined
 def _sum(slider, order, i, q):
-    """Component i of r, r' or r'' from coordinates, or of their rates from velocities."""
-    at, total = slider.first + PER_NODE * slider.segment + i, 0.0
+    """Component i of r or one of its derivatives from coordinates, or of their rates from velocities."""
+    dim, total = slider.dimension, 0.0
+    at = slider.first + 2 * dim * slider.segment + i
     for k in range(4):
-        total += slider.weights[order, k] * q[at + 2 * k]
+        total += slider.weights[order, k] * q[at + dim * k]
     return total
 
 
@@ -124,15 +155,12 @@ def _sum(slider, order, i, q):
 def _measure(slider, point, p, q):
     """At the present place; returns how far the foot is, to first order [m]."""
     _weigh(slider)
-    along, square, bent = 0.0, 0.0, 0.0
-    for i in range(2):
+    for i in range(slider.dimension):
         point.x[0, i] = _sum(slider, 0, i, q)
         slider.slope[i], slider.bend[i] = _sum(slider, 1, i, q), _sum(slider, 2, i, q)
         slider.way[i] = p.x[0, i] - point.x[0, i]
-        along += slider.slope[i] * slider.way[i]
-        square += slider.slope[i] * slider.slope[i]
-        bent += slider.bend[i] * slider.way[i]
-    return along / max(square - bent, 0.5 * square)
+    square = dot(slider.slope, slider.slope)
+    return dot(slider.slope, slider.way) / max(square - dot(slider.bend, slider.way), 0.5 * square)
 
 
 @inlined
@@ -158,31 +186,62 @@ def place_all_sliders(sliders, points, q):
         slider = sliders.records[k]
         point = points[slider.point]
         _find_foot(slider, sliders.lengths, point, points[slider.follows], q)
-        point.first, point.width = slider.first + PER_NODE * slider.segment, 2 * PER_NODE
-        x, y = slider.slope[0], slider.slope[1]
-        norm, turn = np.sqrt(x * x + y * y), point.orientation
-        turn[0, 0], turn[0, 1], turn[1, 0], turn[1, 1] = x / norm, -y / norm, y / norm, x / norm
+        dim = slider.dimension
+        point.first, point.width = slider.first + 2 * dim * slider.segment, 4 * dim
+        set_frame(dim, slider.slope, point.orientation)
         for j in range(4):
             point.weights[j] = slider.weights[0, j]
-            for i in range(2):
-                point.along[i, 2 * j + i] = slider.weights[0, j]
+            for i in range(dim):
+                point.along[i, dim * j + i] = slider.weights[0, j]
+
+
+@inlined
+def _move_along(slider, point, p, q, v):
+    """Velocity, acceleration, and rates of the slope, where the point is."""
+    slope, bend, way, rate = slider.slope, slider.bend, slider.way, slider.rate
+    along, acceleration = 0.0, 0.0
+    for i in range(slider.dimension):
+        rate[i] = _sum(slider, 1, i, v)
+        along += slope[i] * (p.x[1, i] - point.x[1, i]) + rate[i] * way[i]
+    reach = dot(slope, slope) - dot(bend, way)
+    speed = along / reach
+    for i in range(slider.dimension):
+        point.x[1, i] += slope[i] * speed
+        point.x[2, i] = (2.0 * rate[i] + bend[i] * speed) * speed
+        rate[i] += bend[i] * speed
+        slider.change[i] = (2.0 * _sum(slider, 2, i, v) + _sum(slider, 3, i, q) * speed) * speed
+        acceleration += slope[i] * (p.x[2, i] - point.x[2, i]) + slider.change[i] * way[i]
+        acceleration += 2.0 * rate[i] * (p.x[1, i] - point.x[1, i])
+    for i in range(slider.dimension):
+        slider.change[i] += bend[i] * acceleration / reach
+
+
+@inlined
+def _turn_with_slope(slider, point):
+    """The frame's angular velocity and its rate; t_t and, but for what lies along t, t_tt follow from r'."""
+    t, norm = point.orientation[:, 0], np.sqrt(dot(slider.slope, slider.slope))
+    rate, change, space = slider.rate, slider.change, 1.0 if slider.dimension == 3 else 0.0
+    stretch, along = dot(t, rate), 0.0
+    for i in range(3):
+        change[i] = (change[i] - 2.0 * stretch / norm * rate[i]) / norm
+        rate[i] = (rate[i] - stretch * t[i]) / norm
+        along += FRAME[0, i] * t[i]
+    share = space / (1.0 + along)
+    twist, twist_rate = 0.0, 0.0
+    for i in range(3):
+        twist += share * cross(t, FRAME[0], i) * rate[i]
+        twist_rate += share * cross(t, FRAME[0], i) * change[i]
+    twist_rate -= share * twist * dot(FRAME[0], rate)
+    for i in range(3):
+        point.spin[i] = cross(t, rate, i) + twist * t[i]
+        point.spin_rate[i] = cross(t, change, i) + twist_rate * t[i] + twist * rate[i]
 
 
 @implements(move_sliders, Sliders)
-def move_all_sliders(sliders, points, v):
+def move_all_sliders(sliders, points, q, v):
     """Arguments: see `move_sliders`; velocities at a fixed s are set."""
     for k in range(len(sliders.records)):
         slider = sliders.records[k]
-        point, p = points[slider.point], points[slider.follows]
-        slope, bend, way = slider.slope, slider.bend, slider.way
-        x, y = _sum(slider, 1, 0, v), _sum(slider, 1, 1, v)
-        square = slope[0] * slope[0] + slope[1] * slope[1]
-        along = slope[0] * (p.x[1, 0] - point.x[1, 0]) + slope[1] * (p.x[1, 1] - point.x[1, 1])
-        along += x * way[0] + y * way[1]
-        speed = along / (square - bend[0] * way[0] - bend[1] * way[1])
-        point.x[1, 0] += slope[0] * speed
-        point.x[1, 1] += slope[1] * speed
-        point.x[2, 0] = (2.0 * x + bend[0] * speed) * speed
-        point.x[2, 1] = (2.0 * y + bend[1] * speed) * speed
-        x, y = x + bend[0] * speed, y + bend[1] * speed
-        point.spin[2] = (slope[0] * y - slope[1] * x) / square
+        point = points[slider.point]
+        _move_along(slider, point, points[slider.follows], q, v)
+        _turn_with_slope(slider, point)

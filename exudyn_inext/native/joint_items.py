@@ -14,7 +14,7 @@ from .sliding_joints import read_sliding_joint
 
 _LINEAR = {"JointSpherical", "ConnectorCoordinate"}
 _WITHOUT_ROTATION = {"Ground", "MassPoint", "MassPoint2D", "Mass1D"}
-_WITH_UNKNOWNS = {"JointSliding", "JointALEMoving2D"}
+_SLIDING = {"JointSliding", "JointSliding2D"}
 
 
 def read_joints(mbs: Any, elsewhere: Collection[int]) -> list[JointItem]:
@@ -40,14 +40,14 @@ def read_joints(mbs: Any, elsewhere: Collection[int]) -> list[JointItem]:
                 f"{name} constrains velocities, which only a CoordinateConstraint may, in explicit steps: "
                 "use a constraint at position level, or a penalty such as CreateRollingDiscPenalty."
             )
-        if data["objectType"] in _WITH_UNKNOWNS:
+        if data["objectType"] == "JointALEMoving2D":
             raise SceneError(
                 f"{name} brings algebraic unknowns of its own, the place on the cable among them, which "
-                "explicit steps support for no joint but ObjectJointSliding2D: keep the joint and create "
-                "the cable with enforcement='algebraic' for mbs.SolveDynamic, or hold the body at a point of "
+                "explicit steps support for sliding joints only: keep the joint and create the cable with "
+                "enforcement='algebraic' for mbs.SolveDynamic, or hold the body at a point of "
                 "the cable, by AddMarkerOnCable and a joint or a spring."
             )
-        read = read_sliding_joint if data["objectType"] == "JointSliding2D" else _joint
+        read = read_sliding_joint if data["objectType"] in _SLIDING else _joint
         joints.append(read(mbs, number, data, name))
     return [joint for joint in joints if len(joint.rows)]
 

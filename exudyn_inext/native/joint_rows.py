@@ -48,7 +48,9 @@ class JointRows:
         ends = np.cumsum([0, *(len(joint.rows) for joint in joints)])
         rows = [np.arange(a, b) for a, b in pairwise(ends)]
         pairs = zip(rows, joints, strict=True)
-        self.sliding = [(own[0], joint) for own, joint in pairs if isinstance(joint, SlidingJoint)]
+        self.sliding = [(own, joint) for own, joint in pairs if isinstance(joint, SlidingJoint)]
+        shortest = min((float(joint.lengths.min()) for _, joint in self.sliding), default=1.0)
+        self._step = STEP * min(1.0, shortest) ** 0.5  # beside short elements c bends within STEP
         places = [coordinates.places(joint.coordinates) for joint in joints]
         of_parts = _blocks(parts, rows, places)
         self.blocks = list(of_parts.values())
@@ -74,24 +76,23 @@ class JointRows:
     def values(self, mbs: Any, equations: Array) -> Array:
         """(m,) in the current configuration of mbs, from the values of all algebraic equations there."""
         result = equations[self._equations]
-        for row, joint in self.sliding:
-            result[row] = joint.foot(mbs).distance
+        for own, joint in self.sliding:
+            result[own] = joint.foot(mbs).distances
         return result
 
     def multipliers(self, mbs: Any, rows: Array, size: int) -> Array:
         """(size,) of all algebraic equations, from those of the rows (m,) in mbs's configuration."""
         result = np.zeros(size)
         result[self._equations] = rows
-        for row, joint in self.sliding:
-            first = self._equations[row]
-            result[first : first + 3] = joint.multipliers(mbs, rows[row])
+        for own, joint in self.sliding:
+            result[joint.equations] = joint.multipliers(mbs, rows[own])
         return result
 
     def beyond(self, mbs: Any) -> Array:
         """(m,) how far what slides is beyond the ends of its cable [m]."""
         result = np.zeros(self.number)
-        for row, joint in self.sliding:
-            result[row] = joint.beyond(mbs)
+        for own, joint in self.sliding:
+            result[own[0]] = joint.beyond(mbs)
         return result
 
     def put_places(self, mbs: Any, data: Array) -> Array:
@@ -137,7 +138,7 @@ class JointRows:
         if not self.follows_time and (self._are_linear or not v.any()):
             return JointTerms(value, np.zeros(self.number), np.zeros(self.number))
         rates = v[: self._places]  # those of first-order states behind them have other units
-        step = STEP / max(1.0, float(np.abs(rates).max()))
+        step = self._step / max(1.0, float(np.abs(rates).max()))
         after, before = (value_at(t + s, self._moved(q, v, s)) for s in (step, -step))
         gamma = (2.0 * value - after - before) / step**2
         drift = np.zeros(self.number)

@@ -1,12 +1,12 @@
-"""Sliding joints: the position p of a marker slides along planar cable elements, without friction.
+"""Sliding joints: the position p of a marker slides along cable elements, without friction.
 
 The place s on the cable is no unknown. It is the foot of the perpendicular of p on the cable r(s), and with
-the unit normal n there the joint is one equation between the coordinates,
+the unit normals n there, one in the plane and two in space, the joint has an equation for each of them,
 
     c = n . (p - r(s)) = 0,    dc = n . (dp - S dq),
 
-as neither the change of s nor that of n adds anything at the foot, r' . (p - r) = 0. Exudyn's
-ObjectJointSliding2D has the place as an unknown of its own, which it finds in each step.
+as neither the change of s nor that of n adds anything where p = r. Exudyn's ObjectJointSliding2D and
+ObjectJointSliding have the place as an unknown of their own, which they find in each step.
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ from ..arrays import Array
 from ..element.shape_functions import first_derivatives, second_derivatives, shape_functions
 from ..errors import SceneError
 from ..items.parameters import set_unnoted
-from ..multibody.sliding import BEYOND
+from ..multibody.sliding import BEYOND, set_frame
 from ..run.compiled_scene import off_cable
 from .joint_item import JACOBIAN, JointItem
 
@@ -29,13 +29,21 @@ FORMULATION = "useClassicalFormulation"
 CLOSE = 1e-13  # of the place to the foot, relative to the length of an element
 MOST_STEPS = 30  # of Newton's method, besides those from element to element
 OFFSET = 1e-6  # of slidingMarkerOffsets from the ends of elements, relative to the length of the shortest
+_POSITIONS = {2: slice(0, 2), 3: slice(1, 4)}  # equations that hold positions, among Exudyn's
+_SUPPORTED = {
+    "constrainRotation": False,
+    "constrainRotations": 0,
+    "constrainTranslations": 1,
+    "axialForce": 0,
+}
+_REMEDIES = {"constrainRotations": "set it to [0, 0, 0]"}
 _POSITION = exudyn.OutputVariableType.Position
 
 
 class Foot(NamedTuple):
-    """Place on a chain.   segment: which element.   x: on it [m].   weights: (4,) S.   slope: (2,) r'.
+    """Place on a chain, in 2 or 3 dimensions d.
 
-    way: (2,) p - r [m].
+    segment: which element.   x: on it [m].   weights: (4,) S.   slope: (d,) r'.   way: (d,) p - r [m].
     """
 
     segment: int
@@ -45,31 +53,35 @@ class Foot(NamedTuple):
     way: Array
 
     @property
-    def normal(self) -> Array:
-        """(2,) to the left of the slope."""
-        return np.array([-self.slope[1], self.slope[0]]) / np.linalg.norm(self.slope)
+    def normals(self) -> Array:
+        """(d - 1, d), see `multibody.sliding`."""
+        dim, turn = len(self.slope), np.eye(3)
+        set_frame(dim, np.array([*self.slope, 0.0])[:3], turn)
+        return turn[:dim, 1:dim].T
 
     def beyond(self, length: float) -> float:
         """How far it lies beyond the ends of its element [m]; that of others than the end ones never does."""
         return max(-self.x, self.x - length, 0.0)
 
     @property
-    def distance(self) -> float:
-        """Of p along the normal [m]."""
-        return float(self.normal @ self.way)
+    def distances(self) -> Array:
+        """(d - 1,) of p along the normals [m]."""
+        return self.normals @ self.way
 
 
 @dataclass(frozen=True, eq=False)
 class SlidingJoint(JointItem):
-    """See `JointItem`; it has one equation, and `rows` the place of the first of Exudyn's three.
+    """See `JointItem`; it has an equation for each normal.
 
+    equations: places of all of Exudyn's equations.
     slider: marker.   elements: (E,) objects.
-    chain: (E, 8) places of their coordinates in the system vector.   references: (E, 8) of these.
+    chain: (E, 4 d) places of their coordinates in the system vector.   references: (E, 4 d) of these.
     lengths, offsets: (E,) of elements, and s of their first nodes [m].
     data: (2,) places of segment and s among the data.   is_classical: which of Exudyn's formulations it has.
     last: (2,) segment, and x there [m], that were found last.
     """
 
+    equations: np.ndarray
     slider: int
     elements: np.ndarray
     chain: np.ndarray
@@ -80,16 +92,20 @@ class SlidingJoint(JointItem):
     is_classical: bool
     last: Array = field(default_factory=lambda: np.zeros(2))
 
+    @property
+    def dimension(self) -> int:
+        return self.chain.shape[1] // 4
+
     def foot(self, mbs: Any) -> Foot:
         """Of the slider's position in mbs, by Newton's method from the last one.
 
         Beyond its ends the cable goes on straight.
         """
-        position = np.asarray(mbs.GetMarkerOutput(self.slider, _POSITION))[:2]
+        position = np.asarray(mbs.GetMarkerOutput(self.slider, _POSITION))[: self.dimension]
         all_q = np.asarray(mbs.systemData.GetODE2Coordinates())
         segment, x = int(self.last[0]), float(self.last[1])
         for _ in range(MOST_STEPS + len(self.chain)):
-            nodes = (all_q[self.chain[segment]] + self.references[segment]).reshape(4, 2)
+            nodes = (all_q[self.chain[segment]] + self.references[segment]).reshape(4, -1)
             length = float(self.lengths[segment])
             weights, *derivatives = _shapes(x, length)
             slope, bend = (one @ nodes for one in derivatives)
@@ -107,31 +123,39 @@ class SlidingJoint(JointItem):
         return Foot(segment, x, weights, slope, way)
 
     def jacobian(self, mbs: Any) -> Array:
-        """See `JointItem`; what the slider moves by is that of Exudyn's first two equations, -dp/dq."""
+        """See `JointItem`; what the slider moves by is that of Exudyn's equations of positions, -dp/dq."""
         foot = self.foot(mbs)
         if not self.is_classical:
             set_unnoted(mbs, self.number, FORMULATION, True)
-        moved = np.asarray(mbs.ComputeItem(ObjectIndex(self.number), JACOBIAN))[:2]
+        moved = np.asarray(mbs.ComputeItem(ObjectIndex(self.number), JACOBIAN))[_POSITIONS[self.dimension]]
         if not self.is_classical:
             set_unnoted(mbs, self.number, FORMULATION, False)
-        result = np.zeros((1, len(self.coordinates)))
+        result = np.zeros((self.dimension - 1, len(self.coordinates)))
         of_slider = moved.shape[1] - self.chain.shape[1]
-        result[0, :of_slider] = -foot.normal @ moved[:, :of_slider]
+        result[:, :of_slider] = -foot.normals @ moved[:, :of_slider]
         at = np.searchsorted(self.coordinates[of_slider:], self.chain[foot.segment]) + of_slider
-        np.add.at(result[0], at, -np.outer(foot.weights, foot.normal).ravel())
+        result[:, at] -= np.kron(foot.weights, foot.normals)
         return result
 
-    def multipliers(self, mbs: Any, nu: float) -> Array:
-        """(3,) of Exudyn's equations: the force on the slider, and no change of s."""
-        foot = self.foot(mbs)
+    def multipliers(self, mbs: Any, nu: Array) -> Array:
+        """Of Exudyn's equations: the force on the slider, and no change of s.   nu: (d - 1,)."""
+        foot, result = self.foot(mbs), np.zeros(len(self.equations))
         if self.is_classical:
-            return np.array([*(-nu * foot.normal), 0.0])
-        return np.array([0.0, -nu / float(np.linalg.norm(foot.slope)), 0.0])
+            result[_POSITIONS[self.dimension]] = -nu @ foot.normals
+        else:
+            result[1] = -nu[0] / float(np.linalg.norm(foot.slope))
+        return result
 
     def beyond(self, mbs: Any) -> float:
         """How far the foot lies beyond the ends of the chain [m]."""
         foot = self.foot(mbs)
         return foot.beyond(float(self.lengths[foot.segment]))
+
+    def take_place(self, data: Array) -> None:
+        """Look for the foot from the place that data (D,) say."""
+        segment, s = data[self.data]
+        segment = int(np.clip(segment, 0, len(self.elements) - 1))
+        self.last[:] = segment, s - self.offsets[segment]
 
     def put_place(self, mbs: Any, data: Array) -> None:
         """Set segment and s at present in data (D,).
@@ -156,25 +180,27 @@ def _shapes(x: float, length: float) -> Sequence[Array]:
 
 
 def read_sliding_joint(mbs: Any, number: int, data: dict[str, Any], name: str) -> SlidingJoint:
-    """An ObjectJointSliding2D, at the place that its data say.
+    """An ObjectJointSliding2D or ObjectJointSliding, at the place that its data say.
 
     Raises:
-        SceneError: it holds a rotation, pulls along the cable, or its offsets are not those of its elements.
+        SceneError: it holds rotations, pulls along the cable, lets the slider leave the cable, or its offsets
+            are not those of its elements.
     """
-    for parameter in ("constrainRotation", "axialForce"):
-        if data[parameter]:
+    for parameter, wanted in _SUPPORTED.items():
+        if parameter in data and np.any(np.asarray(data[parameter]) != wanted):
             raise SceneError(
-                f"{name} has {parameter} = {data[parameter]!r}, which explicit steps do not support: leave "
-                "it out, or create the cable with enforcement='algebraic' for mbs.SolveDynamic."
+                f"{name} has {parameter} = {data[parameter]!r}, which explicit steps do not support: "
+                f"{_REMEDIES.get(parameter, 'leave it out')}, or create the cable with "
+                "enforcement='algebraic' for mbs.SolveDynamic."
             )
     elements = [int(mbs.GetMarker(marker)["bodyNumber"]) for marker in data["slidingMarkerNumbers"]]
     cables = [mbs.GetObject(element) for element in elements]
     lengths, offsets = np.array([cable["length"] for cable in cables]), np.array(data["slidingMarkerOffsets"])
-    wanted = offsets[0] + np.cumsum([0.0, *lengths[:-1]])
-    if not np.abs(offsets - wanted).max() <= OFFSET * lengths.min():
+    begins = offsets[0] + np.cumsum([0.0, *lengths[:-1]])
+    if not np.abs(offsets - begins).max() <= OFFSET * lengths.min():
         raise SceneError(
             f"{name} has slidingMarkerOffsets = {offsets.tolist()}, but its elements, of lengths "
-            f"{lengths.tolist()}, begin at {wanted.tolist()} m: let them follow each other."
+            f"{lengths.tolist()}, begin at {begins.tolist()} m: let them follow each other."
         )
     system = mbs.systemData
     nodes = [[int(node) for node in cable["nodeNumbers"]] for cable in cables]
@@ -182,16 +208,17 @@ def read_sliding_joint(mbs: Any, number: int, data: dict[str, Any], name: str) -
     references = [[c for node in pair for c in mbs.GetNode(node)["referenceCoordinates"]] for pair in nodes]
     of_slider = system.GetObjectLTGODE2(number)[: -chain.shape[1]]
     at = np.array(system.GetObjectLTGData(number), dtype=int)
-    segment, s = np.asarray(system.GetDataCoordinates())[at]
-    segment = int(np.clip(segment, 0, len(elements) - 1))
-    return SlidingJoint(
+    equations = np.array(system.GetObjectLTGAE(number), dtype=int)
+    normals = chain.shape[1] // 4 - 1
+    joint = SlidingJoint(
         number=number,
-        rows=np.array(system.GetObjectLTGAE(number)[:1], dtype=int),
-        active=np.zeros(1, dtype=int),
+        rows=equations[:normals],
+        active=np.arange(normals),
         coordinates=np.concatenate([np.array(of_slider, dtype=int), np.unique(chain)]),
         name=name,
         follows_time=False,
         is_linear=False,
+        equations=equations,
         slider=int(data["markerNumbers"][0]),
         elements=np.array(elements),
         chain=chain,
@@ -199,6 +226,7 @@ def read_sliding_joint(mbs: Any, number: int, data: dict[str, Any], name: str) -
         lengths=lengths,
         offsets=offsets,
         data=at,
-        is_classical=bool(data[FORMULATION]),
-        last=np.array([segment, s - offsets[segment]]),
+        is_classical=bool(data.get(FORMULATION, True)),
     )
+    joint.take_place(np.asarray(system.GetDataCoordinates()))
+    return joint

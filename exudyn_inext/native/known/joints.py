@@ -93,8 +93,8 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved:
     sliding: list[tuple[Any, Array]] = []
     for joint in joints:
         if isinstance(joint, SlidingJoint):
-            row, slider = _sliding(joint, reader)
-            rows.append(row)
+            own, slider = _sliding(joint, reader)
+            rows += own
             sliding.append((slider, joint.lengths))
             continue
         data = mbs.GetObject(joint.number)
@@ -127,19 +127,20 @@ def _sliders(found: Sequence[tuple[Any, Array]]) -> Any:
     return Sliders(records, np.concatenate([lengths for _, lengths in found]))
 
 
-def _sliding(joint: SlidingJoint, reader: PointReader) -> tuple[Any, Any]:
-    """The row, and the record of the point that slides along one cable."""
-    chain = [reader.nodes_of_element(int(element)) for element in joint.elements]
-    first = chain[0][0]
-    if chain != [(first + 4 * k, first + 4 * (k + 1)) for k in range(len(chain))]:
+def _sliding(joint: SlidingJoint, reader: PointReader) -> tuple[list[Any], Any]:
+    """The rows, and the record of the point that slides along one cable."""
+    dim = joint.dimension
+    chain = [reader.nodes_of_element(int(element), dim) for element in joint.elements]
+    first, width = chain[0][0], 2 * dim
+    if chain != [(first + width * k, first + width * (k + 1)) for k in range(len(chain))]:
         raise UnknownItemError(f"{joint.name} along elements that do not follow each other on one cable")
     slider, follows = np.zeros(1, SLIDER)[0], reader.marker(joint.slider)
-    point = reader.on_chain(first, len(chain))
+    point = reader.on_chain(first, len(chain), dim)
     slider["point"], slider["follows"], slider["first"] = point.point, follows.point, first
     slider["elements"], slider["segment"], slider["x"] = len(chain), *joint.last
-    slider["length"] = joint.lengths[int(joint.last[0])]
-    normal = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
-    return _Joint((point, follows), np.zeros((2, 3, 3))).row(ALONG, axes=normal), slider
+    slider["length"], slider["dimension"] = joint.lengths[int(joint.last[0])], dim
+    both = _Joint((point, follows), np.array([np.eye(3), np.zeros((3, 3))]))
+    return [both.along(0, normal) for normal in range(1, dim)], slider
 
 
 def _offset_function(mbs: Any, joint: JointItem, data: dict[str, Any]) -> OffsetFunction:

@@ -181,21 +181,21 @@ class PointReader:
         dim = len(places) // 2
         return self._weighted(first + dim, dim, [1.0])
 
-    def nodes_of_element(self, number: int) -> tuple[int, int]:
-        """First coordinates of both nodes of a planar cable's companion; UnknownItemError if it is none."""
+    def nodes_of_element(self, number: int, dimension: int = 2) -> tuple[int, int]:
+        """First coordinates of both nodes of a cable's companion; UnknownItemError if it is none."""
         data = self._mbs.GetObject(number)
         first, last, dim = self._span(data) if is_inert_cable(data) else (-1, -1, 0)
-        if not (dim == 2 and 0 <= min(first, last) <= max(first, last) < self._on_cables):
+        if not (dim == dimension and 0 <= min(first, last) <= max(first, last) < self._on_cables):
             raise UnknownItemError(f"what touches, or slides along, {described(data, number)}")
         return first, last
 
-    def on_chain(self, first: int, elements: int) -> Place:
-        """A point that slides along elements of a planar cable, see `multibody.sliding`.
+    def on_chain(self, first: int, elements: int, dimension: int) -> Place:
+        """A point that slides along elements of a cable, see `multibody.sliding`.
 
         It has all of their coordinates, the first one being `first`, until it is placed.
         """
-        point = _new(ON_CABLE, first, 4 * (elements + 1))
-        point["dimension"] = 2
+        point = _new(ON_CABLE, first, 2 * dimension * (elements + 1))
+        point["dimension"] = dimension
         return self._add(point, has_frame=True)
 
     def _span(self, data: dict[str, Any]) -> tuple[int, int, int]:
