@@ -1,5 +1,6 @@
 """What is taken from inside Numba: row operations against NumPy, and nothing of it elsewhere."""
 
+import gc
 import re
 from importlib import metadata
 from pathlib import Path
@@ -9,8 +10,10 @@ import numpy as np
 import pytest
 from llvmlite.binding import Linkage
 from numba.core.errors import TypingError
+from numba.extending import overload
 
 import exudyn_inext
+from exudyn_inext import compiled
 from exudyn_inext.compiled import inlined, inlined_kernel, kernel
 from exudyn_inext.lowered import set_multiple, subtract_multiple
 
@@ -83,6 +86,45 @@ def test_a_part_is_translated_in_kernels_only():
             assert not result.library.get_pointer_to_function(result.fndesc.llvm_func_name)
     for result in inverse.overloads.values():
         assert result.library.get_pointer_to_function(result.fndesc.llvm_func_name)
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
+def test_a_part_is_compiled_once_for_all_numbers_in_calls(monkeypatch):
+    monkeypatch.setattr(compiled, "CACHE_FOLDER", None)
+
+    @inlined
+    def times(x, factor):
+        return factor * x
+
+    @kernel
+    def multiples(x):
+        return times(x, 2) + times(x, 3)
+
+    assert multiples(1.5) == 7.5
+    assert len(times.overloads) == 1
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
+def test_no_garbage_is_collected_while_a_kernel_is_compiled(monkeypatch):
+    monkeypatch.setattr(compiled, "CACHE_FOLDER", None)
+
+    collects = []
+
+    def typed():
+        pass
+
+    @overload(typed)
+    def choose():
+        collects.append(gc.isenabled())
+        return lambda: 1.0
+
+    @kernel
+    def one():
+        return typed()
+
+    assert one() == 1.0
+    assert collects and not any(collects)
+    assert gc.isenabled()
 
 
 @pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")

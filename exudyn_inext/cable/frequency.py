@@ -192,7 +192,7 @@ def set_length_tension(axes, nodes, elements, chain, acceleration, momentum, ten
         tension[0][k + 1] -= 0.125 * force / (1.0 + right)
 
 
-@inlined_kernel
+@kernel
 def _set_tension(system, acceleration, momentum, tension):
     """`tension` behind the last evaluation of `system`, which gave this acceleration (n, 2, dim).
 
@@ -245,7 +245,7 @@ def _scatter(x):
                 place += 1.0
 
 
-@inlined_kernel
+@kernel
 def _largest_at_state(system, q, tension, memory, diagonal, off_diagonal):
     """w_max^2 [rad^2/s^2] where `system` was evaluated last; 0 if nothing can move, NaN if it is not found.
 
@@ -264,18 +264,6 @@ def _largest_at_state(system, q, tension, memory, diagonal, off_diagonal):
         if not (abs(diagonal[row]) < np.inf and abs(off_diagonal[row]) < np.inf):
             return np.nan
     return largest_of_tridiagonal(found, diagonal, off_diagonal)
-
-
-@kernel
-def _largest_squared(system, inputs, q, v, tension, memory, diagonal, off_diagonal):
-    """As `_largest_at_state`, at (q, v).   memory: (6, n, 2, dim), zero."""
-    acceleration, rate = memory[0], memory[1]
-    size = q.size
-    accelerate_and_project(
-        system, inputs, q.reshape(size), v.reshape(size), 0.0, acceleration.reshape(size), rate.reshape(size)
-    )
-    _set_tension(system, acceleration, memory[4], tension)
-    return _largest_at_state(system, q, tension, memory, diagonal, off_diagonal)
 
 
 def largest_frequency(
@@ -299,7 +287,10 @@ def largest_frequency(
     if v is None:
         v = np.zeros(q.shape)
         inputs[q.size :].reshape(-1, 3, q.shape[2])[:, 1] = 0.0  # velocities of the anchors
-    return _root(_largest_squared(system, inputs, q, v, _no_tension(system), *_lanczos_memory(q.shape)))
+    tension, (acceleration, rate) = _no_tension(system), np.zeros((2, *q.shape))
+    accelerate_and_project(system, inputs, q.ravel(), v.ravel(), 0.0, acceleration.ravel(), rate.ravel())
+    _set_tension(system, acceleration, rate, tension)
+    return _root(_largest_at_state(system, q, tension, *_lanczos_memory(q.shape)))
 
 
 def _lanczos_memory(shape: tuple[int, ...]) -> tuple[Array, Array, Array]:

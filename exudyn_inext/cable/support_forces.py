@@ -9,7 +9,7 @@ from ..arrays import Array
 from ..compiled import kernel
 from ..element.inextensibility import length_gradient
 from ..lowered import local_array
-from ..system import index_reduced_rates
+from ..system import accelerate_and_project
 from .assembly import add_element_force, differences
 from .axial_energy import force_in_motion
 from .cable import Cable
@@ -66,7 +66,7 @@ class SupportedCable:
         """At a state.   external: all that acts, with motions behind it.   q, v: (n_dof,)."""
         system, shape = self._system, self._system.chain.shape
         (a, rate), on_coordinates = np.zeros((2, q.size)), np.zeros(shape)
-        index_reduced_rates.dispatch(type(system))(system, external, q, v, a, rate)
+        accelerate_and_project(system, external, q, v, 0.0, a, rate)
         if self._stretches:
             inertia, force = np.zeros(shape), external[: q.size].reshape(shape)
             force_in_motion(self._free, force, q.reshape(shape), v.reshape(shape), on_coordinates)

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..compiled import inlined
 from ..system import accelerate_and_project, correct_position, implements, index_reduced_rates
 from .integrator import Integrator, advance, no_loads
 
@@ -32,7 +33,7 @@ class LinearSystem(NamedTuple):
     damping: float = 0.0
 
 
-@implements(index_reduced_rates, LinearSystem)
+@implements(index_reduced_rates, LinearSystem, inlined)
 def linear_rates(system, external, q, v, acceleration, rate):
     """Right-hand side; with zeta > 0 it is what Eqs. (27), (28) leave of a constrained direction."""
     for i in range(len(q)):
@@ -42,7 +43,7 @@ def linear_rates(system, external, q, v, acceleration, rate):
         rate[i] = v[i] if system.zeta == 0.0 else -system.zeta * q[i]
 
 
-@implements(accelerate_and_project, LinearSystem)
+@implements(accelerate_and_project, LinearSystem, inlined)
 def accelerate_and_project_linear(system, external, q, v, duration, acceleration, end_velocity):
     """Without constraints there is nothing to project."""
     for i in range(len(q)):
@@ -51,7 +52,7 @@ def accelerate_and_project_linear(system, external, q, v, duration, acceleration
         end_velocity[i] = v[i] + duration * acceleration[i]
 
 
-@implements(correct_position, LinearSystem)
+@implements(correct_position, LinearSystem, inlined)
 def correct_linear_position(system, external, q, tolerance, learning, correction):
     """Without constraints there is nothing to correct."""
     correction[:] = 0.0

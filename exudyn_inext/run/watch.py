@@ -206,8 +206,9 @@ def _exchange(watch, state):
     watch.account[NOW].ahead = watch.least
 
 
-@inlined
-def _open(watch, state, round_off):
+@kernel
+def open_with_gauges(watch, state, round_off):
+    """As `open_account`, where `gauges_now` are set already."""
     account = watch.account[NOW]
     kinetic, elastic = watch.gauges_now[KINETIC], watch.gauges_now[ELASTIC]
     account.start = kinetic + elastic
@@ -240,8 +241,7 @@ def _open(watch, state, round_off):
     _keep(watch, state)
 
 
-@kernel
-def open_account(watch, system, external, state, round_off):
+def open_account(watch: Watch, system: Any, external: Array, state: Any, round_off: float) -> None:
     """Begin with a state that the integrator has started from; extremes so far are kept.
 
     Args:
@@ -249,36 +249,24 @@ def open_account(watch, system, external, state, round_off):
         state: of the integrator.   round_off: of its energy [J].
     """
     gauge(system, external, state.q, state.v, state.a, watch.force, watch.gauges_now)
-    _open(watch, state, round_off)
-
-
-@kernel
-def open_with_gauges(watch, state, round_off):
-    """As `open_account`, where `gauges_now` are set already."""
-    _open(watch, state, round_off)
-
-
-@inlined
-def _go_on(watch, state):
-    account, now = watch.account[NOW], watch.gauges_now
-    account.start = now[KINETIC] + now[ELASTIC] - account.work - account.surplus
-    _keep(watch, state)
-
-
-@kernel
-def go_on(watch, system, external, state):
-    """After a change of the step, and so of the mass: the energy is another one, its surplus is not.
-
-    Arguments: see `open_account`.
-    """
-    gauge(system, external, state.q, state.v, state.a, watch.force, watch.gauges_now)
-    _go_on(watch, state)
+    open_with_gauges(watch, state, round_off)
 
 
 @kernel
 def go_on_with_gauges(watch, state):
     """As `go_on`, where `gauges_now` are set already."""
-    _go_on(watch, state)
+    account, now = watch.account[NOW], watch.gauges_now
+    account.start = now[KINETIC] + now[ELASTIC] - account.work - account.surplus
+    _keep(watch, state)
+
+
+def go_on(watch: Watch, system: Any, external: Array, state: Any) -> None:
+    """After a change of the step, and so of the mass: the energy is another one, its surplus is not.
+
+    Arguments: see `open_account`.
+    """
+    gauge(system, external, state.q, state.v, state.a, watch.force, watch.gauges_now)
+    go_on_with_gauges(watch, state)
 
 
 @inlined

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from ..arrays import Array
-from ..compiled import Prepared, kernel, plain
+from ..compiled import Prepared, kernel
 from ..system import accelerate_and_project
 
 STEP = 1e-6  # of the differences [m, -, m/s, 1/s]
@@ -57,60 +57,29 @@ def _operators(system: Any, external: Array, q: Array, v: Array) -> tuple[_Opera
 
     Arguments: see `fastest_rates`.
     """
-    memory, nothing = np.zeros((5, len(q))), np.zeros(len(q))
-    differentiate = Prepared(_differentiate if isinstance(system, tuple) else plain(_differentiate))
-    evaluate = Prepared(accelerate_and_project.dispatch(type(system)))
+    evaluate, nothing = Prepared(accelerate_and_project.dispatch(type(system))), np.zeros(len(q))
+
+    def accelerated(q: Array, v: Array) -> Array:
+        """Accelerations, and velocities projected onto the constraints."""
+        result = np.zeros((2, len(q)))
+        evaluate(system, external, q, v, 0.0, result[0], result[1])
+        return result
+
+    offset = accelerated(q, nothing)[1]  # moving supports
 
     def projected(v: Array) -> Array:
-        a, result = np.zeros((2, len(q)))
-        evaluate(system, external, q, v, 0.0, a, result)
-        return result
-
-    offset = projected(nothing)  # moving supports
+        return np.asarray(accelerated(q, v)[1] - offset)
 
     def stiffness(x: Array) -> Array:
-        result = np.zeros(len(q))
-        differentiate(system, external, q, v, x, False, offset, memory, result)
-        return result
+        change = accelerated(q - STEP * x, v)[0] - accelerated(q + STEP * x, v)[0]
+        return projected(change) / (2.0 * STEP)
 
     def damping(x: Array) -> Array:
-        result = np.zeros(len(q))
-        differentiate(system, external, q, nothing, x, True, offset, memory, result)
-        return result
+        """A jump, as of Coulomb friction, drops out of d(2 h) - d(h), d(h) = a(-h) - a(h)."""
+        far, near = (accelerated(q, -h * x)[0] - accelerated(q, h * x)[0] for h in (2.0 * STEP, STEP))
+        return projected(far - near) / (2.0 * STEP)
 
-    return stiffness, damping, projected(np.cos(np.arange(len(q), dtype=float) ** 2 * 1.6180339887)) - offset
-
-
-@kernel
-def _differentiate(system, external, q, v, x, by_rates, offset, memory, result):
-    """Difference of -a over that of q along x, or of v, on the constraints; of those the smooth part alone.
-
-    A jump, as of Coulomb friction, drops out of d(2 h) - d(h), d(h) = a(-h) - a(h).
-
-    Args:
-        x: (n,).   by_rates: whether v changes.   offset: (n,) velocities of moving supports.
-        memory: (5, n).   result: (n,) output.   Others: see `fastest_rates`.
-    """
-    at, rates, a, projected, total = memory[0], memory[1], memory[2], memory[3], memory[4]
-    for i in range(len(q)):
-        at[i], rates[i], total[i] = q[i], v[i], 0.0
-    for number in range(4 if by_rates else 2):
-        step = 2.0 * STEP if by_rates and number < 2 else STEP
-        sign = 1.0 if number % 2 == 0 else -1.0
-        for i in range(len(q)):
-            if by_rates:
-                rates[i] = v[i] - sign * step * x[i]
-            else:
-                at[i] = q[i] - sign * step * x[i]
-            a[i] = 0.0
-        accelerate_and_project(system, external, at, rates, 0.0, a, projected)
-        for i in range(len(q)):
-            total[i] += sign * a[i] if number < 2 else -sign * a[i]
-    for i in range(len(q)):
-        a[i] = 0.0
-    accelerate_and_project(system, external, q, total, 0.0, a, projected)
-    for i in range(len(q)):
-        result[i] = (projected[i] - offset[i]) / (2.0 * STEP)
+    return stiffness, damping, projected(np.cos(np.arange(len(q), dtype=float) ** 2 * 1.6180339887))
 
 
 class VibrationTracker:
