@@ -205,6 +205,12 @@ def lag_of(elements):
 
 
 @inlined
+def lags(elements):
+    """Whether a constant matrix takes more on the left than the damping is; see `axial_damping`."""
+    return lag_of(elements) > 0.0 and elements[0].axial.shape[0] == 0
+
+
+@inlined
 def add_lagging_damping(axes, nodes, elements, q, a, column):
     """lag (D_c - D) a, by which the matrix D_c on the left differs from the damping D, to the `force`.
 

@@ -39,6 +39,7 @@ from .assembly import (
     set_gradient,
     set_violations,
 )
+from .axial_damping import damping_rows
 from .axial_stiffness import (
     ADDED_MASS,
     DAMPING,
@@ -243,19 +244,19 @@ def _add_of_node(axes, node, block):
 
 
 @inlined
-def _add_of_element(axes, element, first, block):
-    """block += axial stiffness of an element on one of its nodes; lower triangle.
+def _add_square(axes, weight, gradient, first, block):
+    """block += weight b b^T on one node of an element; lower triangle.
 
-    first: row of its gradient, 0 for the left node, 2 for the right one.
+    gradient: (.., dim) with two rows of b from `first` on, on position and slope.
     """
-    dim, weight = len(axes), element.axial[ADDED_MASS]
+    dim = len(axes)
     for a in range(2):
         for i in range(dim):
-            scaled = weight * element.gradient[first + a, i]
+            scaled = weight * gradient[first + a, i]
             for b in range(a + 1):
                 for j in range(dim):
                     if a > b or j <= i:
-                        block[a * dim + i, b * dim + j] += scaled * element.gradient[first + b, j]
+                        block[a * dim + i, b * dim + j] += scaled * gradient[first + b, j]
 
 
 @inlined
@@ -271,19 +272,42 @@ def _set_coupling(axes, element, w):
                 w[a * dim + i, b * dim + i] += element.mass[2 * a + b]
 
 
-@optional("axial", otherwise=factorise)
-def factorise_chain(axes, nodes, elements):
-    """L D L^T of the effective mass, node by node; the chain is assembled."""
+@inlined
+def _couple(axes, rows, first, w):
+    """w += b b^T between the two nodes of an element; its rows begin at `first`."""
+    dim = len(axes)
+    for a in range(2):
+        for i in range(dim):
+            for b in range(2):
+                for j in range(dim):
+                    w[a * dim + i, b * dim + j] += rows[first + a, i] * rows[first + 2 + b, j]
+
+
+@inlined
+def _factorise_constrained(axes, nodes, elements, q):
+    factorise(axes, nodes, elements)
+
+
+@optional("axial", otherwise=_factorise_constrained)
+def factorise_chain(axes, nodes, elements, q):
+    """L D L^T of the effective mass, node by node; the chain is assembled.   q: (n, 2, dim)."""
     block, w, following = local_array(6, 6), local_array(6, 6), local_array(6, 6)
+    rows, number = local_array(48, 3), 0  # see `damping_rows`
     clear(block)
     clear(w)
     for k in range(len(nodes)):
         _add_of_node(axes, nodes[k], block)
         if k > 0:
-            _add_of_element(axes, elements[k - 1], 2, block)
+            _add_square(axes, elements[k - 1].axial[ADDED_MASS], elements[k - 1].gradient, 2, block)
+            for r in range(number):
+                _add_square(axes, 1.0, rows, 4 * r + 2, block)
         if k < len(elements):
-            _add_of_element(axes, elements[k], 0, block)
+            _add_square(axes, elements[k].axial[ADDED_MASS], elements[k].gradient, 0, block)
             _set_coupling(axes, elements[k], w)
+            number = damping_rows(axes, nodes, elements, q, k, rows)
+            for r in range(number):
+                _add_square(axes, 1.0, rows, 4 * r, block)
+                _couple(axes, rows, 4 * r, w)
         eliminate_node(axes, nodes[k], block, w, following)
 
 

@@ -3,7 +3,7 @@
 from ..compiled import inlined
 from ..element.bending_damping import curvature_power
 from ..lowered import local_array
-from .assembly import add_damping, add_drag, differences, lag_of
+from .assembly import add_damping, add_drag, differences, lag_of, lags
 
 LOSS = 1  # column of the nodes' forces that is zero between two evaluations, and has to be
 
@@ -30,6 +30,8 @@ def kinetic_energy(axes, nodes, elements, v):
 def lagging_energy(axes, elements, v):
     """What the implicit damping in the mass adds to `kinetic_energy`, and is none: v . lag D_c v / 2 [J]."""
     twice = 0.0
+    if not lags(elements):
+        return 0.0
     e_t, memory = local_array(3, 3), local_array(7, 3)
     for k in range(len(elements)):
         differences(axes, v, k, e_t)

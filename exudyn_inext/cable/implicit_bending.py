@@ -26,8 +26,12 @@ class ImplicitBending:
     step: float = 0.0
 
     def factor(self, section: Section) -> float:
-        """Of the curvature's Gram matrix beside the mass: theta h^2 EI + h/2 D [N m^2 s^2]."""
-        return self.stiffness * section.bending_stiffness + self.damping * section.bending_damping
+        """Of the curvature's Gram matrix beside the mass: theta h^2 EI + h/2 D [N m^2 s^2].
+
+        The damping of cables that stretch has a matrix of its own, see `axial_damping`.
+        """
+        damping = self.damping * section.bending_damping if section.axial_stiffness is None else 0.0
+        return self.stiffness * section.bending_stiffness + damping
 
 
 EXPLICIT = ImplicitBending()

@@ -24,6 +24,7 @@ from .assembly import (
     add_drag,
     add_lagging_damping,
     lag_of,
+    lags,
 )
 from .axial import (
     aim_at_positions,
@@ -67,7 +68,7 @@ def assemble_forces(axes, nodes, elements, external, q, v, lead, a, set_targets,
 def assemble_and_factorise(axes, nodes, elements, external, q, v, lead, a, set_targets, parameter):
     """All of Eq. (29) but the links; arguments: see `assemble_forces`."""
     assemble_forces(axes, nodes, elements, external, q, v, lead, a, set_targets, parameter)
-    factorise_chain(axes, nodes, elements)
+    factorise_chain(axes, nodes, elements, q)
 
 
 @optional("damping")
@@ -76,7 +77,7 @@ def _improve_damping(axes, nodes, elements, q, acceleration):
 
     acceleration: (n, 2, dim), of a solve that took all of it.
     """
-    if lag_of(elements) > 0.0:
+    if lags(elements):
         add_lagging_damping(axes, nodes, elements, q, acceleration, ACCELERATION)
         solve_column(axes, nodes, elements, ACCELERATION, acceleration)
 

@@ -15,7 +15,7 @@ from ..system import (
     implements,
     index_reduced_rates,
 )
-from .assembly import add_lagging_damping, lag_of, leave_targets
+from .assembly import add_lagging_damping, lags, leave_targets
 from .axial import aim_at_positions
 from .axial_stiffness import MEAN_FORCE
 from .border import (
@@ -146,7 +146,7 @@ def _solve_both_linked_columns(system, x, y):
 @optional("damping")
 def _improve_damping(axes, nodes, elements, system, q, acceleration):
     """As `index_reduction._improve_damping`, with links."""
-    if lag_of(elements) > 0.0:
+    if lags(elements):
         add_lagging_damping(axes, nodes, elements, q, acceleration, ACCELERATION)
         solve_linked_column(system, ACCELERATION, acceleration)
 

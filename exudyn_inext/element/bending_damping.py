@@ -121,6 +121,30 @@ def add_stretched_damping_force(axes, table, differences, rates, memory, force):
 
 
 @inlined
+def set_curvature_row(axes, point, component, differences, memory, row):
+    """row (3, dim) = derivative of a component of kappa_t, as above, with respect to the rates of e.
+
+    point: (7,) of the `damping_table`.   differences: (3, dim) e.   memory: (7, 3) local array.
+    """
+    _at_point(axes, point, 1, differences, memory, R_X)
+    _at_point(axes, point, 4, differences, memory, R_XX)
+    square, work = 0.0, 0.0
+    for i in range(3):
+        memory[KAPPA_T, i] = 0.0
+        square += memory[R_X, i] * memory[R_X, i]
+    memory[KAPPA_T, component] = 1.0
+    per_square = 1.0 / square
+    _cross(memory, R_XX, KAPPA_T, ON_SLOPE)
+    _cross(memory, KAPPA_T, R_X, ON_CURVATURE)
+    for i in range(len(axes)):
+        work += memory[R_XX, i] * memory[ON_CURVATURE, i]
+    for a in range(3):
+        for i in range(len(axes)):
+            on_slope = memory[ON_SLOPE, i] - 2.0 * work * per_square * memory[R_X, i]
+            row[a, i] = per_square * (point[1 + a] * on_slope + point[4 + a] * memory[ON_CURVATURE, i])
+
+
+@inlined
 def add_curvature_force(axes, table, rates, memory, force):
     """force -= D int r_xx,t . d(r_xx)/de dx: what the damping would be if all of r_xx,t were damped.
 

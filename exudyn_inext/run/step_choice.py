@@ -22,6 +22,7 @@ from .watch import NO_MESH
 SAFETY_ALONE, SAFETY_AMONG_BODIES = 0.95, 0.7  # share of the limit at the start that is used
 THETA = 0.3  # share of bending that is implicit: 1/4 leaves no margin for the tension
 THETA_AMONG_BODIES = 0.55  # with which bending alone, h w < theta^(-1/2), keeps to the share that is used
+STIFF = 0.5  # share of the step of short waves, up to which tension decides, and bending keeps its bound
 PHASE = 0.003  # error of the motion at the end of a run [rad]
 MOST_DURATION = 100.0  # of a run, for that [s]
 MUCH = 10.0  # times that damping may shorten the step without a word
@@ -153,7 +154,10 @@ def _bounds_and_scaling(
     accuracy = min(accurate_step(cable, start) for cable in cables)
     usual = THETA
     if _are_among_bodies(runs):
-        accuracy, usual = min(accuracy, *map(step_of_short_waves, cables)), THETA_AMONG_BODIES
+        of_bending = min(map(step_of_short_waves, cables))
+        if accuracy > STIFF * of_bending:
+            usual = THETA_AMONG_BODIES
+        accuracy = min(accuracy, of_bending)
     step, theta = accuracy, _mass_scaling(cables, accuracy, explicit, usual)
     explicit = replace(explicit, massScaling=theta)
     for run in runs:

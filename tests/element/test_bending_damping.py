@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from exudyn_inext.element.bending_damping import add_damping_force, damping_table
+from exudyn_inext.element.bending_damping import (
+    add_damping_force,
+    add_stretched_damping_force,
+    damping_table,
+    set_curvature_row,
+)
 from tests.cables import (
     DIMENSIONS,
     MEASURES,
@@ -119,3 +124,18 @@ def test_power_of_an_opening_arc_converges_to_the_exact_one(dim):
         errors.append(abs(power / exact - 1.0))
     assert np.log2(np.divide(errors[:-1], errors[1:])).min() > 1.9
     assert errors[-1] < 1e-2
+
+
+@both_dimensions
+def test_rows_of_the_curvature_give_the_force_of_a_stretched_element(dim):
+    """F = -sum over points of w b (b . e_t), with a row b for each component of kappa."""
+    random, table, memory = np.random.default_rng(dim), damping_table(0.4), np.zeros((7, 3))
+    axes, row, force, expected = tuple(range(dim)), np.zeros((3, dim)), np.zeros((3, dim)), np.zeros((3, dim))
+    e, e_t = random.normal(size=(2, 3, dim))
+    e[:, 0] += 2.0
+    add_stretched_damping_force(axes, table, e, e_t, memory, force)
+    for point in table:
+        for component in range(2 if dim == 2 else 0, 3):
+            set_curvature_row(axes, point, component, e, memory, row)
+            expected -= point[0] * row * (row * e_t).sum()
+    np.testing.assert_allclose(force, expected, rtol=1e-12)

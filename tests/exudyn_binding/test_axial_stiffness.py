@@ -263,8 +263,10 @@ def test_schemes_with_explicit_axial_forces_are_refused(tip_of, integrator):
 @pytest.mark.parametrize("template", [ObjectANCFCable2D, ObjectANCFCable])
 def test_native_templates_bring_their_axial_stiffness_when_asked(tip_of, template):
     native = template(**SECTION, axialStiffness=2e3, axialDamping=3.0, referenceAxialStrain=1e-4)
-    found, _ = tip_of(0.2, beamTemplate=native, extensible=True)
-    own, _ = tip_of(0.2, **stretching(2e3, axialDamping=3.0, referenceAxialStrain=1e-4))
+    dim = 2 if template is ObjectANCFCable2D else 3
+    pin = {"groundConstraintsStart": [True] * dim + [False] * dim}
+    found, _ = tip_of(0.2, beamTemplate=native, extensible=True, **pin)
+    own, _ = tip_of(0.2, **stretching(2e3, axialDamping=3.0, referenceAxialStrain=1e-4), **pin, dimension=dim)
     np.testing.assert_array_equal(found, own)
 
 

@@ -19,6 +19,7 @@ from exudyn.utilities import (
     ObjectANCFCable,
     ObjectANCFCable2D,
     SensorNode,
+    SensorObject,
     SphericalJoint,
 )
 
@@ -202,3 +203,25 @@ def test_a_run_that_a_jerk_spoils_begins_again_with_shorter_steps():
     assert report["rejections"] == 0 and report["steps"] < 5000
     extent = np.linalg.norm(native - native[0], axis=1).max()
     assert np.linalg.norm(path - native, axis=1).max() < 0.01 * extent
+
+
+def test_joints_pull_with_the_momentum_that_they_give_to_a_body_on_a_damped_cable():
+    """Bending damping acts on the curvature alone, and not on how the stretch varies along the cable."""
+    mbs, gravity, period = exudyn.SystemContainer().AddSystem(), np.array([0, 0, -9.81]), 5e-4
+    template = ObjectANCFCable(
+        massPerLength=0.5, bendingStiffness=0.05, bendingDamping=0.02, axialStiffness=2.5e4
+    )
+    pinned = {"groundConstraintsStart": [True] * 3 + [False] * 3, "gravity": gravity.tolist()}
+    nodes = cable(mbs, False, template, 12, positionEnd=[1, 0, 0], **pinned)
+    body = mbs.CreateMassPoint(referencePosition=[1, 0, 0], mass=1.0, gravity=gravity, returnDict=True)
+    ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in (nodes[-1], body["nodeNumber"])]
+    joint = mbs.AddObject(SphericalJoint(markerNumbers=ends))
+    force, velocity = exudyn.OutputVariableType.Force, exudyn.OutputVariableType.Velocity
+    pull = mbs.AddSensor(SensorObject(objectNumber=joint, outputVariableType=force, storeInternal=True))
+    speed = SensorNode(nodeNumber=body["nodeNumber"], outputVariableType=velocity, storeInternal=True)
+    sensor = mbs.AddSensor(speed)
+    mbs.Assemble()
+    SolveExplicit(mbs, quiet_settings(0.3, 600, period))
+    pulls, speeds = (np.array(mbs.GetSensorStoredData(one))[:, 1:] for one in (pull, sensor))
+    given = speeds[-1] - speeds[0] - 0.3 * gravity
+    np.testing.assert_allclose(-np.trapezoid(pulls, dx=period, axis=0), given, atol=1e-3 * given.max())

@@ -1,0 +1,42 @@
+"""Bending damping of cables that stretch, implicit: lag D(q), the present matrix, beside the effective mass.
+
+The constant matrix of `implicit_bending` damps all of r_xx,t, also what lies along the cable, where stretch
+varies: a second solve takes that off again only where it is small beside the mass. D(q) is a sum of b b^T
+over the quadrature points, b = sqrt(lag D w) d(kappa_t)/dv, and needs no second solve.
+"""
+
+import numpy as np
+
+from ..compiled import inlined, optional
+from ..element.bending_damping import set_curvature_row
+from ..lowered import local_array
+from .assembly import differences
+
+
+@inlined
+def _none(axes, nodes, elements, q, k, rows):
+    return 0
+
+
+@optional("damping", otherwise=_none)
+def damping_rows(axes, nodes, elements, q, k, rows):
+    """Set b of element k on r_left, s_left, r_right, s_right, supports taken out; returns how many.
+
+    q: (n, 2, dim).   rows: (48, 3) output, four for each of up to 12 b: four points, three components.
+    """
+    element, left, right = elements[k], nodes[k].free, nodes[k + 1].free
+    e, row, memory = local_array(3, 3), local_array(3, 3), local_array(7, 3)
+    differences(axes, q, k, e)
+    number = 0
+    for g in range(element.damping.shape[0]):
+        scale = np.sqrt(element.lag[0] * element.damping[g, 0])
+        if scale > 0.0:
+            for component in range(2 if len(axes) == 2 else 0, 3):
+                set_curvature_row(axes, element.damping[g], component, e, memory, row)
+                for i in range(len(axes)):
+                    rows[4 * number, i] = -scale * left[0] * row[0, i]
+                    rows[4 * number + 1, i] = scale * left[1] * row[1, i]
+                    rows[4 * number + 2, i] = scale * right[0] * row[0, i]
+                    rows[4 * number + 3, i] = scale * right[1] * row[2, i]
+                number += 1
+    return number
