@@ -120,13 +120,17 @@ def runs_of_scene(
         joined = CoupledScene(mbs, cables, own, zeta, held, moved)
         return CoupledRun(joined, runs, explicit.method, start, why, end_of_step)
 
+    why_not = ""
     if scene.held:  # compiled forms take them as joints
         with suppress(InextensibleError, UserWarning), warnings.catch_warnings():
             warnings.simplefilter("error", UserWarning)  # whatever is to be said, the other run says
             run = coupled_run({})
-            if run.looks_ahead:
+            if run.is_compiled:
                 return [run]
-    return [coupled_run(scene.held)]
+            why_not = run.why_not
+    run = coupled_run(scene.held)
+    run.why_not = why_not or run.why_not
+    return [run]
 
 
 def compiled_runs(

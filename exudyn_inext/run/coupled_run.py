@@ -45,6 +45,7 @@ class CoupledRun(PacedRun):
     end_of_step: of the time loop [s], at which violated joints shall be fulfilled, for a run that takes over
         from another one; None: they are violated by at most the tolerance.
     cables: models of the inextensible cables.   start_corrections: one for each of them, and for joints.
+    why_not: why Exudyn evaluates the scene; empty if it does not.
     """
 
     lenience = LENIENCE
@@ -74,7 +75,7 @@ class CoupledRun(PacedRun):
         self._form: CompiledScene | None = None
         self._end_of_step = start.time  # until which joints are moved [s]
         with self._naming_straight_cables():
-            self._form, self._why_not = scene.compiled(start.time, self.state.q, self.state.v)
+            self._form, self.why_not = scene.compiled(start.time, self.state.q, self.state.v)
             if end_of_step is None:
                 self._project(start)
             else:
@@ -208,7 +209,7 @@ class CoupledRun(PacedRun):
         self._begin_by(self.integrator.resume, time)
 
     def _leave_form(self, why: str) -> None:
-        self._form, self._why_not = None, why
+        self._form, self.why_not = None, why
         self.__dict__.pop("_kept", None)  # elsewhere is another place now
 
     def take_values(self, changed: Sequence[ChangedItem]) -> bool:
@@ -301,7 +302,7 @@ class CoupledRun(PacedRun):
             needs += [f"the mass of {bodies} bodies"] if bodies else ["no mass (all constant, inverted once)"]
             needs += [f"the Jacobians of {joints} joints"] if joints else ["no Jacobian (no joints)"]
         said = f"each evaluation takes {', '.join(needs)}, as mbs contains {self._why}"
-        return f"{said}; Exudyn evaluates them because of {self._why_not}"
+        return f"{said}; Exudyn evaluates them because of {self.why_not}"
 
     def damping_ratio(self, frequency: float) -> float:
         """Strongest damping [1/s], as a share of that frequency."""
@@ -474,7 +475,7 @@ class CoupledRun(PacedRun):
         if self._form is None:
             raise SceneError(
                 f"{who} needs compiled forms of all items, and Exudyn evaluates this scene because of "
-                f"{self._why_not}: use SolveExplicit, or leave that item out."
+                f"{self.why_not}: use SolveExplicit, or leave that item out."
             )
         if self._scene.surroundings.has_sliding_joints:
             raise SceneError(
@@ -525,6 +526,11 @@ class CoupledRun(PacedRun):
             external = run.loads.at(t).copy()
             external[: dofs.stop - dofs.start] += forces[dofs]
             run.put_reactions(external, state[0][dofs], state[1][dofs], multipliers)
+
+    @property
+    def is_compiled(self) -> bool:
+        """Whether compiled code evaluates bodies and joints, at least."""
+        return self._form is not None or self._scene.parts_in_one is not None
 
     @property
     def looks_ahead(self) -> bool:  # type: ignore[override]

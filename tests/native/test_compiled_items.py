@@ -385,6 +385,17 @@ def drums(b):
     b.mbs.AddLoad(LoadCoordinate(markerNumber=turn, load=0.7))
 
 
+def held_point(b):
+    """A mass point one of whose coordinates is held pulls at the cable's tip by a spring."""
+    way = {"referencePosition": [1.5, 0.3, 0.0], "initialVelocity": [0.5, 0.0, 0.0]}
+    point = b.mbs.CreateMassPoint(mass=0.4, **way, create2D=b.dimension == 2, returnDict=True)
+    ground = b.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=b.mbs.AddNode(NodePointGround()), coordinate=0))
+    b.mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, b.coordinate(point["nodeNumber"], 1)]))
+    ends = [point["nodeNumber"], b.cable["nodes"][-1]]
+    markers = [b.mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in ends]
+    b.mbs.AddObject(SpringDamper(markerNumbers=markers, stiffness=50.0, damping=0.2, referenceLength=0.2))
+
+
 def driven(b):
     """Coordinates that follow functions of time: one with its rate, one that another body shares."""
     ground = b.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=b.mbs.AddNode(NodePointGround()), coordinate=0))
@@ -493,6 +504,7 @@ KINDS = [
     planar_slider,
     distances,
     coordinate_constraints,
+    held_point,
     drums,
     clamp,
     shared_nodes,
