@@ -46,8 +46,7 @@ def made_of(stiffness):
     return {"beamTemplate": InextensibleCable(**SECTION, axialStiffness=stiffness)}, native
 
 
-@pytest.mark.parametrize("stiffness", [None, 50.0])
-@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize(("dim", "stiffness"), [(2, None), (3, 50.0)])  # each is compiled for itself
 def test_cable_on_a_hanger_moves_like_a_native_one(new_mbs, add_cable, add_sensor, solve, dim, stiffness):
     anchor = [0.0, 0.3, 0.0] if dim == 2 else [0.0, 0.3, 0.4]
     length = float(np.linalg.norm(anchor))
