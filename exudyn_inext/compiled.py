@@ -18,6 +18,7 @@ from numba.extending import overload
 from .kernel_cache import cache_folder
 from .lowered import (
     FAST_MATH,
+    WITH_C_ENTRY,
     WITH_COUNTS,
     WITHOUT_C_ENTRY,
     WITHOUT_COUNTS,
@@ -68,6 +69,11 @@ def counting_kernel(function: _Function) -> _Function:
     It must not take arrays out of what an `inlined` part returns: those are not counted.
     """
     return _compiled(function, {**OPTIONS, **WITH_COUNTS})
+
+
+def c_function(function: _Function) -> _Function:
+    """A `kernel` for callers that have its address alone, see `lowered.address_of`; it returns a number."""
+    return _compiled(function, {**OPTIONS, **WITH_C_ENTRY})
 
 
 def _compiled(function: _Function, options: dict[str, Any]) -> _Function:

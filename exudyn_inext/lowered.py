@@ -3,6 +3,7 @@
 Operations that are lowered by hand: `local_array`, small memory on the stack; `set_multiple` and
 `subtract_multiple`, which take four numbers of a row at once, then two, then one: what a processor has no
 such instructions for, the compiler splits. Rows are (n,) arrays without gaps, n known when compiling.
+`call_at` calls a function by its address, which `address_of` compiles, as C does through a pointer.
 """
 
 import gc
@@ -17,15 +18,16 @@ from typing import Any, ClassVar
 import numpy as np
 from llvmlite import ir
 from llvmlite.binding import Linkage
+from numba import typeof
 from numba._dynfunc import make_function
 from numba.core import cgutils, event, types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
-from numba.core.registry import CPUDispatcher
+from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.serialize import dumps
 from numba.core.types.containers import UniTuple
-from numba.core.types.misc import unliteral
-from numba.extending import lower_builtin, type_callable
+from numba.core.types.misc import CPointer, unliteral
+from numba.extending import intrinsic, lower_builtin, type_callable
 from numba.np.arrayobj import make_array, populate_array
 
 FAST_MATH = {"contract", "reassoc", "nsz", "arcp"}  # neither nnan nor ninf: divergence must be seen
@@ -33,6 +35,7 @@ WITHOUT_COUNTS = {"_nrt": False}  # of references to arrays: that took a third o
 WITH_COUNTS = {"_nrt": True}
 # Without the entries for Python and C, functions take a third less time to compile.
 WITHOUT_C_ENTRY = {"no_cfunc_wrapper": True}
+WITH_C_ENTRY = {"no_cfunc_wrapper": False}
 WITHOUT_ENTRY = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 NUMBER_BYTES = 8
@@ -348,3 +351,80 @@ def _array_on_stack(context, builder, signature, _arguments):
         meminfo=None,
     )
     return array._getvalue()
+
+
+COUNT, REAL, NUMBERS = types.intp, types.float64, CPointer(types.float64)
+"""Types of what functions that are called by address take: how many, one number, the first of several."""
+
+
+@intrinsic
+def call_at(_context, address, arguments):
+    """The number that a function returns, which lies at an address.
+
+    arguments: tuple of numbers and addresses of arrays, as the function was compiled for, see `address_of`.
+    """
+
+    def generate(context, builder, _signature, values):
+        kinds = [context.get_value_type(kind) for kind in arguments.types]
+        function = ir.FunctionType(ir.DoubleType(), kinds).as_pointer()
+        taken = [builder.extract_value(values[1], place) for place in range(len(kinds))]
+        return builder.call(builder.inttoptr(values[0], function), taken)
+
+    return types.float64(address, arguments), generate
+
+
+@intrinsic
+def memory_of(_context, address, value):
+    """What lies at an address, as an array of values like this one."""
+    kind = CPointer(value)
+
+    def generate(context, builder, _signature, values):
+        return builder.inttoptr(values[0], context.get_value_type(kind))
+
+    return kind(address, value), generate
+
+
+@intrinsic
+def numbers_at(_context, first, size):
+    """(size,) numbers, the first of which lies at an address."""
+    kind = types.Array(types.float64, 1, "C")
+
+    def generate(context, builder, _signature, values):
+        array = make_array(kind)(context, builder)
+        stride = [context.get_constant(types.intp, NUMBER_BYTES)]
+        itemsize = context.get_constant(types.intp, NUMBER_BYTES)
+        populate_array(
+            array, data=values[0], shape=[values[1]], strides=stride, itemsize=itemsize, meminfo=None
+        )
+        return array._getvalue()
+
+    return kind(first, size), generate
+
+
+def address_of(function: Any, *kinds: Any) -> int:
+    """Address of the machine code of a kernel for arguments of these types."""
+    function.compile(kinds)
+    compiled = function.overloads[kinds]
+    return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name))
+
+
+def type_of(value: Any) -> Any:
+    """Numba's type of a value; the same one for values of equal structure."""
+    key = _kinds(value)
+    if key not in _TYPES:
+        _TYPES[key] = typeof(value)
+    return _TYPES[key]
+
+
+_TYPES: dict[Any, Any] = {}  # Numba takes long to find them
+
+
+def first_of(kind: Any) -> Any:
+    """The type of an address where such values lie."""
+    return CPointer(kind)
+
+
+def size_of(kind: Any) -> int:
+    """Bytes that a value of Numba's type takes in memory."""
+    context = cpu_target.target_context
+    return int(context.get_abi_sizeof(context.get_value_type(kind)))

@@ -2,13 +2,13 @@
 
 A system is a NamedTuple; the module that defines it registers an implementation with `implements`.
 The same call works in compiled code (resolved when compiling) and in plain Python.
+
+Kernels that take any system see it as `Called`, see `called_system`: they are compiled once for all types.
 """
 
-from collections.abc import Callable
 from functools import singledispatch
-from typing import Any
 
-from .compiled import dispatched, kernel
+from .compiled import dispatched
 
 
 @dispatched
@@ -99,19 +99,3 @@ def gauge(system, external, q, v, a, force, gauges):
         NotImplementedError: the type of `system` implements no such figures.
     """
     raise NotImplementedError(f"no energy balance for {type(system).__name__}")
-
-
-def implements(
-    protocol: Any, system_type: type, compiled: Callable[[Any], Any] = kernel
-) -> Callable[[Any], Any]:
-    """Register the decorated function as `protocol` for systems of `system_type`.
-
-    compiled: `inlined_kernel` saves time to compile where few kernels call the protocol.
-    """
-
-    def register(function: Any) -> Any:
-        implementation = compiled(function)
-        protocol.register(system_type)(implementation)
-        return implementation
-
-    return register

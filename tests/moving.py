@@ -26,7 +26,7 @@ def move_system(system, state, h, steps, every=1, name="RATTLE"):
     memory.q[:], memory.v[:] = state.q.ravel(), state.v.ravel()
     integrator.start(system, inputs, memory)
     history = np.zeros((steps // every, 3, state.q.size))
-    record(integrator.scheme(), system, loads, memory, h, every, history)
+    record(integrator, integrator.scheme(), system, loads, memory, h, every, history)
     return history.reshape(-1, 3, *state.q.shape)
 
 

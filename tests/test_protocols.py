@@ -3,11 +3,10 @@
 import numpy as np
 import pytest
 
-from exudyn_inext.cable.linear_response import add_link_stiffness, constrained_inverse
+from exudyn_inext.cable.linear_response import add_link_stiffness, constrained_inverse, respond
 from exudyn_inext.errors import InputError
 from exudyn_inext.integrators import find_integrator
 from exudyn_inext.integrators.integrator import advance
-from exudyn_inext.scene.parts import respond
 from exudyn_inext.system import accelerate_and_project, correct_position, index_reduced_rates
 
 pytestmark = pytest.mark.kernel
@@ -18,7 +17,7 @@ PROTOCOLS = {
     correct_position: (5, "no position correction for str"),
     constrained_inverse: (2, "no constrained inverse for str"),
     add_link_stiffness: (3, "no link stiffness for str"),
-    respond: (2, "no response to joint forces for str"),
+    respond: (3, "no response to joint forces for str"),
     advance: (6, "no integrator for str"),
 }
 

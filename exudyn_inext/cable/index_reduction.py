@@ -2,6 +2,7 @@
 
 from typing import NamedTuple
 
+from ..called_system import implements
 from ..compiled import inlined, optional
 from ..system import (
     AGITATION,
@@ -13,7 +14,6 @@ from ..system import (
     accelerate_and_project,
     correct_position,
     gauge,
-    implements,
     index_reduced_rates,
 )
 from .assembly import (

@@ -1,9 +1,11 @@
-"""What small vibrations need of a system: operators, dispatched on its type as in `system`."""
+"""What small vibrations and joints need of a system: operators, dispatched on its type as in `system`."""
 
 from functools import singledispatch
 
+from ..called_system import by_address, call_protocol, calls, implements
 from ..compiled import dispatched, inlined
-from ..system import implements
+from ..lowered import COUNT, NUMBERS, numbers_at
+from .chain import Chain
 from .index_reduction import ACCELERATION, CableSystem
 from .linked_cable import LinkedCableSystem, solve_linked_column
 from .saddle_point import solve_column
@@ -26,6 +28,34 @@ def constrained_inverse(system, force, x):
 
 @dispatched
 @singledispatch
+def respond(system, first, force, response):
+    """`constrained_inverse` of one of the cables that make up a chain: its response to a joint force.
+
+    Args:
+        system: of the chain, factorised.   first: coordinate of the cable in it.
+        force: (w,) on the w coordinates of the cable [N, Nm].   response: (w,) output.
+
+    Raises:
+        NotImplementedError: the type of `system` implements no such solve.
+    """
+    raise NotImplementedError(f"no response to joint forces for {type(system).__name__}")
+
+
+@by_address(respond, COUNT, COUNT, NUMBERS, NUMBERS)
+def RESPONSE(system, first, size, force, response):
+    respond(system[0], first, numbers_at(force, size), numbers_at(response, size))
+    return 0.0
+
+
+@calls(respond)
+def respond_called(system, first, force, response):
+    """Arguments: see `respond`."""
+    outputs = force.ctypes.data, response.ctypes.data
+    call_protocol(system, RESPONSE, (first, len(force), *outputs), response)
+
+
+@dispatched
+@singledispatch
 def add_link_stiffness(system, multiplier, x, y):
     """y += sum nu d2c/dq2 x over the links of a system.   multiplier: (m,) nu; x, y: (n, 2, dim).
 
@@ -33,20 +63,6 @@ def add_link_stiffness(system, multiplier, x, y):
         NotImplementedError: the type of `system` has no links.
     """
     raise NotImplementedError(f"no link stiffness for {type(system).__name__}")
-
-
-@dispatched
-@singledispatch
-def take_link_forces(system, multiplier):
-    """Take the forces of the links from the right-hand sides on the slopes.   multiplier: (m,) output nu.
-
-    Args:
-        system: solved for the accelerations.
-
-    Raises:
-        NotImplementedError: the type of `system` has no links.
-    """
-    raise NotImplementedError(f"no link forces for {type(system).__name__}")
 
 
 @inlined
@@ -79,6 +95,23 @@ def constrained_inverse_of_linked_cable(system, force, x):
     solve_linked_column(system, ACCELERATION, x)
 
 
+@implements(respond, CableSystem)
+def respond_in_chain(system, first, force, response):
+    """Arguments: see `respond`."""
+    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
+    left, number = first // (2 * len(axes)), len(force) // (2 * len(axes))
+    alone = Chain(axes, nodes[left : left + number], elements[left : left + number - 1])
+    shape = (number, 2, len(axes))
+    constrained_inverse(CableSystem(alone, system.zeta), force.reshape(shape), response.reshape(shape))
+
+
+@implements(respond, LinkedCableSystem)
+def respond_of_linked_cable(system, first, force, response):
+    """Arguments: see `respond`; such a cable is a chain of its own."""
+    shape = (len(system.chain.nodes), 2, len(system.chain.axes))
+    constrained_inverse(system, force.reshape(shape), response.reshape(shape))
+
+
 @implements(add_link_stiffness, CableSystem)
 def no_link_stiffness(system, multiplier, x, y):
     """A cable without links has none."""
@@ -100,21 +133,3 @@ def add_rod_stiffness(system, multiplier, x, y):
                 k = link.node[t]
                 y[k, 0, i] += link.weight[t, 0] * u
                 y[k, 1, i] += link.weight[t, 1] * u
-
-
-@implements(take_link_forces, CableSystem)
-def no_link_forces(system, multiplier):
-    """A cable without links has none."""
-
-
-@implements(take_link_forces, LinkedCableSystem)
-def take_forces_of_links(system, multiplier):
-    """Arguments: see `take_link_forces`."""
-    nodes, links = system.chain.nodes, system.border.links
-    for r in range(len(links)):
-        link = links[r]
-        multiplier[r] = link.multiplier[ACCELERATION]
-        for t in range(2):
-            force = nodes[link.node[t]].force
-            for i in range(len(system.chain.axes)):
-                force[ACCELERATION, 1, i] -= multiplier[r] * link.gradient[t, 1, i]

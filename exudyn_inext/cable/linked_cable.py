@@ -5,16 +5,9 @@ The external force is followed by the motions of the anchors: (n_dof + 3 dim M,)
 
 from typing import Any, NamedTuple
 
+from ..called_system import implements
 from ..compiled import inlined, optional
-from ..system import (
-    POWER,
-    VIOLATION,
-    accelerate_and_project,
-    correct_position,
-    gauge,
-    implements,
-    index_reduced_rates,
-)
+from ..system import POWER, VIOLATION, accelerate_and_project, correct_position, gauge, index_reduced_rates
 from .assembly import add_lagging_damping, lags, leave_targets
 from .axial import aim_at_positions
 from .axial_stiffness import MEAN_FORCE
@@ -48,13 +41,13 @@ class LinkedCableSystem(NamedTuple):
     """A chain, its links and its stabilisation: a `system` of the integrators.
 
     chain: coefficients and memory.   border: links.   zeta: see `CableSystem` [1/s].
-    closed: whether the last node is the first one once more.
+    closed: 1 if the last node is the first one once more, else 0.
     """
 
     chain: Chain
     border: Border
     zeta: float
-    closed: bool
+    closed: int
 
 
 def cable_system(
@@ -68,7 +61,7 @@ def cable_system(
     chain = build_chain(cable, implicit)
     if not all_links(cable):
         return CableSystem(chain, zeta)
-    return LinkedCableSystem(chain, build_border(cable), zeta, cable.closed)
+    return LinkedCableSystem(chain, build_border(cable), zeta, int(cable.closed))
 
 
 def memory_of(system: CableSystem | LinkedCableSystem) -> dict[str, Any]:

@@ -8,8 +8,10 @@ Everything that a solve needs and gives lies in the records of the chain, see `r
 as rarely as possible: loops over few nodes cost as much as what they do.
 """
 
-from ..compiled import clear, inlined, kernel, optional
+from ..arrays import Array
+from ..compiled import clear, inlined, inlined_kernel, optional
 from ..lowered import local_array, subtract_multiple
+from .chain import Chain
 from .factorisation import place_in_lower
 
 
@@ -272,45 +274,23 @@ def solve_both_columns(axes, nodes, elements, x, y):
             y[k, 1, i] = 0.0
 
 
-@kernel
-def apply_mass(chain, x, y):
-    """y = M x with the supports taken out.   x, y: (n, 2, dim)."""
+@inlined_kernel
+def multiply_by_mass(nodes, elements, x, y):
+    """y = M x with the supports taken out.   nodes, elements: (n, 3), (N, 4) masses; x, y: (n, 2, dim)."""
     for k in range(len(x)):
-        m = chain.nodes[k].mass
-        for i in range(len(chain.axes)):
+        m = nodes[k]
+        for i in range(x.shape[2]):
             y[k, 0, i] = m[0] * x[k, 0, i] + m[1] * x[k, 1, i]
             y[k, 1, i] = m[1] * x[k, 0, i] + m[2] * x[k, 1, i]
-    for k in range(len(chain.elements)):
-        m = chain.elements[k].mass
-        for i in range(len(chain.axes)):
+    for k in range(len(elements)):
+        m = elements[k]
+        for i in range(x.shape[2]):
             y[k, 0, i] += m[0] * x[k + 1, 0, i] + m[1] * x[k + 1, 1, i]
             y[k, 1, i] += m[2] * x[k + 1, 0, i] + m[3] * x[k + 1, 1, i]
             y[k + 1, 0, i] += m[0] * x[k, 0, i] + m[2] * x[k, 1, i]
             y[k + 1, 1, i] += m[1] * x[k, 0, i] + m[3] * x[k, 1, i]
 
 
-@kernel
-def nodal_multipliers(chain, x, momentum, multiplier):
-    """Multipliers of the nodal constraints that a solve eliminated, from the balance along r_x.
-
-    Args:
-        chain: solved for column 0.
-        x: (n, 2, dim) the solution of `solve_column`.
-        momentum: (n, 2, dim) memory.
-        multiplier: (n,) output; zero where a support holds the slope.
-    """
-    apply_mass(chain, x, momentum)
-    elements = chain.elements
-    for k in range(len(x)):
-        node = chain.nodes[k]
-        balance = 0.0
-        square = 0.0
-        for i in range(len(chain.axes)):
-            rest = node.force[0, 1, i] - momentum[k, 1, i]
-            if k > 0:
-                rest -= elements[k - 1].gradient[3, i] * elements[k - 1].multiplier[0]
-            if k < len(elements):
-                rest -= elements[k].gradient[1, i] * elements[k].multiplier[0]
-            balance += rest * node.slope[i]
-            square += node.slope[i] * node.slope[i]
-        multiplier[k] = node.free[1] * balance / (2.0 * square)
+def apply_mass(chain: Chain, x: Array, y: Array) -> None:
+    """y = M x with the supports taken out.   x, y: (n, 2, dim)."""
+    multiply_by_mass(chain.nodes["mass"], chain.elements["mass"], x, y)

@@ -19,15 +19,13 @@ from .saddle_point import apply_mass
 
 
 @kernel
-def _out_of_balance(chain, free, q, a, result):
+def _out_of_balance(chain, q, result):
     """F - M a - C_q^T lam of the length constraints.
 
     Args:
-        chain: solved at q (n, 2, dim).   free: the same one without supports.
-        a: (n, 2, dim) accelerations.   result: (n, 2, dim) output [N, Nm].
+        chain: solved at q (n, 2, dim).   result: (n, 2, dim) M a without supports; output [N, Nm].
     """
     axes = chain.axes
-    apply_mass(free, a, result)
     for k in range(len(q)):
         for kind in range(2):
             for i in range(len(axes)):
@@ -67,13 +65,15 @@ class SupportedCable:
         system, shape = self._system, self._system.chain.shape
         (a, rate), on_coordinates = np.zeros((2, q.size)), np.zeros(shape)
         accelerate_and_project(system, external, q, v, 0.0, a, rate)
+        inertia = np.zeros(shape)
+        apply_mass(self._free, a.reshape(shape), inertia)
         if self._stretches:
-            inertia, force = np.zeros(shape), external[: q.size].reshape(shape)
+            force = external[: q.size].reshape(shape)
             force_in_motion(self._free, force, q.reshape(shape), v.reshape(shape), on_coordinates)
-            apply_mass(self._free, a.reshape(shape), inertia)
             on_coordinates -= inertia
         else:
-            _out_of_balance(system.chain, self._free, q.reshape(shape), a.reshape(shape), on_coordinates)
+            on_coordinates[:] = inertia
+            _out_of_balance(system.chain, q.reshape(shape), on_coordinates)
         of_links = self._take_rods(on_coordinates)
         if self._closed:
             on_coordinates[0] += on_coordinates[-1]

@@ -175,7 +175,6 @@ class _Chunk:
     cable: int
     first: int
     runs: list[CableRun]
-    systems: Any
     loads: Any
     states: Any
     watches: Any
@@ -294,7 +293,6 @@ class _Ensemble:
             cable,
             first,
             runs,
-            systems=stacked([run.system for run in runs]),
             loads=stacked([run.loads.sample(piece, self._stages) for run in runs]),
             states=stacked([run.state for run in runs]),
             watches=stacked([run.watch.watch for run in runs]),
@@ -317,7 +315,8 @@ class _Ensemble:
         grid, run = chunk.grid, chunk.runs[0]
         shape = (len(self.states), len(chunk.runs), grid.loop_steps, len(run.indices))
         output = np.full(shape, np.nan)
-        stacks = (chunk.systems, chunk.loads, chunk.states)
+        systems = np.array([run.called.address for run in chunk.runs])
+        stacks = systems, run.called.functions, chunk.loads, chunk.states
         good = np.zeros(len(chunk.runs), dtype=int)
         record_members(self._scheme, *stacks, grid.h, grid.substeps, chunk.watches, output, good)
         for member in np.flatnonzero(good < grid.loop_steps).tolist():
@@ -335,6 +334,8 @@ class _Ensemble:
         output: (derivatives, intervals, n_dof) q, v, a.
         """
         grid, run, place = chunk.grid, chunk.runs[member], (chunk.cable, chunk.first + member)
+        run.forget()
+        run.resume(grid.start)
         history = np.empty((grid.loop_steps, 3, len(run.indices)))
         good = run.advance(grid, 0, history)
         self._steps[place], self._smallest[place] = run.control.steps, run.control.smallest

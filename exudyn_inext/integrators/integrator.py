@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..called_system import called
 from ..compiled import dispatched, inlined_kernel
 
 
@@ -22,6 +23,7 @@ class Integrator:
     scheme: NamedTuple type of its parameters, with defaults.
     allocate: (n_dof, n_external) -> state (NamedTuple of arrays with fields q, v, a, external at least).
     start: (system, external, state): sets all but q and v of the state; external (n_dof,).
+    calls: protocols of `system` that `advance` calls.
     carries: fields of the state that a step needs besides q and v, and does not compute from them.
     stabilised: whether it integrates the stabilised equations (30), whose zeta bounds the step.
     has_implicit_damping: whether its accelerations are central differences of the positions, so that damping
@@ -39,6 +41,7 @@ class Integrator:
     scheme: type[Any]
     allocate: Callable[[int, int], Any]
     start: Callable[..., None]
+    calls: tuple[Any, ...]
     carries: tuple[str, ...] = ()
     stabilised: bool = True
     has_implicit_damping: bool = False
@@ -83,15 +86,24 @@ def advance(scheme, system, loads, state, h, steps, history):
     raise NotImplementedError(f"no integrator for {type(scheme).__name__}")
 
 
-def record(scheme: Any, system: Any, loads: Any, state: Any, h: float, steps: int, history: Array) -> None:
+def record(
+    integrator: Integrator,
+    scheme: Any,
+    system: Any,
+    loads: Any,
+    state: Any,
+    h: float,
+    steps: int,
+    history: Array,
+) -> None:
     """Advance through len(history) intervals of `steps` steps each, in one call; nobody watches.
 
     Args:
-        scheme, system, loads, state, h: see `advance`.
+        integrator: of the scheme.   scheme, system, loads, state, h: see `advance`.
         steps: in each interval.
         history: (intervals, 3, n_dof) output q, v, a at the end of each interval.
     """
-    advance.dispatch(type(scheme))(scheme, system, loads, state, h, steps, history)
+    advance(scheme, called(system, *integrator.calls), loads, state, h, steps, history)
 
 
 @inlined_kernel

@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..called_system import implements
 from ..compiled import inlined
-from ..system import accelerate_and_project, correct_position, implements, index_reduced_rates
+from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .integrator import Integrator, advance, no_loads
 
 GROWTH_TOLERANCE = 1e-9

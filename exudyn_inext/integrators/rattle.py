@@ -16,9 +16,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..called_system import implements, takes_any_system
 from ..checks import require_integer, require_positive
-from ..compiled import inlined_kernel, kernel
-from ..system import accelerate_and_project, correct_position, implements
+from ..compiled import inlined_kernel
+from ..system import accelerate_and_project, correct_position
 from .integrator import Integrator, advance, allocate_state, external_force, store
 
 MOST_ITERATIONS = 1_000_000
@@ -63,7 +64,7 @@ def allocate(n_dof: int, n_external: int) -> RattleState:
     return allocate_state(RattleState, n_dof, n_external)
 
 
-@kernel
+@takes_any_system(accelerate_and_project)
 def start(system, external, state):
     """Evaluate at the initial state and project its velocity."""
     state.residual[0] = 0.0
@@ -72,7 +73,7 @@ def start(system, external, state):
     accelerate_and_project(system, external, state.q, state.v_half, 0.0, state.a, state.v)
 
 
-@kernel
+@takes_any_system(accelerate_and_project)
 def resume(system, external, state):
     """The factor at q, which the next step corrects positions with."""
     state.v_half.fill(0.0)
@@ -137,6 +138,7 @@ INTEGRATOR = Integrator(
     scheme=Rattle,
     allocate=allocate,
     start=start,
+    calls=(accelerate_and_project, correct_position),
     carries=("a",),
     stabilised=False,
     has_implicit_damping=True,

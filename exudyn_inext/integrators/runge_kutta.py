@@ -7,9 +7,10 @@ II.1.2. Four evaluations a step; the last one, at the end of the step, is the fi
 from typing import NamedTuple
 
 from ..arrays import Array
+from ..called_system import implements, takes_any_system
 from ..checks import require_choice
-from ..compiled import inlined_kernel, kernel
-from ..system import implements, index_reduced_rates
+from ..compiled import inlined_kernel
+from ..system import index_reduced_rates
 from .integrator import Integrator, advance, allocate_state, external_force, store
 
 WEIGHTS = (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0)
@@ -47,7 +48,7 @@ def allocate(n_dof: int, n_external: int) -> RungeKuttaState:
     return allocate_state(RungeKuttaState, n_dof, n_external)
 
 
-@kernel
+@takes_any_system(index_reduced_rates)
 def start(system, external, state):
     """Evaluate at the initial state."""
     index_reduced_rates(system, external, state.q, state.v, state.a, state.rate)
@@ -89,5 +90,6 @@ INTEGRATOR = Integrator(
     scheme=RungeKutta4,
     allocate=allocate,
     start=start,
+    calls=(index_reduced_rates,),
     checked=checked,
 )

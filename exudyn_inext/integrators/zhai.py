@@ -13,9 +13,10 @@ psi = phi = 0 with the corrector: stable up to h w = 2, dissipates.
 from typing import NamedTuple
 
 from ..arrays import Array
+from ..called_system import implements, takes_any_system
 from ..checks import require_finite, require_flag
-from ..compiled import inlined_kernel, kernel
-from ..system import implements, index_reduced_rates
+from ..compiled import inlined_kernel
+from ..system import index_reduced_rates
 from .integrator import Integrator, advance, allocate_state, external_force, store
 
 
@@ -64,7 +65,7 @@ def allocate(n_dof: int, n_external: int) -> ZhaiState:
     return allocate_state(ZhaiState, n_dof, n_external)
 
 
-@kernel
+@takes_any_system(index_reduced_rates)
 def start(system, external, state):
     """Evaluate at the initial state; a_(-1) = a_0 makes the first step a Taylor step."""
     index_reduced_rates(system, external, state.q, state.v, state.a, state.rate)
@@ -121,6 +122,7 @@ INTEGRATOR = Integrator(
     scheme=Zhai,
     allocate=allocate,
     start=start,
+    calls=(index_reduced_rates,),
     carries=("a_previous",),
     has_implicit_damping=True,
     change_step=change_step,

@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Array
 from .build_joints import build_joints
 from .build_nodes import Ends, ends_of_cables
-from .cables import TwoKinds
+from .cables import Cables
 from .scene import Items, SceneSystem
 
 
@@ -35,8 +35,8 @@ class KnownItems:
 
 
 def build_scene(
-    cables: Any,
-    external: int,
+    cables: Cables,
+    chains: Sequence[Any],
     places: Sequence[slice],
     known: KnownItems,
     size: int,
@@ -47,22 +47,20 @@ def build_scene(
     """The system of a scene.
 
     Args:
-        cables: system of all cables, or `NoCables`.   external: numbers of external force that it takes.
+        cables: systems of all cables.   chains: the same ones, see `in_few_chains`.
         places: of each cable among the coordinates.   known: the items.   size: number of coordinates.
         zeta: stabilisation rate [1/s].   foresight: (m,) memory, see `CoupledSystem`.
         still: (n_cables,) coordinates of cables that supports hold.
     """
-    ends = _without(ends_of_cables(cables, places), places, known.sliders.records["first"].tolist())
+    ends = _without(ends_of_cables(chains, places), places, known.sliders.records["first"].tolist())
     joints = build_joints(places, known.bodies, known.points, known.rows, foresight, still, ends)
     path, counting = np.zeros((5, max(size, 7))), np.zeros(2, np.int64)
     force, given, predicted = np.zeros((3, size))
     records = known.bodies, known.points, known.sliders, known.connectors, known.loads, known.contacts
     items = Items(*records, joints, force, given, predicted, path, counting)
     number = places[-1].stop if places else 0
-    forces = np.arange(number)
-    if isinstance(cables, TwoKinds):  # motions of the first ones lie between the forces
-        forces[cables.dofs :] += cables.external - cables.dofs
-    return SceneSystem(cables, number, np.zeros(external), forces, items, zeta)
+    ahead = np.repeat(cables.inputs[:-1] - cables.dofs[:-1], np.diff(cables.dofs))  # motions of those before
+    return SceneSystem(cables, number, np.zeros(cables.inputs[-1]), np.arange(number) + ahead, items, zeta)
 
 
 def _without(ends: Ends, places: Sequence[slice], firsts: Sequence[int]) -> Ends:

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cable.index_reduction import CableSystem
-from .cables import TwoKinds
 from .joints import Entries
 from .nodes import NONE, Nodes
 from .sparse_factor import SparseFactor, places_of
@@ -22,19 +21,18 @@ class Ends(NamedTuple):
     of_cables: dict[int, np.ndarray]
 
 
-def ends_of_cables(system: Any, places: Sequence[slice]) -> Ends:
+def ends_of_cables(systems: Sequence[Any], places: Sequence[slice]) -> Ends:
     """Those in chains without links and axial stiffness.
 
     Args:
-        system: of all cables.   places: of each cable among the coordinates.
+        systems: of all cables, see `in_few_chains`.   places: of each cable among the coordinates.
     """
     found: dict[int, np.ndarray] = {}
-    chains = [(0, system)]
-    if isinstance(system, TwoKinds):
-        chains = [(0, system.first), (system.dofs, system.second)]
-    dimension = 2
-    for offset, one in chains:
-        if isinstance(one, CableSystem) and not one.chain.elements["axial"].size:
+    dimension, end = 2, 0
+    for one in systems:
+        offset, end = end, end + one.chain.nodes.size * 2 * len(one.chain.axes)
+        is_plain = isinstance(one, CableSystem) and not one.chain.elements["axial"].size
+        if is_plain and (not found or len(one.chain.axes) == dimension):
             dimension = len(one.chain.axes)
             ends, size = one.chain.nodes["ends_group"], 2 * dimension
             for cable, place in enumerate(places):

@@ -1,144 +1,169 @@
-"""The cables of a scene as one system, and what joints ask of them: responses, dispatched on its type."""
+"""The cables of a scene: systems one after the other, called by address, and what joints ask of them."""
 
+from collections.abc import Sequence
 from functools import singledispatch
 from typing import Any, NamedTuple
 
-from ..cable.chain import Chain
+import numpy as np
+
 from ..cable.index_reduction import CableSystem
-from ..cable.linear_response import constrained_inverse
-from ..cable.linked_cable import LinkedCableSystem
+from ..cable.linear_response import respond
+from ..called_system import Called, by_address, call_protocol, called, calls, implements, keep_with, provide
 from ..compiled import dispatched, inlined
-from ..system import accelerate_and_project, correct_position, implements, index_reduced_rates
-from .nodes import set_blocks
+from ..lowered import COUNT, NUMBERS, numbers_at
+from ..system import accelerate_and_project, correct_position, index_reduced_rates
+from .nodes import copy_chain
 
 
-class NoCables(NamedTuple):
-    """The system of the cables of a scene that has none.   size: 0."""
+class Cables(NamedTuple):
+    """Systems of k chains.
 
-    size: int = 0
-
-
-class TwoKinds(NamedTuple):
-    """Cables of two kinds, one after the other, each of which may be several; it is not nested.
-
-    dofs, external: of the first one, numbers of coordinates and of what it takes as external force.
+    addresses: (k,), functions: (k, 8), see `Called`.
+    dofs, inputs: (k + 1,) where the coordinates of each begin, and what it takes as external force.
     """
 
-    first: Any
-    second: Any
-    dofs: int
-    external: int
+    addresses: Any
+    functions: np.ndarray
+    dofs: np.ndarray
+    inputs: np.ndarray
 
 
-@dispatched
-@singledispatch
-def respond_with_cables(system, joints, start, end, offset):
-    """A^-1 J^T of what the solve holds of cables, see `joints.Holds`, and A of its nodes.
-
-    Args:
-        system: of the cables, factorised.   joints: with their Jacobian.   start, end: which holds.
-        offset: first coordinate of the system.
-
-    Raises:
-        NotImplementedError: no such responses for the type of `system`.
-    """
-    raise NotImplementedError(f"no responses to joints for {type(system).__name__}")
+def cables_in_a_row(systems: Sequence[Any], inputs: Sequence[int]) -> Cables:
+    """These systems, which are kept as long as the table.   inputs: how much external force each takes."""
+    row = [called(system, accelerate_and_project, correct_position, respond) for system in systems]
+    functions = np.array([one.functions for one in row], np.int64).reshape(len(row), -1)
+    keep_with(functions, row)
+    addresses: Any = [one.address for one in row]
+    if all(isinstance(address, int) for address in addresses):
+        addresses = np.array(addresses, np.int64)
+    sizes = [system.chain.nodes.size * 2 * len(system.chain.axes) for system in systems]
+    ends = (np.cumsum([0, *numbers], dtype=np.int64) for numbers in (sizes, inputs))
+    return Cables(addresses, functions, *ends)
 
 
-@implements(respond_with_cables, CableSystem)
-def respond_with_chain(system, joints, start, end, offset):
-    """Each hold lies on one cable of the chain. Arguments: see `respond_with_cables`."""
-    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
-    set_blocks(axes, nodes, elements, joints.nodes, offset)
-    size = 2 * len(axes)
-    entries, holds = joints.entries, joints.holds
-    for h in range(start, end):
-        e = holds.entry[h]
-        left, number = (entries.dof[e] - offset) // size, entries.width[e] // size
-        alone = Chain(axes, nodes[left : left + number], elements[left : left + number - 1])
-        shape = (number, 2, len(axes))
-        first, last = entries.first[e], entries.first[e] + entries.width[e]
-        constrained_inverse(
-            CableSystem(alone, system.zeta),
-            entries.jacobian[first:last].reshape(shape),
-            entries.response[first:last].reshape(shape),
-        )
+def provide_cables(cables: Cables, systems: Sequence[Any], *protocols: Any) -> None:
+    """Let these protocols be called, too.   systems: those of the cables."""
+    for functions, system in zip(cables.functions, systems, strict=True):
+        provide(functions, system, *protocols)
 
 
-@implements(respond_with_cables, LinkedCableSystem)
-def respond_with_linked_cable(system, joints, start, end, offset):
-    """Arguments: see `respond_with_cables`."""
-    shape = (len(system.chain.nodes), 2, len(system.chain.axes))
-    entries, holds = joints.entries, joints.holds
-    for h in range(start, end):
-        e = holds.entry[h]
-        first, last = entries.first[e], entries.first[e] + entries.width[e]
-        constrained_inverse(
-            system, entries.jacobian[first:last].reshape(shape), entries.response[first:last].reshape(shape)
+@inlined
+def _one(cables, k):
+    return Called(cables.addresses[k], cables.functions[k])
+
+
+@inlined
+def rates_of_cables(cables, external, q, v, acceleration, rate):
+    """Arguments: see `index_reduced_rates`; arrays may be longer."""
+    dofs, inputs = cables.dofs, cables.inputs
+    for k in range(len(cables.functions)):
+        i, j = dofs[k], dofs[k + 1]
+        force = external[inputs[k] : inputs[k + 1]]
+        index_reduced_rates(_one(cables, k), force, q[i:j], v[i:j], acceleration[i:j], rate[i:j])
+
+
+@inlined
+def accelerate_cables(cables, external, q, v, duration, acceleration, end_velocity):
+    """Arguments: see `accelerate_and_project`; arrays may be longer."""
+    dofs, inputs = cables.dofs, cables.inputs
+    for k in range(len(cables.functions)):
+        i, j = dofs[k], dofs[k + 1]
+        force = external[inputs[k] : inputs[k + 1]]
+        accelerate_and_project(
+            _one(cables, k), force, q[i:j], v[i:j], duration, acceleration[i:j], end_velocity[i:j]
         )
 
 
 @inlined
-def clear_if_fulfilled(violation, tolerance, correction):
-    """Where a violation is below the tolerance, `correct_position` has not set the correction."""
-    if violation < tolerance:
-        for i in range(len(correction)):
-            correction[i] = 0.0
+def correct_cables(cables, external, q, tolerance, learning, correction):
+    """Arguments: see `correct_position`; arrays may be longer. The correction is set everywhere."""
+    dofs, inputs, worst = cables.dofs, cables.inputs, 0.0
+    for k in range(len(cables.functions)):
+        i, j = dofs[k], dofs[k + 1]
+        moves = external[inputs[k] : inputs[k + 1]]
+        violation = correct_position(_one(cables, k), moves, q[i:j], tolerance, learning, correction[i:j])
+        if violation < tolerance:
+            for d in range(i, j):
+                correction[d] = 0.0
+        if not violation <= worst:  # keeps a NaN
+            worst = violation
+    return worst
 
 
-@implements(respond_with_cables, NoCables)
-def respond_with_none(system, joints, start, end, offset):
-    """There are no holds on cables."""
+@inlined
+def respond_with_cables(cables, joints):
+    """A^-1 J^T of what the solve holds of cables, see `joints.Holds`, and A of its nodes.
+
+    cables: factorised.   joints: with their Jacobian.
+    """
+    entries, holds, nodes, k = joints.entries, joints.holds, joints.nodes, 0
+    for h in range(holds.on_cables):
+        e = holds.entry[h]
+        while entries.dof[e] >= cables.dofs[k + 1]:
+            k += 1
+        first, last = entries.first[e], entries.first[e] + entries.width[e]
+        respond(
+            _one(cables, k),
+            entries.dof[e] - cables.dofs[k],
+            entries.jacobian[first:last],
+            entries.response[first:last],
+        )
+    k = 0
+    for c in range(len(nodes.dof)):
+        while nodes.dof[c] >= cables.dofs[k + 1]:
+            k += 1
+        places = slice(nodes.begin[c], nodes.begin[c + 1])
+        show_matrix(
+            _one(cables, k),
+            nodes.dof[c] - cables.dofs[k],
+            nodes.block[places].reshape(-1),
+            nodes.basis[places].reshape(-1),
+            nodes.free[places].reshape(-1),
+        )
 
 
-@implements(index_reduced_rates, NoCables)
-def rates_of_none(system, external, q, v, acceleration, rate):
-    """Nothing moves."""
+@dispatched
+@singledispatch
+def show_matrix(system, first, block, basis, free):
+    """The matrix of the solve of one cable of a chain, see `nodes.Nodes`.
+
+    Args:
+        system: of the chain, factorised.   first: coordinate of the cable in it.
+        block, basis, free: output, one number after the other.
+
+    Raises:
+        NotImplementedError: the type of `system` is no plain chain.
+    """
+    raise NotImplementedError(f"no matrix of nodes for {type(system).__name__}")
 
 
-@implements(accelerate_and_project, NoCables)
-def accelerate_none(system, external, q, v, duration, acceleration, end_velocity):
-    """Nothing moves."""
-
-
-@implements(correct_position, NoCables)
-def correct_none(system, external, q, tolerance, learning, correction):
-    """Nothing is violated."""
+@by_address(show_matrix, COUNT, COUNT, NUMBERS, NUMBERS, NUMBERS)
+def MATRIX(system, first, number, block, basis, free):
+    dim = len(system[0].chain.axes)
+    show_matrix(
+        system[0],
+        first,
+        numbers_at(block, number * 8 * dim * dim),
+        numbers_at(basis, number * dim * (dim - 1)),
+        numbers_at(free, 2 * number),
+    )
     return 0.0
 
 
-@implements(respond_with_cables, TwoKinds)
-def respond_with_two_kinds(system, joints, start, end, offset):
-    """Arguments: see `respond_with_cables`."""
-    middle = start
-    while middle < end and joints.entries.dof[joints.holds.entry[middle]] < offset + system.dofs:
-        middle += 1
-    respond_with_cables(system.first, joints, start, middle, offset)
-    respond_with_cables(system.second, joints, middle, end, offset + system.dofs)
+@calls(show_matrix)
+def show_matrix_of_called(system, first, block, basis, free):
+    """Arguments: see `show_matrix`."""
+    outputs = block.ctypes.data, basis.ctypes.data, free.ctypes.data
+    call_protocol(system, MATRIX, (first, len(free) // 2, *outputs), block)
 
 
-@implements(index_reduced_rates, TwoKinds)
-def rates_of_two_kinds(system, external, q, v, acceleration, rate):
-    """Arguments: see `index_reduced_rates`."""
-    n, m = system.dofs, system.external
-    index_reduced_rates(system.first, external[:m], q[:n], v[:n], acceleration[:n], rate[:n])
-    index_reduced_rates(system.second, external[m:], q[n:], v[n:], acceleration[n:], rate[n:])
-
-
-@implements(accelerate_and_project, TwoKinds)
-def accelerate_two_kinds(system, external, q, v, duration, acceleration, end_velocity):
-    """Arguments: see `accelerate_and_project`."""
-    n, m, h = system.dofs, system.external, duration
-    accelerate_and_project(system.first, external[:m], q[:n], v[:n], h, acceleration[:n], end_velocity[:n])
-    accelerate_and_project(system.second, external[m:], q[n:], v[n:], h, acceleration[n:], end_velocity[n:])
-
-
-@implements(correct_position, TwoKinds)
-def correct_two_kinds(system, external, q, tolerance, learning, correction):
-    """Arguments: see `correct_position`."""
-    n, m = system.dofs, system.external
-    one = correct_position(system.first, external[:m], q[:n], tolerance, learning, correction[:n])
-    other = correct_position(system.second, external[m:], q[n:], tolerance, learning, correction[n:])
-    clear_if_fulfilled(one, tolerance, correction[:n])
-    clear_if_fulfilled(other, tolerance, correction[n:])
-    return other if not other <= one else one  # keeps a NaN
+@implements(show_matrix, CableSystem)
+def show_matrix_of_chain(system, first, block, basis, free):
+    """Arguments: see `show_matrix`."""
+    axes, number, dim = system.chain.axes, len(free) // 2, len(system.chain.axes)
+    left, size = first // (2 * dim), 2 * dim
+    nodes = system.chain.nodes[left : left + number]
+    elements = system.chain.elements[left : left + number - 1]
+    blocks = block.reshape((number, 2, size, size))
+    bases = basis.reshape((number, dim, dim - 1))
+    copy_chain(axes, nodes, elements, blocks, bases, free.reshape((number, 2)))

@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array, record_type
+from ..called_system import implements
 from ..compiled import dispatched, inlined
-from ..system import implements
 from .points import add_wrench
 
 NOW, START = range(2)  # data at present, and at the start of the step

@@ -49,12 +49,12 @@ class Nodes(NamedTuple):
 
 
 @inlined
-def _copy_chain(axes, nodes, elements, held, begin):
-    """Blocks of A of one cable, and its frames; its nodes and elements."""
+def copy_chain(axes, nodes, elements, block, basis, free):
+    """Blocks of A of one cable, and its frames, see `Nodes`.   nodes, elements: of it."""
     dim = len(axes)
     own, coupling = local_array(6, 6), local_array(6, 6)
     for k in range(len(nodes)):
-        node, place = nodes[k], begin + k
+        node = nodes[k]
         clear(own)
         add_mass(axes, node, own)
         if k > 0:
@@ -63,24 +63,12 @@ def _copy_chain(axes, nodes, elements, held, begin):
             set_coupling(axes, node, elements[k], nodes[k + 1], coupling)
         for i in range(2 * dim):
             for j in range(2 * dim):
-                held.block[place, 0, i, j] = own[i, j]
-                held.block[place, 1, i, j] = coupling[i, j]
+                block[k, 0, i, j] = own[i, j]
+                block[k, 1, i, j] = coupling[i, j]
         for i in range(dim):
             for j in range(dim - 1):
-                held.basis[place, i, j] = node.basis[i, j]
-        held.free[place, 0], held.free[place, 1] = node.free[0], node.free[1]
-
-
-@inlined
-def set_blocks(axes, nodes, elements, held, offset):
-    """Blocks of those cables that are part of a chain.   offset: its first coordinate."""
-    size = 2 * len(axes)
-    for c in range(len(held.dof)):
-        left, begin = (held.dof[c] - offset) // size, held.begin[c]
-        number = held.begin[c + 1] - begin
-        if left >= 0 and left + number <= len(nodes):
-            own = nodes[left : left + number]
-            _copy_chain(axes, own, elements[left : left + number - 1], held, begin)
+                basis[k, i, j] = node.basis[i, j]
+        free[k, 0], free[k, 1] = node.free[0], node.free[1]
 
 
 @inlined

@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
+from ..called_system import implements
 from ..compiled import called_kernel, dispatched, inlined, kernel
 from ..integrators.integrator import LoadHistory, advance, external_force
 from ..scene.path_work import follow
-from ..system import accelerate_and_project, correct_position, implements, index_reduced_rates
+from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .bodies import (
     accelerate_body,
     add_lever,
@@ -26,7 +27,7 @@ from .bodies import (
     subtract_inertia,
     twice_energy,
 )
-from .cables import clear_if_fulfilled, respond_with_cables
+from .cables import Cables, accelerate_cables, correct_cables, rates_of_cables, respond_with_cables
 from .circle_contacts import Contacts, NoContacts, add_contacts, finish_contacts, recall_contacts
 from .connectors import add_connectors
 from .joints import (
@@ -76,13 +77,13 @@ class Items(NamedTuple):
 
 
 class SceneSystem(NamedTuple):
-    """cables: the system of all cables, or `NoCables`.   cable_dofs: their number of coordinates.
+    """cables: systems of the cables, called by address.   cable_dofs: their number of coordinates.
 
     cable_force: (n_cables,) memory.   cable_places: (cable_dofs,) where in it the force on a coordinate is.
     zeta: stabilisation rate of the joints [1/s].
     """
 
-    cables: Any
+    cables: Cables
     cable_dofs: int
     cable_force: Array
     cable_places: np.ndarray
@@ -221,21 +222,19 @@ def scene_rates(system, external, q, v, acceleration, rate):
     items, number, zeta = system.items, system.cable_dofs, system.zeta
     act(items, external[len(system.cable_force) :], q, v)
     _set_cable_force(system, external)
-    index_reduced_rates(
-        system.cables, system.cable_force, q[:number], v[:number], acceleration[:number], rate[:number]
-    )
+    rates_of_cables(system.cables, system.cable_force, q, v, acceleration, rate)
     for i in range(number, len(q)):
         rate[i] = v[i]
     accelerate_bodies(items, v, zeta, acceleration)
     _project_bodies(items, v, zeta, rate)
     if len(items.joints.rows) > 0:
         hold(items, q, v)
-        respond_with_cables(system.cables, items.joints, 0, items.joints.holds.on_cables, 0)
+        respond_with_cables(system.cables, items.joints)
         _join_accelerations(items.joints, zeta, 0.0, v, acceleration)
         _join(items.joints, zeta, 1.0, rate, True)
 
 
-@implements(accelerate_and_project, SceneSystem, called_kernel)
+@implements(accelerate_and_project, SceneSystem)
 def accelerate_and_project_scene(system, external, q, v, duration, acceleration, end_velocity):
     """Arguments: see `accelerate_and_project`."""
     items, number = system.items, system.cable_dofs
@@ -244,22 +243,14 @@ def accelerate_and_project_scene(system, external, q, v, duration, acceleration,
         predicted[i] = v[i] + duration * acceleration[i]
     act(items, external[len(system.cable_force) :], q, predicted)
     _set_cable_force(system, external)
-    accelerate_and_project(
-        system.cables,
-        system.cable_force,
-        q[:number],
-        v[:number],
-        duration,
-        acceleration[:number],
-        end_velocity[:number],
-    )
+    accelerate_cables(system.cables, system.cable_force, q, v, duration, acceleration, end_velocity)
     accelerate_bodies(items, v, 0.0, acceleration)
     for i in range(number, len(q)):
         end_velocity[i] = v[i] + duration * acceleration[i]
     _project_bodies(items, end_velocity, 0.0, end_velocity)
     if len(items.joints.rows) > 0:
         hold(items, q, v)
-        respond_with_cables(system.cables, items.joints, 0, items.joints.holds.on_cables, 0)
+        respond_with_cables(system.cables, items.joints)
         _join_accelerations(items.joints, 0.0, 1.0, v, acceleration)
         _join(items.joints, 0.0, 1.0, end_velocity, True)
 
@@ -289,11 +280,10 @@ def _correct_items(items, functions, q, learning, correction):
 @implements(correct_position, SceneSystem)
 def correct_scene_position(system, external, q, tolerance, learning, correction):
     """Arguments: see `correct_position`."""
-    items, number = system.items, system.cable_dofs
+    items = system.items
     own, functions = external[: len(system.cable_force)], external[len(system.cable_force) :]
     worst = _correct_items(items, functions, q, learning, correction)
-    violation = correct_position(system.cables, own, q[:number], tolerance, learning, correction[:number])
-    clear_if_fulfilled(violation, tolerance, correction[:number])
+    violation = correct_cables(system.cables, own, q, tolerance, learning, correction)
     if not violation <= worst:  # keeps a NaN
         worst = violation
     if len(items.joints.rows) > 0 and not worst < tolerance:
@@ -342,11 +332,12 @@ def subtract_joint_forces(joints, force):
 
 
 @kernel
-def take_steps(scheme, system, loads, state, h, done, in_interval, history, total, before):
+def take_steps(scheme, system, items, loads, state, h, done, in_interval, history, total, before):
     """Steps of h [s], one for each row of the load history.
 
     Args:
-        scheme, system, state: see `integrators.integrator.advance`.   loads: history of all steps.
+        scheme, system, state: see `integrators.integrator.advance`.   items: of the system.
+        loads: history of all steps.
         done: number of steps since the beginning of the history.   in_interval: steps in one of it.
         history: (intervals, 3, n) output, at the ends of intervals.
         total: memory of the work of whole steps, see `scene.path_work`; counted where not each evaluation is.
@@ -354,7 +345,7 @@ def take_steps(scheme, system, loads, state, h, done, in_interval, history, tota
 
     It ends before them if a joint depends on others.
     """
-    items, steps = system.items, loads.factor.shape[0]
+    steps = loads.factor.shape[0]
     for step in range(steps):
         if step == steps - 1:
             for i in range(len(state.q)):
@@ -372,19 +363,19 @@ def take_steps(scheme, system, loads, state, h, done, in_interval, history, tota
 
 
 @kernel
-def evaluate_states(system, loads, history, multipliers, external, rate):
+def evaluate_states(system, items, loads, history, multipliers, external, rate):
     """Accelerations and multipliers of states, neither stabilised nor with what earlier steps taught.
 
     Args:
-        system: that has taken no steps.   loads: history, one row a state.
+        system: that has taken no steps.   items: of it.   loads: history, one row a state.
         history: (k, 3, n) coordinates and velocities, and output: accelerations; that of contacts is given.
         multipliers: (k, m) output.   external, rate: memory.
     """
-    joints = system.items.joints
+    joints = items.joints
     for k in range(len(history)):
         q, v, a = history[k, 0], history[k, 1], history[k, 2]
         external_force(loads, k, 0, external)
-        recall_contacts(system.items.contacts, k)
+        recall_contacts(items.contacts, k)
         accelerate_and_project(system, external, q, v, 0.0, a, rate)
         for r in range(len(joints.rows)):
             multipliers[k, r] = joints.multipliers[r]

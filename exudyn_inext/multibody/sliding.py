@@ -20,8 +20,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array, record_type
+from ..called_system import implements
 from ..compiled import dispatched, inlined
-from ..system import implements
 from .points import cross, dot
 
 CLOSE = 1e-13  # of the place to the foot, relative to the length of an element

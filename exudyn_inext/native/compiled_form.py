@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import Prepared
+from ..called_system import Bound
 from ..multibody.build import build_scene
 from ..multibody.scene import (
     MODE,
     NOT_COUNTED,
     SETTLING,
-    accelerate_and_project_scene,
     subtract_inertia_forces,
 )
-from ..run.compiled_scene import CompiledScene, SceneLoads, cables_of_kinds
+from ..run.compiled_scene import CompiledScene, SceneLoads, cables_of_scene
 from ..run.parts_in_one import CompiledParts
 from ..scene.bodies import bodies_rates
+from ..system import accelerate_and_project
 from .known.contacts import disturb
 from .known.scene import read_known_items
 from .known.unknown import UnknownItemError
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from .coupled_scene import CoupledCable, CoupledScene
     from .joint_rows import JointRows
 
-MOST_KINDS = 2  # of cables
 TOLERANCE = 1e-9  # of forces, accelerations, joints and their rates, relative
 OF_DIFFERENCES = 1e-4  # of second derivatives, which Exudyn's side finds by differences
 SMALLEST = 1e-6  # scale of forces and accelerations
@@ -57,8 +56,6 @@ def compiled_form(
     """
     places = scene.map.slices[:-1]
     loads = [cable.loads for cable in scene.cables]
-    if len(scene.groups) > MOST_KINDS:
-        raise UnknownItemError(f"cables of more than {MOST_KINDS} kinds")
     if len(scene.held.numbers):
         raise UnknownItemError("held coordinates")
     if not_compiled := next(filter(None, (of_cable.not_compiled for of_cable in loads)), ""):
@@ -81,17 +78,17 @@ def compiled_form(
     )
     if len(known.rows) != len(scene.system.foresight):
         raise UnknownItemError("equations of joints")
-    cables = cables_of_kinds(scene.groups, loads)
+    chains = [system for system, _ in scene.groups]
     acting = SceneLoads(loads, known.functions)
-    external = sum(len(of_cable.constant) for of_cable in loads)
     native = scene.system
     still = _held_coordinates(scene.cables)
-    system = build_scene(cables, external, places, known, scene.size, native.zeta, native.foresight, still)
+    cables = cables_of_scene(scene.groups, loads)
+    system = build_scene(cables, chains, places, known, scene.size, native.zeta, native.foresight, still)
     if not scene.body_system.share_foresight(known.bodies["first"] - on_cables, known.bodies["foresight"]):
         raise UnknownItemError("bodies that share coordinates")
     own = [(place, c.system, c.loads) for place, c in zip(places, scene.cables, strict=True)]
     joints = scene.surroundings.joints
-    form = CompiledScene(system, acting, own, joints, numbers.read_again, numbers.moved)
+    form = CompiledScene(system, chains, acting, own, joints, numbers.read_again, numbers.moved)
     require_agreement(scene, form, t, q, v, has_forces)
     return form
 
@@ -117,7 +114,7 @@ def require_agreement(
     states, contacts = _states(scene, q, v), form.contacts
     remembered = contacts.data[0].copy()
     random = np.random.default_rng(1) if form.has_contacts else None
-    evaluate = Prepared(accelerate_and_project_scene)
+    evaluate = Bound(accelerate_and_project, form.system)
     for number, (at, rates) in enumerate(states):
         if number and random:
             disturb(contacts, random)
@@ -165,11 +162,11 @@ def _with_unit_quaternions(rows: JointRows, states: Array) -> Array:
 
 
 def _evaluated(
-    form: CompiledScene, evaluate: Prepared, external: Array, q: Array, v: Array, number: int
+    form: CompiledScene, evaluate: Bound, external: Array, q: Array, v: Array, number: int
 ) -> tuple[Array, Array]:
     """(number,) forces on the cables, and accelerations of the bodies; and (4, m) of joints."""
     system, (result, rate) = form.system, np.zeros((2, len(q)))
-    evaluate(system, external, q, v, 0.0, result, rate)
+    evaluate(external, q, v, 0.0, result, rate)
     result[: system.cable_dofs] = system.items.force[: system.cable_dofs]
     joints = system.items.joints
     drift = -joints.rows["drift"][:, 0]
@@ -214,7 +211,7 @@ def _compare_contacts(scene: CoupledScene, form: CompiledScene, t: float, q: Arr
     """What contacts remember once they have settled."""
     counting, memory = form.system.items.counting, np.zeros((2, len(q)))
     counting[MODE] = SETTLING
-    accelerate_and_project_scene(form.system, form.loads.at(t), q, v, 0.0, *memory)
+    accelerate_and_project(form.system, form.loads.at(t), q, v, 0.0, *memory)
     counting[MODE] = NOT_COUNTED
     wanted, found = scene.surroundings.settled(t, q, v), form.contacts.data[0]
     scale = max(1.0, float(np.abs(wanted).max(initial=0.0)))

@@ -18,13 +18,14 @@ from ..cable.frequency import FrequencyTracker, largest_frequency
 from ..cable.implicit_bending import ImplicitBending
 from ..cable.linked_cable import cable_system, memory_of
 from ..cable.support_forces import SupportedCable
+from ..called_system import called
 from ..compiled import Prepared
 from ..errors import SceneError
 from ..integrators.integrator import Integrator, remembered
 from ..integrators.linear_stability import frequency_limit
 from ..scene.links import require_smooth_motions
 from ..scene.model import CableInScene, put_reactions
-from ..system import accelerate_and_project
+from ..system import accelerate_and_project, gauge
 from .cable_loads import CableLoads
 from .cable_watch import CableWatch
 from .consistent_start import StartCorrection, Violation, project, require_consistent, worst_violations
@@ -173,6 +174,12 @@ class CableRun(PacedRun):
     def adopt(self, system: Any) -> None:
         """The same equations in memory that cables share."""
         self.system, self._tracker = system, FrequencyTracker(system, self.scene_cable.cable.reference.shape)
+        self.__dict__.pop("called", None)
+
+    @cached_property
+    def called(self) -> Any:
+        """The system, as kernels call it that move and watch it."""
+        return called(self.system, *self.integrator.calls, accelerate_and_project, gauge)
 
     def follow_frequency(self, rule: StepRule) -> None:
         """Let the steps follow the present stability limit."""
@@ -335,7 +342,7 @@ class CableRun(PacedRun):
     def _begin(self, external: Array) -> None:
         self._accelerate(external)
         self.require_independence()
-        self.watch.open(self.system, external, self.state)
+        self.watch.open(self.called, external, self.state)
 
     def memory(self) -> dict[str, Any]:
         """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
@@ -350,7 +357,7 @@ class CableRun(PacedRun):
         """Go on at `time` [s], with the memory that has been set."""
         if self.control.present:
             self.set_step(self.control.present)
-        self.integrator.resume(self.system, self.loads.at(time), self.state)
+        self.integrator.resume(self.called, self.loads.at(time), self.state)
 
     def forget(self) -> None:
         """What earlier steps taught the constraints does not hold any more."""
@@ -362,7 +369,7 @@ class CableRun(PacedRun):
         before, loads = self.watch.steps, self.loads.sample(piece, self.integrator.stages)
         rows, watch = history[: piece.intervals], self.watch.watch
         steps = piece.h, piece.in_interval
-        self._record_watched(self.scheme, self.system, loads, self.state, *steps, rows, watch)
+        self._record_watched(self.scheme, self.called, loads, self.state, *steps, rows, watch)
         taken = self.watch.steps - before
         if taken < piece.steps:
             self.trouble = self.integrator.trouble(self.scheme, self.watch.watch.kept)
@@ -376,13 +383,13 @@ class CableRun(PacedRun):
     def _accelerate(self, external: Array) -> None:
         memory = memory_of(self.system)
         if remembers_axial_forces(memory):
-            accelerate_again(self.system, external, self.state, self.control.present, [memory])
+            accelerate_again(self.called, external, self.state, self.control.present, [memory])
         else:
-            self.integrator.start(self.system, external, self.state)
+            self.integrator.start(self.called, external, self.state)
 
     def watch_on(self, time: float) -> None:
         """See `PacedRun.watch_on`."""
-        self.watch.go_on(self.system, self.loads.at(time), self.state)
+        self.watch.go_on(self.called, self.loads.at(time), self.state)
 
     @property
     def cables(self) -> list[Cable]:

@@ -9,11 +9,12 @@ from ..arrays import Array
 from ..cable.cable import Cable
 from ..cable.linked_cable import cable_system
 from ..cable.many_cables import Systems, in_few_chains
+from ..called_system import Bound, called, implements
 from ..compiled import Prepared
 from ..errors import OffCableError, RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied
-from ..multibody.cables import NoCables, TwoKinds
+from ..multibody.cables import Cables, cables_in_a_row, provide_cables
 from ..multibody.joints import Joints, power_of_offsets
 from ..multibody.scene import (
     ALL_BUT_FIRST,
@@ -29,7 +30,7 @@ from ..multibody.scene import (
 )
 from ..multibody.sliding import BEYOND
 from ..scene.joints import NOT_FINITE, dependent_row, not_independent
-from ..system import accelerate_and_project, implements, index_reduced_rates
+from ..system import accelerate_and_project, index_reduced_rates
 from .cable_loads import CableLoads
 from .moved_offsets import MovedOffset
 
@@ -79,14 +80,11 @@ class SceneLoads:
         return LoadHistory(self.constant, self.pattern, factors.reshape(shape), NO_WORK)
 
 
-def cables_of_kinds(groups: Sequence[Systems], loads: Sequence[CableLoads]) -> Any:
-    """The system of all cables.   groups: at most two, see `in_few_chains`.   loads: of each cable."""
-    systems = [system for system, _ in groups]
-    if len(systems) < 2:
-        return systems[0] if systems else NoCables()
-    chain, of_first = systems[0].chain, loads[: len(groups[0][1])]
-    external = sum(len(one.constant) for one in of_first)
-    return TwoKinds(systems[0], systems[1], len(chain.nodes) * 2 * len(chain.axes), external)
+def cables_of_scene(groups: Sequence[Systems], loads: Sequence[CableLoads]) -> Cables:
+    """The systems of all cables.   groups: see `in_few_chains`.   loads: of each cable."""
+    ends = np.cumsum([len(alike) for _, alike in groups], dtype=int)
+    inputs = np.cumsum([0, *(len(one.constant) for one in loads)])[ends]
+    return cables_in_a_row([system for system, _ in groups], np.diff(inputs, prepend=0).tolist())
 
 
 class Steps(NamedTuple):
@@ -126,7 +124,8 @@ class CompiledScene:
     """The compiled system of a scene, and its loads; `scene` is the same one, evaluated by Exudyn.
 
     Args:
-        system: of all.   loads: of the cables, and functions of time.   cables: place, and system of each.
+        system: of all.   chains: of its cables, see `in_few_chains`.
+        loads: of the cables, and functions of time.   cables: place, and system of each.
         names: of the rows of joints, for messages.
         read_again: (item, connectors, loads): brings the records of a changed item up to date, if it can.
         moved: offsets that are set between steps, by the numbers of their joints.
@@ -138,25 +137,35 @@ class CompiledScene:
     def __init__(
         self,
         system: SceneSystem,
+        chains: Sequence[Any],
         loads: SceneLoads,
         cables: Sequence[tuple[slice, Any, CableLoads]],
         names: Sequence[str],
         read_again: Callable[[ChangedItem, Any, Any], bool],
         moved: Mapping[int, MovedOffset],
     ) -> None:
-        self.system = system
         self.loads = loads
-        self._cables = cables
+        self._chains, self._cables = chains, cables
         self._names = names
         self._read_again, self._moved = read_again, moved
         self._unscaled: SceneSystem | None = None
         self._take_steps = Prepared(take_steps)
-        self._accelerate = Prepared(accelerate_and_project.dispatch(SceneSystem))
+        self._set(system)
         self._energy, self._violation = Prepared(bodies_energy), Prepared(joint_violation)
         self._power = Prepared(power_of_offsets)
         self.forces = system.items.force
         self.multipliers = system.items.joints.multipliers
         self.given = system.items.given
+
+    def _set(self, system: SceneSystem) -> None:
+        self.system = system
+        self._accelerate = Bound(accelerate_and_project, system)
+        self._called: Any = None
+
+    def provide(self, calls: tuple[Any, ...]) -> None:
+        """Compile what an integrator calls, see `Integrator`."""
+        self._calls = calls
+        provide_cables(self.system.cables, self._chains, *calls)
 
     @property
     def contacts(self) -> Any:
@@ -170,12 +179,12 @@ class CompiledScene:
     def begin_history(self, data: Array, intervals: int) -> None:
         """Begin intervals with what contacts remember.   data: (D,)."""
         self.contacts.data[:] = data
-        self.system = _with_history(self.system, np.zeros((intervals, len(data))))
+        self._set(_with_history(self.system, np.zeros((intervals, len(data)))))
 
     def count_work_in(self, path: Array) -> None:
         """Count the work of the items' forces there, see `scene.path_work`."""
         items = self.system.items._replace(path=path)
-        self.system = self.system._replace(items=items)
+        self._set(self.system._replace(items=items))
 
     def take_over(self, item: ChangedItem) -> bool:
         """Whether the changed item is now what it is in Exudyn; joints that are moved are not looked at."""
@@ -228,7 +237,9 @@ class CompiledScene:
         counting, loads = self.system.items.counting, self.loads.sample(steps.times)
         counting[MODE] = EACH if steps.have_one_evaluation else ALL_BUT_FIRST
         where = steps.done, steps.in_interval, steps.history
-        self._take_steps(steps.scheme, self.system, loads, state, steps.h, *where, work, before)
+        self._called = self._called or called(self.system, *self._calls)
+        given = self._called, self.system.items, loads, state
+        self._take_steps(steps.scheme, *given, steps.h, *where, work, before)
         counting[MODE] = NOT_COUNTED
         self.require_independence()
         self._require_on_cables()
@@ -279,28 +290,31 @@ class CompiledScene:
             system = _with_history(system, remembered)
         if len(times) > FEW:  # it takes long to compile
             memory = np.zeros(len(self.loads.constant)), rate
-            evaluate_states(system, self.loads.sample(times[:, np.newaxis]), history, multipliers, *memory)
+            loads = self.loads.sample(times[:, np.newaxis])
+            given = called(system, accelerate_and_project), system.items, loads
+            evaluate_states(*given, history, multipliers, *memory)
             return multipliers
+        accelerate = Bound(accelerate_and_project, system)
         for k, (t, (q, v, a)) in enumerate(zip(times.tolist(), history, strict=True)):
             if remembered is not None:
                 system.items.contacts.data[0] = remembered[k]
-            self._accelerate(system, self.loads.at(t), q, v, 0.0, a, rate)
+            accelerate(self.loads.at(t), q, v, 0.0, a, rate)
             multipliers[k] = system.items.joints.multipliers
         return multipliers
 
     def _without_scaling(self, cables: Sequence[Cable]) -> SceneSystem:
         """The same system in memory of its own, with the cables' mass as it is."""
         groups = in_few_chains([cable_system(cable, self.system.zeta) for cable in cables])
-        system = cables_of_kinds(groups, [loads for _, _, loads in self._cables])
+        own = cables_of_scene(groups, [loads for _, _, loads in self._cables])
         items, copies = self.system.items, copied(self.system.items)
         copies.joints.foresight[:] = 0.0
         copies.bodies["foresight"] = 0.0
         forces = {"connectors": items.connectors, "loads": items.loads}  # may change
-        return self.system._replace(cables=system, items=copies._replace(**forces))
+        return self.system._replace(cables=own, items=copies._replace(**forces))
 
     def accelerate(self, *arguments: Any) -> None:
         """See `accelerate_and_project`, without the system."""
-        self._accelerate(self.system, *arguments)
+        self._accelerate(*arguments)
 
     def kinetic_energy(self, q: Array, v: Array) -> float:
         """Of the bodies [J]."""
@@ -321,7 +335,7 @@ class CompiledScene:
         size = dofs.stop - dofs.start
         force, (a, rate) = loads.at(t).copy(), np.zeros((2, size))
         force[:size] += _joined_forces(self.system)[dofs]
-        index_reduced_rates.dispatch(type(system))(system, force, q[dofs], v[dofs], a, rate)
+        index_reduced_rates(system, force, q[dofs], v[dofs], a, rate)
         return a
 
     def joined_forces(self) -> Array:

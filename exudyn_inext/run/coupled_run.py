@@ -80,6 +80,8 @@ class CoupledRun(PacedRun):
                 self._project(start)
             else:
                 self._approach(start.time, end_of_step)
+        if self._form:
+            self._form.provide(integrator.calls)
         if not (self._form or self.approaches):
             scene.compile_parts(start.time, self.state.q, self.state.v)
         self._tracker: VibrationTracker | None = None
@@ -244,8 +246,7 @@ class CoupledRun(PacedRun):
             if any(cable.stretches for cable in self.cables):
                 memory = np.zeros((2, len(self.state.q)))
                 system, external = self._system_at(time)
-                evaluate = accelerate_and_project.dispatch(type(system))
-                evaluate(system, external, self.state.q, self.state.v, 0.0, *memory)
+                accelerate_and_project(system, external, self.state.q, self.state.v, 0.0, *memory)
             for run in self._runs:
                 stack.enter_context(run.axial_forces_frozen)
             yield

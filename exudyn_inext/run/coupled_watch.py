@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import Prepared
+from ..called_system import Bound
 from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit
 from ..scene.path_work import (
@@ -60,12 +60,11 @@ GROWTH = 0.1  # of a vibration in a step [-], that is unstable
 
 
 class _Together(NamedTuple):
-    """Cables that share records.   system: of all.   dofs: their place.   loads: of each.
+    """Cables that share records.   dofs: their place.   loads: of each.
 
     gauge: of them.
     """
 
-    system: Any
     dofs: slice
     loads: Sequence[CableLoads]
     gauge: Callable[..., None]
@@ -286,7 +285,7 @@ class CoupledWatch(RunWatch):
         for one in self._together:
             dofs = one.dofs
             force, rates = np.zeros(dofs.stop - dofs.start), v[dofs]
-            one.gauge(one.system, one.external(t), state.q[dofs], rates, rates, force, gauges)
+            one.gauge(one.external(t), state.q[dofs], rates, rates, force, gauges)
             total += gauges[AGITATION]  # the mass alone; what bending adds to it is in KINETIC
         return total
 
@@ -300,7 +299,7 @@ class CoupledWatch(RunWatch):
         for one in self._together:
             dofs, external = one.dofs, one.external(t)
             mine, force = np.zeros(GAUGES), np.zeros(dofs.stop - dofs.start)
-            one.gauge(one.system, external, state.q[dofs], state.v[dofs], state.a[dofs], force, mine)
+            one.gauge(external, state.q[dofs], state.v[dofs], state.a[dofs], force, mine)
             worst = np.maximum(total[VIOLATION], mine[VIOLATION])
             total += mine
             total[VIOLATION] = worst
@@ -319,6 +318,6 @@ def _groups(scene: JoinedScene, runs: Sequence[CableRun]) -> Iterator[_Together]
     for system, alike in scene.groups:
         end = done + len(alike)
         dofs = slice(scene.map.slices[done].start, scene.map.slices[end - 1].stop)
-        loads, measure = [run.loads for run in runs[done:end]], Prepared(gauge.dispatch(type(system)))
-        yield _Together(system, dofs, loads, measure)
+        loads, measure = [run.loads for run in runs[done:end]], Bound(gauge, system)
+        yield _Together(dofs, loads, measure)
         done = end

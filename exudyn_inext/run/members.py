@@ -11,6 +11,7 @@ import numpy as np
 from numba import types
 from numba.extending import overload
 
+from ..called_system import Called
 from ..compiled import counting_kernel, inlined
 from .watch import record_watched
 
@@ -62,24 +63,20 @@ def _copy(states, interval, output):
 
 
 @counting_kernel
-def record_members(scheme, systems, loads, states, h, steps, watches, output, good):
+def record_members(scheme, systems, functions, loads, states, h, steps, watches, output, good):
     """Advance one member after the other, as `record_watched` does, each until its end or its divergence.
 
     Args:
         scheme, h, steps: see `record_watched`; the same for all members.
-        systems, loads, states, watches: of all members, see `stacked`.
+        systems: (members,) addresses.   functions: of all of them, see `Called`.
+        loads, states, watches: of all members, see `stacked`.
         output: (derivatives, members, intervals, n_dof) q, v, a at the end of each interval, as many of
             them as it has room for; on entry what shall stand where a member has not got to.
         good: (members,) output: number of intervals that ended well.
     """
     history = np.empty((output.shape[2], 3, output.shape[3]))
     for m in range(output.shape[1]):
-        system, state, watch, forces = (
-            member(systems, m),
-            member(states, m),
-            member(watches, m),
-            member(loads, m),
-        )
-        good[m] = record_watched(scheme, system, forces, state, h, steps, history, watch)
+        system, state, watch = Called(systems[m], functions), member(states, m), member(watches, m)
+        good[m] = record_watched(scheme, system, member(loads, m), state, h, steps, history, watch)
         for interval in range(good[m]):
             _copy(history[interval], interval, output[:, m])

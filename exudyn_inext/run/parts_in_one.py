@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import Prepared
+from ..called_system import Bound
 from ..multibody.scene import bodies_energy, joint_violation, subtract_inertia_forces, subtract_joint_forces
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .compiled_scene import CompiledScene
@@ -23,7 +23,6 @@ class CompiledParts:
 
     def __init__(self, form: CompiledScene, others: Sequence[slice]) -> None:
         self.form = form
-        self._system = form.system
         self._items = form.system.items
         self._others = others
         states = others[-1].stop - others[0].stop  # of first order, last among the records
@@ -32,8 +31,7 @@ class CompiledParts:
         self.multipliers = form.multipliers
         form.given[:] = 0.0
         protocols = index_reduced_rates, accelerate_and_project, correct_position
-        kinds = (Prepared(protocol.dispatch(type(self._system))) for protocol in protocols)
-        self._rates, self._accelerate, self._correct = kinds
+        self._rates, self._accelerate, self._correct = (Bound(one, form.system) for one in protocols)
 
     @property
     def drift(self) -> Array:
@@ -47,17 +45,17 @@ class CompiledParts:
 
     def rates(self, t: float, forces: Sequence[Array], *arrays: Array) -> None:
         """See `index_reduced_rates`.   forces: on all cables, then on the others."""
-        self._rates(self._system, self._external(t, forces), *arrays)
+        self._rates(self._external(t, forces), *arrays)
         self.form.require_independence()
 
     def accelerate(self, t: float, forces: Sequence[Array], *arguments: Any) -> None:
         """See `accelerate_and_project`."""
-        self._accelerate(self._system, self._external(t, forces), *arguments)
+        self._accelerate(self._external(t, forces), *arguments)
         self.form.require_independence()
 
     def correct(self, t: float, *arguments: Any) -> float:
         """See `correct_position`."""
-        return float(self._correct(self._system, self.form.loads.at(t), *arguments))
+        return float(self._correct(self.form.loads.at(t), *arguments))
 
     def _external(self, t: float, forces: Sequence[Array]) -> Array:
         """As the system takes it; forces on the others are given to them."""

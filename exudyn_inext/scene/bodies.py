@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from ..arrays import Array
 from ..compiled import inlined, kernel
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
-from .parts import respond
+from .parts import respond_to_rows
 
 _DENSE = 40  # coordinates up to which a dense product is the faster one
 
@@ -399,7 +399,9 @@ def correct_bodies(system, external, q, tolerance, learning, correction):
     return worst
 
 
-@respond.register(BodiesSystem)
-def respond_as_bodies(system, jacobian, response):
-    """Arguments: see `respond`."""
-    response[:] = system.responses(jacobian)
+@respond_to_rows.register(BodiesSystem)
+def respond_as_bodies(system, first, width, dof, jacobian, response):
+    """Arguments: see `respond_to_rows`; each row is on all coordinates."""
+    if len(first):
+        places = slice(first[0], first[-1] + width[-1])
+        response[places] = system.responses(jacobian[places].reshape(len(first), -1)).ravel()

@@ -77,8 +77,7 @@ class _GivenContacts:
 def _accelerate_in_contact(system, external, q, v, duration, acceleration, end_velocity):
     """Arguments: see `accelerate_and_project`."""
     system.given[:] = system.contacts.forces(q - system.start, v + duration * acceleration)
-    evaluate = accelerate_and_project.dispatch(type(system.system))
-    evaluate(system.system, external, q, v, duration, acceleration, end_velocity)
+    accelerate_and_project(system.system, external, q, v, duration, acceleration, end_velocity)
 
 
 def rates_in_contact(

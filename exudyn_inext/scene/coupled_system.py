@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import Prepared
+from ..called_system import Bound
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .joints import JointBlock, JointSolve, JointTerms
 
@@ -30,7 +30,6 @@ class Part(NamedTuple):
 class _Resolved(NamedTuple):
     """What is evaluated at once, with the implementations of its protocols, found once."""
 
-    system: Any
     dofs: slice
     rates: Callable[..., None]
     accelerate: Callable[..., None]
@@ -39,9 +38,7 @@ class _Resolved(NamedTuple):
 
 def _resolve(part: Part) -> _Resolved:
     protocols = index_reduced_rates, accelerate_and_project, correct_position
-    return _Resolved(
-        part.system, part.dofs, *(Prepared(protocol.dispatch(type(part.system))) for protocol in protocols)
-    )
+    return _Resolved(part.dofs, *(Bound(protocol, part.system) for protocol in protocols))
 
 
 class Surroundings(Protocol):
@@ -154,7 +151,7 @@ def coupled_rates(system, external, q, v, acceleration, rate):
         return system.take_in_one()
     for part, force in zip(system.resolved, forces, strict=True):
         dofs = part.dofs
-        part.rates(part.system, force, q[dofs], v[dofs], acceleration[dofs], rate[dofs])
+        part.rates(force, q[dofs], v[dofs], acceleration[dofs], rate[dofs])
     if not system.has_joints:
         return
     terms, solve = system.join(t, q, v), system.solve
@@ -173,9 +170,7 @@ def accelerate_and_project_coupled(system, external, q, v, duration, acceleratio
         return system.take_in_one()
     for part, force in zip(system.resolved, forces, strict=True):
         dofs = part.dofs
-        part.accelerate(
-            part.system, force, q[dofs], v[dofs], duration, acceleration[dofs], end_velocity[dofs]
-        )
+        part.accelerate(force, q[dofs], v[dofs], duration, acceleration[dofs], end_velocity[dofs])
     if not system.has_joints:
         return
     terms, solve = system.join(t, q, v), system.solve
@@ -196,7 +191,7 @@ def correct_coupled_position(system, external, q, tolerance, learning, correctio
         worst = float(np.abs(value).max())
     for part, inputs in zip(system.resolved, system.surroundings.motions(t), strict=True):
         dofs = part.dofs
-        violation = part.correct(part.system, inputs, q[dofs], tolerance, learning, correction[dofs])
+        violation = part.correct(inputs, q[dofs], tolerance, learning, correction[dofs])
         if violation < tolerance:
             correction[dofs] = 0.0
         if not violation <= worst:  # keeps a NaN

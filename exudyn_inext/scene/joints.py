@@ -8,8 +8,9 @@ Two rows are coupled in S if they meet on a part. In the order of Cuthill and Mc
 narrow for trees and chains of parts, as wide as a side for nets.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import groupby, pairwise
 from typing import Any, NamedTuple
 
@@ -19,9 +20,11 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..arrays import Array
+from ..cable.linear_response import respond
+from ..called_system import called
 from ..compiled import kernel
 from ..errors import RedundantConstraintError
-from .parts import respond, respond_in_chain
+from .parts import respond_to_rows
 
 FEW = 24  # rows whose order does not matter
 PIVOT_TOLERANCE = 1e-10  # of a pivot of S, relative to its diagonal entry
@@ -95,19 +98,16 @@ class JointSolve:
         self._schur: Array = np.zeros((_width_of_band(self._rows), len(names)), order="F")
         self._factor = self._schur
 
-    def _responders_of(self, blocks: Sequence[JointBlock]) -> Iterator[tuple[Any, tuple[Any, ...]]]:
-        """What sets the responses, with its arguments: one call for all blocks of a whole."""
+    def _responders_of(self, blocks: Sequence[JointBlock]) -> Iterator[Callable[[], None]]:
+        """What sets the responses: one call for all blocks of a whole."""
         begin = 0
         for _, together in groupby(blocks, key=lambda block: id(block.whole or block)):
             alike = list(together)
             end = begin + sum(len(block.rows) for block in alike)
-            whole, block = alike[0].whole, alike[0]
-            if whole is None:
-                yield respond.dispatch(type(block.system)), (block.system, block.jacobian, block.response)
-            else:
-                rows, own = self._rows, slice(begin, end)
-                entries = rows.first[own], rows.width[own], rows.dof[own] - whole.dofs.start
-                yield respond_in_chain, (whole.system, *entries, self._jacobian, self._response)
+            whole, rows, own = alike[0].whole or alike[0], self._rows, slice(begin, end)
+            entries = rows.first[own], rows.width[own], rows.dof[own] - whole.dofs.start
+            system = called(whole.system, respond)
+            yield partial(respond_to_rows, system, *entries, self._jacobian, self._response)
             begin = end
 
     def factorise(self) -> None:
@@ -116,8 +116,8 @@ class JointSolve:
         Raises:
             RedundantConstraintError: names the first row that depends on others.
         """
-        for respond_as, arguments in self._responders:
-            respond_as(*arguments)
+        for respond_now in self._responders:
+            respond_now()
         _find_nonzeros(self._rows, self._jacobian)
         _set_schur(self._rows, self._jacobian, self._response, self._schur)
         self._factor, info = lapack.dpbtrf(self._schur, lower=1)

@@ -12,7 +12,8 @@ import numpy as np
 from scipy.linalg import lapack
 
 from ..arrays import Array
-from ..compiled import Prepared, kernel
+from ..called_system import Bound
+from ..compiled import kernel
 from ..system import accelerate_and_project
 
 STEP = 1e-6  # of the differences [m, -, m/s, 1/s]
@@ -57,12 +58,12 @@ def _operators(system: Any, external: Array, q: Array, v: Array) -> tuple[_Opera
 
     Arguments: see `fastest_rates`.
     """
-    evaluate, nothing = Prepared(accelerate_and_project.dispatch(type(system))), np.zeros(len(q))
+    evaluate, nothing = Bound(accelerate_and_project, system), np.zeros(len(q))
 
     def accelerated(q: Array, v: Array) -> Array:
         """Accelerations, and velocities projected onto the constraints."""
         result = np.zeros((2, len(q)))
-        evaluate(system, external, q, v, 0.0, result[0], result[1])
+        evaluate(external, q, v, 0.0, result[0], result[1])
         return result
 
     offset = accelerated(q, nothing)[1]  # moving supports

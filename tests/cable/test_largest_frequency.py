@@ -183,7 +183,7 @@ def growth(cable, h):
     disturbance = np.abs(v[:, 0, 1]).max()
     zhai.start(system, np.zeros(state.q.size), state)
     history = np.zeros((1, 3, state.q.size))
-    record(zhai.scheme(), system, no_loads(state.q.size, 1), state, h, 300, history)
+    record(zhai, zhai.scheme(), system, no_loads(state.q.size, 1), state, h, 300, history)
     return np.abs(v[:, 0, 1]).max() / disturbance
 
 

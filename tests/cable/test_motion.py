@@ -33,7 +33,7 @@ def move(state, zeta, h, steps, every=1, scheme=None, name="Zhai"):
     memory.q[:], memory.v[:] = state.q.ravel(), state.v.ravel()
     integrator.start(system, state.external.ravel(), memory)
     history = np.zeros((steps // every, 3, state.q.size))
-    record(scheme or integrator.scheme(), system, loads, memory, h, every, history)
+    record(integrator, scheme or integrator.scheme(), system, loads, memory, h, every, history)
     return history.reshape(-1, 3, *state.q.shape)
 
 

@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 
 from exudyn_inext.cable.chain import build_chain
 from exudyn_inext.cable.index_reduction import CableSystem
+from exudyn_inext.called_system import implements
 from exudyn_inext.compiled import plain
 from exudyn_inext.errors import InputError
 from exudyn_inext.integrators import INTEGRATORS, find_integrator
@@ -22,7 +23,7 @@ from exudyn_inext.integrators.rattle import Rattle
 from exudyn_inext.integrators.runge_kutta import RungeKutta4
 from exudyn_inext.integrators.zhai import Zhai
 from exudyn_inext.loads.gravity import gravity_force
-from exudyn_inext.system import accelerate_and_project, correct_position, implements, index_reduced_rates
+from exudyn_inext.system import accelerate_and_project, correct_position, index_reduced_rates
 from tests.cables import planar_pendulum
 
 every_integrator = pytest.mark.parametrize("integrator", INTEGRATORS.values(), ids=INTEGRATORS)
@@ -82,7 +83,7 @@ def run_pendulum(integrator, steps):
     state.q[:], state.v[:] = INITIAL[:2], INITIAL[2:]
     integrator.start(system, CONSTANT + factors(0.0) @ PATTERN, state)
     history = np.zeros((1, 3, 2))
-    record(integrator.scheme(), system, loads, state, h, steps, history)
+    record(integrator, integrator.scheme(), system, loads, state, h, steps, history)
     return history[0, :2].ravel()
 
 
@@ -116,7 +117,9 @@ def run_cable(integrator, steps, duration=0.2, number=4, intervals=1, damping=0.
     state.q[:] = cable.reference.ravel()
     integrator.start(system, force, state)
     history = np.zeros((intervals, 3, force.size))
-    record(integrator.scheme(), system, loads, state, duration / steps, steps // intervals, history)
+    record(
+        integrator, integrator.scheme(), system, loads, state, duration / steps, steps // intervals, history
+    )
     return history
 
 

@@ -35,7 +35,7 @@ def run(name, h, steps, zeta=100.0):
     integrator.start(system, gravity, state)
     loads = LoadHistory(gravity, np.zeros((0, gravity.size)), np.zeros((steps, 1, 0)))
     history = np.zeros((steps // SUBSTEPS, 3, gravity.size))
-    record(integrator.scheme(), system, loads, state, h, SUBSTEPS, history)
+    record(integrator, integrator.scheme(), system, loads, state, h, SUBSTEPS, history)
     shape = (len(history), *cable.reference.shape)
     return history[:, 0].reshape(shape), history[:, 1].reshape(shape), cable
 

@@ -5,11 +5,13 @@ import pytest
 
 from exudyn_inext.cable.chain import build_chain
 from exudyn_inext.cable.index_reduction import CableSystem
+from exudyn_inext.called_system import called
 from exudyn_inext.integrators import INTEGRATORS
 from exudyn_inext.integrators.integrator import LoadHistory, record
 from exudyn_inext.integrators.rattle import Rattle
 from exudyn_inext.run.members import member, record_members, stacked
 from exudyn_inext.run.watch import build_watch
+from exudyn_inext.system import gauge
 from tests.cables import MEASURES, random_state
 
 pytestmark = pytest.mark.kernel
@@ -34,16 +36,18 @@ def start(seed, broken=False):
 def alone(seed):
     cable, loads, memory = start(seed)
     history = np.zeros((INTERVALS, 3, memory.q.size))
-    record(RATTLE.scheme(), cable, loads, memory, H, STEPS, history)
+    record(RATTLE, RATTLE.scheme(), cable, loads, memory, H, STEPS, history)
     return history
 
 
 def test_members_move_as_they_do_alone_bit_by_bit():
     members = [start(1), start(2, broken=True), start(3)]
-    cables, loads, memories = (stacked(column) for column in zip(*members, strict=True))
+    systems = [called(cable, *RATTLE.calls, gauge) for cable, _, _ in members]
+    addresses, functions = np.array([one.address for one in systems]), systems[0].functions
+    loads, memories = (stacked(column) for column in list(zip(*members, strict=True))[1:])
     watches = stacked([build_watch(memory, 4, np.inf) for _, _, memory in members])
     output, good = np.full((2, 3, INTERVALS, memories.q.shape[1]), 7.0), np.zeros(3, dtype=int)
-    record_members(RATTLE.scheme(), cables, loads, memories, H, STEPS, watches, output, good)
+    record_members(RATTLE.scheme(), addresses, functions, loads, memories, H, STEPS, watches, output, good)
     for place, seed in ((0, 1), (2, 3)):
         np.testing.assert_array_equal(output[:, place], alone(seed)[:, :2].transpose(1, 0, 2))
     assert good.tolist() == [INTERVALS, 0, INTERVALS]
@@ -65,7 +69,7 @@ def test_an_iteration_that_gives_up_says_so_and_goes_no_further():
     cable, loads, memory = start(1)
     history = np.zeros((INTERVALS, 3, memory.q.size))
     assert RATTLE.trouble(scheme, memory) == ""
-    record(scheme, cable, loads, memory, H, STEPS, history)
+    record(RATTLE, scheme, cable, loads, memory, H, STEPS, history)
     assert np.isnan(history[:, 0]).all()
     message = RATTLE.trouble(scheme, memory)
     assert f"violated by {memory.residual[0]:.3g} after 2 iterations (tolerance 1e-30)" in message

@@ -7,6 +7,7 @@ import pytest
 
 from exudyn_inext.cable.chain import build_chain
 from exudyn_inext.cable.index_reduction import CableSystem
+from exudyn_inext.called_system import called
 from exudyn_inext.integrators import INTEGRATORS
 from exudyn_inext.integrators.integrator import LoadHistory, record
 from exudyn_inext.loads.gravity import gravity_force
@@ -20,6 +21,7 @@ from exudyn_inext.run.watch import (
     open_account,
     record_watched,
 )
+from exudyn_inext.system import gauge
 from tests.cables import planar_pendulum
 
 TOLERANCE, MOST = 0.003, 0.009
@@ -53,14 +55,24 @@ class WatchedPendulum:
         """Steps that went well, and q, v, a after each of them."""
         history = np.zeros((steps, 3, self.constant.size))
         scheme, loads = self.integrator.scheme(), self.loads(h, steps)
-        good = record_watched(scheme, self.system, loads, self.state, h, 1, history, self.watch)
+        system = called(self.system, *self.integrator.calls, gauge)
+        good = record_watched(scheme, system, loads, self.state, h, 1, history, self.watch)
         return good, history[:good]
 
 
 def unwatched(name, h, steps):
     plain = WatchedPendulum(name)
     history = np.zeros((steps, 3, plain.constant.size))
-    record(plain.integrator.scheme(), plain.system, plain.loads(h, steps), plain.state, h, 1, history)
+    record(
+        plain.integrator,
+        plain.integrator.scheme(),
+        plain.system,
+        plain.loads(h, steps),
+        plain.state,
+        h,
+        1,
+        history,
+    )
     return history
 
 

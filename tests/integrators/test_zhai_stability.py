@@ -78,7 +78,7 @@ def run(scheme, system, loads, h, steps, initial):
     state.q[0], state.v[0] = initial
     INTEGRATOR.start(system, loads.constant + loads.factor[0, 0] @ loads.pattern, state)
     history = np.zeros((steps, 3, 1))
-    record(scheme, system, loads, state, h, 1, history)
+    record(INTEGRATOR, scheme, system, loads, state, h, 1, history)
     return history[:, :, 0]
 
 
@@ -102,7 +102,7 @@ def test_forced_oscillator_follows_the_closed_form():
     state = INTEGRATOR.allocate(1, 1)
     INTEGRATOR.start(LinearSystem(w * w, 0.0), np.array([0.5 + 4.0]), state)
     history = np.zeros((steps, 3, 1))
-    record(PLAIN, LinearSystem(w * w, 0.0), loads, state, h, 1, history)
+    record(INTEGRATOR, PLAIN, LinearSystem(w * w, 0.0), loads, state, h, 1, history)
     amplitude, offset = 4.0 / (w**2 - drive**2), 0.5 / w**2
     q = amplitude * (np.cos(drive * t) - np.cos(w * t)) + offset * (1 - np.cos(w * t))
     v = amplitude * (w * np.sin(w * t) - drive * np.sin(drive * t)) + offset * w * np.sin(w * t)
@@ -118,5 +118,5 @@ def test_several_steps_an_interval_are_the_same_steps():
     state.q[0], state.v[0] = 0.3, 0.1
     INTEGRATOR.start(system, np.array([1.0]), state)
     history = np.zeros((3, 3, 1))
-    record(PLAIN, system, loads, state, 0.1, 4, history)
+    record(INTEGRATOR, PLAIN, system, loads, state, 0.1, 4, history)
     np.testing.assert_array_equal(history[:, :, 0], each[3::4])

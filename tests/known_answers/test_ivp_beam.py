@@ -69,7 +69,7 @@ def tip_of_cable(number, steps, name="RATTLE"):
     state.q[:] = cable.reference.ravel()
     integrator.start(system, 0.0 * pattern, state)
     history = np.zeros((1, 3, pattern.size))
-    record(integrator.scheme(), system, loads, state, h, steps, history)
+    record(integrator, integrator.scheme(), system, loads, state, h, steps, history)
     return history[0, 0].reshape(cable.reference.shape)[-1, 0]
 
 

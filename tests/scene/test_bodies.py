@@ -5,7 +5,7 @@ import pytest
 from scipy.sparse import issparse
 
 from exudyn_inext.scene.bodies import BodiesSystem, MassBlock, VariableBlocks
-from exudyn_inext.scene.parts import respond
+from exudyn_inext.scene.parts import respond_to_rows
 from exudyn_inext.system import accelerate_and_project, correct_position, index_reduced_rates
 from tests.cables import relative_error
 
@@ -131,7 +131,8 @@ def test_response_to_joint_forces_is_that_of_the_dense_system():
     bodies = Bodies()
     rows = np.random.default_rng(6).standard_normal((3, SIZE))
     response = np.zeros((3, SIZE))
-    respond(bodies.system, rows, response)
+    first, width = SIZE * np.arange(3), np.full(3, SIZE)
+    respond_to_rows(bodies.system, first, width, 0 * first, rows.ravel(), response.reshape(-1))
     for row, found in zip(rows, response, strict=True):
         assert relative_error(found, bodies.solve(row, np.zeros(2))) < 1e-11
 

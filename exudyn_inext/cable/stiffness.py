@@ -1,0 +1,105 @@
+"""The stiffness of a cable about a configuration: of bending, and of the tension in its constraints."""
+
+from functools import singledispatch
+
+from ..called_system import by_address, call_protocol, calls, implements
+from ..compiled import dispatched, inlined
+from ..element.inextensibility import length_gradient
+from ..lowered import COUNT, NUMBERS, local_array, numbers_at
+from .assembly import add_elastic_force, add_element_force, differences
+from .index_reduction import CableSystem
+from .linear_response import add_link_stiffness
+from .linked_cable import LinkedCableSystem
+from .vectors import combine
+
+
+@dispatched
+@singledispatch
+def apply_stiffness(system, nodal, length, links, q, x, memory, y):
+    """y = H x: the elastic stiffness at q, and the geometric one of the constraints.
+
+    Args:
+        system: of a cable.
+        nodal, length, links: (n,), (N,), (m,) multipliers of constraints at nodes, of lengths, of links.
+        q, x: (n_dof,).   memory: (2 n_dof,).   y: (n_dof,) output.
+
+    Raises:
+        NotImplementedError: the type of `system` implements no stiffness.
+    """
+    raise NotImplementedError(f"no stiffness for {type(system).__name__}")
+
+
+@by_address(apply_stiffness, COUNT, COUNT, COUNT, COUNT, *[NUMBERS] * 7)
+def STIFFNESS(system, nodes, elements, m, size, nodal, length, links, q, x, memory, y):
+    apply_stiffness(
+        system[0],
+        numbers_at(nodal, nodes),
+        numbers_at(length, elements),
+        numbers_at(links, m),
+        numbers_at(q, size),
+        numbers_at(x, size),
+        numbers_at(memory, 2 * size),
+        numbers_at(y, size),
+    )
+    return 0.0
+
+
+@calls(apply_stiffness)
+def apply_stiffness_of_called(system, nodal, length, links, q, x, memory, y):
+    """Arguments: see `apply_stiffness`."""
+    sizes = len(nodal), len(length), len(links), len(q)
+    multipliers = nodal.ctypes.data, length.ctypes.data, links.ctypes.data
+    vectors = q.ctypes.data, x.ctypes.data, memory.ctypes.data, y.ctypes.data
+    call_protocol(system, STIFFNESS, (*sizes, *multipliers, *vectors), y)
+
+
+@inlined
+def _set_elastic_part(chain, q, x, memory, y):
+    """y = -(dQ_el/dq) x, exact: Q_el is cubic in q, so that two central differences suffice."""
+    trial, force = memory[0], memory[1]
+    combine(0.0, x, 0.0, x, y)
+    for difference in range(4):
+        step = 1.0 + difference // 2
+        sign = 1.0 - 2.0 * (difference % 2)
+        weight = -8.0 / 12.0 if difference < 2 else 1.0 / 12.0
+        combine(1.0, q, sign * step, x, trial)
+        combine(0.0, x, 0.0, x, force)
+        add_elastic_force(chain, trial, force)
+        combine(1.0, y, sign * weight, force, y)
+
+
+@inlined
+def _add_geometric_stiffness(chain, nodal, length, x, y):
+    """y += sum lam d2c/dq2 x: the stiffness that the tension gives.   nodal: (n,); length: (N,)."""
+    for k in range(len(nodal)):
+        for i in range(len(chain.axes)):
+            y[k, 1, i] += 2.0 * nodal[k] * x[k, 1, i]
+    e, gradient = local_array(3, 3), local_array(3, 3)
+    for k in range(len(length)):
+        differences(chain.axes, x, k, e)
+        length_gradient(chain.axes, chain.elements[k].slope_gram, e, gradient)
+        for a in range(3):
+            for i in range(len(chain.axes)):
+                gradient[a, i] *= length[k]
+        add_element_force(chain.axes, gradient, y[k], y[k + 1])
+
+
+@inlined
+def _apply(system, nodal, length, links, q, x, memory, y):
+    shape = len(nodal), 2, len(system.chain.axes)
+    one, image = x.reshape(shape), y.reshape(shape)
+    _set_elastic_part(system.chain, q.reshape(shape), one, memory.reshape((2, *shape)), image)
+    _add_geometric_stiffness(system.chain, nodal, length, one, image)
+    add_link_stiffness(system, links, one, image)
+
+
+@implements(apply_stiffness, CableSystem)
+def apply_stiffness_of_cable(system, nodal, length, links, q, x, memory, y):
+    """Arguments: see `apply_stiffness`."""
+    _apply(system, nodal, length, links, q, x, memory, y)
+
+
+@implements(apply_stiffness, LinkedCableSystem)
+def apply_stiffness_of_linked_cable(system, nodal, length, links, q, x, memory, y):
+    """Arguments: see `apply_stiffness`."""
+    _apply(system, nodal, length, links, q, x, memory, y)

@@ -1,0 +1,288 @@
+"""Systems behind the addresses of their compiled functions.
+
+Loops over steps, and scenes with cables in them, call a system through a table of such addresses, as a
+method is called in C++. So they are compiled once, and for a new type of system its own functions alone.
+"""
+
+import weakref
+from collections.abc import Callable
+from functools import cached_property, partial, wraps
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+
+from .compiled import Prepared, c_function, inlined, inlined_kernel, kernel
+from .lowered import (
+    COUNT,
+    NUMBERS,
+    REAL,
+    CompiledPart,
+    address_of,
+    call_at,
+    first_of,
+    memory_of,
+    numbers_at,
+    size_of,
+    type_of,
+)
+from .system import GAUGES, accelerate_and_project, correct_position, gauge, index_reduced_rates
+
+MOST_PROTOCOLS = 8
+
+
+class Called(NamedTuple):
+    """Any system, for kernels that shall not depend on its type.
+
+    address: where it lies in memory, as compiled code holds it; without the compiler, the system itself.
+    functions: (8,) addresses of its implementations of protocols, by their places; 0: none was asked for.
+    """
+
+    address: Any
+    functions: np.ndarray
+
+
+class _Entry(NamedTuple):
+    """How a protocol is called by address.
+
+    place: in `Called.functions`.   function: of the address of a system, and of what `kinds` says.
+    """
+
+    place: int
+    function: Any
+    kinds: tuple[Any, ...]
+
+
+_ENTRIES: dict[Any, _Entry] = {}
+
+
+def by_address(protocol: Any, *kinds: Any) -> Callable[[Any], int]:
+    """Let a protocol be called by address, through the decorated function; gives its place in the table.
+
+    kinds: types of its arguments, but for the first one, `system`: an array with one system.
+    """
+
+    def register(function: Any) -> int:
+        _ENTRIES[protocol] = _Entry(len(_ENTRIES), c_function(function), kinds)
+        return _ENTRIES[protocol].place
+
+    return register
+
+
+def calls(protocol: Any) -> Callable[[Any], Any]:
+    """Register the decorated function as `protocol` for `Called`."""
+
+    def register(function: Any) -> Any:
+        def call_itself(system, *arguments):
+            return protocol(system.address, *arguments)
+
+        compiled = call_itself if numba.config.DISABLE_JIT else inlined_kernel(function)
+        protocol.register(Called)(compiled)
+        return compiled
+
+    return register
+
+
+class Implementation(CompiledPart):
+    """Part of kernels; called from Python, it runs as compiled for the type of its system alone."""
+
+    protocol: Any
+
+    def __call__(self, system: Any, *arguments: Any) -> Any:
+        return self.protocol.dispatch(Called)(called(system, self.protocol), *arguments)
+
+
+def implements(
+    protocol: Any, system_type: type, compiled: Callable[[Any], Any] | None = None
+) -> Callable[[Any], Any]:
+    """Register the decorated function as `protocol` for systems of `system_type`.
+
+    compiled: compiles it; default: as what is called by address, or else as a kernel.
+    """
+
+    def register(function: Any) -> Any:
+        if compiled or protocol not in _ENTRIES:
+            implementation = (compiled or kernel)(function)
+        else:
+            implementation = inlined(function)
+            if not numba.config.DISABLE_JIT:
+                implementation.__class__, implementation.protocol = Implementation, protocol
+        protocol.register(system_type)(implementation)
+        return implementation
+
+    return register
+
+
+@kernel
+def _put(system, memory):
+    memory_of(memory.ctypes.data, system)[0] = system
+
+
+_ADDRESSES: dict[Any, int] = {}  # of protocols for types of systems
+
+
+def _address(protocol: Any, kind: Any) -> int:
+    if (protocol, kind) not in _ADDRESSES:
+        entry = _ENTRIES[protocol]
+        _ADDRESSES[protocol, kind] = address_of(entry.function, first_of(kind), *entry.kinds)
+    return _ADDRESSES[protocol, kind]
+
+
+def called(system: Any, *protocols: Any) -> Any:
+    """A system for kernels that call it by address; what only Python can evaluate stays as it is.
+
+    Args:
+        system: its arrays are used; it is kept as long as the result's table is.
+        protocols: those that will be called.
+    """
+    if isinstance(system, Called) or not isinstance(system, tuple):
+        return system
+    functions = np.zeros(MOST_PROTOCOLS, np.int64)
+    if numba.config.DISABLE_JIT:
+        return Called(system, functions)
+    if not all(isinstance(protocol.dispatch(type(system)), Implementation) for protocol in protocols):
+        return system
+    provide(functions, system, *protocols)
+    memory = np.zeros(size_of(type_of(system)), np.uint8)
+    _put(system, memory)
+    keep_with(functions, system, memory)
+    return Called(memory.ctypes.data, functions)
+
+
+def provide(functions: np.ndarray, system: Any, *protocols: Any) -> None:
+    """Compile these protocols for the type of a system, and put their addresses into a table (8,)."""
+    for protocol in () if numba.config.DISABLE_JIT else protocols:
+        functions[_ENTRIES[protocol].place] = _address(protocol, type_of(system))
+
+
+def keep_with(array: np.ndarray, *others: Any) -> None:
+    """Let these live as long as the array does."""
+    weakref.finalize(array, lambda *_: None, *others).atexit = False
+
+
+class Bound:
+    """A protocol of one system, as a function of the other arguments; found out at the first call."""
+
+    def __init__(self, protocol: Any, system: Any) -> None:
+        self._protocol, self._system = protocol, system
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self._function(*arguments)
+
+    @cached_property
+    def _function(self) -> Callable[..., Any]:
+        known = called(self._system, self._protocol)
+        return partial(Prepared(self._protocol.dispatch(type(known))), known)
+
+
+def takes_any_system(*protocols: Any) -> Callable[[Any], Any]:
+    """Compile f(system, ...) as a kernel that calls these protocols by address, once for all systems."""
+
+    def decorate(function: Any) -> Any:
+        compiled = kernel(function)
+
+        @wraps(function)
+        def call(system: Any, *arguments: Any) -> Any:
+            return compiled(called(system, *protocols), *arguments)
+
+        call.__dict__["py_func"] = function
+        return call
+
+    return decorate
+
+
+@inlined
+def call_protocol(system, place, arguments, output):
+    """What the function of a protocol returns; if there is none, `output` is no number any more."""
+    address = system.functions[place]
+    if address == 0:
+        output[0] = np.nan
+        return np.nan
+    return call_at(address, (system.address, *arguments))
+
+
+_EVALUATION = COUNT, COUNT, NUMBERS, NUMBERS, NUMBERS
+
+
+@by_address(index_reduced_rates, *_EVALUATION, NUMBERS, NUMBERS)
+def RATES(system, size, inputs, external, q, v, acceleration, rate):
+    index_reduced_rates(
+        system[0],
+        numbers_at(external, inputs),
+        numbers_at(q, size),
+        numbers_at(v, size),
+        numbers_at(acceleration, size),
+        numbers_at(rate, size),
+    )
+    return 0.0
+
+
+@calls(index_reduced_rates)
+def rates_of_called(system, external, q, v, acceleration, rate):
+    """Arguments: see `index_reduced_rates`."""
+    state = len(q), len(external), external.ctypes.data, q.ctypes.data, v.ctypes.data
+    call_protocol(system, RATES, (*state, acceleration.ctypes.data, rate.ctypes.data), acceleration)
+
+
+@by_address(accelerate_and_project, *_EVALUATION, REAL, NUMBERS, NUMBERS)
+def ACCELERATION(system, size, inputs, external, q, v, duration, acceleration, end_velocity):
+    accelerate_and_project(
+        system[0],
+        numbers_at(external, inputs),
+        numbers_at(q, size),
+        numbers_at(v, size),
+        duration,
+        numbers_at(acceleration, size),
+        numbers_at(end_velocity, size),
+    )
+    return 0.0
+
+
+@calls(accelerate_and_project)
+def accelerate_called(system, external, q, v, duration, acceleration, end_velocity):
+    """Arguments: see `accelerate_and_project`."""
+    state = len(q), len(external), external.ctypes.data, q.ctypes.data, v.ctypes.data
+    outputs = acceleration.ctypes.data, end_velocity.ctypes.data
+    call_protocol(system, ACCELERATION, (*state, duration, *outputs), acceleration)
+
+
+@by_address(correct_position, COUNT, COUNT, NUMBERS, NUMBERS, REAL, REAL, NUMBERS)
+def CORRECTION(system, size, inputs, external, q, tolerance, learning, correction):
+    return correct_position(
+        system[0],
+        numbers_at(external, inputs),
+        numbers_at(q, size),
+        tolerance,
+        learning,
+        numbers_at(correction, size),
+    )
+
+
+@calls(correct_position)
+def correct_called(system, external, q, tolerance, learning, correction):
+    """Arguments: see `correct_position`."""
+    places = len(q), len(external), external.ctypes.data, q.ctypes.data
+    return call_protocol(
+        system, CORRECTION, (*places, tolerance, learning, correction.ctypes.data), correction
+    )
+
+
+@by_address(gauge, *_EVALUATION, NUMBERS, NUMBERS, NUMBERS)
+def GAUGE(system, size, inputs, external, q, v, a, force, gauges):
+    gauge(
+        system[0],
+        numbers_at(external, inputs),
+        numbers_at(q, size),
+        numbers_at(v, size),
+        numbers_at(a, size),
+        numbers_at(force, size),
+        numbers_at(gauges, GAUGES),
+    )
+    return 0.0
+
+
+@calls(gauge)
+def gauge_called(system, external, q, v, a, force, gauges):
+    """Arguments: see `gauge`."""
+    state = len(q), len(external), external.ctypes.data, q.ctypes.data, v.ctypes.data
+    call_protocol(system, GAUGE, (*state, a.ctypes.data, force.ctypes.data, gauges.ctypes.data), gauges)
