@@ -181,8 +181,9 @@ def nodal_multipliers_of(system: Any, acceleration: Array) -> Array:
         forces = links["gradient"][:, :, 1] * links["multiplier"][:, ACCELERATION, np.newaxis, np.newaxis]
         np.subtract.at(rest, links["node"], forces)
     slope = nodes["slope"]
-    result: Array = 0.5 * nodes["free"][:, 1] * (rest * slope).sum(axis=1) / (slope * slope).sum(axis=1)
-    return result
+    with np.errstate(over="ignore", invalid="ignore"):  # such a frequency is no number
+        balance: Array = nodes["free"][:, 1] * (rest * slope).sum(axis=1) / (slope * slope).sum(axis=1)
+    return 0.5 * balance
 
 
 def _of_axial_forces(chain: Chain) -> tuple[Array, Array]:
