@@ -179,8 +179,9 @@ class CoupledScene:
         return self._masses.number_of_variable
 
     def memory(self) -> dict[str, Any]:
-        """What earlier steps taught joints and quaternions, by names."""
-        return {"joints": self.system.foresight, "quaternions": self._masses.system.memory()}
+        """What earlier steps taught joints and quaternions, and where joints slide, by names."""
+        taught = {"joints": self.system.foresight, "quaternions": self._masses.system.memory()}
+        return taught | {"places": self.surroundings.places}
 
     def forget(self) -> None:
         """What earlier steps taught the joints and quaternions does not hold any more."""

@@ -27,7 +27,7 @@ from ..multibody.scene import (
     subtract_joint_forces,
     take_steps,
 )
-from ..multibody.sliding import BEYOND
+from ..multibody.sliding import BEYOND, PLACE
 from ..scene.joints import NOT_FINITE, dependent_row, not_independent
 from ..system import accelerate_and_project, implements, index_reduced_rates
 from .cable_loads import CableLoads
@@ -246,6 +246,11 @@ class CompiledScene:
             if beyond > BEYOND * slider.length:
                 row = int(np.flatnonzero(rows["points"][:, 0] == slider.point)[0])
                 raise off_cable(self._names[row], beyond, slider.x < 0.0)
+
+    @property
+    def places(self) -> dict[str, Array]:
+        """Where all that slides is on its cables, from which the next steps look for it, by names."""
+        return {name: self.system.items.sliders.records[name] for name in PLACE}
 
     @property
     def has_knots(self) -> bool:

@@ -412,6 +412,7 @@ class CoupledRun(PacedRun):
         return {
             "state": remembered(self.state),
             "scene": self._scene.memory(),
+            "places": self._form.places if self._form else {},
             "cables": self._taught,
             "watch": self.watch.memory(),
             "control": self.control.memory() | ({"vibration": tracker.vibration} if tracker else {}),
