@@ -95,8 +95,8 @@ class Watch(NamedTuple):
     account: (3,) records, NOW, KEPT and FAILED. Energy at the `start` and `agitation` then [J/s^2]; its
         present `surplus` [J]; `time` of motion since then [s], and the integrals of `forces`,
         a . M a / 2 [J/s], and `speeds`, v . M v / 2 [J s], over it, and the `phase` error of the run
-        that they let expect [rad]; the error of the step in waves `over_mesh`, relative to that of the mesh [-]; the largest
-        `extent` so far, x . M x / 2 [J s^2], or 0: not known; its `round_off` [J];
+        that they let expect [rad]; the error of the step in waves `over_mesh`, relative to that of the
+        mesh [-]; the largest `extent` so far, x . M x / 2 [J s^2], or 0: not known; its `round_off` [J];
         `work` done since [J], of which we are `unsure`, to one side [J], and its `scatter` [J^2], `scattered`
         until the last inspection; the `slope` of the power [W/s], whose
         changes tell how well trapezoids fit, and the `largest_power` so far [W]; bounds of kinetic and
