@@ -83,6 +83,7 @@ class CoupledRun(PacedRun):
         if not (self._form or self.approaches):
             scene.compile_parts(start.time, self.state.q, self.state.v)
         self._tracker: VibrationTracker | None = None
+        self._fastest = np.zeros((2, 2, scene.size))  # see `fastest_rates`: as it is, and in contact
         self._rejects = start.rejects
         self.control = StepControl(rejects=start.rejects)
         self._recorded = 0  # intervals
@@ -186,7 +187,7 @@ class CoupledRun(PacedRun):
     def _rates_at(self, time: float) -> FastestRates:
         """Of the present state."""
         with self._without_implicit_forces(time):
-            return fastest_rates(*self._system_at(time), self.state.q, self.state.v)
+            return fastest_rates(*self._system_at(time), self.state.q, self.state.v, self._fastest[0])
 
     def _system_at(self, time: float) -> tuple[Any, Array]:
         """What takes the steps, and the external force that it is given."""
@@ -271,7 +272,8 @@ class CoupledRun(PacedRun):
         system, external = self._system_at(self._time)
         given = self._form.given if self._form else None
         with self._without_implicit_forces(self._time):
-            return rates_in_contact(system, external, given, self.contacts.closed, self.state.q, self.state.v)
+            kept = self.state.q, self.state.v, self._fastest[1]
+            return rates_in_contact(system, external, given, self.contacts.closed, *kept)
 
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the present configuration, joints included."""

@@ -82,27 +82,33 @@ def _accelerate_in_contact(system, external, q, v, duration, acceleration, end_v
 
 
 def rates_in_contact(
-    system: Any, external: Array, given: Array | None, contacts: ClosedContacts, q: Array, v: Array
+    system: Any,
+    external: Array,
+    given: Array | None,
+    contacts: ClosedContacts,
+    q: Array,
+    v: Array,
+    kept: Array,
 ) -> FastestRates:
     """As `fastest_rates`, while these contacts act, too.
 
     given: (n,) forces besides those of its items that act on a compiled system; None for a `CoupledSystem`.
     """
     if given is None:
-        return _rates_of_coupled(system, external, contacts, q, v)
+        return _rates_of_coupled(system, external, contacts, q, v, kept)
     before = given.copy()
     try:
-        return fastest_rates(_GivenContacts(system, given, contacts, q.copy()), external, q, v)
+        return fastest_rates(_GivenContacts(system, given, contacts, q.copy()), external, q, v, kept)
     finally:
         given[:] = before
 
 
 def _rates_of_coupled(
-    system: CoupledSystem, external: Array, contacts: ClosedContacts, q: Array, v: Array
+    system: CoupledSystem, external: Array, contacts: ClosedContacts, q: Array, v: Array, kept: Array
 ) -> FastestRates:
     surroundings = system.surroundings
     system.surroundings = _InContact(system, contacts, q)
     try:
-        return fastest_rates(system, external, q, v)
+        return fastest_rates(system, external, q, v, kept)
     finally:
         system.surroundings = surroundings
