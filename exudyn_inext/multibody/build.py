@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Array
 from .build_joints import build_joints
 from .build_nodes import Ends, ends_of_cables
-from .cables import TwoKinds
+from .cables import each_chain
 from .scene import Items, SceneSystem
 
 
@@ -60,8 +60,8 @@ def build_scene(
     items = Items(*records, joints, force, given, predicted, path, counting)
     number = places[-1].stop if places else 0
     forces = np.arange(number)
-    if isinstance(cables, TwoKinds):  # motions of the first ones lie between the forces
-        forces[cables.dofs :] += cables.external - cables.dofs
+    for dofs, first, _ in each_chain(cables):  # motions of cables lie behind their forces
+        forces[dofs:] = np.arange(first, first + number - dofs)
     return SceneSystem(cables, number, np.zeros(external), forces, items, zeta)
 
 
