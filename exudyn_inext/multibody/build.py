@@ -10,6 +10,7 @@ from ..arrays import Array
 from .build_joints import build_joints
 from .build_nodes import Ends, ends_of_cables
 from .cables import each_chain
+from .implicit_contacts import mark_implicit
 from .scene import Items, SceneSystem
 
 
@@ -56,6 +57,7 @@ def build_scene(
     joints = build_joints(places, known.bodies, known.points, known.rows, foresight, still, ends)
     path, counting = np.zeros((5, max(size, 7))), np.zeros(2, np.int64)
     force, given, predicted = np.zeros((3, size))
+    mark_implicit(cables, known.contacts.records)
     records = known.bodies, known.points, known.sliders, known.connectors, known.loads, known.contacts
     items = Items(*records, joints, force, given, predicted, path, counting)
     number = places[-1].stop if places else 0

@@ -1,6 +1,7 @@
 """A scene of which all items have compiled forms: many steps in one call."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from itertools import groupby
 from typing import Any, NamedTuple
 
@@ -15,6 +16,7 @@ from ..errors import OffCableError, RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied
 from ..multibody.cables import Alike, NoCables, TwoKinds
+from ..multibody.implicit_contacts import SHARE
 from ..multibody.joints import Joints, power_of_offsets
 from ..multibody.scene import (
     ALL_BUT_FIRST,
@@ -183,6 +185,29 @@ class CompiledScene:
     def has_contacts(self) -> bool:
         return len(self.contacts.records) > 0
 
+    def set_step(self, h: float) -> None:
+        """Prepare implicit damping of contact for steps of h [s]; 0: it is explicit."""
+        records = self.contacts.records
+        records["lag"] = SHARE * h * records["implicit"]
+
+    @contextmanager
+    def implicit_damping_left_out(self) -> Iterator[None]:
+        """Contact without the damping that is implicit, for limits of the step."""
+        records = self.contacts.records
+        saved = records.copy()
+        for name in ("lag", "damping", "viscosity"):
+            records[name] = np.where(records["implicit"], 0.0, records[name])
+        try:
+            yield
+        finally:
+            records[...] = saved
+
+    @property
+    def dofs_in_implicit_contact(self) -> np.ndarray:
+        """First coordinates of the nodes of cables whose contact is damped implicitly."""
+        records = self.contacts.records
+        return np.unique(records["nodes"][records["implicit"]])
+
     def begin_history(self, data: Array, intervals: int) -> None:
         """Begin intervals with what contacts remember.   data: (D,)."""
         self.contacts.data[:] = data
@@ -309,6 +334,7 @@ class CompiledScene:
         groups = in_few_chains([cable_system(cable, self.system.zeta) for cable in cables])
         system = cables_of_kinds(groups, [loads for _, _, loads in self._cables])
         items, copies = self.system.items, copied(self.system.items)
+        copies.contacts.records["lag"] = 0.0
         copies.joints.foresight[:] = 0.0
         copies.bodies["foresight"] = 0.0
         forces = {"connectors": items.connectors, "loads": items.loads}  # may change

@@ -238,8 +238,10 @@ class CoupledRun(PacedRun):
 
     @contextmanager
     def _without_implicit_forces(self, time: float) -> Iterator[None]:
-        """Damping and axial forces of the cables, at present, do not bound the step."""
+        """Damping and axial forces of cables, at present, and damping of contact do not bound the step."""
         with ExitStack() as stack:
+            if self._form and self._damps_contact:
+                stack.enter_context(self._form.implicit_damping_left_out())
             for run in self._runs:
                 stack.enter_context(run.implicit_damping_left_out())
             if any(cable.stretches for cable in self.cables):
@@ -258,11 +260,20 @@ class CoupledRun(PacedRun):
         if self._tracker:
             self._tracker.vibration[:] = 0.0
 
+    @property
+    def _damps_contact(self) -> bool:
+        """Whether the integrator says how fast forces that are implicit change."""
+        return self.integrator.has_implicit_damping and not self.integrator.stabilised
+
     @cached_property
     def contacts(self) -> OpenContacts | None:
         """Contacts that are open at the start, if there are any."""
-        state = self._time, self.state.q, self.state.v
-        return self._scene.open_contacts(*state, self.data[0] if self._form else None)
+        state, data, implicit = (self._time, self.state.q, self.state.v), None, np.zeros(0, int)
+        if self._form:
+            data = self.data[0]
+            if self._damps_contact:
+                implicit = self._form.dofs_in_implicit_contact
+        return self._scene.open_contacts(*state, data, implicit)
 
     @property
     def rates_in_contact(self) -> FastestRates:
@@ -318,10 +329,12 @@ class CoupledRun(PacedRun):
             run.scale_mass(theta, h)
 
     def set_step(self, h: float) -> None:
-        """Prepare the cables for steps of h [s]."""
+        """Prepare the cables, and contact with them, for steps of h [s]."""
         self.control.present = h
         for run in self._runs:
             run.set_step(h)
+        if self._form and self._damps_contact:
+            self._form.set_step(h)
 
     def approach(self, time: float, end: float) -> None:
         """Let joints that have been changed be fulfilled at `end` [s], with velocities for that."""

@@ -15,15 +15,17 @@ from .small_vibrations import FastestRates, fastest_rates
 
 
 class ClosedContacts:
-    """Linear contact forces -B^T (k B (q - q_0) + d B v).
+    """Linear contact forces -B^T k B (q - q_0) - C^T d C v.
 
     motion: B (m, n), sparse: relative displacements of contact points from coordinates.
+    damped: C (m, n), the same without what is damped implicitly.
     stiffness: k (m,) [N/m].   damping: d (m,) [N s/m].
     """
 
-    def __init__(self, motion: Any, stiffness: Array, damping: Array) -> None:
+    def __init__(self, motion: Any, damped: Any, stiffness: Array, damping: Array) -> None:
         self._stiffness, self._damping = (
-            csr_array(motion.T @ (values[:, np.newaxis] * motion)) for values in (stiffness, damping)
+            csr_array(rows.T @ (values[:, np.newaxis] * rows))
+            for rows, values in ((motion, stiffness), (damped, damping))
         )
 
     def forces(self, moved: Array, v: Array) -> Array:
