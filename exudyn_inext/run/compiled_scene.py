@@ -191,16 +191,18 @@ class CompiledScene:
         records["lag"] = SHARE * h * records["implicit"]
 
     @contextmanager
-    def implicit_damping_left_out(self) -> Iterator[None]:
-        """Contact without the damping that is implicit, for limits of the step."""
+    def explicit_contact(self, damping: float = 1.0) -> Iterator[None]:
+        """Contact without implicit damping; what is implicit otherwise counts with that share, 0 or 1."""
         records = self.contacts.records
-        saved = records.copy()
-        for name in ("lag", "damping", "viscosity"):
-            records[name] = np.where(records["implicit"], 0.0, records[name])
+        saved, is_implicit = records.copy(), records["implicit"]
+        records["lag"] = 0.0
+        for name in ("damping", "viscosity"):
+            records[name][is_implicit] *= damping
         try:
             yield
         finally:
-            records[...] = saved
+            for name in ("lag", "damping", "viscosity"):
+                records[name] = saved[name]
 
     @property
     def dofs_in_implicit_contact(self) -> np.ndarray:

@@ -232,16 +232,18 @@ class CoupledRun(PacedRun):
 
     def require_same_items(self, time: float) -> None:
         """Raise SceneError if Exudyn's items are not those that have moved the scene."""
-        if self._form:
-            self._form.rest()
-        self._scene.require_agreement(self._form, time, self.state.q, self.state.v)
+        with ExitStack() as stack:
+            if self._form:
+                self._form.rest()
+                stack.enter_context(self._form.explicit_contact())
+            self._scene.require_agreement(self._form, time, self.state.q, self.state.v)
 
     @contextmanager
     def _without_implicit_forces(self, time: float) -> Iterator[None]:
         """Damping and axial forces of cables, at present, and damping of contact do not bound the step."""
         with ExitStack() as stack:
             if self._form and self._damps_contact:
-                stack.enter_context(self._form.implicit_damping_left_out())
+                stack.enter_context(self._form.explicit_contact(damping=0.0))
             for run in self._runs:
                 stack.enter_context(run.implicit_damping_left_out())
             if any(cable.stretches for cable in self.cables):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import (
     CoordinateConstraint,
+    Force,
     LoadMassProportional,
     MarkerBodyMass,
     MarkerBodyPosition,
@@ -195,6 +196,31 @@ def test_dashpots_of_contact_do_not_bound_the_step_of_a_cable_that_stretches(
         assert report["bounds"].stability_limit > 2.4e-5
     np.testing.assert_allclose(found[0], expected, rtol=0.02)
     np.testing.assert_allclose(found[:2], [found[2]] * 2, rtol=1e-3)
+
+
+def test_contact_that_is_damped_implicitly_is_the_same_scene_after_a_load_was_changed(build, solve):
+    """At the end of such a run, all items are compared with Exudyn's, where the damping is explicit."""
+    turns = []
+    for force in (0.0, 3.0):
+        mbs, sensors = build(16, gap=CLOSED, extensible=True)
+        end = MarkerNodePosition(nodeNumber=mbs.GetSensor(sensors[1])["nodeNumber"])
+        load = mbs.AddLoad(Force(markerNumber=mbs.AddMarker(end), loadVector=[0.0, -1.0, 0.0]))
+        mbs.Assemble()
+        mbs.SetPreStepUserFunction(pulling(load, force))
+        report = solve(mbs, 0.02, steps=4)
+        assert "Exudyn evaluates them" not in report["path"]
+        turns.append(at_the_end(mbs, sensors)[0])
+    assert turns[1] < 1.5 * turns[0] < 0.0
+
+
+def pulling(load, force):
+    """A pre-step function that sets a load [N]."""
+
+    def pull(mbs, t):
+        mbs.SetLoadParameter(load, "loadVector", [0.0, -force, 0.0])
+        return True
+
+    return pull
 
 
 @pytest.mark.parametrize("massScaling", [0.0, 0.3])
