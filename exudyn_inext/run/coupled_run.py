@@ -242,7 +242,7 @@ class CoupledRun(PacedRun):
     def _without_implicit_forces(self, time: float) -> Iterator[None]:
         """Damping and axial forces of cables, at present, and damping of contact do not bound the step."""
         with ExitStack() as stack:
-            if self._form and self._damps_contact:
+            if self._form and self._may_damp_contact:
                 stack.enter_context(self._form.explicit_contact(damping=0.0))
             for run in self._runs:
                 stack.enter_context(run.implicit_damping_left_out())
@@ -263,9 +263,10 @@ class CoupledRun(PacedRun):
             self._tracker.vibration[:] = 0.0
 
     @property
-    def _damps_contact(self) -> bool:
-        """Whether the integrator says how fast forces that are implicit change."""
-        return self.integrator.has_implicit_damping and not self.integrator.stabilised
+    def _may_damp_contact(self) -> bool:
+        """Whether there is contact, and the integrator hands on the accelerations that its damping needs."""
+        has_contacts = self._form is not None and self._form.has_contacts
+        return has_contacts and self.integrator.has_implicit_damping and not self.integrator.stabilised
 
     @cached_property
     def contacts(self) -> OpenContacts | None:
@@ -273,7 +274,7 @@ class CoupledRun(PacedRun):
         state, data, implicit = (self._time, self.state.q, self.state.v), None, np.zeros(0, int)
         if self._form:
             data = self.data[0]
-            if self._damps_contact:
+            if self._may_damp_contact:
                 implicit = self._form.dofs_in_implicit_contact
         return self._scene.open_contacts(*state, data, implicit)
 
@@ -335,7 +336,7 @@ class CoupledRun(PacedRun):
         self.control.present = h
         for run in self._runs:
             run.set_step(h)
-        if self._form and self._damps_contact:
+        if self._form and self._may_damp_contact:
             self._form.set_step(h)
 
     def approach(self, time: float, end: float) -> None:
