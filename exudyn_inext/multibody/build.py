@@ -9,7 +9,8 @@ import numpy as np
 from ..arrays import Array
 from .build_joints import build_joints
 from .build_nodes import Ends, ends_of_cables
-from .cables import TwoKinds
+from .cables import each_chain
+from .implicit_contacts import mark_implicit
 from .scene import Items, SceneSystem
 
 
@@ -56,12 +57,13 @@ def build_scene(
     joints = build_joints(places, known.bodies, known.points, known.rows, foresight, still, ends)
     path, counting = np.zeros((5, max(size, 7))), np.zeros(2, np.int64)
     force, given, predicted = np.zeros((3, size))
+    mark_implicit(cables, known.contacts.records)
     records = known.bodies, known.points, known.sliders, known.connectors, known.loads, known.contacts
     items = Items(*records, joints, force, given, predicted, path, counting)
     number = places[-1].stop if places else 0
     forces = np.arange(number)
-    if isinstance(cables, TwoKinds):  # motions of the first ones lie between the forces
-        forces[cables.dofs :] += cables.external - cables.dofs
+    for dofs, first, _ in each_chain(cables):  # motions of cables lie behind their forces
+        forces[dofs:] = np.arange(first, first + number - dofs)
     return SceneSystem(cables, number, np.zeros(external), forces, items, zeta)
 
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cable.index_reduction import CableSystem
-from .cables import TwoKinds
+from .cables import each_chain
 from .joints import Entries
 from .nodes import NONE, Nodes
 from .sparse_factor import SparseFactor, places_of
@@ -29,11 +29,8 @@ def ends_of_cables(system: Any, places: Sequence[slice]) -> Ends:
         system: of all cables.   places: of each cable among the coordinates.
     """
     found: dict[int, np.ndarray] = {}
-    chains = [(0, system)]
-    if isinstance(system, TwoKinds):
-        chains = [(0, system.first), (system.dofs, system.second)]
     dimension = 2
-    for offset, one in chains:
+    for offset, _, one in each_chain(system):
         if isinstance(one, CableSystem) and not one.chain.elements["axial"].size:
             dimension = len(one.chain.axes)
             ends, size = one.chain.nodes["ends_group"], 2 * dimension

@@ -3,6 +3,8 @@
 from functools import singledispatch
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ..cable.chain import Chain
 from ..cable.index_reduction import CableSystem
 from ..cable.linear_response import constrained_inverse
@@ -28,6 +30,30 @@ class TwoKinds(NamedTuple):
     second: Any
     dofs: int
     external: int
+
+
+class Alike(NamedTuple):
+    """Cables of one kind, one after the other, that cannot share records, as they have links of their own.
+
+    systems: one of each.   dofs, external: (k + 1,) where their coordinates and external forces begin.
+    """
+
+    systems: tuple[Any, ...]
+    dofs: np.ndarray
+    external: np.ndarray
+
+
+def each_chain(system: Any, dofs: int = 0, external: int = 0) -> list[tuple[int, int, Any]]:
+    """Systems of one chain, and where their coordinates and external forces begin in those of all."""
+    if isinstance(system, NoCables):
+        return []
+    if isinstance(system, TwoKinds):
+        others = each_chain(system.second, dofs + system.dofs, external + system.external)
+        return each_chain(system.first, dofs, external) + others
+    if isinstance(system, Alike):
+        begins = zip(system.dofs.tolist(), system.external.tolist(), system.systems, strict=False)
+        return [(dofs + own, external + other, one) for own, other, one in begins]
+    return [(dofs, external, system)]
 
 
 @dispatched
@@ -142,3 +168,47 @@ def correct_two_kinds(system, external, q, tolerance, learning, correction):
     clear_if_fulfilled(one, tolerance, correction[:n])
     clear_if_fulfilled(other, tolerance, correction[n:])
     return other if not other <= one else one  # keeps a NaN
+
+
+@implements(respond_with_cables, Alike)
+def respond_with_alike(system, joints, start, end, offset):
+    """Arguments: see `respond_with_cables`."""
+    first = start
+    for k in range(len(system.systems)):
+        last = first
+        while last < end and joints.entries.dof[joints.holds.entry[last]] < offset + system.dofs[k + 1]:
+            last += 1
+        respond_with_cables(system.systems[k], joints, first, last, offset + system.dofs[k])
+        first = last
+
+
+@implements(index_reduced_rates, Alike)
+def rates_of_alike(system, external, q, v, acceleration, rate):
+    """Arguments: see `index_reduced_rates`."""
+    for k in range(len(system.systems)):
+        i, j = system.dofs[k], system.dofs[k + 1]
+        own = external[system.external[k] : system.external[k + 1]]
+        index_reduced_rates(system.systems[k], own, q[i:j], v[i:j], acceleration[i:j], rate[i:j])
+
+
+@implements(accelerate_and_project, Alike)
+def accelerate_alike(system, external, q, v, duration, acceleration, end_velocity):
+    """Arguments: see `accelerate_and_project`."""
+    for k in range(len(system.systems)):
+        i, j = system.dofs[k], system.dofs[k + 1]
+        own, one = external[system.external[k] : system.external[k + 1]], system.systems[k]
+        accelerate_and_project(one, own, q[i:j], v[i:j], duration, acceleration[i:j], end_velocity[i:j])
+
+
+@implements(correct_position, Alike)
+def correct_alike(system, external, q, tolerance, learning, correction):
+    """Arguments: see `correct_position`."""
+    worst = 0.0
+    for k in range(len(system.systems)):
+        i, j = system.dofs[k], system.dofs[k + 1]
+        own = external[system.external[k] : system.external[k + 1]]
+        one = correct_position(system.systems[k], own, q[i:j], tolerance, learning, correction[i:j])
+        clear_if_fulfilled(one, tolerance, correction[i:j])
+        if not one <= worst:  # keeps a NaN
+            worst = one
+    return worst

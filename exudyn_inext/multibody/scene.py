@@ -29,6 +29,7 @@ from .bodies import (
 from .cables import clear_if_fulfilled, respond_with_cables
 from .circle_contacts import Contacts, NoContacts, add_contacts, finish_contacts, recall_contacts
 from .connectors import add_connectors
+from .implicit_contacts import complete_contacts, press
 from .joints import (
     Joints,
     apply_joints,
@@ -118,8 +119,10 @@ def _place(items, q, v):
 
 
 @called_kernel
-def act(items, functions, q, v):
+def act(items, functions, q, v, a):
     """Place all items at q (n,); forces at the velocities v (n,).   functions: (F,) of time.
+
+    a: see `add_contacts`.
 
     Where a step has one evaluation, at its end, contact settles there: what closes within a step acts in it.
     """
@@ -128,10 +131,9 @@ def act(items, functions, q, v):
         items.force[i] = items.given[i]
     add_connectors(items.connectors, items.points, items.force)
     settles = items.counting[MODE] == EACH or items.counting[MODE] == SETTLING
-    add_contacts(items.contacts, items.points, q, v, settles, items.force)
+    add_contacts(items.contacts, items.points, q, v, a, settles, items.force)
     add_loads(items.loads, items.points, functions, items.force)
     move_rows(items.joints.rows, functions)
-    _count_work(items, q)
 
 
 @dispatched
@@ -154,7 +156,7 @@ def settle_no_contacts(contacts, items, q, v):
 def settle_circle_contacts(contacts, items, q, v):
     """Arguments: see `settle_contacts`."""
     _place(items, q, v)
-    add_contacts(contacts, items.points, q, v, True, items.predicted)
+    add_contacts(contacts, items.points, q, v, v, True, items.predicted)
 
 
 @called_kernel
@@ -219,7 +221,8 @@ def _join(joints, share, moving, x, refines):
 def scene_rates(system, external, q, v, acceleration, rate):
     """Eq. (30). Arguments: see `index_reduced_rates`."""
     items, number, zeta = system.items, system.cable_dofs, system.zeta
-    act(items, external[len(system.cable_force) :], q, v)
+    act(items, external[len(system.cable_force) :], q, v, v)
+    _count_work(items, q)
     _set_cable_force(system, external)
     index_reduced_rates(
         system.cables, system.cable_force, q[:number], v[:number], acceleration[:number], rate[:number]
@@ -242,8 +245,9 @@ def accelerate_and_project_scene(system, external, q, v, duration, acceleration,
     predicted = items.predicted
     for i in range(len(q)):
         predicted[i] = v[i] + duration * acceleration[i]
-    act(items, external[len(system.cable_force) :], q, predicted)
+    act(items, external[len(system.cable_force) :], q, predicted, acceleration)
     _set_cable_force(system, external)
+    press(items.contacts, system.cables)
     accelerate_and_project(
         system.cables,
         system.cable_force,
@@ -253,6 +257,8 @@ def accelerate_and_project_scene(system, external, q, v, duration, acceleration,
         acceleration[:number],
         end_velocity[:number],
     )
+    complete_contacts(items.contacts, items.points, acceleration, items.force)
+    _count_work(items, q)
     accelerate_bodies(items, v, 0.0, acceleration)
     for i in range(number, len(q)):
         end_velocity[i] = v[i] + duration * acceleration[i]

@@ -18,7 +18,7 @@ from ..multibody.scene import (
     accelerate_and_project_scene,
     subtract_inertia_forces,
 )
-from ..run.compiled_scene import CompiledScene, SceneLoads, cables_of_kinds
+from ..run.compiled_scene import CompiledScene, SceneLoads, cables_of_kinds, kinds_of_cables
 from ..run.parts_in_one import CompiledParts
 from ..scene.bodies import bodies_rates
 from .known.contacts import disturb
@@ -57,7 +57,7 @@ def compiled_form(
     """
     places = scene.map.slices[:-1]
     loads = [cable.loads for cable in scene.cables]
-    if len(scene.groups) > MOST_KINDS:
+    if len(kinds_of_cables(scene.groups)) > MOST_KINDS:
         raise UnknownItemError(f"cables of more than {MOST_KINDS} kinds")
     if len(scene.held.numbers):
         raise UnknownItemError("held coordinates")

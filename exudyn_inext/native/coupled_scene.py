@@ -211,7 +211,9 @@ class CoupledScene:
         """Whether friction of cables on circles obeys Coulomb's law."""
         return FrictionCheck(self.mbs)
 
-    def open_contacts(self, t: float, q: Array, v: Array, data: Array | None) -> OpenContacts | None:
+    def open_contacts(
+        self, t: float, q: Array, v: Array, data: Array | None, implicit: np.ndarray
+    ) -> OpenContacts | None:
         """See `JoinedScene`."""
         if not self.mbs.systemData.DataSize():
             return None
@@ -219,7 +221,7 @@ class CoupledScene:
             self.surroundings.set_state(t, q, v)
             if data is not None and len(data):
                 self.mbs.systemData.SetDataCoordinates(data.tolist())
-            found = open_contacts(self.mbs, self.map, self.size)
+            found = open_contacts(self.mbs, self.map, self.size, implicit)
         self.surroundings.forget()
         return found
 

@@ -1,6 +1,8 @@
 """A scene of which all items have compiled forms: many steps in one call."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from itertools import groupby
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,7 +15,8 @@ from ..compiled import Prepared
 from ..errors import OffCableError, RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied
-from ..multibody.cables import NoCables, TwoKinds
+from ..multibody.cables import Alike, NoCables, TwoKinds
+from ..multibody.implicit_contacts import SHARE
 from ..multibody.joints import Joints, power_of_offsets
 from ..multibody.scene import (
     ALL_BUT_FIRST,
@@ -79,14 +82,29 @@ class SceneLoads:
         return LoadHistory(self.constant, self.pattern, factors.reshape(shape), NO_WORK)
 
 
+def kinds_of_cables(groups: Sequence[Systems]) -> list[list[Systems]]:
+    """Groups that follow each other and are of one kind, put together; see `in_few_chains`."""
+    return [list(alike) for _, alike in groupby(groups, key=lambda group: _kind(group[0]))]
+
+
+def _kind(system: Any) -> tuple[Any, ...]:
+    """The same for systems of one type in compiled code."""
+    return type(system), system.chain.nodes.dtype, system.chain.elements.dtype
+
+
 def cables_of_kinds(groups: Sequence[Systems], loads: Sequence[CableLoads]) -> Any:
-    """The system of all cables.   groups: at most two, see `in_few_chains`.   loads: of each cable."""
-    systems = [system for system, _ in groups]
-    if len(systems) < 2:
-        return systems[0] if systems else NoCables()
-    chain, of_first = systems[0].chain, loads[: len(groups[0][1])]
-    external = sum(len(one.constant) for one in of_first)
-    return TwoKinds(systems[0], systems[1], len(chain.nodes) * 2 * len(chain.axes), external)
+    """The system of all cables.   groups: of at most two kinds.   loads: of each cable."""
+    kinds, sizes, remaining = [], [], iter(loads)
+    for alike in kinds_of_cables(groups):
+        numbers = [sum(len(next(remaining).constant) for _ in own) for _, own in alike]
+        dofs = [system.chain.nodes.size * 2 * len(system.chain.axes) for system, _ in alike]
+        begins = [np.concatenate([[0], np.cumsum(each)]) for each in (dofs, numbers)]
+        systems = tuple(system for system, _ in alike)
+        kinds.append(systems[0] if len(systems) == 1 else Alike(systems, *begins))
+        sizes.append((sum(dofs), sum(numbers)))
+    if len(kinds) < 2:
+        return kinds[0] if kinds else NoCables()
+    return TwoKinds(kinds[0], kinds[1], *sizes[0])
 
 
 class Steps(NamedTuple):
@@ -166,6 +184,31 @@ class CompiledScene:
     @property
     def has_contacts(self) -> bool:
         return len(self.contacts.records) > 0
+
+    def set_step(self, h: float) -> None:
+        """Prepare implicit damping of contact for steps of h [s]; 0: it is explicit."""
+        records = self.contacts.records
+        records["lag"] = SHARE * h * records["implicit"]
+
+    @contextmanager
+    def explicit_contact(self, damping: float = 1.0) -> Iterator[None]:
+        """Contact without implicit damping; what is implicit otherwise counts with that share, 0 or 1."""
+        records = self.contacts.records
+        saved, is_implicit = records.copy(), records["implicit"]
+        records["lag"] = 0.0
+        for name in ("damping", "viscosity"):
+            records[name][is_implicit] *= damping
+        try:
+            yield
+        finally:
+            for name in ("lag", "damping", "viscosity"):
+                records[name] = saved[name]
+
+    @property
+    def dofs_in_implicit_contact(self) -> np.ndarray:
+        """First coordinates of the nodes of cables whose contact is damped implicitly."""
+        records = self.contacts.records
+        return np.unique(records["nodes"][records["implicit"]])
 
     def begin_history(self, data: Array, intervals: int) -> None:
         """Begin intervals with what contacts remember.   data: (D,)."""
@@ -298,6 +341,7 @@ class CompiledScene:
         groups = in_few_chains([cable_system(cable, self.system.zeta) for cable in cables])
         system = cables_of_kinds(groups, [loads for _, _, loads in self._cables])
         items, copies = self.system.items, copied(self.system.items)
+        copies.contacts.records["lag"] = 0.0
         copies.joints.foresight[:] = 0.0
         copies.bodies["foresight"] = 0.0
         forces = {"connectors": items.connectors, "loads": items.loads}  # may change
