@@ -7,7 +7,9 @@ from scipy.sparse import coo_array, csr_array, eye_array, kron
 
 from ..arrays import Array
 from ..element.forms import forms_of_mesh
+from ..element.inertia import mass_matrix
 from .assembly import add_elastic_force
+from .attached import mass_of_points
 from .cable import Cable
 from .chain import Chain
 from .constraint_rows import unconstrained_force
@@ -28,6 +30,13 @@ def assembled(forms: Array, shape: tuple[int, ...]) -> csr_array:
 def form_of_cable(cable: Cable, form: Callable[[float], Array]) -> csr_array:
     """`assembled` form of all elements of `cable`."""
     return assembled(forms_of_mesh(form, cable.element_lengths), cable.reference.shape)
+
+
+def mass_of_cable(cable: Cable) -> csr_array:
+    """(n_dof, n_dof) mass matrix, point masses included, without mass scaling."""
+    own = cable.section.mass_per_length * form_of_cable(cable, mass_matrix)
+    points = mass_of_points(cable.point_masses, cable.element_lengths)
+    return csr_array(own + assembled(points, cable.reference.shape))
 
 
 def elastic_tangent(chain: Chain, q: Array) -> csr_array:

@@ -182,7 +182,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         data = others.data(q)
     first = 0
     for cable, potential, dofs in zip(scene.cables, potentials, joined.map.slices, strict=False):
-        own = slice(first, first + potential.number_of_constraints)
+        own = slice(first, first + potential.constraints.number)
         shape, first = cable.cable.reference.shape, own.stop
         _put_reactions(cable, q[dofs].reshape(shape), equilibrium.multipliers[own], time, reactions)
     of_cables = [

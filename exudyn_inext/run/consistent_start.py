@@ -24,12 +24,11 @@ class Violation:
     """The worst violated constraint of an initial state.
 
     size: of c [-, m], or of its rate over the speed.   what: what is violated.
-    constraint, row: equation `row` of it is violated.
+    row: of the cable's constraints, which is violated.
     """
 
     size: float
     what: str = ""
-    constraint: Any = None
     row: int = 0
 
 
@@ -54,26 +53,21 @@ def worst_violations(
     """
     speed = max(1.0, float(np.abs(v).max()))
     rests = not (v.any() or scene_cable.moving)  # then no rate can be wrong
-    of_places, of_rates = Violation(0.0, PLACES), Violation(0.0, RATES)
     is_kept = _is_kept(system, scene_cable.cable, q)
+    none = np.zeros(0)
     if rests and is_kept:
-        return of_places, of_rates
-    for constraint in constraints_of_cable(scene_cable.cable):
-        if not is_kept:
-            of_places = _worse(of_places, constraint, constraint.value(q, time))
-        if not rests:
-            with np.errstate(invalid="ignore"):  # of what is infinite
-                of_rates = _worse(of_rates, constraint, constraint.rate(q, v, time) / speed)
-    return of_places, of_rates
+        return _worst(PLACES, none), _worst(RATES, none)
+    constraints = constraints_of_cable(scene_cable.cable)
+    values = none if is_kept else constraints.value(q, time)
+    with np.errstate(invalid="ignore"):  # of what is infinite
+        rates = none if rests else constraints.rate(q, v, time) / speed
+    return _worst(PLACES, values), _worst(RATES, rates)
 
 
-def _worse(worst: Violation, constraint: Any, violations: Array) -> Violation:
-    """The worst of what was found so far, and of one constraint; what is not finite stays."""
-    sizes = np.abs(violations)
+def _worst(what: str, violations: Array) -> Violation:
+    sizes = np.abs(np.append(violations, 0.0))
     row = int(np.argmax(sizes))  # that of a NaN, if there is one
-    if not np.isfinite(worst.size) or sizes[row] <= worst.size:
-        return worst
-    return Violation(float(sizes[row]), worst.what, constraint, row)
+    return Violation(float(sizes[row]), what, row)
 
 
 def _is_kept(system: Any, cable: Cable, q: Array) -> bool:
@@ -96,9 +90,10 @@ def require_consistent(scene_cable: CableInScene, violation: Violation, toleranc
 
 def found(scene_cable: CableInScene, violation: Violation, tolerance: float) -> str:
     """What violates which constraint, and by how much."""
-    where = violation.constraint.describe(violation.row, scene_cable.item.node_names)
+    constraints = constraints_of_cable(scene_cable.cable)
+    kind, where = constraints.describe(violation.row, scene_cable.item.node_names)
     return (
-        f"the {violation.what} of cable '{scene_cable.name}' violate the {violation.constraint.name} "
+        f"the {violation.what} of cable '{scene_cable.name}' violate the {kind} "
         f"constraint at the {where} by {violation.size:.3g} (limit {tolerance:g})"
     )
 

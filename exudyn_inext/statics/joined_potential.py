@@ -152,7 +152,7 @@ class JoinedPotential:
         """See `StaticSystem`; slightly regular."""
         first, blocks = 0, []
         for cable, own in self._parts(q):
-            number = cable.number_of_constraints
+            number = cable.constraints.number
             blocks.append(cable.hessian(own, multipliers[first : first + number]))
             first += number
         rest = len(q) - self._bodies.start
@@ -191,7 +191,7 @@ class JoinedPotential:
         """See `StaticSystem`."""
         first, blocks = 0, []
         for cable in self._cables:
-            number = cable.number_of_constraints
+            number = cable.constraints.number
             blocks.append(cable.convex_model(multipliers[first : first + number], shift))
             first += number
         return csr_array(block_diag([*blocks, shift * self._others.mass]))
