@@ -23,7 +23,6 @@ from .model import (
     SENSOR_PERIOD,
     Model,
     add_position_sensors,
-    add_slope_sensors,
     node_index,
     quiet_settings,
     require_elements,
@@ -106,11 +105,11 @@ def _build_at_rest(scene: Scene, inextensible: Inextensible) -> tuple[Model, Any
         nodes += nodes[:1]
     _add_hangers(mbs, scene, nodes, dimension)
     start_loads, loads = (add_forces(mbs, forces, nodes) for forces in (scene.start_loads, scene.loads))
-    sensors, slope_sensors = add_position_sensors(mbs, scene, nodes), add_slope_sensors(mbs, scene, nodes)
+    sensors = add_position_sensors(mbs, scene, nodes)
     mbs.Assemble()
     if scene.starts_from_equilibrium:
         SolveEquilibrium(mbs)
-    return Model(scene, container, mbs, nodes, sensors, slope_sensors), start_loads, loads
+    return Model(scene, container, mbs, nodes, sensors), start_loads, loads
 
 
 def _shape(scene: Scene, elements: int) -> CableShape:

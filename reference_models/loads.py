@@ -1,41 +1,35 @@
 """Dead forces on nodes of a cable: at rest, and from then on."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from exudyn.itemInterface import LoadForceVector, MarkerNodePosition
 
 from .model import node_index
-from .scenes import Constant, PointForce
-
-ForceFunction = Callable[[Any, float, Any], list[float]]
-
-
-def add_force(mbs: Any, node: int, load: PointForce) -> int:
-    """The force at t = 0, as a constant; returns the number of the load."""
-    marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
-    return int(mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=list(load.value(0.0)))))
+from .scenes import PointForce
 
 
 def add_forces(mbs: Any, loads: Sequence[PointForce], nodes: Sequence[int]) -> dict[int, PointForce]:
-    """Load number -> load, on the nodes of a cable of equal elements."""
-    elements = len(nodes) - 1
-    return {add_force(mbs, nodes[node_index(load.at, elements)], load): load for load in loads}
+    """The forces at t = 0, as constants: load number -> load, on the nodes of a cable of equal elements."""
+    found = {}
+    for load in loads:
+        node = nodes[node_index(load.at, len(nodes) - 1)]
+        marker = mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+        force = LoadForceVector(markerNumber=marker, loadVector=list(load.value(0.0)))
+        found[int(mbs.AddLoad(force))] = load
+    return found
 
 
 def follow_history(mbs: Any, number: int, load: PointForce) -> None:
     """From now on the force follows its history; a user function, unless it is constant."""
-    if not isinstance(load.history, Constant):
-        mbs.SetLoadParameter(number, "loadVectorUserFunction", _force_function(load))
+
+    def force(mbs: Any, time: float, load_vector: Any) -> list[float]:
+        return list(load.value(time))
+
+    if load.history:
+        mbs.SetLoadParameter(number, "loadVectorUserFunction", force)
 
 
 def remove_force(mbs: Any, number: int) -> None:
     """The load stays in the model, without a force."""
     mbs.SetLoadParameter(number, "loadVector", [0.0, 0.0, 0.0])
-
-
-def _force_function(load: PointForce) -> ForceFunction:
-    def force(mbs: Any, time: float, load_vector: Any) -> list[float]:
-        return list(load.value(time))
-
-    return force

@@ -5,7 +5,7 @@ from typing import Any
 import exudyn
 
 from ..loads import add_forces, follow_history, remove_force
-from ..model import Model, add_position_sensors, add_slope_sensors, node_index, require_elements
+from ..model import Model, add_position_sensors, node_index, require_elements
 from ..scenes import Hanger, Scene
 from ..scenes.support import Support
 from .cable import Quadrature, add_cable
@@ -40,14 +40,7 @@ def build(
         _add_support(mbs, nodes[node_index(support.at, elements)], support, scene, stiffness)
     start_loads = add_forces(mbs, scene.start_loads, nodes)
     loads = add_forces(mbs, scene.loads, nodes)
-    model = Model(
-        scene,
-        container,
-        mbs,
-        nodes,
-        add_position_sensors(mbs, scene, nodes),
-        add_slope_sensors(mbs, scene, nodes),
-    )
+    model = Model(scene, container, mbs, nodes, add_position_sensors(mbs, scene, nodes))
     mbs.Assemble()
     if scene.starts_from_equilibrium:
         settle(model)

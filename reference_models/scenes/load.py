@@ -1,18 +1,9 @@
 """Dead loads at points of a cable, and how they vary in time."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from .checks import Vector, require_finite, require_fraction, require_positive
-
-
-@dataclass(frozen=True)
-class Constant:
-    """factor(t) = 1."""
-
-    def factor(self, time: float) -> float:
-        """Factor [-] at a time [s]."""
-        return 1.0
 
 
 @dataclass(frozen=True)
@@ -30,16 +21,16 @@ class Sine:
         return self.amplitude * math.sin(self.angular_frequency * time)
 
 
-History = Constant | Sine
-
-
 @dataclass(frozen=True)
 class PointForce:
-    """A dead force on a point: force * history.factor(t).   at: fraction of the arc length; force [N]."""
+    """A dead force on a point: force * history.factor(t).
+
+    at: fraction of the arc length.   force [N].   history: None: constant.
+    """
 
     at: float
     force: Vector
-    history: History = field(default_factory=Constant)
+    history: Sine | None = None
 
     def __post_init__(self) -> None:
         require_fraction("PointForce(at)", self.at)
@@ -47,5 +38,5 @@ class PointForce:
 
     def value(self, time: float) -> Vector:
         """Force [N] at a time [s]."""
-        factor = self.history.factor(time)
+        factor = self.history.factor(time) if self.history else 1.0
         return (factor * self.force[0], factor * self.force[1], factor * self.force[2])
