@@ -15,8 +15,7 @@ from ..errors import SceneError
 from ..loads.weight import ElementWeight
 from ..scene.model import CableItem
 from .attach.inert import nodes_of_inert_cable
-from .functions_of_time import is_of_time_alone
-from .load_items import history_of
+from .load_items import course_of
 
 _MASSES = ("mass", "massPerLength")  # parameters of objects
 
@@ -46,14 +45,9 @@ def read_weight(mbs: Any, number: int, elements: Elements) -> ElementWeight | No
         _require_mass(number, data, body)
         return None
     value, user_function = data["loadVector"], data["loadVectorUserFunction"]
-    return ElementWeight(
-        cable=element[0],
-        elements=(element[1],),
-        constant=np.asarray(value, dtype=float),
-        function=user_function["function"] if user_function else None,
-        history=history_of(mbs, user_function, value),
-        is_pure=is_of_time_alone(mbs, user_function),
-    )
+    constant, history, is_pure = course_of(mbs, user_function, value)
+    function = user_function["function"] if user_function else None
+    return ElementWeight(element[0], (element[1],), constant, function, history, is_pure)
 
 
 def _require_mass(number: int, load: dict[str, Any], body: dict[str, Any]) -> None:
