@@ -12,11 +12,12 @@ from ..constraints import constraints_of_cable
 from ..element.bending import stiffness_matrix
 from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
+from .static_system import StaticSystem
 
 BOW = 0.3  # slope at the ends of the sag that a taut start is given [-]
 
 
-class Potential:
+class Potential(StaticSystem):
     """Energy, forces and Hessians of one cable under given loads, and its constraints at a time."""
 
     def __init__(self, cable: Cable, external: Array, time: float) -> None:
@@ -33,8 +34,6 @@ class Potential:
         lengths = np.ones(cable.reference.shape)
         lengths[:, 1] = 1.0 / float(cable.element_lengths.mean())
         self.scale = lengths.ravel()  # of forces: moments count over the element length
-
-    indifferent = 0.0  # see `StaticSystem`
 
     @property
     def length(self) -> float:
@@ -62,10 +61,6 @@ class Potential:
     def scale_of_energy(self, q: Array) -> float:
         """[J]"""
         return abs(self.energy(q)) + self.largest_load * self.length
-
-    def is_blocked(self, q: Array, trial: Array) -> bool:
-        """Nothing is in the way of a cable alone."""
-        return False
 
     def turn(self, step: Array) -> float:
         """Largest change of a slope in a step (n, 2, dim)."""
