@@ -15,6 +15,7 @@ from exudyn_inext import (
     SolveEquilibrium,
     SolveExplicit,
 )
+from exudyn_inext.checks import LARGEST_NUMBER_OF_ITEMS, require_integer
 from exudyn_inext.errors import InputError
 
 from .conventional.supports import add_constraint
@@ -25,7 +26,6 @@ from .model import (
     add_position_sensors,
     node_index,
     quiet_settings,
-    require_elements,
     sensor_trajectory,
     silence,
 )
@@ -79,7 +79,7 @@ def equilibrium_forces(scene: Scene, elements: int, points: int) -> dict[str, An
 def _build_at_rest(scene: Scene, inextensible: Inextensible) -> tuple[Model, Any, Any]:
     """The assembled model before its motion begins, and load numbers -> start loads and loads."""
     elements = inextensible.elements
-    require_elements(elements)
+    require_integer("elements", elements, 1, LARGEST_NUMBER_OF_ITEMS)
     dimension = 2 if scene.is_planar and not inextensible.spatial else 3
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()

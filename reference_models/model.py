@@ -35,11 +35,6 @@ class Model:
     sensors: dict[str, int]
 
 
-def require_elements(elements: int) -> None:
-    if isinstance(elements, bool) or not isinstance(elements, int) or elements < 1:
-        raise InputError(f"elements = {elements!r}: must be an integer >= 1.")
-
-
 def node_index(fraction: float, elements: int) -> int:
     """Index of the node at that fraction of the arc length; equal elements."""
     index = round(fraction * elements)

@@ -4,8 +4,10 @@ from typing import Any
 
 import exudyn
 
+from exudyn_inext.checks import LARGEST_NUMBER_OF_ITEMS, require_integer
+
 from ..loads import add_forces, follow_history, remove_force
-from ..model import Model, add_position_sensors, node_index, require_elements
+from ..model import Model, add_position_sensors, node_index
 from ..scenes import Hanger, Scene
 from ..scenes.support import Support
 from .cable import Quadrature, add_cable
@@ -31,7 +33,7 @@ def build(
         pin_stiffness: [N/m] springs instead of constraints, needed by native explicit integrators.
         hanger_stiffness: [N/m] springs instead of rigid hangers, needed by all explicit integrators.
     """
-    require_elements(elements)
+    require_integer("elements", elements, 1, LARGEST_NUMBER_OF_ITEMS)
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     nodes = add_cable(mbs, scene, elements, quadrature)

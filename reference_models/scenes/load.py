@@ -3,7 +3,9 @@
 import math
 from dataclasses import dataclass
 
-from .checks import Vector, require_finite, require_fraction, require_positive
+from exudyn_inext.checks import require_positive, require_vector
+
+from .checks import Vector, require_fraction
 
 
 @dataclass(frozen=True)
@@ -14,7 +16,7 @@ class Sine:
     amplitude: float = 1.0
 
     def __post_init__(self) -> None:
-        require_positive("Sine", "rad/s", "angular_frequency", self.angular_frequency)
+        require_positive("Sine: angular_frequency", self.angular_frequency)
 
     def factor(self, time: float) -> float:
         """Factor [-] at a time [s]."""
@@ -34,7 +36,7 @@ class PointForce:
 
     def __post_init__(self) -> None:
         require_fraction("PointForce(at)", self.at)
-        require_finite("PointForce", "force", self.force)
+        require_vector("PointForce: force", self.force)
 
     def value(self, time: float) -> Vector:
         """Force [N] at a time [s]."""

@@ -8,10 +8,11 @@ from typing import Literal
 
 import numpy as np
 
+from exudyn_inext.checks import require_positive
 from exudyn_inext.errors import InputError
 
 from ..trajectory import Array
-from .checks import ZERO, Vector, require_fraction, require_positive
+from .checks import ZERO, Vector, require_fraction
 from .load import PointForce
 from .section import Round, Section
 from .shape import Line, Shape
@@ -34,7 +35,7 @@ class Cable:
     stress_free: Literal["shape", "straight"] = "shape"
 
     def __post_init__(self) -> None:
-        require_positive("Cable", "m", "length", self.length)
+        require_positive("Cable: length", self.length)
         self.shape.require_length(self.length)
 
     def nodes(self, elements: int) -> tuple[Array, Array]:
@@ -86,7 +87,7 @@ class Scene:
     starts_from_equilibrium: bool = False
 
     def __post_init__(self) -> None:
-        require_positive(f"Scene '{self.name}'", "s", "end_time", self.end_time)
+        require_positive(f"Scene '{self.name}': end_time", self.end_time)
         if not self.observe:
             raise InputError(f"Scene '{self.name}' observes no point; give observe={{'tip': 1.0}}.")
         for point, fraction in self.observe.items():

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from .checks import require_positive
+from exudyn_inext.checks import require_positive
 
 
 @dataclass(frozen=True)
@@ -18,15 +18,14 @@ class Section:
     axial_stiffness: float
 
     def __post_init__(self) -> None:
-        units = {"mass_per_length": "kg/m", "bending_stiffness": "N m^2", "axial_stiffness": "N"}
-        for name, unit in units.items():
-            require_positive("Section", unit, name, getattr(self, name))
+        for name, value in vars(self).items():
+            require_positive(f"Section: {name}", value)
 
 
 def Round(radius: float, density: float, youngs_modulus: float) -> Section:
     """Solid round cross-section.   radius [m], density [kg/m^3], youngs_modulus [Pa]."""
-    require_positive("Round section", "m", "radius", radius)
-    require_positive("Round section", "kg/m^3", "density", density)
-    require_positive("Round section", "Pa", "youngs_modulus", youngs_modulus)
+    require_positive("Round section: radius", radius)
+    require_positive("Round section: density", density)
+    require_positive("Round section: youngs_modulus", youngs_modulus)
     area, second_moment = math.pi * radius**2, math.pi * radius**4 / 4
     return Section(density * area, youngs_modulus * second_moment, youngs_modulus * area)
