@@ -7,6 +7,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..cable.cable import Cable
+from ..cable.index_reduction import CORRECTION
 from ..cable.linked_cable import LinkedCableSystem
 from ..constraints import constraints_of_cable
 from ..errors import SceneError
@@ -52,12 +53,13 @@ def worst_violations(
     system: of the cable.
     """
     speed = max(1.0, float(np.abs(v).max()))
+    cable, none = scene_cable.cable, np.zeros(0)
+    is_kept = _is_kept(system, cable, q)
     rests = not (v.any() or scene_cable.moving)  # then no rate can be wrong
-    is_kept = _is_kept(system, scene_cable.cable, q)
-    none = np.zeros(0)
+    rests = rests or (is_kept and _is_kept_along(system, cable, q, v, speed))
     if rests and is_kept:
         return _worst(PLACES, none), _worst(RATES, none)
-    constraints = constraints_of_cable(scene_cable.cable)
+    constraints = constraints_of_cable(cable)
     values = none if is_kept else constraints.value(q, time)
     with np.errstate(invalid="ignore"):  # of what is infinite
         rates = none if rests else constraints.rate(q, v, time) / speed
@@ -77,6 +79,19 @@ def _is_kept(system: Any, cable: Cable, q: Array) -> bool:
     places, memory = q.ravel(), np.zeros(q.size)
     is_finite = bool(np.isfinite(places).all())
     return is_finite and correct_position(system, places, places, np.inf, 0.0, memory) < ROUND_OFF
+
+
+def _is_kept_along(system: Any, cable: Cable, q: Array, v: Array, speed: float) -> bool:
+    """The same of the rates of constraints: differences on both sides are exact, as these are quadratic."""
+    if cable.stretches or v[cable.fixed].any() or not np.isfinite(v).all():
+        return False
+    memory, rates = np.zeros(q.size), []
+    for way in (v / speed, -v / speed):
+        at = (q + way).ravel()
+        correct_position(system, at, at, np.inf, 0.0, memory)
+        records = system.chain.nodes, system.chain.elements
+        rates.append(np.concatenate([one["target"][:, CORRECTION] for one in records]))
+    return bool(np.abs(rates[0] - rates[1]).max() < ROUND_OFF)
 
 
 def require_consistent(scene_cable: CableInScene, violation: Violation, tolerance: float) -> None:
