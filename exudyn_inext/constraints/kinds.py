@@ -12,12 +12,12 @@ from ..cable.cable import Cable
 from ..cable.link import Link, rest
 from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
-from .prescribed_motion import prescribed
 from .quadratic import Kind
 
 HELD = {"pin": (0,), "guide": (1,), "clamp": (0, 1)}
 """Supports, and what they hold: 0 the position, 1 the slope."""
 
+_OF_KIND = np.eye(2)[:, None]  # weights of a position, and of a slope
 _DIFFERENCES = np.array([[-1.0, 1.0], [1.0, 0.0], [1.0, 0.0]])  # chord, left and right slope of an element
 _OF_ELEMENT = np.array([[0, 2], [1, 1], [3, 3]])  # which of its vectors r, r_x left, r, r_x right
 
@@ -82,13 +82,13 @@ def links_by_kind(cable: Cable, slope: Array | None) -> list[Kind]:
 
 def _supports(cable: Cable) -> list[Link]:
     """Of pins, guides and clamps."""
-    names = {flags: name for name, flags in HELD.items()}
+    names, units = {kinds: name for name, kinds in HELD.items()}, np.eye(cable.dimension)
     links = []
     for node in np.flatnonzero(cable.fixed.any(axis=1)).tolist():
         held = tuple(np.flatnonzero(cable.fixed[node]).tolist())
         for kind in held:
-            at = rest(cable.reference[node, kind])
-            links += prescribed(node, at, range(cable.dimension), kind == 1, names[held])
+            place = rest(cable.reference[node, kind])
+            links += [Link(names[held], (node,), _OF_KIND[kind], place, unit) for unit in units]
     return links
 
 
@@ -119,5 +119,5 @@ def _of_links(name: str, links: Sequence[Link], normals: Array) -> Kind:
         return f"{what(row)} (row {same} there)" if same else what(row)
 
     moving = [(k, link.anchor) for k, link in enumerate(links) if not link.anchor.rests]
-    *which, factor = np.array(products).T
-    return Kind(name, where, constant, places, weights, points, (*np.array(which, dtype=int), factor), moving)
+    columns = tuple(map(np.array, zip(*products, strict=True)))
+    return Kind(name, where, constant, places, weights, points, columns, moving)

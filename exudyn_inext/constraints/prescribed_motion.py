@@ -9,10 +9,8 @@ from ..cable.link import Link, Motion
 KIND = "prescribed motion"
 
 
-def prescribed(
-    node: int, motion: Motion, axes: Sequence[int], of_slope: bool = False, kind: str = KIND
-) -> list[Link]:
+def prescribed(node: int, motion: Motion, axes: Sequence[int], of_slope: bool = False) -> list[Link]:
     """The given coordinates (0 for x, ...) of a node's position, or slope, follow `motion`."""
     dim = motion.at(0.0).shape[1]
     weights = np.array([[0.0, 1.0] if of_slope else [1.0, 0.0]])
-    return [Link(kind, (node,), weights, motion, np.eye(dim)[axis]) for axis in axes]
+    return [Link(KIND, (node,), weights, motion, np.eye(dim)[axis]) for axis in axes]

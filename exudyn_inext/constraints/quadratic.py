@@ -70,11 +70,13 @@ class Constraints:
             self._points[0, own] = kind.points
         counted = list(zip(kinds, ends, firsts, strict=False))
         self._moving = [(first + y, motion) for kind, _, first in counted for y, motion in kind.moving]
-        shifts = [np.array([end, first, first])[:, None] for _, end, first in counted]
-        products = [kind.products[:3] + shift for kind, shift in zip(kinds, shifts, strict=True)]
-        none = np.zeros((3, 0), dtype=np.int64)
-        self._row, self._left, self._right = np.concatenate([none, *products], axis=1)
-        self._factor = np.concatenate([none[0], *(kind.products[3] for kind in kinds)])
+        products = [
+            (row + end, left + first, right + first, factor)
+            for (*_, (row, left, right, factor), _), end, first in counted
+        ]
+        none = np.zeros(0, dtype=np.int64)
+        columns = zip((none,) * 4, *products, strict=True)
+        self._row, self._left, self._right, self._factor = map(np.concatenate, columns)
 
     def _points_at(self, t: float) -> Array:
         """(3, Y, dim) p, p_t, p_tt."""
