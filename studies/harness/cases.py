@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from exudyn_inext import ExplicitSettings, ExplicitStepper, InextensibleError, Zhai
-from reference_models.conventional.convergence import explicit_solution
+from reference_models.conventional.stability import explicit_solution
 from reference_models.inextensible import Inextensible, build, fine_solution, inextensible_case, label_of
 from reference_models.model import SENSOR_PERIOD, node_index
 from reference_models.scenes import Scene

@@ -27,11 +27,12 @@ VARIANTS = {
 
 
 class DenseSystem(NamedTuple):
-    """mass, stiffness: (n_dof, n_dof).   constraints: those that act.   free: (n_dof,) indices."""
+    """mass, stiffness: (n_dof, n_dof).   rows: of the constraints, that act.   free: (n_dof,) indices."""
 
     mass: Array
     stiffness: Array
-    constraints: tuple[Any, ...]
+    constraints: Any
+    rows: Array
     free: Array
     shape: tuple[int, ...]
 
@@ -41,12 +42,13 @@ def dense_rates(system, external, q, v, acceleration, rate):  # type: ignore[no-
     """Eq. (30), by the dense saddle-point matrix (29)."""
     free = system.free
     position, speed = q.reshape(system.shape), v.reshape(system.shape)
-    parts = [
-        (c.value(position), c.rate(position, speed), c.gamma(position, speed), c.jacobian(position).toarray())
-        for c in system.constraints
-    ]
-    value, speed_of, gamma = (np.concatenate([part[k] for part in parts]) for k in range(3))
-    jacobian = np.vstack([part[3] for part in parts])[:, free]
+    c, own = system.constraints, system.rows
+    value, speed_of, gamma = (
+        c.value(position)[own],
+        c.rate(position, speed)[own],
+        c.gamma(position, speed)[own],
+    )
+    jacobian = c.jacobian(position).toarray()[own][:, free]
     size, rows = len(free), len(value)
     matrix = np.zeros((size + rows, size + rows))
     matrix[:size, :size] = system.mass[np.ix_(free, free)]
@@ -113,8 +115,7 @@ def _system(start: Equilibrium, nodal: bool, lumped: bool) -> DenseSystem:
         diagonal[:, 0] = (mass @ x.ravel()).reshape(x.shape)[:, 0, :1]
         mass = np.diag(diagonal.ravel())
     stiffness = cable.section.bending_stiffness * inner.form_of_cable(cable, inner.stiffness_matrix).toarray()
-    constraints = tuple(
-        c for c in inner.constraints_of_cable(cable) if c.name == "length" or (nodal and c.name == NODAL)
-    )
+    constraints, kinds = inner.constraints_of_cable(cable), ["length", NODAL] if nodal else ["length"]
+    rows = np.concatenate([np.arange(constraints.number)[constraints.rows[kind]] for kind in kinds])
     held = np.repeat(cable.fixed[:, :, None], 2, axis=2).ravel()
-    return DenseSystem(mass, stiffness, constraints, np.flatnonzero(~held), start.q.shape)
+    return DenseSystem(mass, stiffness, constraints, rows, np.flatnonzero(~held), start.q.shape)
