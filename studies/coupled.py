@@ -47,7 +47,7 @@ from .harness.coupled_runs import (
     large_net,
 )
 from .harness.coupled_scenes import SCENES, CoupledScene
-from .harness.engines import ask
+from .harness.pool import ask
 from .harness.ratios import DEFAULT, ONE_SETTING, TUNED
 from .harness.tuning import Series, Tuning, compare, draw_fronts, natives, ours
 
@@ -90,7 +90,7 @@ TUNING = Tuning(dict(zip(SIDES, (_ours, natives), strict=True)), _references, BO
 
 def _large(meshes: int, formulation: str, runs: int) -> Row:
     """Start, step and memory, each in a process of its own."""
-    found = dict(ask(large_net, formulation, meshes, runs, OPENBLAS_NUM_THREADS="1"))
+    found = dict(ask(large_net, formulation, meshes, runs))
     cables = 2 * meshes * (meshes + 1)
     label = f"{cables} cables, {formulation}"
     return {"kind": "large", "label": label, "cables": cables, "formulation": formulation, **found}

@@ -38,8 +38,8 @@ from .harness import Results, Row, Study, column, groups, number, tables
 from .harness.cases import failing_case, unguarded
 from .harness.dense_pendulum import dense_cases, run_dense
 from .harness.plot import COLORS, Curve, Panel, chart
+from .harness.pool import Sweep
 from .harness.reference import ReferenceSolution
-from .harness.sweep import Sweep
 from .harness.timing import OK, measure
 from .table3 import reference_of
 

@@ -33,10 +33,10 @@ from reference_models.scenes import Scene, load_scene
 
 from .harness import Order, Results, Row, Study, groups, judged, largest, tables
 from .harness.cases import stepper_case
-from .harness.engines import ask
 from .harness.inner import element_type, node_type
 from .harness.memory import long_cable
 from .harness.plot import Panel, chart, curves_of
+from .harness.pool import ask
 from .harness.reference import from_data
 from .harness.timing import Task, medians, seconds_per_time
 from .harness.timing import measure as measure_cases

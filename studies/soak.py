@@ -38,10 +38,10 @@ from reference_models.scenes import Line, load_scene
 
 from .harness import Order, Results, Row, Study, inner, judged, tables
 from .harness.cases import unguarded
-from .harness.engines import ask
 from .harness.joined_scenes import Contents, joined_scene
 from .harness.memory import KINDS, dropped_scenes
 from .harness.plot import COLORS, REFERENCE_COLOR, Curve, Panel, chart
+from .harness.pool import ask
 from .stability.motion import Invariants
 
 ELEMENTS, STEP, CALL = 5, 2.5e-3, 1000  # steps in a compiled call

@@ -31,7 +31,7 @@ from pathlib import Path
 
 from .harness import Results, Row, Study, Table, column, groups, largest
 from .harness.plot import COLORS, Curve, Panel, chart
-from .harness.sweep import Sweep
+from .harness.pool import Sweep
 from .stability.limits import AGREEMENT
 from .stability.linear import MAPS, linear_cases, run_linear
 from .stability.motion import SCHEMES

@@ -13,7 +13,6 @@ Protocol
     above 0.3 s, once above 3 s; medians of CPU time are compared. What is timed is the solver's call, as for
     Table 1, with sensors at 100 Hz; of MuJoCo its steps alone. Inextensible runs are not ended for their
     energy, since it is the error that is measured. What diverges or fails stays, with its status.
-    A scene is one case of the sweep: a run that was killed goes on with the scene that it was at.
     Fronts hold the runs that no other of their family beats, and that gain 5 % of the error at least. The
     cost of an error is read off between neighbours of a front, on logarithmic scales, and never beyond its
     ends.
@@ -50,10 +49,10 @@ from reference_models.trajectory import Case
 from .harness import Results, Row, Study, announce, groups, number, tables, verdict
 from .harness.figures import COST_AXES, LOOKS, front_curves
 from .harness.plot import COLORS, Curve, Panel, chart
+from .harness.pool import Sweep
 from .harness.ratios import BY_NATIVE_SOLVERS, EXPLICIT, IMPLICIT, INEXTENSIBLE, PEER, family_of, is_usable
 from .harness.reference import ReferenceSolution
-from .harness.sweep import Outcome, Sweep
-from .harness.timing import OK, measure
+from .harness.timing import measure
 from .precision import fronts
 from .precision.cases import LINKED_SCENES, NOT_INSTALLED, cases_of
 from .precision.fronts import OPPONENTS, Loss, front_of, members, read, speed_up
@@ -78,13 +77,6 @@ def make_cases(quick: bool) -> list[Row]:
     ]
 
 
-def rows_of(case: Row, outcome: Outcome) -> list[Row]:
-    """Those that the scene gave; of a scene that failed, one with its status."""
-    if outcome.status != OK:
-        return [case | {"status": outcome.status}]
-    return list(outcome.result["rows"])
-
-
 # ------------------------------------------------------------------------------------------ measuring
 
 
@@ -101,14 +93,14 @@ def repeats_of(seconds: float) -> int:
     return SLOW_REPEATS if seconds > SLOW else REPEATS
 
 
-def run_scene(case: Row) -> Row:
-    """{"rows": ...} of a scene: its reference, every run, and the ratios."""
+def run_scene(case: Row) -> list[Row]:
+    """Of a scene: its reference, every run, and the ratios."""
     scene = replace(load_scene(case["scene"]), end_time=case["motion"])
     announce(scene.name, "preparing the reference and the cases, finding stable steps")
     reference = reference_of(scene)
     runs = measured(scene, cases_of(scene, case["quick"]), reference, case["repeats"])
     ratios = ratio_rows(scene.name, runs, reference.uncertainty)
-    return {"rows": [reference_row(scene, reference), *runs, *ratios]}
+    return [reference_row(scene, reference), *runs, *ratios]
 
 
 def measured(
@@ -301,7 +293,7 @@ QUESTION = "What does an accuracy cost in each formulation, and where does the i
 STUDY = Study(
     "work_precision",
     QUESTION,
-    Sweep(make_cases, run_scene, rows_of),
+    Sweep(make_cases, run_scene),
     conclude,
     TABLES,
     draw,

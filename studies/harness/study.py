@@ -9,7 +9,6 @@ from typing import Any
 
 from tqdm import tqdm
 
-from .engines import Options
 from .provenance import machine, present_code
 from .ratios import Ratio, ratio_sentences, ratio_tables
 from .store import Row, prepare_directory, write_json, write_text
@@ -27,13 +26,13 @@ KEYS = (
 class Order:
     """Which study is to be run, and how.
 
-    output: directory.   quick: few, cheap cases.   options: where its cases run.
+    output: directory.   quick: few, cheap cases.   workers: processes of a sweep; None: one a core.
     """
 
     study: str
     output: Path
     quick: bool = False
-    options: Options = field(default_factory=Options)
+    workers: int | None = None
 
 
 @dataclass(frozen=True)
@@ -90,11 +89,11 @@ def announce(study: str, activity: str) -> None:
     tqdm.write(f"{study}: {activity}", file=sys.stderr)
 
 
-def run(study: Study, output: Path, quick: bool = False, options: Options | None = None) -> str:
+def run(study: Study, output: Path, quick: bool = False, workers: int | None = None) -> str:
     """Measure, write NAME.json, NAME.md and pictures into `output`; return the report."""
     prepare_directory(output)
     announce(study.name, "measuring")
-    results = study.measure(Order(study.name, output, quick, options or Options()))
+    results = study.measure(Order(study.name, output, quick, workers))
     results = results if isinstance(results, Results) else Results(quick, results)
     document = measured(study.name, study.question, results)
     write_json(output / f"{study.name}.json", document)

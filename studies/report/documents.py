@@ -6,11 +6,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from exudyn_inext import InputError
-from studies.harness.engines import Options
 from studies.harness.provenance import code_of, commit_of, differences, present_code
 from studies.harness.store import prepare_directory
 from studies.harness.study import KEYS, Document, Study, announce, run
-from studies.harness.sweep import Sweep, require_same_state
 
 QUICK_FOLDER = "quick"
 _FAILED = "FAILED"
@@ -65,8 +63,6 @@ def gather(studies: Mapping[str, Study], wish: Wish) -> Gathered:
         _require_one_code(found, wish)
     runs_missing = wish.runs_missing and not wish.other_commit
     waiting = [name for name in studies if runs_all or (name in found.absent and runs_missing)]
-    if any(isinstance(studies[name].measure, Sweep) for name in waiting) and not runs_all:
-        require_same_state(wish.folder)
     for number, name in enumerate(waiting, 1):
         announce(name, f"study {number} of {len(waiting)}")
         found.documents.pop(name, None)
@@ -126,7 +122,7 @@ def _run(study: Study, found: Gathered, wish: Wish) -> None:
     path = wish.folder / f"{study.name}.json"
     path.unlink(missing_ok=True)
     try:
-        run(study, wish.folder, wish.quick, Options(fresh=wish.quick or wish.fresh))
+        run(study, wish.folder, wish.quick)
     except InputError:
         raise
     except Exception as error:  # one study that fails must not take the report with it

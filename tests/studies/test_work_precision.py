@@ -14,9 +14,9 @@ from reference_models.trajectory import Case, Trajectory
 from studies import table3, work_precision
 from studies.__main__ import main
 from studies.harness.cases import explicit_case, failing_case
+from studies.harness.pool import rows_of
 from studies.harness.reference import from_data
 from studies.harness.study import Results
-from studies.harness.sweep import Outcome
 from studies.harness.timing import measure
 from studies.precision import cases
 from studies.precision.cases import brief
@@ -37,7 +37,7 @@ from studies.precision.fronts import (
     read,
     speed_up,
 )
-from studies.work_precision import STUDY, conclude, make_cases, rows_of
+from studies.work_precision import STUDY, conclude, make_cases
 
 PLANAR = load_scene("planar_pendulum")
 U = 1e-4  # uncertainty of the reference [m]
@@ -227,8 +227,10 @@ def test_families_tell_formulations_and_solvers_apart():
 
 
 def test_a_scene_that_failed_as_a_whole_is_told():
-    (case, *_) = make_cases(True)
-    rows = rows_of(case, Outcome("failed: OSError: disk", {}, {}))
+    def fail(case):
+        raise OSError("disk")
+
+    rows = rows_of(fail, make_cases(True)[0])
     assert "FAILED: planar_pendulum: failed: OSError: disk" in conclude(Results(True, rows))
 
 
