@@ -72,9 +72,9 @@ from .harness.coupled_runs import Candidate, Inextensible, Native, distance, pre
 from .harness.coupled_scenes import CoupledScene
 from .harness.plot import Curve, Panel, chart
 from .harness.ratios import DEFAULT, TUNED
-from .harness.timing import Task, seconds_per_time, steps_task
+from .harness.timing import Task, sampled, steps_task
 from .harness.tuning import Tuning, compare, draw_fronts, natives, ours
-from .soak import drifts, long_run
+from .speed.soak import DRIFT, drift_of, long_run
 from .stability.limits import DISTURBANCE, GROWTH, largest_stable_step
 
 BOUNDS = (1e-3, 1e-4)
@@ -191,15 +191,15 @@ def _long_runs(steps: int) -> Iterator[Row]:
     """Energy of the pendulum over that many steps."""
     for stiffness in (2e3, REAL):
         _kept, mbs, _ = _system(scenes.pendulum, elements=5, stiffness=stiffness)
-        yield long_run(f"EA = {stiffness:.3g} N", mbs, WITH_STEP, steps)
+        yield {"kind": "run", **long_run(f"EA = {stiffness:.3g} N", mbs, WITH_STEP, steps)}
 
 
 def _costs(sizes: Sequence[tuple[int, int]], repeats: int) -> Iterator[Row]:
     """A step with axial stiffness over one without.   sizes: dimension, elements."""
     tasks = {(*size, k): _steps(*size, k) for size in sizes for k in (None, REAL)}
-    found = seconds_per_time(tasks, repeats, LEAST_SECONDS, "steps")
+    found = sampled(tasks, repeats, LEAST_SECONDS, "steps")
     for dimension, elements in sizes:
-        rigid, ours = (found[dimension, elements, k] for k in (None, REAL))
+        rigid, ours = (found[dimension, elements, k].cpu_seconds for k in (None, REAL))
         yield {
             "kind": "cost",
             "label": f"{dimension}D, {elements} elements",
@@ -283,7 +283,7 @@ def _of_stiffness(rows: Sequence[Row]) -> list[str]:
 def _of_energy(row: Row) -> str:
     return (
         f"{row['label']}: over {row['steps']:,} steps the energy varies by {row['range']:.1e} of the swing, "
-        f"and its mean {'DRIFTS' if drifts(row) else 'does not drift'} ({row['drift']:.1e})."
+        f"and its mean {judged(drift_of(row), DRIFT, 1.0, 'does not drift', 'DRIFTS')} ({row['drift']:.1e})."
     )
 
 
