@@ -35,7 +35,8 @@ What is left out
 from functools import partial
 from pathlib import Path
 
-from .harness import Order, Results, Row, Study, Table, announce, groups, judged
+from .harness import Order, Results, Row, Study, Table, announce, groups
+from .harness.bars import Bar, conclusions
 from .harness.coupled_runs import (
     LARGE_ELEMENTS,
     LARGE_RUNS,
@@ -97,11 +98,8 @@ def _large(meshes: int, formulation: str, runs: int) -> Row:
 
 
 def conclude(results: Results) -> list[str]:
-    """Ratios at equal error, of steps of large nets, and how far both formulations agree."""
-    said = [_sentence(row, results.noise) for row in compared(results)]
-    for row in results.of_kind("reference"):
-        agreement = f"agree to {row['error']:.2g}" if row["error"] else "can NOT be compared"
-        said.append(f"{row['scene']}: converged runs of both formulations {agreement}.")
+    """Ratios at equal error, how far both formulations agree, steps of large nets."""
+    said = BARS(results)
     for cables, pair in groups(results.of_kind("large"), "cables").items():
         mine, theirs = (row["stepMilliseconds"] for row in pair)
         said.append(
@@ -112,15 +110,13 @@ def conclude(results: Results) -> list[str]:
     return said
 
 
-def _sentence(row: Row, noise: float) -> str:
-    what = f"{row['scene']} within {row['within']}:"
-    if "native/ours" not in row:
-        missing = [side for side, key in zip(SIDES, ("ours", "native"), strict=True) if key not in row]
-        return f"{what} no {' and no '.join(missing)} run gets there."
-    ratio, over_default = row["native/ours"], row.get("native/default")
-    verdict = judged(1.0, ratio, noise, "ours is cheaper", "ours is NOT cheaper")
-    default = f", {over_default:.3g} at our default settings" if over_default else ""
-    return f"{what} {verdict}: native over ours {ratio:.3g} tuned{default}."
+BARS = conclusions(
+    Bar(compared, "native/ours", "within {}: native over ours, both tuned", 1.0, "within", is_least=True),
+    Bar(
+        compared, "native/default", "within {}: native over our default settings", per="within", is_least=True
+    ),
+    Bar("reference", "error", "difference of converged runs of both formulations"),
+)
 
 
 def draw(results: Results, directory: Path) -> list[Path]:

@@ -78,6 +78,10 @@ def conclusions(*bars: Bar) -> Callable[[Results], list[str]]:
 
 def name_of(row: Row) -> str:
     """Which row it is."""
-    named = ("label", "scene", "elements", "value", "bound", "curvatureMeasure")
-    known = [row[key] for key in named if row.get(key) is not None]
-    return ", ".join(dict.fromkeys(f"{one:g}" if isinstance(one, float) else str(one) for one in known))
+    known = {
+        key: row[key] for key in ("label", "scene", "elements", "value", "bound") if row.get(key) is not None
+    }
+    if "elements" in known:
+        known["elements"] = f"N = {known['elements']}" * ("N = " not in known.get("label", ""))
+    texts = (f"{one:g}" if isinstance(one, float) else str(one) for one in known.values())
+    return ", ".join(filter(None, dict.fromkeys([*texts, row.get("curvatureMeasure")])))

@@ -32,8 +32,8 @@ def test_what_is_slower_than_the_others_is_found_on_another_machine():
     found = beside(ROWS, scaled(2.5, case3=1.3, case4=1.2, case5=0.5))
     assert found.factor == pytest.approx(2.5) and "2.50" in found.summary[1]
     ((row, key, factor),) = [(c.row, c.key, c.factor) for c in found.worse]
-    assert (row, key) == ("case 3, 5", "cpuSeconds") and factor == pytest.approx(1.3)
-    assert [c.row for c in found.better] == ["case 5, 5"] and found.is_worse
+    assert (row, key) == ("case 3, N = 5", "cpuSeconds") and factor == pytest.approx(1.3)
+    assert [c.row for c in found.better] == ["case 5, N = 5"] and found.is_worse
 
 
 def test_noise_is_larger_in_quick_runs():
@@ -62,7 +62,7 @@ def test_rows_are_matched_by_what_they_are_about():
 def test_a_row_that_fails_now_is_named():
     lost = [*ROWS[:-1], ROWS[-1] | {"status": "diverged: at 1 s", "cpuSeconds": None, "errorMax": None}]
     found = beside(ROWS, lost)
-    assert found.statuses == [("case 7, 5", "a", "ok", "diverged")]
+    assert found.statuses == [("case 7, N = 5", "a", "ok", "diverged")]
     assert found.is_worse and not beside(lost, ROWS).is_worse
 
 
