@@ -12,7 +12,7 @@ from tqdm import tqdm
 from .provenance import machine, present_code
 from .ratios import Ratio, ratio_sentences, ratio_tables
 from .store import Row, prepare_directory, write_json, write_text
-from .table import Table, TextTable, timing_noise
+from .table import Table, TextTable
 
 Document = dict[str, Any]
 
@@ -50,11 +50,6 @@ class Results:
 
     def of_kind(self, kind: str) -> list[Row]:
         return [row for row in self.rows if row.get("kind", "") == kind]
-
-    @property
-    def noise(self) -> float:
-        """Factor within which a timed figure counts as equal to its bar, see `verdict`."""
-        return timing_noise(self.quick)
 
 
 def nothing(*given: Any) -> list[Any]:

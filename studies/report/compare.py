@@ -16,7 +16,7 @@ from studies.harness.timing import OK
 class Quantity(NamedTuple):
     """Figures that are compared.
 
-    keys: of rows.   noise: relative, of full runs; that of times in quick runs is QUICK times as large.
+    keys: of rows.   noise: relative, of full runs; in quick runs QUICK times as large, but where exact.
     is_time: other machines are slower by a common factor.   is_more: whether more is better.
     """
 

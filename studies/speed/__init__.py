@@ -13,9 +13,10 @@ from . import ensemble, kernel, pictures, realtime, scaling, scene_cost, soak, w
 
 INTEGRATORS = ("Zhai", "RATTLE")
 LONG = (20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000)
-_WATCH = """cable: label | N: elements | step [us]: microseconds | watch/step: share | not below: low |
-        not above: high"""
-_ENERGIES = "motion [h]: hours | energy varies by: range | its mean drifts by: drift"
+_WATCH = (
+    "cable: label | N: elements | step [us]: microseconds | watch/step: share | not below: low | "
+    "not above: high"
+)
 
 STUDIES = (
     benchmark(
@@ -147,9 +148,10 @@ STUDIES = (
             Bar("memory", "growthPercent", "{}: growth of the memory [%]", 100.0 * soak.GROWTH, "label",
                 noise=math.inf),
         ],
-        f"""
+        """
         run: Planar pendulum, RATTLE; energies over the swing, the largest kinetic energy:
-            run: label | steps | CPU [s]: cpuSeconds | {_ENERGIES} | violation | of rates [1/s]: rate
+            run: label | steps | motion [h]: hours | CPU [s]: cpuSeconds | energy varies by: range |
+            its mean drifts by: drift | violation | of rates [1/s]: rate
         memory: Resident memory of a process that builds, runs and drops scenes:
             way of the run: label | scenes | first [MB]: firstMegabytes | last [MB]: lastMegabytes |
             kB a scene: kilobytesAScene | growth [%]: growthPercent

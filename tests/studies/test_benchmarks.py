@@ -16,7 +16,7 @@ from studies.harness.study import KEYS, Order, Results, Study
 from studies.harness.table import Table
 from studies.harness.timing import Measurement, sampled
 from studies.registry import find_study
-from studies.speed import scene_cost, soak
+from studies.speed import STUDIES, scene_cost, soak
 
 DOCUMENT_KEYS = set(KEYS)
 
@@ -162,6 +162,11 @@ def test_an_entry_says_what_varies_what_is_timed_together_and_which_bars_are_kep
     ]
     assert "undecided" in study.conclusions(Results(True, rows))[0]
     assert [row["rounds"] for row in study.measure(Order("tiny", tmp_path, quick=True))] == [1, 1]
+
+
+def test_every_benchmark_shows_each_kind_of_its_rows():
+    for study in STUDIES:
+        assert [table.kind for table in study.tables] == [one.kind for one in study.measure.series]
 
 
 def test_bars_may_be_lower_ones_over_the_least_and_of_figures_that_are_not_there():
