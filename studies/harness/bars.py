@@ -77,10 +77,12 @@ def conclusions(*bars: Bar) -> Callable[[Results], list[str]]:
 
 
 def name_of(row: Row) -> str:
-    """Which row it is."""
+    """Which row it is; what its label says is not repeated."""
     known = {
         key: row[key] for key in ("label", "scene", "elements", "value", "bound") if row.get(key) is not None
     }
+    if known.get("scene", "") in known.get("label", ""):
+        known.pop("scene", None)
     if "elements" in known:
         known["elements"] = f"N = {known['elements']}" * ("N = " not in known.get("label", ""))
     texts = (f"{one:g}" if isinstance(one, float) else str(one) for one in known.values())

@@ -18,7 +18,14 @@ def case_of(scene, integrator="Zhai"):
 
 def test_a_share_above_the_bar_misses_it_and_few_samples_give_no_verdict():
     rows = [
-        {"kind": "alone", "label": "2D, steady, Zhai", "elements": n, "share": share, "bar": 0.03}
+        {
+            "kind": "alone",
+            "label": "2D, steady, Zhai",
+            "scene": "steady",
+            "elements": n,
+            "share": share,
+            "bar": 0.03,
+        }
         for n, share in enumerate((0.01, 0.05))
     ]
     sentence, _ = find_study("watch_cost").conclusions(Results(False, rows))
