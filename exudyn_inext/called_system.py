@@ -28,14 +28,14 @@ from .lowered import (
 )
 from .system import GAUGES, accelerate_and_project, correct_position, gauge, index_reduced_rates
 
-MOST_PROTOCOLS = 8
+MOST_PROTOCOLS = 10
 
 
 class Called(NamedTuple):
     """Any system, for kernels that shall not depend on its type.
 
     address: where it lies in memory, as compiled code holds it; without the compiler, the system itself.
-    functions: (8,) addresses of its implementations of protocols, by their places; 0: none was asked for.
+    functions: (10,) addresses of its implementations of protocols, by their places; 0: none was asked for.
     """
 
     address: Any
@@ -121,7 +121,10 @@ def _put(system, memory):
 _ADDRESSES: dict[Any, int] = {}  # of protocols for types of systems
 
 
-def _address(protocol: Any, kind: Any) -> int:
+def _address(protocol: Any, system: Any) -> int:
+    if numba.config.DISABLE_JIT:
+        return 1
+    kind = type_of(system)
     if (protocol, kind) not in _ADDRESSES:
         entry = _ENTRIES[protocol]
         _ADDRESSES[protocol, kind] = address_of(entry.function, first_of(kind), *entry.kinds)
@@ -151,8 +154,9 @@ def called(system: Any, *protocols: Any) -> Any:
 
 def provide(functions: np.ndarray, system: Any, *protocols: Any) -> None:
     """Compile these protocols for the type of a system, and put their addresses into a table (8,)."""
-    for protocol in () if numba.config.DISABLE_JIT else protocols:
-        functions[_ENTRIES[protocol].place] = _address(protocol, type_of(system))
+    for protocol in protocols:
+        if protocol.dispatch(type(system)) is not protocol.dispatch(object):
+            functions[_ENTRIES[protocol].place] = _address(protocol, system)
 
 
 def keep_with(array: np.ndarray, *others: Any) -> None:

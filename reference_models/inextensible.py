@@ -15,18 +15,16 @@ from exudyn_inext import (
     SolveEquilibrium,
     SolveExplicit,
 )
+from exudyn_inext.checks import LARGEST_NUMBER_OF_ITEMS, require_integer
 from exudyn_inext.errors import InputError
 
 from .conventional.supports import add_constraint
-from .loads import add_forces, follow_history, remove_force
+from .loads import assembled
 from .model import (
     SENSOR_PERIOD,
     Model,
-    add_position_sensors,
-    add_slope_sensors,
     node_index,
     quiet_settings,
-    require_elements,
     sensor_trajectory,
     silence,
 )
@@ -63,24 +61,8 @@ def build(scene: Scene, elements: int, measure: str = "secondDerivative") -> Mod
 
 def build_variant(scene: Scene, inextensible: Inextensible) -> Model:
     """As `build`, with everything that distinguishes one model from another."""
-    model, start_loads, loads = _build_at_rest(scene, inextensible)
-    for number in start_loads:
-        remove_force(model.mbs, number)
-    for number, load in loads.items():
-        follow_history(model.mbs, number, load)
-    return model
-
-
-def equilibrium_forces(scene: Scene, elements: int, points: int) -> dict[str, Any]:
-    """What CableForces finds in the equilibrium that the scene starts from, start loads included."""
-    model, *_ = _build_at_rest(scene, Inextensible(elements))
-    return CableForces(model.mbs, _CABLE, points)
-
-
-def _build_at_rest(scene: Scene, inextensible: Inextensible) -> tuple[Model, Any, Any]:
-    """The assembled model before its motion begins, and load numbers -> start loads and loads."""
     elements = inextensible.elements
-    require_elements(elements)
+    require_integer("elements", elements, 1, LARGEST_NUMBER_OF_ITEMS)
     dimension = 2 if scene.is_planar and not inextensible.spatial else 3
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
@@ -105,12 +87,13 @@ def _build_at_rest(scene: Scene, inextensible: Inextensible) -> tuple[Model, Any
     if scene.cable.shape.closed:
         nodes += nodes[:1]
     _add_hangers(mbs, scene, nodes, dimension)
-    start_loads, loads = (add_forces(mbs, forces, nodes) for forces in (scene.start_loads, scene.loads))
-    sensors, slope_sensors = add_position_sensors(mbs, scene, nodes), add_slope_sensors(mbs, scene, nodes)
-    mbs.Assemble()
-    if scene.starts_from_equilibrium:
-        SolveEquilibrium(mbs)
-    return Model(scene, container, mbs, nodes, sensors, slope_sensors), start_loads, loads
+    return assembled(scene, container, mbs, nodes, lambda model: SolveEquilibrium(model.mbs))
+
+
+def equilibrium_forces(scene: Scene, elements: int, points: int) -> dict[str, Any]:
+    """What CableForces finds in the equilibrium that the scene starts from, start loads included."""
+    resting = replace(scene, loads=(*scene.loads, *scene.start_loads), start_loads=())
+    return CableForces(build(resting, elements).mbs, _CABLE, points)
 
 
 def _shape(scene: Scene, elements: int) -> CableShape:

@@ -7,10 +7,8 @@ from pathlib import Path
 
 from exudyn_inext import InputError
 
-from .harness.engines import Options
 from .harness.store import read_json
 from .harness.study import Study, run
-from .harness.sweep import Sweep
 from .harness.terminal import as_text, terminal_width, text_table
 from .pages.command import add_commands, remake, write_pages
 from .registry import find_studies, find_study
@@ -27,27 +25,12 @@ def _parser(program: str) -> argparse.ArgumentParser:
     one.add_argument("name", help="as shown by 'list'")
     one.add_argument("--quick", action="store_true", help="a short motion and few, cheap cases")
     one.add_argument("--output", type=Path, default=Path("results"), help="default: results")
-    group = one.add_argument_group("studies that sweep over many cases, and resume where they were")
-    group.add_argument("--workers", type=int, metavar="N", help="processes; default: one a core")
-    group.add_argument("--dask", metavar="ADDRESS", help="run on a Dask cluster, e.g. tcp://host:8786")
-    group.add_argument(
-        "--mpi", action="store_true", help="run on MPI: mpiexec -n 3 python -m mpi4py.futures -m ..."
+    one.add_argument(
+        "--workers", type=int, metavar="N", help="processes of studies with many cases; default: one a core"
     )
-    group.add_argument("--fresh", action="store_true", help="discard stored cases")
-    group.add_argument("--retry-failed", action="store_true", help="run failed cases again")
     add_commands(commands)
     add_options(commands.add_parser("report", help="everything measured, as one Markdown and one HTML page"))
     return parser
-
-
-def _sweep_options(given: argparse.Namespace, study: Study) -> Options:
-    options = Options(given.workers, given.dask, given.mpi, given.fresh, given.retry_failed)
-    if options != Options() and not isinstance(study.measure, Sweep):
-        raise InputError(
-            f"study '{study.name}' times its cases in one process and sweeps over nothing: leave out "
-            "--workers, --dask, --mpi, --fresh and --retry-failed."
-        )
-    return options
 
 
 def _listed(studies: Iterable[Study]) -> str:
@@ -75,7 +58,9 @@ def main(arguments: Sequence[str] | None = None, program: str = "python -m studi
             remake(options)
         else:
             study = find_study(options.name)
-            run(study, options.output, options.quick, _sweep_options(options, study))
+            if options.workers is not None and options.workers < 1:
+                raise InputError(f"--workers {options.workers}: must be at least 1.")
+            run(study, options.output, options.quick, options.workers)
             print(as_text(read_json(options.output / f"{study.name}.json") or {}, terminal_width()))
             print(f"\nWritten to {options.output}")
     except InputError as error:

@@ -66,7 +66,7 @@ _ROPE = Section(mass_per_length=0.15, bending_stiffness=0.02, axial_stiffness=4e
 _RUBBER = Section(mass_per_length=0.08, bending_stiffness=0.02, axial_stiffness=50.0)
 
 
-def _hanging(name: str, section: Round | Section, length: float, end_time: float) -> Scene:
+def _hanging(name: str, section: Section, length: float, end_time: float) -> Scene:
     """Pinned, released when horizontal."""
     return Scene(
         name=name,

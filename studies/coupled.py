@@ -35,7 +35,8 @@ What is left out
 from functools import partial
 from pathlib import Path
 
-from .harness import Order, Results, Row, Study, Table, announce, groups, judged
+from .harness import Order, Results, Row, Study, Table, announce, groups
+from .harness.bars import Bar, conclusions
 from .harness.coupled_runs import (
     LARGE_ELEMENTS,
     LARGE_RUNS,
@@ -47,7 +48,7 @@ from .harness.coupled_runs import (
     large_net,
 )
 from .harness.coupled_scenes import SCENES, CoupledScene
-from .harness.engines import ask
+from .harness.pool import ask
 from .harness.ratios import DEFAULT, ONE_SETTING, TUNED
 from .harness.tuning import Series, Tuning, compare, draw_fronts, natives, ours
 
@@ -90,18 +91,15 @@ TUNING = Tuning(dict(zip(SIDES, (_ours, natives), strict=True)), _references, BO
 
 def _large(meshes: int, formulation: str, runs: int) -> Row:
     """Start, step and memory, each in a process of its own."""
-    found = dict(ask(large_net, formulation, meshes, runs, OPENBLAS_NUM_THREADS="1"))
+    found = dict(ask(large_net, formulation, meshes, runs))
     cables = 2 * meshes * (meshes + 1)
     label = f"{cables} cables, {formulation}"
     return {"kind": "large", "label": label, "cables": cables, "formulation": formulation, **found}
 
 
 def conclude(results: Results) -> list[str]:
-    """Ratios at equal error, of steps of large nets, and how far both formulations agree."""
-    said = [_sentence(row, results.noise) for row in compared(results)]
-    for row in results.of_kind("reference"):
-        agreement = f"agree to {row['error']:.2g}" if row["error"] else "can NOT be compared"
-        said.append(f"{row['scene']}: converged runs of both formulations {agreement}.")
+    """Ratios at equal error, how far both formulations agree, steps of large nets."""
+    said = BARS(results)
     for cables, pair in groups(results.of_kind("large"), "cables").items():
         mine, theirs = (row["stepMilliseconds"] for row in pair)
         said.append(
@@ -112,15 +110,13 @@ def conclude(results: Results) -> list[str]:
     return said
 
 
-def _sentence(row: Row, noise: float) -> str:
-    what = f"{row['scene']} within {row['within']}:"
-    if "native/ours" not in row:
-        missing = [side for side, key in zip(SIDES, ("ours", "native"), strict=True) if key not in row]
-        return f"{what} no {' and no '.join(missing)} run gets there."
-    ratio, over_default = row["native/ours"], row.get("native/default")
-    verdict = judged(1.0, ratio, noise, "ours is cheaper", "ours is NOT cheaper")
-    default = f", {over_default:.3g} at our default settings" if over_default else ""
-    return f"{what} {verdict}: native over ours {ratio:.3g} tuned{default}."
+BARS = conclusions(
+    Bar(compared, "native/ours", "within {}: native over ours, both tuned", 1.0, "within", is_least=True),
+    Bar(
+        compared, "native/default", "within {}: native over our default settings", per="within", is_least=True
+    ),
+    Bar("reference", "error", "difference of converged runs of both formulations"),
+)
 
 
 def draw(results: Results, directory: Path) -> list[Path]:

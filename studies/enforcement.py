@@ -27,6 +27,7 @@ from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case
 
 from .harness import Results, Row, Study, Table
+from .harness.bars import Bar, conclusions
 from .harness.figures import draw_cost_and_accuracy
 from .harness.on_scene import OnScene
 
@@ -61,24 +62,16 @@ def _ways(results: Results) -> list[Row]:
     ]
 
 
-def conclude(results: Results) -> list[str]:
-    """Each native way against the plugin's solver with the same elements; what failed."""
-    ways = _ways(results)
-    errors = {row["elements"]: row["errorMax"] for row in ways if row["enforcement"] == "projection"}
-    failed = ["FAILED: {label}: {status}.".format_map(row) for row in results.rows if row["status"] != "ok"]
-    return failed + [
-        f"{row['integrator']} ({row['enforcement']}), N = {row['elements']}: {row['costRatio']:.0f} times "
-        f"the CPU time of SolveExplicit, {row['errorMax']:.1e} m against {errors[row['elements']]:.1e} m."
-        for row in ways
-        if row["enforcement"] != "projection"
-    ]
-
-
 def draw(results: Results, directory: Path) -> list[Path]:
     """Error over CPU time."""
     return [draw_cost_and_accuracy(directory / "enforcement_cost.png", results.rows)]
 
 
+OVER = "{}: CPU time over that of SolveExplicit"
+BARS = (
+    Bar(_ways, "costRatio", OVER, 1.0, "enforcement", is_least=True),
+    Bar(_ways, "errorMax", "{}: error [m]", per="enforcement"),
+)
 TABLE = Table(
     "",
     "Planar pendulum, tip against the inextensible limit:",
@@ -89,4 +82,4 @@ TABLE = Table(
 
 QUESTION = "What do the three ways to keep a cable's length cost, and how accurate are they?"
 MEASURE = OnScene(load_scene("planar_pendulum"), make_cases, quick_end_time=0.1, repeats=2)
-STUDY = Study("enforcement", QUESTION, MEASURE, conclude, [TABLE], draw, minutes=0.5)
+STUDY = Study("enforcement", QUESTION, MEASURE, conclusions(*BARS), [TABLE], draw, minutes=0.5)

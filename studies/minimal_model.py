@@ -12,14 +12,12 @@ Protocol
     element, nodal constraints, consistent masses, the smallest dimension. Each variant differs in one
     thing and runs at 0.6 of its own stability limit, as the base does. Base and variant are timed in turn,
     five times after a warm-up, alone in one process; medians of CPU time are compared.
-    Nodal constraints and lumped masses: the package has no such switches, since it eliminates the nodal
-    constraints node by node. There a dense solve in plain Python with RK4 takes its place, for errors only.
 
 Reference and tolerance
     Those of the scenes; the power line is compared with a refined solution, as in `table3`.
 
 What is left out
-    Combinations of changes.
+    Combinations of changes. Nodal constraints and consistent masses, for which the package has no switches.
 """
 
 import statistics
@@ -36,10 +34,9 @@ from reference_models.trajectory import Case
 
 from .harness import Results, Row, Study, column, groups, number, tables
 from .harness.cases import failing_case, unguarded
-from .harness.dense_pendulum import dense_cases, run_dense
 from .harness.plot import COLORS, Curve, Panel, chart
+from .harness.pool import Sweep
 from .harness.reference import ReferenceSolution
-from .harness.sweep import Sweep
 from .harness.timing import OK, measure
 from .table3 import reference_of
 
@@ -76,24 +73,21 @@ def changes_of(scene: Scene, elements: int) -> dict[str, Inextensible]:
 
 
 def make_cases(quick: bool) -> list[Row]:
-    """Dense variants, and changes that are timed, each beside the base."""
+    """Changes, each beside the base."""
     names = ("planar_pendulum",) if quick else tuple(SCENES)
     return [
-        *dense_cases(quick),
-        *(
-            {
-                "kind": "change",
-                "scene": name,
-                "label": label,
-                "elements": SCENES[name],
-                "motion": QUICK_MOTION if quick else load_scene(name).end_time,
-                "repeats": QUICK_REPEATS if quick else REPEATS,
-                "timed": True,
-            }
-            for name in names
-            for label in changes_of(load_scene(name), SCENES[name])
-            if label != BASE and not (quick and label in NOT_QUICK)
-        ),
+        {
+            "kind": "change",
+            "scene": name,
+            "label": label,
+            "elements": SCENES[name],
+            "motion": QUICK_MOTION if quick else load_scene(name).end_time,
+            "repeats": QUICK_REPEATS if quick else REPEATS,
+            "timed": True,
+        }
+        for name in names
+        for label in changes_of(load_scene(name), SCENES[name])
+        if label != BASE and not (quick and label in NOT_QUICK)
     ]
 
 
@@ -144,13 +138,11 @@ def _reference(name: str) -> ReferenceSolution:
 
 HARMLESS = 1.1  # error over that of the base
 CHEAPER, DEARER = 0.95, 1.05  # CPU time over that of the base
-BASE_OF_DENSE = "as in the package"
 
 
 def summary_of(results: Results) -> list[Row]:
     """One row a change: 'change', 'verdict', 'harmless', 'elsewhere', 'costRatio' (median)."""
-    rows = [*results.of_kind("change"), *_compared(results.of_kind("dense"))]
-    return [_row(label, own) for label, own in groups(rows, "label").items()]
+    return [_row(label, own) for label, own in groups(results.of_kind("change"), "label").items()]
 
 
 def is_harmless(row: Row) -> bool:
@@ -159,19 +151,6 @@ def is_harmless(row: Row) -> bool:
         return False
     bound = max(HARMLESS * row["baseError"], row["baseError"] + row["uncertainty"])
     return bool(row["error"] <= bound)
-
-
-def _compared(rows: Sequence[Row]) -> list[Row]:
-    """Dense variants, each beside the one with everything."""
-    bases = {row["elements"]: row for row in rows if row["label"] == BASE_OF_DENSE}
-    found = []
-    for row in rows:
-        base = bases.get(row["elements"], {}).get("error")
-        if row["label"] != BASE_OF_DENSE:
-            ratio = row["error"] / base if base and row.get("error") is not None else None
-            place = f"{row['scene']}, N = {row['elements']}"
-            found.append(row | {"scene": place, "baseError": base, "errorRatio": ratio})
-    return found
 
 
 def _row(label: str, own: Sequence[Row]) -> Row:
@@ -209,11 +188,6 @@ def _error(row: Row) -> str:
 # ------------------------------------------------------------------------------------- the study
 
 
-def run_case(case: Row) -> Row:
-    """One of them."""
-    return run_dense(case) if case["kind"] == "dense" else run_change(case)
-
-
 def conclude(results: Results) -> list[str]:
     """What may be changed where, and what that saves; verdict by verdict."""
     return [
@@ -247,12 +221,9 @@ TABLES = tables(
         change: label | scene | base error [m]: baseError | error [m]: error | error ratio: errorRatio |
         base h [s]: baseStep | h [s]: stepSize | base CPU [s]: baseSeconds | CPU [s]: seconds |
         CPU ratio: costRatio | outcome | status
-    dense: Dense variants of the planar pendulum (RK4, no times):
-        variant: label | N: elements | error [m]: error | stretch of slopes [-]: stretch | outcome |
-        status
     """,
     summary=summary_of,
 )
 
 QUESTION = "What may be left out of the model when, and what does that save?"
-STUDY = Study("minimal_model", QUESTION, Sweep(make_cases, run_case), conclude, TABLES, draw, minutes=3)
+STUDY = Study("minimal_model", QUESTION, Sweep(make_cases, run_change), conclude, TABLES, draw, minutes=3)

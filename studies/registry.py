@@ -1,7 +1,8 @@
-"""All studies: a module of this folder that defines STUDY is found by itself."""
+"""All studies: a module of this folder that defines STUDY, or STUDIES, is found by itself."""
 
 import importlib
 import pkgutil
+from itertools import chain
 
 from exudyn_inext import InputError
 
@@ -16,7 +17,8 @@ def find_studies() -> dict[str, Study]:
     path = importlib.import_module(_PACKAGE).__path__
     names = sorted(info.name for info in pkgutil.iter_modules(path))
     modules = [importlib.import_module(f"{_PACKAGE}.{n}") for n in names if n not in _NO_STUDIES]
-    return {module.STUDY.name: module.STUDY for module in modules if hasattr(module, "STUDY")}
+    own = [getattr(module, "STUDIES", None) or [getattr(module, "STUDY", None)] for module in modules]
+    return {study.name: study for study in sorted(filter(None, chain(*own)), key=lambda study: study.name)}
 
 
 def find_study(name: str) -> Study:

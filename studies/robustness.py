@@ -17,11 +17,8 @@ Protocol
 
 What is left out
     Accuracy after a snap: the motion is chaotic there. Stretch, which softens snaps.
-
-Other seeds: python -m studies.robustness --first 1000 --lone 60 --mixed 20
 """
 
-import argparse
 import time
 import warnings
 from collections.abc import Iterable
@@ -200,20 +197,3 @@ TABLES = tables(
 
 QUESTION = "Does every run end at default settings, how accurate is it, and what does it cost?"
 STUDY = Study("robustness", QUESTION, measure, conclude, TABLES, minutes=4)
-
-
-def main() -> None:
-    """Rows of other seeds, as a summary."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])  # type: ignore[union-attr]
-    for name, number in (("first", 0), ("lone", 60), ("mixed", 20), ("native", 0)):
-        parser.add_argument(f"--{name}", type=int, default=number)
-    given = parser.parse_args()
-    lone, mixed = (range(given.first, given.first + number) for number in (given.lone, given.mixed))
-    results = Results(False, rows_of(lone, mixed, given.native))
-    for row in [*_summary(results), *_failed(results.rows)]:
-        print(row)
-    print("\n".join(conclude(results)))
-
-
-if __name__ == "__main__":
-    main()

@@ -26,14 +26,14 @@ What is left out
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import product
 from pathlib import Path
 
-from .harness import Results, Row, Study, Table, column, groups, largest
+from .harness import Results, Row, Study, Table, column, groups
+from .harness.bars import Bar, conclusions
 from .harness.plot import COLORS, Curve, Panel, chart
-from .harness.sweep import Sweep
+from .harness.pool import Sweep
 from .stability.limits import AGREEMENT
-from .stability.linear import MAPS, linear_cases, run_linear
+from .stability.linear import MAPS, PLAIN, linear_cases, run_linear
 from .stability.motion import SCHEMES
 from .stability.violent import run_violent, violent_cases
 
@@ -66,105 +66,37 @@ TABLES = (
 )
 
 
-def _finished(results: Results) -> Results:
-    """What JSON stored as null is a limit that does not exist."""
-    limits = ("predicted", "found", "predictedBending", "predictedZeta")
-    return Results(
-        results.quick,
-        [
-            row | {key: math.inf for key in limits if key in row and row[key] is None}
-            for row in results.rows
-            if row["status"] == "ok"
-        ],
-    )
+LINEAR = [kind for kind in MAPS if kind != "spin"]
 
 
-def conclude(given: Results) -> list[str]:
-    """All sentences, map by map; a map without rows gives none; cases that failed are named first."""
-    results = _finished(given)
-    failed = [
-        "FAILED: {kind}, {label}, {value:g}: {status}".format_map(row)
-        for row in given.rows
-        if row["status"] != "ok"
-    ]
-    linear = [row for row in results.rows if row["kind"] in MAPS and row["kind"] != "spin"]
-    sentences = [_agreement(*one) for one in groups(linear, "scheme").items()]
-    sentences += _ruling(linear) + _rule_37([row for row in linear if row["theta"] == 0.0])
-    sentences += [_spin(*one) for one in groups(results.of_kind("spin"), "scheme").items()]
-    return (
-        failed + sentences + [_violent(*one) for one in groups(results.of_kind("violent"), "label").items()]
-    )
+def _linear(results: Results) -> list[Row]:
+    """Cables at rest."""
+    return [row for kind in LINEAR for row in results.of_kind(kind)]
 
 
-def _is_near(ratio: float) -> bool:
-    return abs(ratio - 1.0) <= AGREEMENT
+def _off(row: Row) -> float | None:
+    """How far found and predicted limits differ; infinite, if one of them alone exists (none is null)."""
+    if row["status"] != "ok":
+        return None
+    if row["ratio"] is None:
+        return 0.0 if row["found"] is None or math.isinf(row["found"]) else math.inf
+    return float(abs(row["ratio"] - 1.0))
 
 
-def _agreement(scheme: str, rows: Sequence[Row]) -> str:
-    """Where prediction and bisection differ by more than AGREEMENT."""
-    ratios, off = [row["ratio"] for row in rows if row["ratio"] is not None], []
-    for row in rows:
-        known = math.isfinite(row["predicted"])
-        if not (_is_near(row["ratio"]) if known else math.isinf(row["found"])):
-            ratio = "no limit predicted" if row["ratio"] is None else f"{row['ratio']:.3g}"
-            off.append("{kind} {value:g}, {cable}, theta = {theta:g}".format_map(row) + f" ({ratio})")
-    verdict = f"MISSED in {len(off)}: {'; '.join(off)}" if off else "kept"
-    return (
-        f"{scheme}, linear regime: found over predicted limit {min(ratios):.3f} to {max(ratios):.3f} in "
-        f"{len(ratios)} cases, {len(rows) - len(ratios)} more without a limit; bar of 5 % {verdict}."
-    )
+def _ruled(results: Results) -> list[Row]:
+    """Where the paper's rule applies: without mass scaling."""
+    rows = [row for row in _linear(results) if MAPS[row["kind"]].said and row["scheme"] in PLAIN]
+    return [row | {"where": f"{row['scheme']}, {row['kind']}"} for row in rows if row["theta"] == 0.0]
 
 
-def _ruling(rows: Sequence[Row]) -> list[str]:
-    """Where what rules changes along a map, for the first scheme."""
-    maps = groups([row for row in rows if row["scheme"] == "Zhai" and MAPS[row["kind"]].said], "kind")
-    sentences = []
-    for kind in sorted(maps, key=list(MAPS).index):
-        parts = [f"{rule} at {_range(own)}" for rule, own in groups(maps[kind], "ruledBy").items()]
-        sentences.append(f"What rules Zhai's step over {MAPS[kind].said}: {', '.join(parts)}.")
-    return sentences
-
-
-def _range(rows: Sequence[Row]) -> str:
-    """Of what the map varies."""
-    values = column(rows, "value")
-    return f"{min(values):g}" if len(values) == 1 else f"{min(values):g} to {max(values):g}"
-
-
-def _rule_37(rows: Sequence[Row]) -> list[str]:
-    """Where the paper's rule is above the limit that was found."""
-    sentences = []
-    for scheme, kind in product(("Zhai", "RATTLE", "RK4"), [kind for kind, one in MAPS.items() if one.said]):
-        own = [row for row in rows if row["kind"] == kind and row["scheme"] == scheme]
-        unsafe = [row for row in own if row["rule"] > row["found"]]
-        where = f"safe for {scheme} over {kind}"
-        if unsafe:
-            worst = "{ruleOverLimit:.3g} times the limit ({cable}, ruled by {ruledBy})"
-            sentences.append(
-                f"Rule (37) with C = 0.7 is NOT {where} at {_range(unsafe)} ({len(unsafe)} of {len(own)}), "
-                f"up to {worst.format_map(largest(unsafe, 'ruleOverLimit'))}."
-            )
-        elif own:
-            most = max(column(own, "ruleOverLimit"))
-            sentences.append(f"Rule (37) with C = 0.7 is {where}: at most {most:.2f} of the limit.")
-    return sentences
-
-
-def _spin(scheme: str, rows: Sequence[Row]) -> str:
-    worst, near = min(rows, key=lambda row: float(row["ratio"])), sum(_is_near(row["ratio"]) for row in rows)
-    return (
-        f"{scheme}, spinning: the limit falls to {worst['ratio']:.2f} of that of w_max at {worst['value']:g} "
-        f"rad/s; it is within 5 % of it for {near} of {len(rows)} rates."
-    )
-
-
-def _violent(label: str, rows: Sequence[Row]) -> str:
-    parts = ", ".join("{part:.2f} at {value:g} m/s".format_map(row) for row in rows)
-    return (
-        f"Violent starts, {label}: the lasting step is {parts}, in parts of the limit at rest; at worst "
-        f"{min(column(rows, 'partOfMotion')):.2f} of what the motion's own w_max and zeta allow."
-    )
-
+AT_REST = "{}, cable at rest: difference of found and predicted limit"
+BARS = (
+    Bar(_linear, _off, AT_REST, AGREEMENT, "scheme", noise=1.0),
+    Bar(_ruled, "ruleOverLimit", "{}: rule (37) with C = 0.7 over the limit", 1.0, "where", noise=1.0),
+    Bar("spin", "ratio", "{}, spinning: limit over that of w_max", per="scheme", is_least=True),
+    Bar("violent", "part", "thrown, {}: lasting step over the limit at rest", per="label", is_least=True),
+    Bar("violent", "partOfMotion", "thrown, {}: over that of the motion", per="label", is_least=True),
+)
 
 AXES = {kind: one.axis for kind, one in MAPS.items() if one.axis} | {
     "violent": "largest speed at the start [m/s]"
@@ -174,7 +106,7 @@ NO_GRAVITY = 1e-1  # shown in place of zero on a logarithmic axis
 
 def draw(results: Results, directory: Path) -> list[Path]:
     """Largest stable steps over what each map varies: predicted, in motion (dashed), found (markers)."""
-    finished = _finished(results)
+    finished = Results(results.quick, [row for row in results.rows if row["status"] == "ok"])
     shown = {axis: rows for kind, axis in AXES.items() if (rows := finished.of_kind(kind))}
     panels = [
         Panel(axis, "largest stable step h [s]", list(_curves(rows)), legend=False)
@@ -202,7 +134,7 @@ STUDY = Study(
     "stability_limits",
     QUESTION,
     Sweep(make_cases, run_case),
-    conclude,
+    conclusions(*BARS),
     TABLES,
     draw,
     minutes=2,

@@ -30,13 +30,12 @@ What is left out
     Axial waves that a step does not resolve. Zhai and RK4, which treat axial forces explicitly.
 """
 
-import math
 import statistics
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import pairwise, product
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -52,34 +51,21 @@ from exudyn_inext import (
 from reference_models.conventional.native_cables import NativeCables
 from reference_models.model import quiet_settings, silence
 
-from .harness import (
-    UNDECIDED,
-    Order,
-    Results,
-    Row,
-    Study,
-    announce,
-    column,
-    groups,
-    judged,
-    largest,
-    number,
-    percent,
-    tables,
-)
+from .harness import Order, Results, Row, Study, announce, column, groups, tables
 from .harness import stretching_scenes as scenes
+from .harness.bars import Bar, conclusions
 from .harness.coupled_runs import Candidate, Inextensible, Native, distance, prepare
 from .harness.coupled_scenes import CoupledScene
 from .harness.plot import Curve, Panel, chart
 from .harness.ratios import DEFAULT, TUNED
-from .harness.timing import Task, seconds_per_time, steps_task
+from .harness.timing import Task, sampled, steps_task
 from .harness.tuning import Tuning, compare, draw_fronts, natives, ours
-from .soak import drifts, long_run
+from .speed.soak import DRIFT, drift_of, long_run
 from .stability.limits import DISTURBANCE, GROWTH, largest_stable_step
 
 BOUNDS = (1e-3, 1e-4)
 STIFFNESSES = (20.0, 200.0, 2e3, 2e4, 2e5, 2e6, 1e7)  # [N]
-SAME, DEARER, ENOUGH = 0.01, 1.15, 3  # of limits [-]; of steps [-]; scenes
+SAME, NEAR, DEARER, ENOUGH = 0.01, 0.1, 1.15, 3  # of limits, of distances, of steps [-]; scenes
 REAL = scenes.SECTION.axial_stiffness
 COARSE = Inextensible(10, 2e-3)
 WITH_STEP = ExplicitSettings("RATTLE", stepSize=2e-3, massScaling=0.3)
@@ -165,6 +151,11 @@ def _over_stiffness(stiffnesses: Sequence[float], end_time: float) -> Iterator[R
         yield row | {"found": step, "native": theirs, "distance": distance(paths, rigid)}
 
 
+def _limit(row: Row) -> float:
+    """What stays the same where the motion tends to the inextensible one."""
+    return float(row["distance"] * row["value"])
+
+
 def _largest_step(estimate: float, **cable: Any) -> float:
     """Bisected, about the straight cable [s]."""
     _kept, mbs, _ = _system(scenes.pendulum, elements=6, gravity=0.0, **cable)
@@ -191,15 +182,15 @@ def _long_runs(steps: int) -> Iterator[Row]:
     """Energy of the pendulum over that many steps."""
     for stiffness in (2e3, REAL):
         _kept, mbs, _ = _system(scenes.pendulum, elements=5, stiffness=stiffness)
-        yield long_run(f"EA = {stiffness:.3g} N", mbs, WITH_STEP, steps)
+        yield {"kind": "run", **long_run(f"EA = {stiffness:.3g} N", mbs, WITH_STEP, steps)}
 
 
 def _costs(sizes: Sequence[tuple[int, int]], repeats: int) -> Iterator[Row]:
     """A step with axial stiffness over one without.   sizes: dimension, elements."""
     tasks = {(*size, k): _steps(*size, k) for size in sizes for k in (None, REAL)}
-    found = seconds_per_time(tasks, repeats, LEAST_SECONDS, "steps")
+    found = sampled(tasks, repeats, LEAST_SECONDS, "steps")
     for dimension, elements in sizes:
-        rigid, ours = (found[dimension, elements, k] for k in (None, REAL))
+        rigid, ours = (found[dimension, elements, k].cpu_seconds for k in (None, REAL))
         yield {
             "kind": "cost",
             "label": f"{dimension}D, {elements} elements",
@@ -230,61 +221,27 @@ def measure(order: Order) -> list[Row]:
     return [*rows, *_long_runs(2000 if quick else 1_000_000)]
 
 
-def conclude(results: Results) -> list[str]:
-    """Each bar, kept or not."""
-    said = [
-        _of_times(name, within, rows, results.noise)
-        for name in BARS
-        for within, rows in groups(compared(results), "within").items()
-    ]
-    for row in results.of_kind("accuracy"):
-        kept = judged(row["error"], row["bar"])
-        said.append(f"{row['label']}: {row['error']:.1e}, the bar of {row['bar']:g} is {kept}.")
-    dearest = largest(results.of_kind("cost"), "costRatio")
-    kept = judged(dearest["costRatio"], DEARER, results.noise)
-    said.append(
-        f"A step costs at most {dearest['costRatio']:.3g} of an inextensible one ({dearest['label']}); the "
-        f"bar of {DEARER} is {kept}."
-    )
-    said += _of_stiffness(results.of_kind("stiffness"))
-    return said + [_of_energy(row) for row in results.of_kind("run")]
+def _third(results: Results) -> list[Row]:
+    """Natives over ours on the scene that ENOUGH scenes reach, within each bound."""
+    rows = []
+    for name, bar in BARS.items():
+        for within, own in groups(compared(results), "within").items():
+            ratios = sorted(row.get(f"{name}/ours", 0.0) for row in own)
+            row = {"label": f"{WHO[name][0]}, within {within}", "bar": bar}
+            rows.append(row | {"ratio": ratios[-ENOUGH] if len(ratios) >= ENOUGH else None})
+    return rows
 
 
-def _of_times(name: str, within: str, rows: Sequence[Row], noise: float) -> str:
-    """Of natives over ours."""
-    key, bar = f"{name}/ours", BARS[name]
-    figures = ", ".join(f"{row['scene']} {number(row.get(key))}" for row in rows)
-    ratios = sorted(row.get(key, 0.0) for row in rows)
-    kept = judged(bar, ratios[-ENOUGH], noise) if len(rows) >= ENOUGH else UNDECIDED
-    return (
-        f"{WHO[name][0]}, over ours within {within}: {figures}; "
-        f"the bar of {bar:g} on {ENOUGH} scenes is {kept}."
-    )
-
-
-def _of_stiffness(rows: Sequence[Row]) -> list[str]:
-    steps, natives, distances = (column(rows, key) for key in ("found", "native", "distance"))
-    spread = max(steps) / min(steps) - 1.0
-    ends = f"from {rows[0]['label']} to {rows[-1]['value']:g} N"
-    powers = [
-        math.log(far / near) / math.log(other["value"] / one["value"])
-        for (one, far), (other, near) in pairwise(zip(rows, distances, strict=True))
-    ]
-    tends = judged(max(abs(power - 1.0) for power in powers), 0.1, 1.0, "tends", "does NOT tend")
-    return [
-        f"The largest stable step varies by {percent(spread)} {ends}: "
-        f"{judged(spread, SAME, 1.0, 'it does not depend on EA', 'it is NOT independent of EA')}; that of "
-        f"natives falls from {natives[0]:.1e} s to {natives[-1]:.1e} s.",
-        f"The motion {tends} to the inextensible one, with EA to the power of "
-        f"{-min(powers):.3f} to {-max(powers):.3f}.",
-    ]
-
-
-def _of_energy(row: Row) -> str:
-    return (
-        f"{row['label']}: over {row['steps']:,} steps the energy varies by {row['range']:.1e} of the swing, "
-        f"and its mean {'DRIFTS' if drifts(row) else 'does not drift'} ({row['drift']:.1e})."
-    )
+CONCLUSIONS = conclusions(
+    Bar(_third, "ratio", f"{{}}: CPU time over ours on {ENOUGH} scenes", "bar", "label", is_least=True),
+    Bar("accuracy", "error", "{}: error", "bar", "label", noise=1.0),
+    Bar("cost", "costRatio", "a step over an inextensible one", DEARER),
+    Bar("stiffness", "found", "largest stable step over the least", 1.0 + SAME, over_least=True, noise=1.0),
+    Bar("stiffness", "native", "the same of native cables", over_least=True),
+    Bar("stiffness", _limit, "distance to the inextensible motion, times EA, over the least one", 1.0 + NEAR,
+        over_least=True, noise=1.0),
+    Bar("run", drift_of, "{}: drift of the mean energy over its range", DRIFT, "label", noise=1.0),
+)  # fmt: skip
 
 
 def draw(results: Results, directory: Path) -> list[Path]:
@@ -320,4 +277,4 @@ TABLES = tables(
     settings=compared,
 )
 QUESTION = "What do cables that stretch cost, and are they right, from 20 N to 1e7 N?"
-STUDY = Study("stretch", QUESTION, measure, conclude, TABLES, draw, minutes=5)
+STUDY = Study("stretch", QUESTION, measure, CONCLUSIONS, TABLES, draw, minutes=5)

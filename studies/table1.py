@@ -111,11 +111,6 @@ TABLE = PaperTable(
         (5, "rungeKutta44", "lobatto"),
     ),
     quick=(3, 1, 4),
-    series={
-        "full": (4, 6, 8, 10, 12, 16),
-        "lobatto": (4, 6, 8, 10, 12),
-        "inextensible": (3, 4, 5, 6, 8, 10, 12, 16),
-    },
 )
 
 QUESTION = "How much CPU time does the inextensible cable save on the planar pendulum (Table 1)?"

@@ -115,11 +115,6 @@ TABLE = PaperTable(
         (5, "rungeKutta44", "lobatto"),
     ),
     quick=(3, 1, 3),
-    series={
-        "full": (2, 4, 6, 8, 10, 12, 16),
-        "lobatto": (4, 6, 8, 10, 12),
-        "inextensible": (3, 4, 5, 6, 8, 10, 12, 16),
-    },
 )
 
 QUESTION = "How much CPU time does the inextensible cable save on the spatial pendulum (Table 2)?"

@@ -13,7 +13,6 @@ Protocol
     above 0.3 s, once above 3 s; medians of CPU time are compared. What is timed is the solver's call, as for
     Table 1, with sensors at 100 Hz; of MuJoCo its steps alone. Inextensible runs are not ended for their
     energy, since it is the error that is measured. What diverges or fails stays, with its status.
-    A scene is one case of the sweep: a run that was killed goes on with the scene that it was at.
     Fronts hold the runs that no other of their family beats, and that gain 5 % of the error at least. The
     cost of an error is read off between neighbours of a front, on logarithmic scales, and never beyond its
     ends.
@@ -37,9 +36,8 @@ What is left out
     Native explicit rows of more than some 20 s; rigid links on the ring and on the power line.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
-from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -47,16 +45,17 @@ import numpy as np
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case
 
-from .harness import Results, Row, Study, announce, groups, number, tables, verdict
+from .harness import Results, Row, Study, announce, groups, tables
+from .harness.bars import Bar, conclusions
 from .harness.figures import COST_AXES, LOOKS, front_curves
 from .harness.plot import COLORS, Curve, Panel, chart
+from .harness.pool import Sweep
 from .harness.ratios import BY_NATIVE_SOLVERS, EXPLICIT, IMPLICIT, INEXTENSIBLE, PEER, family_of, is_usable
 from .harness.reference import ReferenceSolution
-from .harness.sweep import Outcome, Sweep
-from .harness.timing import OK, measure
+from .harness.timing import measure
 from .precision import fronts
 from .precision.cases import LINKED_SCENES, NOT_INSTALLED, cases_of
-from .precision.fronts import OPPONENTS, Loss, front_of, members, read, speed_up
+from .precision.fronts import OPPONENTS, front_of, members, read, speed_up
 from .table3 import reference_of
 
 SCENES = ("planar_pendulum", "spatial_pendulum", "vibrating_ring", "power_line")
@@ -78,13 +77,6 @@ def make_cases(quick: bool) -> list[Row]:
     ]
 
 
-def rows_of(case: Row, outcome: Outcome) -> list[Row]:
-    """Those that the scene gave; of a scene that failed, one with its status."""
-    if outcome.status != OK:
-        return [case | {"status": outcome.status}]
-    return list(outcome.result["rows"])
-
-
 # ------------------------------------------------------------------------------------------ measuring
 
 
@@ -101,14 +93,14 @@ def repeats_of(seconds: float) -> int:
     return SLOW_REPEATS if seconds > SLOW else REPEATS
 
 
-def run_scene(case: Row) -> Row:
-    """{"rows": ...} of a scene: its reference, every run, and the ratios."""
+def run_scene(case: Row) -> list[Row]:
+    """Of a scene: its reference, every run, and the ratios."""
     scene = replace(load_scene(case["scene"]), end_time=case["motion"])
     announce(scene.name, "preparing the reference and the cases, finding stable steps")
     reference = reference_of(scene)
     runs = measured(scene, cases_of(scene, case["quick"]), reference, case["repeats"])
     ratios = ratio_rows(scene.name, runs, reference.uncertainty)
-    return {"rows": [reference_row(scene, reference), *runs, *ratios]}
+    return [reference_row(scene, reference), *runs, *ratios]
 
 
 def measured(
@@ -149,86 +141,37 @@ def ratio_rows(scene: str, runs: Sequence[Row], uncertainty: float) -> list[Row]
     return rows
 
 
-# ------------------------------------------------------------------------------------------ sentences
+# ---------------------------------------------------------------------------------------- conclusions
 
 
-BAR = 50.0
 BAR_SCENE, BAR_BOUNDS = "planar_pendulum", (5e-3, 7e-4)
+LEAST = {IMPLICIT: 50.0, EXPLICIT: 50.0, PEER: 1.0}
+
+
+def _barred(results: Results) -> list[Row]:
+    """What the study has to show, on the whole motion of the planar pendulum."""
+    return [
+        row | {"label": f"{row['opponent']}, at {row['bound']:g} m", "bar": LEAST[row["opponent"]]}
+        for row in results.of_kind("speedUp")
+        if not results.quick
+        and row["scene"] == BAR_SCENE
+        and row["bound"] in BAR_BOUNDS
+        and row["opponent"] in LEAST
+    ]
 
 
 def conclude(results: Results) -> list[str]:
-    """References, bars, ratios, losses, failures: scene by scene."""
-    failed = [f"FAILED: {row['scene']}: {row['status']}" for row in results.of_kind("scene")]
-    runs, ratios = (groups(results.of_kind(kind), "scene") for kind in ("run", "speedUp"))
-    sentences = failed + _bars(results)
-    for reference in results.of_kind("reference"):
-        scene = reference["scene"]
-        sentences += _of_scene(reference, runs.get(scene, []), ratios.get(scene, []))
-    return sentences
+    """Bars; where the cable loses; scenes without rigid links."""
+    runs = groups(results.of_kind("run"), "scene")
+    lacking = [name for name in LINKED_SCENES if name in runs and not members(runs[name], PEER)]
+    return BARS(results) + [f"{name}: {NOT_INSTALLED}" for name in lacking]
 
 
-def _of_scene(reference: Row, runs: Sequence[Row], ratios: Sequence[Row]) -> Iterator[str]:
-    """Reference; which methods make up the inextensible front; ratios; where it loses; what failed."""
-    scene, uncertainty = reference["scene"], reference["uncertainty"]
-    how = " (no independent one exists: self-convergence)" if reference["selfConvergence"] else ""
-    yield (
-        f"{scene}, {reference['motion']:g} s: errors are distances to {reference['source']}{how}, good to "
-        f"{number(uncertainty, 2)} m; smaller errors count as large as that."
-    )
-    own = front_of(members(runs, INEXTENSIBLE), uncertainty)
-    if own.rows:
-        ends = [f"{number(own.errors[k], 2)} m in {number(own.seconds[k], 2)} s" for k in (0, -1)]
-        methods = ", ".join(dict.fromkeys(map(fronts.method_of, own.rows)))
-        yield f"{scene}: the inextensible front reaches from {ends[0]} to {ends[1]}; on it: {methods}."
-    else:
-        yield f"{scene}: no inextensible run succeeded."
-    for opponent, rows in groups(ratios, "opponent").items():
-        found = ", ".join(f"{_ratio(row)} at {row['bound']:g} m" for row in rows)
-        yield f"{scene}, CPU time of {opponent} over that of the cable: {found}."
-    for opponent in fronts.OTHERS:
-        if theirs := [row for row in runs if fronts.OPPONENTS[opponent](row)]:
-            losses = fronts.losses(front_of(theirs, uncertainty), own)
-            where = "; ".join(f"{_range(loss)} ({loss.why})" for loss in losses) or "nowhere"
-            yield f"{scene}: against {opponent}, the inextensible cable loses {where}."
-    lost = [row for row in runs if row["status"] != "ok"]
-    if lost:
-        counts = {family: len(members(lost, family)) for family in fronts.FAMILIES}
-        parts = [f"{n} of {len(members(runs, family))} {family}" for family, n in counts.items() if n]
-        yield f"{scene}: runs that failed or diverged, kept with their status: {', '.join(parts)}."
-    if scene in LINKED_SCENES and not members(runs, PEER):
-        yield f"{scene}: {NOT_INSTALLED}"
-
-
-def _ratio(row: Row) -> str:
-    """A ratio, or why there is none."""
-    if row["ratio"] is not None:
-        return f"{row['ratio']:.0f}" if row["ratio"] >= 10.0 else f"{row['ratio']:.1f}"
-    if row["opponentOutcome"] == BELOW:
-        return f"nothing ({BELOW})"
-    who = "opponent" if row["opponentSeconds"] is None else "cable"
-    return f"none ({who}: {row['opponentOutcome'] if who == 'opponent' else row['ownOutcome']})"
-
-
-def _range(loss: Loss) -> str:
-    if loss.least == loss.largest:
-        return f"at {number(loss.least, 2)} m"
-    return f"from {number(loss.least, 2)} to {number(loss.largest, 2)} m"
-
-
-def _bars(results: Results) -> list[str]:
-    """What the study has to show, on the whole motion of the planar pendulum."""
-    if results.quick:
-        return []
-    rows = {(row["scene"], row["bound"], row["opponent"]): row for row in results.of_kind("speedUp")}
-    asked = product([BAR_SCENE], BAR_BOUNDS, (IMPLICIT, EXPLICIT, PEER))
-    return [_verdict(rows[one], 1.0 if one[-1] == PEER else BAR) for one in asked if one in rows]
-
-
-def _verdict(row: Row, bar: float) -> str:
-    left = f"bar: {row['scene']} at {row['bound']:g} m, {row['opponent']}, at least {bar:g} times"
-    if row["ratio"] is not None:
-        return f"{left}: {verdict(row['ratio'] >= bar)}, {number(row['ratio'])}."
-    return f"{left}: {_ratio(row)}."
+OVER = "CPU time over that of the inextensible cable"
+BARS = conclusions(
+    Bar(_barred, "ratio", "{}: " + OVER, "bar", "label", is_least=True, noise=1.0),
+    Bar("speedUp", "ratio", "{}: least " + OVER + " at any error", 1.0, "opponent", is_least=True),
+)
 
 
 # ------------------------------------------------------------------------------------------ pictures
@@ -301,7 +244,7 @@ QUESTION = "What does an accuracy cost in each formulation, and where does the i
 STUDY = Study(
     "work_precision",
     QUESTION,
-    Sweep(make_cases, run_scene, rows_of),
+    Sweep(make_cases, run_scene),
     conclude,
     TABLES,
     draw,

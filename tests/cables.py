@@ -442,24 +442,21 @@ class DenseConstraints:
     rows: dict[str, slice]
 
 
-ORDERED = ["distance", "prescribed motion"]
-
-
-def _links_last(constraint):
-    """Links come last, in the order of `cable.links`."""
-    return ORDERED.index(constraint.name) if constraint.name in ORDERED else -1
+LINKS_LAST = ["distance", "prescribed motion"]  # in the order of `cable.links`
 
 
 def dense_constraints(cable, q, v, t=0.0):
-    """All constraints of the cable, stacked."""
-    found = sorted(constraints_of_cable(cable), key=_links_last)
-    starts = np.cumsum([0] + [constraint.number for constraint in found])
+    """All constraints of the cable, links last."""
+    found = constraints_of_cable(cable)
+    names = sorted(found.rows, key=lambda name: LINKS_LAST.index(name) if name in LINKS_LAST else -1)
+    order = np.concatenate([np.zeros(0, int), *(np.arange(found.number)[found.rows[n]] for n in names)])
+    ends = np.cumsum([0, *(found.rows[name].stop - found.rows[name].start for name in names)])
     return DenseConstraints(
-        value=np.concatenate([c.value(q, t) for c in found] or [np.zeros(0)]),
-        jacobian=np.vstack([c.jacobian(q, t).toarray() for c in found]),
-        rate=np.concatenate([c.rate(q, v, t) for c in found] or [np.zeros(0)]),
-        gamma=np.concatenate([c.gamma(q, v, t) for c in found]),
-        rows={c.name: slice(a, b) for c, a, b in zip(found, starts, starts[1:], strict=False)},
+        value=found.value(q, t)[order],
+        jacobian=found.jacobian(q, t).toarray()[order],
+        rate=found.rate(q, v, t)[order],
+        gamma=found.gamma(q, v, t)[order],
+        rows={name: slice(a, b) for name, a, b in zip(names, ends, ends[1:], strict=False)},
     )
 
 

@@ -55,6 +55,7 @@ from .axial_stiffness import (
     STIFFNESS,
     STRAIN,
 )
+from .contact_mass import add_contact_mass, couple_by_contact
 from .factorisation import eliminate_node, factorise
 from .saddle_point import solve_column
 
@@ -301,6 +302,7 @@ def factorise_chain(axes, nodes, elements, q):
             _add_square(axes, elements[k - 1].axial[ADDED_MASS], elements[k - 1].gradient, 2, block)
             for r in range(number):
                 _add_square(axes, 1.0, rows, 4 * r + 2, block)
+            add_contact_mass(axes, nodes, elements, k - 1, 4, block)
         if k < len(elements):
             _add_square(axes, elements[k].axial[ADDED_MASS], elements[k].gradient, 0, block)
             _set_coupling(axes, elements[k], w)
@@ -308,6 +310,8 @@ def factorise_chain(axes, nodes, elements, q):
             for r in range(number):
                 _add_square(axes, 1.0, rows, 4 * r, block)
                 _couple(axes, rows, 4 * r, w)
+            add_contact_mass(axes, nodes, elements, k, 0, block)
+            couple_by_contact(axes, nodes, elements, k, w)
         eliminate_node(axes, nodes[k], block, w, following)
 
 

@@ -74,6 +74,8 @@ def element_type(
     lag: h/2 [s], see `implicit_bending`, empty without damping.
     drag: table of the drag, empty without drag.   drag_law: its coefficients and the flow.
     axial: as for nodes.   bending: EI / (3 l) [N m], empty without axial stiffness.
+    contact: beside the mass of both nodes, see `contact_mass`, empty without axial stiffness and in space.
+    touches: whether it is not zero.
     slope_gram: slope Gram matrix in difference coordinates; zero without length constraint.
     reference_length: int |r_x|^2 dx in the reference configuration [m].
     per_length: its inverse [1/m]; 0 between two cables.
@@ -95,6 +97,8 @@ def element_type(
             ("drag_law", NUMBER, (2, 3) if dragged else (0, 3)),
             ("axial", NUMBER, (AXIAL_SIZE if axial else 0,)),
             ("bending", NUMBER, (1 if axial else 0,)),
+            ("contact", NUMBER, (8 if axial and dim == 2 else 0, 8)),
+            ("touches", np.bool_),
             ("slope_gram", NUMBER, (3, 3)),
             ("reference_length", NUMBER),
             ("per_length", NUMBER),

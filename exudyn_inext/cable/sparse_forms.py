@@ -7,7 +7,9 @@ from scipy.sparse import coo_array, csr_array, eye_array, kron
 
 from ..arrays import Array
 from ..element.forms import forms_of_mesh
+from ..element.inertia import mass_matrix
 from .assembly import add_elastic_force
+from .attached import mass_of_points
 from .cable import Cable
 from .chain import Chain
 from .constraint_rows import unconstrained_force
@@ -30,17 +32,30 @@ def form_of_cable(cable: Cable, form: Callable[[float], Array]) -> csr_array:
     return assembled(forms_of_mesh(form, cable.element_lengths), cable.reference.shape)
 
 
+def mass_of_cable(cable: Cable) -> csr_array:
+    """(n_dof, n_dof) mass matrix, point masses included, without mass scaling."""
+    own = cable.section.mass_per_length * form_of_cable(cable, mass_matrix)
+    points = mass_of_points(cable.point_masses, cable.element_lengths)
+    return csr_array(own + assembled(points, cable.reference.shape))
+
+
 def elastic_tangent(chain: Chain, q: Array) -> csr_array:
-    """-dQ_el/dq (n_dof, n_dof) at q (n, 2, dim); exact: Q_el is cubic in q, two steps of differences do."""
-    return _matrix_of(lambda x: _apply_tangent(chain, q, x), q.shape)
+    """-dQ_el/dq (n_dof, n_dof) at q (n, 2, dim); exact: Q_el is cubic in q, long steps do."""
+
+    def elastic_force(at: Array) -> Array:
+        force = np.zeros_like(at)
+        add_elastic_force(chain, at, force)
+        return force
+
+    return tangent_of(elastic_force, q, step=1.0)
 
 
-def tangent_of(force: Callable[[Array], Array], q: Array) -> csr_array:
+def tangent_of(force: Callable[[Array], Array], q: Array, step: float = STEP) -> csr_array:
     """-dF/dq (n_dof, n_dof) of a smooth force (n, 2, dim) at q, by differences of order four."""
 
     def apply(x: Array) -> Array:
-        near = force(q + STEP * x) - force(q - STEP * x)
-        return (force(q + 2.0 * STEP * x) - force(q - 2.0 * STEP * x) - 8.0 * near) / (12.0 * STEP)
+        near = force(q + step * x) - force(q - step * x)
+        return (force(q + 2.0 * step * x) - force(q - 2.0 * step * x) - 8.0 * near) / (12.0 * step)
 
     return _matrix_of(apply, q.shape)
 
@@ -80,13 +95,3 @@ def _matrix_of(apply: Callable[[Array], Array], shape: tuple[int, ...]) -> csr_a
                 values.append(image[exists].ravel())
     entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
     return csr_array(coo_array(entries, shape=(numbers.size, numbers.size)))
-
-
-def _apply_tangent(chain: Chain, q: Array, x: Array) -> Array:
-    image = np.zeros_like(q)
-    for step, weight in ((1.0, 8.0 / 12.0), (2.0, -1.0 / 12.0)):
-        for sign in (1.0, -1.0):
-            force = np.zeros_like(q)
-            add_elastic_force(chain, q + sign * step * x, force)
-            image -= sign * weight * force
-    return image

@@ -1,26 +1,24 @@
-"""Holonomic constraints c(q, t) = 0 of a cable, Eqs. (18)-(20): one kind a file, found by itself.
+"""Holonomic constraints c(q, t) = 0 of a cable, Eqs. (18)-(20).
 
-A module of this folder that defines `of_cable(cable)` adds a kind. The solver enforces them through the
-structure of the chain (see `cable.saddle_point`); here they stand on their own, for consistency
-checks and as the oracle of the tests.
+The solver enforces them through the structure of the chain (see `cable.saddle_point`); here they are
+quadratic forms, for consistency checks, statics and as the oracle of the tests. A kind that is a link has a
+file with the function that makes it, and needs nothing else.
 """
 
-import importlib
-import pkgutil
-
+from ..arrays import Array
 from ..cable.cable import Cable
-from .constraint import Constraint
+from .kinds import length, links_by_kind, nodal_inextensibility
+from .quadratic import Constraints
 
-KINDS = [
-    module
-    for module in (
-        importlib.import_module(f"{__name__}.{info.name}") for info in pkgutil.iter_modules(__path__)
-    )
-    if hasattr(module, "of_cable")
-]
+__all__ = ["Constraints", "constraints_of_cable"]
 
 
-def constraints_of_cable(cable: Cable) -> list[Constraint]:
-    """All constraints of `cable`, without redundant ones."""
-    found = (kind.of_cable(cable) for kind in KINDS)
-    return [constraint for constraint in found if constraint.number > 0]
+def constraints_of_cable(cable: Cable, slope: Array | None = None) -> Constraints:
+    """All constraints of `cable`, without redundant ones, sorted by the names of their kinds.
+
+    slope: (dim,) of the first node of a ring, across which the slopes of its ends are joined; None: that of
+    the reference.
+    """
+    kinds = [length(cable), nodal_inextensibility(cable), *links_by_kind(cable, slope)]
+    present = sorted((kind for kind in kinds if len(kind.constant)), key=lambda kind: kind.name)
+    return Constraints(present, cable.reference.shape)

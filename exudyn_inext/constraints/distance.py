@@ -2,10 +2,8 @@
 
 import numpy as np
 
-from ..cable.cable import Cable
 from ..cable.link import Link, Motion, rest
 from ..checks import require_positive
-from .links import LinkConstraint, of_kind
 
 KIND = "distance"
 
@@ -22,8 +20,3 @@ def rod(nodes: tuple[int, int], dim: int, length: float) -> Link:
     require_positive("length of the rod [m]", length)
     weights = np.array([[1.0, 0.0], [-1.0, 0.0]])
     return Link(KIND, nodes, weights, rest(np.zeros(dim)), np.zeros(dim), length)
-
-
-def of_cable(cable: Cable) -> LinkConstraint:
-    """All hangers and rods of `cable`."""
-    return of_kind(cable.links, KIND)

@@ -4,9 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..cable.cable import Cable
 from ..cable.link import Link, Motion
-from .links import LinkConstraint, of_kind
 
 KIND = "prescribed motion"
 
@@ -16,8 +14,3 @@ def prescribed(node: int, motion: Motion, axes: Sequence[int], of_slope: bool = 
     dim = motion.at(0.0).shape[1]
     weights = np.array([[0.0, 1.0] if of_slope else [1.0, 0.0]])
     return [Link(KIND, (node,), weights, motion, np.eye(dim)[axis]) for axis in axes]
-
-
-def of_cable(cable: Cable) -> LinkConstraint:
-    """All prescribed motions of `cable`."""
-    return of_kind(cable.links, KIND)

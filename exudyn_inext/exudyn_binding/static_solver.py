@@ -176,15 +176,14 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         ]
         start, _ = joined.initial_state
         options = StaticOptions(static.tolerance, static.maxIterations)
-        equilibrium = find_equilibrium(JoinedPotential(potentials, others, start), start, options)
+        potential = JoinedPotential(potentials, others, start)
+        equilibrium = find_equilibrium(potential, start, options)
         q = equilibrium.q
         reactions = others.reactions(q, equilibrium.multipliers[-len(others.values(q)) or len(q) :])
         data = others.data(q)
-    first = 0
-    for cable, potential, dofs in zip(scene.cables, potentials, joined.map.slices, strict=False):
-        own = slice(first, first + potential.number_of_constraints)
-        shape, first = cable.cable.reference.shape, own.stop
-        _put_reactions(cable, q[dofs].reshape(shape), equilibrium.multipliers[own], time, reactions)
+    multipliers = potential.multipliers_of_cables(equilibrium.multipliers)
+    for cable, own, dofs in zip(scene.cables, multipliers, joined.map.slices, strict=False):
+        _put_reactions(cable, q[dofs].reshape(cable.cable.reference.shape), own, time, reactions)
     of_cables = [
         replace(equilibrium, q=q[dofs].reshape(cable.cable.reference.shape))
         for cable, dofs in zip(scene.cables, joined.map.slices, strict=False)

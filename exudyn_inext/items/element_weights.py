@@ -14,18 +14,17 @@ import numpy as np
 from ..errors import SceneError
 from ..loads.weight import ElementWeight
 from ..scene.model import CableItem
-from .attach.inert import is_inert_cable
-from .functions_of_time import is_of_time_alone
-from .load_items import history_of
+from .attach.inert import nodes_of_inert_cable
+from .load_items import course_of
 
 _MASSES = ("mass", "massPerLength")  # parameters of objects
 
-Elements = Mapping[tuple[int, int], tuple[int, int]]  # nodes -> number of the cable's object, element
+Elements = Mapping[tuple[int, ...], tuple[int, int]]  # nodes -> number of the cable's object, element
 
 
 def elements_by_nodes(cables: Mapping[int, CableItem]) -> Elements:
     """Where companions may lie.   cables: by the numbers of their objects."""
-    found: dict[tuple[int, int], tuple[int, int]] = {}
+    found: dict[tuple[int, ...], tuple[int, int]] = {}
     for number, item in cables.items():
         found |= {nodes: (number, k) for k, nodes in enumerate(pairwise(item.node_names))}
     return {nodes[::-1]: element for nodes, element in found.items()} | found
@@ -41,24 +40,14 @@ def read_weight(mbs: Any, number: int, elements: Elements) -> ElementWeight | No
     if data["loadType"] != "MassProportional":
         return None
     body = mbs.GetObject(mbs.GetMarker(data["markerNumber"])["bodyNumber"])
-    element = elements.get(_nodes(body)) if is_inert_cable(body) else None
+    element = elements.get(nodes_of_inert_cable(body))
     if element is None:
         _require_mass(number, data, body)
         return None
     value, user_function = data["loadVector"], data["loadVectorUserFunction"]
-    return ElementWeight(
-        cable=element[0],
-        elements=(element[1],),
-        constant=np.asarray(value, dtype=float),
-        function=user_function["function"] if user_function else None,
-        history=history_of(mbs, user_function, value),
-        is_pure=is_of_time_alone(mbs, user_function),
-    )
-
-
-def _nodes(body: dict[str, Any]) -> tuple[int, int]:
-    left, right = map(int, body["nodeNumbers"])
-    return left, right
+    constant, history, is_pure = course_of(mbs, user_function, value)
+    function = user_function["function"] if user_function else None
+    return ElementWeight(element[0], (element[1],), constant, function, history, is_pure)
 
 
 def _require_mass(number: int, load: dict[str, Any], body: dict[str, Any]) -> None:

@@ -158,19 +158,11 @@ def _stored_in(module: dict[str, Any]) -> set[str]:
     names: set[str] = set()
     for value in list(module.values()):
         members = list(vars(value).values()) if isinstance(value, type) else [value]
-        for function in members:
-            if isinstance(function, FunctionType) and function.__globals__ is module:
-                for code in _all_codes(function.__code__):
-                    names |= _stored_by(code, module)
+        functions = [one for one in members if isinstance(one, FunctionType) and one.__globals__ is module]
+        for found in (_looked_at(code) for one in functions for code in _all_codes(one.__code__)):
+            read = found.outer if found.stores else ()
+            names |= found.assigned | {name for name in read if isinstance(module.get(name), _CONTAINERS)}
     return names
-
-
-def _stored_by(code: CodeType, module: dict[str, Any]) -> frozenset[str]:
-    """Of one function: what it assigns; all lists and the like that it reads, if it stores into anything."""
-    found = _looked_at(code)
-    if not found.stores:
-        return found.assigned
-    return found.assigned | {name for name in found.outer if isinstance(module.get(name), _CONTAINERS)}
 
 
 def _all_codes(code: CodeType) -> list[CodeType]:

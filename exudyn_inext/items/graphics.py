@@ -20,23 +20,12 @@ def cable_graphics(cable: Cable, nodes: Sequence[int]) -> Any:
     ]
 
     def draw_cable(mbs: Any, itemNumber: int) -> list[dict[str, Any]]:
-        shape = cable.reference.shape[1:]
-        q = cable.reference + np.array(
-            [
-                np.reshape(
-                    mbs.GetNodeOutput(
-                        node,
-                        exudyn.OutputVariableType.Coordinates,
-                        exudyn.ConfigurationType.Visualization,
-                    ),
-                    shape,
-                )
-                for node in nodes
-            ]
-        )
+        what = exudyn.OutputVariableType.Coordinates, exudyn.ConfigurationType.Visualization
+        displacements = [mbs.GetNodeOutput(node, *what) for node in nodes]
+        q = cable.reference + np.reshape(displacements, cable.reference.shape)
         curve = np.concatenate([s.T @ np.concatenate([q[k], q[k + 1]]) for k, s in enumerate(weights)])
         points = np.zeros((len(curve), 3))
-        points[:, : shape[1]] = curve
+        points[:, : cable.dimension] = curve
         return [{"type": "Line", "color": COLOUR, "data": points.ravel().tolist()}]
 
     return draw_cable

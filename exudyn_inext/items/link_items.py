@@ -40,11 +40,10 @@ def _coordinate_to_ground(mbs: Any, data: dict[str, Any], is_moved: bool) -> Hel
         return None
     if bool(data["offset"] != 0.0 or data["offsetUserFunction"]) != is_moved:
         return None
-    marker = node_marker_to_ground(mbs, data)
-    if marker is None or marker["markerType"] != "NodeCoordinate":
+    marker, which = node_marker_to_ground(mbs, data) or ({"markerType": ""}, 0)
+    if marker["markerType"] != "NodeCoordinate":
         return None
-    is_first = point_on_ground(mbs, markers_of(mbs, data)[0]) is None
-    gradient = -1.0 if is_first else float(data["factor1"])
+    gradient = float(data["factor1"]) if which else -1.0
     return HeldCoordinate(int(marker["nodeNumber"]), int(marker["coordinate"]), gradient)
 
 
@@ -56,7 +55,7 @@ def read_held_coordinate(mbs: Any, data: dict[str, Any]) -> HeldCoordinate | Non
 def read_moving_coordinate(mbs: Any, number: int, data: dict[str, Any]) -> MovingCoordinate | None:
     """A CoordinateConstraint to ground whose offset is given, by a user function or constant; or None."""
     tied = _coordinate_to_ground(mbs, data, is_moved=True)
-    if tied is None or data["factor1"] != 1.0 or point_on_ground(mbs, markers_of(mbs, data)[0]) is None:
+    if tied is None or tied.gradient != 1.0:
         return None
     reference = np.array(mbs.GetNode(tied.node)["referenceCoordinates"])
     if tied.coordinate >= len(reference) // 2:

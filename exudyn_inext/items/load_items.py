@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
 from ..loads.nodal import NodalLoad
 from .functions_of_time import is_of_time_alone
 from .mass_points import mass_of_point, node_of_mass_point
@@ -27,14 +28,8 @@ def read_load(mbs: Any, number: int) -> NodalLoad | None:
         value, user_function = data["load"], data["loadUserFunction"]
     else:
         return None
-    return NodalLoad(
-        node=int(marker["nodeNumber"]),
-        coordinates=coordinates,
-        constant=np.atleast_1d(np.asarray(value, dtype=float)),
-        history=history_of(mbs, user_function, value),
-        is_pure=is_of_time_alone(mbs, user_function),
-        number=number,
-    )
+    course = course_of(mbs, user_function, value)
+    return NodalLoad(int(marker["nodeNumber"]), coordinates, *course, number)
 
 
 def _weight_of_mass_point(mbs: Any, data: dict[str, Any], body: dict[str, Any]) -> NodalLoad | None:
@@ -45,20 +40,16 @@ def _weight_of_mass_point(mbs: Any, data: dict[str, Any], body: dict[str, Any]) 
     node = node_of_mass_point(body)
     if node < 0:
         return None
-    mass, user_function = mass_of_point(body), data["loadVectorUserFunction"]
-    acceleration = history_of(mbs, user_function, data["loadVector"])
-    return NodalLoad(
-        node=node,
-        coordinates=(0, 1, 2),
-        constant=mass * np.asarray(data["loadVector"], dtype=float),
-        history=acceleration and (lambda t: mass * np.asarray(acceleration(t), dtype=float)),
-        is_pure=is_of_time_alone(mbs, user_function),
-    )
+    mass = mass_of_point(body)
+    gravity, history, is_pure = course_of(mbs, data["loadVectorUserFunction"], data["loadVector"])
+    force = history and (lambda t: mass * np.asarray(history(t), dtype=float))
+    return NodalLoad(node, (0, 1, 2), mass * gravity, force, is_pure)
 
 
-def history_of(mbs: Any, user_function: Any, value: Any) -> Callable[[float], Any] | None:
-    """t -> what the user function of a load returns; None without one.   value: of the load."""
+def course_of(mbs: Any, user_function: Any, value: Any) -> tuple[Array, Callable[[float], Any] | None, bool]:
+    """`constant`, `history` and `is_pure` of a `NodalLoad`, from what Exudyn gives of a load."""
+    constant = np.atleast_1d(np.asarray(value, dtype=float))
     if not user_function:
-        return None
+        return constant, None, False
     function = user_function["function"]
-    return lambda t: function(mbs, t, value)
+    return constant, lambda t: function(mbs, t, value), is_of_time_alone(mbs, user_function)

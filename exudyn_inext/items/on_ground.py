@@ -24,12 +24,13 @@ def markers_of(mbs: Any, data: dict[str, Any]) -> list[dict[str, Any]]:
     return [mbs.GetMarker(number) for number in data["markerNumbers"]]
 
 
-def node_marker_to_ground(mbs: Any, data: dict[str, Any]) -> dict[str, Any] | None:
-    """The marker on a node that a connector ties to the ground, or None if it ties something else."""
+def node_marker_to_ground(mbs: Any, data: dict[str, Any]) -> tuple[dict[str, Any], int] | None:
+    """The marker on a node that a connector ties to the ground, and which of both it is; None: others."""
     if not data["activeConnector"]:
         return None
-    moving = [marker for marker in markers_of(mbs, data) if point_on_ground(mbs, marker) is None]
-    return moving[0] if len(moving) == 1 and _is_on_node(moving[0]) else None
+    markers = enumerate(markers_of(mbs, data))
+    moving = [(marker, k) for k, marker in markers if point_on_ground(mbs, marker) is None]
+    return moving[0] if len(moving) == 1 and _is_on_node(moving[0][0]) else None
 
 
 def _is_on_node(marker: dict[str, Any]) -> bool:

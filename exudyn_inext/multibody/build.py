@@ -9,7 +9,8 @@ import numpy as np
 from ..arrays import Array
 from .build_joints import build_joints
 from .build_nodes import Ends, ends_of_cables
-from .cables import Cables
+from .cables import Cables, provide_cables, show_matrix
+from .implicit_contacts import add_contact, mark_implicit
 from .scene import Items, SceneSystem
 
 
@@ -56,6 +57,11 @@ def build_scene(
     joints = build_joints(places, known.bodies, known.points, known.rows, foresight, still, ends)
     path, counting = np.zeros((5, max(size, 7))), np.zeros(2, np.int64)
     force, given, predicted = np.zeros((3, size))
+    implicit = mark_implicit(cables, chains, known.contacts.records)
+    if len(joints.nodes.dof):
+        provide_cables(cables, chains, show_matrix)
+    if implicit:
+        provide_cables(cables, chains, add_contact)
     records = known.bodies, known.points, known.sliders, known.connectors, known.loads, known.contacts
     items = Items(*records, joints, force, given, predicted, path, counting)
     number = places[-1].stop if places else 0

@@ -18,7 +18,7 @@ from .nodes import copy_chain
 class Cables(NamedTuple):
     """Systems of k chains.
 
-    addresses: (k,), functions: (k, 8), see `Called`.
+    addresses: (k,), functions: (k, 10), see `Called`.
     dofs, inputs: (k + 1,) where the coordinates of each begin, and what it takes as external force.
     """
 
@@ -42,13 +42,20 @@ def cables_in_a_row(systems: Sequence[Any], inputs: Sequence[int]) -> Cables:
 
 
 def provide_cables(cables: Cables, systems: Sequence[Any], *protocols: Any) -> None:
-    """Let these protocols be called, too.   systems: those of the cables."""
+    """Let these protocols be called, too, where they are implemented.   systems: those of the cables."""
     for functions, system in zip(cables.functions, systems, strict=True):
         provide(functions, system, *protocols)
 
 
 @inlined
-def _one(cables, k):
+def provides(cables, k, place):
+    """Whether the protocol at that place of the table can be called of chain k."""
+    return cables.functions[k, place] != 0
+
+
+@inlined
+def one_chain(cables, k):
+    """Chain k, to be called."""
     return Called(cables.addresses[k], cables.functions[k])
 
 
@@ -59,7 +66,7 @@ def rates_of_cables(cables, external, q, v, acceleration, rate):
     for k in range(len(cables.functions)):
         i, j = dofs[k], dofs[k + 1]
         force = external[inputs[k] : inputs[k + 1]]
-        index_reduced_rates(_one(cables, k), force, q[i:j], v[i:j], acceleration[i:j], rate[i:j])
+        index_reduced_rates(one_chain(cables, k), force, q[i:j], v[i:j], acceleration[i:j], rate[i:j])
 
 
 @inlined
@@ -70,7 +77,7 @@ def accelerate_cables(cables, external, q, v, duration, acceleration, end_veloci
         i, j = dofs[k], dofs[k + 1]
         force = external[inputs[k] : inputs[k + 1]]
         accelerate_and_project(
-            _one(cables, k), force, q[i:j], v[i:j], duration, acceleration[i:j], end_velocity[i:j]
+            one_chain(cables, k), force, q[i:j], v[i:j], duration, acceleration[i:j], end_velocity[i:j]
         )
 
 
@@ -81,7 +88,9 @@ def correct_cables(cables, external, q, tolerance, learning, correction):
     for k in range(len(cables.functions)):
         i, j = dofs[k], dofs[k + 1]
         moves = external[inputs[k] : inputs[k + 1]]
-        violation = correct_position(_one(cables, k), moves, q[i:j], tolerance, learning, correction[i:j])
+        violation = correct_position(
+            one_chain(cables, k), moves, q[i:j], tolerance, learning, correction[i:j]
+        )
         if violation < tolerance:
             for d in range(i, j):
                 correction[d] = 0.0
@@ -103,7 +112,7 @@ def respond_with_cables(cables, joints):
             k += 1
         first, last = entries.first[e], entries.first[e] + entries.width[e]
         respond(
-            _one(cables, k),
+            one_chain(cables, k),
             entries.dof[e] - cables.dofs[k],
             entries.jacobian[first:last],
             entries.response[first:last],
@@ -114,7 +123,7 @@ def respond_with_cables(cables, joints):
             k += 1
         places = slice(nodes.begin[c], nodes.begin[c + 1])
         show_matrix(
-            _one(cables, k),
+            one_chain(cables, k),
             nodes.dof[c] - cables.dofs[k],
             nodes.block[places].reshape(-1),
             nodes.basis[places].reshape(-1),

@@ -19,6 +19,7 @@ import numpy as np
 from ..arrays import Array, record_type
 from ..called_system import implements
 from ..compiled import dispatched, inlined
+from ..lowered import local_array
 from .points import add_wrench
 
 NOW, START = range(2)  # data at present, and at the start of the step
@@ -44,13 +45,15 @@ CONTACT = record_type(
         ("viscosity", np.float64),
         ("length", np.float64),  # of a segment
         ("height", np.float64),  # of the ends above the cable's axis
+        ("implicit", np.bool_),  # whether its damping may be, see `implicit_contacts`
+        ("lag", np.float64),  # W / d there [s]; 0: it is explicit
         ("wrench", np.float64, (6,)),
     ]
 )
 END = record_type(
     [
         ("weights", np.float64, (2, 4)),  # of positions and slopes of both nodes: for r and r_x
-        ("x", np.float64, (2, 2)),  # position, velocity
+        ("x", np.float64, (3, 2)),  # position, velocity, acceleration
         ("slope", np.float64, (2,)),  # r_x
         ("force", np.float64, (2,)),
     ]
@@ -63,6 +66,8 @@ SEGMENT = record_type(
         ("normal", np.float64, (2,)),
         ("rate", np.float64, (2,)),  # v_n, v_t
         ("force", np.float64, (2,)),  # f_n, f_t
+        ("acceleration", np.float64, (2,)),  # B a along n and t
+        ("mass", np.float64, (2,)),  # W along n and t
     ]
 )
 
@@ -93,9 +98,10 @@ class NoContacts(NamedTuple):
 
 @dispatched
 @singledispatch
-def add_contacts(contacts, points, q, v, settles, force):
+def add_contacts(contacts, points, q, v, a, settles, force):
     """Add the generalised forces of all contacts to force (n,); the points are placed and move.
 
+    a: (n,) accelerations that v contains, where damping is implicit.
     settles: whether data are brought up to date before.
 
     Raises:
@@ -127,7 +133,7 @@ def recall_contacts(contacts, row):
 
 
 @implements(add_contacts, NoContacts)
-def add_no_contacts(contacts, points, q, v, settles, force):
+def add_no_contacts(contacts, points, q, v, a, settles, force):
     """Nothing touches."""
 
 
@@ -165,19 +171,19 @@ def _place_ends(contact, ends, q):
 
 
 @inlined
-def _move_ends(contact, ends, v):
-    """r_t - y w r_x / |r_x|, w the angular velocity of the slope."""
+def _move_ends(contact, ends, v, order):
+    """r_t - y w r_x / |r_x|, w the angular velocity of the slope.   order: 2 if v are accelerations."""
     for e in range(len(ends)):
         end = ends[e]
         for i in range(2):
-            end.x[1, i] = _combine(contact, end.weights[0], v, i)
+            end.x[order, i] = _combine(contact, end.weights[0], v, i)
         if contact.height != 0.0:
             u, w = _combine(contact, end.weights[1], v, 0), _combine(contact, end.weights[1], v, 1)
             x, y = end.slope[0], end.slope[1]
             square = x * x + y * y
             turning = contact.height * (x * w - y * u) / (square * np.sqrt(square))
-            end.x[1, 0] -= turning * x
-            end.x[1, 1] -= turning * y
+            end.x[order, 0] -= turning * x
+            end.x[order, 1] -= turning * y
 
 
 @inlined
@@ -206,6 +212,15 @@ def _set_rates(contact, circle, one, other, segment):
     u = one.x[1, 0] + segment.share * (other.x[1, 0] - one.x[1, 0]) - circle.x[1, 0]
     w = one.x[1, 1] + segment.share * (other.x[1, 1] - one.x[1, 1]) - circle.x[1, 1]
     segment.rate[0], segment.rate[1] = u * x + w * y, w * x - u * y - contact.radius * spin
+
+
+@inlined
+def _set_accelerations(one, other, segment):
+    """Of the nearest point by those of the cable, along n and t."""
+    x, y = segment.normal[0], segment.normal[1]
+    u = one.x[2, 0] + segment.share * (other.x[2, 0] - one.x[2, 0])
+    w = one.x[2, 1] + segment.share * (other.x[2, 1] - one.x[2, 1])
+    segment.acceleration[0], segment.acceleration[1] = u * x + w * y, w * x - u * y
 
 
 @inlined
@@ -264,10 +279,15 @@ def _settle(contact, circle, segment, data, at):
 def _set_force(contact, circle, segment, data, at):
     """Of a segment that touches."""
     segment.force[0], segment.force[1] = _normal_force(contact, segment), 0.0
+    segment.mass[0], segment.mass[1] = contact.lag * contact.damping, 0.0
     if contact.has_friction:
+        segment.mass[1] = contact.lag * contact.viscosity
         state = int(data[NOW, at + contact.segments])
         if abs(state) == 1:
             segment.force[1] = state * contact.friction * abs(segment.force[0])
+            speed, force = abs(segment.rate[1]), abs(segment.force[1])
+            if force < contact.viscosity * speed:
+                segment.mass[1] = contact.lag * force / speed
             return
         segment.force[1] = contact.viscosity * segment.rate[1]
         if state == int(STICKS) and contact.friction_stiffness != 0.0:
@@ -304,29 +324,46 @@ def _pull(contact, circle, one, other, segment):
 
 
 @inlined
+def add_end(contact, end, x, y, row):
+    """Add what a force (x, y) on an end does to the coordinates of its element.   row: (1, 8).
+
+    By the transposed derivatives of `_move_ends`.
+    """
+    along, u, w = 0.0, end.slope[0], end.slope[1]
+    if contact.height != 0.0:
+        square = u * u + w * w
+        along = contact.height * (u * x + w * y) / (square * np.sqrt(square))
+    for k in range(4):
+        weight, turning = end.weights[0, k], end.weights[1, k]
+        row[0, 2 * k] += weight * x + turning * along * w
+        row[0, 2 * k + 1] += weight * y - turning * along * u
+
+
+@inlined
 def _add_to_nodes(contact, ends, force):
-    """By the transposed derivatives of `_move_ends`."""
+    """The forces of all ends."""
+    row = local_array(1, 8)
+    for i in range(8):
+        row[0, i] = 0.0
     for e in range(len(ends)):
-        end = ends[e]
-        if end.force[0] == 0.0 and end.force[1] == 0.0:
-            continue
-        along, x, y = 0.0, end.slope[0], end.slope[1]
-        if contact.height != 0.0:
-            square = x * x + y * y
-            along = contact.height * (x * end.force[0] + y * end.force[1]) / (square * np.sqrt(square))
-        for k in range(4):
-            at, weight, turning = contact.nodes[k // 2] + 2 * (k % 2), end.weights[0, k], end.weights[1, k]
-            force[at] += weight * end.force[0] + turning * along * y
-            force[at + 1] += weight * end.force[1] - turning * along * x
+        if ends[e].force[0] != 0.0 or ends[e].force[1] != 0.0:
+            add_end(contact, ends[e], ends[e].force[0], ends[e].force[1], row)
+    for i in range(8):
+        force[contact.nodes[i // 4] + i % 4] += row[0, i]
+
+
+@inlined
+def _clear_forces(contact, ends):
+    for e in range(len(ends)):
+        ends[e].force[0] = ends[e].force[1] = 0.0
+    for i in range(6):
+        contact.wrench[i] = 0.0
 
 
 @inlined
 def _touch(contact, circle, ends, segments, data, settles):
     """Forces of all segments, of which some touch."""
-    for e in range(len(ends)):
-        ends[e].force[0] = ends[e].force[1] = 0.0
-    for i in range(6):
-        contact.wrench[i] = 0.0
+    _clear_forces(contact, ends)
     for s in range(contact.segments):
         segment, one, other, at = segments[s], ends[s], ends[s + 1], contact.place + s
         _set_rates(contact, circle, one, other, segment)
@@ -334,9 +371,37 @@ def _touch(contact, circle, ends, segments, data, settles):
             _settle(contact, circle, segment, data, at)
         if data[NOW, at] <= 0.0:
             _set_force(contact, circle, segment, data, at)
+            if contact.lag > 0.0:
+                _set_accelerations(one, other, segment)
+                for i in range(2):
+                    segment.force[i] -= segment.mass[i] * segment.acceleration[i]
             _pull(contact, circle, one, other, segment)
         else:
             segment.force[0] = segment.force[1] = 0.0
+
+
+@inlined
+def pull_by_masses(contact, circle, ends, segments, data, a, force):
+    """Add W B a of all segments that touch to force (n,).   a: (n,) accelerations."""
+    touches = False
+    for s in range(contact.segments):
+        touches = touches or data[NOW, contact.place + s] <= 0.0
+    if not touches:
+        return
+    _clear_forces(contact, ends)
+    _move_ends(contact, ends, a, 2)
+    for s in range(contact.segments):
+        segment, one, other = segments[s], ends[s], ends[s + 1]
+        if data[NOW, contact.place + s] <= 0.0:
+            normal, along = segment.force[0], segment.force[1]
+            _set_accelerations(one, other, segment)
+            for i in range(2):
+                segment.force[i] = segment.mass[i] * segment.acceleration[i]
+            _pull(contact, circle, one, other, segment)
+            segment.force[0] += normal
+            segment.force[1] += along
+    _add_to_nodes(contact, ends, force)
+    add_wrench(circle, contact.wrench, 1.0, force)
 
 
 @inlined
@@ -360,7 +425,7 @@ def _any_touches(contact, circle, ends, segments, data):
 
 
 @implements(add_contacts, Contacts)
-def add_circle_contacts(contacts, points, q, v, settles, force):
+def add_circle_contacts(contacts, points, q, v, a, settles, force):
     """Arguments: see `add_contacts`."""
     data = contacts.data
     for c in range(len(contacts.records)):
@@ -370,7 +435,9 @@ def add_circle_contacts(contacts, points, q, v, settles, force):
         ends = ends[: number + 1]
         _place_ends(contact, ends, q)
         if _any_touches(contact, circle, ends, segments, data):
-            _move_ends(contact, ends, v)
+            _move_ends(contact, ends, v, 1)
+            if contact.lag > 0.0:
+                _move_ends(contact, ends, a, 2)
             _touch(contact, circle, ends, segments, data, settles)
             _add_to_nodes(contact, ends, force)
             add_wrench(circle, contact.wrench, 1.0, force)

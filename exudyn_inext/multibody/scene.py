@@ -30,6 +30,7 @@ from .bodies import (
 from .cables import Cables, accelerate_cables, correct_cables, rates_of_cables, respond_with_cables
 from .circle_contacts import Contacts, NoContacts, add_contacts, finish_contacts, recall_contacts
 from .connectors import add_connectors
+from .implicit_contacts import complete_contacts, press
 from .joints import (
     Joints,
     apply_joints,
@@ -119,8 +120,10 @@ def _place(items, q, v):
 
 
 @called_kernel
-def act(items, functions, q, v):
+def act(items, functions, q, v, a):
     """Place all items at q (n,); forces at the velocities v (n,).   functions: (F,) of time.
+
+    a: see `add_contacts`.
 
     Where a step has one evaluation, at its end, contact settles there: what closes within a step acts in it.
     """
@@ -129,10 +132,9 @@ def act(items, functions, q, v):
         items.force[i] = items.given[i]
     add_connectors(items.connectors, items.points, items.force)
     settles = items.counting[MODE] == EACH or items.counting[MODE] == SETTLING
-    add_contacts(items.contacts, items.points, q, v, settles, items.force)
+    add_contacts(items.contacts, items.points, q, v, a, settles, items.force)
     add_loads(items.loads, items.points, functions, items.force)
     move_rows(items.joints.rows, functions)
-    _count_work(items, q)
 
 
 @dispatched
@@ -155,7 +157,7 @@ def settle_no_contacts(contacts, items, q, v):
 def settle_circle_contacts(contacts, items, q, v):
     """Arguments: see `settle_contacts`."""
     _place(items, q, v)
-    add_contacts(contacts, items.points, q, v, True, items.predicted)
+    add_contacts(contacts, items.points, q, v, v, True, items.predicted)
 
 
 @called_kernel
@@ -220,7 +222,8 @@ def _join(joints, share, moving, x, refines):
 def scene_rates(system, external, q, v, acceleration, rate):
     """Eq. (30). Arguments: see `index_reduced_rates`."""
     items, number, zeta = system.items, system.cable_dofs, system.zeta
-    act(items, external[len(system.cable_force) :], q, v)
+    act(items, external[len(system.cable_force) :], q, v, v)
+    _count_work(items, q)
     _set_cable_force(system, external)
     rates_of_cables(system.cables, system.cable_force, q, v, acceleration, rate)
     for i in range(number, len(q)):
@@ -241,9 +244,12 @@ def accelerate_and_project_scene(system, external, q, v, duration, acceleration,
     predicted = items.predicted
     for i in range(len(q)):
         predicted[i] = v[i] + duration * acceleration[i]
-    act(items, external[len(system.cable_force) :], q, predicted)
+    act(items, external[len(system.cable_force) :], q, predicted, acceleration)
     _set_cable_force(system, external)
+    press(items.contacts, system.cables)
     accelerate_cables(system.cables, system.cable_force, q, v, duration, acceleration, end_velocity)
+    complete_contacts(items.contacts, items.points, acceleration, items.force)
+    _count_work(items, q)
     accelerate_bodies(items, v, 0.0, acceleration)
     for i in range(number, len(q)):
         end_velocity[i] = v[i] + duration * acceleration[i]

@@ -52,6 +52,8 @@ SLIDER = record_type(
     ]
 )
 
+PLACE = ("segment", "x", "length")  # from which the next foot is looked for
+
 
 class Sliders(NamedTuple):
     """records: of all of them.   lengths: of their elements, one chain after the other [m]."""
@@ -200,6 +202,7 @@ def _move_along(slider, point, p, q, v):
     """Velocity, acceleration, and rates of the slope, where the point is."""
     slope, bend, way, rate = slider.slope, slider.bend, slider.way, slider.rate
     along, acceleration = 0.0, 0.0
+    rate[2] = slider.change[2] = 0.0  # which are no part of a plane
     for i in range(slider.dimension):
         rate[i] = _sum(slider, 1, i, v)
         along += slope[i] * (p.x[1, i] - point.x[1, i]) + rate[i] * way[i]

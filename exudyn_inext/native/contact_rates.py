@@ -3,7 +3,8 @@
 Springs and dashpots between the middle of each open segment and the circle: those of contact across the
 cable, those of friction along it, as on a cable that lies on the circle. The ends of a segment meet the
 circle at an angle, by which each acts a little in the other direction, too. A circle feels at most one turn
-of the cable at once.
+of the cable at once. Where damping is implicit in the accelerations of the cable, what it does to the circle
+remains, in closed contacts, too.
 """
 
 from collections.abc import Sequence
@@ -29,20 +30,26 @@ WITH_CIRCLES = {"ContactFrictionCircleCable2D", "ContactCircleCable2D"}
 
 @dataclass(frozen=True, eq=False)
 class _OpenContact:
-    """An object with segments that do not touch.
+    """An object with segments that do not touch, or whose damping is implicit on the cable.
 
     number: of the object.   data: of it.   element: (8,) system coordinates of its cable.
-    segments: how many are open.   length: of them together [m].
+    is_open: (segments,) of those that count.   is_implicit: whether their damping is.
+    length: of them together [m].
     middles, slopes: (segments, 4) shape functions and their derivatives [1/m] in the middle of each.
     """
 
     number: int
     data: dict[str, Any]
     element: np.ndarray
-    segments: int
+    is_open: np.ndarray
+    is_implicit: bool
     length: float
     middles: Array
     slopes: Array
+
+    @property
+    def segments(self) -> int:
+        return len(self.is_open)
 
     @property
     def marker(self) -> int:
@@ -65,14 +72,18 @@ class _OpenContact:
         return f"object {self.number} '{self.data['name']}' ({self.data['objectType']}: {given})"
 
 
-def open_contacts(mbs: Any, coordinates: CoordinateMap, size: int) -> OpenContacts | None:
+def open_contacts(
+    mbs: Any, coordinates: CoordinateMap, size: int, implicit: np.ndarray
+) -> OpenContacts | None:
     """Contacts of cables with circles that do not act in the current state of mbs; None: there is none.
 
     Args:
         mbs: assembled.   coordinates: of the coupled parts.   size: number of coordinates of all parts.
+        implicit: see `JoinedScene.open_contacts`.
     """
     data = mbs.systemData
-    contacts = [_read(mbs, number) for number in range(data.NumberOfObjects() if data.DataSize() else 0)]
+    numbers = range(data.NumberOfObjects() if data.DataSize() else 0)
+    contacts = [_read(mbs, number, coordinates, implicit) for number in numbers]
     found = [contact for contact in contacts if contact is not None]
     if not found:
         return None
@@ -89,8 +100,24 @@ def open_contacts(mbs: Any, coordinates: CoordinateMap, size: int) -> OpenContac
         np.concatenate([np.tile(contact.strengths(names), contact.segments) for contact in found])
         for names in (STIFFNESSES, DAMPINGS)
     )
-    closed = ClosedContacts(vstack(motions, format="csr"), stiffness, damping)
+    stiffness *= np.repeat(np.concatenate([contact.is_open for contact in found]), 2)
+    motion = vstack(motions, format="csr")
+    are_implicit = [np.full(2 * contact.segments, contact.is_implicit) for contact in found]
+    closed = ClosedContacts(
+        motion, _of_others(motion, np.concatenate(are_implicit), implicit), stiffness, damping
+    )
     return OpenContacts(closed, _name(found), STIFFNESSES, DAMPINGS)
+
+
+def _of_others(motion: Any, are_implicit: np.ndarray, implicit: np.ndarray) -> Any:
+    """The motions (m, n) without those of cables in the rows whose damping is implicit.
+
+    implicit: see `JoinedScene.open_contacts`.
+    """
+    entries = motion.tocoo()
+    of_cables = (implicit[:, np.newaxis] + np.arange(4)).ravel()
+    is_left_out = are_implicit[entries.row] & np.isin(entries.col, of_cables)
+    return csr_array((entries.data * ~is_left_out, (entries.row, entries.col)), shape=motion.shape)
 
 
 def _require_finite(contact: _OpenContact) -> None:
@@ -103,8 +130,8 @@ def _require_finite(contact: _OpenContact) -> None:
         )
 
 
-def _read(mbs: Any, number: int) -> _OpenContact | None:
-    """The contact that this object is, or None if it is none that is open."""
+def _read(mbs: Any, number: int, coordinates: CoordinateMap, implicit: np.ndarray) -> _OpenContact | None:
+    """The contact that this object is, or None if it is none that counts; arguments: see `open_contacts`."""
     data = mbs.GetObject(number)
     if data["objectType"] not in WITH_CIRCLES or not data["activeConnector"]:
         return None
@@ -114,12 +141,15 @@ def _read(mbs: Any, number: int) -> _OpenContact | None:
         return None
     segments, length = int(data["numberOfContactSegments"]), float(body["length"])
     gaps = np.array(mbs.systemData.GetDataCoordinates())[mbs.systemData.GetObjectLTGData(number)[:segments]]
-    xi = (np.flatnonzero(gaps > 0.0) + 0.5) / segments
+    element = np.array(mbs.systemData.GetObjectLTGODE2(cable), dtype=int)
+    is_implicit = coordinates.place(int(element[0])) in implicit
+    counts = (gaps > 0.0) | is_implicit
+    xi = (np.flatnonzero(counts) + 0.5) / segments
     if not len(xi):
         return None
-    element = np.array(mbs.systemData.GetObjectLTGODE2(cable), dtype=int)
     middles, slopes = shape_functions(xi, length).T, first_derivatives(xi, length).T
-    contact = _OpenContact(number, data, element, len(xi), length * len(xi) / segments, middles, slopes)
+    of_all = length * len(xi) / segments
+    contact = _OpenContact(number, data, element, gaps[counts] > 0.0, is_implicit, of_all, middles, slopes)
     _require_finite(contact)
     return contact
 

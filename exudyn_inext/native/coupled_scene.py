@@ -179,8 +179,9 @@ class CoupledScene:
         return self._masses.number_of_variable
 
     def memory(self) -> dict[str, Any]:
-        """What earlier steps taught joints and quaternions, by names."""
-        return {"joints": self.system.foresight, "quaternions": self._masses.system.memory()}
+        """What earlier steps taught joints and quaternions, and where joints slide, by names."""
+        taught = {"joints": self.system.foresight, "quaternions": self._masses.system.memory()}
+        return taught | {"places": self.surroundings.places}
 
     def forget(self) -> None:
         """What earlier steps taught the joints and quaternions does not hold any more."""
@@ -210,7 +211,9 @@ class CoupledScene:
         """Whether friction of cables on circles obeys Coulomb's law."""
         return FrictionCheck(self.mbs)
 
-    def open_contacts(self, t: float, q: Array, v: Array, data: Array | None) -> OpenContacts | None:
+    def open_contacts(
+        self, t: float, q: Array, v: Array, data: Array | None, implicit: np.ndarray
+    ) -> OpenContacts | None:
         """See `JoinedScene`."""
         if not self.mbs.systemData.DataSize():
             return None
@@ -218,7 +221,7 @@ class CoupledScene:
             self.surroundings.set_state(t, q, v)
             if data is not None and len(data):
                 self.mbs.systemData.SetDataCoordinates(data.tolist())
-            found = open_contacts(self.mbs, self.map, self.size)
+            found = open_contacts(self.mbs, self.map, self.size, implicit)
         self.surroundings.forget()
         return found
 

@@ -254,6 +254,11 @@ class NativeSurroundings:
     def has_sliding_joints(self) -> bool:
         return len(self._rows.sliding) > 0
 
+    @property
+    def places(self) -> dict[str, Array]:
+        """From which the feet of what slides are looked for, by the numbers of their joints."""
+        return {str(joint.number): joint.last for _, joint in self._rows.sliding}
+
     def beyond(self) -> Array:
         """(m,) how far what slides is beyond the ends of its cable at present [m]."""
         return self._rows.beyond(self._mbs)

@@ -1,6 +1,7 @@
 """A scene of which all items have compiled forms: many steps in one call."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from ..errors import OffCableError, RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied
 from ..multibody.cables import Cables, cables_in_a_row, provide_cables
+from ..multibody.implicit_contacts import SHARE
 from ..multibody.joints import Joints, power_of_offsets
 from ..multibody.scene import (
     ALL_BUT_FIRST,
@@ -28,7 +30,7 @@ from ..multibody.scene import (
     subtract_joint_forces,
     take_steps,
 )
-from ..multibody.sliding import BEYOND
+from ..multibody.sliding import BEYOND, PLACE
 from ..scene.joints import NOT_FINITE, dependent_row, not_independent
 from ..system import accelerate_and_project, index_reduced_rates
 from .cable_loads import CableLoads
@@ -176,6 +178,31 @@ class CompiledScene:
     def has_contacts(self) -> bool:
         return len(self.contacts.records) > 0
 
+    def set_step(self, h: float) -> None:
+        """Prepare implicit damping of contact for steps of h [s]; 0: it is explicit."""
+        records = self.contacts.records
+        records["lag"] = SHARE * h * records["implicit"]
+
+    @contextmanager
+    def explicit_contact(self, damping: float = 1.0) -> Iterator[None]:
+        """Contact without implicit damping; what is implicit otherwise counts with that share, 0 or 1."""
+        records = self.contacts.records
+        saved, is_implicit = records.copy(), records["implicit"]
+        records["lag"] = 0.0
+        for name in ("damping", "viscosity"):
+            records[name][is_implicit] *= damping
+        try:
+            yield
+        finally:
+            for name in ("lag", "damping", "viscosity"):
+                records[name] = saved[name]
+
+    @property
+    def dofs_in_implicit_contact(self) -> np.ndarray:
+        """First coordinates of the nodes of cables whose contact is damped implicitly."""
+        records = self.contacts.records
+        return np.unique(records["nodes"][records["implicit"]])
+
     def begin_history(self, data: Array, intervals: int) -> None:
         """Begin intervals with what contacts remember.   data: (D,)."""
         self.contacts.data[:] = data
@@ -259,6 +286,11 @@ class CompiledScene:
                 raise off_cable(self._names[row], beyond, slider.x < 0.0)
 
     @property
+    def places(self) -> dict[str, Array]:
+        """Where all that slides is on its cables, from which the next steps look for it, by names."""
+        return {name: self.system.items.sliders.records[name] for name in PLACE}
+
+    @property
     def has_knots(self) -> bool:
         """Whether three or more parts meet somewhere."""
         return len(self.system.items.joints.members.hold) > 0
@@ -307,6 +339,7 @@ class CompiledScene:
         groups = in_few_chains([cable_system(cable, self.system.zeta) for cable in cables])
         own = cables_of_scene(groups, [loads for _, _, loads in self._cables])
         items, copies = self.system.items, copied(self.system.items)
+        copies.contacts.records["lag"] = 0.0
         copies.joints.foresight[:] = 0.0
         copies.bodies["foresight"] = 0.0
         forces = {"connectors": items.connectors, "loads": items.loads}  # may change

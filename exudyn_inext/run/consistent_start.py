@@ -7,6 +7,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..cable.cable import Cable
+from ..cable.index_reduction import CORRECTION
 from ..cable.linked_cable import LinkedCableSystem
 from ..constraints import constraints_of_cable
 from ..errors import SceneError
@@ -24,12 +25,11 @@ class Violation:
     """The worst violated constraint of an initial state.
 
     size: of c [-, m], or of its rate over the speed.   what: what is violated.
-    constraint, row: equation `row` of it is violated.
+    row: of the cable's constraints, which is violated.
     """
 
     size: float
     what: str = ""
-    constraint: Any = None
     row: int = 0
 
 
@@ -53,27 +53,23 @@ def worst_violations(
     system: of the cable.
     """
     speed = max(1.0, float(np.abs(v).max()))
+    cable, none = scene_cable.cable, np.zeros(0)
+    is_kept = _is_kept(system, cable, q)
     rests = not (v.any() or scene_cable.moving)  # then no rate can be wrong
-    of_places, of_rates = Violation(0.0, PLACES), Violation(0.0, RATES)
-    is_kept = _is_kept(system, scene_cable.cable, q)
+    rests = rests or (is_kept and _is_kept_along(system, cable, q, v, speed))
     if rests and is_kept:
-        return of_places, of_rates
-    for constraint in constraints_of_cable(scene_cable.cable):
-        if not is_kept:
-            of_places = _worse(of_places, constraint, constraint.value(q, time))
-        if not rests:
-            with np.errstate(invalid="ignore"):  # of what is infinite
-                of_rates = _worse(of_rates, constraint, constraint.rate(q, v, time) / speed)
-    return of_places, of_rates
+        return _worst(PLACES, none), _worst(RATES, none)
+    constraints = constraints_of_cable(cable)
+    values = none if is_kept else constraints.value(q, time)
+    with np.errstate(invalid="ignore"):  # of what is infinite
+        rates = none if rests else constraints.rate(q, v, time) / speed
+    return _worst(PLACES, values), _worst(RATES, rates)
 
 
-def _worse(worst: Violation, constraint: Any, violations: Array) -> Violation:
-    """The worst of what was found so far, and of one constraint; what is not finite stays."""
-    sizes = np.abs(violations)
+def _worst(what: str, violations: Array) -> Violation:
+    sizes = np.abs(np.append(violations, 0.0))
     row = int(np.argmax(sizes))  # that of a NaN, if there is one
-    if not np.isfinite(worst.size) or sizes[row] <= worst.size:
-        return worst
-    return Violation(float(sizes[row]), worst.what, constraint, row)
+    return Violation(float(sizes[row]), what, row)
 
 
 def _is_kept(system: Any, cable: Cable, q: Array) -> bool:
@@ -83,6 +79,19 @@ def _is_kept(system: Any, cable: Cable, q: Array) -> bool:
     places, memory = q.ravel(), np.zeros(q.size)
     is_finite = bool(np.isfinite(places).all())
     return is_finite and correct_position(system, places, places, np.inf, 0.0, memory) < ROUND_OFF
+
+
+def _is_kept_along(system: Any, cable: Cable, q: Array, v: Array, speed: float) -> bool:
+    """The same of the rates of constraints: differences on both sides are exact, as these are quadratic."""
+    if cable.stretches or v[cable.fixed].any() or not np.isfinite(v).all():
+        return False
+    memory, rates = np.zeros(q.size), []
+    for way in (v / speed, -v / speed):
+        at = (q + way).ravel()
+        correct_position(system, at, at, np.inf, 0.0, memory)
+        records = system.chain.nodes, system.chain.elements
+        rates.append(np.concatenate([one["target"][:, CORRECTION] for one in records]))
+    return bool(np.abs(rates[0] - rates[1]).max() < ROUND_OFF)
 
 
 def require_consistent(scene_cable: CableInScene, violation: Violation, tolerance: float) -> None:
@@ -96,9 +105,10 @@ def require_consistent(scene_cable: CableInScene, violation: Violation, toleranc
 
 def found(scene_cable: CableInScene, violation: Violation, tolerance: float) -> str:
     """What violates which constraint, and by how much."""
-    where = violation.constraint.describe(violation.row, scene_cable.item.node_names)
+    constraints = constraints_of_cable(scene_cable.cable)
+    kind, where = constraints.describe(violation.row, scene_cable.item.node_names)
     return (
-        f"the {violation.what} of cable '{scene_cable.name}' violate the {violation.constraint.name} "
+        f"the {violation.what} of cable '{scene_cable.name}' violate the {kind} "
         f"constraint at the {where} by {violation.size:.3g} (limit {tolerance:g})"
     )
 

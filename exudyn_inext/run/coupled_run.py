@@ -85,6 +85,7 @@ class CoupledRun(PacedRun):
         if not (self._form or self.approaches):
             scene.compile_parts(start.time, self.state.q, self.state.v)
         self._tracker: VibrationTracker | None = None
+        self._fastest = np.zeros((2, 2, scene.size))  # see `fastest_rates`: as it is, and in contact
         self._rejects = start.rejects
         self.control = StepControl(rejects=start.rejects)
         self._recorded = 0  # intervals
@@ -188,7 +189,7 @@ class CoupledRun(PacedRun):
     def _rates_at(self, time: float) -> FastestRates:
         """Of the present state."""
         with self._without_implicit_forces(time):
-            return fastest_rates(*self._system_at(time), self.state.q, self.state.v)
+            return fastest_rates(*self._system_at(time), self.state.q, self.state.v, self._fastest[0])
 
     def _system_at(self, time: float) -> tuple[Any, Array]:
         """What takes the steps, and the external force that it is given."""
@@ -233,14 +234,18 @@ class CoupledRun(PacedRun):
 
     def require_same_items(self, time: float) -> None:
         """Raise SceneError if Exudyn's items are not those that have moved the scene."""
-        if self._form:
-            self._form.rest()
-        self._scene.require_agreement(self._form, time, self.state.q, self.state.v)
+        with ExitStack() as stack:
+            if self._form:
+                self._form.rest()
+                stack.enter_context(self._form.explicit_contact())
+            self._scene.require_agreement(self._form, time, self.state.q, self.state.v)
 
     @contextmanager
     def _without_implicit_forces(self, time: float) -> Iterator[None]:
-        """Damping and axial forces of the cables, at present, do not bound the step."""
+        """Damping and axial forces of cables, at present, and damping of contact do not bound the step."""
         with ExitStack() as stack:
+            if self._form and self._may_damp_contact:
+                stack.enter_context(self._form.explicit_contact(damping=0.0))
             for run in self._runs:
                 stack.enter_context(run.implicit_damping_left_out())
             if any(cable.stretches for cable in self.cables):
@@ -258,11 +263,21 @@ class CoupledRun(PacedRun):
         if self._tracker:
             self._tracker.vibration[:] = 0.0
 
+    @property
+    def _may_damp_contact(self) -> bool:
+        """Whether there is contact, and the integrator hands on the accelerations that its damping needs."""
+        has_contacts = self._form is not None and self._form.has_contacts
+        return has_contacts and self.integrator.has_implicit_damping and not self.integrator.stabilised
+
     @cached_property
     def contacts(self) -> OpenContacts | None:
         """Contacts that are open at the start, if there are any."""
-        state = self._time, self.state.q, self.state.v
-        return self._scene.open_contacts(*state, self.data[0] if self._form else None)
+        state, data, implicit = (self._time, self.state.q, self.state.v), None, np.zeros(0, int)
+        if self._form:
+            data = self.data[0]
+            if self._may_damp_contact:
+                implicit = self._form.dofs_in_implicit_contact
+        return self._scene.open_contacts(*state, data, implicit)
 
     @property
     def rates_in_contact(self) -> FastestRates:
@@ -272,7 +287,8 @@ class CoupledRun(PacedRun):
         system, external = self._system_at(self._time)
         given = self._form.given if self._form else None
         with self._without_implicit_forces(self._time):
-            return rates_in_contact(system, external, given, self.contacts.closed, self.state.q, self.state.v)
+            kept = self.state.q, self.state.v, self._fastest[1]
+            return rates_in_contact(system, external, given, self.contacts.closed, *kept)
 
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the present configuration, joints included."""
@@ -317,10 +333,12 @@ class CoupledRun(PacedRun):
             run.scale_mass(theta, h)
 
     def set_step(self, h: float) -> None:
-        """Prepare the cables for steps of h [s]."""
+        """Prepare the cables, and contact with them, for steps of h [s]."""
         self.control.present = h
         for run in self._runs:
             run.set_step(h)
+        if self._form and self._may_damp_contact:
+            self._form.set_step(h)
 
     def approach(self, time: float, end: float) -> None:
         """Let joints that have been changed be fulfilled at `end` [s], with velocities for that."""
@@ -413,6 +431,7 @@ class CoupledRun(PacedRun):
         return {
             "state": remembered(self.state),
             "scene": self._scene.memory(),
+            "places": self._form.places if self._form else {},
             "cables": self._taught,
             "watch": self.watch.memory(),
             "control": self.control.memory() | ({"vibration": tracker.vibration} if tracker else {}),

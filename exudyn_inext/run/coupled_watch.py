@@ -197,6 +197,7 @@ class CoupledWatch(RunWatch):
             indifferent = self.watch._replace(tolerance=np.inf, most=np.inf, phase=np.inf)
             self._judge(indifferent, self._step, t - self._last[0], state)
         self._begin_work(t, state)
+        self._counts[1] = FIRST_STEPS
         self._begin(t, state)
         go_on_with_gauges(self.watch, state)
 

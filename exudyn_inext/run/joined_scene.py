@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+import numpy as np
+
 from ..arrays import Array
 from ..cable.many_cables import Systems
 from ..scene.closed_contacts import ClosedContacts
@@ -132,8 +134,14 @@ class JoinedScene(EvaluatedScene, Protocol):
     def take_hold(self, v: Array, tolerance: float) -> None:
         """Stop the held coordinates at the start; v (n,) in place."""
 
-    def open_contacts(self, t: float, q: Array, v: Array, data: Array | None) -> OpenContacts | None:
-        """Contacts that are open in a state, if there are any.   data: (D,) of them; None: mbs knows."""
+    def open_contacts(
+        self, t: float, q: Array, v: Array, data: Array | None, implicit: np.ndarray
+    ) -> OpenContacts | None:
+        """Contacts that are open in a state, if there are any.
+
+        data: (D,) of them; None: mbs knows.   implicit: first coordinates of the nodes of cables on which
+            damping of contact is implicit; what it does to other parts counts where contact is closed, too.
+        """
 
     def coordinate_name(self, index: int) -> str:
         """Whose coordinate it is, by its place in the system vector."""
@@ -154,7 +162,7 @@ class JoinedScene(EvaluatedScene, Protocol):
         """
 
     def memory(self) -> dict[str, Any]:
-        """What earlier steps taught joints and bodies, by names."""
+        """What earlier steps taught joints and bodies, and where joints slide, by names."""
 
     def forget(self) -> None:
         """What earlier steps taught does not hold any more."""

@@ -96,9 +96,10 @@ class PacedRun:
             if taken == piece.steps:
                 self.control.accept()
                 self._lengthen(first + good)
-                continue
-            is_shortened = self.reject(piece.time(taken))
-            if is_shortened and self.watch.is_spoilt and beginning:
+                is_spoilt = self._shorten_for_gain()
+            else:
+                is_spoilt = self.reject(piece.time(taken)) and self.watch.is_spoilt
+            if is_spoilt and beginning:
                 self._begin_again(beginning, grid.time(first))
                 good = 0
         return good
@@ -132,6 +133,14 @@ class PacedRun:
             return False
         self.resume(time)
         return is_shortened
+
+    def _shorten_for_gain(self) -> bool:
+        """Whether the nominal step is shorter now, as energy grows by jumps too small to be rejected."""
+        gain = self.watch.gain
+        if not self.control.grows(gain) or self.control.divisor >= HIDING_PARTS:
+            return False
+        self.control.shorten(2, gain)
+        return True
 
     def _lengthen(self, interval: int) -> None:
         """Double the nominal step if it has been shortened for a motion that is slow again."""

@@ -64,6 +64,11 @@ class RunWatch:
         return float(max(account["largest_kinetic"][NOW] + elastic, account["round_off"][NOW]))
 
     @property
+    def gain(self) -> float:
+        """Energy that the scheme has made so far, times its tolerance; 0 where the step is given."""
+        return float(self.watch.account["error"][NOW]) / self.watch.tolerance if self.looks_at_phase else 0.0
+
+    @property
     def is_too_fast(self) -> bool:
         """Whether the step is too long for the motion."""
         return bool(self.watch.account[NOW].trouble == TOO_FAST)

@@ -7,22 +7,12 @@ the constraints leave alone is kept.
 import warnings
 
 import numpy as np
-from scipy.sparse import csr_array, vstack
 
 from ..arrays import Array
-from ..cable.attached import mass_of_points
 from ..cable.cable import Cable
-from ..cable.sparse_forms import assembled, form_of_cable
+from ..cable.sparse_forms import mass_of_cable
 from ..constraints import constraints_of_cable
-from ..element.inertia import mass_matrix
 from ..statics.saddle_point import factorise, solve
-
-
-def mass_of_cable(cable: Cable) -> csr_array:
-    """(n_dof, n_dof) mass matrix, point masses included, without mass scaling."""
-    own = cable.section.mass_per_length * form_of_cable(cable, mass_matrix)
-    points = mass_of_points(cable.point_masses, cable.element_lengths)
-    return csr_array(own + assembled(points, cable.reference.shape))
 
 
 def kinetic_energy(cable: Cable, v: Array) -> float:
@@ -38,9 +28,8 @@ def nearest_velocities(cable: Cable, q: Array, v: Array, time: float) -> Array:
     """
     at, rates = q.reshape(cable.reference.shape), v.reshape(cable.reference.shape)
     constraints = constraints_of_cable(cable)
-    jacobian = csr_array(vstack([constraint.jacobian(at, time) for constraint in constraints]))
-    rate = np.concatenate([constraint.rate(at, rates, time) for constraint in constraints])
-    change, _ = solve(factorise(mass_of_cable(cable), jacobian), np.zeros(v.size), -rate)
+    factor = factorise(mass_of_cable(cable), constraints.jacobian(at, time))
+    change, _ = solve(factor, np.zeros(v.size), -constraints.rate(at, rates, time))
     nearest: Array = v + change
     return nearest
 

@@ -24,6 +24,7 @@ MOST_BEGINNINGS = 2  # of a run whose nominal step may become longer again
 BETWEEN = 8  # intervals of the loop after which it may
 MOST_PATIENCE = 64  # pieces before a longer step is tried again
 STEPS_BETWEEN = 32  # two looks at the frequency
+GAINED = 3.0  # times its tolerance may the energy grow before the nominal step becomes shorter
 SMALLEST = 1e-3  # nominal step, relative to the first one, below which a run has diverged
 
 _LOG = np.dtype(
@@ -33,6 +34,7 @@ _LOG = np.dtype(
         ("present", np.float64),
         ("smallest", np.float64),
         ("offset", np.float64),
+        ("gain", np.float64),
         ("divisor", np.int64),
         ("beginnings", np.int64),
         ("quarters", np.int64),
@@ -257,9 +259,14 @@ class StepControl:
         log["quarters"] += 1
         return True
 
-    def shorten(self, parts: int) -> None:
-        """The nominal step is too long for the motion; `may_shorten`."""
+    def grows(self, gain: float) -> bool:
+        """Whether a gain of energy, times its tolerance, is much more than `shorten` was told last."""
+        return gain > self._log["gain"] + GAINED
+
+    def shorten(self, parts: int, gain: float = 0.0) -> None:
+        """The nominal step is too long for the motion; `may_shorten`.   gain: see `grows`."""
         self._log["divisor"] = min(self.divisor * parts, MOST_PARTS)
+        self._log["gain"] = max(self._log["gain"], gain)
 
     def begin_again(self, divisor: int, beginnings: int) -> None:
         """With the nominal step divided so, after so many other beginnings."""

@@ -9,7 +9,10 @@ It also looks at how fast the motion is: the vibrations that carry it, of the fr
 
 have a phase error of w T (h w)^2 / 24 after a time T under a scheme of central differences. That counts the
 less the smaller their amplitude is, relative to the way of the motion so far: by 1 / (w t). Where the extent
-X of the motion is known, |x - x_0| in the metric of M, their amplitude |v| / w counts relative to that.
+X of the motion is known, |x - x_0| in the metric of M, their amplitude |v| / w counts relative to that. An
+error above 1 rad counts by its cube root: in a mixture of waves, v is that of slower ones, whose errors are
+smaller, and min(1, (w / w_1)^3) <= w / w_1, where w_1 is the frequency that makes 1 rad. As long as a motion
+goes one way, |v| t near X, its extent grows faster than errors of small waves: it is not judged yet.
 
 Where bending carries the waves of a cable, its mesh has a phase error, too. A step whose error is no larger
 is short enough, whatever their frequency: both errors grow with the fourth power of the wave number.
@@ -41,7 +44,8 @@ MOTION = 1e-3  # times the bound of the energy's round-off: less is none
 SAMPLED = 20.0  # phase [rad] up to which inspections are at most 1 rad apart
 BEGINNING = 10.0  # phase [rad] of the motion before which its frequency is not known
 LONG = 30.0  # and, but for an inextensible cable alone, before which waves of a sudden start have not passed
-WAITING = 0.25  # share of the run after which they do not count any more
+RETURNED = 3.0  # |v| t over the extent of a motion that has come back
+WAITING = 0.25  # share of the run after which neither counts any more
 SHARE_OF_EXTENT = 0.3  # so that a phase error of 0.003 is one of 1 % of the extent
 SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
 SCATTER = 4.0  # times its standard deviation may the work of forces be wrong
@@ -89,10 +93,10 @@ class Watch(NamedTuple):
     duration: T of the run [s].   phase: error that the step may cause in it [rad], see above.
     mesh: (4,) of the mesh that errors of the step are compared with, see `resolution_of_mesh`; or `NO_MESH`.
     account: (3,) records, NOW, KEPT and FAILED. Energy at the `start` and `agitation` then [J/s^2]; its
-        present `surplus` [J]; `time` since then [s], and the integrals of `forces`, a . M a / 2 [J/s], and
-        `speeds`, v . M v / 2 [J s], over it, and the `phase` error of the run that they let expect
-        [rad]; the error of the step in waves `over_mesh`, relative to that of the mesh [-]; the largest
-        `extent` so far, x . M x / 2 [J s^2], or 0: not known; its `round_off` [J];
+        present `surplus` [J]; `time` of motion since then [s], and the integrals of `forces`,
+        a . M a / 2 [J/s], and `speeds`, v . M v / 2 [J s], over it, and the `phase` error of the run
+        that they let expect [rad]; the error of the step in waves `over_mesh`, relative to that of the
+        mesh [-]; the largest `extent` so far, x . M x / 2 [J s^2], or 0: not known; its `round_off` [J];
         `work` done since [J], of which we are `unsure`, to one side [J], and its `scatter` [J^2], `scattered`
         until the last inspection; the `slope` of the power [W/s], whose
         changes tell how well trapezoids fit, and the `largest_power` so far [W]; bounds of kinetic and
@@ -348,8 +352,10 @@ def _errors_of_waves(mesh, squared, h_squared):
 
 @inlined
 def _is_too_fast(watch, steps, duration):
-    """Whether the motion so far is too fast for the step."""
+    """Whether the motion so far is too fast for the step; what rests before it begins is no part of it."""
     account, now = watch.account[NOW], watch.gauges_now
+    if not account.largest_kinetic > MOTION * account.round_off:
+        return False
     account.time += duration
     account.forces += now[RESOLVED] * duration
     account.speeds += now[KINETIC] * duration
@@ -357,21 +363,23 @@ def _is_too_fast(watch, steps, duration):
     turned = np.sqrt(squared) * account.time
     of_step, of_mesh = _errors_of_waves(watch.mesh, squared, (duration / steps) ** 2)
     account.over_mesh = of_step / of_mesh if of_mesh > 0.0 else np.inf
-    error = 0.5 * of_step * np.sqrt(squared) * watch.duration
+    rate, has_returned = 0.5 * of_step * np.sqrt(squared), True
     if account.extent > 0.0:
         amplitude = np.sqrt(account.speeds / (account.time * account.extent * squared))
-        account.phase = error * SHARE_OF_EXTENT * amplitude
+        made = rate * account.time
+        made = min(made, made ** (1.0 / 3.0))
+        account.phase = SHARE_OF_EXTENT * amplitude * made * watch.duration / account.time
         passed = account.time  # in which a share of the error has been made
+        has_returned = amplitude * turned > RETURNED
     else:
-        account.phase = error * BEGINNING / turned
+        account.phase = rate * watch.duration * BEGINNING / turned
         passed = watch.duration
     if of_mesh > 0.0 and turned < SAMPLED and steps * account.time < account.ahead * turned * duration:
         account.ahead = max(watch.least, int(steps * account.time / (turned * duration)))
-    moves = account.largest_kinetic > MOTION * account.round_off
     is_much = account.phase * passed > watch.phase * watch.duration
-    is_late = turned > LONG or account.time > WAITING * watch.duration or watch.mesh[1] > 0.0
-    is_known = turned > BEGINNING and is_late
-    return moves and is_known and is_much and account.over_mesh > 1.0
+    is_late = account.time > WAITING * watch.duration or watch.mesh[1] > 0.0
+    is_known = turned > BEGINNING and (is_late or (turned > LONG and has_returned))
+    return is_known and is_much and account.over_mesh > 1.0
 
 
 @inlined

@@ -127,14 +127,14 @@ class BodiesSystem:
         """Z F + w b with the targets b that are set.   force: (n,) [N, Nm]."""
         result: Array = self._constant @ force
         for s in self._stacks:
-            _apply(s.blocks.dofs, s.inverse, s.lever, s.target, force, result)
+            _apply(s.blocks.dofs, s.inverse, s.lever, s.target, force[np.newaxis], result[np.newaxis])
         return result
 
     def responses(self, forces: Array) -> Array:
         """Z F for rows F of forces (rows, n)."""
         result = np.ascontiguousarray((self._constant @ forces.T).T)
         for s in self._stacks:
-            _apply_to_rows(s.blocks.dofs, s.inverse, forces, result)
+            _apply(s.blocks.dofs, s.inverse, s.lever, np.zeros_like(s.target), forces, result)
         return result
 
     def levered(self, size: int) -> Array:
@@ -181,11 +181,6 @@ class BodiesSystem:
         """b = -zeta c - p . v leads to the manifold; zeta = 0 to that of the velocities."""
         for s in self._stacks:
             _aim_at_velocities(s.blocks.dofs, s.normal, v, zeta, s.target)
-
-    def project(self, v: Array) -> None:
-        """Velocities v (n,), in place, onto those that keep unit quaternions."""
-        self.aim_at_velocities(v, 0.0)
-        v += self.levered(len(v))
 
     def violation(self, q: Array, learning: float) -> float:
         """Largest |c|; b = -c, which also teaches the next steps."""
@@ -311,25 +306,13 @@ def _constrain(normal, inverse, lever):
 
 
 @kernel
-def _apply(dofs, inverse, lever, target, force, result):
-    """result = Z F + w b in the places of the blocks."""
-    number, size = dofs.shape
-    for b in range(number):
-        for i in range(size):
-            total = lever[b, i] * target[b]
-            for j in range(size):
-                total += inverse[b, i, j] * force[dofs[b, j]]
-            result[dofs[b, i]] = total
-
-
-@kernel
-def _apply_to_rows(dofs, inverse, forces, results):
-    """Z F in the places of the blocks, for rows F."""
+def _apply(dofs, inverse, lever, target, forces, results):
+    """Z F + w b in the places of the blocks, for rows F."""
     number, size = dofs.shape
     for row in range(len(forces)):
         for b in range(number):
             for i in range(size):
-                total = 0.0
+                total = lever[b, i] * target[b]
                 for j in range(size):
                     total += inverse[b, i, j] * forces[row, dofs[b, j]]
                 results[row, dofs[b, i]] = total

@@ -15,15 +15,17 @@ from .small_vibrations import FastestRates, fastest_rates
 
 
 class ClosedContacts:
-    """Linear contact forces -B^T (k B (q - q_0) + d B v).
+    """Linear contact forces -B^T k B (q - q_0) - C^T d C v.
 
     motion: B (m, n), sparse: relative displacements of contact points from coordinates.
+    damped: C (m, n), the same without what is damped implicitly.
     stiffness: k (m,) [N/m].   damping: d (m,) [N s/m].
     """
 
-    def __init__(self, motion: Any, stiffness: Array, damping: Array) -> None:
+    def __init__(self, motion: Any, damped: Any, stiffness: Array, damping: Array) -> None:
         self._stiffness, self._damping = (
-            csr_array(motion.T @ (values[:, np.newaxis] * motion)) for values in (stiffness, damping)
+            csr_array(rows.T @ (values[:, np.newaxis] * rows))
+            for rows, values in ((motion, stiffness), (damped, damping))
         )
 
     def forces(self, moved: Array, v: Array) -> Array:
@@ -81,27 +83,33 @@ def _accelerate_in_contact(system, external, q, v, duration, acceleration, end_v
 
 
 def rates_in_contact(
-    system: Any, external: Array, given: Array | None, contacts: ClosedContacts, q: Array, v: Array
+    system: Any,
+    external: Array,
+    given: Array | None,
+    contacts: ClosedContacts,
+    q: Array,
+    v: Array,
+    kept: Array,
 ) -> FastestRates:
     """As `fastest_rates`, while these contacts act, too.
 
     given: (n,) forces besides those of its items that act on a compiled system; None for a `CoupledSystem`.
     """
     if given is None:
-        return _rates_of_coupled(system, external, contacts, q, v)
+        return _rates_of_coupled(system, external, contacts, q, v, kept)
     before = given.copy()
     try:
-        return fastest_rates(_GivenContacts(system, given, contacts, q.copy()), external, q, v)
+        return fastest_rates(_GivenContacts(system, given, contacts, q.copy()), external, q, v, kept)
     finally:
         given[:] = before
 
 
 def _rates_of_coupled(
-    system: CoupledSystem, external: Array, contacts: ClosedContacts, q: Array, v: Array
+    system: CoupledSystem, external: Array, contacts: ClosedContacts, q: Array, v: Array, kept: Array
 ) -> FastestRates:
     surroundings = system.surroundings
     system.surroundings = _InContact(system, contacts, q)
     try:
-        return fastest_rates(system, external, q, v)
+        return fastest_rates(system, external, q, v, kept)
     finally:
         system.surroundings = surroundings

@@ -21,6 +21,7 @@ ACCURACY = 1e-3  # residual of an eigenvalue
 SETTLED = 1e-4  # its change from one test to the next: residuals say little where vectors are hardly apart
 NEGLIGIBLE = 1e-6  # damping over the frequency: less is round-off, and bounds no step
 FIRST_LOOK, GROWTH = 8, 1.2  # steps of the iteration before its first test, and from one test to the next
+FRESH = 0.1  # share of others beside what was the fastest, one of which may have become it
 MOST_STEPS = 400  # of the iteration
 ROUND_OFF = 1e-12
 OVERDAMPED = 1e3  # damping over the frequency, beyond which a motion is a decay
@@ -37,16 +38,22 @@ class FastestRates(NamedTuple):
     damping: float
 
 
-def fastest_rates(system: Any, external: Array, q: Array, v: Array) -> FastestRates:
+def fastest_rates(
+    system: Any, external: Array, q: Array, v: Array, kept: Array | None = None
+) -> FastestRates:
     """Of small motions about the configuration q (n,).   external: of the system, at present.
+
+    kept: (2, n) memory of the fastest vibration and decay, from which a search in a scene that has changed a
+        little starts; zero at first.
 
     The velocities v (n,) count where they pull cables tight, as in bodies that spin about each other;
     gyroscopic forces, which change with small velocities, do not. Friction that jumps where a velocity
     changes its sign has no rate: it makes no motion grow.
     """
     stiffness, damping, start = _operators(system, external, q, v)
-    frequency = float(np.sqrt(_largest_eigenvalue(stiffness, start)))
-    rate = _largest_eigenvalue(damping, start, NEGLIGIBLE * frequency)
+    kept = np.zeros((2, len(start))) if kept is None else kept
+    frequency = float(np.sqrt(_largest_eigenvalue(stiffness, start, kept=kept[0])))
+    rate = _largest_eigenvalue(damping, start, NEGLIGIBLE * frequency, kept[1])
     return FastestRates(float(np.maximum(frequency, rate / OVERDAMPED)), rate)  # keeps a NaN
 
 
@@ -76,9 +83,12 @@ def _operators(system: Any, external: Array, q: Array, v: Array) -> tuple[_Opera
         return projected(change) / (2.0 * STEP)
 
     def damping(x: Array) -> Array:
-        """A jump, as of Coulomb friction, drops out of d(2 h) - d(h), d(h) = a(-h) - a(h)."""
+        """A jump, as of Coulomb friction, drops out of d(2 h) - d(h), d(h) = a(-h) - a(h).
+
+        It keeps to the constraints, since what these ask of a is even in v.
+        """
         far, near = (accelerated(q, -h * x)[0] - accelerated(q, h * x)[0] for h in (2.0 * STEP, STEP))
-        return projected(far - near) / (2.0 * STEP)
+        return np.asarray(far - near) / (2.0 * STEP)
 
     return stiffness, damping, projected(np.cos(np.arange(len(q), dtype=float) ** 2 * 1.6180339887))
 
@@ -86,25 +96,26 @@ def _operators(system: Any, external: Array, q: Array, v: Array) -> tuple[_Opera
 class VibrationTracker:
     """w_max of a scene in motion, cheaply: the fastest vibration is kept and improved from time to time.
 
-    vibration: (n,) the fastest one so far; zero at first.
+    vibration: (2, n) see `fastest_rates`; zero at first.
     """
 
-    FIRST, LATER = 40, 2  # iterations
-    FRESH = 0.1  # share of others, one of which may have become the fastest
+    ITERATIONS = 2  # of each improvement
 
     def __init__(self, size: int) -> None:
-        self.vibration = np.zeros(size)
+        self.vibration = np.zeros((2, size))
 
     def frequency(self, system: Any, external: Array, q: Array, v: Array) -> float:
         """w_max [rad/s]; NaN if it is not found.   Arguments: see `fastest_rates`."""
+        x = self.vibration[0]
+        if not x.any():
+            return fastest_rates(system, external, q, v, self.vibration).frequency
         stiffness, _, start = _operators(system, external, q, v)
-        is_first, x = not self.vibration.any(), self.vibration
         size = np.linalg.norm(start)
         if not size > 0.0:
             return 0.0 if size == 0.0 else np.nan
-        x += (1.0 if is_first else self.FRESH) / size * start
+        x += FRESH / size * start
         growth = 0.0
-        for _ in range(self.FIRST if is_first else self.LATER):
+        for _ in range(self.ITERATIONS):
             largest = float(np.abs(x).max())
             image = largest * stiffness(x / largest)
             growth = float(np.linalg.norm(image) / np.linalg.norm(x))
@@ -112,15 +123,18 @@ class VibrationTracker:
                 x[:] = 0.0
                 return 0.0 if growth == 0.0 else np.nan
             x[:] = image / np.linalg.norm(image)
-        found = float(np.sqrt(growth))
-        return max(found, fastest_rates(system, external, q, v).frequency) if is_first else found
+        return float(np.sqrt(growth))
 
 
-def _largest_eigenvalue(operator: Callable[[Array], Array], start: Array, negligible: float = 0.0) -> float:
+def _largest_eigenvalue(
+    operator: _Operator, start: Array, negligible: float = 0.0, kept: Array | None = None
+) -> float:
     """The eigenvalue of largest real part; zero if none is positive, NaN if something is not finite.
 
     negligible: growth of the start that is nothing but round-off.
+    kept: (n,) vector of an earlier search, or zero; of this one, where it has found any.
     """
+    kept = np.zeros(len(start)) if kept is None else kept
 
     def scaled(x: Array) -> Array:
         norm = float(np.abs(x).max())
@@ -128,12 +142,14 @@ def _largest_eigenvalue(operator: Callable[[Array], Array], start: Array, neglig
 
     if not start.any():
         return 0.0
+    if kept.any():
+        start = kept + FRESH / np.linalg.norm(start) * start
     first = scaled(start) if np.isfinite(start).all() else start
     if not np.isfinite(first).all():
         return np.nan
     if np.linalg.norm(first) <= negligible * np.linalg.norm(start):
         return 0.0
-    return _positive(_by_arnoldi(scaled, start, first) if first.any() else 0.0)
+    return _positive(_by_arnoldi(scaled, start, first, kept) if first.any() else 0.0)
 
 
 def _positive(value: float) -> float:
@@ -141,10 +157,10 @@ def _positive(value: float) -> float:
     return 0.0 if value <= 0.0 else value
 
 
-def _by_arnoldi(operator: Callable[[Array], Array], start: Array, first: Array) -> float:
+def _by_arnoldi(operator: _Operator, start: Array, first: Array, found: Array) -> float:
     """Largest real part of an eigenvalue, once its Ritz value has converged; NaN if something is not finite.
 
-    first: image of the start.
+    first: image of the start.   found: (n,) output, the real part of its vector.
 
     At the latest after `MOST_STEPS`: within some (ln n / m)^2 of the range after m steps, n the coordinates:
     J. Kuczynski, H. Wozniakowski, SIAM J. Matrix Anal. Appl. 13 (1992) 1094-1122.
@@ -161,9 +177,10 @@ def _by_arnoldi(operator: Callable[[Array], Array], start: Array, first: Array) 
             return math.nan
         is_last = k + 1 == most or norm <= ROUND_OFF * size
         if is_last or k + 1 == next_look:
-            value, error = _rightmost(hessenberg[: k + 1, : k + 1].T, norm)
+            value, error, vector = _rightmost(hessenberg[: k + 1, : k + 1].T, norm)
             is_settled = abs(value - before) <= SETTLED * abs(value)
             if is_last or (is_settled and error <= ACCURACY * abs(value)):
+                found[:] = vector @ basis[: k + 1]
                 return value
             next_look, before = int(GROWTH * next_look) + 1, value
             basis = np.concatenate([basis, np.zeros((next_look - len(basis), len(start)))])
@@ -194,9 +211,12 @@ def _orthogonalise(basis, number, image, shares):
     return np.sqrt(square)
 
 
-def _rightmost(matrix: Array, norm: float) -> tuple[float, float]:
-    """Largest real part of a Ritz value, and the residual of its vector.   norm: of the next vector."""
+def _rightmost(matrix: Array, norm: float) -> tuple[float, float, Array]:
+    """Largest real part of a Ritz value, the residual of its vector, and the real part of that.
+
+    norm: of the next vector.
+    """
     real, imaginary, _, vectors, _ = lapack.dgeev(matrix, compute_vl=0)
     which = int(np.argmax(real))  # the first one of a complex pair, whose vector has two columns
     last = vectors[-1, which : which + 2] if imaginary[which] else vectors[-1, which : which + 1]
-    return float(real[which]), norm * math.hypot(*last)
+    return float(real[which]), norm * math.hypot(*last), vectors[:, which]

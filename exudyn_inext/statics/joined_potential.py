@@ -150,11 +150,9 @@ class JoinedPotential:
 
     def hessian(self, q: Array, multipliers: Array) -> csr_array:
         """See `StaticSystem`; slightly regular."""
-        first, blocks = 0, []
-        for cable, own in self._parts(q):
-            number = cable.number_of_constraints
-            blocks.append(cable.hessian(own, multipliers[first : first + number]))
-            first += number
+        own = self.multipliers_of_cables(multipliers)
+        blocks = [cable.hessian(at, lam) for (cable, at), lam in zip(self._parts(q), own, strict=True)]
+        first = sum(map(len, own))
         rest = len(q) - self._bodies.start
         total = csr_array(block_diag([*blocks, csr_array((rest, rest))]))
         places = self._others.quaternions
@@ -187,13 +185,15 @@ class JoinedPotential:
         found.eliminate_zeros()
         return found
 
+    def multipliers_of_cables(self, multipliers: Array) -> list[Array]:
+        """Those of the constraints of each cable, which come first."""
+        ends = np.cumsum([0, *(cable.constraints.number for cable in self._cables)])
+        return [multipliers[a:b] for a, b in pairwise(ends.tolist())]
+
     def convex_model(self, multipliers: Array, shift: float) -> csr_array:
         """See `StaticSystem`."""
-        first, blocks = 0, []
-        for cable in self._cables:
-            number = cable.number_of_constraints
-            blocks.append(cable.convex_model(multipliers[first : first + number], shift))
-            first += number
+        own = self.multipliers_of_cables(multipliers)
+        blocks = [cable.convex_model(lam, shift) for cable, lam in zip(self._cables, own, strict=True)]
         return csr_array(block_diag([*blocks, shift * self._others.mass]))
 
 

@@ -1,27 +1,23 @@
 """Energy, forces, Hessians and constraints of one cable under static loads."""
 
-from dataclasses import replace
-
 import numpy as np
-from scipy.sparse import csr_array, vstack
+from scipy.sparse import csr_array
 
 from ..arrays import Array
 from ..cable.assembly import add_elastic_force, elastic_energy
-from ..cable.attached import mass_of_points
-from ..cable.border import CLOSURE
 from ..cable.cable import Cable
 from ..cable.chain import build_chain
-from ..cable.sparse_forms import assembled, elastic_tangent, form_of_cable
+from ..cable.sparse_forms import assembled, elastic_tangent, form_of_cable, mass_of_cable
 from ..constraints import constraints_of_cable
 from ..element.bending import stiffness_matrix
 from ..element.forms import forms_of_mesh
-from ..element.inertia import mass_matrix
 from ..element.inextensibility import slope_gram_matrix
+from .static_system import StaticSystem
 
 BOW = 0.3  # slope at the ends of the sag that a taut start is given [-]
 
 
-class Potential:
+class Potential(StaticSystem):
     """Energy, forces and Hessians of one cable under given loads, and its constraints at a time."""
 
     def __init__(self, cable: Cable, external: Array, time: float) -> None:
@@ -29,20 +25,15 @@ class Potential:
         self.time = time
         self._chain = build_chain(cable)
         self._external = external.reshape(cable.reference.shape)
-        self._constraints = constraints_of_cable(cable)
+        self.constraints = constraints_of_cable(cable)
         section = cable.section
-        self.mass = section.mass_per_length * form_of_cable(cable, mass_matrix)
-        self.mass += assembled(
-            mass_of_points(cable.point_masses, cable.element_lengths), cable.reference.shape
-        )
+        self.mass = mass_of_cable(cable)
         self._stiffness = section.bending_stiffness * form_of_cable(cable, stiffness_matrix)
         smoothing = cable.element_lengths.mean() * cable.length**3 * section.mass_per_length
         self.metric = self.mass + smoothing / section.bending_stiffness * self._stiffness
         lengths = np.ones(cable.reference.shape)
         lengths[:, 1] = 1.0 / float(cable.element_lengths.mean())
         self.scale = lengths.ravel()  # of forces: moments count over the element length
-
-    indifferent = 0.0  # see `StaticSystem`
 
     @property
     def length(self) -> float:
@@ -57,9 +48,7 @@ class Potential:
     def turn_with(self, q: Array) -> None:
         """The slopes at both ends of a ring are joined transverse to the first one, which may turn."""
         if self.cable.closed:
-            turned = constraints_of_cable(replace(self.cable, reference=q))
-            pairs = zip(self._constraints, turned, strict=True)
-            self._constraints = [new if new.name == CLOSURE else old for old, new in pairs]
+            self.constraints = constraints_of_cable(self.cable, slope=q[0, 1])
 
     def energy(self, q: Array) -> float:
         """Bending energy less the work of the loads [J]."""
@@ -73,10 +62,6 @@ class Potential:
         """[J]"""
         return abs(self.energy(q)) + self.largest_load * self.length
 
-    def is_blocked(self, q: Array, trial: Array) -> bool:
-        """Nothing is in the way of a cable alone."""
-        return False
-
     def turn(self, step: Array) -> float:
         """Largest change of a slope in a step (n, 2, dim)."""
         return float(np.abs(step[:, 1]).max())
@@ -87,28 +72,21 @@ class Potential:
         add_elastic_force(self._chain, q, force)
         return force.ravel()
 
-    @property
-    def number_of_constraints(self) -> int:
-        return sum(constraint.number for constraint in self._constraints)
-
     def values(self, q: Array) -> Array:
         """(m,) all constraints."""
-        return np.concatenate([np.zeros(0), *(c.value(q, self.time) for c in self._constraints)])
+        return self.constraints.value(q, self.time)
 
     def jacobian(self, q: Array) -> csr_array:
         """(m, n_dof) of all constraints."""
-        none = csr_array((0, q.size))  # a ring that stretches has none
-        return csr_array(vstack([none, *(c.jacobian(q, self.time) for c in self._constraints)]))
+        return self.constraints.jacobian(q, self.time)
 
     def hessian(self, q: Array, multipliers: Array) -> csr_array:
         """Of the Lagrangian."""
-        total = elastic_tangent(self._chain, q)
-        first = 0
-        for constraint in self._constraints:
-            mine = multipliers[first : first + constraint.number]
-            total = total + constraint.hessian(mine, q.shape)
-            first += constraint.number
-        return csr_array(total)
+        return csr_array(self.elastic_tangent(q) + self.constraints.hessian(multipliers))
+
+    def elastic_tangent(self, q: Array) -> csr_array:
+        """-dF/dq (n_dof, n_dof)."""
+        return elastic_tangent(self._chain, q)
 
     def convex_model(self, multipliers: Array, shift: float) -> csr_array:
         """Bending stiffness, mean tension of the elements where it pulls, and shift times the mass."""
@@ -119,17 +97,14 @@ class Potential:
 
     def _mean_tension(self, multipliers: Array) -> Array:
         """(N,) [N]: 2 lam of the length constraint, and the nodal multipliers' share."""
-        cable, first = self.cable, 0
+        cable, rows = self.cable, self.constraints.rows
         tension = np.zeros(cable.number_of_elements)
-        for constraint in self._constraints:
-            mine = multipliers[first : first + constraint.number]
-            first += constraint.number
-            if constraint.name == "length":
-                tension += 2.0 * mine[cable.group_of_element()]
-            elif constraint.name == "nodal inextensibility":
-                nodal = np.zeros(len(cable.reference))
-                nodal[~cable.fixed[:, 1]] = mine
-                tension += (nodal[1:] + nodal[:-1]) / cable.element_lengths
+        if "length" in rows:
+            tension += 2.0 * multipliers[rows["length"]][cable.group_of_element()]
+        if "nodal inextensibility" in rows:
+            nodal = np.zeros(len(cable.reference))
+            nodal[~cable.fixed[:, 1]] = multipliers[rows["nodal inextensibility"]]
+            tension += (nodal[1:] + nodal[:-1]) / cable.element_lengths
         return tension
 
     def size(self, force: Array) -> float:

@@ -18,7 +18,7 @@ class StaticSystem(Protocol):
 
     mass: csr_array
     metric: csr_array
-    indifferent: float
+    indifferent: float = 0.0
 
     @property
     def length(self) -> float: ...
@@ -40,6 +40,7 @@ class StaticSystem(Protocol):
 
     def is_blocked(self, q: Array, trial: Array) -> bool:
         """Whether something lies in the way from q to `trial`, so that the step has to be shorter."""
+        return False
 
     def turn(self, step: Array) -> float:
         """Largest change of a slope, and angle of a body, in a step."""

@@ -10,7 +10,7 @@ from ..cable.axial_energy import static_energy
 from ..cable.cable import Cable
 from ..cable.chain import build_chain
 from ..cable.sparse_forms import assembled, tangent_of
-from ..constraints import length, nodal_inextensibility
+from ..constraints import constraints_of_cable
 from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
 from .potential import Potential
@@ -23,7 +23,7 @@ class StretchingPotential(Potential):
         super().__init__(cable, external, time)
         self._chain = build_chain(replace(cable, fixed=np.zeros_like(cable.fixed)))
         rigid = replace(cable, section=replace(cable.section, axial_stiffness=None))
-        self._lengths, self._slopes = length.of_cable(rigid), nodal_inextensibility.of_cable(rigid)
+        self._strains = constraints_of_cable(rigid)
         self._present = cable.reference
 
     def turn_with(self, q: Array) -> None:
@@ -50,22 +50,19 @@ class StretchingPotential(Potential):
         section = self.cable.section
         return super().largest_load + (section.axial_stiffness or 0.0) * abs(section.axial_strain)
 
-    def hessian(self, q: Array, multipliers: Array) -> csr_array:
-        """Of the Lagrangian."""
-        total = tangent_of(self._elastic_force, q)
-        first = 0
-        for constraint in self._constraints:
-            total = total + constraint.hessian(multipliers[first : first + constraint.number], q.shape)
-            first += constraint.number
-        return csr_array(total)
+    def elastic_tangent(self, q: Array) -> csr_array:
+        """-dF/dq (n_dof, n_dof)."""
+        return tangent_of(self._elastic_force, q)
 
     def convex_model(self, multipliers: Array, shift: float) -> csr_array:
         """Bending and axial stiffness, tension where it pulls, and shift times the mass."""
         stiffness, lengths = self.cable.section.axial_stiffness or 0.0, self.cable.element_lengths
-        of_lengths, of_slopes = (rows.jacobian(self._present) for rows in (self._lengths, self._slopes))
+        rows, jacobian = self._strains.rows, self._strains.jacobian(self._present)
+        of_lengths, of_slopes = (jacobian[rows[name]] for name in ("length", "nodal inextensibility"))
         axial = of_lengths.T @ diags_array(stiffness / (4.0 * lengths)) @ of_lengths
         axial = axial + stiffness * lengths.mean() / 12.0 * (of_slopes.T @ of_slopes)
-        strain = self._lengths.value(self._present) / (2.0 * lengths) - self.cable.section.axial_strain
+        stretch = self._strains.value(self._present)[rows["length"]]
+        strain = stretch / (2.0 * lengths) - self.cable.section.axial_strain
         gram = forms_of_mesh(slope_gram_matrix, lengths)
         geometric = assembled(
             (stiffness * np.maximum(strain, 0.0))[:, None, None] * gram, self._present.shape

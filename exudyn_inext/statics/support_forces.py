@@ -3,25 +3,22 @@
 import numpy as np
 
 from ..arrays import Array
-from ..cable.border import CLOSURE
 from ..cable.cable import Cable
 from ..cable.support_forces import SupportForces
 from ..constraints import constraints_of_cable
-from ..constraints.held_nodes import HeldNodes
-from ..constraints.links import LinkConstraint
+from ..constraints.kinds import HELD
 from ..constraints.prescribed_motion import KIND as MOTION
 
 
 def support_forces(cable: Cable, q: Array, multipliers: Array, time: float) -> SupportForces:
     """At q (n, 2, dim).   multipliers: (m,) of all its constraints.   time: of its motions [s]."""
-    on_coordinates, of_links, first = np.zeros(q.shape), np.zeros(len(cable.links)), 0
-    for constraint in constraints_of_cable(cable):
-        mine = multipliers[first : first + constraint.number]
-        first += constraint.number
-        if isinstance(constraint, LinkConstraint) and constraint.name != CLOSURE:
-            of_links[[link.kind == constraint.name for link in cable.links]] = mine
-        if isinstance(constraint, HeldNodes) or constraint.name == MOTION:
-            on_coordinates += (constraint.jacobian(q, time).T @ mine).reshape(q.shape)
+    constraints = constraints_of_cable(cable)
+    of_links, held = np.zeros(len(cable.links)), np.zeros(constraints.number)
+    for kind in {link.kind for link in cable.links}:
+        of_links[[link.kind == kind for link in cable.links]] = multipliers[constraints.rows[kind]]
+    for kind in constraints.rows.keys() & {*HELD, MOTION}:
+        held[constraints.rows[kind]] = multipliers[constraints.rows[kind]]
+    on_coordinates: Array = (constraints.jacobian(q, time).T @ held).reshape(q.shape)
     if cable.closed:
         on_coordinates[0] += on_coordinates[-1]
     return SupportForces(on_coordinates, of_links)

@@ -4,8 +4,10 @@ from typing import Any
 
 import exudyn
 
-from ..loads import add_forces, follow_history, remove_force
-from ..model import Model, add_position_sensors, add_slope_sensors, node_index, require_elements
+from exudyn_inext.checks import LARGEST_NUMBER_OF_ITEMS, require_integer
+
+from ..loads import assembled
+from ..model import Model, node_index
 from ..scenes import Hanger, Scene
 from ..scenes.support import Support
 from .cable import Quadrature, add_cable
@@ -31,31 +33,14 @@ def build(
         pin_stiffness: [N/m] springs instead of constraints, needed by native explicit integrators.
         hanger_stiffness: [N/m] springs instead of rigid hangers, needed by all explicit integrators.
     """
-    require_elements(elements)
+    require_integer("elements", elements, 1, LARGEST_NUMBER_OF_ITEMS)
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     nodes = add_cable(mbs, scene, elements, quadrature)
     for support in scene.supports:
         stiffness = hanger_stiffness if isinstance(support, Hanger) else pin_stiffness
         _add_support(mbs, nodes[node_index(support.at, elements)], support, scene, stiffness)
-    start_loads = add_forces(mbs, scene.start_loads, nodes)
-    loads = add_forces(mbs, scene.loads, nodes)
-    model = Model(
-        scene,
-        container,
-        mbs,
-        nodes,
-        add_position_sensors(mbs, scene, nodes),
-        add_slope_sensors(mbs, scene, nodes),
-    )
-    mbs.Assemble()
-    if scene.starts_from_equilibrium:
-        settle(model)
-    for number in start_loads:
-        remove_force(mbs, number)
-    for number, load in loads.items():
-        follow_history(mbs, number, load)
-    return model
+    return assembled(scene, container, mbs, nodes, settle)
 
 
 def build_for_explicit(scene: Scene, elements: int, quadrature: Quadrature = "full") -> Model:

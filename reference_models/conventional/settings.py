@@ -1,12 +1,11 @@
 """What an Exudyn solver is told: small settings objects, turned into exudyn.SimulationSettings."""
 
-import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import exudyn
 
-from exudyn_inext.errors import InputError
+from exudyn_inext.checks import require_positive
 
 from ..model import quiet_settings
 
@@ -62,9 +61,7 @@ Solver = Implicit | Explicit
 
 def number_of_steps(step_size: float, end_time: float) -> int:
     """Steps of equal size, as near to step_size [s] as the end time [s] allows."""
-    if not (math.isfinite(step_size) and step_size > 0):
-        raise InputError(f"step_size = {step_size!r} s must be a finite number > 0.")
-    return max(1, round(end_time / step_size))
+    return max(1, round(end_time / require_positive("step_size", step_size)))
 
 
 def simulation_settings(solver: Solver, end_time: float) -> Any:

@@ -20,6 +20,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from exudyn_inext import DivergenceError
+from exudyn_inext.checks import LARGEST_NUMBER_OF_ITEMS, require_integer, require_positive
 from exudyn_inext.errors import InputError
 
 from ..model import SENSOR_PERIOD
@@ -49,12 +50,9 @@ class RigidLinks:
     rotary_inertia: float = 1.0
 
     def __post_init__(self) -> None:
-        if isinstance(self.links, bool) or not isinstance(self.links, int) or self.links < 1:
-            raise InputError(f"links = {self.links!r}: must be an integer >= 1.")
-        for name in ("step_size", "rotary_inertia"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0.0):
-                raise InputError(f"{name} = {value!r}: must be a finite number > 0.")
+        require_integer("links", self.links, 1, LARGEST_NUMBER_OF_ITEMS)
+        require_positive("step_size", self.step_size)
+        require_positive("rotary_inertia", self.rotary_inertia)
 
     @property
     def steps_per_sample(self) -> int:

@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from exudyn_inext.errors import InputError
 
-from .load import Constant, PointForce, Sine
+from .load import PointForce, Sine
 from .scene import Cable, Reference, Scene
 from .section import Round, Section
 from .shape import Circle, Line, Parabolas
@@ -36,7 +36,6 @@ __all__ = [
     "Cable",
     "Circle",
     "Clamp",
-    "Constant",
     "Hanger",
     "Line",
     "Parabolas",

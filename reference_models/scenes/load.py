@@ -1,18 +1,11 @@
 """Dead loads at points of a cable, and how they vary in time."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
-from .checks import Vector, require_finite, require_fraction, require_positive
+from exudyn_inext.checks import require_positive, require_vector
 
-
-@dataclass(frozen=True)
-class Constant:
-    """factor(t) = 1."""
-
-    def factor(self, time: float) -> float:
-        """Factor [-] at a time [s]."""
-        return 1.0
+from .checks import Vector, require_fraction
 
 
 @dataclass(frozen=True)
@@ -23,29 +16,29 @@ class Sine:
     amplitude: float = 1.0
 
     def __post_init__(self) -> None:
-        require_positive("Sine", "rad/s", "angular_frequency", self.angular_frequency)
+        require_positive("Sine: angular_frequency", self.angular_frequency)
 
     def factor(self, time: float) -> float:
         """Factor [-] at a time [s]."""
         return self.amplitude * math.sin(self.angular_frequency * time)
 
 
-History = Constant | Sine
-
-
 @dataclass(frozen=True)
 class PointForce:
-    """A dead force on a point: force * history.factor(t).   at: fraction of the arc length; force [N]."""
+    """A dead force on a point: force * history.factor(t).
+
+    at: fraction of the arc length.   force [N].   history: None: constant.
+    """
 
     at: float
     force: Vector
-    history: History = field(default_factory=Constant)
+    history: Sine | None = None
 
     def __post_init__(self) -> None:
         require_fraction("PointForce(at)", self.at)
-        require_finite("PointForce", "force", self.force)
+        require_vector("PointForce: force", self.force)
 
     def value(self, time: float) -> Vector:
         """Force [N] at a time [s]."""
-        factor = self.history.factor(time)
+        factor = self.history.factor(time) if self.history else 1.0
         return (factor * self.force[0], factor * self.force[1], factor * self.force[2])

@@ -38,7 +38,6 @@ SCENE = Scene(
     gravity=(0.0, -9.81, 0.0),
     end_time=5.0,
     observe={"P1": 0.25, "P2": 0.75},
-    observe_slopes={"C": 1.0},
     start_loads=(PointForce(at=0.25, force=(0.0, -_ICE, 0.0)),),
     starts_from_equilibrium=True,
 )

@@ -8,10 +8,11 @@ from typing import Literal
 
 import numpy as np
 
+from exudyn_inext.checks import require_positive
 from exudyn_inext.errors import InputError
 
 from ..trajectory import Array
-from .checks import ZERO, Vector, require_fraction, require_positive
+from .checks import ZERO, Vector, require_fraction
 from .load import PointForce
 from .section import Round, Section
 from .shape import Line, Shape
@@ -29,12 +30,12 @@ class Cable:
     """
 
     length: float
-    section: Round | Section
+    section: Section
     shape: Shape = field(default_factory=Line)
     stress_free: Literal["shape", "straight"] = "shape"
 
     def __post_init__(self) -> None:
-        require_positive("Cable", "m", "length", self.length)
+        require_positive("Cable: length", self.length)
         self.shape.require_length(self.length)
 
     def nodes(self, elements: int) -> tuple[Array, Array]:
@@ -66,7 +67,6 @@ class Scene:
 
     gravity [m/s^2]; end_time [s].
     observe: name -> fraction of the arc length; the first one is compared with the reference.
-    observe_slopes: name -> fraction of the arc length; points whose direction is observed, too.
     end_velocity: velocity of the free end [m/s]; the initial field grows linearly from zero.
     loads: act during the motion.
     starts_from_equilibrium: at rest in static equilibrium under gravity, loads(t = 0) and start_loads;
@@ -85,17 +85,14 @@ class Scene:
     loads: tuple[PointForce, ...] = ()
     start_loads: tuple[PointForce, ...] = ()
     starts_from_equilibrium: bool = False
-    observe_slopes: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        require_positive(f"Scene '{self.name}'", "s", "end_time", self.end_time)
+        require_positive(f"Scene '{self.name}': end_time", self.end_time)
         if not self.observe:
             raise InputError(f"Scene '{self.name}' observes no point; give observe={{'tip': 1.0}}.")
-        for field_name in ("observe", "observe_slopes"):
-            points = getattr(self, field_name)
-            for point, fraction in points.items():
-                require_fraction(f"Scene '{self.name}', {field_name}['{point}']", fraction)
-            object.__setattr__(self, field_name, MappingProxyType(dict(points)))
+        for point, fraction in self.observe.items():
+            require_fraction(f"Scene '{self.name}', observe['{point}']", fraction)
+        object.__setattr__(self, "observe", MappingProxyType(dict(self.observe)))
         self._require_consistent_start()
 
     def _require_consistent_start(self) -> None:

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from .checks import require_positive
+from exudyn_inext.checks import require_positive
 
 
 @dataclass(frozen=True)
@@ -18,44 +18,14 @@ class Section:
     axial_stiffness: float
 
     def __post_init__(self) -> None:
-        units = {"mass_per_length": "kg/m", "bending_stiffness": "N m^2", "axial_stiffness": "N"}
-        for name, unit in units.items():
-            require_positive("Section", unit, name, getattr(self, name))
+        for name, value in vars(self).items():
+            require_positive(f"Section: {name}", value)
 
 
-@dataclass(frozen=True)
-class Round:
+def Round(radius: float, density: float, youngs_modulus: float) -> Section:
     """Solid round cross-section.   radius [m], density [kg/m^3], youngs_modulus [Pa]."""
-
-    radius: float
-    density: float
-    youngs_modulus: float
-
-    def __post_init__(self) -> None:
-        for name, unit in (("radius", "m"), ("density", "kg/m^3"), ("youngs_modulus", "Pa")):
-            require_positive("Round section", unit, name, getattr(self, name))
-
-    @property
-    def area(self) -> float:
-        """A = pi R^2 [m^2]."""
-        return math.pi * self.radius**2
-
-    @property
-    def second_moment(self) -> float:
-        """I = pi R^4 / 4 [m^4]."""
-        return math.pi * self.radius**4 / 4
-
-    @property
-    def mass_per_length(self) -> float:
-        """rho_A = rho A [kg/m]."""
-        return self.density * self.area
-
-    @property
-    def bending_stiffness(self) -> float:
-        """EI [N m^2]."""
-        return self.youngs_modulus * self.second_moment
-
-    @property
-    def axial_stiffness(self) -> float:
-        """EA [N]."""
-        return self.youngs_modulus * self.area
+    require_positive("Round section: radius", radius)
+    require_positive("Round section: density", density)
+    require_positive("Round section: youngs_modulus", youngs_modulus)
+    area, second_moment = math.pi * radius**2, math.pi * radius**4 / 4
+    return Section(density * area, youngs_modulus * second_moment, youngs_modulus * area)

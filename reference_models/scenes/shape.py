@@ -10,10 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from exudyn_inext.checks import LARGEST_NUMBER_OF_ITEMS, require_integer, require_positive, require_vector
 from exudyn_inext.errors import InputError
 
 from ..trajectory import Array
-from .checks import ZERO, Vector, require_finite, require_positive
+from .checks import ZERO, Vector
 
 CLOSURE_TOLERANCE = 1e-9
 """Length of a ring over its circumference, minus 1 [-]."""
@@ -54,8 +55,8 @@ class Circle:
     center: Vector = ZERO
 
     def __post_init__(self) -> None:
-        require_positive("Circle", "m", "radius", self.radius)
-        require_finite("Circle", "center", self.center)
+        require_positive("Circle: radius", self.radius)
+        require_vector("Circle: center", self.center)
 
     closed = True
 
@@ -99,11 +100,10 @@ class Parabolas:
     start: Vector = ZERO
 
     def __post_init__(self) -> None:
-        require_positive("Parabolas", "m", "width", self.width)
-        require_positive("Parabolas", "m", "sag", self.sag)
-        require_finite("Parabolas", "start", self.start)
-        if isinstance(self.spans, bool) or not isinstance(self.spans, int) or self.spans < 1:
-            raise InputError(f"Parabolas: spans = {self.spans!r} must be an integer >= 1.")
+        require_positive("Parabolas: width", self.width)
+        require_positive("Parabolas: sag", self.sag)
+        require_vector("Parabolas: start", self.start)
+        require_integer("Parabolas: spans", self.spans, 1, LARGEST_NUMBER_OF_ITEMS)
 
     closed = False
 

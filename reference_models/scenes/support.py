@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass
 
-from .checks import Vector, require_finite, require_fraction, require_positive
+from exudyn_inext.checks import require_positive, require_vector
+
+from .checks import Vector, require_fraction
 
 
 @dataclass(frozen=True)
@@ -38,8 +40,8 @@ class Hanger:
 
     def __post_init__(self) -> None:
         require_fraction("Hanger(at)", self.at)
-        require_positive("Hanger", "m", "length", self.length)
-        require_finite("Hanger", "anchor", self.anchor)
+        require_positive("Hanger: length", self.length)
+        require_vector("Hanger: anchor", self.anchor)
 
 
 Support = Pin | Clamp | Hanger

@@ -10,7 +10,6 @@ from .table import (
     column,
     groups,
     judged,
-    largest,
     number,
     percent,
     tables,
@@ -19,5 +18,5 @@ from .table import (
 
 __all__ = [
     "UNDECIDED", "Order", "Results", "Row", "Study", "Table", "TextTable", "announce", "at_most", "column",
-    "groups", "judged", "largest", "number", "percent", "tables", "verdict",
+    "groups", "judged", "number", "percent", "tables", "verdict",
 ]  # fmt: skip

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from exudyn_inext import ExplicitSettings, ExplicitStepper, InextensibleError, Zhai
-from reference_models.conventional.convergence import explicit_solution
-from reference_models.inextensible import Inextensible, build, fine_solution, inextensible_case, label_of
+from reference_models.inextensible import Inextensible, build, inextensible_case, label_of
 from reference_models.model import SENSOR_PERIOD, node_index
 from reference_models.scenes import Scene
 from reference_models.trajectory import Array, Case, Run, Trajectory, Untimed
@@ -101,24 +100,6 @@ def failing_case(
         raise error
 
     return Case(label, INEXTENSIBLE, integrator, elements, step_size, 0, prepare)
-
-
-def mesh_series(
-    scene: Scene, full: Sequence[int], lobatto: Sequence[int], inextensible: Sequence[int]
-) -> dict[str, dict[int, Trajectory]]:
-    """Solutions on finer and finer meshes, with negligible time steps (untimed).
-
-    Args:
-        scene: what to solve.
-        full: numbers of native elements with Exudyn's default quadrature.
-        lobatto: numbers of native elements with Lobatto quadrature.
-        inextensible: numbers of inextensible elements.
-    """
-    return {
-        "native, full quadrature": {n: explicit_solution(scene, n) for n in full},
-        "native, Lobatto quadrature": {n: explicit_solution(scene, n, "lobatto") for n in lobatto},
-        "inextensible": {n: fine_solution(scene, n) for n in inextensible},
-    }
 
 
 # ------------------------------------------------------------------- without Exudyn's time loop

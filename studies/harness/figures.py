@@ -20,7 +20,7 @@ from .ratios import (
     front,
     is_usable,
 )
-from .reference import distance_to_reference, positions_at
+from .reference import positions_at
 from .store import Row
 from .table import column, groups
 
@@ -88,26 +88,3 @@ def front_curves(
                 Curve(column(some, "cpuSeconds"), column(some, "errorMax"), label, color, style, look)
             )
     return curves
-
-
-def draw_convergence(
-    path: Path, meshes: Mapping[str, Mapping[int, Trajectory]], reference: Trajectory, point: str
-) -> Path:
-    """Left: y(t) for the meshes of the first series; right: error against elements, all series."""
-    name, first = next(iter(meshes.items()))
-    shown = _until(reference, first)
-    curves = [Curve(shown.times, shown.positions[:, 1], "reference", REFERENCE_COLOR, "-", THICK)]
-    for number, run in first.items():
-        curves.append(Curve(run.times, run.positions[:, 1], f"N = {number}", None, "-", {"linewidth": 1.0}))
-    native_colors, errors = iter(COLORS[1:]), []
-    for (label, series), marker in zip(meshes.items(), "s^oD", strict=False):
-        maxima = [distance_to_reference(run, reference).maximum for run in series.values()]
-        color = COLORS[0] if label == "inextensible" else next(native_colors)
-        errors.append(Curve(list(series), maxima, label, color, marker + "-"))
-    numbers = sorted({number for series in meshes.values() for number in series})
-    return chart(
-        path,
-        Panel(TIME, f"{point} y [m]", curves, "plot", f"{name}, N elements"),
-        Panel("number of elements N [-]", "largest distance to the reference [m]", errors, ticks=numbers),
-        width=10.0,
-    )

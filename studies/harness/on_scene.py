@@ -15,8 +15,8 @@ from reference_models.inextensible import Inextensible, inextensible_case
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case, Trajectory
 
-from .cases import compiled_case, explicit_case, mesh_series, paper_case, untuned_cases
-from .figures import draw_convergence, draw_cost_and_accuracy, draw_trajectories
+from .cases import compiled_case, explicit_case, paper_case, untuned_cases
+from .figures import draw_cost_and_accuracy, draw_trajectories
 from .ratios import Ratio, equal_accuracy, front, kind_of, time_ratio
 from .reference import ReferenceOf, ReferenceSolution, from_data, interpolation_error
 from .store import Row
@@ -172,7 +172,6 @@ class PaperTable:
     explicit: N, integrator, quadrature, at their largest stable steps.
     meshes: of default settings and of the one setting.
     quick: how many of the inextensible, compiled and implicit ones a quick run takes.
-    series, quick_series: formulation -> numbers of elements of `mesh_series`, to be drawn.
     """
 
     name: str
@@ -188,8 +187,6 @@ class PaperTable:
     compiled: Sequence[tuple[Any, ...]] = ()
     meshes: Sequence[int] = (3, 4, 5, 6, 8, 10, 12)
     quick: tuple[int, int, int] = (2, 0, 2)
-    series: Mapping[str, Sequence[int]] = field(default_factory=dict)
-    quick_series: Sequence[int] = (4, 6)
 
     def cases(self, scene: Scene, quick: bool) -> list[Case]:
         """All rows; a quick run leaves out the costly ones."""
@@ -218,19 +215,14 @@ class PaperTable:
         return found + equal_accuracy(results.rows, self.bounds)
 
     def draw(self, results: SceneResults, directory: Path) -> list[Path]:
-        """Cost against accuracy; motion at the paper's settings; convergence over meshes, if asked for."""
+        """Cost against accuracy; motion at the paper's settings."""
         scene, reference = results.scene, results.reference.trajectory
         runs = {label: results.trajectories[label] for label in self.shown if label in results.trajectories}
         axes = [f"{scene.main_point} {axis} [m]" for axis in ("xy" if scene.is_planar else "xyz")]
-        paths = [
+        return [
             draw_cost_and_accuracy(directory / f"{self.name}_cost.png", results.rows),
             draw_trajectories(directory / f"{self.name}_motion.png", runs, reference, axes),
         ]
-        if self.series:
-            asked = {name: self.quick_series if results.quick else own for name, own in self.series.items()}
-            path, meshes = directory / f"{self.name}_mesh.png", mesh_series(scene, **asked)
-            paths.append(draw_convergence(path, meshes, reference, scene.main_point))
-        return paths
 
     def study(
         self, question: str, reference: ReferenceOf = from_data, tables: Sequence[Table] = (), **more: Any

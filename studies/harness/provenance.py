@@ -4,6 +4,7 @@ import hashlib
 import os
 import platform
 import subprocess
+from collections.abc import Mapping
 from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -38,26 +39,10 @@ def present_code() -> dict[str, Any]:
     return {"versions": {**versions(), "commit": commit}, "sources": digest.hexdigest()[:20]}
 
 
-def code_of(document: dict[str, Any]) -> dict[str, Any]:
-    """What decides whether a stored document belongs to another one."""
-    return {"versions": document["versions"], "sources": document.get("sources", _UNKNOWN)}
-
-
-def commit_of(code: dict[str, Any]) -> str:
-    """In short: "commit 1a2b3c4d5e with changes"."""
-    commit, _, changes = str(code["versions"].get("commit", _UNKNOWN)).partition(" ")
+def commit_of(document: Mapping[str, Any]) -> str:
+    """Of a study's document, in short: "commit 1a2b3c4d5e with changes"."""
+    commit, _, changes = str(document["versions"].get("commit", _UNKNOWN)).partition(" ")
     return " ".join(filter(None, ("commit", commit[:10], changes)))
-
-
-def differences(code: dict[str, Any], other: dict[str, Any]) -> str:
-    """What differs besides the commit: packages, sources."""
-    names = sorted(code["versions"].keys() | other["versions"].keys())
-    which = [
-        f"{name} {code['versions'].get(name, 'none')}, {other['versions'].get(name, 'none')}"
-        for name in names
-        if name != "commit" and code["versions"].get(name) != other["versions"].get(name)
-    ]
-    return "; ".join(which + (["sources"] if code["sources"] != other["sources"] else []))
 
 
 def machine() -> dict[str, str | int | None]:

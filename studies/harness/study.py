@@ -9,11 +9,10 @@ from typing import Any
 
 from tqdm import tqdm
 
-from .engines import Options
 from .provenance import machine, present_code
 from .ratios import Ratio, ratio_sentences, ratio_tables
 from .store import Row, prepare_directory, write_json, write_text
-from .table import Table, TextTable, timing_noise
+from .table import Table, TextTable
 
 Document = dict[str, Any]
 
@@ -27,13 +26,13 @@ KEYS = (
 class Order:
     """Which study is to be run, and how.
 
-    output: directory.   quick: few, cheap cases.   options: where its cases run.
+    output: directory.   quick: few, cheap cases.   workers: processes of a sweep; None: one a core.
     """
 
     study: str
     output: Path
     quick: bool = False
-    options: Options = field(default_factory=Options)
+    workers: int | None = None
 
 
 @dataclass(frozen=True)
@@ -51,11 +50,6 @@ class Results:
 
     def of_kind(self, kind: str) -> list[Row]:
         return [row for row in self.rows if row.get("kind", "") == kind]
-
-    @property
-    def noise(self) -> float:
-        """Factor within which a timed figure counts as equal to its bar, see `verdict`."""
-        return timing_noise(self.quick)
 
 
 def nothing(*given: Any) -> list[Any]:
@@ -90,11 +84,11 @@ def announce(study: str, activity: str) -> None:
     tqdm.write(f"{study}: {activity}", file=sys.stderr)
 
 
-def run(study: Study, output: Path, quick: bool = False, options: Options | None = None) -> str:
+def run(study: Study, output: Path, quick: bool = False, workers: int | None = None) -> str:
     """Measure, write NAME.json, NAME.md and pictures into `output`; return the report."""
     prepare_directory(output)
     announce(study.name, "measuring")
-    results = study.measure(Order(study.name, output, quick, options or Options()))
+    results = study.measure(Order(study.name, output, quick, workers))
     results = results if isinstance(results, Results) else Results(quick, results)
     document = measured(study.name, study.question, results)
     write_json(output / f"{study.name}.json", document)

@@ -99,11 +99,6 @@ def column(rows: Iterable[Row], key: str) -> list[Any]:
     return [row[key] for row in rows]
 
 
-def largest(rows: Iterable[Row], key: str) -> Row:
-    """The row with the largest value of the key."""
-    return max(rows, key=lambda row: float(row[key]))
-
-
 # ----------------------------------------------------------------------------------------- verdicts
 
 

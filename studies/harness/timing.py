@@ -120,7 +120,7 @@ def measure(
     tasks = {case.label: case.prepare for case in cases}
     found = in_turn(tasks, repeats, name, _run_case, rounds_of)
     pairs = [(case, found[case.label]) for case in cases]
-    return [(_row(case, measurement, reference), measurement.found) for case, measurement in pairs]
+    return [(row_of(case, measurement, reference), measurement.found) for case, measurement in pairs]
 
 
 def _run_case(measurement: Measurement) -> None:
@@ -141,7 +141,7 @@ def _run_case(measurement: Measurement) -> None:
         del measurement.cpu_seconds[timed:]
 
 
-def _row(case: Case, measurement: Measurement, reference: Trajectory) -> Row:
+def row_of(case: Case, measurement: Measurement, reference: Trajectory) -> Row:
     """As it is stored; times and errors of a failed case are None."""
     ended = measurement.status == OK and measurement.found is not None
     error = distance_to_reference(measurement.found, reference) if ended else None
@@ -176,22 +176,17 @@ def steps_task(stepper: ExplicitStepper, kept: Any = None) -> Task:
     return task
 
 
-def seconds_per_time(
-    tasks: Mapping[Any, Task], repeats: int, least_seconds: float, name: str = "timing"
-) -> dict[Any, list[float]]:
-    """CPU seconds of each task, done once, in each of `repeats` rounds over all tasks.
-
-    A task is repeated in a sample as often as takes `least_seconds`.
-    """
+def sampled(
+    tasks: Mapping[Any, Task], rounds: int, least_seconds: float, name: str = "timing"
+) -> dict[Any, Measurement]:
+    """Each task, repeated in a sample as often as takes `least_seconds`; its CPU times are those of once."""
     times = {label: _times_of(task, least_seconds) for label, task in tasks.items()}
-    runs = {label: partial(partial, task, times[label]) for label, task in tasks.items()}
-    found = in_turn(runs, repeats, name).items()
-    return {label: [max(x, 1e-9) / times[label] for x in one.cpu_seconds] for label, one in found}
-
-
-def medians(samples: Mapping[Any, list[float]]) -> dict[Any, float]:
-    """Label -> median."""
-    return {label: statistics.median(values) for label, values in samples.items()}
+    found = in_turn(
+        {label: partial(partial, task, times[label]) for label, task in tasks.items()}, rounds, name
+    )
+    for label, one in found.items():
+        one.cpu_seconds = [max(seconds, 1e-9) / times[label] for seconds in one.cpu_seconds]
+    return found
 
 
 def _times_of(task: Task, least_seconds: float) -> int:

@@ -10,7 +10,7 @@ from typing import Any
 
 from exudyn_inext import InputError
 from studies.harness import Row
-from studies.harness.provenance import ROOT, code_of, commit_of
+from studies.harness.provenance import ROOT, commit_of
 from studies.harness.store import plain, read_json, write_text
 from studies.harness.study import KEYS, Document
 
@@ -128,28 +128,24 @@ class Figures:
     def note(self, name: str) -> str:
         """Whether the figures of a study are older than the newest ones, or provisional."""
         newest, why = (
-            _code(max(self.all.values(), key=lambda one: str(one["date"]))),
+            commit_of(max(self.all.values(), key=lambda one: str(one["date"]))),
             self[name]["provisional"],
         )
-        age = f" Older than the newest results ({newest})." if _code(self[name]) != newest else ""
+        age = f" Older than the newest results ({newest})." if commit_of(self[name]) != newest else ""
         return age + (f" Provisional: {why}." if why else "")
 
     def origin(self, *names: str) -> str:
         """Where figures come from: date, commit, machine; which of them are older, or provisional."""
-        newest = _code(max(self.all.values(), key=lambda one: str(one["date"])))
+        newest = commit_of(max(self.all.values(), key=lambda one: str(one["date"])))
         by_code: dict[str, list[str]] = {}
         for name in names:
-            by_code.setdefault(f"{self[name]['date'][:10]}, {_code(self[name])}", []).append(name)
+            by_code.setdefault(f"{self[name]['date'][:10]}, {commit_of(self[name])}", []).append(name)
         parts = [f"{', '.join(f'`{name}`' for name in own)}: {code}" for code, own in by_code.items()]
         said = f"Measured: {'; '.join(parts)}. {_machines([self[name] for name in names])}."
-        if older := [name for name in names if _code(self[name]) != newest]:
+        if older := [name for name in names if commit_of(self[name]) != newest]:
             said += f" Older than the newest results ({newest}): {', '.join(older)}."
         notes = dict.fromkeys(f"{self[name]['provisional']}" for name in names if self[name]["provisional"])
         return said + "".join(f" Provisional: {note}." for note in notes)
-
-
-def _code(document: Document) -> str:
-    return commit_of(code_of(document))
 
 
 def _machines(documents: Sequence[Document]) -> str:

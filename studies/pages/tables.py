@@ -20,7 +20,7 @@ from studies.harness.ratios import (
     time_ratio,
 )
 from studies.harness.table import markdown_table, percent
-from studies.scene_cost import size_of
+from studies.speed.scene_cost import size_of
 
 from .results import COMPARISONS, Block, Figures
 

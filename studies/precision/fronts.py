@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from exudyn_inext import InputError
 from studies.harness import Row, column
 from studies.harness.ratios import (
     BY_NATIVE_SOLVERS,
@@ -99,19 +98,7 @@ def front_of(rows: Iterable[Row], uncertainty: float) -> Front:
 
 
 def read(found: Front, bound: float) -> Reading:
-    """CPU time at an error of `bound` [m], on the line through the neighbours on logarithmic scales.
-
-    Raises:
-        InputError: bound below the uncertainty of the reference, or none.
-    """
-    if not (math.isfinite(bound) and bound > 0.0):
-        raise InputError(f"error bound {bound!r} m: must be a finite number > 0.")
-    if bound < found.uncertainty:
-        raise InputError(
-            f"error bound {bound:g} m is below the uncertainty of the reference, {found.uncertainty:g} m: "
-            f"nothing can be said there; ask for {found.uncertainty:g} m or more, or give the scene a better "
-            "reference."
-        )
+    """CPU time at an error of `bound` [m], on the line through the neighbours on logarithmic scales."""
     if not found.rows:
         return Reading(None, EMPTY)
     errors = found.errors
@@ -124,44 +111,6 @@ def read(found: Front, bound: float) -> Reading:
 
 
 def speed_up(opponent: Front, own: Front, bound: float) -> float | None:
-    """CPU time of the opponent over one's own at an error of `bound` [m]; None outside of either front.
-
-    Raises:
-        InputError: bound below the uncertainty of the reference.
-    """
+    """CPU time of the opponent over one's own at an error of `bound` [m]; None outside of either front."""
     slow, quick = read(opponent, bound).seconds, read(own, bound).seconds
     return None if slow is None or quick is None else slow / quick
-
-
-@dataclass(frozen=True)
-class Loss:
-    """Where an opponent is cheaper: errors from `least` to `largest` [m], and why."""
-
-    least: float
-    largest: float
-    why: str
-
-
-CHEAPER = "the opponent is cheaper"
-ALONE = "only the opponent is as accurate"
-
-
-def losses(opponent: Front, own: Front) -> list[Loss]:
-    """Ranges of the opponent's rows where it wins; neighbouring ones for the same reason are joined.
-
-    Looser than the end of one's own front, its cheapest row serves.
-    """
-    found: list[Loss] = []
-    before = ""
-    for row in opponent.rows:
-        why, error = "", row["errorMax"]
-        if not own.rows or error < own.errors[-1]:
-            why = ALONE
-        elif row["cpuSeconds"] < (read(own, min(error, own.errors[0])).seconds or 0.0):
-            why = CHEAPER
-        if why and why == before:
-            found[-1] = Loss(error, found[-1].largest, why)
-        elif why:
-            found.append(Loss(error, error, why))
-        before = why
-    return found

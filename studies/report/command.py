@@ -9,9 +9,10 @@ from studies.harness import Study
 from studies.harness.store import write_text
 from studies.registry import find_studies, find_study
 
-from .documents import QUICK_FOLDER, Wish, gather, read_earlier
+from .compare import compare
+from .documents import gather, read_earlier
+from .text import as_markdown
 
-WORSE = 1
 NAME = "report"
 
 
@@ -21,14 +22,12 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add("--quick", action="store_true", help="run all studies in quick mode, into OUTPUT/quick; some minutes")
     add("--output", type=Path, default=Path("results"), help="default: results")
     add("--only", nargs="+", metavar="NAME", help="these studies, as shown by 'list'")
-    add("--missing", choices=("run", "skip"), default="run", help="studies without result; default: run")
     add("--fresh", action="store_true", help="discard what is stored, and run all studies anew")
-    add("--other-commit", action="store_true", help="report what one other commit measured; nothing is run")
     add(
         "--compare", nargs="+", type=Path, metavar="OLD",
         help="folder, or NAME.json files, of an earlier report: what became worse beyond noise",
     )  # fmt: skip
-    add("--strict", action="store_true", help=f"exit code {WORSE} if anything became worse than in OLD")
+    add("--strict", action="store_true", help="exit code 1 if anything became worse than in OLD")
 
 
 def report(options: argparse.Namespace) -> int:
@@ -44,30 +43,25 @@ def report(options: argparse.Namespace) -> int:
         raise InputError(
             "the report needs markdown_it, not installed here: pip install 'exudyn_inext[report]'."
         )
-    from .compare import compare
     from .page import as_html
-    from .text import as_markdown
 
     if options.strict and not options.compare:
         raise InputError("--strict judges a comparison: give --compare OLD, or leave it out.")
     studies, left_out = _studies(options)
-    folder = options.output / QUICK_FOLDER if options.quick else options.output
-    wish = Wish(folder, options.quick, options.missing == "run", options.fresh, options.other_commit)
+    folder = options.output / "quick" if options.quick else options.output
     old = read_earlier(options.compare, options.quick) if options.compare else None
-    gathered = gather(studies, wish)
+    gathered = gather(studies, folder, options.quick, options.fresh)
     gathered.absent |= left_out
     comparison = None if old is None else compare(old, gathered.documents)
     text = as_markdown(gathered, folder, options.quick, comparison)
     for form, written in (("md", text), ("html", as_html(text, folder))):
-        path = folder / f"{NAME}.{form}"
-        write_text(path, written)
-        print(f"Written: {path}")
-    if comparison:
-        print("\n".join(comparison.summary))
+        write_text(folder / f"{NAME}.{form}", written)
+        print(f"Written: {folder / NAME}.{form}")
+    for sentence in comparison.summary if comparison else ():
+        print(sentence)
     for name, reason in gathered.absent.items():
         print(f"Left out: {name}: {reason}")
-    is_worse = options.strict and comparison is not None and comparison.is_worse
-    return WORSE if gathered.has_failed or is_worse else 0
+    return int(gathered.has_failed or (options.strict and comparison is not None and comparison.is_worse))
 
 
 def _studies(options: argparse.Namespace) -> tuple[dict[str, Study], dict[str, str]]:

@@ -3,13 +3,12 @@
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from studies.harness import TextTable, column, groups, number
-from studies.harness.provenance import code_of, commit_of
+from studies.harness import UNDECIDED, TextTable, column, groups, number
+from studies.harness.provenance import commit_of
 from studies.harness.study import Document
 
-from .compare import Change, Comparison
+from .compare import ADVERSE, Change, Comparison
 from .documents import Gathered
-from .sentences import UNDECIDED, Pair, is_adverse
 
 EQUAL_ACCURACY = "at equal accuracy, the closest: "
 Blocks = list[str]
@@ -51,7 +50,7 @@ def _bullets(texts: Iterable[str]) -> str:
 def _subtitle(documents: Sequence[Document], quick: bool) -> str:
     dates = sorted(str(document["date"])[:10] for document in documents) or ["never"]
     measured = " to ".join(dict.fromkeys((dates[0], dates[-1])))
-    commits = "; ".join(dict.fromkeys(commit_of(code_of(document)) for document in documents))
+    commits = "; ".join(dict.fromkeys(commit_of(document) for document in documents))
     mode = (
         " Quick runs: short motions, few and short measurements. Verdicts on times are given only where "
         "these decide them."
@@ -78,8 +77,8 @@ def _findings(documents: Sequence[Document], absent: dict[str, str]) -> Blocks:
     """The first conclusion of each study, all adverse ones, and what is missing."""
     said = [(d["study"], sentence) for d in documents for sentence in d["conclusions"]]
     first = [(d, d["conclusions"][0]) for d in documents if d["conclusions"]]
-    adverse = [pair for pair in said if is_adverse(pair[1])]
-    undecided = sum(bool(UNDECIDED.search(sentence)) for _, sentence in said)
+    adverse = [pair for pair in said if ADVERSE.search(pair[1])]
+    undecided = sum(UNDECIDED in sentence for _, sentence in said)
     blocks = [_bullets(f"{_link(d['study'])}{_date_of_old(d)}: {sentence}" for d, sentence in first)]
     if adverse:
         blocks.append(f"Missed, limited or failed ({len(adverse)}):")
@@ -107,14 +106,17 @@ def _section(document: Document, folder: Path) -> Blocks:
     tables = [TextTable(**stored).markdown for stored in document["tables"]]
     mode = f", {document['mode']}" if document["mode"] else ""
     blocks = [document["question"], _bullets(document["conclusions"]), *pictures, *tables, *document["notes"]]
-    measured = f"Measured on {document['date']}, {commit_of(code_of(document))}{mode}."
+    measured = f"Measured on {document['date']}, {commit_of(document)}{mode}."
     return [*filter(None, blocks), measured + document.get("note", "")]
 
 
 def _origins(documents: Sequence[Document]) -> Blocks:
     """Machine, versions, dates: one table for each set of them."""
     blocks = []
-    sets = groups([one | {"set": repr((one["machine"], code_of(one)))} for one in documents], "set")
+    sets = groups(
+        [one | {"set": repr([one[key] for key in ("machine", "versions", "sources")])} for one in documents],
+        "set",
+    )
     for own in sets.values():
         first, dates = own[0], sorted(column(own, "date"))
         lines = [("date", " to ".join(dict.fromkeys((dates[0], dates[-1]))))]
@@ -125,21 +127,14 @@ def _origins(documents: Sequence[Document]) -> Blocks:
 
 
 def _changes(found: Comparison) -> Blocks:
-    """What is beyond noise, flipped conclusions first."""
-    statuses = [(row.label, row.study, old, new) for row, old, new in found.statuses]
+    """What is beyond noise."""
     tables = [
-        _pairs("Conclusions that flipped:", found.flipped),
-        _pairs("Conclusions that are undecided on one side:", found.undecided),
-        TextTable("Rows with another status:", ("row", "study", "then", "now"), statuses),
-        _figures("Slower beyond noise:", found.slower),
-        _figures("Less accurate, or limited more:", found.less_accurate),
+        TextTable("Conclusions that are adverse now:", ("study", "conclusion"), found.adverse),
+        TextTable("Rows with another status:", ("row", "study", "then", "now"), found.statuses),
+        _figures("Worse beyond noise:", found.worse),
         _figures("Better beyond noise:", found.better),
     ]
     return [_bullets(found.summary), *(table.markdown for table in tables if table.lines)]
-
-
-def _pairs(title: str, pairs: Sequence[Pair]) -> TextTable:
-    return TextTable(title, ("then", "now", "study"), [(pair.old, pair.new, pair.study) for pair in pairs])
 
 
 def _figures(title: str, changes: Sequence[Change]) -> TextTable:

@@ -3,10 +3,24 @@
 import numpy as np
 import pytest
 
-from exudyn_inext.constraints import clamp, constraints_of_cable, length, nodal_inextensibility, pin
+from exudyn_inext.constraints import constraints_of_cable
 from tests.cables import MEASURES, fine_quadrature, hermite, random_state, straight_cable
 
 NAMES = "abcdef"
+
+
+def values_of(kind, cable, q):
+    """Of the constraints of one kind."""
+    found = constraints_of_cable(cable)
+    return found.value(q)[found.rows[kind]]
+
+
+def places_of(kind, cable):
+    """Where the constraints of one kind act, in words."""
+    found = constraints_of_cable(cable)
+    descriptions = [found.describe(row, NAMES) for row in range(found.number)]
+    return [where for name, where in descriptions if name == kind]
+
 
 pytestmark = pytest.mark.kernel
 
@@ -28,7 +42,7 @@ def test_length_constraint_is_the_change_of_the_integral_over_its_group(dim):
     change = squared_slope_integrals(state.cable, state.q)
     change -= squared_slope_integrals(state.cable, state.cable.reference)
     expected = [change[:3].sum(), change[3:].sum()]
-    np.testing.assert_allclose(length.of_cable(state.cable).value(state.q), expected, rtol=1e-10)
+    np.testing.assert_allclose(values_of("length", state.cable, state.q), expected, rtol=1e-10)
 
 
 def test_groups_are_contiguous_and_as_equal_as_possible():
@@ -45,10 +59,8 @@ def test_nodal_constraint_is_the_squared_slope_less_one():
     cable = straight_cable(2, 2, "clamped")
     q = cable.reference.copy()
     q[1, 1], q[2, 1] = (0.6, 0.8), (3.0, 4.0)
-    found = nodal_inextensibility.of_cable(cable)
-    np.testing.assert_allclose(found.value(q), [0.0, 24.0], atol=1e-14)
-    texts = [found.describe(row, NAMES) for row in range(2)]
-    assert texts == ["slope of node b", "slope of node c"]
+    np.testing.assert_allclose(values_of("nodal inextensibility", cable, q), [0.0, 24.0], atol=1e-14)
+    assert places_of("nodal inextensibility", cable) == ["slope of node b", "slope of node c"]
 
 
 def test_pin_and_clamp_measure_the_distance_from_the_reference():
@@ -56,33 +68,28 @@ def test_pin_and_clamp_measure_the_distance_from_the_reference():
     q = pinned.reference.copy()
     q[0, 0] += [1.0, 2.0, 3.0]
     q[0, 1] += [4.0, 5.0, 6.0]
-    np.testing.assert_allclose(pin.of_cable(pinned).value(q), [1, 2, 3])
-    np.testing.assert_allclose(clamp.of_cable(clamped).value(q), [1, 2, 3, 4, 5, 6])
-    within = pin.of_cable(straight_cable(2, 3, "pinned within"))
-    assert within.describe(2, NAMES) == "position z of node b"
-    assert clamp.of_cable(clamped).describe(4, NAMES) == "slope y of node a"
-    assert pin.of_cable(clamped).number == clamp.of_cable(pinned).number == 0
+    np.testing.assert_allclose(values_of("pin", pinned, q), [1, 2, 3])
+    np.testing.assert_allclose(values_of("clamp", clamped, q), [1, 2, 3, 4, 5, 6])
+    assert places_of("pin", straight_cable(2, 3, "pinned within"))[2] == "position z of node b"
+    assert places_of("clamp", clamped)[4] == "slope y of node a"
+    assert not places_of("pin", clamped) and not places_of("clamp", pinned)
 
 
 def test_a_length_constraint_names_its_elements():
-    found = length.of_cable(straight_cable(5, 2, length_constraints=2))
-    texts = [found.describe(row, NAMES) for row in range(2)]
-    assert texts == ["elements between nodes a and d", "elements between nodes d and f"]
+    assert places_of("length", straight_cable(5, 2, length_constraints=2)) == [
+        "elements between nodes a and d",
+        "elements between nodes d and f",
+    ]
 
 
 def test_a_cable_without_supports_and_length_constraints_has_nodal_ones_only():
-    (only,) = constraints_of_cable(straight_cable(3, 2, length_constraints=0))
-    assert (only.name, only.number) == ("nodal inextensibility", 4)
+    found = constraints_of_cable(straight_cable(3, 2, length_constraints=0))
+    assert found.rows == {"nodal inextensibility": slice(0, 4)}
 
 
 def test_a_guide_holds_the_slope_alone():
     guided = straight_cable(3, 2, "pinned and guided")
-    found = {constraint.name: constraint for constraint in constraints_of_cable(guided)}
-    assert {name: kind.number for name, kind in found.items()} == {
-        "length": 3,
-        "nodal inextensibility": 3,
-        "pin": 2,
-        "guide": 2,
-    }
+    numbers = {name: rows.stop - rows.start for name, rows in constraints_of_cable(guided).rows.items()}
+    assert numbers == {"length": 3, "nodal inextensibility": 3, "pin": 2, "guide": 2}
     q = guided.reference + np.array([[5.0, 5.0], [0.1, 0.2]])
-    np.testing.assert_allclose(found["guide"].value(q), [0.1, 0.2])
+    np.testing.assert_allclose(values_of("guide", guided, q), [0.1, 0.2])

@@ -129,6 +129,47 @@ def test_vibrations_of_cables_among_bodies_are_resolved(new_mbs, add_cable, add_
     assert report["decidedBy"] == "accuracy" and report["stepSize"] > 5.0 * report["bounds"].rule
 
 
+@pytest.fixture
+def pushed_cantilever(new_mbs, add_cable, add_sensor, solve):
+    """(EI, force of time, settings) -> path of its end, where a mass is, from rest; and report."""
+
+    def run(stiffness, force, **explicit):
+        mbs = new_mbs()
+        section = InextensibleCable(massPerLength=0.1, bendingStiffness=stiffness)
+        line = {"positionEnd": [1, 0, 0], "numberOfElements": 8, "groundConstraintsStart": CLAMPED}
+        cable = add_cable(mbs, beamTemplate=section, **line)
+        mass = mbs.CreateMassPoint(mass=0.05, referencePosition=[1, 0, 0], gravity=[0, -9.81, 0])
+        markers = [MarkerNodePosition(nodeNumber=cable["nodes"][-1]), MarkerBodyPosition(bodyNumber=mass)]
+        tip, point = map(mbs.AddMarker, markers)
+        mbs.AddObject(SphericalJoint(markerNumbers=[tip, point], constrainedAxes=[1, 1, 0]))
+        load = mbs.AddLoad(LoadForceVector(markerNumber=tip, loadVector=[0, 0, 0]))
+
+        def change(mbs, t):
+            mbs.SetLoadParameter(load, "loadVector", [0, force(t), 0])
+            return True
+
+        mbs.SetPreStepUserFunction(change)
+        sensor = add_sensor(mbs, cable["nodes"][-1])
+        mbs.Assemble()
+        SolveEquilibrium(mbs)
+        report = solve(mbs, settings=quiet_settings(0.5, 250, PERIOD), **explicit)
+        return np.asarray(mbs.GetSensorStoredData(sensor))[:, 1:4], report
+
+    return run
+
+
+def test_a_load_that_sets_in_late_is_not_taken_for_fast_motion(pushed_cantilever):
+    """Its first steps have accelerations and hardly any velocity, after a long time at rest."""
+
+    def late(t):
+        return -1.0 if t > 0.2 else 0.0
+
+    path, report = pushed_cantilever(1.0, late)
+    fine, _ = pushed_cantilever(1.0, late, stepSize=report["stepSize"] / 8, massScaling=0.3)
+    assert report["steps"] < 2000
+    assert np.abs(path - fine).max() < 0.01 * np.ptp(fine[:, 1])
+
+
 def test_a_cable_at_rest_is_not_taken_for_a_fast_one(swing):
     section = InextensibleCable(massPerLength=0.1, bendingStiffness=0.1)
     path, report = swing(section, 8, CLAMPED, at_rest=True)

@@ -42,7 +42,7 @@ def on_top(height=0.0, **changes):
 def settle(contacts, points, q, v):
     """Forces on the cable (2,), and force and torque on the circle (3,), after it has settled."""
     force = np.zeros(8)
-    add_circle_contacts(contacts, points, q, v, True, force)
+    add_circle_contacts(contacts, points, q, v, v, True, force)
     finish_circle_contacts(contacts, 1)
     return force.reshape(4, 2)[::2].sum(axis=0), contacts.records["wrench"][0, [0, 1, 5]]
 
@@ -90,10 +90,10 @@ def test_forces_do_the_work_that_the_gap_takes():
     q += 0.05 * np.cos(np.arange(8.0))
     force, way, h = np.zeros(8), np.sin(1.0 + np.arange(8.0)), 1e-6
     contacts.data[:, 0] = -1.0  # as if it touched
-    add_circle_contacts(contacts, points, q, along(0.0), False, force)
+    add_circle_contacts(contacts, points, q, along(0.0), along(0.0), False, force)
     gaps = []
     for side in (-h, h):
-        add_circle_contacts(contacts, points, q + side * way, along(0.0), False, np.zeros(8))
+        add_circle_contacts(contacts, points, q + side * way, along(0.0), along(0.0), False, np.zeros(8))
         gaps.append(contacts.segments["gap"][0])
     energy = 0.5 * STIFFNESS * np.square(gaps)
     assert force @ way == pytest.approx(-np.diff(energy)[0] / (2.0 * h), rel=1e-6)

@@ -145,6 +145,15 @@ def test_a_trolley_crosses_elements_as_with_native_cables(is_classical):
         assert np.allclose(ours[name], theirs[name], rtol=0, atol=1e-3 * LENGTH), name
 
 
+def test_a_heavy_trolley_goes_on_after_steps_that_went_wrong():
+    """It pulls the cable tight: steps that end in no numbers are taken again, from where it was."""
+    scene, fine = (trolley(inextensible, mass=100 * MASS) for _ in range(2))
+    found, expected = run(scene, 0.6), run(fine, 0.6, stepSize=1e-4)
+    assert scene.report["rejections"] > 0
+    for name in ("place", "SlidingCoordinate"):
+        assert np.allclose(found[name], expected[name], rtol=0, atol=1e-3), name
+
+
 def push(scene, speed):
     """Let the trolley begin with a speed along x [m/s]."""
     data, initial = scene.mbs.systemData, exudyn.ConfigurationType.Initial

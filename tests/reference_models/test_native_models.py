@@ -101,7 +101,7 @@ def test_steps_fit_the_end_time():
 
 @pytest.mark.parametrize("elements", [0, -3, 2.0, True])
 def test_a_mesh_without_elements_is_refused(elements):
-    with pytest.raises(InputError, match=r"elements = .* integer >= 1"):
+    with pytest.raises(InputError, match=r"elements = .* integer of at least 1"):
         build(PENDULUM, elements)
 
 

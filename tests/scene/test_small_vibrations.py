@@ -53,3 +53,28 @@ def test_nothing_is_where_nothing_moves_and_where_nothing_resists():
     apply, start = operator(np.linspace(1.0, 7.0, SIZE))
     assert small_vibrations._largest_eigenvalue(apply, 0.0 * start) == 0.0
     assert small_vibrations._largest_eigenvalue(lambda x: 0.0 * x, start) == 0.0
+
+
+def counted(apply):
+    """The operator, and a list that grows with each of its calls."""
+    calls = []
+
+    def call(x):
+        calls.append(x)
+        return apply(x)
+
+    return call, calls
+
+
+@pytest.mark.parametrize("fastest", [101.0, 150.0])
+def test_a_search_that_starts_from_an_earlier_one_is_short_and_finds_what_has_become_the_fastest(fastest):
+    """The second operator is stiffer in a direction that was among the slower ones."""
+    values = np.linspace(0.0, 100.0, 450)
+    apply, start = operator(values)
+    kept = np.zeros(len(start))
+    first, long = counted(apply)
+    assert small_vibrations._largest_eigenvalue(first, start, kept=kept) == pytest.approx(100.0, rel=2e-3)
+    values[7] = fastest
+    second, short = counted(apply)
+    assert small_vibrations._largest_eigenvalue(second, start, kept=kept) == pytest.approx(fastest, rel=0.02)
+    assert len(short) < 0.7 * len(long)

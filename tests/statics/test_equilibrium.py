@@ -9,7 +9,6 @@ from scipy.special import ellipeinc, ellipk, ellipkinc
 
 from exudyn_inext.cable.cable import CurvatureMeasure, Section
 from exudyn_inext.cable.link import Motion, rest
-from exudyn_inext.constraints import constraints_of_cable
 from exudyn_inext.constraints.distance import hanger
 from exudyn_inext.constraints.prescribed_motion import prescribed
 from exudyn_inext.loads.gravity import gravity_force
@@ -36,9 +35,7 @@ def reactions(cable, external, q):
     """Multipliers by constraint name: J^T lam is the force that the constraints have to balance."""
     potential = Potential(cable, external, 0.0)
     lam = np.linalg.lstsq(potential.jacobian(q).T.toarray(), potential.force(q), rcond=None)[0]
-    found = constraints_of_cable(cable)
-    ends = np.cumsum([c.number for c in found])
-    return {c.name: lam[end - c.number : end] for c, end in zip(found, ends, strict=True)}
+    return {name: lam[rows] for name, rows in potential.constraints.rows.items()}
 
 
 # ------------------------------------------------------------------- elastica

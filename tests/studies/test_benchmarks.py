@@ -5,15 +5,18 @@ import json
 import numpy as np
 import pytest
 
-from studies import scene_cost, soak, stretch
+from studies import stretch
 from studies.__main__ import main
 from studies.harness import joined_scenes
+from studies.harness.bars import Bar
+from studies.harness.benchmark import Series, benchmark, varied
 from studies.harness.memory import KINDS
 from studies.harness.ratios import DEFAULT, ONE_SETTING, TUNED
-from studies.harness.study import KEYS, Results, Study
+from studies.harness.study import KEYS, Order, Results, Study
 from studies.harness.table import Table
-from studies.harness.timing import medians, seconds_per_time
+from studies.harness.timing import Measurement, sampled
 from studies.registry import find_study
+from studies.speed import STUDIES, scene_cost, soak
 
 DOCUMENT_KEYS = set(KEYS)
 
@@ -29,8 +32,7 @@ def run_quick(tmp_path):
         report = (tmp_path / f"{name}.md").read_text()
         assert find_study(name).question in report
         assert all(sentence in report for sentence in document["conclusions"])
-        pictures = list(tmp_path.glob("*.png"))
-        assert pictures and all(f"({picture.name})" in report for picture in pictures)
+        assert all(f"({picture.name})" in report for picture in tmp_path.glob("*.png"))
         kinds = {row["kind"] for row in document["rows"]}
         return {kind: [row for row in document["rows"] if row["kind"] == kind] for kind in kinds}
 
@@ -77,13 +79,12 @@ def test_stretch_compares_both_quadratures_and_finds_one_step_for_all_stiffnesse
 
 
 @pytest.mark.parametrize(("third", "verdict"), [(21.0, "kept"), (19.0, "MISSED"), (None, "MISSED")])
-def test_stretch_keeps_its_bars_on_three_scenes(third, verdict):
-    ratios = {"a": 30.0, "b": third, "c": 25.0, "d": 1.0}
-    rows = [{"scene": name, "full/ours": ratio} for name, ratio in ratios.items() if ratio]
-    rows += [{"scene": name} for name, ratio in ratios.items() if not ratio]
-    sentence = stretch._of_times("full", "0.1 %", rows, 1.0)
-    assert sentence.endswith(f"the bar of 20 on 3 scenes is {verdict}.")
-    assert ("b -" in sentence) is (third is None)
+def test_stretch_keeps_its_bars_on_three_scenes(third, verdict, monkeypatch):
+    rows = [{"within": "0.1 %", "full/ours": ratio} for ratio in (30.0, 25.0, 1.0)]
+    rows.append({"within": "0.1 %", **({"full/ours": third} if third else {})})
+    monkeypatch.setattr(stretch, "compared", lambda results: rows)
+    sentence, *_ = stretch.STUDY.conclusions(Results(False, []))
+    assert sentence.endswith(f"the bar of 20 is {verdict}.")
 
 
 def test_scene_cost_takes_each_path_and_names_it(run_quick):
@@ -96,12 +97,23 @@ def test_scene_cost_takes_each_path_and_names_it(run_quick):
 
 
 def test_a_step_costs_what_a_longer_run_takes_longer_and_the_rest_is_the_start():
-    contents = joined_scenes.Contents(springs=1)
-    few, many = scene_cost._lengths(contents)
-    taken = [(spell + few * 20e-6, spell + many * 20e-6) for spell in (2e-3, 1e-3, 3e-3)]
-    row = scene_cost._row("springs", contents, "1 of 3: some path, as mbs contains a spring", taken)
+    case = {"label": "springs", "contents": joined_scenes.Contents(springs=1)}
+    few, many = scene_cost.runs(case)
+    path = "1 of 3: some path, as mbs contains a spring"
+    found = {
+        key: Measurement(None, [spell + key[-1] * 20e-6 for spell in (2e-3, 1e-3, 3e-3)], found=path)
+        for key in (few, many)
+    }
+    row = scene_cost.row(case, found)
     assert row["microseconds"] == pytest.approx(20.0) and row["startMilliseconds"] == pytest.approx(2.0)
     assert row["path"] == "some path"
+
+
+def test_growth_is_compared_over_both_halves_of_a_series():
+    rows = [{"kind": "cost", "label": "elements", "elements": n, "microseconds": t} for n, t in
+            ((10, 1.0), (20, 2.0), (40, 8.0))]  # fmt: skip
+    (found,) = scene_cost.growth(Results(False, rows))
+    assert found["more"] == pytest.approx(0.3) and found["bar"] == pytest.approx(0.15)
 
 
 def test_the_ways_to_keep_the_length_agree(tmp_path):
@@ -110,16 +122,69 @@ def test_the_ways_to_keep_the_length_agree(tmp_path):
     ways = [row.get("enforcement", "projection") for row in document["rows"]]
     assert ways == ["projection", "penaltyMass", "penaltyMass", "algebraic"]
     assert all(row["errorMax"] < 2e-3 and row["status"] == "ok" for row in document["rows"])
-    assert len(document["conclusions"]) == 3 and document["pictures"] == ["enforcement_cost.png"]
+    assert len(document["conclusions"]) == 6 and document["pictures"] == ["enforcement_cost.png"]
 
 
 def test_tasks_are_sampled_in_turn_after_a_warm_up():
     order = []
     tasks = {name: lambda times, name=name: order.append(name) for name in "ab"}
-    samples = seconds_per_time(tasks, repeats=3, least_seconds=0.0)
+    found = sampled(tasks, rounds=3, least_seconds=0.0)
     assert order[-6:] == ["a", "b", "b", "a", "a", "b"]  # each round begins with another one
-    assert [len(values) for values in samples.values()] == [3, 3]
-    assert set(medians(samples)) == {"a", "b"}
+    assert [len(one.cpu_seconds) for one in found.values()] == [3, 3]
+
+
+def speed_of(case):
+    return {"label": f"task {case['n']}", "speed": case["n"], "bar": 2.5}
+
+
+def test_an_entry_says_what_varies_what_is_timed_together_and_which_bars_are_kept(tmp_path):
+    order = []
+    series = Series(
+        "speed",
+        varied({"n": (1,)}, turn=("a", "b"), n=(1, 2, 3)),
+        lambda case, found: speed_of(case) | {"rounds": len(found[case["n"]].cpu_seconds)},
+        lambda case: {case["n"]: lambda: lambda: order.append((case["turn"], case["n"]))},
+        turn=("turn",),
+        rounds=(1, 2),
+    )
+    bars = [
+        Bar("speed", "speed", "speeds", "bar"),
+        Bar("speed", "speed", "{}: least", per="rounds", is_least=True),
+    ]
+    study = benchmark("tiny", "?", [series], bars, "speed: Speeds:\n    what: label | speed")
+    rows = study.measure(Order("tiny", tmp_path))
+    assert [row["speed"] for row in rows] == [1, 2, 3] * 2 and all(row["rounds"] == 2 for row in rows)
+    assert [turn for turn, _ in order] == ["a"] * 9 + ["b"] * 9
+    assert order[:9] == [("a", n) for n in (1, 2, 3, 1, 2, 3, 2, 3, 1)]
+    assert study.conclusions(Results(False, rows)) == [
+        "speeds: at most 3.00 (task 3); the bar of 2.5 is MISSED by 2 of 6.",
+        "2: least: at least 1.00 (task 1).",
+    ]
+    assert "undecided" in study.conclusions(Results(True, rows))[0]
+    assert [row["rounds"] for row in study.measure(Order("tiny", tmp_path, quick=True))] == [1, 1]
+
+
+def test_every_benchmark_shows_each_kind_of_its_rows():
+    for study in STUDIES:
+        assert [table.kind for table in study.tables] == [one.kind for one in study.measure.series]
+
+
+def test_bars_may_be_lower_ones_over_the_least_and_of_figures_that_are_not_there():
+    def said(bar, *rows):
+        (sentence,) = bar.sentences(Results(False, [{"kind": "a", "label": "x"} | row for row in rows]))
+        return sentence
+
+    gain = Bar("a", "gain", "gain", 1.8, is_least=True)
+    assert said(gain, {"gain": 1.9}, {"gain": None}) == "gain: at least 1.90 (x); the bar of 1.8 is kept."
+    assert (
+        said(gain, {"gain": 1.5}).endswith("MISSED.") and said(gain, {"gain": None}) == "gain: not measured."
+    )
+    spread = Bar("a", "t", "t", 1.25, over_least=True)
+    assert "1.20 (x); the bar of 1.25 is kept" in said(spread, {"t": 5.0}, {"t": 6.0})
+    control = {"label": "control, slow", "t": 1.0}
+    assert said(Bar("a", "t", "t", 0.5), control).endswith("is exceeded, as it should be.")
+    assert "NOT exceeded" in said(Bar("a", "t", "t", 2.0), control)
+    assert said(Bar("a", "t", "t", 0.5), {"t": float("nan")}).endswith("MISSED.")
 
 
 def test_a_benchmark_runs_from_the_command_line(monkeypatch, tmp_path, capsys):
@@ -163,8 +228,6 @@ def test_soak_watches_energy_constraints_and_memory(run_quick):
     assert control["steps"] == undamped["steps"] // 10
     for row in rows["run"]:
         assert len(row["times"]) == len(row["energies"]) and np.isfinite(row["energies"]).all()
-    (swing,) = rows["swing"]
-    assert swing["label"] in soak.SWINGS and swing["steps"] <= undamped["steps"]
     assert {row["label"] for row in rows["memory"]} == set(soak.QUICK) < set(KINDS)
     for row in rows["memory"]:
         assert row["scenes"] == 6 and len(row["megabytes"]) == 9
@@ -173,27 +236,16 @@ def test_soak_watches_energy_constraints_and_memory(run_quick):
     assert kilobytes["control: penaltyMass, kept"] > 50.0 + kilobytes["penaltyMass, native RK44"]
 
 
-@pytest.mark.parametrize(("name", "survives"), [("zeta = 300", False), ("an eighth of the step", True)])
-def test_soak_tells_what_lasts_from_what_diverges(name, survives):
-    row = soak.SWINGS[name].run(name, 40_000)
-    assert row["survives"] is survives and (row["steps"] == 40_000) is survives
-    (sentence,) = soak.conclude(Results(False, [row]))
-    assert ("DIVERGES after" in sentence) is not survives
-
-
 def test_soak_finds_a_drift_and_memory_that_grows():
-    drifting = soak.watched_run("damped", 1e-5, 20_000)
-    assert soak.drifts(drifting) and drifting["drift"] < 0.0
-    assert not soak.drifts(drifting | {"drift": 0.01 * drifting["range"]})
-    assert soak.drifts(drifting | {"drift": float("nan")})
+    drifting = {"kind": "run"} | soak.watched_run({"label": "damped", "damping": 1e-5, "steps": 20_000})
+    assert soak.drift_of(drifting) > soak.DRIFT and drifting["drift"] < 0.0
+    assert soak.drift_of(drifting | {"drift": 0.01 * drifting["range"]}) == pytest.approx(0.01)
     memory = soak.memory_row("scenes", [300_000_000 + 1_000_000 * k for k in range(40)], 20)
     assert memory["firstMegabytes"] == pytest.approx(320.5)
     assert memory["growthPercent"] == pytest.approx(100.0 * (338.5 / 320.5 - 1.0))
-    sentences = soak.conclude(Results(False, [drifting, memory]))
-    assert "DRIFTS" in sentences[0] and "within" in sentences[1] and "NOT flat" in sentences[2]
-    control = [row | {"label": "control"} for row in (drifting, memory)]
-    found = soak.conclude(Results(False, control))
-    assert "drifts, as it should" in found[0] and "growing, as it should" in found[2]
-    blind = soak.conclude(Results(False, [control[0] | {"drift": 0.0}, control[1] | {"growthPercent": 0.0}]))
-    assert "does NOT drift" in blind[0] and "NOT growing" in blind[2]
-    assert all("undecided" in soak.conclude(Results(True, control))[n] for n in (0, 2))
+    rows = [drifting, memory | {"kind": "memory"}]
+    drift, violation, growth = find_study("soak").conclusions(Results(False, rows))
+    assert "MISSED" in drift and "kept" in violation and "MISSED" in growth
+    control = [row | {"label": "control"} for row in rows]
+    assert find_study("soak").conclusions(Results(False, control))[0].endswith("exceeded, as it should be.")
+    assert "undecided" in find_study("soak").conclusions(Results(True, control))[2]

@@ -1,18 +1,12 @@
-"""What may be left out: sentences follow from rows, dense variants are the package's model, cases run."""
+"""What may be left out: sentences follow from rows, and cases run."""
 
 import json
 from dataclasses import replace
 
 import pytest
 
-from exudyn_inext import ExplicitSettings
-from reference_models.inextensible import Inextensible, solved
-from reference_models.model import sensor_trajectory
-from reference_models.scenes import load_scene
 from studies import minimal_model
 from studies.__main__ import main
-from studies.harness.dense_pendulum import VARIANTS, run_dense
-from studies.harness.reference import distance_to_reference, from_data
 from studies.harness.study import Results
 from studies.minimal_model import SCENES, is_harmless, summary_of
 
@@ -20,12 +14,6 @@ ROW = {
     "kind": "change", "label": "n_bar = 1", "scene": "planar_pendulum", "uncertainty": 5e-5,
     "baseError": 1e-3, "error": 1.05e-3, "errorRatio": 1.05, "costRatio": 0.8, "status": "ok",
     "outcome": "ok",
-}  # fmt: skip
-
-
-DENSE = {
-    "kind": "dense", "scene": "planar_pendulum", "elements": 8, "uncertainty": 5e-5, "stretch": 0.0,
-    "status": "ok", "outcome": "ok",
 }  # fmt: skip
 
 
@@ -61,13 +49,6 @@ def test_scenes_and_costs_decide_together():
     assert row["verdict"] == "harmless on some scenes, dearer" and row["costRatio"] == pytest.approx(1.1)
 
 
-def test_dense_variants_are_compared_with_the_one_of_as_many_elements():
-    base = DENSE | {"label": "as in the package", "error": 1e-3}
-    coarse = base | {"elements": 4, "error": 1e-2}
-    (row,) = summarised(coarse, base, DENSE | {"label": "lumped mass", "error": 2e-3})
-    assert row["elsewhere"] == "planar_pendulum, N = 8 (2.00 times the error)"
-
-
 def test_changes_are_listed_by_verdict():
     rows = [ROW, ROW | {"label": "RK4"}, ROW | {"label": "n_bar = 0", "error": 1.0}]
     assert minimal_model.conclude(Results(False, rows)) == [
@@ -82,30 +63,7 @@ def test_what_the_reference_cannot_tell_apart_is_harmless():
     assert not is_harmless(ROW | small | {"error": 7e-5})
 
 
-@pytest.fixture
-def dense_rows():
-    case = {"kind": "dense", "elements": 4, "motion": 0.1}
-    return {label: run_dense(case | {"label": label}) for label in VARIANTS}
-
-
-def test_the_dense_pendulum_is_that_of_the_package(dense_rows):
-    scene = load_scene("planar_pendulum")
-    settings = ExplicitSettings("RK4", stepSize=1.25e-3)
-    model = solved(replace(scene, end_time=0.1), Inextensible(4, settings))
-    path = sensor_trajectory(model, "tip")
-    error = distance_to_reference(path, from_data(scene).trajectory).maximum
-    assert dense_rows["as in the package"]["error"] == pytest.approx(error, rel=1e-3)
-
-
-def test_slopes_stretch_without_nodal_constraints_only(dense_rows):
-    assert dense_rows["as in the package"]["stretch"] < 1e-6
-    assert dense_rows["without nodal constraints"]["stretch"] > 1e-6
-    assert dense_rows["lumped mass"]["error"] != pytest.approx(
-        dense_rows["as in the package"]["error"], rel=1e-3
-    )
-
-
-KEPT = ("as in the package", "n_bar = 1", "RATTLE")
+KEPT = ("n_bar = 1", "RATTLE")
 
 
 def test_it_runs_in_quick_mode(tmp_path, monkeypatch):
@@ -120,8 +78,8 @@ def test_it_runs_in_quick_mode(tmp_path, monkeypatch):
     assert main(command) == 0
     rows = json.loads((tmp_path / "minimal_model.json").read_text())["rows"]
     errors = {row["label"]: row["error"] for row in rows}
-    assert len(errors) == 3 and all(row["status"] == "ok" for row in rows)
+    assert len(errors) == 2 and all(row["status"] == "ok" for row in rows)
     assert errors["RATTLE"] < 1e-3 < errors["n_bar = 1"] < 2e-2
-    assert all(row["costRatio"] > 0 for row in rows if row["kind"] == "change")
+    assert all(row["costRatio"] > 0 for row in rows)
     text = (tmp_path / "minimal_model.md").read_text()
     assert "(minimal_model.png)" in text and "| n_bar = 1 | harmful everywhere |" in text

@@ -4,17 +4,15 @@ import json
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
-from pathlib import Path
 
 import pytest
 
-from exudyn_inext.errors import InputError
 from studies.__main__ import main
 from studies.harness.provenance import present_code
 from studies.harness.study import Study
 from studies.harness.table import Table
 from studies.report import command
-from studies.report.documents import Wish, gather
+from studies.report.documents import gather
 from tests.studies.documents import LONG, SENTENCES, document, store
 
 
@@ -123,11 +121,8 @@ def test_adverse_findings_are_listed_and_long_tables_folded_in(folder):
     assert text.count(f"({LONG} rows)</summary>") == 2
 
 
-def test_a_missing_study_is_run_unless_it_is_to_be_skipped(studies, tmp_path, capsys):
+def test_a_missing_study_is_run(studies, tmp_path):
     folder = store(tmp_path, document("first"))
-    assert report(folder, "--missing", "skip") == 0
-    assert "Left out: second: it has not been run" in capsys.readouterr().out
-    assert not (folder / "second.json").exists()
     assert report(folder) == 0
     assert json.loads((folder / "second.json").read_text())["quick"] is False
     assert "1 rows, quick: False" in page_of(folder)[1].text
@@ -144,12 +139,12 @@ def test_a_quick_report_has_a_folder_of_its_own_and_runs_everything_each_time(fo
 
 
 @pytest.mark.parametrize("stored", [document("second", quick=True), {**document("second"), "pictures": None}])
-def test_results_that_do_not_belong_into_the_report_count_as_missing(folder, stored, capsys):
+def test_results_that_do_not_belong_into_the_report_are_made_anew(folder, stored):
     (folder / "second.json").write_text(
         json.dumps({key: value for key, value in stored.items() if value is not None})
     )
-    assert report(folder, "--missing", "skip") == 0
-    assert "Left out: second" in capsys.readouterr().out
+    assert report(folder) == 0
+    assert json.loads((folder / "second.json").read_text())["rows"][0]["label"] == "row 0"
 
 
 def test_a_quick_report_leaves_out_what_is_too_long_unless_asked_for(folder, studies, monkeypatch):
@@ -181,46 +176,24 @@ def test_a_picture_that_is_gone_is_named(folder):
     assert "The picture first.png is not there." in page_of(folder)[1].text
 
 
-def other_code(name, commit="0123456789abcdef"):
-    found = document(name)
-    return found | {"versions": found["versions"] | {"commit": commit}, "sources": "other"}
-
-
-def test_results_of_another_commit_are_refused_with_both_commits_and_remedies(folder, capsys):
-    store(folder, other_code("second"))
-    before = (folder / "second.json").read_text()
-    assert report(folder) == 2
-    message = capsys.readouterr().err
-    own = present_code()["versions"]["commit"][:10]
-    for part in ("'second'", "0123456789", own, "--fresh", "--output", "--other-commit"):
-        assert part in message
-    assert (folder / "second.json").read_text() == before and not (folder / "report.md").exists()
-
-
-def test_changed_sources_alone_are_another_state(folder):
-    store(folder, {**document("second"), "sources": "other"})
-    assert report(folder) == 2
-
-
-def test_one_other_commit_may_be_reported_but_not_two(folder):
-    store(folder, other_code("first"), other_code("second"))
-    assert report(folder, "--other-commit") == 0
-    assert "commit 0123456789" in page_of(folder)[1].text
-    store(folder, other_code("second", "fedcba9876543210"))
-    assert report(folder, "--other-commit") == 2
+def test_results_of_other_commits_are_shown_with_their_commit(folder):
+    versions = document("second")["versions"] | {"commit": "0123456789abcdef"}
+    store(folder, document("second") | {"versions": versions})
+    assert report(folder) == 0
+    text = page_of(folder)[1].text
+    assert "commit 0123456789." in text and f"commit {present_code()['versions']['commit'][:10]}" in text
 
 
 def test_fresh_runs_all_anew(folder):
-    store(folder, other_code("second"))
     assert report(folder, "--fresh") == 0
-    assert json.loads((folder / "second.json").read_text())["sources"] == present_code()["sources"]
+    assert json.loads((folder / "second.json").read_text())["rows"][0]["label"] == "row 0"
 
 
 def test_only_takes_the_named_studies(tmp_path, capsys):
     """A real study, run in quick mode."""
     assert report(tmp_path, "--quick", "--only", "enforcement") == 0
     text, page = page_of(tmp_path / "quick")
-    assert "times the CPU time of SolveExplicit" in page.text and outside(page, text) == []
+    assert "CPU time over that of SolveExplicit" in page.text and outside(page, text) == []
     assert page.anchors == ["contents", "findings", "enforcement", "machine-and-versions"]
 
 
@@ -249,11 +222,6 @@ def test_libraries_that_are_not_installed_are_named_with_the_extra(folder, monke
     assert "markdown_it" in message and "exudyn_inext[report]" in message
 
 
-def test_what_excludes_each_other_is_refused():
-    with pytest.raises(InputError, match="--other-commit"):
-        Wish(Path("x"), quick=True, other_commit=True)
-
-
 def test_nothing_at_all_gives_an_empty_report(tmp_path):
-    found = gather({}, Wish(tmp_path))
+    found = gather({}, tmp_path)
     assert found.documents == {} and found.absent == {}

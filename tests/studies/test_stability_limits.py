@@ -13,7 +13,6 @@ from studies.stability import linear
 from studies.stability.limits import largest_stable_step
 from studies.stability.linear import run_linear
 from studies.stability.violent import run_violent
-from studies.stability_limits import conclude
 
 SCENES = {
     "straight": {"elements": 4},
@@ -58,12 +57,6 @@ def test_spin_lowers_the_limit_of_zhai_and_not_that_of_rattle():
     for scheme, is_that_of_frequency in (("Zhai", False), ("RATTLE", True)):
         row = run_linear(linear._case("spin", "spinning", scheme, 100.0, given, steps=500))
         assert (abs(row["ratio"] - 1.0) < 0.05) == is_that_of_frequency
-        said = " ".join(
-            conclude(
-                Results(False, [row | {"kind": "spin", "scheme": scheme, "value": 100.0, "status": "ok"}])
-            )
-        )
-        assert f"{scheme}, spinning:" in said and ("for 1 of 1 rates" in said) == is_that_of_frequency
 
 
 def test_a_violent_start_costs_zhai_more_than_rattle():
@@ -88,11 +81,24 @@ def test_limits_that_disagree_are_called_so():
         "theta": 0.0, "predicted": 1.0, "found": 1.0, "ratio": 1.0, "rule": 0.9, "ruleOverLimit": 0.9,
         "ruledBy": "bending", "status": "ok",
     }  # fmt: skip
-    assert "bar of 5 % kept" in " ".join(conclude(Results(False, [row])))
-    assert "MISSED in 1" in " ".join(conclude(Results(False, [row, row | {"found": 1.1, "ratio": 1.1}])))
-    assert "MISSED in 1" in " ".join(
-        conclude(Results(False, [row, row | {"predicted": math.inf, "found": 1.1, "ratio": None}]))
-    )
+
+    def said(**changes):
+        rows = [row | {"kind": "scheme"}, row | {"kind": "scheme"} | changes]
+        return " ".join(stability_limits.STUDY.conclusions(Results(False, rows)))
+
+    assert "0.05 is kept" in said() and "MISSED by 1 of 2" in said(found=1.1, ratio=1.1)
+    assert "0.05 is kept" in said(found=None, predicted=None, ratio=None)
+    assert "MISSED by 1 of 2" in said(found=1.1, predicted=None, ratio=None)
+    assert "FAILED: Zhai, straight" in said(status="failed: ArithmeticError: x")
+
+
+def test_a_rule_above_the_limit_is_not_safe():
+    row = {
+        "kind": "zeta", "scheme": "Zhai", "label": "Zhai, straight", "value": 1e4, "theta": 0.0, "ratio": 1.0,
+        "ruleOverLimit": 2.0, "status": "ok",
+    }  # fmt: skip
+    said = stability_limits.STUDY.conclusions(Results(False, [row]))
+    assert any("Zhai, zeta: rule (37)" in text and "MISSED" in text for text in said)
 
 
 KINDS = {"scheme", "zeta", "stiffness", "elements", "curvature", "gravity", "spin", "violent"}

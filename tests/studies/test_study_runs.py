@@ -131,4 +131,4 @@ def test_table1_runs_in_quick_mode(tmp_path):
     assert "2.42" in report and "178" in report
     for picture in tmp_path.glob("*.png"):
         assert f"({picture.name})" in report
-    assert len(list(tmp_path.glob("*.png"))) == 3
+    assert len(list(tmp_path.glob("*.png"))) == 2

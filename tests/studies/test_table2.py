@@ -84,5 +84,5 @@ def test_the_report_of_a_quick_run_shows_all_pictures_and_the_ratios_of_the_pape
     report = (quick_run / "table2.md").read_text()
     assert "| 1.95 |" in report and "| 163 |" in report
     names = {picture.name for picture in quick_run.glob("*.png")}
-    assert names == {"table2_cost.png", "table2_mesh.png", "table2_motion.png"}
+    assert names == {"table2_cost.png", "table2_motion.png"}
     assert all(f"({name})" in report for name in names)

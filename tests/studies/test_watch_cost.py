@@ -1,81 +1,73 @@
 """The cost of the watch: rows of tiny runs, and what is said of them; no timing is asserted."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from exudyn_inext.run.coupled_watch import CoupledWatch
-from studies import watch_cost
 from studies.harness.study import Results
+from studies.harness.timing import sampled
+from studies.registry import find_study
+from studies.speed import watch_cost
 
 
-def row(kind, share, number=5):
-    return {
-        "kind": kind, "label": "2D, steady, Zhai", "elements": number, "share": share, "microseconds": 2.0,
-    }  # fmt: skip
+def case_of(scene, integrator="Zhai"):
+    return {"dimension": 2, "scene": scene, "elements": 3, "integrator": integrator}
 
 
-def conclude(*shares):
-    rows = [row(kind, share, n) for kind in ("alone", "among bodies") for n, share in enumerate(shares)]
-    return watch_cost.conclude(Results(False, rows))
-
-
-def test_shares_below_the_bar_keep_it():
-    for sentence, kind in zip(conclude(0.01, 0.02, 0.029), ("alone", "among bodies"), strict=True):
-        assert sentence.startswith(f"Cables {kind}: the watch costs 2 % of a step (median), at most 2.9 %")
-        assert "N = 2" in sentence and sentence.endswith("the bar of 3 % is kept.")
-
-
-def test_one_above_the_bar_misses_it():
-    alone, _ = conclude(0.01, 0.02, 0.05)
-    assert "at most 5 %" in alone and alone.endswith("the bar of 3 % is MISSED by 1 of 3.")
+def test_a_share_above_the_bar_misses_it_and_few_samples_give_no_verdict():
+    rows = [
+        {
+            "kind": "alone",
+            "label": "2D, steady, Zhai",
+            "scene": "steady",
+            "elements": n,
+            "share": share,
+            "bar": 0.03,
+        }
+        for n, share in enumerate((0.01, 0.05))
+    ]
+    sentence, _ = find_study("watch_cost").conclusions(Results(False, rows))
+    assert "(2D, steady, Zhai, N = 1)" in sentence and sentence.endswith("0.03 is MISSED by 1 of 2.")
+    assert "undecided" in find_study("watch_cost").conclusions(Results(True, rows))[0]
 
 
 def test_the_interval_of_the_median_holds_what_the_watch_costs():
     noise = np.random.default_rng(1).normal(0.0, 0.1, 400)
-    samples = {"watched": list(1.02 + noise), "uninspected": [1.0] * 400}
-    r = watch_cost._row((2, "steady", 3), "Zhai", samples, 100)
+
+    def row(mean):
+        times = {"watched": mean + noise, "uninspected": np.ones(400)}
+        found = {("Zhai", way): SimpleNamespace(cpu_seconds=list(some)) for way, some in times.items()}
+        return watch_cost.row(case_of("steady"), found)
+
+    r = row(1.02)
     assert 0.0 < r["low"] < 0.02 < r["high"] < 0.04 and r["low"] < r["share"] < r["high"]
-    late = {**samples, "watched": list(1.1 + noise)}
-    assert watch_cost._row((2, "steady", 3), "Zhai", late, 100)["low"] > watch_cost.BAR
+    assert row(1.1)["low"] > watch_cost.BAR
 
 
 @pytest.fixture
-def rows_of(monkeypatch):
-    """(kind, tasks) -> rows of a few steps."""
+def few_steps(monkeypatch):
     monkeypatch.setattr(watch_cost, "STEPS", 64)
     monkeypatch.setattr(watch_cost, "STEPS_AMONG_BODIES", 16)
-    monkeypatch.setattr(watch_cost, "LEAST_SECONDS", 1e-6)
-
-    def rows(kind, tasks):
-        return watch_cost._rows((2, kind, 3), tasks, 64, 2)
-
-    return rows
 
 
-@pytest.mark.parametrize("kind", ["steady", "loaded", "moved"])
-def test_cables_alone_are_compared_with_and_without_inspections(rows_of, kind):
-    found = rows_of(kind, watch_cost._tasks_alone)
-    assert [r["integrator"] for r in found] == list(watch_cost.INTEGRATORS)
-    for r in found:
-        assert (r["kind"], r["scene"], r["elements"], r["repeats"]) == ("alone", kind, 3, 2)
-        assert r["microseconds"] > 0
+@pytest.mark.parametrize("integrator", ["Zhai", "RATTLE"])
+@pytest.mark.parametrize("scene", ["steady", "loaded", "moved"])
+def test_cables_alone_are_compared_with_and_without_inspections(few_steps, scene, integrator):
+    case = case_of(scene, integrator)
+    r = watch_cost.row(case, sampled(watch_cost.alone(case), 2, 1e-6))
+    assert (r["label"], r["repeats"]) == (f"2D, {scene}, {integrator}", 2) and r["microseconds"] > 0
 
 
-def test_among_bodies_one_run_is_compared_with_and_without_a_watch(rows_of, monkeypatch):
+def test_among_bodies_one_run_is_compared_with_and_without_a_watch(few_steps, monkeypatch):
     judged = []
     is_well_at = CoupledWatch.is_well_at
     monkeypatch.setattr(CoupledWatch, "is_well_at", lambda *args: judged.append(1) or is_well_at(*args))
-    tasks = watch_cost._tasks_among_bodies((2, "beside", 3), "Zhai")
+    case = case_of("beside")
+    tasks = watch_cost.among_bodies(case)
     for way, looks in ((watch_cost.WATCHED, True), (watch_cost.UNINSPECTED, False)):
         judged.clear()
-        tasks[way](1)
+        tasks["Zhai", way](1)
         assert bool(judged) is looks
-    found = rows_of("beside", watch_cost._tasks_among_bodies)
-    assert {r["kind"] for r in found} == {"among bodies"}
-    assert all(r["microseconds"] > 0 for r in found)
-
-
-def test_few_samples_give_no_verdict():
-    rows = [row(kind, 0.05, 5) for kind in ("alone", "among bodies")]
-    for sentence in watch_cost.conclude(Results(True, rows)):
-        assert sentence.endswith("the bar of 3 % is undecided within noise.")
+    assert watch_cost.row(case, sampled(tasks, 2, 1e-6))["microseconds"] > 0

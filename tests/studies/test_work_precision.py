@@ -8,22 +8,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from exudyn_inext.errors import InputError
 from reference_models.scenes import load_scene
 from reference_models.trajectory import Case, Trajectory
 from studies import table3, work_precision
 from studies.__main__ import main
 from studies.harness.cases import explicit_case, failing_case
+from studies.harness.pool import rows_of
 from studies.harness.reference import from_data
 from studies.harness.study import Results
-from studies.harness.sweep import Outcome
 from studies.harness.timing import measure
 from studies.precision import cases
 from studies.precision.cases import brief
 from studies.precision.fronts import (
-    ALONE,
     BY_NATIVE_SOLVERS,
-    CHEAPER,
     EMPTY,
     IMPLICIT,
     INEXTENSIBLE,
@@ -33,11 +30,10 @@ from studies.precision.fronts import (
     TOO_LOOSE,
     family_of,
     front_of,
-    losses,
     read,
     speed_up,
 )
-from studies.work_precision import STUDY, conclude, make_cases, rows_of
+from studies.work_precision import STUDY, conclude, make_cases
 
 PLANAR = load_scene("planar_pendulum")
 U = 1e-4  # uncertainty of the reference [m]
@@ -87,12 +83,6 @@ def test_nothing_is_read_beyond_the_ends(points, bound, what):
     assert speed_up(front_of(runs(*points), U), front_of(OWN, U), bound) is None
 
 
-@pytest.mark.parametrize("bound", [0.99 * U, 0.0, -1.0, math.nan, math.inf])
-def test_what_the_reference_cannot_tell_is_refused(bound):
-    with pytest.raises(InputError, match=r"error bound .* m( is below the uncertainty.*0.0001 m|: must be)"):
-        speed_up(front_of(OWN, U), front_of(OWN, U), bound)
-
-
 def test_errors_below_the_uncertainty_count_as_large_as_it():
     found = front_of(runs((1e-3, 1.0), (1e-6, 3.0), (1e-7, 9.0)), U)
     assert list(found.errors) == [1e-3, U] and read(found, U).seconds == pytest.approx(3.0)
@@ -107,16 +97,6 @@ def test_a_gain_of_nothing_for_twice_the_time_does_not_make_the_rest_dear():
 def test_runs_that_failed_are_on_no_front():
     lost = [run(None, None, status="diverged: too fast")]
     assert front_of(lost, U).rows == [] and len(front_of([*OWN, *lost], U).rows) == 2
-
-
-def test_losses_are_found_where_they_are():
-    theirs = front_of(runs((2e-2, 5e-4), (5e-3, 1e-3), (3e-3, 1e-3 * 2), (2e-3, 1.0), (5e-4, 2.0)), U)
-    found = losses(theirs, front_of(OWN, U))
-    assert [(loss.largest, loss.least, loss.why) for loss in found] == [
-        (2e-2, 3e-3, CHEAPER),
-        (5e-4, 5e-4, ALONE),
-    ]
-    assert losses(front_of(runs((5e-3, 1.0)), U), front_of(OWN, U)) == []
 
 
 # ------------------------------------------------------------------------------------- measuring
@@ -170,7 +150,7 @@ def test_a_scene_without_a_reference_is_compared_with_itself_and_that_is_said(mo
     monkeypatch.setattr(table3, "refined", lambda scene: from_data(PLANAR))
     line = load_scene("power_line")
     row = work_precision.reference_row(line, work_precision.reference_of(line))
-    assert row["selfConvergence"] and "self-convergence" in " ".join(conclude(Results(False, [row])))
+    assert row["selfConvergence"]
     other = work_precision.reference_row(PLANAR, work_precision.reference_of(PLANAR))
     assert not other["selfConvergence"]
 
@@ -191,30 +171,26 @@ NATIVE = {"formulation": "conventional", "integrator": "generalizedAlpha"}
 OURS = runs((1e-2, 1e-3), (3e-4, 1e-2))
 
 
-def test_the_bar_is_kept_or_missed():
+def test_the_bar_is_kept_or_missed_and_where_the_cable_loses_is_said():
     text = sentences(*OURS, *runs((1e-2, 1e-1), (3e-4, 1.0), **NATIVE))
-    assert text.count("at least 50 times: kept, 100.") == 2
+    assert text.count("the bar of 50 is kept") == 2 and "at any error: at least 100" in text
     text = sentences(*OURS, *runs((1e-2, 1e-2), (3e-4, 1.0), **NATIVE))
-    assert "at 0.005 m, native, implicit, at least 50 times: MISSED, 1" in text
-
-
-def test_readings_that_are_none_say_why_and_losses_say_where():
+    assert "native, implicit, at 0.005 m: CPU time" in text and "the bar of 50 is MISSED" in text
     text = sentences(*OURS, *runs((8e-3, 1e-4), (1e-3, 1.0), **NATIVE))
-    assert "none (opponent: looser than its front) at 0.01 m" in text
-    assert "none (opponent: not reached) at 0.0003 m" in text
-    assert "against native, implicit, the inextensible cable loses at 0.0080 m (the opponent" in text
-    assert "loses nowhere" in sentences(*OURS, *runs((8e-3, 1.0), **NATIVE))
+    assert "the bar of 1 is MISSED" in text
 
 
-def test_bounds_below_the_uncertainty_are_named_and_not_read():
-    text = sentences(*OURS, *runs((1e-2, 1e-1), (1e-6, 1.0), **NATIVE), uncertainty=5e-4)
-    assert "nothing (below the reference's uncertainty) at 0.0003 m" in text
-    assert "at 0.0007 m, native, implicit, at least 50 times: kept" in text
+def test_readings_that_are_none_say_why():
+    rows = work_precision.ratio_rows(
+        "planar_pendulum", [*OURS, *runs((8e-3, 1e-4), (1e-3, 1.0), **NATIVE)], 5e-4
+    )
+    outcomes = {row["bound"]: row["opponentOutcome"] for row in rows if row["opponent"] == IMPLICIT}
+    assert outcomes[1e-2] == TOO_LOOSE and outcomes[7e-4] == NOT_REACHED
+    assert outcomes[3e-4] == work_precision.BELOW and outcomes[5e-3] == READ
 
 
-def test_failures_and_a_missing_opponent_are_told():
-    text = sentences(*OURS, run(None, None, status="diverged"), *runs((1e-2, 1.0), **NATIVE))
-    assert "runs that failed or diverged, kept with their status: 1 of 3 inextensible." in text
+def test_a_missing_opponent_is_told():
+    text = sentences(*OURS, *runs((1e-2, 1.0), **NATIVE))
     assert "MuJoCo is not installed" in text
     peers = runs((1e-2, 1.0), formulation="rigid links", integrator="RK4")
     assert "MuJoCo is not installed" not in sentences(*OURS, *peers)
@@ -227,8 +203,10 @@ def test_families_tell_formulations_and_solvers_apart():
 
 
 def test_a_scene_that_failed_as_a_whole_is_told():
-    (case, *_) = make_cases(True)
-    rows = rows_of(case, Outcome("failed: OSError: disk", {}, {}))
+    def fail(case):
+        raise OSError("disk")
+
+    rows = rows_of(fail, make_cases(True)[0])
     assert "FAILED: planar_pendulum: failed: OSError: disk" in conclude(Results(True, rows))
 
 

@@ -21,7 +21,7 @@ from ...checks import require_finite, require_flag
 from ...errors import InputError
 from ...scene.model import CableItem
 from ..cable_data import point_on_cable, require_cable
-from .inert import INERT, is_inert_cable
+from .inert import INERT, nodes_of_inert_cable
 
 
 def CreateCompanionCables(mbs: Any, cable: Any, show: bool = False) -> list[int]:
@@ -59,7 +59,7 @@ def CreateCompanionCables(mbs: Any, cable: Any, show: bool = False) -> list[int]
     existing = _companions_by_nodes(mbs)
     spans = list(pairwise(item.node_names))
     for nodes in spans:  # the system may have been built anew
-        if nodes in existing and _nodes_of_companion(mbs, existing[nodes]) != nodes:
+        if nodes in existing and nodes_of_inert_cable(mbs.GetObject(existing[nodes])) != nodes:
             del existing[nodes]
     return [
         existing[nodes] if nodes in existing else _add_companion(mbs, item, nodes, float(length), shown)
@@ -114,36 +114,21 @@ def place_on_cable(item: CableItem, arc_length: Any) -> tuple[int, float]:
     return element, xi * float(lengths[element])
 
 
-class _Known:
-    """Companions of a system, so far.   looked_at: number of objects.   found: first one by its nodes."""
-
-    def __init__(self) -> None:
-        self.looked_at = 0
-        self.found: dict[tuple[int, int], int] = {}
+_known: WeakKeyDictionary[Any, tuple[int, dict[tuple[int, ...], int]]] = WeakKeyDictionary()
+"""Of each system the number of objects that were looked at, and the first companions by their nodes."""
 
 
-_known: WeakKeyDictionary[Any, _Known] = WeakKeyDictionary()  # so that no object is looked at twice
-
-
-def _companions_by_nodes(mbs: Any) -> dict[tuple[int, int], int]:
+def _companions_by_nodes(mbs: Any) -> dict[tuple[int, ...], int]:
     """Numbers of all companions; what became of those that are known, whoever uses them has to see."""
-    known, number = _known.setdefault(mbs, _Known()), mbs.systemData.NumberOfObjects()
-    if number < known.looked_at:  # the system was reset
-        known = _known[mbs] = _Known()
-    for k in range(known.looked_at, number):
-        if (nodes := _nodes_of_companion(mbs, k)) is not None:
-            known.found.setdefault(nodes, k)
-    known.looked_at = number
-    return known.found
-
-
-def _nodes_of_companion(mbs: Any, number: int) -> tuple[int, int] | None:
-    """Nodes of this object if it is a companion."""
-    data = mbs.GetObject(number)
-    if not is_inert_cable(data):
-        return None
-    left, right = map(int, data["nodeNumbers"])
-    return left, right
+    number = mbs.systemData.NumberOfObjects()
+    looked_at, found = _known.get(mbs, (0, {}))
+    if number < looked_at:  # the system was reset
+        looked_at, found = 0, {}
+    for k in range(looked_at, number):
+        if nodes := nodes_of_inert_cable(mbs.GetObject(k)):
+            found.setdefault(nodes, k)
+    _known[mbs] = number, found
+    return found
 
 
 def _add_companion(mbs: Any, item: CableItem, nodes: tuple[int, int], length: float, show: bool) -> int:

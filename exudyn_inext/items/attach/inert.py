@@ -11,3 +11,8 @@ def is_inert_cable(data: dict[str, Any]) -> bool:
     if data["objectType"] not in _TYPES or any(data[name] for name in INERT):
         return False
     return not any("UserFunction" in key and bool(value) for key, value in data.items())
+
+
+def nodes_of_inert_cable(data: dict[str, Any]) -> tuple[int, ...]:
+    """Numbers of both nodes of such a cable; none of another object."""
+    return tuple(map(int, data["nodeNumbers"])) if is_inert_cable(data) else ()

@@ -8,12 +8,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from exudyn.itemInterface import (
-    CoordinateVectorConstraint,
-    MarkerNodeCoordinates,
-    MarkerNodePosition,
-    SphericalJoint,
-)
+from exudyn.itemInterface import MarkerNodePosition, SphericalJoint
 
 from ...arrays import Array
 from ...checks import require_flag
@@ -21,7 +16,7 @@ from ...errors import InputError
 from ...multibody.same_slope import slope_difference
 from ..arguments import node_number
 from ..cable_data import cable_of_node
-from .clamp_to_body import across_in_space
+from .clamp_to_body import add_slope_constraint, directions_across
 
 TOLERANCE = 1e-6  # of places, relative to the length of the cable, of slopes [-], of velocities, relative
 
@@ -135,11 +130,9 @@ def _add_same_slope(mbs: Any, node: int, own: int, slope: Array) -> int:
     """Constraint that keeps the slopes of two nodes the same.   slope: (dim,) of both at the start."""
     dim, direction = len(slope), np.zeros(3)
     direction[:dim] = slope / np.linalg.norm(slope)
-    across = across_in_space(direction)
-    if dim == 2:
-        across = np.array([[-direction[1], direction[0], 0.0]])
+    across = directions_across(direction, np.eye(3), dim)
 
-    def derivatives(q: Any) -> tuple[Array, Array]:
+    def derivatives(q: Array) -> tuple[Array, Array]:
         slopes, gradients = np.zeros((2, 3)), np.zeros((len(across), 2, 3))
         slopes[:, :dim] = np.reshape(q, (2, 2, dim))[:, 1]
         one, other = slopes
@@ -150,22 +143,5 @@ def _add_same_slope(mbs: Any, node: int, own: int, slope: Array) -> int:
         jacobian[:, :, 1] = gradients[:, :, :dim]
         return np.array(value), jacobian.reshape(len(across), -1)
 
-    def same_slope_user_function(mbs, t, itemNumber, q, q_t, velocityLevel):
-        value, jacobian = derivatives(q)
-        return (jacobian @ np.asarray(q_t) if velocityLevel else value).tolist()
-
-    def same_slope_jacobian_user_function(mbs, t, itemNumber, q, q_t, velocityLevel):
-        return derivatives(q)[1]
-
-    same_slope_user_function.same_slope = SameSlope(node, own, direction, across)  # type: ignore[attr-defined]
-    return int(
-        mbs.AddObject(
-            CoordinateVectorConstraint(
-                name=f"slope of nodes {node} and {own}",
-                markerNumbers=[mbs.AddMarker(MarkerNodeCoordinates(nodeNumber=n)) for n in (node, own)],
-                scalingMarker0=np.zeros((len(across), 2 * dim)),
-                constraintUserFunction=same_slope_user_function,
-                jacobianUserFunction=same_slope_jacobian_user_function,
-            )
-        )
-    )
+    meaning, name = SameSlope(node, own, direction, across), f"slope of nodes {node} and {own}"
+    return add_slope_constraint(mbs, (node, own), derivatives, meaning, name)[1]

@@ -1,23 +1,14 @@
-"""How native solvers enforce inextensibility: one way a file, found by itself.
+"""How native solvers enforce inextensibility; SolveExplicit reduces the index, whatever the way."""
 
-A module of this folder that defines a class `ENFORCEMENT` (see `protocol.Enforcement`) adds a way, under
-the class's `name`. SolveExplicit moves a cable by index reduction whatever its way.
-"""
-
-import importlib
-import pkgutil
 from typing import Any
 
 from ...errors import InputError
+from .algebraic import Algebraic
+from .penalty_mass import PenaltyMass
+from .projection import Projection
 from .protocol import Enforcement
 
-ENFORCEMENTS: dict[str, type[Enforcement]] = {
-    module.ENFORCEMENT.name: module.ENFORCEMENT
-    for module in (
-        importlib.import_module(f"{__name__}.{info.name}") for info in pkgutil.iter_modules(__path__)
-    )
-    if hasattr(module, "ENFORCEMENT")
-}
+ENFORCEMENTS: dict[str, type[Enforcement]] = {way.name: way for way in (Algebraic, PenaltyMass, Projection)}
 
 
 def find_enforcement(given: Any) -> Enforcement:

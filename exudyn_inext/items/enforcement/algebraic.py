@@ -139,6 +139,3 @@ def _constraint_user_functions(rows: ConstraintRows, item: CableItem) -> tuple[A
 
     inextensibility_user_function.enforces_inextensibility = True  # type: ignore[attr-defined]
     return inextensibility_user_function, inextensibility_jacobian_user_function
-
-
-ENFORCEMENT = Algebraic

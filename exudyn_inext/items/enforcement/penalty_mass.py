@@ -75,6 +75,3 @@ class PenaltyMass(Enforcement):
             "forceUserFunction": penalty_force_user_function,
             "massMatrixUserFunction": penalty_mass_user_function,
         }
-
-
-ENFORCEMENT = PenaltyMass

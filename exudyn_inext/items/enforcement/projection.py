@@ -29,6 +29,3 @@ def _refusing_user_function(mbs, t, itemNumber, q, q_t):
         "for statics, or create the cable with enforcement='algebraic' for native implicit solvers, with "
         "enforcement='penaltyMass' for native explicit ones."
     )
-
-
-ENFORCEMENT = Projection

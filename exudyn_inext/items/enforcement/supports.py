@@ -56,11 +56,11 @@ def refuse_redundant_supports(item: CableItem, rows: ConstraintRows) -> Callable
 def _grounded_coordinates(mbs: Any, data: dict[str, Any], item: CableItem) -> tuple[int, list[int]] | None:
     """Place of a node of the cable and its coordinates that an object holds to the ground, or None."""
     kind = data["objectType"]
-    marker = node_marker_to_ground(mbs, data) if kind in ("ConnectorCoordinate", *_HOLDS_POSITIONS) else None
-    if marker is None or int(marker["nodeNumber"]) not in item.nodes:
+    tied = node_marker_to_ground(mbs, data) if kind in ("ConnectorCoordinate", *_HOLDS_POSITIONS) else None
+    if tied is None or int(tied[0]["nodeNumber"]) not in item.nodes:
         return None
-    place = item.nodes.index(int(marker["nodeNumber"]))
+    place = item.nodes.index(int(tied[0]["nodeNumber"]))
     if kind not in _HOLDS_POSITIONS:
-        return place, [marker["coordinate"]]
+        return place, [tied[0]["coordinate"]]
     axes = data.get("constrainedAxes", [1, 1, 1])[: item.cable.dimension]
     return place, [axis for axis, is_held in enumerate(axes) if is_held]

@@ -229,10 +229,11 @@ def _coordinate(data: dict[str, Any], name: str, reader: PointReader) -> list[An
 def _of_slope(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
     """A slope that follows a body, see `items.attach.clamp_to_body`, or another slope, see `shared_node`."""
     function = data["constraintUserFunction"]
-    if function and hasattr(function["function"], "clamp"):
-        return _clamp(function["function"].clamp, reader)
-    if function and hasattr(function["function"], "same_slope"):
-        return _same_slope(function["function"].same_slope, reader)
+    meaning = getattr(function["function"], "meaning", None) if function else None
+    if isinstance(meaning, Clamp):
+        return _clamp(meaning, reader)
+    if isinstance(meaning, SameSlope):
+        return _same_slope(meaning, reader)
     raise UnknownItemError(name)
 
 

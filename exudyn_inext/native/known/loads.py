@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...arrays import Array
-from ...items.functions_of_time import is_of_time_alone
-from ...items.load_items import history_of
+from ...items.load_items import course_of
 from ...multibody.loads import LOAD, NONE
 from ...run.cable_loads import as_rows
 from ...run.settings import SAY_OF_TIME
@@ -53,19 +52,17 @@ def read_load(mbs: Any, number: int, reader: PointReader) -> KnownLoad | None:
     name = f"load {number} '{data['name']}' ({data['loadType']})"
     record, scale = _placed(data, name, mbs, reader)
     value = data["load"] if data["loadType"] == "Coordinate" else data["loadVector"]
-    components = scale * np.atleast_1d(np.asarray(value, dtype=float))
-    record["function"] = NONE
-    record["constant"][: len(components)] = components
     user_function = data.get("loadVectorUserFunction") or data.get("loadUserFunction")
-    if not user_function:
+    constant, history, is_pure = course_of(mbs, user_function, value)
+    record["function"] = NONE
+    record["constant"][: len(constant)] = scale * constant
+    if history is None:
         return KnownLoad(record, scale, None)
-    if not is_of_time_alone(mbs, user_function):
+    if not is_pure:
         raise UnknownItemError(
             f"{name}, whose user function may depend on the state (if it does not: {SAY_OF_TIME})"
         )
-    at = history_of(mbs, user_function, value)
-    assert at is not None
-    return KnownLoad(record, scale, LoadFunction(name, at, scale, len(components)))
+    return KnownLoad(record, scale, LoadFunction(name, history, scale, len(constant)))
 
 
 def _placed(data: dict[str, Any], name: str, mbs: Any, reader: PointReader) -> tuple[Any, float]:

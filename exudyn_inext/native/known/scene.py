@@ -19,6 +19,7 @@ from ..joint_item import JointItem
 from .bodies import first_order_records, read_body_records
 from .connectors import VALUES, KnownConnector, read_connector
 from .contacts import ContactReader
+from .general_contacts import any_acts
 from .joints import read_rows
 from .loads import KnownLoad, read_load
 from .points import PointReader
@@ -53,8 +54,8 @@ def read_known_items(
     states = mbs.systemData.ODE1Size()
     if has_forces and states:
         raise UnknownItemError("states of first order")
-    if has_forces and mbs.NumberOfGeneralContacts():
-        raise UnknownItemError("contact")
+    if has_forces and any_acts(mbs, moved):
+        raise UnknownItemError("GeneralContact")
     records = read_body_records(mbs, bodies, coordinates, q)
     firsts = [coordinates.place(int(body.coordinates[0])) for body in bodies]
     order = {int(first): number for number, first in enumerate(records["first"])}

@@ -23,7 +23,7 @@ from exudyn_inext.items.attach.body_frame import (
     pose_of_angles,
     pose_of_quaternion,
 )
-from exudyn_inext.items.attach.clamp_to_body import _user_functions, directions_across
+from exudyn_inext.items.attach.clamp_to_body import clamp_derivatives, directions_across, user_functions
 from tests.exudyn_binding.items import SECTION, native_cable, solve_native, trajectory
 
 GRAVITY = np.array([0.0, -9.81, 0.0])
@@ -175,9 +175,9 @@ def test_body_hangs_at_the_last_node_as_at_a_native_cable(new_mbs, add_pendulum,
 def test_jacobian_of_the_clamp_is_its_derivative(mbs, pose, coordinates, dim):
     frame = BodyFrame(0, "body", 0, np.array(coordinates), pose)
     across = directions_across(
-        np.array([0.6, 0.0, 0.8][:: 1 if dim == 3 else -1]) * [1, 1, dim - 2], frame, dim
+        np.array([0.6, 0.0, 0.8][:: 1 if dim == 3 else -1]) * [1, 1, dim - 2], frame.orientation(), dim
     )
-    value, jacobian = _user_functions(frame, across, dim)
+    value, jacobian = user_functions(clamp_derivatives(frame, across, dim))
     rng = np.random.default_rng(1)
     q = np.concatenate([coordinates, rng.standard_normal(2 * dim)])
     v, step = rng.standard_normal(len(q)), 1e-6

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import (
     CoordinateConstraint,
+    Force,
     LoadMassProportional,
     MarkerBodyMass,
     MarkerBodyPosition,
@@ -42,6 +43,7 @@ from tests.items.attach.contact import (
 
 RADIUS, SIDE, GRAVITY = 0.2, 0.3, [0, -9.81, 0]
 SECTION = {"massPerLength": 0.1, "bendingStiffness": 2e-3}
+AXIAL = 2e5  # stiffness of cables that stretch [N]
 INERTIA, MASSES, GAP = 0.0077, (0.2, 0.35), 7e-4  # of the wheel [kg m^2]; at the ends [kg]; at the start [m]
 CLOSED = -1e-4  # a gap at the start [m]
 END = 0.2  # of the runs [s]
@@ -86,7 +88,7 @@ def add_native(mbs, positions, slopes, length):
     elements = [
         mbs.AddObject(
             ObjectANCFCable2D(
-                nodeNumbers=list(pair), length=length / (len(nodes) - 1), axialStiffness=2e5, **SECTION
+                nodeNumbers=list(pair), length=length / (len(nodes) - 1), axialStiffness=AXIAL, **SECTION
             )
         )
         for pair in pairwise(nodes)
@@ -121,14 +123,15 @@ def with_bristles(relaxation, damping=1.0):
 def build(new_mbs, add_sensor):
     """(elements, is native) -> system, sensors of the wheel's turn and of the right end."""
 
-    def new(elements, native=False, touch=add_contact, gap=GAP, speed=0.0):
+    def new(elements, native=False, touch=add_contact, gap=GAP, speed=0.0, extensible=False):
         mbs = new_mbs()
         positions, slopes, length = above_the_wheel(elements, gap)
         if native:
             nodes, bodies = add_native(mbs, positions, slopes, length)
         else:
-            shape, template = CableShape(positions, slopes), InextensibleCable(**SECTION)
-            cable = CreateInextensibleCable(mbs, shape=shape, beamTemplate=template, gravity=GRAVITY)
+            template = InextensibleCable(**SECTION, axialStiffness=AXIAL if extensible else None)
+            line = {"shape": CableShape(positions, slopes), "beamTemplate": template, "gravity": GRAVITY}
+            cable = CreateInextensibleCable(mbs, **line, extensible=extensible)
             nodes, bodies = cable["nodes"], CreateCompanionCables(mbs, cable)
         wheel, node = add_wheel(mbs, speed)
         hang_masses(mbs, nodes)
@@ -173,6 +176,51 @@ def test_a_wheel_turns_as_a_native_one_at_any_step_that_is_accepted(build, nativ
             mbs, sensors = build(elements)
             solve(mbs, END, stepSize=share * limit, massScaling=massScaling)
             np.testing.assert_allclose(at_the_end(mbs, sensors), expected, rtol=0.02)
+
+
+@pytest.mark.parametrize("gap, damping", [(GAP, 1.0), (GAP, 20.0), (CLOSED, 1.0)])
+def test_dashpots_of_contact_do_not_bound_the_step_of_a_cable_that_stretches(
+    build, native, solve, gap, damping
+):
+    """Those across the cable let it decay by up to 160000 1/s; steps are of order 2 all the same."""
+
+    def touch(mbs, elements, circle, body):
+        add_contact(mbs, elements, replace(circle, damping=damping * circle.damping), body)
+
+    scene, found = {"touch": touch, "gap": gap}, []
+    expected = native(16, **scene)
+    for step in (None, 1e-5, 2.5e-6):
+        mbs, sensors = build(16, extensible=True, **scene)
+        report = solve(mbs, END, stepSize=step)
+        found.append(at_the_end(mbs, sensors))
+        assert report["bounds"].stability_limit > 2.4e-5
+    np.testing.assert_allclose(found[0], expected, rtol=0.02)
+    np.testing.assert_allclose(found[:2], [found[2]] * 2, rtol=1e-3)
+
+
+def test_contact_that_is_damped_implicitly_is_the_same_scene_after_a_load_was_changed(build, solve):
+    """At the end of such a run, all items are compared with Exudyn's, where the damping is explicit."""
+    turns = []
+    for force in (0.0, 3.0):
+        mbs, sensors = build(16, gap=CLOSED, extensible=True)
+        end = MarkerNodePosition(nodeNumber=mbs.GetSensor(sensors[1])["nodeNumber"])
+        load = mbs.AddLoad(Force(markerNumber=mbs.AddMarker(end), loadVector=[0.0, -1.0, 0.0]))
+        mbs.Assemble()
+        mbs.SetPreStepUserFunction(pulling(load, force))
+        report = solve(mbs, 0.02, steps=4)
+        assert "Exudyn evaluates them" not in report["path"]
+        turns.append(at_the_end(mbs, sensors)[0])
+    assert turns[1] < 1.5 * turns[0] < 0.0
+
+
+def pulling(load, force):
+    """A pre-step function that sets a load [N]."""
+
+    def pull(mbs, t):
+        mbs.SetLoadParameter(load, "loadVector", [0.0, -force, 0.0])
+        return True
+
+    return pull
 
 
 @pytest.mark.parametrize("massScaling", [0.0, 0.3])

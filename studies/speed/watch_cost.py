@@ -21,7 +21,6 @@ What is left out
 """
 
 import math
-from collections.abc import Callable
 from contextlib import ExitStack
 from functools import partial
 from types import SimpleNamespace
@@ -32,59 +31,33 @@ import numpy as np
 from scipy.stats import quantile_test
 
 from exudyn_inext import CreatePrescribedMotion, ExplicitSettings, ExplicitStepper
-
-from .harness import UNDECIDED, Order, Results, Row, Study, Table, column, inner, largest, percent
-from .harness.joined_scenes import GRAVITY, Contents, joined_scene
-from .harness.timing import Task, seconds_per_time
+from studies.harness import Row, inner
+from studies.harness.joined_scenes import GRAVITY, Contents, joined_scene
+from studies.harness.timing import Task
 
 BAR = 0.03
 STEPS = 4096
 STEPS_AMONG_BODIES = 2 * inner.STEPS_BETWEEN
 STEPS_OF_AN_OUTPUT = 8
-LEAST_SECONDS = 0.01  # of a sample
 CONFIDENCE = 0.95
-INTEGRATORS = ("Zhai", "RATTLE")
 ALONE = ("steady", "damped", "loaded", "moved")
 AMONG_BODIES = ("joined", "beside")
 DAMPING = 1e-5
 MICRO = 1e6
 
-Chain = tuple[int, str, int]
-WAYS = WATCHED, UNINSPECTED = "watched", "uninspected"
-Ways = dict[str, Task]
+WATCHED, UNINSPECTED = "watched", "uninspected"
+Ways = dict[Any, Task]
 
 
-def measure(order: Order) -> list[Row]:
-    """One row for each cable and integrator."""
-    kinds, numbers, dims = (ALONE[:1], (5,), (2,)) if order.quick else (ALONE, (5, 20), (2, 3))
-    repeats, more = (5, 3) if order.quick else (21, 41)
-    chains = [(dim, kind, number) for dim in dims for kind in kinds for number in numbers]
-    coupled = [(2, kind, number) for kind in AMONG_BODIES for number in numbers]
-    asked = [(chain, _tasks_alone, STEPS, repeats) for chain in chains]
-    asked += [(chain, _tasks_among_bodies, STEPS_AMONG_BODIES, more) for chain in coupled]
-    return [row for one in asked for row in _rows(*one)]
-
-
-def _rows(chain: Chain, tasks_of: Callable[[Chain, str], Ways], steps: int, repeats: int) -> list[Row]:
-    dim, kind, number = chain
-    tasks = {(name, way): task for name in INTEGRATORS for way, task in tasks_of(chain, name).items()}
-    samples = seconds_per_time(tasks, repeats, LEAST_SECONDS, f"{dim}D, {kind}, N = {number}")
-    ways = {name: {way: samples[name, way] for way in WAYS} for name in INTEGRATORS}
-    return [_row(chain, name, own, steps) for name, own in ways.items()]
-
-
-def _row(chain: Chain, name: str, samples: dict[str, list[float]], steps: int) -> Row:
-    dim, kind, number = chain
-    watched, uninspected = (np.array(samples[way]) for way in WAYS)
+def row(case: Row, found: Any) -> Row:
+    """What the watch takes of a step, from ratios within one round."""
+    name, kind = case["integrator"], case["scene"]
+    watched, uninspected = (np.array(found[name, way].cpu_seconds) for way in (WATCHED, UNINSPECTED))
     ratios = watched / uninspected - 1.0
     interval = quantile_test(ratios, p=0.5).confidence_interval(CONFIDENCE)
-    return {
-        "kind": "among bodies" if kind in AMONG_BODIES else "alone",
-        "label": f"{dim}D, {kind}, {name}",
-        "dimension": dim,
-        "scene": kind,
-        "integrator": name,
-        "elements": number,
+    steps = STEPS_AMONG_BODIES if kind in AMONG_BODIES else STEPS
+    return case | {
+        "label": f"{case['dimension']}D, {kind}, {name}",
         "repeats": len(ratios),
         "microseconds": MICRO * float(np.median(uninspected)) / steps,
         "share": float(np.median(ratios)),
@@ -94,9 +67,9 @@ def _row(chain: Chain, name: str, samples: dict[str, list[float]], steps: int) -
     }
 
 
-def _tasks_alone(chain: Chain, name: str) -> Ways:
+def alone(case: Row) -> Ways:
     """Steps of the compiled loops."""
-    mbs = _build(chain)
+    mbs, name = _build(case), case["integrator"]
     h = 0.5 * ExplicitStepper(mbs, ExplicitSettings(name, massScaling=0.0)).bounds.stability_limit
     explicit = ExplicitSettings(name, energyTolerance=math.inf)
     (run,) = inner.cable_runs(mbs, inner.read_scene(mbs).cables, 0.0, 0.0, explicit)
@@ -112,13 +85,13 @@ def _tasks_alone(chain: Chain, name: str) -> Ways:
             run.start(0.0)
             inner.record_watched(*motion, watch)
 
-    return {WATCHED: task, UNINSPECTED: partial(task, every=STEPS)}
+    return {(name, WATCHED): task, (name, UNINSPECTED): partial(task, every=STEPS)}
 
 
-def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
+def among_bodies(case: Row) -> Ways:
     """Steps of a run from mid-motion on; it is the same one for both, since each lies elsewhere in memory."""
-    explicit = ExplicitSettings(name, energyTolerance=math.inf)
-    mbs, by_kernels = _build(chain), ExitStack()  # for good: nobody else asks this mbs
+    explicit = ExplicitSettings(case["integrator"], energyTolerance=math.inf)
+    mbs, by_kernels = _build(case), ExitStack()  # for good: nobody else asks this mbs
     scene = inner.read_scene(mbs)
     by_kernels.enter_context(inner.switched_off(mbs, *scene.evaluated_by_kernels))
     (run,) = inner.runs_of_scene(mbs, scene, 0.0, 0.0, explicit)
@@ -136,7 +109,8 @@ def _tasks_among_bodies(chain: Chain, name: str) -> Ways:
             run.start(0.0)
             run.record(grid, 0, history)
 
-    return {WATCHED: take, UNINSPECTED: partial(take, watch=_blind(run.watch))}
+    ways = {WATCHED: take, UNINSPECTED: partial(take, watch=_blind(run.watch))}
+    return {(case["integrator"], way): task for way, task in ways.items()}
 
 
 def _blind(watch: Any) -> Any:
@@ -157,12 +131,12 @@ def _blind(watch: Any) -> Any:
     )
 
 
-def _build(chain: Chain) -> Any:
+def _build(case: Row) -> Any:
     """A cable that is pinned at its start and let fall."""
-    dim, kind, number = chain
+    kind = case["scene"]
     look = {"damping": DAMPING if kind == "damped" else 0.0, "pinned": kind != "moved"}
     look |= {"bodies": int(kind == "joined"), "also": _ADDITIONS.get(kind)}
-    return joined_scene(Contents(elements=number, dimension=dim, length=1.0, **look))
+    return joined_scene(Contents(elements=case["elements"], dimension=case["dimension"], length=1.0, **look))
 
 
 def _push(mbs: Any, cable: dict[str, Any], dim: int) -> None:
@@ -185,35 +159,3 @@ def _stand_beside(mbs: Any, cable: dict[str, Any], dim: int) -> None:
 
 
 _ADDITIONS = {"loaded": _push, "moved": _move, "beside": _stand_beside}
-
-
-def conclude(results: Results) -> list[str]:
-    """Whether the bar is kept."""
-    sentences = []
-    for kind in ("alone", "among bodies"):
-        rows = results.of_kind(kind)
-        shares = column(rows, "share")
-        above = sum(share > BAR for share in shares)
-        found = f"MISSED by {above} of {len(rows)}" if above else "kept"
-        most = largest(rows, "share")
-        worst = "at most {shown} ({label}, N = {elements}, {microseconds:.2g} us a step)"
-        sentences.append(
-            f"Cables {kind}: the watch costs {percent(float(np.median(shares)))} of a step (median), "
-            f"{worst.format_map(most | {'shown': percent(most['share'])})}; the bar of "
-            f"{percent(BAR)} is {UNDECIDED if results.quick else found}."  # few samples tell no per cent
-        )
-    return sentences
-
-
-COLUMNS = (
-    "cable: label | N: elements | step [us]: microseconds | watch/step: share | not below: low | "
-    "not above: high"
-)
-
-TABLES = (
-    Table("alone", "Cables alone, inspections over the steps without them:", COLUMNS),
-    Table("among bodies", "Among bodies:", COLUMNS),
-)
-
-QUESTION = "What does it cost that each run is watched?"
-STUDY = Study("watch_cost", QUESTION, measure, conclude, TABLES, minutes=4)

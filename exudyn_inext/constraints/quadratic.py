@@ -1,0 +1,148 @@
+"""Constraints as quadratic forms: every kind has its values, rates, Jacobian and Hessian by one formula.
+
+    c_r = sum f y_a . y_b + c_0,    y = W x - p(t)
+
+x are the positions and slopes of the nodes in turn, p points that are given or move. A constant vector is a
+y with weights of zero.
+"""
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from itertools import accumulate
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.sparse import csr_array, eye_array, kron
+
+from ..arrays import Array
+from ..cable.link import Motion
+
+_WIDTH = 4  # most weights of a vector: positions and slopes of two nodes
+
+
+class Kind(NamedTuple):
+    """The constraints of one kind, m rows with Y vectors y.
+
+    name: what they are called.
+    where: row -> what it holds, with {k} for the name of node k.
+    constant: (m,) c_0.
+    places, weights: (Y, up to 4) which x each y is made of.
+    points: (Y, dim) p at rest.   moving: numbers of vectors, and what their p follows.
+    products: row, a, b, f, (E,) each.
+    """
+
+    name: str
+    where: Callable[[int], str]
+    constant: Array
+    places: np.ndarray
+    weights: Array
+    points: Array
+    products: tuple[np.ndarray, ...]
+    moving: Sequence[tuple[int, Motion]] = ()
+
+
+class Constraints:
+    """c(q, t) = 0 with everything that the index reduction needs, Eqs. (27), (28).
+
+    Coordinates and velocities are (n, 2, dim); the Jacobian's columns are the coordinates in C order.
+
+    Args:
+        kinds: each with one row at least.   shape: (n, 2, dim).
+
+    Attributes:
+        rows: those of each kind, by its name.   number: of all rows.
+    """
+
+    def __init__(self, kinds: Sequence[Kind], shape: tuple[int, ...]) -> None:
+        self._kinds, self._nodes, self._dim = kinds, 2 * shape[0], shape[2]
+        ends = list(accumulate((len(kind.constant) for kind in kinds), initial=0))
+        firsts = list(accumulate((len(kind.places) for kind in kinds), initial=0))
+        self.number, vectors = ends[-1], firsts[-1]
+        self.rows = {kind.name: slice(a, b) for kind, a, b in zip(kinds, ends, ends[1:], strict=False)}
+        self._constant = np.zeros(self.number)
+        self._places = np.zeros((vectors, _WIDTH), dtype=np.int64)
+        self._weights = np.zeros((vectors, _WIDTH))
+        self._points = np.zeros((3, vectors, self._dim))
+        for kind, end, first in zip(kinds, ends, firsts, strict=False):
+            own, width = slice(first, first + len(kind.places)), kind.places.shape[1]
+            self._constant[end : end + len(kind.constant)] = kind.constant
+            self._places[own, :width], self._weights[own, :width] = kind.places, kind.weights
+            self._points[0, own] = kind.points
+        counted = list(zip(kinds, ends, firsts, strict=False))
+        self._moving = [(first + y, motion) for kind, _, first in counted for y, motion in kind.moving]
+        products = [
+            (row + end, left + first, right + first, factor)
+            for (*_, (row, left, right, factor), _), end, first in counted
+        ]
+        none = np.zeros(0, dtype=np.int64)
+        columns = zip((none,) * 4, *products, strict=True)
+        self._row, self._left, self._right, self._factor = map(np.concatenate, columns)
+
+    def _points_at(self, t: float) -> Array:
+        """(3, Y, dim) p, p_t, p_tt."""
+        if not self._moving:
+            return self._points
+        points = self._points.copy()
+        for vector, motion in self._moving:
+            points[:, vector] = motion.at(t)
+        return points
+
+    def _vectors(self, x: Array, points: Array) -> Array:
+        """(Y, dim) W x - p."""
+        own = x.reshape(-1, self._dim)[self._places]
+        result: Array = np.einsum("yk,yki->yi", self._weights, own) - points
+        return result
+
+    def _sums(self, a: Array, b: Array) -> Array:
+        """(m,) sum f a . b.   a, b: (Y, dim)."""
+        products = self._factor * np.einsum("ei,ei->e", a[self._left], b[self._right])
+        return np.asarray(np.bincount(self._row, products, self.number), dtype=float)
+
+    def value(self, q: Array, t: float = 0.0) -> Array:
+        """c (number,)."""
+        y = self._vectors(q, self._points_at(t)[0])
+        return self._sums(y, y) + self._constant
+
+    def rate(self, q: Array, v: Array, t: float = 0.0) -> Array:
+        """c_q v + c_t (number,)."""
+        points = self._points_at(t)
+        y, y_t = self._vectors(q, points[0]), self._vectors(v, points[1])
+        return self._sums(y, y_t) + self._sums(y_t, y)
+
+    def gamma(self, q: Array, v: Array, t: float = 0.0) -> Array:
+        """-(c_q v)_q v - 2 c_qt v - c_tt (number,)."""
+        points = self._points_at(t)
+        y, y_t, p_tt = self._vectors(q, points[0]), self._vectors(v, points[1]), points[2]
+        return self._sums(y, p_tt) + self._sums(p_tt, y) - 2.0 * self._sums(y_t, y_t)
+
+    @cached_property
+    def _derivatives(self) -> tuple[np.ndarray, ...]:
+        """Rows, columns, factors of dc / dx, and the other vector of the product that they multiply."""
+        of, other = np.append(self._left, self._right), np.append(self._right, self._left)
+        entry, k = np.nonzero(self._weights[of])
+        factor = np.tile(self._factor, 2)[entry] * self._weights[of[entry], k]
+        columns = self._dim * self._places[of[entry], k][:, None] + np.arange(self._dim)
+        return np.repeat(np.tile(self._row, 2)[entry], self._dim), columns.ravel(), factor, other[entry]
+
+    def jacobian(self, q: Array, t: float = 0.0) -> csr_array:
+        """c_q (number, n_dof)."""
+        rows, columns, factor, other = self._derivatives
+        entries = factor[:, None] * self._vectors(q, self._points_at(t)[0])[other]
+        found = csr_array((entries.ravel(), (rows, columns)), shape=(self.number, q.size))
+        found.eliminate_zeros()
+        return found
+
+    def hessian(self, multipliers: Array) -> csr_array:
+        """sum_r multipliers_r d2c_r/dq2 (n_dof, n_dof), constant in q."""
+        size = len(self._places)
+        vectors = np.repeat(np.arange(size), _WIDTH), self._places.ravel()
+        weights = csr_array((self._weights.ravel(), vectors), shape=(size, self._nodes))
+        entries = multipliers[self._row] * self._factor, (self._left, self._right)
+        half = weights.T @ csr_array(entries, shape=(size, size)) @ weights
+        half.eliminate_zeros()
+        return csr_array(kron(half + half.T, eye_array(self._dim)))
+
+    def describe(self, row: int, node_names: Sequence[Any]) -> tuple[str, str]:
+        """The kind of equation `row`, and where it acts, for messages; node_names: (n,) of the nodes."""
+        kind = next(kind for kind in self._kinds if row < self.rows[kind.name].stop)
+        return kind.name, kind.where(row - self.rows[kind.name].start).format(*node_names)

@@ -1,0 +1,173 @@
+"""Damping of contact that is implicit in the accelerations of the cable.
+
+Along n and t of a segment that touches, with the damping d and B x its motion by the cable's coordinates,
+
+    (M + W B^T B) a = F - B^T (f - W B a_before),   W = (1/2 + 1/16) h d,
+
+f being the force at the velocities that a_before predicts. The segment feels f + W B (a - a_before), and so
+does the circle. Of W, h d / 2 is the trapezoidal rule, of order 2; that alone would let velocities that steps
+do not resolve change their sign each time. The rest is of order 2, too, and takes two thirds off them each
+time, most that it can: with z = h d / m and w = W / m, steps of a mass are
+
+    (1 + w) x_(n+1) = (1 + 2 w - 3/2 z) x_n - (w - z/2) x_(n-1),  z -> infinity: x_n ~ (-1/3)^n.
+
+What slides has d = |f_t| / |v_t| along t, at most its viscosity. The circle's own motion is not in W: its
+part of the damping remains explicit, and bounds the step.
+"""
+
+from collections.abc import Sequence
+from functools import singledispatch
+from typing import Any
+
+from ..cable.contact_mass import add_contact_row, clear_contact_mass
+from ..cable.index_reduction import CableSystem
+from ..cable.linked_cable import LinkedCableSystem
+from ..called_system import by_address, call_protocol, calls, implements
+from ..compiled import dispatched, inlined, optional
+from ..lowered import COUNT, NUMBERS, REAL, local_array, numbers_at
+from .cables import Cables, one_chain, provides
+from .circle_contacts import NOW, Contacts, NoContacts, add_end, pull_by_masses
+
+SHARE = 0.5 + 0.0625  # of h d
+
+
+def mark_implicit(cables: Cables, chains: Sequence[Any], records: Any) -> bool:
+    """Set which contacts have damping that may be implicit: those of planar cables that stretch.
+
+    Args:
+        cables, chains: systems of all.   records: of the contacts, in place.
+
+    Returns:
+        Whether there are any.
+    """
+    for offset, system in zip(cables.dofs.tolist(), chains, strict=False):
+        of_these = records["nodes"][:, 0] >= offset
+        records["implicit"][of_these] = system.chain.elements["contact"].size > 0
+    return bool(records["implicit"].any())
+
+
+@dispatched
+@singledispatch
+def add_contact(system, element, mass, row):
+    """mass b b^T beside the mass of an element of a chain.
+
+    Args:
+        system: of the chain.   element: its number; -1: nothing touches the chain any more.
+        mass: [kg].   row: (8,) b, destroyed.
+
+    Raises:
+        NotImplementedError: no contact with systems of that type.
+    """
+    raise NotImplementedError(f"no contact with cables of type {type(system).__name__}")
+
+
+@by_address(add_contact, COUNT, REAL, NUMBERS)
+def CONTACT(system, element, mass, row):
+    add_contact(system[0], element, mass, numbers_at(row, 8))
+    return 0.0
+
+
+@calls(add_contact)
+def add_contact_of_called(system, element, mass, row):
+    """Arguments: see `add_contact`."""
+    call_protocol(system, CONTACT, (element, mass, row.ctypes.data), row)
+
+
+@optional("contact")
+def _add_contact(axes, nodes, elements, element, mass, row):
+    if element < 0:
+        clear_contact_mass(axes, nodes, elements)
+    else:
+        add_contact_row(nodes, elements[element], element, mass, row.reshape((1, 8)))
+
+
+@implements(add_contact, CableSystem)
+def add_contact_of_cable(system, element, mass, row):
+    """Arguments: see `add_contact`."""
+    _add_contact(system.chain.axes, system.chain.nodes, system.chain.elements, element, mass, row)
+
+
+@implements(add_contact, LinkedCableSystem)
+def add_contact_of_linked_cable(system, element, mass, row):
+    """Arguments: see `add_contact`."""
+    _add_contact(system.chain.axes, system.chain.nodes, system.chain.elements, element, mass, row)
+
+
+@dispatched
+@singledispatch
+def press(contacts, cables):
+    """Set the masses of contact beside those of the cables, after `add_contacts`.
+
+    Raises:
+        NotImplementedError: no such contacts.
+    """
+    raise NotImplementedError(f"no contacts of type {type(contacts).__name__}")
+
+
+@dispatched
+@singledispatch
+def complete_contacts(contacts, points, a, force):
+    """Add to force (n,) what the accelerations a (n,) of the cables do to implicit contact.
+
+    Raises:
+        NotImplementedError: no such contacts.
+    """
+    raise NotImplementedError(f"no contacts of type {type(contacts).__name__}")
+
+
+@implements(press, NoContacts)
+def press_nothing(contacts, cables):
+    """Nothing touches."""
+
+
+@implements(complete_contacts, NoContacts)
+def complete_no_contacts(contacts, points, a, force):
+    """There are no forces."""
+
+
+@implements(press, Contacts)
+def press_cables(contacts, cables):
+    """Arguments: see `press`."""
+    for k in range(len(cables.functions)):
+        if provides(cables, k, CONTACT):
+            _press_chain(one_chain(cables, k), contacts, cables.dofs[k], cables.dofs[k + 1])
+
+
+@inlined
+def _press_chain(chain, contacts, begin, end):
+    """begin, end: coordinates of the chain."""
+    row = local_array(1, 8)
+    add_contact(chain, -1, 0.0, row[0])
+    for c in range(len(contacts.records)):
+        contact = contacts.records[c]
+        if contact.lag > 0.0 and begin <= contact.nodes[0] < end:
+            _press_element(chain, (contact.nodes[0] - begin) // 4, contacts, contact, contact.first + c, row)
+
+
+@inlined
+def _press_element(chain, element, contacts, contact, end, row):
+    """All segments of an element.   end: first of its ends.   row: (1, 8) memory."""
+    for s in range(contact.segments):
+        if contacts.data[NOW, contact.place + s] <= 0.0:
+            segment = contacts.segments[contact.first + s]
+            one, other, n = contacts.ends[end + s], contacts.ends[end + s + 1], segment.normal
+            for axis in range(2):
+                if segment.mass[axis] > 0.0:
+                    x, y = (n[0], n[1]) if axis == 0 else (-n[1], n[0])
+                    for i in range(8):
+                        row[0, i] = 0.0
+                    add_end(contact, one, (1.0 - segment.share) * x, (1.0 - segment.share) * y, row)
+                    add_end(contact, other, segment.share * x, segment.share * y, row)
+                    add_contact(chain, element, segment.mass[axis], row[0])
+
+
+@implements(complete_contacts, Contacts)
+def complete_circle_contacts(contacts, points, a, force):
+    """Arguments: see `complete_contacts`."""
+    for c in range(len(contacts.records)):
+        contact = contacts.records[c]
+        if contact.lag > 0.0:
+            first, number = contact.first, contact.segments
+            segments, ends = contacts.segments[first : first + number], contacts.ends[first + c :]
+            circle = points[contact.circle]
+            pull_by_masses(contact, circle, ends[: number + 1], segments, contacts.data, a, force)

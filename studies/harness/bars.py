@@ -1,0 +1,89 @@
+"""Conclusions: the worst figure of some rows, and whether it keeps a bar."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from .store import Row
+from .study import Results
+from .table import QUICK_NOISE, at_most, groups, number, verdict
+
+CONTROL = "control"
+"""How the labels of rows with a fault begin, which has to be found."""
+CONTROL_WORDS = ("NOT exceeded, as it should be", "exceeded, as it should be")
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A sentence on the worst figure, and whether it keeps a bar.
+
+    rows: their kind, or computes them from the results.   figure: key, or row -> number; None: not measured.
+    what: the figure in words; {}: the value of `per`.   bar: number, or key; None: nothing is judged.
+    per: rows that agree in this key are judged together; empty: all are.
+    over_least: whether figures are over the least one.   is_least: whether the bar is a lower one.
+    noise: factor by which the figure of a quick run may be off.
+    """
+
+    rows: str | Callable[[Results], Sequence[Row]]
+    figure: str | Callable[[Row], float | None]
+    what: str
+    bar: float | str | None = None
+    per: str = ""
+    over_least: bool = False
+    is_least: bool = False
+    noise: float = QUICK_NOISE
+
+    def sentences(self, results: Results) -> Iterator[str]:
+        """One for each value of `per`."""
+        rows = results.of_kind(self.rows) if isinstance(self.rows, str) else self.rows(results)
+        for name, own in (groups(rows, self.per) if self.per else {"": rows}).items():
+            known = [(value, row) for row in own if (value := self._figure(row)) is not None]
+            yield f"{self.what.format(name)}: {self._found(known, self.noise if results.quick else 1.0)}."
+
+    def _figure(self, row: Row) -> float | None:
+        return row.get(self.figure) if isinstance(self.figure, str) else self.figure(row)
+
+    def _found(self, known: Sequence[tuple[float, Row]], noise: float) -> str:
+        """The worst figure, where it is, and the verdict."""
+        if not known:
+            return "not measured"
+        unit = min(value for value, _ in known) if self.over_least else 1.0
+        value, row = (min if self.is_least else max)(known, key=lambda one: one[0])
+        found = f"at {'least' if self.is_least else 'most'} {number(value / unit)} ({name_of(row)})"
+        if self.bar is None:
+            return found
+        kept = [self._keeps(one / unit, other, noise) for one, other in known]
+        missed = f" by {kept.count(False)} of {len(kept)}" if False in kept and len(kept) > 1 else ""
+        words = CONTROL_WORDS if name_of(row).startswith(CONTROL) else ("kept", "MISSED")
+        said = verdict(self._keeps(value / unit, row, noise), *words)
+        return f"{found}; the bar of {self._bar(row):.4g} is {said}{missed}"
+
+    def _bar(self, row: Row) -> float:
+        return float(row[self.bar] if isinstance(self.bar, str) else self.bar or 0.0)
+
+    def _keeps(self, value: float, row: Row, noise: float) -> bool | None:
+        pair = value, self._bar(row)
+        return at_most(*(pair[::-1] if self.is_least else pair), noise)
+
+
+def conclusions(*bars: Bar) -> Callable[[Results], list[str]]:
+    """Of a study: cases that failed, then the sentences of all bars."""
+
+    def conclude(results: Results) -> list[str]:
+        lost = [row for row in results.rows if str(row.get("status", "")).startswith("failed")]
+        failed = [f"FAILED: {name_of(row)}: {row['status']}" for row in lost]
+        return failed + [sentence for bar in bars for sentence in bar.sentences(results)]
+
+    return conclude
+
+
+def name_of(row: Row) -> str:
+    """Which row it is; what its label says is not repeated."""
+    known = {
+        key: row[key] for key in ("label", "scene", "elements", "value", "bound") if row.get(key) is not None
+    }
+    if known.get("scene", "") in known.get("label", ""):
+        known.pop("scene", None)
+    if "elements" in known:
+        known["elements"] = f"N = {known['elements']}" * ("N = " not in known.get("label", ""))
+    texts = (f"{one:g}" if isinstance(one, float) else str(one) for one in known.values())
+    return ", ".join(filter(None, dict.fromkeys([*texts, row.get("curvatureMeasure")])))
