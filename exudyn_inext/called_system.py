@@ -210,6 +210,7 @@ _EVALUATION = COUNT, COUNT, NUMBERS, NUMBERS, NUMBERS
 
 @by_address(index_reduced_rates, *_EVALUATION, NUMBERS, NUMBERS)
 def RATES(system, size, inputs, external, q, v, acceleration, rate):
+    """How `index_reduced_rates` is called by address."""
     index_reduced_rates(
         system[0],
         numbers_at(external, inputs),
@@ -230,6 +231,7 @@ def rates_of_called(system, external, q, v, acceleration, rate):
 
 @by_address(accelerate_and_project, *_EVALUATION, REAL, NUMBERS, NUMBERS)
 def ACCELERATION(system, size, inputs, external, q, v, duration, acceleration, end_velocity):
+    """How `accelerate_and_project` is called by address."""
     accelerate_and_project(
         system[0],
         numbers_at(external, inputs),
@@ -252,6 +254,7 @@ def accelerate_called(system, external, q, v, duration, acceleration, end_veloci
 
 @by_address(correct_position, COUNT, COUNT, NUMBERS, NUMBERS, REAL, REAL, NUMBERS)
 def CORRECTION(system, size, inputs, external, q, tolerance, learning, correction):
+    """How `correct_position` is called by address."""
     return correct_position(
         system[0],
         numbers_at(external, inputs),
@@ -273,6 +276,7 @@ def correct_called(system, external, q, tolerance, learning, correction):
 
 @by_address(gauge, *_EVALUATION, NUMBERS, NUMBERS, NUMBERS)
 def GAUGE(system, size, inputs, external, q, v, a, force, gauges):
+    """How `gauge` is called by address."""
     gauge(
         system[0],
         numbers_at(external, inputs),

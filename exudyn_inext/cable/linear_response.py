@@ -43,6 +43,7 @@ def respond(system, first, force, response):
 
 @by_address(respond, COUNT, COUNT, NUMBERS, NUMBERS)
 def RESPONSE(system, first, size, force, response):
+    """How `respond` is called by address."""
     respond(system[0], first, numbers_at(force, size), numbers_at(response, size))
     return 0.0
 

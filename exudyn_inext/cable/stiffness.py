@@ -31,6 +31,7 @@ def apply_stiffness(system, nodal, length, links, q, x, memory, y):
 
 @by_address(apply_stiffness, COUNT, COUNT, COUNT, COUNT, *[NUMBERS] * 7)
 def STIFFNESS(system, nodes, elements, m, size, nodal, length, links, q, x, memory, y):
+    """How `apply_stiffness` is called by address."""
     apply_stiffness(
         system[0],
         numbers_at(nodal, nodes),

@@ -148,6 +148,7 @@ def show_matrix(system, first, block, basis, free):
 
 @by_address(show_matrix, COUNT, COUNT, NUMBERS, NUMBERS, NUMBERS)
 def MATRIX(system, first, number, block, basis, free):
+    """How `show_matrix` is called by address."""
     dim = len(system[0].chain.axes)
     show_matrix(
         system[0],

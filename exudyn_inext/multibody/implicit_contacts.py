@@ -63,6 +63,7 @@ def add_contact(system, element, mass, row):
 
 @by_address(add_contact, COUNT, REAL, NUMBERS)
 def CONTACT(system, element, mass, row):
+    """How `add_contact` is called by address."""
     add_contact(system[0], element, mass, numbers_at(row, 8))
     return 0.0
 
