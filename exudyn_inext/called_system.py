@@ -8,6 +8,7 @@ import weakref
 from collections.abc import Callable
 from functools import cached_property, partial, wraps
 from typing import Any, NamedTuple
+from weakref import WeakValueDictionary
 
 import numba
 import numpy as np
@@ -20,15 +21,14 @@ from .lowered import (
     CompiledPart,
     address_of,
     call_at,
-    first_of,
     memory_of,
     numbers_at,
-    size_of,
-    type_of,
+    structure_of,
 )
 from .system import GAUGES, accelerate_and_project, correct_position, gauge, index_reduced_rates
 
 MOST_PROTOCOLS = 10
+INTEGER = np.dtype(np.int64)
 
 
 class Called(NamedTuple):
@@ -118,17 +118,27 @@ def _put(system, memory):
     memory_of(memory.ctypes.data, system)[0] = system
 
 
-_ADDRESSES: dict[Any, int] = {}  # of protocols for types of systems
+_ADDRESSES: dict[Any, int] = {}  # of protocols for structures of systems
+_TABLES: WeakValueDictionary[int, np.ndarray] = WeakValueDictionary()  # of systems, which they keep
 
 
 def _address(protocol: Any, system: Any) -> int:
-    if numba.config.DISABLE_JIT:
-        return 1
-    kind = type_of(system)
-    if (protocol, kind) not in _ADDRESSES:
+    structure = structure_of(system)
+    key = protocol, structure
+    if key not in _ADDRESSES:
         entry = _ENTRIES[protocol]
-        _ADDRESSES[protocol, kind] = address_of(entry.function, first_of(kind), *entry.kinds)
-    return _ADDRESSES[protocol, kind]
+        _ADDRESSES[key] = address_of(entry.function, structure.address, *entry.kinds)
+    return _ADDRESSES[key]
+
+
+def _table_of(system: Any) -> np.ndarray:
+    """Functions; the system lies behind them."""
+    table = np.zeros(MOST_PROTOCOLS + -(-structure_of(system).size // INTEGER.itemsize), INTEGER)
+    functions, place = np.split(table, [MOST_PROTOCOLS])
+    _put(system, place)
+    keep_with(functions, system)
+    _TABLES[id(system)] = functions
+    return functions
 
 
 def called(system: Any, *protocols: Any) -> Any:
@@ -140,23 +150,23 @@ def called(system: Any, *protocols: Any) -> Any:
     """
     if isinstance(system, Called) or not isinstance(system, tuple):
         return system
-    functions = np.zeros(MOST_PROTOCOLS, np.int64)
     if numba.config.DISABLE_JIT:
-        return Called(system, functions)
+        return Called(system, np.zeros(MOST_PROTOCOLS, INTEGER))
     if not all(isinstance(protocol.dispatch(type(system)), Implementation) for protocol in protocols):
         return system
+    functions = _TABLES.get(id(system))
+    if functions is None:
+        functions = _table_of(system)
     provide(functions, system, *protocols)
-    memory = np.zeros(size_of(type_of(system)), np.uint8)
-    _put(system, memory)
-    keep_with(functions, system, memory)
-    return Called(memory.ctypes.data, functions)
+    return Called(functions.ctypes.data + functions.nbytes, functions)
 
 
 def provide(functions: np.ndarray, system: Any, *protocols: Any) -> None:
-    """Compile these protocols for the type of a system, and put their addresses into a table (8,)."""
+    """Compile these protocols for the type of a system, and put their addresses into a table."""
     for protocol in protocols:
-        if protocol.dispatch(type(system)) is not protocol.dispatch(object):
-            functions[_ENTRIES[protocol].place] = _address(protocol, system)
+        place = _ENTRIES[protocol].place
+        if not functions[place] and protocol.dispatch(type(system)) is not protocol.dispatch(object):
+            functions[place] = 1 if numba.config.DISABLE_JIT else _address(protocol, system)
 
 
 def keep_with(array: np.ndarray, *others: Any) -> None:

@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from ctypes import memmove
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -408,23 +408,30 @@ def address_of(function: Any, *kinds: Any) -> int:
     return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name))
 
 
-def type_of(value: Any) -> Any:
-    """Numba's type of a value; the same one for values of equal structure."""
+class Structure:
+    """What compiled code knows of values of one type.   kind: that type."""
+
+    def __init__(self, kind: Any) -> None:
+        self.kind = kind
+
+    @property
+    def address(self) -> Any:
+        """The type of an address where such values lie."""
+        return CPointer(self.kind)
+
+    @cached_property
+    def size(self) -> int:
+        """Bytes that a value takes in memory."""
+        context = cpu_target.target_context
+        return int(context.get_abi_sizeof(context.get_value_type(self.kind)))
+
+
+def structure_of(value: Any) -> Structure:
+    """The same one for all values of a type."""
     key = _kinds(value)
-    if key not in _TYPES:
-        _TYPES[key] = typeof(value)
-    return _TYPES[key]
+    if key not in _STRUCTURES:
+        _STRUCTURES[key] = Structure(typeof(value))
+    return _STRUCTURES[key]
 
 
-_TYPES: dict[Any, Any] = {}  # Numba takes long to find them
-
-
-def first_of(kind: Any) -> Any:
-    """The type of an address where such values lie."""
-    return CPointer(kind)
-
-
-def size_of(kind: Any) -> int:
-    """Bytes that a value of Numba's type takes in memory."""
-    context = cpu_target.target_context
-    return int(context.get_abi_sizeof(context.get_value_type(kind)))
+_STRUCTURES: dict[Any, Structure] = {}  # Numba takes long to find types, and to compare them
