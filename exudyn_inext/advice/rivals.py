@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 from .pilot import CONVENTIONAL, Choice, Pilot, Problem
-from .survey import expected_seconds
 
 INTEGRATOR = "generalizedAlpha"
 REFINEMENT = 0.5  # of the step from one mesh to the next; the coarsest one takes the sample period
@@ -19,8 +18,12 @@ def climb(problem: Problem, meshes: Sequence[int], most: float) -> list[Pilot]:
     """
     pilots: list[Pilot] = []
     for rung, elements in enumerate(meshes):
-        choice = Choice(CONVENTIONAL, INTEGRATOR, elements, problem.period * REFINEMENT**rung)
-        if pilots and expected_seconds(pilots[-1], choice, problem) > most:
+        step = problem.period * REFINEMENT**rung
+        if pilots and _expected_seconds(pilots[-1], elements, step) > most:
             break
-        pilots.append(problem.run(choice))
+        pilots.append(problem.run(Choice(CONVENTIONAL, INTEGRATOR, elements, step)))
     return pilots
+
+
+def _expected_seconds(last: Pilot, elements: int, step: float) -> float:
+    return last.seconds * elements / last.choice.elements * last.choice.step_size / step

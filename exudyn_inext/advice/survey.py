@@ -73,7 +73,7 @@ def survey_meshes(problem: Problem, tolerance: float, numbers: Sequence[int], bu
             continue
         choice = Choice(problem.formulation, INTEGRATOR, elements, step)
         spent = sum(pilot.seconds for pilot in pilots + failed)
-        if len(pilots) >= 3 and spent + expected_seconds(pilots[-1], choice, problem) > budget:
+        if len(pilots) >= 3 and spent + _expected_seconds(pilots[-1], choice, problem) > budget:
             break
         pilot = problem.run(choice)
         if pilot.failure:
@@ -97,8 +97,7 @@ def survey_meshes(problem: Problem, tolerance: float, numbers: Sequence[int], bu
     return search
 
 
-def expected_seconds(last: Pilot, choice: Choice, problem: Problem) -> float:
-    """CPU time [s] of a choice, in proportion to steps and elements of a run of the same kind."""
+def _expected_seconds(last: Pilot, choice: Choice, problem: Problem) -> float:
     steps = problem.end_time / choice.step_size
     return last.seconds * steps / last.steps * choice.elements / last.choice.elements
 

@@ -91,10 +91,6 @@ class StaticScene:
         self.force(q)
         return self._scene.surroundings.present_places()
 
-    def node_of(self, place: int) -> str:
-        """The node that has a coordinate of the scene."""
-        return self._scene.coordinate_name(self._scene.map.indices[place])
-
 
 def _varying(scene: CoupledScene) -> list[np.ndarray]:
     """Coordinates that forces of items, or Jacobians of joints, depend on, of each item."""

@@ -22,7 +22,7 @@ from exudyn_inext.errors import DivergenceError
 
 from ..model import Model
 from ..scenes import Scene
-from ..trajectory import Array, Trajectory
+from ..trajectory import Array
 from .model import Quadrature, build_for_explicit
 from .settings import Explicit, ExplicitIntegrator
 from .solve import solve
@@ -36,9 +36,6 @@ IMAGINARY_LIMIT: dict[ExplicitIntegrator, float] = {
 SHORT_RUN_STEPS = 8000
 STRETCH_LIMIT = 5e-4
 """Largest credible stretch of a nearly inextensible cable [-]."""
-
-SAFETY = 0.9
-"""Step over the stability limit of the initial configuration."""
 
 _RESOLUTION = 2e-3
 _BACK_OFF = 0.995
@@ -68,17 +65,6 @@ def largest_stable_step(
     while not stable(step_size, scene.end_time):
         step_size *= _BACK_OFF
     return step_size
-
-
-def explicit_solution(scene: Scene, elements: int, quadrature: Quadrature = "full") -> Trajectory:
-    """Native velocity Verlet just below its stability limit: free of time integration error.
-
-    The limit is set by axial waves, which are far quicker than the motion: of the error, only what
-    the mesh causes is left (halving the step changes the pendulum's error by less than 0.1 %).
-    """
-    model = build_for_explicit(scene, elements, quadrature)
-    step_size = SAFETY * IMAGINARY_LIMIT["velocityVerlet"] / largest_frequency(model)
-    return solve(model, Explicit(step_size))
 
 
 def _bisect(stable: Callable[[float], bool], estimate: float) -> float:

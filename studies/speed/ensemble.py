@@ -36,7 +36,7 @@ import numpy as np
 from exudyn_inext import ExplicitSettings, SolveEnsemble, SolveExplicit
 from reference_models.inextensible import build
 from reference_models.model import Model, quiet_settings, silence
-from reference_models.scenes import Line, Scene, load_scene
+from reference_models.scenes import Line, Scene, Section, load_scene
 from studies.harness import Row
 from studies.harness.timing import Prepare
 
@@ -110,7 +110,8 @@ def _scene(case: Row, share: float) -> Scene:
     if case["label"] != DIFFERENT:
         return scene
     cable, angle = scene.cable, np.radians(-60.0 + 120.0 * share)
-    section = replace(cable.section, youngs_modulus=(0.5 + 0.5 * share) * cable.section.youngs_modulus)
+    own, stiffness = cable.section, 0.5 + 0.5 * share
+    section = Section(own.mass_per_length, stiffness * own.bending_stiffness, stiffness * own.axial_stiffness)
     shape = Line(direction=(float(np.cos(angle)), float(np.sin(angle)), 0.0))
     return replace(scene, cable=replace(cable, section=section, shape=shape))
 

@@ -119,6 +119,7 @@ def _blind(watch: Any) -> Any:
         open=watch.open,
         looks_at_phase=False,
         is_slow=False,
+        gain=0.0,
         path_of_evaluations=None,
         path=watch.path,
         before=watch.before,
