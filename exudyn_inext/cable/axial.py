@@ -117,6 +117,22 @@ def _set_force(record, strain, rate, bend, place, duration):
 
 
 @inlined
+def take_back(axes, nodes, elements):
+    """What the last assembly of a step has foreseen: the same state will be assembled again."""
+    for k in range(len(nodes)):
+        _take_back(nodes[k])
+    for k in range(len(elements)):
+        _take_back(elements[k])
+
+
+@inlined
+def _take_back(record):
+    foreseen = record.foresight
+    record.foresight = record.axial[REST_BEFORE]
+    record.axial[REST_BEFORE] += record.foresight - foreseen
+
+
+@inlined
 def _assemble_node(axes, node, q, v, duration):
     """Strain terms of a node, and the direction of its slope.   q, v: (2, dim)."""
     stretch = norm(axes, q[1])

@@ -24,6 +24,7 @@ from .points import add_wrench
 
 NOW, START = range(2)  # data at present, and at the start of the step
 APART, STICKS = -2.0, 0.0  # what data say of a segment, besides the direction +-1 of its slip
+SHARE = 0.5 + 0.0625  # of h d, see `implicit_contacts`
 STEPS_BETWEEN = 16  # two looks at friction that lasts
 
 CONTACT = record_type(
@@ -46,7 +47,7 @@ CONTACT = record_type(
         ("length", np.float64),  # of a segment
         ("height", np.float64),  # of the ends above the cable's axis
         ("implicit", np.bool_),  # whether its damping may be, see `implicit_contacts`
-        ("lag", np.float64),  # W / d there [s]; 0: it is explicit
+        ("lag", np.float64),  # the step h [s] where it is; 0: it is explicit
         ("wrench", np.float64, (6,)),
     ]
 )
@@ -279,15 +280,16 @@ def _settle(contact, circle, segment, data, at):
 def _set_force(contact, circle, segment, data, at):
     """Of a segment that touches."""
     segment.force[0], segment.force[1] = _normal_force(contact, segment), 0.0
-    segment.mass[0], segment.mass[1] = contact.lag * contact.damping, 0.0
+    lag = SHARE * contact.lag
+    segment.mass[0], segment.mass[1] = lag * contact.damping, 0.0
     if contact.has_friction:
-        segment.mass[1] = contact.lag * contact.viscosity
+        segment.mass[1] = lag * contact.viscosity
         state = int(data[NOW, at + contact.segments])
         if abs(state) == 1:
             segment.force[1] = state * contact.friction * abs(segment.force[0])
             speed, force = abs(segment.rate[1]), abs(segment.force[1])
             if force < contact.viscosity * speed:
-                segment.mass[1] = contact.lag * force / speed
+                segment.mass[1] = lag * force / speed
             return
         segment.force[1] = contact.viscosity * segment.rate[1]
         if state == int(STICKS) and contact.friction_stiffness != 0.0:

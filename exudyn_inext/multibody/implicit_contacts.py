@@ -19,6 +19,7 @@ from collections.abc import Sequence
 from functools import singledispatch
 from typing import Any
 
+from ..cable.axial import take_back
 from ..cable.contact_mass import add_contact_row, clear_contact_mass
 from ..cable.index_reduction import CableSystem
 from ..cable.linked_cable import LinkedCableSystem
@@ -28,7 +29,7 @@ from ..lowered import COUNT, NUMBERS, REAL, local_array, numbers_at
 from .cables import Cables, one_chain, provides
 from .circle_contacts import NOW, Contacts, NoContacts, add_end, pull_by_masses
 
-SHARE = 0.5 + 0.0625  # of h d
+NOTHING, AGAIN = -1, -2
 
 
 def mark_implicit(cables: Cables, chains: Sequence[Any], records: Any) -> bool:
@@ -52,7 +53,8 @@ def add_contact(system, element, mass, row):
     """mass b b^T beside the mass of an element of a chain.
 
     Args:
-        system: of the chain.   element: its number; -1: nothing touches the chain any more.
+        system: of the chain.   element: its number; NOTHING: nothing touches the chain any more; AGAIN: nor
+            does it, and the state that was evaluated last will be evaluated again.
         mass: [kg].   row: (8,) b, destroyed.
 
     Raises:
@@ -78,6 +80,8 @@ def add_contact_of_called(system, element, mass, row):
 def _add_contact(axes, nodes, elements, element, mass, row):
     if element < 0:
         clear_contact_mass(axes, nodes, elements)
+        if element == AGAIN:
+            take_back(axes, nodes, elements)
     else:
         add_contact_row(nodes, elements[element], element, mass, row.reshape((1, 8)))
 
@@ -96,8 +100,10 @@ def add_contact_of_linked_cable(system, element, mass, row):
 
 @dispatched
 @singledispatch
-def press(contacts, cables):
+def press(contacts, cables, again):
     """Set the masses of contact beside those of the cables, after `add_contacts`.
+
+    again: whether the cables have been accelerated in this state before, by other contacts, in a step.
 
     Raises:
         NotImplementedError: no such contacts.
@@ -116,8 +122,33 @@ def complete_contacts(contacts, points, a, force):
     raise NotImplementedError(f"no contacts of type {type(contacts).__name__}")
 
 
+@dispatched
+@singledispatch
+def reconsider_contacts(contacts, points, a, force):
+    """Whether other contacts act at the velocities to come; if so, force (n,) is theirs, and `press` is due.
+
+    a: (n,) accelerations of the cables, by those that act at present.
+
+    Raises:
+        NotImplementedError: no such contacts.
+    """
+    raise NotImplementedError(f"no contacts of type {type(contacts).__name__}")
+
+
+@implements(reconsider_contacts, NoContacts)
+def reconsider_nothing(contacts, points, a, force):
+    """Nothing touches."""
+    return False
+
+
+@implements(reconsider_contacts, Contacts)
+def reconsider_circle_contacts(contacts, points, a, force):
+    """They act as long as they touch, whether they press or pull."""
+    return False
+
+
 @implements(press, NoContacts)
-def press_nothing(contacts, cables):
+def press_nothing(contacts, cables, again):
     """Nothing touches."""
 
 
@@ -127,7 +158,7 @@ def complete_no_contacts(contacts, points, a, force):
 
 
 @implements(press, Contacts)
-def press_cables(contacts, cables):
+def press_cables(contacts, cables, again):
     """Arguments: see `press`."""
     for k in range(len(cables.functions)):
         if provides(cables, k, CONTACT):
@@ -138,7 +169,7 @@ def press_cables(contacts, cables):
 def _press_chain(chain, contacts, begin, end):
     """begin, end: coordinates of the chain."""
     row = local_array(1, 8)
-    add_contact(chain, -1, 0.0, row[0])
+    add_contact(chain, NOTHING, 0.0, row[0])
     for c in range(len(contacts.records)):
         contact = contacts.records[c]
         if contact.lag > 0.0 and begin <= contact.nodes[0] < end:

@@ -30,7 +30,7 @@ from .bodies import (
 from .cables import Cables, accelerate_cables, correct_cables, rates_of_cables, respond_with_cables
 from .circle_contacts import Contacts, NoContacts, add_contacts, finish_contacts, recall_contacts
 from .connectors import add_connectors
-from .implicit_contacts import complete_contacts, press
+from .implicit_contacts import complete_contacts, press, reconsider_contacts
 from .joints import (
     Joints,
     apply_joints,
@@ -50,6 +50,7 @@ from .sliding import move_sliders, place_sliders
 
 NOT_COUNTED, EACH, ALL_BUT_FIRST, SETTLING = range(4)  # evaluations whose work is counted
 MODE, EVALUATION = range(2)
+TRIALS = 4  # solves in one evaluation, until those contacts act that press
 
 
 class Items(NamedTuple):
@@ -245,9 +246,15 @@ def accelerate_and_project_scene(system, external, q, v, duration, acceleration,
     for i in range(len(q)):
         predicted[i] = v[i] + duration * acceleration[i]
     act(items, external[len(system.cable_force) :], q, predicted, acceleration)
-    _set_cable_force(system, external)
-    press(items.contacts, system.cables)
-    accelerate_cables(system.cables, system.cable_force, q, v, duration, acceleration, end_velocity)
+    for trial in range(TRIALS):
+        _set_cable_force(system, external)
+        press(items.contacts, system.cables, trial > 0 and duration > 0.0)
+        accelerate_cables(system.cables, system.cable_force, q, v, duration, acceleration, end_velocity)
+        is_last = trial == TRIALS - 1
+        if is_last or not reconsider_contacts(items.contacts, items.points, acceleration, items.force):
+            break
+        for i in range(number if duration > 0.0 else 0):
+            acceleration[i] = (predicted[i] - v[i]) / duration
     complete_contacts(items.contacts, items.points, acceleration, items.force)
     _count_work(items, q)
     accelerate_bodies(items, v, 0.0, acceleration)

@@ -75,7 +75,9 @@ def compiled_form(
         has_forces,
         scene.moved,
         scene.friction,
+        scene.surroundings.evaluate,
     )
+    scene.surroundings.forget()
     if len(known.rows) != len(scene.system.foresight):
         raise UnknownItemError("equations of joints")
     chains = [system for system, _ in scene.groups]
@@ -113,27 +115,35 @@ def require_agreement(
     wanted, found, external = [], [], form.loads.at(t)
     states, contacts = _states(scene, q, v), form.contacts
     remembered = contacts.data[0].copy()
-    random = np.random.default_rng(1) if form.has_contacts else None
+    random = np.random.default_rng(1) if form.remembers else None
     evaluate = Bound(accelerate_and_project, form.system)
     for number, (at, rates) in enumerate(states):
         if number and random:
             disturb(contacts, random)
         scene.remember(contacts.data)
+        settle_general_contact(scene, t, at, rates)
         given = scene.surroundings.forces(t, at, rates)[scene.place_of_bodies]
         if not has_forces:
             form.given[: len(scene.map.indices)] = scene.surroundings.native_forces
             subtract_inertia_forces(form.system.items.bodies, at, rates, form.given)
         found.append(_evaluated(form, evaluate, external, at, rates, len(scene.map.indices)))
         wanted.append(_evaluated_by_exudyn(scene, t, at, rates, given, form.multipliers))
-        if number and form.has_contacts:
+        if number and form.remembers:
             _compare_contacts(scene, form, t, at, rates)
     contacts.data[:] = remembered
+    settle_general_contact(scene, t, q, v)
     parts, own_parts = (np.array([one[0] for one in side]) for side in (wanted, found))
     _compare_parts(scene, parts, own_parts, np.array([sizes for _, _, sizes in wanted]))
     if scene.joints:
         size, speed = np.abs(states).max(axis=(0, 2), initial=1.0).tolist()
         rows, own_rows = (np.array([one[1] for one in side]) for side in (wanted, found))
         _compare_joints(scene, rows, own_rows, size, speed)
+
+
+def settle_general_contact(scene: CoupledScene, t: float, q: Array, v: Array) -> None:
+    """Let a GeneralContact act as it does at (t, q, v), whoever has looked at another state."""
+    if scene.mbs.NumberOfGeneralContacts():
+        scene.surroundings.settled(t, q, v)
 
 
 def _states(scene: CoupledScene, q: Array, v: Array) -> Array:

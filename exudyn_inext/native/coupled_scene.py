@@ -20,7 +20,12 @@ from ..scene.coupled_system import CoupledSystem, Part
 from ..scene.model import HeldCoordinate
 from ..system import index_reduced_rates
 from .bodies import BodyMasses, SystemMass, read_bodies, read_quaternions, require_mass
-from .compiled_form import compiled_form, compiled_parts, require_agreement
+from .compiled_form import (
+    compiled_form,
+    compiled_parts,
+    require_agreement,
+    settle_general_contact,
+)
 from .contact_rates import open_contacts
 from .coordinates import CoordinateMap, PartCoordinates
 from .friction_check import FrictionCheck
@@ -265,6 +270,7 @@ class CoupledScene:
         """See `JoinedScene`."""
         try:
             with state_kept(self.mbs):
+                settle_general_contact(self, t, q, v)  # which acts from the start, whoever evaluates it
                 return compiled_form(self, t, q, v), ""
         except UnknownItemError as why:
             return None, str(why)

@@ -233,6 +233,11 @@ class NativeSurroundings:
         self._settle()
         return self.remembered
 
+    def evaluate(self) -> None:
+        """Contact settles in the present state of mbs, and Exudyn evaluates all forces there."""
+        self._settle()
+        self._solver.ComputeODE2RHS(self._mbs)
+
     def _settle(self) -> None:
         """Contact and friction look at the state of mbs."""
         if self._remembers:

@@ -16,7 +16,6 @@ from ..errors import OffCableError, RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied
 from ..multibody.cables import Cables, cables_in_a_row, provide_cables
-from ..multibody.implicit_contacts import SHARE
 from ..multibody.joints import Joints, power_of_offsets
 from ..multibody.scene import (
     ALL_BUT_FIRST,
@@ -171,17 +170,22 @@ class CompiledScene:
 
     @property
     def contacts(self) -> Any:
-        """See `Contacts`, and `NoContacts`."""
+        """See `Contacts`, `GeneralContacts` and `NoContacts`."""
         return self.system.items.contacts
 
     @property
     def has_contacts(self) -> bool:
         return len(self.contacts.records) > 0
 
+    @property
+    def remembers(self) -> bool:
+        """Whether contacts remember anything."""
+        return self.contacts.data.shape[1] > 0
+
     def set_step(self, h: float) -> None:
         """Prepare implicit damping of contact for steps of h [s]; 0: it is explicit."""
         records = self.contacts.records
-        records["lag"] = SHARE * h * records["implicit"]
+        records["lag"] = h * records["implicit"]
 
     @contextmanager
     def explicit_contact(self, damping: float = 1.0) -> Iterator[None]:

@@ -461,7 +461,7 @@ class CoupledRun(PacedRun):
         """See `CableRun.record`; where Exudyn evaluates its items, mbs is left in the state at the end."""
         surroundings = self._scene.surroundings
         surroundings.forget()
-        if self._form and self._form.has_contacts:
+        if self._form and self._form.remembers:
             self._first_data = self.data[0].copy() if self._is_alone else surroundings.remembered
             self._form.begin_history(self._first_data, len(history))
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges
@@ -503,7 +503,7 @@ class CoupledRun(PacedRun):
                 "these out."
             )
         self._is_alone = True
-        if self._form.has_contacts:
+        if self._form.remembers:
             self._form.begin_history(self.data[0], 1)
 
     @property
@@ -582,7 +582,7 @@ class CoupledRun(PacedRun):
     def _of_contacts(self) -> Array | None:
         """(k, D) data of compiled contacts after the intervals of the last `record`."""
         form = self._form
-        return form.contacts.history[: self._recorded] if form and form.has_contacts else None
+        return form.contacts.history[: self._recorded] if form and form.remembers else None
 
     def _with_places(self, grid: TimeGrid, first: int, history: Array) -> Array:
         """(k, D) data, with the places of what slides, in states (k, 3, n) from an interval on."""

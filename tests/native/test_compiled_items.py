@@ -465,6 +465,25 @@ def circle(b, elements, body, depth, law):
             b.mbs.AddObject(ObjectContactFrictionCircleCable2D(**given, contactDamping=0.5, **law))
 
 
+def general_contact(b):
+    """Circles on bodies and ground, and elements of several laws in any order."""
+    if b.dimension == 2:
+        elements = CreateCompanionCables(b.mbs, b.cable)
+        contact = b.mbs.AddGeneralContact()
+        contact.SetFrictionPairings(np.array([[0.3, 0.0], [0.0, 0.2]]))
+        contact.SetSearchTreeCellSize(numberOfCells=[4, 4, 1])
+        contact.frictionProportionalZone = 0.5
+        contact.ancfCableUseExactMethod = contact.sphereSphereContact = False
+        contact.ancfCableNumberOfContactSegments = SEGMENTS
+        for number, body in enumerate([0, None, 1]):
+            centre = b.place(b.ground if body is None else b.bodies[body])[0]
+            nearest = np.array([np.clip(centre[0], 0.0, 1.2), 0.0, 0.0])
+            radius = float(np.linalg.norm(centre - nearest)) + 0.02
+            contact.AddSphereWithMarker(b.rigid(body, [0, 0, 0]), radius, 3e3, 0.4, number % 2)
+        for number, element in enumerate(elements[2::-1]):
+            contact.AddANCFCable(element, 1e-3 * number, 2e3 * (1 + number), 0.2, number % 2)
+
+
 def shared_nodes(b):
     """A cable that leaves the end of the first one along it, and one that hangs on its middle."""
     section = InextensibleCable(massPerLength=0.2, bendingStiffness=0.01)
@@ -507,6 +526,7 @@ KINDS = [
     held_point,
     drums,
     clamp,
+    general_contact,
     shared_nodes,
 ]
 

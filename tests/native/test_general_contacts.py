@@ -1,23 +1,33 @@
-"""A general contact that cannot act keeps no scene with Exudyn."""
+"""A general contact is read as it was given, and one whose spheres cannot meet keeps no scene with Exudyn."""
 
 import numpy as np
 import pytest
+from exudyn import SimulationSettings
 from exudyn.itemInterface import (
     CoordinateConstraint,
     MarkerNodeCoordinate,
     MarkerNodeRigid,
+    NodePoint2DSlope1,
     NodePointGround,
     NodeRigidBody2D,
+    ObjectANCFCable2D,
     ObjectRigidBody2D,
 )
 
-from exudyn_inext.native.known.general_contacts import any_acts
+from exudyn_inext.native.known.belts import elements_of
+from exudyn_inext.native.known.general_contacts import read_general_contacts, spheres_may_meet
+from exudyn_inext.native.known.unknown import UnknownItemError
+from exudyn_inext.native.surroundings import evaluator
 
 RADIUS = 0.2  # [m]
+OF_SPHERE = ("radius", "contactStiffness", "contactDamping", "frictionMaterialIndex")
 
 
-def add_spheres(mbs, places, held=2):
-    """A general contact with spheres on planar bodies, of whose coordinates so many are held; constraints."""
+def add_spheres(mbs, places, held=2, finish=True):
+    """A general contact with spheres on planar bodies, of whose coordinates so many are held; constraints.
+
+    finish: whether mbs is assembled.
+    """
     contact = mbs.AddGeneralContact()
     contact.SetFrictionPairings(np.eye(1))
     contact.SetSearchTreeCellSize(numberOfCells=[4, 4, 1])
@@ -33,25 +43,117 @@ def add_spheres(mbs, places, held=2):
         contact.AddSphereWithMarker(
             mbs.AddMarker(MarkerNodeRigid(nodeNumber=node)), frictionMaterialIndex=0, **surface
         )
-    mbs.Assemble()
+    if finish:
+        mbs.Assemble()
     return contact, constraints
 
 
 @pytest.mark.parametrize(
-    "places, held, acts",
-    [([0.0], 0, False), ([0.0, 0.5], 2, False), ([0.0, 0.3], 2, True), ([0.0, 0.5], 1, True)],
-    ids=["one sphere", "at rest apart", "at rest in contact", "on rails"],
+    "places, held, may_meet",
+    [
+        ([0.0], 0, False),
+        ([0.0, 0.5], 2, False),
+        ([0.0, 0.3], 2, True),
+        ([0.0, 0.5], 1, False),
+        ([0.0, 0.3], 1, True),
+        ([0.0, 0.5], 0, True),
+    ],
+    ids=["one sphere", "at rest apart", "at rest in contact", "on rails apart", "on rails", "free"],
 )
-def test_spheres_act_unless_they_cannot_meet(new_mbs, places, held, acts):
+def test_spheres_meet_unless_what_is_held_keeps_them_apart(new_mbs, places, held, may_meet):
     mbs = new_mbs()
-    add_spheres(mbs, places, held)
-    assert any_acts(mbs, frozenset()) is acts
+    contact, _ = add_spheres(mbs, places, held)
+    assert spheres_may_meet(mbs, contact, frozenset()) is may_meet
 
 
 def test_spheres_may_meet_where_a_constraint_is_moved(new_mbs):
     mbs = new_mbs()
     contact, constraints = add_spheres(mbs, [0.0, 0.5])
     moved = {int(constraints[2])}
-    assert any_acts(mbs, moved)
+    assert spheres_may_meet(mbs, contact, moved)
     contact.sphereSphereContact = False
-    assert not any_acts(mbs, moved)
+    assert not spheres_may_meet(mbs, contact, moved)
+
+
+def with_cables(mbs, laws):
+    """A contact, and what lets Exudyn evaluate it: forces on all coordinates.
+
+    laws: number of an element of an arc, half height, stiffness, damping and material of each.
+    """
+    angles, length = np.linspace(0.0, 2.0, 5), 0.2
+    nodes = [
+        mbs.AddNode(
+            NodePoint2DSlope1(
+                referenceCoordinates=[0.5 * np.sin(x), 0.5 * np.cos(x), np.cos(x), -np.sin(x)],
+                initialVelocities=[0.1, -0.2, 0.3, 0.1],
+            )
+        )
+        for x in angles
+    ]
+    elements = [
+        mbs.AddObject(ObjectANCFCable2D(nodeNumbers=nodes[k : k + 2], length=length)) for k in range(4)
+    ]
+    contact, _ = add_spheres(mbs, [0.3, 0.8], finish=False)
+    contact.SetFrictionPairings(np.array([[0.1, 0.0, 0.3], [0.0, 0.2, 0.4], [0.3, 0.4, 0.0]]))
+    contact.ancfCableUseExactMethod, contact.ancfCableNumberOfContactSegments = False, 3
+    for number, *law in laws:
+        contact.AddANCFCable(elements[number], *law)
+    mbs.Assemble()
+    solver, settings = evaluator(mbs), SimulationSettings()
+
+    def evaluate():
+        solver.PostNewton(mbs, settings)
+        solver.ComputeODE2RHS(mbs)
+        return np.array(solver.GetSystemResidual())
+
+    return contact, sorted((int(elements[number]), *law) for number, *law in laws), evaluate
+
+
+LAWS = [(2, 0.0, 2e4, 7.0, 1), (0, 3e-3, 1e7, 0.0, 2), (3, 1e-3, 3e3, 900.0, 0)]
+
+
+def test_what_cables_are_is_found_out_from_their_forces(new_mbs):
+    mbs = new_mbs()
+    contact, given, evaluate = with_cables(mbs, LAWS)
+    before = [contact.GetSphereMarkerBased(k, addData=True) for k in range(2)]
+    forces = evaluate()
+    found = elements_of(mbs, contact, evaluate)
+    np.testing.assert_allclose(found, given, rtol=1e-9, atol=1e-11)
+    for k, sphere in enumerate(before):
+        now = contact.GetSphereMarkerBased(k, addData=True)
+        assert all(sphere[name] == now[name] for name in OF_SPHERE)
+    np.testing.assert_array_equal(evaluate(), forces)
+
+
+@pytest.mark.parametrize(
+    "name, value, said",
+    [
+        ("ancfCableUseExactMethod", True, "ancfCableUseExactMethod"),
+        ("keepContactWhilePenetrating", True, "keepContactWhilePenetrating"),
+        ("frictionProportionalZone", 0.0, "frictionProportionalZone"),
+    ],
+)
+def test_what_has_no_compiled_form_is_named(new_mbs, name, value, said):
+    mbs = new_mbs()
+    contact, _, evaluate = with_cables(mbs, LAWS)
+    contact.sphereSphereContact = False
+    setattr(contact, name, value)
+    with pytest.raises(UnknownItemError, match=said):
+        read_general_contacts(mbs, None, frozenset(), evaluate)
+
+
+def test_a_cable_twice_in_a_contact_is_named(new_mbs):
+    mbs = new_mbs()
+    contact, _, evaluate = with_cables(mbs, [*LAWS, (2, 1e-3, 1e4, 1.0, 0)])
+    contact.sphereSphereContact = False
+    with pytest.raises(UnknownItemError, match="twice"):
+        read_general_contacts(mbs, None, frozenset(), evaluate)
+
+
+def test_two_contacts_are_named(new_mbs):
+    """Exudyn shows the last one, whichever is asked for."""
+    mbs = new_mbs()
+    _, _, evaluate = with_cables(mbs, LAWS)
+    assert mbs.AddGeneralContact().isActive
+    with pytest.raises(UnknownItemError, match="more than one"):
+        read_general_contacts(mbs, None, frozenset(), evaluate)

@@ -1,6 +1,6 @@
 """All items of a scene but its cables, if each has a compiled form."""
 
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Callable, Mapping, Sequence, Set
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from ..joint_item import JointItem
 from .bodies import first_order_records, read_body_records
 from .connectors import VALUES, KnownConnector, read_connector
 from .contacts import ContactReader
-from .general_contacts import any_acts
+from .general_contacts import read_general_contacts
 from .joints import read_rows
 from .loads import KnownLoad, read_load
 from .points import PointReader
@@ -37,6 +37,7 @@ def read_known_items(
     has_forces: bool,
     moved: Set[int],
     friction: FrictionCheck,
+    evaluate: Callable[[], None],
 ) -> tuple[KnownItems, "KnownNumbers"]:
     """Read all items but the cables; and by their numbers, those that may be read again.
 
@@ -47,6 +48,7 @@ def read_known_items(
         elsewhere: objects that belong to the cables.
         has_forces: whether springs, contacts and loads are read, and there are no states of first order.
         moved: constraints that are, between steps.   friction: that is looked at.
+        evaluate: see `belts.elements_of`.
 
     Raises:
         UnknownItemError: an item has no compiled form.
@@ -54,8 +56,6 @@ def read_known_items(
     states = mbs.systemData.ODE1Size()
     if has_forces and states:
         raise UnknownItemError("states of first order")
-    if has_forces and any_acts(mbs, moved):
-        raise UnknownItemError("GeneralContact")
     records = read_body_records(mbs, bodies, coordinates, q)
     firsts = [coordinates.place(int(body.coordinates[0])) for body in bodies]
     order = {int(first): number for number, first in enumerate(records["first"])}
@@ -75,6 +75,11 @@ def read_known_items(
             items.add_load(number)
     springs, loads = collected(CONNECTOR, items.connectors), collected(LOAD, items.loads)
     contacts = touching.contacts(friction.sums)
+    general = read_general_contacts(mbs, reader, moved, evaluate) if has_forces else None
+    if general is not None:
+        if len(contacts.records):
+            raise UnknownItemError("GeneralContact beside other contact of cables")
+        contacts = general
     known = records, reader.records, sliders, rows, springs, loads, contacts, items.functions
     return KnownItems(*known), items
 
