@@ -208,7 +208,7 @@ def keep(watch: Watch, state: Any) -> None:
 def go_back(watch: Watch, state: Any) -> None:
     """The state is the last good one again; the other one is kept, for whoever looks for the cause."""
     for kept, now in zip(watch.kept, state, strict=True):
-        kept[:], now[:] = now.copy(), kept
+        kept[:], now[:] = now.copy(), kept.copy()
     watch.position[:] = state.q
     watch.work[:] = watch.kept_work
     account = watch.account
