@@ -5,7 +5,7 @@ method is called in C++. So they are compiled once, and for a new type of system
 """
 
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property, partial, wraps
 from typing import Any, NamedTuple
 from weakref import WeakValueDictionary
@@ -19,6 +19,7 @@ from .lowered import (
     NUMBERS,
     REAL,
     CompiledPart,
+    Structure,
     address_of,
     call_at,
     memory_of,
@@ -122,8 +123,7 @@ _ADDRESSES: dict[Any, int] = {}  # of protocols for structures of systems
 _TABLES: WeakValueDictionary[int, np.ndarray] = WeakValueDictionary()  # of systems, which they keep
 
 
-def _address(protocol: Any, system: Any) -> int:
-    structure = structure_of(system)
+def _address(protocol: Any, structure: Structure) -> int:
     key = protocol, structure
     if key not in _ADDRESSES:
         entry = _ENTRIES[protocol]
@@ -131,9 +131,9 @@ def _address(protocol: Any, system: Any) -> int:
     return _ADDRESSES[key]
 
 
-def _table_of(system: Any) -> np.ndarray:
+def _table_of(system: Any, structure: Structure) -> np.ndarray:
     """Functions; the system lies behind them."""
-    table = np.zeros(MOST_PROTOCOLS + -(-structure_of(system).size // INTEGER.itemsize), INTEGER)
+    table = np.zeros(MOST_PROTOCOLS + -(-structure.size // INTEGER.itemsize), INTEGER)
     functions, place = np.split(table, [MOST_PROTOCOLS])
     _put(system, place)
     keep_with(functions, system)
@@ -156,17 +156,32 @@ def called(system: Any, *protocols: Any) -> Any:
         return system
     functions = _TABLES.get(id(system))
     if functions is None:
-        functions = _table_of(system)
-    provide(functions, system, *protocols)
+        structure = structure_of(system)
+        functions = _table_of(system, structure)
+        _fill(functions, system, structure, protocols)
+    else:
+        provide(functions, system, *protocols)
     return Called(functions.ctypes.data + functions.nbytes, functions)
+
+
+def addresses_of(row: Sequence[Called]) -> Any:
+    """(k,) addresses of systems; without the compiler, the systems."""
+    addresses: Any = [one.address for one in row]
+    return addresses if numba.config.DISABLE_JIT else np.array(addresses, INTEGER)
 
 
 def provide(functions: np.ndarray, system: Any, *protocols: Any) -> None:
     """Compile these protocols for the type of a system, and put their addresses into a table."""
+    missing = [protocol for protocol in protocols if not functions[_ENTRIES[protocol].place]]
+    if missing:
+        _fill(functions, system, structure_of(system), missing)
+
+
+def _fill(functions: np.ndarray, system: Any, structure: Structure, protocols: Sequence[Any]) -> None:
     for protocol in protocols:
-        place = _ENTRIES[protocol].place
-        if not functions[place] and protocol.dispatch(type(system)) is not protocol.dispatch(object):
-            functions[place] = 1 if numba.config.DISABLE_JIT else _address(protocol, system)
+        if protocol.dispatch(type(system)) is not protocol.dispatch(object):
+            address = 1 if numba.config.DISABLE_JIT else _address(protocol, structure)
+            functions[_ENTRIES[protocol].place] = address
 
 
 def keep_with(array: np.ndarray, *others: Any) -> None:

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array, as_slice
+from ..called_system import addresses_of
 from ..checks import require_finite, require_integer
 from ..run.cable_run import CableRun
 from ..run.coupled_run import CoupledRun
@@ -315,7 +316,7 @@ class _Ensemble:
         grid, run = chunk.grid, chunk.runs[0]
         shape = (len(self.states), len(chunk.runs), grid.loop_steps, len(run.indices))
         output = np.full(shape, np.nan)
-        systems = np.array([run.called.address for run in chunk.runs])
+        systems = addresses_of([run.called for run in chunk.runs])
         stacks = systems, run.called.functions, chunk.loads, chunk.states
         good = np.zeros(len(chunk.runs), dtype=int)
         record_members(self._scheme, *stacks, grid.h, grid.substeps, chunk.watches, output, good)

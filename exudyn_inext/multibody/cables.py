@@ -11,6 +11,7 @@ from ..cable.linear_response import respond
 from ..called_system import (
     MOST_PROTOCOLS,
     Called,
+    addresses_of,
     by_address,
     call_protocol,
     called,
@@ -43,12 +44,9 @@ def cables_in_a_row(systems: Sequence[Any], inputs: Sequence[int]) -> Cables:
     row = [called(system, accelerate_and_project, correct_position, respond) for system in systems]
     functions = np.array([one.functions for one in row], np.int64).reshape(len(row), MOST_PROTOCOLS)
     keep_with(functions, row)
-    addresses: Any = [one.address for one in row]
-    if all(isinstance(address, int) for address in addresses):
-        addresses = np.array(addresses, np.int64)
     sizes = [system.chain.nodes.size * 2 * len(system.chain.axes) for system in systems]
     ends = (np.cumsum([0, *numbers], dtype=np.int64) for numbers in (sizes, inputs))
-    return Cables(addresses, functions, *ends)
+    return Cables(addresses_of(row), functions, *ends)
 
 
 def provide_cables(cables: Cables, systems: Sequence[Any], *protocols: Any) -> None:
