@@ -94,9 +94,9 @@ class Implementation(CompiledPart):
 
 
 def implements(
-    protocol: Any, system_type: type, compiled: Callable[[Any], Any] | None = None
+    protocol: Any, *system_types: type, compiled: Callable[[Any], Any] | None = None
 ) -> Callable[[Any], Any]:
-    """Register the decorated function as `protocol` for systems of `system_type`.
+    """Register the decorated function as `protocol` for systems of these types.
 
     compiled: compiles it; default: as what is called by address, or else as a kernel.
     """
@@ -108,7 +108,8 @@ def implements(
             implementation = inlined(function)
             if not numba.config.DISABLE_JIT:
                 implementation.__class__, implementation.protocol = Implementation, protocol
-        protocol.register(system_type)(implementation)
+        for system_type in system_types:
+            protocol.register(system_type)(implementation)
         return implementation
 
     return register

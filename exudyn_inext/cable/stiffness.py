@@ -85,22 +85,11 @@ def _add_geometric_stiffness(chain, nodal, length, x, y):
         add_element_force(chain.axes, gradient, y[k], y[k + 1])
 
 
-@inlined
-def _apply(system, nodal, length, links, q, x, memory, y):
+@implements(apply_stiffness, CableSystem, LinkedCableSystem)
+def apply_stiffness_of_cable(system, nodal, length, links, q, x, memory, y):
+    """Arguments: see `apply_stiffness`."""
     shape = len(nodal), 2, len(system.chain.axes)
     _set_elastic_part(system.chain, shape, q, x, memory, y)
     one, image = x.reshape(shape), y.reshape(shape)
     _add_geometric_stiffness(system.chain, nodal, length, one, image)
     add_link_stiffness(system, links, one, image)
-
-
-@implements(apply_stiffness, CableSystem)
-def apply_stiffness_of_cable(system, nodal, length, links, q, x, memory, y):
-    """Arguments: see `apply_stiffness`."""
-    _apply(system, nodal, length, links, q, x, memory, y)
-
-
-@implements(apply_stiffness, LinkedCableSystem)
-def apply_stiffness_of_linked_cable(system, nodal, length, links, q, x, memory, y):
-    """Arguments: see `apply_stiffness`."""
-    _apply(system, nodal, length, links, q, x, memory, y)
