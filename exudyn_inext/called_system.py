@@ -8,7 +8,6 @@ import weakref
 from collections.abc import Callable, Sequence
 from functools import cached_property, partial, wraps
 from typing import Any, NamedTuple
-from weakref import WeakValueDictionary
 
 import numba
 import numpy as np
@@ -121,7 +120,7 @@ def _put(system, memory):
 
 
 _ADDRESSES: dict[Any, int] = {}  # of protocols for structures of systems
-_TABLES: WeakValueDictionary[int, np.ndarray] = WeakValueDictionary()  # of systems, which they keep
+_TABLES: dict[int, tuple[Any, Structure]] = {}  # references to those of systems, by their identities
 
 
 def _address(protocol: Any, structure: Structure) -> int:
@@ -132,14 +131,22 @@ def _address(protocol: Any, structure: Structure) -> int:
     return _ADDRESSES[key]
 
 
-def _table_of(system: Any, structure: Structure) -> np.ndarray:
-    """Functions; the system lies behind them."""
+def _table_of(system: Any) -> tuple[np.ndarray, Structure]:
+    """Functions, behind which the system lies, and its structure; the table keeps the system."""
+    if id(system) in _TABLES:
+        reference, structure = _TABLES[id(system)]
+        return reference(), structure
+    structure = structure_of(system)
     table = np.zeros(MOST_PROTOCOLS + -(-structure.size // INTEGER.itemsize), INTEGER)
     functions, place = np.split(table, [MOST_PROTOCOLS])
     _put(system, place)
-    keep_with(functions, system)
-    _TABLES[id(system)] = functions
-    return functions
+    _TABLES[id(system)] = weakref.ref(functions), structure
+    weakref.finalize(functions, _forget, id(system), system).atexit = False
+    return functions, structure
+
+
+def _forget(identity: int, _system: Any) -> None:
+    del _TABLES[identity]
 
 
 def called(system: Any, *protocols: Any) -> Any:
@@ -155,13 +162,8 @@ def called(system: Any, *protocols: Any) -> Any:
         return Called(system, np.zeros(MOST_PROTOCOLS, INTEGER))
     if not all(isinstance(protocol.dispatch(type(system)), Implementation) for protocol in protocols):
         return system
-    functions = _TABLES.get(id(system))
-    if functions is None:
-        structure = structure_of(system)
-        functions = _table_of(system, structure)
-        _fill(functions, system, structure, protocols)
-    else:
-        provide(functions, system, *protocols)
+    functions, structure = _table_of(system)
+    _fill(functions, system, structure, protocols)
     return Called(functions.ctypes.data + functions.nbytes, functions)
 
 
@@ -173,16 +175,14 @@ def addresses_of(row: Sequence[Called]) -> Any:
 
 def provide(functions: np.ndarray, system: Any, *protocols: Any) -> None:
     """Compile these protocols for the type of a system, and put their addresses into a table."""
-    missing = [protocol for protocol in protocols if not functions[_ENTRIES[protocol].place]]
-    if missing:
-        _fill(functions, system, structure_of(system), missing)
+    _fill(functions, system, structure_of(system), protocols)
 
 
 def _fill(functions: np.ndarray, system: Any, structure: Structure, protocols: Sequence[Any]) -> None:
     for protocol in protocols:
-        if protocol.dispatch(type(system)) is not protocol.dispatch(object):
-            address = 1 if numba.config.DISABLE_JIT else _address(protocol, structure)
-            functions[_ENTRIES[protocol].place] = address
+        place, nothing = _ENTRIES[protocol].place, protocol.dispatch(object)
+        if not functions[place] and protocol.dispatch(type(system)) is not nothing:
+            functions[place] = 1 if numba.config.DISABLE_JIT else _address(protocol, structure)
 
 
 def keep_with(array: np.ndarray, *others: Any) -> None:
