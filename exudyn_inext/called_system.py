@@ -138,8 +138,8 @@ def _table_of(system: Any) -> tuple[np.ndarray, Structure]:
         return reference(), structure
     structure = structure_of(system)
     table = np.zeros(MOST_PROTOCOLS + -(-structure.size // INTEGER.itemsize), INTEGER)
-    functions, place = np.split(table, [MOST_PROTOCOLS])
-    _put(system, place)
+    functions = table[:MOST_PROTOCOLS]
+    _put(system, table[MOST_PROTOCOLS:])
     _TABLES[id(system)] = weakref.ref(functions), structure
     weakref.finalize(functions, _forget, id(system), system).atexit = False
     return functions, structure
