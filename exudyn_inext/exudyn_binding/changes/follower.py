@@ -87,7 +87,7 @@ class ChangeFollower:
             self.reader.drives.follow(changed, time)
             runs = self._followed(runs, changed, time, end)
         coupled = [run for run in runs if isinstance(run, CoupledRun)]
-        self.moves = self.reader.moves or any(run.approaches for run in coupled)
+        self.moves = self.reader.moves or any(run.mover.approaches for run in coupled)
         return runs
 
     def require_all_seen(self, runs: Sequence[Run]) -> None:
@@ -101,7 +101,7 @@ class ChangeFollower:
         time = self.mbs.systemData.GetTime()
         for run in runs:
             if isinstance(run, CoupledRun):
-                run.require_same_items(time)
+                run.mover.require_same_items(time)
         scene, alone = read_scene(self.mbs, self.reader), _alone(runs)
         loads = [CableLoads(cable).constant for cable in scene.cables] if alone else []
         is_same = same_cables(self.scene, scene) and not (alone and scene.foreign)
@@ -124,7 +124,7 @@ class ChangeFollower:
             return False
         forget_evaluators(self.sensors)
         items = self._acting(runs, changed)
-        return all(run.take_values(items) for run in runs if isinstance(run, CoupledRun))
+        return all(run.mover.take_values(items) for run in runs if isinstance(run, CoupledRun))
 
     def _load_at_once(self, runs: Sequence[CableRun], changed: Sequence[Parameter], time: float) -> bool:
         """As `_act_at_once`, for constant forces on nodes of cables among nothing else."""
