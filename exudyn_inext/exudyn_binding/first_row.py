@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from contextlib import AbstractContextManager
 from typing import Any
 
-from ..run.run import Run
+from ..run.coupled_run import Run
 from .mbs_state import INITIAL, initial_state, state_of
 
 

@@ -12,8 +12,7 @@ from ..items.parameters import Parameter
 from ..native.coupled_scene import CoupledCable, CoupledScene
 from ..native.surroundings import state_kept, switched_off
 from ..run.cable_run import CableRun, Start
-from ..run.coupled_run import CoupledRun
-from ..run.run import Run
+from ..run.coupled_run import CoupledRun, Run
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import USUAL_SCALING, StepSizeBounds, step_bounds
 from ..scene.model import CableInScene, HeldCoordinate, Scene
@@ -135,7 +134,7 @@ def runs_of_scene(
 
 def compiled_runs(
     mbs: Any, scene: Scene, time: float, h: float, explicit: ExplicitSettings, who: str
-) -> Sequence[CableRun] | Sequence[CoupledRun]:
+) -> Sequence[Run]:
     """As `runs_of_scene`, of runs that do without mbs from then on; it stays as it was.   who: asks.
 
     Raises:

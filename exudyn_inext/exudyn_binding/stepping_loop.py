@@ -9,8 +9,8 @@ import numpy as np
 from ..checks import LARGEST, require_positive
 from ..native.surroundings import state_kept
 from ..run.cable_run import Start
+from ..run.coupled_run import Run
 from ..run.kept_state import KeptState
-from ..run.run import Run
 from ..run.settings import ExplicitSettings
 from ..run.time_grid import MOST_LOOP_STEPS, TimeGrid, steps_of_interval
 from .changes.follower import ChangeFollower, start_after_jump

@@ -13,9 +13,9 @@ import numpy as np
 
 from ..arrays import Array, as_slice
 from ..errors import DivergenceError
+from ..run.coupled_run import Run
 from ..run.divergence import divergence, listed
 from ..run.kept_state import KeptState
-from ..run.run import Run
 from ..run.time_grid import TimeGrid
 from .observed import ACCELERATIONS, POSITIONS, VELOCITIES
 from .restart import Restarts

@@ -233,7 +233,16 @@ class CableRun(PacedRun):
         put_reactions(self.scene_cable.reactions, self._supported.solve(external, q, v), multipliers)
 
     def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
-        """See `Run.complete`."""
+        """Set accelerations, unless they are those of the scheme, and multipliers of recorded states.
+
+        Args:
+            times: (k,) of the states [s].
+            history: (k, 3, n) displacements and velocities, and output: accelerations.
+            multipliers: (k, m) output, of Exudyn's algebraic equations.
+
+        Returns:
+            Whether multipliers have been set.
+        """
         for t, (q, v, _), row in zip(times, history, multipliers, strict=True) if self.has_reactions else ():
             self.put_reactions(self.loads.at(t), q + self.reference, v, row)
         return self.has_reactions

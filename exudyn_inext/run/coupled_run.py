@@ -28,7 +28,7 @@ from .time_grid import TimeGrid
 
 
 class CoupledRun(LimitedRun):
-    """All of a scene, see `time_loop.Run`.
+    """All of a scene; see `CableRun` for what both kinds of runs offer.
 
     Args:
         scene: all of it.   cable_runs: of its cables.   method: integrator and scheme.
@@ -293,7 +293,7 @@ class CoupledRun(LimitedRun):
         return self.mover.given
 
     def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
-        """See `Run.complete`."""
+        """See `CableRun.complete`."""
         return self.mover.complete(times, history, multipliers)
 
     def set_accelerations(self, times: Array, history: Array) -> None:
@@ -397,3 +397,7 @@ class CoupledRun(LimitedRun):
     def figures(self) -> dict[str, float]:
         """How well constraints and energy were kept."""
         return self.watch.figures()
+
+
+Run = CableRun | CoupledRun
+"""What the loop moves: a cable alone, or a scene."""

@@ -119,5 +119,5 @@ class MovedByExudyn(Mover):
             history[0, place] = values[: history.shape[2]]
 
     def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
-        """See `Run.complete`."""
+        """See `CableRun.complete`."""
         return False

@@ -146,7 +146,7 @@ class MovedByKernels(Mover):
         return self._form.contacts.history[: self._recorded] if self._form.has_contacts else None
 
     def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
-        """See `Run.complete`; one by one where reactions of cables are asked for after each."""
+        """See `CableRun.complete`; one by one where reactions of cables are asked for after each."""
         contacts = None if self._of_contacts is None else self._of_contacts[-len(times) :]
         together = 1 if any(run.has_reactions for run in self._runs) else len(times)
         history[:, 0] += self._scene.map.reference

@@ -9,8 +9,7 @@ import numpy as np
 from ..arrays import Array
 from ..checks import LARGEST
 from ..errors import InputError
-from .cable_run import CableRun
-from .coupled_run import CoupledRun
+from .coupled_run import Run
 from .kept_state import KeptState
 from .time_grid import TimeGrid
 
@@ -31,7 +30,7 @@ class SteppedRun:
     nodes: first coordinate of each node that takes forces, and the dimension of its space.
     """
 
-    def __init__(self, run: CableRun | CoupledRun) -> None:
+    def __init__(self, run: Run) -> None:
         self.run = run
         self.nodes: Mapping[int, tuple[int, int]] = run.places_of_nodes
         self.cables = [_view(run.state, *place) for place in run.places_of_cables]

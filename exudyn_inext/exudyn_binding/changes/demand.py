@@ -12,8 +12,7 @@ from exudyn.exudynCPP import ObjectIndex
 from ...cable.link import Motion
 from ...items.parameters import Parameter
 from ...loads.weight import ElementWeight
-from ...run.coupled_run import CoupledRun
-from ...run.run import Run
+from ...run.coupled_run import CoupledRun, Run
 from ...scene.model import CableInScene, Scene
 
 _JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian

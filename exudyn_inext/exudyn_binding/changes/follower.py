@@ -12,8 +12,7 @@ from ...native.surroundings import state_kept
 from ...run.cable_loads import CableLoads
 from ...run.cable_run import CableRun
 from ...run.consistent_start import agree
-from ...run.coupled_run import CoupledRun
-from ...run.run import Run
+from ...run.coupled_run import CoupledRun, Run
 from ...run.settings import ExplicitSettings
 from ...scene.model import Scene
 from ..cable_forces import forget_evaluators
@@ -68,7 +67,7 @@ class ChangeFollower:
         return {"moves": self.moves} | {key: value for part in parts for key, value in part.memory().items()}
 
     def figures(self) -> dict[str, float]:
-        """Extremes of runs that others have taken over from; see `Run.figures`."""
+        """Extremes of runs that others have taken over from; see `CableRun.figures`."""
         return self._figures
 
     def follow(self, runs: Sequence[Run], time: float, end: float) -> Sequence[Run]:
@@ -214,7 +213,6 @@ def _go_on(runs: Sequence[Run], time: float, end: float, has_changed: bool) -> N
         has_changed: whether joints may have; if not, they rest.
     """
     for run in runs:
-        assert isinstance(run, CableRun | CoupledRun)
         if isinstance(run, CableRun):
             agree(run.system, run.loads.at(time), run.state)
         else:
