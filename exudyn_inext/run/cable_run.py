@@ -35,7 +35,7 @@ from .redundancy import element_masses, require_independent
 from .settings import SAY_OF_TIME, ExplicitSettings
 from .step_control import ROUND_OFF, FrequencyFollower, Piece, StepControl, StepRule
 from .time_grid import TimeGrid
-from .watch import KEPT, NOW, record_watched
+from .watch import record_watched
 
 STEPS_BETWEEN_LIMITS = 20_000  # so that a look at the present stability limit costs next to nothing
 
@@ -329,22 +329,17 @@ class CableRun(PacedRun):
             RedundantConstraintError: length constraints and supports depend on each other.
         """
         self.forget()
-        self._begin(self.loads.at(time))
+        self.start_scheme(time)
+        self.require_independence()
+        self.watch.open(self.system, self.loads.at(time), self.state)
 
     def begin_again(self, time: float) -> None:
         """As `start`, with axial forces of earlier steps; what has changed the energy is no error."""
         if not self._stretches:
             self.forget()
-        watch = self.watch.watch
-        account = watch.account[NOW].copy()
-        self._begin(self.loads.at(time))
-        account.start = watch.account[NOW].start - account.work - account.surplus
-        watch.account[NOW] = watch.account[KEPT] = account
-
-    def _begin(self, external: Array) -> None:
-        self._accelerate(external)
+        self.start_scheme(time)
         self.require_independence()
-        self.watch.open(self.system, external, self.state)
+        self.watch.begin_again(self.system, self.loads.at(time), self.state)
 
     def memory(self) -> dict[str, Any]:
         """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
@@ -380,10 +375,7 @@ class CableRun(PacedRun):
 
     def start_scheme(self, time: float) -> None:
         """See `PacedRun.start_scheme`."""
-        self._accelerate(self.loads.at(time))
-
-    def _accelerate(self, external: Array) -> None:
-        memory = memory_of(self.system)
+        memory, external = memory_of(self.system), self.loads.at(time)
         if remembers_axial_forces(memory):
             accelerate_again(self.system, external, self.state, self.control.present, [memory])
         else:
