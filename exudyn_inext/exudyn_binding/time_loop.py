@@ -22,6 +22,7 @@ from .restart import Restarts
 
 LOOK_AHEAD_LIMIT = 1_000_000  # coordinates times steps in a call: some 30 ms, so that Ctrl-C works
 HANDED_OUT = 64  # states that are turned into Python numbers at once
+CALM = 4  # steps without a change, after which several are computed at once
 UNSEEN = 32  # steps at most that are computed ahead where functions may still change something
 
 
@@ -348,7 +349,7 @@ class ExplicitTimeLoop:
     def _intervals(self, step: int) -> int:
         """Number of steps of the loop to compute in one call, after that step."""
         if self._is_watched and (
-            self._calm < 4 or self._moves or not all(run.is_steady for run in self.runs)
+            self._calm < CALM or self._moves or not all(run.is_steady for run in self.runs)
         ):
             return 1
         remaining = min(self.grid.loop_steps - step, self._restarts.steps_until_due(self.grid, step))
