@@ -102,9 +102,7 @@ class CableEvaluator:
         cables = []
         for cable in self._scene.cables:
             system = self._system if cable is self._cable else cable_system(cable.cable, 0.0)
-            loads = CableLoads(cable.among_others)
-            reference = cable.cable.reference.ravel()
-            cables.append(CoupledCable(cable.number, cable.indices, reference, system, loads))
+            cables.append(CoupledCable(cable.among_others, system, CableLoads(cable.among_others)))
         return CoupledScene(mbs, cables, self._scene.own_constraints, 0.0)
 
 

@@ -108,10 +108,7 @@ def runs_of_scene(
         return runs_of_cables(mbs, scene.cables, time, h, explicit)
     unloaded = [cable.among_others for cable in scene.cables]  # Exudyn evaluates the loads
     runs = runs_of_cables(mbs, unloaded, time, h, explicit)
-    cables = [
-        CoupledCable(run.scene_cable.number, run.indices, run.reference, run.system, run.loads)
-        for run in runs
-    ]
+    cables = [CoupledCable(run.scene_cable, run.system, run.loads) for run in runs]
     start, why = Start.at(time, h, explicit), _shortened(scene.foreign)
 
     def coupled_run(held: Mapping[int, HeldCoordinate]) -> CoupledRun:

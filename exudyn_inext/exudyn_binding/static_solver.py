@@ -166,7 +166,8 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         _require_reach(cable.cable, time, cable)
     with state_kept(mbs), switched_off(mbs, *scene.evaluated_by_kernels):
         loads = [CableLoads(cable) for cable in unloaded]
-        parts = [_coupled(cable, own) for cable, own in zip(unloaded, loads, strict=True)]
+        systems = [cable_system(cable.cable, 0.0) for cable in unloaded]
+        parts = list(map(CoupledCable, unloaded, systems, loads))
         joined = CoupledScene(mbs, parts, scene.own_constraints, 0.0, scene.held)
         require_held(joined, [bool(cable.cable.fixed.any() or cable.cable.links) for cable in unloaded])
         others = StaticScene(joined, time)
@@ -202,11 +203,6 @@ def _put_reactions(cable: CableInScene, q: Array, multipliers: Array, time: floa
     """Those of its supports, into the multipliers of all algebraic equations; see `support_forces`."""
     if cable.reactions and len(multipliers):
         put_reactions(cable.reactions, support_forces(cable.cable, q, multipliers, time), reactions)
-
-
-def _coupled(cable: CableInScene, loads: CableLoads) -> CoupledCable:
-    system, reference = cable_system(cable.cable, 0.0), cable.cable.reference.ravel()
-    return CoupledCable(cable.number, cable.indices, reference, system, loads)
 
 
 def _require_still_fluid(scene_cable: CableInScene) -> None:

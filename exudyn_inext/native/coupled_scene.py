@@ -17,7 +17,7 @@ from ..run.joined_scene import OpenContacts
 from ..run.parts_in_one import CompiledParts
 from ..scene.bodies import BodiesSystem, MassBlock
 from ..scene.coupled_system import CoupledSystem, Part
-from ..scene.model import HeldCoordinate
+from ..scene.model import CableInScene, HeldCoordinate
 from ..system import index_reduced_rates
 from .bodies import BodyMasses, SystemMass, read_bodies, read_quaternions, require_mass
 from .compiled_form import compiled_form, compiled_parts, require_agreement
@@ -36,13 +36,11 @@ _NONE: Mapping[int, HeldCoordinate] = {}
 class CoupledCable(NamedTuple):
     """A cable of the scene.
 
-    number: of its object.   indices, reference: of its coordinates, see `PartCoordinates`.
-    system: its index-reduced equations.   loads: gravity and motions; Exudyn evaluates all others.
+    cable: `CableInScene.among_others`.   system: its index-reduced equations.
+    loads: gravity and motions; Exudyn evaluates all others.
     """
 
-    number: int
-    indices: np.ndarray
-    reference: Array
+    cable: CableInScene
     system: Any
     loads: CableLoads
 
@@ -85,14 +83,14 @@ class CoupledScene:
         self.cables = cables
         self.elsewhere, self.moved = own_constraints, moved
         solver = evaluator(mbs)
-        on_cables = np.concatenate([np.zeros(0, int), *(cable.indices for cable in cables)])
+        on_cables = np.concatenate([np.zeros(0, int), *(part.cable.indices for part in cables)])
         total = SystemMass(mbs, solver)
-        self.bodies = bodies = read_bodies(mbs, [cable.number for cable in cables], on_cables, total)
+        self.bodies = bodies = read_bodies(mbs, [part.cable.number for part in cables], on_cables, total)
         quaternions = read_quaternions(mbs)
         by_place = holders(mbs, held)
         self._masses = masses = BodyMasses(mbs, bodies, quaternions, zeta, total, by_place)
         self.held = HeldCoordinates(mbs, masses, [by_place[place] for place in masses.held.tolist()], held)
-        places = [PartCoordinates(cable.indices, cable.reference) for cable in cables]
+        places = [PartCoordinates(one.indices, one.cable.reference.ravel()) for one, _, _ in cables]
         places.append(PartCoordinates(masses.coordinates, np.zeros(len(masses.coordinates))))
         self.map = CoordinateMap(mbs.systemData.ODE2Size(), places)
         require_mass(mbs, np.setdiff1d(self.map.missing(), masses.held))
@@ -189,7 +187,7 @@ class CoupledScene:
 
     @property
     def has_bodies(self) -> bool:
-        return len(self.map.indices) > sum(len(cable.indices) for cable in self.cables)
+        return len(self.map.indices) > sum(len(part.cable.indices) for part in self.cables)
 
     def _first_order_states(self) -> list[Part]:
         """y of y' = f as velocities of unit masses: every scheme then integrates them as it does v."""
