@@ -169,7 +169,7 @@ def require_held(scene: CoupledScene, cables_held: list[bool]) -> None:
     owners += [(body.number, set(body.coordinates.tolist())) for body in scene.bodies]
     owner_of = {place: k for k, (_, places) in enumerate(owners) for place in sorted(places)}
     ties = [{k, len(owners)} for k, is_held in enumerate(cables_held) if is_held]
-    ties += [{owner_of[p], len(owners)} for p in scene.held_places.tolist() if p in owner_of]
+    ties += [{owner_of[p], len(owners)} for p in scene.held.places.tolist() if p in owner_of]
     own = {number for number, _ in owners}
     for number in range(data.NumberOfObjects()):
         if number in own or not mbs.GetObject(number).get("activeConnector"):

@@ -92,18 +92,13 @@ class JoinedScene(EvaluatedScene, Protocol):
     map: Any
     surroundings: Any
     held: Any
-
-    @property
-    def cable_systems(self) -> Sequence[Any]: ...
-
-    @property
-    def groups(self) -> Sequence[Systems]: ...
-
-    @property
-    def joints(self) -> Sequence[Any]: ...
-
-    @property
-    def size(self) -> int: ...
+    cable_systems: Sequence[Any]
+    groups: Sequence[Systems]
+    joints: Sequence[Any]
+    size: int
+    has_bodies: bool
+    bodies_of_variable_mass: int
+    parts_in_one: CompiledParts | None
 
     @property
     def initial_state(self) -> tuple[Array, Array]: ...
@@ -116,15 +111,6 @@ class JoinedScene(EvaluatedScene, Protocol):
 
     @property
     def remembered(self) -> Elsewhere | None: ...
-
-    @property
-    def parts_in_one(self) -> CompiledParts | None: ...
-
-    @property
-    def has_bodies(self) -> bool: ...
-
-    @property
-    def bodies_of_variable_mass(self) -> int: ...
 
     def require_finite(self, v: Array) -> None:
         """Raise SceneError unless all velocities v (n,) are finite."""
