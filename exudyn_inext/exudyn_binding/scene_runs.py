@@ -71,7 +71,7 @@ def runs_of_cables(
     mbs: Any, cables: Sequence[CableInScene], time: float, h: float, explicit: ExplicitSettings
 ) -> list[CableRun]:
     """One run for each cable, from the initial configuration; arguments: see `runs_of_scene`."""
-    start, states = Start.at(time, h, explicit), initial_states(mbs, cables)
+    start, states = Start(time, h, explicit), initial_states(mbs, cables)
     return [
         CableRun(cable, state, start, explicit.method) for cable, state in zip(cables, states, strict=True)
     ]
@@ -109,7 +109,7 @@ def runs_of_scene(
     unloaded = [cable.among_others for cable in scene.cables]  # Exudyn evaluates the loads
     runs = runs_of_cables(mbs, unloaded, time, h, explicit)
     cables = [CoupledCable(run.scene_cable, run.system, run.loads) for run in runs]
-    start, why = Start.at(time, h, explicit), _shortened(scene.foreign)
+    start, why = Start(time, h, explicit), _shortened(scene.foreign)
 
     def coupled_run(held: Mapping[int, HeldCoordinate]) -> CoupledRun:
         own, zeta = scene.own_constraints, explicit.stabilizationRate

@@ -166,7 +166,7 @@ class SteppingLoop(ExplicitTimeLoop):
         if self.changes.moves:  # a support that is to be elsewhere at the end of the step gives any velocity
             explicit = replace(explicit, startTolerance=LARGEST)
         with state_kept(self.mbs):
-            run.make_consistent(Start.at(self.time, self.grid.h, explicit))
+            run.make_consistent(Start(self.time, self.grid.h, explicit))
         super()._start(run)
 
     @property

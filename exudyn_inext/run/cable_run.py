@@ -42,35 +42,20 @@ STEPS_BETWEEN_LIMITS = 20_000  # so that a look at the present stability limit c
 
 @dataclass(frozen=True)
 class Start:
-    """How a cable starts.
+    """How a run starts.
 
-    time: [s].   tolerance: see `ExplicitSettings.startTolerance`.
-    zeta: stabilisation rate [1/s].   theta: share of bending that is implicit, see `implicit_bending` [-].
-    h: step that is likely, which scales the mass [s].
-    energy_tolerance: see `ExplicitSettings.energyTolerance`; infinite where nobody asks.
-    rejects: see `ExplicitSettings.rejectSteps`.
+    time: [s].   h: step that is likely, which scales the mass [s]; 0 without mass scaling.
+    explicit: settings.
     """
 
     time: float
-    tolerance: float
-    zeta: float
-    theta: float
     h: float
-    energy_tolerance: float
-    rejects: bool
+    explicit: ExplicitSettings
 
-    @classmethod
-    def at(cls, time: float, h: float, explicit: ExplicitSettings) -> "Start":
-        """Of runs with these settings.   h: step that scales the mass [s]; 0 without mass scaling."""
-        return cls(
-            time=time,
-            tolerance=explicit.startTolerance,
-            zeta=explicit.stabilizationRate,
-            theta=explicit.massScaling or 0.0,
-            h=h,
-            energy_tolerance=explicit.energyTolerance,
-            rejects=explicit.rejectSteps,
-        )
+    @property
+    def tolerance(self) -> float:
+        """See `ExplicitSettings.startTolerance`."""
+        return self.explicit.startTolerance
 
 
 def require_implicit_axial_forces(scene_cable: CableInScene, integrator: Integrator) -> None:
@@ -116,11 +101,11 @@ class CableRun(PacedRun):
         self.scene_cable = scene_cable
         self.indices = scene_cable.indices
         self.reference = cable.reference.ravel()
-        self._theta, self._likely_step = start.theta, start.h
+        self._theta, self._likely_step = start.explicit.massScaling or 0.0, start.h
         self._lag = 0.5 if integrator.has_implicit_damping and cable.section.bending_damping else 0.0
         self._stretches = cable.stretches
-        scaled = ImplicitBending(start.theta * start.h**2)
-        self.system = cable_system(cable, start.zeta, scaled)
+        scaled = ImplicitBending(self._theta * start.h**2)
+        self.system = cable_system(cable, start.explicit.stabilizationRate, scaled)
         violations = self._violations(*initial, start)
         self._tracker = FrequencyTracker(self.system, cable.reference.shape)
         self._looked_after = 0  # steps, at the stability limit
@@ -130,12 +115,11 @@ class CableRun(PacedRun):
         self.state: Any = integrator.allocate(cable.reference.size, len(self.loads.constant))
         self.state.q[:], self.state.v[:] = (array.ravel() for array in initial)
         self.looks_ahead = self.loads.known_ahead
-        self.watch = CableWatch(
-            scene_cable, self.loads, self.state, start.energy_tolerance, integrator.stabilised
-        )
+        tolerance, gains_energy = start.explicit.energyTolerance, integrator.stabilised
+        self.watch = CableWatch(scene_cable, self.loads, self.state, tolerance, gains_energy)
         self._record_watched = Prepared(record_watched)
-        self._rejects = start.rejects
-        self.control = StepControl(rejects=start.rejects)
+        self._rejects = start.explicit.rejectSteps
+        self.control = StepControl(rejects=self._rejects)
         self.start_correction = self._project(*violations, start)
 
     def make_consistent(self, start: Start) -> None:

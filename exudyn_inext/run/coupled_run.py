@@ -79,9 +79,9 @@ class CoupledRun(LimitedRun):
             raise with_straight_cables(error, straight) from None
         if not (self.looks_ahead or self.mover.approaches):
             scene.compile_parts(start.time, self.state.q, self.state.v)
-        self._rejects = start.rejects
-        self.control = StepControl(rejects=start.rejects)
-        parts, tolerance = (scene, cable_runs, self.state), start.energy_tolerance
+        self._rejects = start.explicit.rejectSteps
+        self.control = StepControl(rejects=self._rejects)
+        parts, tolerance = (scene, cable_runs, self.state), start.explicit.energyTolerance
         self.watch = CoupledWatch(self.mover.evaluated, *parts, *method, tolerance)
         if scene.friction.is_needed:
             self.watch.after_each_step.append(scene.friction.look)
