@@ -19,7 +19,7 @@ from ..run.step_choice import (
     choose_step,
     warn_of_damping,
 )
-from ..run.time_grid import TimeGrid
+from ..run.time_grid import TimeGrid, time_grid
 from .arguments import explicit_settings, simulation_settings
 from .cable_forces import forget_evaluators
 from .changes.constraints import SteppedReader
@@ -28,16 +28,13 @@ from .changes.limit import StepLimit
 from .changes.log import ChangeLog, listening
 from .compile_notice import compile_notice
 from .console import header_of, initialized
-from .empty_sensors import warn_of_empty_sensors
-from .first_row import first_row
 from .idle_integrator import changed, idle_integrator, nothing
-from .mbs_state import initial_state
-from .observed import observed_derivatives
-from .output_grid import time_grid
+from .mbs_state import first_row, initial_state
 from .reports import ExplicitReport
 from .restart import Restarts
 from .scene import read_scene, require_assembled
 from .scene_runs import RunBuilder, bounds_if_scaled, needs_coupling
+from .sensors import observed_derivatives, warn_of_empty_sensors
 from .time_loop import ExplicitTimeLoop, is_watched, step_functions, warn_of_findings, worst_figures
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
 
+import exudyn
 import numpy as np
 
 from ..arrays import Array
@@ -26,7 +27,6 @@ from .arguments import simulation_settings
 from .reports import StaticReport
 from .scene import initial_state, read_scene, require_assembled
 from .scene_runs import needs_coupling
-from .static_outputs import write_equilibrium
 
 REACH_TOLERANCE = 1e-9
 MOST_ITERATIONS = 1_000_000
@@ -110,8 +110,27 @@ def SolveEquilibrium(
     solve = _solve_scene if needs_coupling(scene) else _solve_cables
     report = solve(mbs, scene, time, static)
     if simulationSettings is not None:
-        write_equilibrium(mbs, settings, scene.evaluated_by_kernels[0])
+        _write_equilibrium(mbs, settings, scene.evaluated_by_kernels[0])
     return report
+
+
+def _write_equilibrium(mbs: Any, settings: Any, cables: Sequence[int]) -> None:
+    """Write the present state of mbs, where settings ask for it, as mbs.SolveStatic does its last load step.
+
+    Args:
+        mbs: at rest.   settings: exudyn.SimulationSettings.   cables: see `switched_off`.
+    """
+    current, static = exudyn.ConfigurationType.Current, settings.staticSolver
+    end = static.loadStepStart + static.loadStepDuration
+    with switched_off(mbs, cables), state_kept(mbs):
+        found = mbs.systemData.GetSystemState(current)
+        solver: Any = exudyn.MainSolverStatic()
+        solver.InitializeSolver(mbs, settings)
+        mbs.systemData.SetSystemState(found, current)
+        mbs.systemData.SetTime(end)
+        solver.it.currentTime = end
+        solver.FinishStep(mbs, settings)
+        solver.FinalizeSolver(mbs, settings)
 
 
 def _solve_cables(mbs: Any, scene: Scene, time: float, static: StaticSettings) -> dict[str, Any]:

@@ -14,8 +14,8 @@ from ..run.kept_state import KeptState
 from ..run.settings import ExplicitSettings
 from ..run.time_grid import MOST_LOOP_STEPS, TimeGrid, steps_of_interval
 from .changes.follower import ChangeFollower, start_after_jump
-from .observed import ACCELERATIONS
 from .restart import Restarts
+from .sensors import ACCELERATIONS
 from .time_loop import ExplicitTimeLoop, is_watched
 
 _SAME = 1e-6  # difference of two times that counts as round-off, in steps of Exudyn's loop

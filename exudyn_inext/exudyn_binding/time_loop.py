@@ -17,8 +17,8 @@ from ..run.coupled_run import Run
 from ..run.divergence import divergence, listed
 from ..run.kept_state import KeptState
 from ..run.time_grid import TimeGrid
-from .observed import ACCELERATIONS, POSITIONS, VELOCITIES
 from .restart import Restarts
+from .sensors import ACCELERATIONS, POSITIONS, VELOCITIES
 
 LOOK_AHEAD_LIMIT = 1_000_000  # coordinates times steps in a call: some 30 ms, so that Ctrl-C works
 HANDED_OUT = 64  # states that are turned into Python numbers at once
