@@ -35,7 +35,7 @@ from .redundancy import element_masses, require_independent
 from .settings import SAY_OF_TIME, ExplicitSettings
 from .step_control import ROUND_OFF, FrequencyFollower, Piece, StepControl, StepRule
 from .time_grid import TimeGrid
-from .watch import record_watched
+from .watch import ENERGY, record_watched
 
 STEPS_BETWEEN_LIMITS = 20_000  # so that a look at the present stability limit costs next to nothing
 
@@ -279,8 +279,7 @@ class CableRun(PacedRun):
         """Prepare the system for steps of h [s]: what is implicit depends on it."""
         self.control.present = h
         if self.has_implicit_bending:
-            implicit = ImplicitBending(self._theta * h**2, self._lag * h, h)
-            set_mass(self.system.chain, self.scene_cable.cable, implicit)
+            set_mass(self.system.chain, self.scene_cable.cable, self._implicit)
 
     @contextmanager
     def implicit_damping_left_out(self) -> Iterator[None]:
@@ -413,7 +412,7 @@ class CableRun(PacedRun):
         """From time to time: the share that the step is of the present stability limit."""
         if self.control.steps - self._looked_after < STEPS_BETWEEN_LIMITS:
             return
-        if not self.control.is_nominal or self.watch.has_trouble or self._lag or self._stretches:
+        if not self.control.is_nominal or self.watch.trouble or self._lag or self._stretches:
             return
         self._looked_after = self.control.steps
         shape = self.scene_cable.cable.reference.shape
@@ -426,10 +425,10 @@ class CableRun(PacedRun):
         """What went wrong in the last steps, and why; empty if all is well."""
         if not self.gave_up:
             return ""
-        if not self.watch.has_trouble:
+        if not self.watch.trouble:
             return f"{self.name}: {GIVEN_UP}."
         tried, taken = f"; {self.control.said}", self.control.present
-        if self.watch.gains_too_much:
+        if self.watch.trouble == ENERGY:
             tried, taken = "", h
         limit = self._stability_limit(self.largest_frequency(time))
         said = explanation(self.integrator, self.trouble, taken, limit, self.is_scaled)

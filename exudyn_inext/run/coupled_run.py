@@ -83,7 +83,7 @@ class CoupledRun(LimitedRun):
         self.control = StepControl(rejects=self._rejects)
         parts, tolerance = (scene, cable_runs, self.state), start.explicit.energyTolerance
         self.watch = CoupledWatch(self.mover.evaluated, *parts, *method, tolerance)
-        if scene.friction.is_needed:
+        if scene.friction.numbers:
             self.watch.after_each_step.append(scene.friction.look)
 
     def _move_by(self, mover: MovedByKernels | MovedByExudyn) -> None:
@@ -125,14 +125,6 @@ class CoupledRun(LimitedRun):
     def start_corrections(self) -> list[StartCorrection]:
         return [run.start_correction for run in self._runs] + [self.start_correction]
 
-    def leave_kernels(self, why: str, time: float) -> None:
-        """Let Exudyn evaluate its items from the present state on, at `time` [s]."""
-        if self.looks_ahead:
-            self._leave_kernels(why)
-            self.watch.evaluate_by(self._scene)
-            self._scene.surroundings.forget()
-            self.mover.begin_by(self.integrator.resume, time)
-
     def _leave_kernels(self, why: str) -> None:
         self._move_by(MovedByExudyn(self._scene, self._runs, self.state, self.scheme))
         self.why_not = why
@@ -147,7 +139,10 @@ class CoupledRun(LimitedRun):
                 self._scene.leave_compiled_parts()
                 self.mover.begin_by(self.integrator.resume, time)
         elif not is_simple or not self.mover.take_values(changed):
-            self.leave_kernels("items that were changed during the run", time)
+            self._leave_kernels("items that were changed during the run")
+            self.watch.evaluate_by(self._scene)
+            self._scene.surroundings.forget()
+            self.mover.begin_by(self.integrator.resume, time)
 
     def scale_mass(self, theta: float, h: float) -> None:
         """See `CableRun.scale_mass`."""

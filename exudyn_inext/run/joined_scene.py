@@ -27,15 +27,13 @@ class OpenContacts:
 
 
 class Friction(Protocol):
-    """Friction, looked at in a run.   is_needed: whether there is any.   sums: memory of what was seen.
+    """Friction, looked at in a run.   numbers: of the objects with it.   sums: memory of what was seen.
 
     finding: what is wrong with it; empty if nothing is.
     """
 
+    numbers: list[int]
     sums: Array
-
-    @property
-    def is_needed(self) -> bool: ...
 
     @property
     def finding(self) -> str: ...
