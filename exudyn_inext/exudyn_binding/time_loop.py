@@ -84,7 +84,7 @@ class ExplicitTimeLoop:
         self._written = self._present(exudyn.ConfigurationType.Initial)
         self._observed = max(observed, VELOCITIES) if self._is_watched else observed
         self._shows_forces = observed == ACCELERATIONS
-        self._restarts = restarts
+        self.restarts = restarts
         self._places = [as_slice(run.indices) for run in runs]
         self._computed = grid.first  # steps of the loop
         self._ahead: tuple[int, Array] = (0, np.zeros((0, ACCELERATIONS, 0)))  # first step and its states
@@ -342,9 +342,9 @@ class ExplicitTimeLoop:
 
     def _write_restart(self) -> None:
         """If it is time to: all that has been computed has been handed out."""
-        if self._restarts.is_due(self.grid, self._computed):
+        if self.restarts.is_due(self.grid, self._computed):
             self.complete_state()
-            self._restarts.write(self.runs, self.grid, self._computed)
+            self.restarts.write(self.runs, self.grid, self._computed)
 
     def _intervals(self, step: int) -> int:
         """Number of steps of the loop to compute in one call, after that step."""
@@ -352,7 +352,7 @@ class ExplicitTimeLoop:
             self._calm < CALM or self._moves or not all(run.is_steady for run in self.runs)
         ):
             return 1
-        remaining = min(self.grid.loop_steps - step, self._restarts.steps_until_due(self.grid, step))
+        remaining = min(self.grid.loop_steps - step, self.restarts.steps_until_due(self.grid, step))
         if self._is_watched:
             remaining = min(remaining, self._calm // 2, UNSEEN)
         coordinates = sum(len(run.indices) for run in self.runs)
