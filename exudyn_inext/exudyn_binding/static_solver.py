@@ -23,7 +23,7 @@ from ..run.cable_loads import CableLoads
 from ..scene.model import CableInScene, Scene, put_reactions
 from ..statics import Equilibrium, JoinedPotential, StaticOptions, find_equilibrium, potential_of
 from ..statics.support_forces import support_forces
-from .arguments import simulation_settings
+from .arguments import settings_of, simulation_settings
 from .reports import StaticReport
 from .scene import initial_state, read_scene, require_assembled
 from .scene_runs import needs_coupling
@@ -100,7 +100,7 @@ def SolveEquilibrium(
         SolveExplicit(mbs, simulationSettings)
     """
     settings = simulation_settings(simulationSettings)
-    static = _static_settings(staticSettings)
+    static: StaticSettings = settings_of(StaticSettings, "staticSettings", staticSettings)
     require_assembled(mbs)
     take_word(mbs, static.dependsOnTimeOnly)
     time = require_finite("timeIntegration.startTime", settings.timeIntegration.startTime, "s")
@@ -149,12 +149,6 @@ def _solve_cables(mbs: Any, scene: Scene, time: float, static: StaticSettings) -
         _put_reactions(cable, equilibrium.q, equilibrium.multipliers, time, reactions)
     rest_at(mbs, displacements, reactions)
     return report
-
-
-def _static_settings(given: Any) -> StaticSettings:
-    if given is not None and not isinstance(given, StaticSettings):
-        raise InputError(f"staticSettings = {given!r}: must be a StaticSettings, or None.")
-    return given or StaticSettings()
 
 
 def _solve_cable(mbs: Any, scene_cable: CableInScene, time: float, static: StaticSettings) -> Equilibrium:
