@@ -170,9 +170,8 @@ def nodal_multipliers_of(system: Any, acceleration: Array) -> Array:
         system: just evaluated by `accelerate_and_project`.   acceleration: (n, 2, dim) that it gave.
     """
     chain = system.chain
-    nodes, elements, momentum = chain.nodes, chain.elements, np.zeros_like(acceleration)
-    apply_mass(chain, acceleration, momentum)
-    rest = nodes["force"][:, ACCELERATION, 1] - momentum[:, 1]
+    nodes, elements = chain.nodes, chain.elements
+    rest = nodes["force"][:, ACCELERATION, 1] - apply_mass(chain, acceleration)[:, 1]
     forces = elements["gradient"] * elements["multiplier"][:, ACCELERATION, np.newaxis, np.newaxis]
     rest[1:] -= forces[:, 3]
     rest[:-1] -= forces[:, 1]

@@ -1,9 +1,9 @@
 """Sums and products of arrays of the shape of the coordinates, (n, 2, dim)."""
 
-from ..compiled import inlined
+from ..compiled import called_kernel
 
 
-@inlined
+@called_kernel
 def combine(a, x, b, y, result):
     """result = a x + b y for arrays of the shape (n, 2, dim)."""
     for k in range(len(x)):
@@ -12,7 +12,7 @@ def combine(a, x, b, y, result):
             result[k, 1, i] = a * x[k, 1, i] + b * y[k, 1, i]
 
 
-@inlined
+@called_kernel
 def inner(x, y):
     """Inner product of arrays of the shape (n, 2, dim)."""
     total = 0.0

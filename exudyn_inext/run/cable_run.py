@@ -36,7 +36,7 @@ from .redundancy import element_masses, require_independent
 from .settings import SAY_OF_TIME, ExplicitSettings
 from .step_control import ROUND_OFF, FrequencyFollower, Piece, StepControl, StepRule
 from .time_grid import TimeGrid
-from .watch import ENERGY, record_watched
+from .watch import ENERGY, go_back, record_watched
 
 STEPS_BETWEEN_LIMITS = 20_000  # so that a look at the present stability limit costs next to nothing
 
@@ -356,7 +356,9 @@ class CableRun(PacedRun):
         before, loads = self.watch.steps, self.loads.sample(piece, self.integrator.stages)
         rows, watch = history[: piece.intervals], self.watch.watch
         steps = piece.h, piece.in_interval
-        self._record_watched(self.scheme, self.called, loads, self.state, *steps, rows, watch)
+        good = self._record_watched(self.scheme, self.called, loads, self.state, *steps, rows, watch)
+        if good < len(rows):
+            go_back(watch, self.state)
         taken = self.watch.steps - before
         if taken < piece.steps:
             self.trouble = self.integrator.trouble(self.scheme, self.watch.watch.kept)

@@ -1,6 +1,7 @@
 """Bodies and joints in compiled code, where Exudyn evaluates the forces: see `coupled_system.PartsInOne`."""
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -30,8 +31,22 @@ class CompiledParts:
         self._cables = len(form.system.cable_force)
         self.multipliers = form.multipliers
         form.given[:] = 0.0
-        protocols = index_reduced_rates, accelerate_and_project, correct_position
-        self._rates, self._accelerate, self._correct = (Bound(one, form.system) for one in protocols)
+
+    def _bound(self, protocol: Any) -> Bound:
+        self.form.provide((protocol,))
+        return Bound(protocol, self.form.system)
+
+    @cached_property
+    def _rates(self) -> Bound:
+        return self._bound(index_reduced_rates)
+
+    @cached_property
+    def _accelerate(self) -> Bound:
+        return self._bound(accelerate_and_project)
+
+    @cached_property
+    def _correct(self) -> Bound:
+        return self._bound(correct_position)
 
     @property
     def drift(self) -> Array:
