@@ -155,7 +155,7 @@ class ExplicitStepper:
 
     def _stop(self, end: float) -> None:
         """Back to the last good state of all cables, in a call that should have got to `end` [s]; raises."""
-        verdicts = [run.verdict(self.time, self.stepSize) for run in self._runs]
+        verdicts = [run.run.verdict(self.time, self.stepSize) for run in self._runs]
         for run in self._runs:
             run.restore()
         self._is_ready = False
@@ -185,8 +185,8 @@ class ExplicitStepper:
             InputError: there is no such cable.
         """
         number = len(self._cables)
-        chosen = self._cables[require_integer("cable", cable, -number, number - 1, ", counted from 0")]
-        return chosen.q, chosen.v, self.time
+        q, v = self._cables[require_integer("cable", cable, -number, number - 1, ", counted from 0")]
+        return q, v, self.time
 
     def SetNodeForce(self, node: int, force: Sequence[float]) -> None:
         """Set the force [N] on a node, besides gravity and the loads of the mbs, until it is set again.

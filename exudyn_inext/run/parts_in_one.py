@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..called_system import Bound
-from ..multibody.scene import bodies_energy, joint_violation, subtract_inertia_forces, subtract_joint_forces
+from ..multibody.scene import bodies_energy, subtract_inertia_forces, subtract_joint_forces
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .compiled_scene import CompiledScene
 
@@ -94,4 +94,4 @@ class CompiledParts:
 
     def violation(self, t: float, q: Array) -> float:
         """Largest |c| of the joints [m, -]."""
-        return float(joint_violation(self._items, self.form.loads.at(t)[self._cables :], q))
+        return self.form.violation(t, q)
