@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..cable.assembly import elastic_energy
 from ..system import ELASTIC, GAUGES, gauge
 from .cable_run import CableRun
 from .watch import NO_MESH
@@ -69,14 +70,17 @@ def _wave_speed(run: CableRun, time: float) -> float:
     forces = np.linalg.norm(inputs[: run.state.q.size].reshape(shape)[:, 0], axis=1)
     density, v = cable.section.mass_per_length, run.state.v.reshape(shape)[:, 0]
     squared = float(forces.sum()) / density + float((v * v).sum(axis=1).max())
-    squared += 2.0 * max(0.0, _elastic_energy(run, inputs)) / (density * cable.length) + _of_motions(
-        inputs[run.state.q.size :], cable
-    )
+    squared += 2.0 * max(0.0, _bending_energy(run, inputs)) / (density * cable.length)
+    squared += _of_motions(inputs[run.state.q.size :], cable)
     return math.sqrt(squared)
 
 
-def _elastic_energy(run: CableRun, inputs: Array) -> float:
-    gauges, force, state = np.zeros(GAUGES), np.zeros(run.state.q.size), run.state
+def _bending_energy(run: CableRun, inputs: Array) -> float:
+    """[J]; by `gauge`, which each run compiles, where that counts nothing else."""
+    state, cable = run.state, run.scene_cable.cable
+    if cable.stretches:
+        return float(elastic_energy(run.system.chain, state.q.reshape(cable.reference.shape)))
+    gauges, force = np.zeros(GAUGES), np.zeros(state.q.size)
     gauge(run.called, inputs, state.q, state.v, np.zeros(force.size), force, gauges)
     return float(gauges[ELASTIC])
 

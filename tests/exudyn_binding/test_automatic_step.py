@@ -177,6 +177,17 @@ def test_a_cable_at_rest_is_not_taken_for_a_fast_one(swing):
     assert np.ptp(path, axis=0).max() < 1e-6
 
 
+def test_strains_at_the_start_do_not_shorten_the_step(swing):
+    """They make axial waves, which steps need not resolve."""
+
+    def resolving_step(strain):
+        stretching = {"axialStiffness": 1e4, "axialDamping": 10.0, "referenceAxialStrain": strain}
+        section = InextensibleCable(massPerLength=0.1, bendingStiffness=1.0, **stretching)
+        return swing(section, 8, PINNED, 0.01)[1]["bounds"].accuracy
+
+    assert resolving_step(0.05) == resolving_step(0.0)
+
+
 def test_zhai_keeps_the_rule_of_the_paper(swing):
     _, report = swing(STIFF, 4, PINNED, end=0.01, integrator="Zhai")
     assert report["massScaling"] == 0.0 and report["decidedBy"] == "rule (37)"
