@@ -1,6 +1,7 @@
 """Bodies and joints in compiled code, where Exudyn evaluates the forces: see `coupled_system.PartsInOne`."""
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -30,8 +31,14 @@ class CompiledParts:
         self._cables = len(form.system.cable_force)
         self.multipliers = form.multipliers
         form.given[:] = 0.0
-        protocols = index_reduced_rates, accelerate_and_project, correct_position
-        self._rates, self._accelerate, self._correct = (Bound(one, form.system) for one in protocols)
+        protocols = accelerate_and_project, correct_position
+        self._accelerate, self._correct = (Bound(one, form.system) for one in protocols)
+
+    @cached_property
+    def _rates(self) -> Bound:
+        """RATTLE's steps do not need them, but forces of joints that somebody looks at do."""
+        self.form.provide((index_reduced_rates,))
+        return Bound(index_reduced_rates, self.form.system)
 
     @property
     def drift(self) -> Array:
