@@ -38,7 +38,14 @@ from .reports import ExplicitReport
 from .restart import Restarts
 from .scene import read_scene, require_assembled
 from .scene_runs import RunBuilder, bounds_if_scaled, needs_coupling
-from .time_loop import ExplicitTimeLoop, is_watched, step_functions, warn_of_findings, worst_figures
+from .time_loop import (
+    ExplicitTimeLoop,
+    is_watched,
+    refuse_newton_functions,
+    step_functions,
+    warn_of_findings,
+    worst_figures,
+)
 
 
 def SolveExplicit(
@@ -117,6 +124,7 @@ def SolveExplicit(
     settings = simulation_settings(simulationSettings)
     explicit = explicit_settings(explicitSettings)
     require_assembled(mbs)
+    refuse_newton_functions(mbs)
     take_word(mbs, explicit.dependsOnTimeOnly)
     with at_position_level(mbs, float(settings.timeIntegration.startTime)) as drives:
         return _solve(mbs, settings, explicit, drives)
