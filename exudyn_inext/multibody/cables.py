@@ -8,7 +8,17 @@ import numpy as np
 
 from ..cable.index_reduction import CableSystem
 from ..cable.linear_response import DAMPING, improve_damping, leave_to_joints, respond
-from ..called_system import Called, by_address, call_protocol, called, calls, implements, keep_with, provide
+from ..called_system import (
+    MOST_PROTOCOLS,
+    Called,
+    by_address,
+    call_protocol,
+    called,
+    calls,
+    implements,
+    keep_with,
+    provide,
+)
 from ..compiled import dispatched, inlined
 from ..lowered import COUNT, NUMBERS, numbers_at
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
@@ -31,7 +41,7 @@ class Cables(NamedTuple):
 def cables_in_a_row(systems: Sequence[Any], inputs: Sequence[int]) -> Cables:
     """These systems, which are kept as long as the table.   inputs: how much external force each takes."""
     row = [called(system, accelerate_and_project, correct_position, respond) for system in systems]
-    functions = np.array([one.functions for one in row], np.int64).reshape(len(row), -1)
+    functions = np.array([one.functions for one in row], np.int64).reshape(-1, MOST_PROTOCOLS)
     keep_with(functions, row)
     addresses: Any = [one.address for one in row]
     if all(isinstance(address, int) for address in addresses):
