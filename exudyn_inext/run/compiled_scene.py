@@ -15,7 +15,7 @@ from ..compiled import Prepared
 from ..errors import OffCableError, RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied
-from ..multibody.cables import Cables, cables_in_a_row, provide_cables
+from ..multibody.cables import Cables, cables_in_a_row, provide_cables, show_matrix
 from ..multibody.implicit_contacts import SHARE
 from ..multibody.joints import Joints, power_of_offsets
 from ..multibody.scene import (
@@ -339,6 +339,8 @@ class CompiledScene:
         groups = in_few_chains([cable_system(cable, self.system.zeta) for cable in cables])
         own = cables_of_scene(groups, [loads for _, _, loads in self._cables])
         items, copies = self.system.items, copied(self.system.items)
+        if len(items.joints.nodes.dof):
+            provide_cables(own, [system for system, _ in groups], show_matrix)
         copies.contacts.records["lag"] = 0.0
         copies.joints.foresight[:] = 0.0
         copies.bodies["foresight"] = 0.0
