@@ -56,7 +56,7 @@ class CableEvaluator:
         if self._cable.cable.stretches:
             return strain_tension(self._cable.cable, self._system.chain)
         nodal = nodal_multipliers_of(self._system, state.a)
-        return multiplier_tension(self._cable.cable, state.q, nodal, state.multiplier)
+        return multiplier_tension(self._cable.cable, state.q, state.v, nodal, state.multiplier)
 
     def solve(self, mbs: Any) -> SolvedState:
         """The present state of the mbs, with its accelerations and multipliers."""
@@ -108,8 +108,9 @@ def CableForces(mbs: Any, cable: Any, arcLengths: Any = None) -> dict[str, Any]:
 
     Returns:
         dict with arrays 'arcLength' (m,) [m], 'position' (m, dim) [m], 'tension' (m,) [N], 'shearForce'
-        (m, dim) [N], 'bendingMoment' (m,) [N m] (signed in the plane, its size in space), and
-        'multiplierTension' (N,) [N]: the mean over each element, from Lagrange multipliers and curvature.
+        (m, dim) [N], 'bendingMoment' (m,) [N m] (with that of the bending damping, as in native cables;
+        signed in the plane, its size in space), and 'multiplierTension' (N,) [N]: the mean over each
+        element, from Lagrange multipliers and curvature.
         With axialStiffness it is that of EA times the strain, and what its rate adds.
 
     Raises:

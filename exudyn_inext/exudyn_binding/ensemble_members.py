@@ -17,6 +17,7 @@ from ..run.settings import ExplicitSettings
 from ..run.step_choice import StepChoice, choose_step
 from .scene import read_scene, require_assembled
 from .scene_runs import compiled_runs
+from .time_loop import refuse_step_functions
 
 REMEDY = "members must not differ in it; put the others into an ensemble of their own."
 
@@ -104,11 +105,7 @@ def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> Sequen
         raise InputError(f"{mbs!r} is no system of Exudyn (mbs): a builder must return it.")
     require_assembled(mbs)
     take_word(mbs, explicit.dependsOnTimeOnly)
-    if mbs.GetPreStepUserFunction() or mbs.GetPostStepUserFunction():
-        raise SceneError(
-            "it has a pre- or post-step user function, which nobody calls within an ensemble: remove it, or "
-            "use SolveExplicit."
-        )
+    refuse_step_functions(mbs, "within an ensemble")
     with at_position_level(mbs, time):
         runs = compiled_runs(mbs, read_scene(mbs), time, h, explicit, "SolveEnsemble")
     if not runs:

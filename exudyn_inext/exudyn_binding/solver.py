@@ -32,7 +32,14 @@ from .restart import Restarts
 from .scene import read_scene, require_assembled
 from .scene_runs import RunBuilder, bounds_if_scaled
 from .sensors import observed_derivatives, warn_of_empty_sensors
-from .time_loop import ExplicitTimeLoop, is_watched, step_functions, warn_of_findings, worst_figures
+from .time_loop import (
+    ExplicitTimeLoop,
+    is_watched,
+    refuse_newton_functions,
+    step_functions,
+    warn_of_findings,
+    worst_figures,
+)
 
 
 def SolveExplicit(
@@ -111,6 +118,7 @@ def SolveExplicit(
     settings = simulation_settings(simulationSettings)
     explicit = explicit_settings(explicitSettings)
     require_assembled(mbs)
+    refuse_newton_functions(mbs)
     take_word(mbs, explicit.dependsOnTimeOnly)
     with at_position_level(mbs, float(settings.timeIntegration.startTime)) as drives:
         return _solve(mbs, settings, explicit, drives)

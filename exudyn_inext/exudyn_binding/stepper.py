@@ -24,6 +24,7 @@ from .arguments import explicit_settings
 from .compile_notice import compile_notice
 from .scene import read_scene, require_assembled
 from .scene_runs import compiled_runs
+from .time_loop import refuse_step_functions
 
 MOST_STEPS = 1_000_000_000  # in one call
 _SHOWN = (exudyn.ConfigurationType.Current, exudyn.ConfigurationType.Visualization)
@@ -58,7 +59,8 @@ class ExplicitStepper:
         startCorrections: of each cable: how far its initial state was from its constraints.
 
     Raises:
-        SceneError: mbs not assembled, without a cable, or with items that only Exudyn can evaluate.
+        SceneError: mbs not assembled, without a cable, with items that only Exudyn can evaluate, or
+            with pre- or post-step user functions.
         StepSizeError: the step is above the stability limit.
         RedundantConstraintError: constraints that depend on each other.
 
@@ -88,6 +90,7 @@ class ExplicitStepper:
         interval = None if interval is None else require_positive("interval", interval)
         duration = require_positive("duration", duration)
         require_assembled(mbs)
+        refuse_step_functions(mbs, "between the steps of a stepper")
         take_word(mbs, explicit.dependsOnTimeOnly)
         given = steps_of_interval(interval, explicit.stepSize, MOST_STEPS)[1] if explicit.stepSize else 0.0
         with at_position_level(mbs, start):

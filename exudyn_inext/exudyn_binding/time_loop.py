@@ -12,7 +12,7 @@ import exudyn
 import numpy as np
 
 from ..arrays import Array, as_slice
-from ..errors import DivergenceError
+from ..errors import DivergenceError, SceneError
 from ..run.coupled_run import Run
 from ..run.divergence import divergence, listed
 from ..run.kept_state import KeptState
@@ -436,6 +436,26 @@ def is_watched(mbs: Any, runs: Sequence[Run]) -> bool:
 def has_functions(mbs: Any) -> bool:
     """Whether the user has functions that are called before or after each step of Exudyn's loop."""
     return bool(step_functions(mbs))
+
+
+def refuse_newton_functions(mbs: Any) -> None:
+    """Raise SceneError if the user has functions that only Newton's method calls."""
+    if mbs.GetPostNewtonUserFunction() or mbs.GetPreNewtonResidualUserFunction():
+        raise SceneError(
+            "mbs has a PostNewtonUserFunction or a PreNewtonResidualUserFunction, which explicit steps do "
+            "not call: remove it, mbs.SetPostNewtonUserFunction(0), and let a function of "
+            "mbs.SetPreStepUserFunction or mbs.SetPostStepUserFunction do what it does."
+        )
+
+
+def refuse_step_functions(mbs: Any, where: str) -> None:
+    """Raise SceneError if the user has such functions.   where: they would not be called."""
+    refuse_newton_functions(mbs)
+    if has_functions(mbs):
+        raise SceneError(
+            f"it has a pre- or post-step user function, which nobody calls {where}: remove it, or use "
+            "SolveExplicit."
+        )
 
 
 def step_functions(mbs: Any) -> list[Any]:

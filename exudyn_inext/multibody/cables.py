@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cable.index_reduction import CableSystem
-from ..cable.linear_response import respond
+from ..cable.linear_response import DAMPING, improve_damping, leave_to_joints, respond
 from ..called_system import (
     MOST_PROTOCOLS,
     Called,
@@ -53,6 +53,13 @@ def provide_cables(cables: Cables, systems: Sequence[Any], *protocols: Any) -> N
     """Let these protocols be called, too, where they are implemented.   systems: those of the cables."""
     for functions, system in zip(cables.functions, systems, strict=True):
         provide(functions, system, *protocols)
+
+
+def provide_damping(cables: Cables, systems: Sequence[Any], joined: bool) -> None:
+    """Let `improve_damping` be called of those that need it.   joined: whether the scene has joints."""
+    for functions, system in zip(cables.functions, systems, strict=True):
+        if leave_to_joints(system, joined):
+            provide(functions, system, improve_damping)
 
 
 @inlined
@@ -137,6 +144,20 @@ def respond_with_cables(cables, joints):
             nodes.basis[places].reshape(-1),
             nodes.free[places].reshape(-1),
         )
+
+
+@inlined
+def improve_cables(cables, q, x):
+    """`improve_damping` of those that need it, zero of others; whether there are any.   q, x: (n,)."""
+    dofs, improves = cables.dofs, False
+    for k in range(len(cables.functions)):
+        i, j = dofs[k], dofs[k + 1]
+        if provides(cables, k, DAMPING):
+            improve_damping(one_chain(cables, k), q[i:j], x[i:j])
+            improves = True
+        else:
+            x[i:j] = 0.0
+    return improves
 
 
 @dispatched
