@@ -5,10 +5,9 @@ method is called in C++. So they are compiled once, and for a new type of system
 """
 
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property, partial, wraps
 from typing import Any, NamedTuple
-from weakref import WeakValueDictionary
 
 import numba
 import numpy as np
@@ -19,6 +18,7 @@ from .lowered import (
     NUMBERS,
     REAL,
     CompiledPart,
+    Structure,
     address_of,
     call_at,
     memory_of,
@@ -93,9 +93,9 @@ class Implementation(CompiledPart):
 
 
 def implements(
-    protocol: Any, system_type: type, compiled: Callable[[Any], Any] | None = None
+    protocol: Any, *system_types: type, compiled: Callable[[Any], Any] | None = None
 ) -> Callable[[Any], Any]:
-    """Register the decorated function as `protocol` for systems of `system_type`.
+    """Register the decorated function as `protocol` for systems of these types.
 
     compiled: compiles it; default: as what is called by address, or else as a kernel.
     """
@@ -107,7 +107,8 @@ def implements(
             implementation = inlined(function)
             if not numba.config.DISABLE_JIT:
                 implementation.__class__, implementation.protocol = Implementation, protocol
-        protocol.register(system_type)(implementation)
+        for system_type in system_types:
+            protocol.register(system_type)(implementation)
         return implementation
 
     return register
@@ -119,11 +120,10 @@ def _put(system, memory):
 
 
 _ADDRESSES: dict[Any, int] = {}  # of protocols for structures of systems
-_TABLES: WeakValueDictionary[int, np.ndarray] = WeakValueDictionary()  # of systems, which they keep
+_TABLES: dict[int, tuple[Any, Structure]] = {}  # references to those of systems, by their identities
 
 
-def _address(protocol: Any, system: Any) -> int:
-    structure = structure_of(system)
+def _address(protocol: Any, structure: Structure) -> int:
     key = protocol, structure
     if key not in _ADDRESSES:
         entry = _ENTRIES[protocol]
@@ -131,14 +131,22 @@ def _address(protocol: Any, system: Any) -> int:
     return _ADDRESSES[key]
 
 
-def _table_of(system: Any) -> np.ndarray:
-    """Functions; the system lies behind them."""
-    table = np.zeros(MOST_PROTOCOLS + -(-structure_of(system).size // INTEGER.itemsize), INTEGER)
-    functions, place = np.split(table, [MOST_PROTOCOLS])
-    _put(system, place)
-    keep_with(functions, system)
-    _TABLES[id(system)] = functions
-    return functions
+def _table_of(system: Any) -> tuple[np.ndarray, Structure]:
+    """Functions, behind which the system lies, and its structure; the table keeps the system."""
+    if id(system) in _TABLES:
+        reference, structure = _TABLES[id(system)]
+        return reference(), structure
+    structure = structure_of(system)
+    table = np.zeros(MOST_PROTOCOLS + -(-structure.size // INTEGER.itemsize), INTEGER)
+    functions = table[:MOST_PROTOCOLS]
+    _put(system, table[MOST_PROTOCOLS:])
+    _TABLES[id(system)] = weakref.ref(functions), structure
+    weakref.finalize(functions, _forget, id(system), system).atexit = False
+    return functions, structure
+
+
+def _forget(identity: int, _system: Any) -> None:
+    del _TABLES[identity]
 
 
 def called(system: Any, *protocols: Any) -> Any:
@@ -154,19 +162,27 @@ def called(system: Any, *protocols: Any) -> Any:
         return Called(system, np.zeros(MOST_PROTOCOLS, INTEGER))
     if not all(isinstance(protocol.dispatch(type(system)), Implementation) for protocol in protocols):
         return system
-    functions = _TABLES.get(id(system))
-    if functions is None:
-        functions = _table_of(system)
-    provide(functions, system, *protocols)
+    functions, structure = _table_of(system)
+    _fill(functions, system, structure, protocols)
     return Called(functions.ctypes.data + functions.nbytes, functions)
+
+
+def addresses_of(row: Sequence[Called]) -> Any:
+    """(k,) addresses of systems; without the compiler, the systems."""
+    addresses: Any = [one.address for one in row]
+    return addresses if numba.config.DISABLE_JIT else np.array(addresses, INTEGER)
 
 
 def provide(functions: np.ndarray, system: Any, *protocols: Any) -> None:
     """Compile these protocols for the type of a system, and put their addresses into a table."""
+    _fill(functions, system, structure_of(system), protocols)
+
+
+def _fill(functions: np.ndarray, system: Any, structure: Structure, protocols: Sequence[Any]) -> None:
     for protocol in protocols:
-        place = _ENTRIES[protocol].place
-        if not functions[place] and protocol.dispatch(type(system)) is not protocol.dispatch(object):
-            functions[place] = 1 if numba.config.DISABLE_JIT else _address(protocol, system)
+        place, nothing = _ENTRIES[protocol].place, protocol.dispatch(object)
+        if not functions[place] and protocol.dispatch(type(system)) is not nothing:
+            functions[place] = 1 if numba.config.DISABLE_JIT else _address(protocol, structure)
 
 
 def keep_with(array: np.ndarray, *others: Any) -> None:

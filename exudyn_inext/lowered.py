@@ -191,11 +191,11 @@ _ENTRIES: dict[Any, Any] = {}  # Numba takes long to find types
 
 def _kinds(argument: Any) -> Any:
     """What decides on the type of an argument, to be compared fast."""
-    if isinstance(argument, tuple):
-        return type(argument), *map(_kinds, argument)
     if isinstance(argument, np.ndarray):
         flags = argument.flags
         return argument.dtype, argument.ndim, flags.c_contiguous, flags.f_contiguous, flags.writeable
+    if isinstance(argument, tuple):
+        return type(argument), *map(_kinds, argument)
     if isinstance(argument, np.generic):
         return argument.dtype
     return type(argument)

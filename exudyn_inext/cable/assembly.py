@@ -211,6 +211,12 @@ def lags(elements):
 
 
 @inlined
+def improves_alone(elements):
+    """Whether the cable takes that off by a second solve; under joints, the whole scene does."""
+    return lags(elements) and not elements[0].joined
+
+
+@inlined
 def add_lagging_damping(axes, nodes, elements, q, a, column):
     """lag (D_c - D) a, by which the matrix D_c on the left differs from the damping D, to the `force`.
 

@@ -279,25 +279,25 @@ def _add_square(axes, weight, gradient, first, block):
 @inlined
 def _set_coupling(axes, element, w):
     """w = mass and axial stiffness between the two nodes of an element."""
-    dim, weight = len(axes), element.axial[ADDED_MASS]
+    dim = len(axes)
+    clear(w)
     for a in range(2):
         for i in range(dim):
-            scaled = weight * element.gradient[a, i]
             for b in range(2):
-                for j in range(dim):
-                    w[a * dim + i, b * dim + j] = scaled * element.gradient[2 + b, j]
-                w[a * dim + i, b * dim + i] += element.mass[2 * a + b]
+                w[a * dim + i, b * dim + i] = element.mass[2 * a + b]
+    _couple(axes, element.axial[ADDED_MASS], element.gradient, 0, w)
 
 
 @inlined
-def _couple(axes, rows, first, w):
-    """w += b b^T between the two nodes of an element; its rows begin at `first`."""
+def _couple(axes, weight, gradient, first, w):
+    """w += weight b b^T between the two nodes of an element; its rows of b begin at `first`."""
     dim = len(axes)
     for a in range(2):
         for i in range(dim):
+            scaled = weight * gradient[first + a, i]
             for b in range(2):
                 for j in range(dim):
-                    w[a * dim + i, b * dim + j] += rows[first + a, i] * rows[first + 2 + b, j]
+                    w[a * dim + i, b * dim + j] += scaled * gradient[first + 2 + b, j]
 
 
 @inlined
@@ -325,7 +325,7 @@ def factorise_chain(axes, nodes, elements, q):
             number = damping_rows(axes, nodes, elements, q, k, rows)
             for r in range(number):
                 _add_square(axes, 1.0, rows, 4 * r, block)
-                _couple(axes, rows, 4 * r, w)
+                _couple(axes, 1.0, rows, 4 * r, w)
             add_contact_mass(axes, nodes, elements, k, 0, block)
             couple_by_contact(axes, nodes, elements, k, w)
         eliminate_node(axes, nodes[k], block, w, following)

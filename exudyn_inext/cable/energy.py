@@ -29,9 +29,9 @@ def kinetic_energy(axes, nodes, elements, v):
 @inlined
 def lagging_energy(axes, elements, v):
     """What the implicit damping in the mass adds to `kinetic_energy`, and is none: v . lag D_c v / 2 [J]."""
-    twice = 0.0
     if not lags(elements):
         return 0.0
+    twice = 0.0
     e_t, memory = local_array(3, 3), local_array(7, 3)
     for k in range(len(elements)):
         differences(axes, v, k, e_t)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..called_system import called
-from ..compiled import inlined, inlined_kernel, kernel
+from ..compiled import called_kernel, inlined, inlined_kernel, kernel
 from ..element.axial_strain import mean_strain
 from ..system import accelerate_and_project
 from .assembly import VALUE
@@ -28,7 +28,7 @@ class Vibrating(NamedTuple):
 
     system: called by address.   node_mass, element_mass: (n, 3), (N, 4), see `records`.
     nodal, length, links: (n,), (N,), (m,) multipliers of constraints, whose tension gives stiffness.
-    q: (n, 2, dim).   memory: (2, n, 2, dim).
+    q: (n_dof,).   memory: (2 n_dof,).
     """
 
     system: Any
@@ -41,22 +41,23 @@ class Vibrating(NamedTuple):
     memory: Array
 
 
-@inlined
+@called_kernel
 def _apply_mass(vibrating, x, y):
-    multiply_by_mass(vibrating.node_mass, vibrating.element_mass, x, y)
+    nodes = len(vibrating.node_mass)
+    shape = nodes, 2, len(x) // (2 * nodes)
+    multiply_by_mass(vibrating.node_mass, vibrating.element_mass, x.reshape(shape), y.reshape(shape))
 
 
-@inlined
+@called_kernel
 def _invert(vibrating, force, x):
-    respond(vibrating.system, 0, force.reshape(-1), x.reshape(-1))
+    respond(vibrating.system, 0, force, x)
 
 
-@inlined
+@called_kernel
 def _apply_stiffness(vibrating, x, y):
     """y = H x: the elastic stiffness at q, and the geometric one of the tension."""
     one = vibrating
-    places = one.q.reshape(-1), x.reshape(-1), one.memory.reshape(-1)
-    apply_stiffness(one.system, one.nodal, one.length, one.links, *places, y.reshape(-1))
+    apply_stiffness(one.system, one.nodal, one.length, one.links, one.q, x, one.memory, y)
 
 
 @inlined
@@ -64,7 +65,7 @@ def _lanczos(vibrating, rows, memory, diagonal, off_diagonal):
     """Lanczos recursion of x -> constrained M^-1 H x in the mass inner product.
 
     H: see `_apply_stiffness`.   rows: of the tridiagonal matrix, at most.
-    memory: (4, n, 2, dim): the first one holds the vector to start from, the second one is zero.
+    memory: (4, n_dof): the first one holds the vector to start from, the second one is zero.
     Returns the number of rows that were found before breakdown.
     """
     current, previous, image, momentum = memory[0], memory[1], memory[2], memory[3]
@@ -121,7 +122,7 @@ def largest_of_tridiagonal(number, diagonal, off_diagonal):
 def _power_iteration(vibrating, iterations, memory, x):
     """Rayleigh quotient of x under x -> constrained M^-1 H x, H as in `_lanczos`, which x is iterated with.
 
-    memory: (2, n, 2, dim).   x: (n, 2, dim), improved in place towards the fastest vibration.
+    memory: (2, n_dof).   x: (n_dof,), improved in place towards the fastest vibration.
     """
     image, momentum = memory[0], memory[1]
     quotient = 0.0
@@ -138,20 +139,16 @@ def _power_iteration(vibrating, iterations, memory, x):
 
 @inlined_kernel
 def _scatter(x):
-    """x (n, 2, dim): numbers between -1 and 1 without a pattern, always the same: every mode has a share."""
-    place = 0.0
-    for k in range(len(x)):
-        for kind in range(2):
-            for i in range(x.shape[2]):
-                x[k, kind, i] = np.cos(1.6180339887 * place * place)
-                place += 1.0
+    """x (n_dof,): numbers between -1 and 1 without a pattern, always the same: every mode has a share."""
+    for i in range(len(x)):
+        x[i] = np.cos(1.6180339887 * i * i)
 
 
 @kernel
 def _largest_at_state(vibrating, rows, memory, diagonal, off_diagonal):
     """w_max^2 [rad^2/s^2] where `system` was evaluated last; NaN if it is not found.
 
-    rows: of the tridiagonal matrix, at most.   memory: (4, n, 2, dim); the second one is zero.
+    rows: of the tridiagonal matrix, at most.   memory: (4, n_dof); the second one is zero.
     """
     start, scattered = memory[0], memory[2]
     _scatter(scattered)
@@ -170,9 +167,8 @@ def nodal_multipliers_of(system: Any, acceleration: Array) -> Array:
         system: just evaluated by `accelerate_and_project`.   acceleration: (n, 2, dim) that it gave.
     """
     chain = system.chain
-    nodes, elements, momentum = chain.nodes, chain.elements, np.zeros_like(acceleration)
-    apply_mass(chain, acceleration, momentum)
-    rest = nodes["force"][:, ACCELERATION, 1] - momentum[:, 1]
+    nodes, elements = chain.nodes, chain.elements
+    rest = nodes["force"][:, ACCELERATION, 1] - apply_mass(chain, acceleration)[:, 1]
     forces = elements["gradient"] * elements["multiplier"][:, ACCELERATION, np.newaxis, np.newaxis]
     rest[1:] -= forces[:, 3]
     rest[:-1] -= forces[:, 1]
@@ -212,7 +208,8 @@ def _vibrating(system: Any, q: Array, acceleration: Array) -> Vibrating:
     if isinstance(system, LinkedCableSystem):
         links = system.border.links["multiplier"][:, ACCELERATION].copy()
     one = called(system, respond, apply_stiffness)
-    return Vibrating(one, nodes["mass"], elements["mass"], nodal, length, links, q, np.zeros((2, *q.shape)))
+    masses, memory = (nodes["mass"], elements["mass"]), np.zeros(2 * q.size)
+    return Vibrating(one, *masses, nodal, length, links, q.reshape(-1), memory)
 
 
 def _freedom(system: Any) -> int:
@@ -229,7 +226,7 @@ def _frequency_of(system: Any, vibrating: Vibrating) -> float:
     rows = min(LANCZOS_STEPS, _freedom(system))
     if rows < 1:
         return 0.0
-    memory, (diagonal, off_diagonal) = np.zeros((4, *vibrating.q.shape)), np.zeros((2, LANCZOS_STEPS))
+    memory, (diagonal, off_diagonal) = np.zeros((4, len(vibrating.q))), np.zeros((2, LANCZOS_STEPS))
     return _root(_largest_at_state(vibrating, rows, memory, diagonal, off_diagonal))
 
 
@@ -291,11 +288,11 @@ class FrequencyTracker:
         Returns:
             See `largest_frequency`.
         """
-        vibrating, x, memory = _vibrating(self._system, q, a), self.vibration, np.zeros((2, *q.shape))
+        vibrating, x, memory = _vibrating(self._system, q, a), self.vibration.ravel(), np.zeros((2, q.size))
         iterations = self.LATER
         if not x.any():
             _scatter(memory[0])
-            respond(vibrating.system, 0, memory[0].ravel(), x.reshape(-1))
+            _invert(vibrating, memory[0], x)
             iterations = self.FIRST
         squared = 0.0
         if x.any():

@@ -23,8 +23,8 @@ from .assembly import (
     add_damping,
     add_drag,
     add_lagging_damping,
+    improves_alone,
     lag_of,
-    lags,
 )
 from .axial import (
     aim_at_positions,
@@ -77,7 +77,7 @@ def _improve_damping(axes, nodes, elements, q, acceleration):
 
     acceleration: (n, 2, dim), of a solve that took all of it.
     """
-    if lags(elements):
+    if improves_alone(elements):
         add_lagging_damping(axes, nodes, elements, q, acceleration, ACCELERATION)
         solve_column(axes, nodes, elements, ACCELERATION, acceleration)
 

@@ -1,10 +1,12 @@
 """What small vibrations and joints need of a system: operators, dispatched on its type as in `system`."""
 
 from functools import singledispatch
+from typing import Any
 
 from ..called_system import by_address, call_protocol, calls, implements
 from ..compiled import dispatched, inlined
 from ..lowered import COUNT, NUMBERS, numbers_at
+from .assembly import add_lagging_damping
 from .chain import Chain
 from .index_reduction import ACCELERATION, CableSystem
 from .linked_cable import LinkedCableSystem, solve_linked_column
@@ -57,6 +59,46 @@ def respond_called(system, first, force, response):
 
 @dispatched
 @singledispatch
+def improve_damping(system, q, x):
+    """What accelerations lack, as the bending damping of a chain is not all that is in its matrix.
+
+    The second solve of `index_reduction`, for a chain on which joints act: they belong to the first one, and
+    have to act on the second one, too.
+
+    Args:
+        system: factorised, see `leave_to_joints`.   q: (n,).
+        x: (n,) accelerations with joints, and output: what has to be added to them.
+
+    Raises:
+        NotImplementedError: the type of `system` implements no such solve.
+    """
+    raise NotImplementedError(f"no damping for {type(system).__name__}")
+
+
+@by_address(improve_damping, COUNT, NUMBERS, NUMBERS)
+def DAMPING(system, size, q, x):
+    """How `improve_damping` is called by address."""
+    improve_damping(system[0], numbers_at(q, size), numbers_at(x, size))
+    return 0.0
+
+
+@calls(improve_damping)
+def improve_damping_called(system, q, x):
+    """Arguments: see `improve_damping`."""
+    call_protocol(system, DAMPING, (len(q), q.ctypes.data, x.ctypes.data), x)
+
+
+def leave_to_joints(system: Any, joined: bool) -> bool:
+    """Whether a part of a scene needs `improve_damping`, from now on.   joined: whether joints act on it."""
+    elements = system.chain.elements if hasattr(system, "chain") else None
+    if elements is None or not elements["lag"].size or elements["axial"].size:
+        return False
+    elements["joined"] = joined
+    return joined
+
+
+@dispatched
+@singledispatch
 def add_link_stiffness(system, multiplier, x, y):
     """y += sum nu d2c/dq2 x over the links of a system.   multiplier: (m,) nu; x, y: (n, 2, dim).
 
@@ -67,33 +109,58 @@ def add_link_stiffness(system, multiplier, x, y):
 
 
 @inlined
-def _set_right_hand_side(axes, nodes, elements, force):
-    """`force` (n, 2, dim) and targets of zero."""
+def _set_right_hand_side(axes, nodes, elements, share, force):
+    """That share of `force` (n, 2, dim), and targets of zero."""
     for k in range(len(nodes)):
         nodes[k].target[ACCELERATION] = 0.0
         for i in range(len(axes)):
-            nodes[k].force[ACCELERATION, 0, i] = force[k, 0, i]
-            nodes[k].force[ACCELERATION, 1, i] = force[k, 1, i]
+            nodes[k].force[ACCELERATION, 0, i] = share * force[k, 0, i]
+            nodes[k].force[ACCELERATION, 1, i] = share * force[k, 1, i]
     for k in range(len(elements)):
         elements[k].target[ACCELERATION] = 0.0
+
+
+@inlined
+def _hold_links(links):
+    for r in range(len(links)):
+        links[r].target[ACCELERATION] = 0.0
 
 
 @implements(constrained_inverse, CableSystem)
 def constrained_inverse_of_cable(system, force, x):
     """Arguments: see `constrained_inverse`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
-    _set_right_hand_side(axes, nodes, elements, force)
+    _set_right_hand_side(axes, nodes, elements, 1.0, force)
     solve_column(axes, nodes, elements, ACCELERATION, x)
 
 
 @implements(constrained_inverse, LinkedCableSystem)
 def constrained_inverse_of_linked_cable(system, force, x):
     """Arguments: see `constrained_inverse`."""
-    _set_right_hand_side(system.chain.axes, system.chain.nodes, system.chain.elements, force)
-    links = system.border.links
-    for r in range(len(links)):
-        links[r].target[ACCELERATION] = 0.0
+    _set_right_hand_side(system.chain.axes, system.chain.nodes, system.chain.elements, 1.0, force)
+    _hold_links(system.border.links)
     solve_linked_column(system, ACCELERATION, x)
+
+
+@implements(improve_damping, CableSystem)
+def improve_damping_of_cable(system, q, x):
+    """Arguments: see `improve_damping`."""
+    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
+    shape = (len(nodes), 2, len(axes))
+    _set_right_hand_side(axes, nodes, elements, 0.0, x.reshape(shape))
+    add_lagging_damping(axes, nodes, elements, q.reshape(shape), x.reshape(shape), ACCELERATION)
+    solve_column(axes, nodes, elements, ACCELERATION, x.reshape(shape))
+
+
+@implements(improve_damping, LinkedCableSystem)
+def improve_damping_of_linked_cable(system, q, x):
+    """Arguments: see `improve_damping`."""
+    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
+    shape = (len(nodes), 2, len(axes))
+    _set_right_hand_side(axes, nodes, elements, 0.0, x.reshape(shape))
+    add_lagging_damping(axes, nodes, elements, q.reshape(shape), x.reshape(shape), ACCELERATION)
+    _hold_links(system.border.links)
+    solve_linked_column(system, ACCELERATION, x.reshape(shape))
 
 
 @implements(respond, CableSystem)

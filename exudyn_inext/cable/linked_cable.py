@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 from ..called_system import implements
 from ..compiled import inlined, optional
 from ..system import POWER, VIOLATION, accelerate_and_project, correct_position, gauge, index_reduced_rates
-from .assembly import add_lagging_damping, lags, leave_targets
+from .assembly import add_lagging_damping, improves_alone, leave_targets
 from .axial import aim_at_positions
 from .axial_stiffness import MEAN_FORCE
 from .border import (
@@ -139,7 +139,7 @@ def _solve_both_linked_columns(system, x, y):
 @optional("damping")
 def _improve_damping(axes, nodes, elements, system, q, acceleration):
     """As `index_reduction._improve_damping`, with links."""
-    if lags(elements):
+    if improves_alone(elements):
         add_lagging_damping(axes, nodes, elements, q, acceleration, ACCELERATION)
         solve_linked_column(system, ACCELERATION, acceleration)
 

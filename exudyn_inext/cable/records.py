@@ -72,6 +72,7 @@ def element_type(
     natural: EI kappa_0 times the turning matrix in difference coordinates, empty without kappa_0.
     damping: table of the damping force, empty without damping.
     lag: h/2 [s], see `implicit_bending`, empty without damping.
+    joined: whether joints act on the cable, see `linear_response.improve_damping`.
     drag: table of the drag, empty without drag.   drag_law: its coefficients and the flow.
     axial: as for nodes.   bending: EI / (3 l) [N m], empty without axial stiffness.
     contact: beside the mass of both nodes, see `contact_mass`, empty without axial stiffness and in space.
@@ -93,6 +94,7 @@ def element_type(
             ("natural", NUMBER, (3, 3) if natural else (0, 0)),
             ("damping", NUMBER, (4, 7) if damped else (0, 7)),
             ("lag", NUMBER, (1,) if damped else (0,)),
+            ("joined", np.bool_),
             ("drag", NUMBER, (4, 8) if dragged else (0, 8)),
             ("drag_law", NUMBER, (2, 3) if dragged else (0, 3)),
             ("axial", NUMBER, (AXIAL_SIZE if axial else 0,)),

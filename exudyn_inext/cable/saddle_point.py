@@ -8,8 +8,10 @@ Everything that a solve needs and gives lies in the records of the chain, see `r
 as rarely as possible: loops over few nodes cost as much as what they do.
 """
 
+import numpy as np
+
 from ..arrays import Array
-from ..compiled import clear, inlined, inlined_kernel, optional
+from ..compiled import clear, inlined, optional
 from ..lowered import local_array, subtract_multiple
 from .chain import Chain
 from .factorisation import place_in_lower
@@ -274,7 +276,7 @@ def solve_both_columns(axes, nodes, elements, x, y):
             y[k, 1, i] = 0.0
 
 
-@inlined_kernel
+@inlined
 def multiply_by_mass(nodes, elements, x, y):
     """y = M x with the supports taken out.   nodes, elements: (n, 3), (N, 4) masses; x, y: (n, 2, dim)."""
     for k in range(len(x)):
@@ -291,6 +293,11 @@ def multiply_by_mass(nodes, elements, x, y):
             y[k + 1, 1, i] += m[1] * x[k, 0, i] + m[3] * x[k, 1, i]
 
 
-def apply_mass(chain: Chain, x: Array, y: Array) -> None:
-    """y = M x with the supports taken out.   x, y: (n, 2, dim)."""
-    multiply_by_mass(chain.nodes["mass"], chain.elements["mass"], x, y)
+def apply_mass(chain: Chain, x: Array) -> Array:
+    """M x with the supports taken out.   x: (n, 2, dim)."""
+    rr, rs, ss = chain.nodes["mass"].T[:, :, np.newaxis]
+    product: Array = np.stack([rr * x[:, 0] + rs * x[:, 1], rs * x[:, 0] + ss * x[:, 1]], axis=1)
+    coupling = chain.elements["mass"].reshape(-1, 2, 2)
+    product[:-1] += coupling @ x[1:]
+    product[1:] += coupling.swapaxes(1, 2) @ x[:-1]
+    return product

@@ -31,7 +31,7 @@ class SectionForces:
 
     arc_length: (m,) [m].   position: (m, dim) [m].
     tension: (m,) N [N].   shear_force: (m, dim) Q, across the cable [N].
-    bending_moment: (m,) EI (kappa - kappa_0) with its sign in the plane, its size in space [N m].
+    bending_moment: (m,) EI (kappa - kappa_0) + D kappa_t, with its sign in the plane, else its size [N m].
     """
 
     arc_length: Array
@@ -94,11 +94,11 @@ def section_forces(
     k = np.minimum(np.searchsorted(ends, arc_length - 1e-12 * cable.length), len(ends) - 1)
     length = cable.element_lengths[k]
     xi = np.clip((arc_length - (ends[k] - length)) / length, 0.0, 1.0)
-    nodal = np.concatenate([state.q[:-1], state.q[1:]], axis=1)[k]
+    nodal = [np.concatenate([of_nodes[:-1], of_nodes[1:]], axis=1)[k] for of_nodes in (state.q, state.v)]
     force = mean[k] + _variation(cable, state.a, density, k, xi)
     force += attached_variation(cable, state, density / cable.section.mass_per_length, k, xi)
-    position, r_x, r_xx = (
-        np.stack([s(x, h).T @ q for x, h, q in zip(xi, length, nodal, strict=True)])
+    (position, _), (r_x, v_x), (r_xx, v_xx) = (
+        [np.stack([s(x, h).T @ e for x, h, e in zip(xi, length, at, strict=True)]) for at in nodal]
         for s in (shape_functions, first_derivatives, second_derivatives)
     )
     tangent = r_x / np.linalg.norm(r_x, axis=1)[:, None]
@@ -108,7 +108,7 @@ def section_forces(
         position,
         tension,
         force - tension[:, None] * tangent,
-        _bending_moment(cable, (k, xi), r_x, r_xx),
+        _bending_moment(cable, (k, xi), np.stack([r_x, r_xx, v_x, v_xx])),
     )
 
 
@@ -143,51 +143,59 @@ def _integrated_shape_functions(xi: Array, length: float) -> Array:
     )
 
 
-def _bending_moment(cable: Cable, places: tuple[np.ndarray, Array], r_x: Array, r_xx: Array) -> Array:
-    """places: elements (m,) and where in them (m,)."""
-    power = np.linalg.norm(r_x, axis=1) ** (
-        2 if cable.stretches else 3
-    )  # by the arc length, stretched or not
-    if cable.dimension == 2:
-        curvature = (r_x[:, 0] * r_xx[:, 1] - r_x[:, 1] * r_xx[:, 0]) / power
-    else:
-        curvature = np.linalg.norm(np.cross(r_x, r_xx), axis=1) / power
+def _bending_moment(cable: Cable, places: tuple[np.ndarray, Array], rates: Array) -> Array:
+    """(m,) see `SectionForces`.
+
+    places: elements (m,) and where in them (m,).   rates: (4, m, dim) r_x, r_xx, and their rates in time.
+    """
+    section, power = cable.section, 2 if cable.stretches else 3  # by the arc length, stretched or not
+    r_x, r_xx, v_x, v_xx = np.pad(rates, ((0, 0), (0, 0), (0, 3 - cable.dimension)))
+    square = (r_x * r_x).sum(axis=1, keepdims=True)
+    kappa = np.cross(r_x, r_xx) / square ** (power / 2)
+    kappa_t = (np.cross(v_x, r_xx) + np.cross(r_x, v_xx)) / square ** (power / 2)
+    kappa_t -= power * (r_x * v_x).sum(axis=1, keepdims=True) / square * kappa
+    moment = section.bending_stiffness * kappa + section.bending_damping * kappa_t
+    if cable.dimension == 3:
+        return np.asarray(np.linalg.norm(moment, axis=1))
     natural = [cable.natural_curvature(k, np.array([x]))[0] for k, x in zip(*places, strict=True)]
-    return cable.section.bending_stiffness * (curvature - natural)
+    return np.asarray(moment[:, 2] - section.bending_stiffness * np.array(natural))
 
 
-def multiplier_tension(cable: Cable, q: Array, nodal: Array, length: Array) -> Array:
+def multiplier_tension(cable: Cable, q: Array, v: Array, nodal: Array, length: Array) -> Array:
     """Mean tension of each element (N,) [N], from the multipliers and the curvature.
 
     A length multiplier lam is a tension 2 lam; a nodal one is concentrated, 2 lam at a point, half of it
-    on either side. To both comes what the bending energy does on a stretch.
+    on either side. To both comes what bending and its damping do on a stretch.
 
     Args:
-        q: (n, 2, dim).   nodal: (n,) multipliers of Eq. (18) [N m].   length: (N,) of Eq. (19) [N].
+        q, v: (n, 2, dim).   nodal: (n,) multipliers of Eq. (18) [N m].   length: (N,) of Eq. (19) [N].
     """
     share = nodal.copy()
     if not cable.closed:
         share[[0, -1]] *= 2.0
     else:
         share[[0, -1]] = share[0] + share[-1]
-    return 2.0 * length + (share[1:] + share[:-1]) / cable.element_lengths + _bending_tension(cable, q)
+    return 2.0 * length + (share[1:] + share[:-1]) / cable.element_lengths + _bending_tension(cable, q, v)
 
 
-def _bending_tension(cable: Cable, q: Array) -> Array:
+def _bending_tension(cable: Cable, q: Array, v: Array) -> Array:
     """(N,) mean of r_x . (dU/dr_x - (dU/dr_xx)_x) [N].
 
     EI kappa^2 for U = EI |r_xx|^2 / 2, twice that for EI |r_x|^2 |r_xx|^2 / 2; -2 EI kappa_0 kappa for
-    -EI kappa_0 r_x x r_xx.
+    -EI kappa_0 r_x x r_xx; and likewise 2 D kappa_t . kappa of the damping.
     """
     section, share = cable.section, 2.0 if cable.measure is CurvatureMeasure.PRODUCT else 1.0
     means = np.zeros(cable.number_of_elements)
     for k, length in enumerate(cable.element_lengths):
         xi, weight = quadrature(float(length))
-        nodal = np.concatenate([q[k], q[k + 1]])
-        r_x, r_xx = (s(xi, float(length)).T @ nodal for s in (first_derivatives, second_derivatives))
-        density = share * np.einsum("gi,gi->g", r_xx, r_xx)
+        nodal = [np.concatenate([of_nodes[k], of_nodes[k + 1]]) for of_nodes in (q, v)]
+        shapes = [s(xi, float(length)).T for s in (first_derivatives, second_derivatives)]
+        rates = np.stack([s @ e for e in nodal for s in shapes])
+        r_x, r_xx, v_x, v_xx = np.pad(rates, ((0, 0), (0, 0), (0, 3 - cable.dimension)))
+        kappa, kappa_t = np.cross(r_x, r_xx), np.cross(v_x, r_xx) + np.cross(r_x, v_xx)
+        density = section.bending_stiffness * share * (r_xx * r_xx).sum(axis=1)
+        density += 2.0 * section.bending_damping * (kappa_t * kappa).sum(axis=1)
         if cable.is_naturally_curved:
-            turning = r_x[:, 0] * r_xx[:, 1] - r_x[:, 1] * r_xx[:, 0]
-            density -= 2.0 * cable.natural_curvature(k, xi) * turning
-        means[k] = section.bending_stiffness * (weight @ density) / length
+            density -= 2.0 * section.bending_stiffness * cable.natural_curvature(k, xi) * kappa[:, 2]
+        means[k] = weight @ density / length
     return means

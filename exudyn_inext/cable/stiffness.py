@@ -55,9 +55,9 @@ def apply_stiffness_of_called(system, nodal, length, links, q, x, memory, y):
 
 
 @inlined
-def _set_elastic_part(chain, q, x, memory, y):
+def _set_elastic_part(chain, shape, q, x, memory, y):
     """y = -(dQ_el/dq) x, exact: Q_el is cubic in q, so that two central differences suffice."""
-    trial, force = memory[0], memory[1]
+    trial, force = memory[: len(q)], memory[len(q) :]
     combine(0.0, x, 0.0, x, y)
     for difference in range(4):
         step = 1.0 + difference // 2
@@ -65,7 +65,7 @@ def _set_elastic_part(chain, q, x, memory, y):
         weight = -8.0 / 12.0 if difference < 2 else 1.0 / 12.0
         combine(1.0, q, sign * step, x, trial)
         combine(0.0, x, 0.0, x, force)
-        add_elastic_force(chain, trial, force)
+        add_elastic_force(chain, trial.reshape(shape), force.reshape(shape))
         combine(1.0, y, sign * weight, force, y)
 
 
@@ -85,22 +85,11 @@ def _add_geometric_stiffness(chain, nodal, length, x, y):
         add_element_force(chain.axes, gradient, y[k], y[k + 1])
 
 
-@inlined
-def _apply(system, nodal, length, links, q, x, memory, y):
-    shape = len(nodal), 2, len(system.chain.axes)
-    one, image = x.reshape(shape), y.reshape(shape)
-    _set_elastic_part(system.chain, q.reshape(shape), one, memory.reshape((2, *shape)), image)
-    _add_geometric_stiffness(system.chain, nodal, length, one, image)
-    add_link_stiffness(system, links, one, image)
-
-
-@implements(apply_stiffness, CableSystem)
+@implements(apply_stiffness, CableSystem, LinkedCableSystem)
 def apply_stiffness_of_cable(system, nodal, length, links, q, x, memory, y):
     """Arguments: see `apply_stiffness`."""
-    _apply(system, nodal, length, links, q, x, memory, y)
-
-
-@implements(apply_stiffness, LinkedCableSystem)
-def apply_stiffness_of_linked_cable(system, nodal, length, links, q, x, memory, y):
-    """Arguments: see `apply_stiffness`."""
-    _apply(system, nodal, length, links, q, x, memory, y)
+    shape = len(nodal), 2, len(system.chain.axes)
+    _set_elastic_part(system.chain, shape, q, x, memory, y)
+    one, image = x.reshape(shape), y.reshape(shape)
+    _add_geometric_stiffness(system.chain, nodal, length, one, image)
+    add_link_stiffness(system, links, one, image)

@@ -6,39 +6,29 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import kernel
-from ..element.inextensibility import length_gradient
-from ..lowered import local_array
 from ..system import accelerate_and_project
-from .assembly import add_element_force, differences
 from .axial_energy import force_in_motion
 from .cable import Cable
-from .chain import build_chain
+from .chain import Chain, build_chain
+from .index_reduction import ACCELERATION
 from .linked_cable import LinkedCableSystem, cable_system
 from .saddle_point import apply_mass
 
 
-@kernel
-def _out_of_balance(chain, q, result):
-    """F - M a - C_q^T lam of the length constraints.
+def _out_of_balance(chain: Chain, q: Array, inertia: Array) -> Array:
+    """F - M a - C_q^T lam of the length constraints, (n, 2, dim).
 
     Args:
-        chain: solved at q (n, 2, dim).   result: (n, 2, dim) M a without supports; output [N, Nm].
+        chain: solved at q (n, 2, dim).   inertia: (n, 2, dim) M a without supports [N, Nm].
     """
-    axes = chain.axes
-    for k in range(len(q)):
-        for kind in range(2):
-            for i in range(len(axes)):
-                result[k, kind, i] = chain.nodes[k].force[0, kind, i] - result[k, kind, i]
-    e, gradient = local_array(3, 3), local_array(3, 3)
-    for k in range(len(chain.elements)):
-        element = chain.elements[k]
-        differences(axes, q, k, e)
-        length_gradient(axes, element.slope_gram, e, gradient)
-        for row in range(3):
-            for i in range(len(axes)):
-                gradient[row, i] *= -element.multiplier[0]
-        add_element_force(axes, gradient, result[k], result[k + 1])
+    nodes, elements = chain.nodes, chain.elements
+    balance: Array = nodes["force"][:, ACCELERATION] - inertia
+    e = np.stack([np.diff(q[:, 0], axis=0), q[:-1, 1], q[1:, 1]], axis=1)
+    multipliers = elements["multiplier"][:, ACCELERATION, np.newaxis, np.newaxis]
+    forces = 2.0 * multipliers * (elements["slope_gram"] @ e)  # see `length_gradient`
+    balance[:-1] -= np.stack([-forces[:, 0], forces[:, 1]], axis=1)
+    balance[1:] -= forces[:, [0, 2]]
+    return balance
 
 
 class SupportForces(NamedTuple):
@@ -65,15 +55,13 @@ class SupportedCable:
         system, shape = self._system, self._system.chain.shape
         (a, rate), on_coordinates = np.zeros((2, q.size)), np.zeros(shape)
         accelerate_and_project(system, external, q, v, 0.0, a, rate)
-        inertia = np.zeros(shape)
-        apply_mass(self._free, a.reshape(shape), inertia)
+        inertia = apply_mass(self._free, a.reshape(shape))
         if self._stretches:
             force = external[: q.size].reshape(shape)
             force_in_motion(self._free, force, q.reshape(shape), v.reshape(shape), on_coordinates)
             on_coordinates -= inertia
         else:
-            on_coordinates[:] = inertia
-            _out_of_balance(system.chain, q.reshape(shape), on_coordinates)
+            on_coordinates = _out_of_balance(system.chain, q.reshape(shape), inertia)
         of_links = self._take_rods(on_coordinates)
         if self._closed:
             on_coordinates[0] += on_coordinates[-1]

@@ -1,22 +1,19 @@
-"""Sums and products of arrays of the shape of the coordinates, (n, 2, dim)."""
+"""Sums and products of arrays of coordinates, (n_dof,)."""
 
-from ..compiled import inlined
+from ..compiled import called_kernel
 
 
-@inlined
+@called_kernel
 def combine(a, x, b, y, result):
-    """result = a x + b y for arrays of the shape (n, 2, dim)."""
-    for k in range(len(x)):
-        for i in range(x.shape[2]):
-            result[k, 0, i] = a * x[k, 0, i] + b * y[k, 0, i]
-            result[k, 1, i] = a * x[k, 1, i] + b * y[k, 1, i]
+    """result = a x + b y."""
+    for i in range(len(x)):
+        result[i] = a * x[i] + b * y[i]
 
 
-@inlined
+@called_kernel
 def inner(x, y):
-    """Inner product of arrays of the shape (n, 2, dim)."""
+    """Inner product."""
     total = 0.0
-    for k in range(len(x)):
-        for i in range(x.shape[2]):
-            total += x[k, 0, i] * y[k, 0, i] + x[k, 1, i] * y[k, 1, i]
+    for i in range(len(x)):
+        total += x[i] * y[i]
     return total

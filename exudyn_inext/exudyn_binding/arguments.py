@@ -10,16 +10,21 @@ from ..run.settings import ExplicitSettings
 
 def simulation_settings(given: Any) -> Any:
     """The given exudyn.SimulationSettings, or those by default for None."""
-    return _settings("simulationSettings", given, exudyn.SimulationSettings)
+    return settings_of(exudyn.SimulationSettings, "simulationSettings", given)
 
 
 def explicit_settings(given: Any) -> ExplicitSettings:
     """The given ExplicitSettings, or those by default for None."""
-    checked: ExplicitSettings = _settings("explicitSettings", given, ExplicitSettings)
+    checked: ExplicitSettings = settings_of(ExplicitSettings, "explicitSettings", given)
     return checked
 
 
-def _settings(name: str, given: Any, kind: Any) -> Any:
+def settings_of(kind: Any, name: str, given: Any) -> Any:
+    """The given object of that class, or the one by default for None.
+
+    Raises:
+        InputError: something else.   name: of the argument, for the message.
+    """
     if given is None:
         return kind()
     if not isinstance(given, kind):

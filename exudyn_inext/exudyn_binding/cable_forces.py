@@ -11,6 +11,7 @@ from exudyn.itemInterface import SensorUserFunction
 
 from ..arrays import Array
 from ..cable.axial_energy import strain_tension
+from ..cable.cable import Cable
 from ..cable.frequency import nodal_multipliers_of
 from ..cable.linked_cable import cable_system
 from ..cable.section_forces import SectionForces, SolvedState, multiplier_tension, section_forces
@@ -37,22 +38,12 @@ class CableEvaluator:
     def __init__(self, mbs: Any, number: int) -> None:
         require_assembled(mbs)
         self._scene = read_scene(mbs)
-        self._place = _place_of(self._scene, mbs, number)
+        self._place = _place_of(self._scene, number)
         self._cable = self._scene.cables[self._place]
         _require_linear_laws(mbs, self._cable)
         self._system = cable_system(self._cable.cable, 0.0)
         self._coupled: CoupledScene | None = None
         self._gravity = np.zeros(self._cable.cable.dimension)  # of the state that was solved
-
-    @property
-    def length(self) -> float:
-        """Of the cable [m]."""
-        return self._cable.cable.length
-
-    @property
-    def elements(self) -> int:
-        """Number of elements."""
-        return self._cable.cable.number_of_elements
 
     def forces(self, state: SolvedState, arc_length: Array) -> SectionForces:
         """Section forces at arc lengths (m,) [m]."""
@@ -65,7 +56,7 @@ class CableEvaluator:
         if self._cable.cable.stretches:
             return strain_tension(self._cable.cable, self._system.chain)
         nodal = nodal_multipliers_of(self._system, state.a)
-        return multiplier_tension(self._cable.cable, state.q, nodal, state.multiplier)
+        return multiplier_tension(self._cable.cable, state.q, state.v, nodal, state.multiplier)
 
     def solve(self, mbs: Any) -> SolvedState:
         """The present state of the mbs, with its accelerations and multipliers."""
@@ -102,9 +93,7 @@ class CableEvaluator:
         cables = []
         for cable in self._scene.cables:
             system = self._system if cable is self._cable else cable_system(cable.cable, 0.0)
-            loads = CableLoads(cable.among_others)
-            reference = cable.cable.reference.ravel()
-            cables.append(CoupledCable(cable.number, cable.indices, reference, system, loads))
+            cables.append(CoupledCable(cable.among_others, system, CableLoads(cable.among_others)))
         return CoupledScene(mbs, cables, self._scene.own_constraints, 0.0)
 
 
@@ -119,8 +108,9 @@ def CableForces(mbs: Any, cable: Any, arcLengths: Any = None) -> dict[str, Any]:
 
     Returns:
         dict with arrays 'arcLength' (m,) [m], 'position' (m, dim) [m], 'tension' (m,) [N], 'shearForce'
-        (m, dim) [N], 'bendingMoment' (m,) [N m] (signed in the plane, its size in space), and
-        'multiplierTension' (N,) [N]: the mean over each element, from Lagrange multipliers and curvature.
+        (m, dim) [N], 'bendingMoment' (m,) [N m] (with that of the bending damping, as in native cables;
+        signed in the plane, its size in space), and 'multiplierTension' (N,) [N]: the mean over each
+        element, from Lagrange multipliers and curvature.
         With axialStiffness it is that of EA times the strain, and what its rate adds.
 
     Raises:
@@ -131,10 +121,10 @@ def CableForces(mbs: Any, cable: Any, arcLengths: Any = None) -> dict[str, Any]:
         forces = CableForces(mbs, cable, 101)
         plt.plot(forces["arcLength"], forces["tension"])
     """
-    number, _ = require_cable(mbs, cable)
+    number, item = require_cable(mbs, cable)
     with at_position_level(mbs, mbs.systemData.GetTime()):
         evaluator = CableEvaluator(mbs, number)
-        points, state = _points(arcLengths, evaluator), evaluator.solve(mbs)
+        points, state = _points(arcLengths, item.cable), evaluator.solve(mbs)
     forces = evaluator.forces(state, points)
     return {
         "arcLength": forces.arc_length,
@@ -199,7 +189,7 @@ def forget_evaluators(sensors: Sequence[Any]) -> None:
             getattr(data["sensorUserFunction"]["function"], "forget", lambda: None)()
 
 
-def _place_of(scene: Scene, mbs: Any, number: int) -> int:
+def _place_of(scene: Scene, number: int) -> int:
     """Which of the cables of the scene an object is."""
     for place, cable in enumerate(scene.cables):
         if cable.number == number:
@@ -222,13 +212,13 @@ def _require_linear_laws(mbs: Any, cable: CableInScene) -> None:
             )
 
 
-def _points(given: Any, evaluator: CableEvaluator) -> Array:
+def _points(given: Any, cable: Cable) -> Array:
     if given is None:
-        return np.linspace(0.0, evaluator.length, 10 * evaluator.elements + 1)
+        return np.linspace(0.0, cable.length, 10 * cable.number_of_elements + 1)
     if isinstance(given, Integral) and not isinstance(given, bool) and int(given) >= 2:
         number = require_integer("arcLengths", given, 2, LARGEST_NUMBER_OF_ITEMS)
-        return np.linspace(0.0, evaluator.length, number)
+        return np.linspace(0.0, cable.length, number)
     is_sequence = isinstance(given, Sequence | np.ndarray) and not isinstance(given, str | bytes)
     if not is_sequence or getattr(given, "shape", None) == () or not len(given):
         raise InputError(f"arcLengths = {given!r}: must be points (m,) [m], or how many, at least 2.")
-    return np.array([point_on_cable(x, evaluator.length) for x in given])
+    return np.array([point_on_cable(x, cable.length) for x in given])

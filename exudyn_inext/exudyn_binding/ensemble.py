@@ -17,9 +17,10 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array, as_slice
+from ..called_system import addresses_of
 from ..checks import require_finite, require_integer
 from ..run.cable_run import CableRun
-from ..run.coupled_run import CoupledRun
+from ..run.coupled_run import CoupledRun, Run
 from ..run.members import record_members, stacked
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import StepChoice, require_stable, warn_of_damping
@@ -257,9 +258,7 @@ class _Ensemble:
             return partial(self._advance, self._chunk(grid, cable, first, list(runs)))
         return partial(self._advance_one_by_one, grid, cable, first, runs)
 
-    def _advance_one_by_one(
-        self, grid: TimeGrid, cable: int, first: int, runs: Sequence[CableRun | CoupledRun]
-    ) -> int:
+    def _advance_one_by_one(self, grid: TimeGrid, cable: int, first: int, runs: Sequence[Run]) -> int:
         """As `_advance`, for cables among bodies, and for steps that adapt."""
         for number, run in enumerate(runs, first):
             self._start(grid, number, run)
@@ -298,7 +297,7 @@ class _Ensemble:
             watches=stacked([run.watch.watch for run in runs]),
         )
 
-    def _start(self, grid: TimeGrid, number: int, run: CableRun | CoupledRun) -> None:
+    def _start(self, grid: TimeGrid, number: int, run: Run) -> None:
         run.set_step(grid.h)
         run.start(grid.start)
         self.reference[number, run.indices] = run.reference
@@ -315,7 +314,7 @@ class _Ensemble:
         grid, run = chunk.grid, chunk.runs[0]
         shape = (len(self.states), len(chunk.runs), grid.loop_steps, len(run.indices))
         output = np.full(shape, np.nan)
-        systems = np.array([run.called.address for run in chunk.runs])
+        systems = addresses_of([run.called for run in chunk.runs])
         stacks = systems, run.called.functions, chunk.loads, chunk.states
         good = np.zeros(len(chunk.runs), dtype=int)
         record_members(self._scheme, *stacks, grid.h, grid.substeps, chunk.watches, output, good)

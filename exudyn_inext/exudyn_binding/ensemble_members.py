@@ -12,11 +12,12 @@ from ..errors import InextensibleError, InputError, SceneError
 from ..items.functions_of_time import take_word
 from ..native.velocity_level import at_position_level
 from ..run.cable_run import CableRun
-from ..run.coupled_run import CoupledRun
+from ..run.coupled_run import Run
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import StepChoice, choose_step
 from .scene import read_scene, require_assembled
 from .scene_runs import compiled_runs
+from .time_loop import refuse_step_functions
 
 REMEDY = "members must not differ in it; put the others into an ensemble of their own."
 
@@ -29,7 +30,7 @@ class Member:
     choice: of its step.
     """
 
-    runs: Sequence[CableRun] | Sequence[CoupledRun]
+    runs: Sequence[Run]
     size: int
     choice: StepChoice
 
@@ -99,18 +100,12 @@ def _naming(number: int) -> Iterator[None]:
         raise
 
 
-def _runs(
-    mbs: Any, time: float, h: float, explicit: ExplicitSettings
-) -> Sequence[CableRun] | Sequence[CoupledRun]:
+def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> Sequence[Run]:
     if not hasattr(mbs, "systemIsConsistent"):
         raise InputError(f"{mbs!r} is no system of Exudyn (mbs): a builder must return it.")
     require_assembled(mbs)
     take_word(mbs, explicit.dependsOnTimeOnly)
-    if mbs.GetPreStepUserFunction() or mbs.GetPostStepUserFunction():
-        raise SceneError(
-            "it has a pre- or post-step user function, which nobody calls within an ensemble: remove it, or "
-            "use SolveExplicit."
-        )
+    refuse_step_functions(mbs, "within an ensemble")
     with at_position_level(mbs, time):
         runs = compiled_runs(mbs, read_scene(mbs), time, h, explicit, "SolveEnsemble")
     if not runs:
@@ -118,9 +113,7 @@ def _runs(
     return runs
 
 
-def _require_same_structure(
-    first: Sequence[CableRun | CoupledRun], others: Sequence[CableRun | CoupledRun]
-) -> None:
+def _require_same_structure(first: Sequence[Run], others: Sequence[Run]) -> None:
     cables, own = ([cable for run in runs for cable in run.cable_runs] for runs in (first, others))
     if len(cables) != len(own):
         raise InputError(f"number of cables = {len(own)}, that of member 0 is {len(cables)}: {REMEDY}")

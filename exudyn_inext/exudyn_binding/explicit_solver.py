@@ -23,14 +23,13 @@ from .changes.limit import StepLimit
 from .changes.log import ChangeLog, listening
 from .compile_notice import compile_notice
 from .console import header_of, initialized
-from .empty_sensors import warn_of_empty_sensors
 from .idle_integrator import idle_integrator, nothing
-from .observed import observed_derivatives
 from .restart import Restarts
 from .scene import read_scene, require_assembled
 from .scene_runs import RunBuilder, bounds_if_scaled
+from .sensors import observed_derivatives, warn_of_empty_sensors
 from .stepping_loop import Portion, SteppingLoop
-from .time_loop import warn_of_findings
+from .time_loop import refuse_newton_functions, warn_of_findings
 
 _NativeSolver: Any = exudyn.MainSolverImplicitSecondOrder
 
@@ -92,6 +91,7 @@ class ExplicitSolver(_NativeSolver):
         settings = simulation_settings(simulationSettings)
         _require_no_restart(settings)
         require_assembled(mbs)
+        refuse_newton_functions(mbs)
         take_word(mbs, self._given.dependsOnTimeOnly)
         sensors = [mbs.GetSensor(number) for number in range(mbs.systemData.NumberOfSensors())]
         require_writable_outputs(settings, sensors)

@@ -1,13 +1,14 @@
 """The state of an mbs, and runs that begin in another one than the initial configuration."""
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from typing import Any
 
 import exudyn
 import numpy as np
 
 from ..arrays import Array
+from ..run.coupled_run import Run
 
 State = Mapping[str, Array]
 INITIAL = exudyn.ConfigurationType.Initial
@@ -36,3 +37,19 @@ def _set_initial(mbs: Any, state: State) -> None:
     *parts, accelerations = (state[name] for name in _PARTS)
     mbs.systemData.SetSystemState(parts, INITIAL)
     mbs.systemData.SetODE2Coordinates_tt(accelerations, INITIAL)
+
+
+def first_row(mbs: Any, runs: Sequence[Run], time: float) -> AbstractContextManager[None]:
+    """What sensors and solution files show in their first row: accelerations and multipliers at the start.
+
+    Exudyn copies its initial state to the current one, and writes it before the first step.
+
+    Args:
+        mbs: the system; its initial state is afterwards what it was before.
+        runs: have been started.   time: of the start [s].
+    """
+    state = state_of(mbs, INITIAL)
+    state["AE"][:] = 0.0
+    for run in runs:
+        state["ODE2_tt"][run.indices] = run.accelerations(time, state["AE"])
+    return initial_state(mbs, state)

@@ -12,8 +12,7 @@ from ..items.parameters import Parameter
 from ..native.coupled_scene import CoupledCable, CoupledScene
 from ..native.surroundings import state_kept, switched_off
 from ..run.cable_run import CableRun, Start
-from ..run.coupled_run import CoupledRun
-from ..run.run import Run
+from ..run.coupled_run import CoupledRun, Run
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import USUAL_SCALING, StepSizeBounds, step_bounds
 from ..scene.model import CableInScene, HeldCoordinate, Scene
@@ -72,7 +71,7 @@ def runs_of_cables(
     mbs: Any, cables: Sequence[CableInScene], time: float, h: float, explicit: ExplicitSettings
 ) -> list[CableRun]:
     """One run for each cable, from the initial configuration; arguments: see `runs_of_scene`."""
-    start, states = Start.at(time, h, explicit), initial_states(mbs, cables)
+    start, states = Start(time, h, explicit), initial_states(mbs, cables)
     return [
         CableRun(cable, state, start, explicit.method) for cable, state in zip(cables, states, strict=True)
     ]
@@ -109,11 +108,8 @@ def runs_of_scene(
         return runs_of_cables(mbs, scene.cables, time, h, explicit)
     unloaded = [cable.among_others for cable in scene.cables]  # Exudyn evaluates the loads
     runs = runs_of_cables(mbs, unloaded, time, h, explicit)
-    cables = [
-        CoupledCable(run.scene_cable.number, run.indices, run.reference, run.system, run.loads)
-        for run in runs
-    ]
-    start, why = Start.at(time, h, explicit), _shortened(scene.foreign)
+    cables = [CoupledCable(run.scene_cable, run.system, run.loads) for run in runs]
+    start, why = Start(time, h, explicit), _shortened(scene.foreign)
 
     def coupled_run(held: Mapping[int, HeldCoordinate]) -> CoupledRun:
         own, zeta = scene.own_constraints, explicit.stabilizationRate
@@ -135,7 +131,7 @@ def runs_of_scene(
 
 def compiled_runs(
     mbs: Any, scene: Scene, time: float, h: float, explicit: ExplicitSettings, who: str
-) -> Sequence[CableRun] | Sequence[CoupledRun]:
+) -> Sequence[Run]:
     """As `runs_of_scene`, of runs that do without mbs from then on; it stays as it was.   who: asks.
 
     Raises:

@@ -15,11 +15,8 @@ from ..native.velocity_level import Drives, at_position_level
 from ..run.loop_clock import LoopClock
 from ..run.output_files import ResumedOutputs, require_writable_outputs
 from ..run.settings import ExplicitSettings
-from ..run.step_choice import (
-    choose_step,
-    warn_of_damping,
-)
-from ..run.time_grid import TimeGrid
+from ..run.step_choice import choose_step, warn_of_damping
+from ..run.time_grid import TimeGrid, time_grid
 from .arguments import explicit_settings, simulation_settings
 from .cable_forces import forget_evaluators
 from .changes.constraints import SteppedReader
@@ -28,17 +25,21 @@ from .changes.limit import StepLimit
 from .changes.log import ChangeLog, listening
 from .compile_notice import compile_notice
 from .console import header_of, initialized
-from .empty_sensors import warn_of_empty_sensors
-from .first_row import first_row
 from .idle_integrator import changed, idle_integrator, nothing
-from .mbs_state import initial_state
-from .observed import observed_derivatives
-from .output_grid import time_grid
+from .mbs_state import first_row, initial_state
 from .reports import ExplicitReport
 from .restart import Restarts
 from .scene import read_scene, require_assembled
-from .scene_runs import RunBuilder, bounds_if_scaled, needs_coupling
-from .time_loop import ExplicitTimeLoop, is_watched, step_functions, warn_of_findings, worst_figures
+from .scene_runs import RunBuilder, bounds_if_scaled
+from .sensors import observed_derivatives, warn_of_empty_sensors
+from .time_loop import (
+    ExplicitTimeLoop,
+    is_watched,
+    refuse_newton_functions,
+    step_functions,
+    warn_of_findings,
+    worst_figures,
+)
 
 
 def SolveExplicit(
@@ -117,6 +118,7 @@ def SolveExplicit(
     settings = simulation_settings(simulationSettings)
     explicit = explicit_settings(explicitSettings)
     require_assembled(mbs)
+    refuse_newton_functions(mbs)
     take_word(mbs, explicit.dependsOnTimeOnly)
     with at_position_level(mbs, float(settings.timeIntegration.startTime)) as drives:
         return _solve(mbs, settings, explicit, drives)
@@ -137,18 +139,15 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings, drives: Drives) 
         log.restore(restarts.changes)
         reader.restore(restarts.changes)
         scene = read_scene(mbs, reader)
-    coupled = needs_coupling(scene)
     with ExitStack() as stack:
         stack.enter_context(compile_notice(settings, solver))
-        with state_kept(mbs) if coupled else nullcontext():
+        with state_kept(mbs):
             outputs = ResumedOutputs(settings, sensors) if restarts.found else None
             given = None if explicit.stepSize is None else time_grid(mbs, settings, explicit.stepSize)
             scaling = (restarts.step or given.h) if given and explicit.massScaling else 0.0
             builder = RunBuilder(mbs, log.changed, explicit, scaling, stack)
-            if restarts.changes:
-                runs = builder.build(scene, restarts.time, restarts.state)
-            else:
-                runs = builder.build(scene, start)
+            beginning = (restarts.time, restarts.state) if restarts.changes else (start,)
+            runs = builder.build(scene, *beginning)
             log.is_followed = is_watched(mbs, runs)
             duration = float(settings.timeIntegration.endTime) - start
             scaled = bounds_if_scaled(mbs, scene, start, given.h if given else 0.0, explicit)
@@ -176,17 +175,9 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings, drives: Drives) 
                 shown = first_row(mbs, runs, start)
             if outputs is not None:
                 outputs.cut(grid.time(grid.first) + 0.5 * grid.substeps * grid.h)
+            header = header_of(explicit, grid.h, decided_by, grid.substeps)
             with shown, listening(log):
-                _run(
-                    mbs,
-                    solver,
-                    settings,
-                    loop,
-                    restarts,
-                    outputs,
-                    log,
-                    header_of(explicit, grid.h, decided_by, grid.substeps),
-                )
+                _run(mbs, solver, settings, loop, outputs, log, header)
         finally:
             forget_evaluators(sensors)
     controls = [run.control for run in loop.runs]
@@ -248,12 +239,11 @@ def _run(
     solver: Any,
     settings: Any,
     loop: ExplicitTimeLoop,
-    restarts: Restarts,
     outputs: ResumedOutputs | None,
     log: ChangeLog,
     header: str,
 ) -> None:
-    function, clock = loop.user_function, restarts.clock(loop.grid)
+    function, clock = loop.user_function, loop.restarts.clock(loop.grid)
     if clock is not None:
         function = clock.continued(function, settings.solution)
     # In place of the iteration that calls Newton's method until contacts have settled: they do in a run.

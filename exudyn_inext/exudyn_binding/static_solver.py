@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
 
+import exudyn
 import numpy as np
 
 from ..arrays import Array
@@ -22,11 +23,10 @@ from ..run.cable_loads import CableLoads
 from ..scene.model import CableInScene, Scene, put_reactions
 from ..statics import Equilibrium, JoinedPotential, StaticOptions, find_equilibrium, potential_of
 from ..statics.support_forces import support_forces
-from .arguments import simulation_settings
+from .arguments import settings_of, simulation_settings
 from .reports import StaticReport
 from .scene import initial_state, read_scene, require_assembled
 from .scene_runs import needs_coupling
-from .static_outputs import write_equilibrium
 
 REACH_TOLERANCE = 1e-9
 MOST_ITERATIONS = 1_000_000
@@ -100,7 +100,7 @@ def SolveEquilibrium(
         SolveExplicit(mbs, simulationSettings)
     """
     settings = simulation_settings(simulationSettings)
-    static = _static_settings(staticSettings)
+    static: StaticSettings = settings_of(StaticSettings, "staticSettings", staticSettings)
     require_assembled(mbs)
     take_word(mbs, static.dependsOnTimeOnly)
     time = require_finite("timeIntegration.startTime", settings.timeIntegration.startTime, "s")
@@ -110,8 +110,27 @@ def SolveEquilibrium(
     solve = _solve_scene if needs_coupling(scene) else _solve_cables
     report = solve(mbs, scene, time, static)
     if simulationSettings is not None:
-        write_equilibrium(mbs, settings, scene.evaluated_by_kernels[0])
+        _write_equilibrium(mbs, settings, scene.evaluated_by_kernels[0])
     return report
+
+
+def _write_equilibrium(mbs: Any, settings: Any, cables: Sequence[int]) -> None:
+    """Write the present state of mbs, where settings ask for it, as mbs.SolveStatic does its last load step.
+
+    Args:
+        mbs: at rest.   settings: exudyn.SimulationSettings.   cables: see `switched_off`.
+    """
+    current, static = exudyn.ConfigurationType.Current, settings.staticSolver
+    end = static.loadStepStart + static.loadStepDuration
+    with switched_off(mbs, cables), state_kept(mbs):
+        found = mbs.systemData.GetSystemState(current)
+        solver: Any = exudyn.MainSolverStatic()
+        solver.InitializeSolver(mbs, settings)
+        mbs.systemData.SetSystemState(found, current)
+        mbs.systemData.SetTime(end)
+        solver.it.currentTime = end
+        solver.FinishStep(mbs, settings)
+        solver.FinalizeSolver(mbs, settings)
 
 
 def _solve_cables(mbs: Any, scene: Scene, time: float, static: StaticSettings) -> dict[str, Any]:
@@ -130,12 +149,6 @@ def _solve_cables(mbs: Any, scene: Scene, time: float, static: StaticSettings) -
         _put_reactions(cable, equilibrium.q, equilibrium.multipliers, time, reactions)
     rest_at(mbs, displacements, reactions)
     return report
-
-
-def _static_settings(given: Any) -> StaticSettings:
-    if given is not None and not isinstance(given, StaticSettings):
-        raise InputError(f"staticSettings = {given!r}: must be a StaticSettings, or None.")
-    return given or StaticSettings()
 
 
 def _solve_cable(mbs: Any, scene_cable: CableInScene, time: float, static: StaticSettings) -> Equilibrium:
@@ -166,7 +179,8 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         _require_reach(cable.cable, time, cable)
     with state_kept(mbs), switched_off(mbs, *scene.evaluated_by_kernels):
         loads = [CableLoads(cable) for cable in unloaded]
-        parts = [_coupled(cable, own) for cable, own in zip(unloaded, loads, strict=True)]
+        systems = [cable_system(cable.cable, 0.0) for cable in unloaded]
+        parts = list(map(CoupledCable, unloaded, systems, loads))
         joined = CoupledScene(mbs, parts, scene.own_constraints, 0.0, scene.held)
         require_held(joined, [bool(cable.cable.fixed.any() or cable.cable.links) for cable in unloaded])
         others = StaticScene(joined, time)
@@ -201,11 +215,6 @@ def _put_reactions(cable: CableInScene, q: Array, multipliers: Array, time: floa
     """Those of its supports, into the multipliers of all algebraic equations; see `support_forces`."""
     if cable.reactions and len(multipliers):
         put_reactions(cable.reactions, support_forces(cable.cable, q, multipliers, time), reactions)
-
-
-def _coupled(cable: CableInScene, loads: CableLoads) -> CoupledCable:
-    system, reference = cable_system(cable.cable, 0.0), cable.cable.reference.ravel()
-    return CoupledCable(cable.number, cable.indices, reference, system, loads)
 
 
 def _require_still_fluid(scene_cable: CableInScene) -> None:

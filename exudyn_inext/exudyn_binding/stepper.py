@@ -24,6 +24,7 @@ from .arguments import explicit_settings
 from .compile_notice import compile_notice
 from .scene import read_scene, require_assembled
 from .scene_runs import compiled_runs
+from .time_loop import refuse_step_functions
 
 MOST_STEPS = 1_000_000_000  # in one call
 _SHOWN = (exudyn.ConfigurationType.Current, exudyn.ConfigurationType.Visualization)
@@ -58,7 +59,8 @@ class ExplicitStepper:
         startCorrections: of each cable: how far its initial state was from its constraints.
 
     Raises:
-        SceneError: mbs not assembled, without a cable, or with items that only Exudyn can evaluate.
+        SceneError: mbs not assembled, without a cable, with items that only Exudyn can evaluate, or
+            with pre- or post-step user functions.
         StepSizeError: the step is above the stability limit.
         RedundantConstraintError: constraints that depend on each other.
 
@@ -88,6 +90,7 @@ class ExplicitStepper:
         interval = None if interval is None else require_positive("interval", interval)
         duration = require_positive("duration", duration)
         require_assembled(mbs)
+        refuse_step_functions(mbs, "between the steps of a stepper")
         take_word(mbs, explicit.dependsOnTimeOnly)
         given = steps_of_interval(interval, explicit.stepSize, MOST_STEPS)[1] if explicit.stepSize else 0.0
         with at_position_level(mbs, start):
@@ -155,7 +158,7 @@ class ExplicitStepper:
 
     def _stop(self, end: float) -> None:
         """Back to the last good state of all cables, in a call that should have got to `end` [s]; raises."""
-        verdicts = [run.verdict(self.time, self.stepSize) for run in self._runs]
+        verdicts = [run.run.verdict(self.time, self.stepSize) for run in self._runs]
         for run in self._runs:
             run.restore()
         self._is_ready = False
@@ -185,8 +188,8 @@ class ExplicitStepper:
             InputError: there is no such cable.
         """
         number = len(self._cables)
-        chosen = self._cables[require_integer("cable", cable, -number, number - 1, ", counted from 0")]
-        return chosen.q, chosen.v, self.time
+        q, v = self._cables[require_integer("cable", cable, -number, number - 1, ", counted from 0")]
+        return q, v, self.time
 
     def SetNodeForce(self, node: int, force: Sequence[float]) -> None:
         """Set the force [N] on a node, besides gravity and the loads of the mbs, until it is set again.

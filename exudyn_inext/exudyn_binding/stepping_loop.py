@@ -9,13 +9,13 @@ import numpy as np
 from ..checks import LARGEST, require_positive
 from ..native.surroundings import state_kept
 from ..run.cable_run import Start
+from ..run.coupled_run import Run
 from ..run.kept_state import KeptState
-from ..run.run import Run
 from ..run.settings import ExplicitSettings
 from ..run.time_grid import MOST_LOOP_STEPS, TimeGrid, steps_of_interval
 from .changes.follower import ChangeFollower, start_after_jump
-from .observed import ACCELERATIONS
 from .restart import Restarts
+from .sensors import ACCELERATIONS
 from .time_loop import ExplicitTimeLoop, is_watched
 
 _SAME = 1e-6  # difference of two times that counts as round-off, in steps of Exudyn's loop
@@ -166,7 +166,7 @@ class SteppingLoop(ExplicitTimeLoop):
         if self.changes.moves:  # a support that is to be elsewhere at the end of the step gives any velocity
             explicit = replace(explicit, startTolerance=LARGEST)
         with state_kept(self.mbs):
-            run.make_consistent(Start.at(self.time, self.grid.h, explicit))
+            run.make_consistent(Start(self.time, self.grid.h, explicit))
         super()._start(run)
 
     @property

@@ -12,16 +12,17 @@ import exudyn
 import numpy as np
 
 from ..arrays import Array, as_slice
-from ..errors import DivergenceError
+from ..errors import DivergenceError, SceneError
+from ..run.coupled_run import Run
 from ..run.divergence import divergence, listed
 from ..run.kept_state import KeptState
-from ..run.run import Run
 from ..run.time_grid import TimeGrid
-from .observed import ACCELERATIONS, POSITIONS, VELOCITIES
 from .restart import Restarts
+from .sensors import ACCELERATIONS, POSITIONS, VELOCITIES
 
 LOOK_AHEAD_LIMIT = 1_000_000  # coordinates times steps in a call: some 30 ms, so that Ctrl-C works
 HANDED_OUT = 64  # states that are turned into Python numbers at once
+CALM = 4  # steps without a change, after which several are computed at once
 UNSEEN = 32  # steps at most that are computed ahead where functions may still change something
 
 
@@ -83,7 +84,7 @@ class ExplicitTimeLoop:
         self._written = self._present(exudyn.ConfigurationType.Initial)
         self._observed = max(observed, VELOCITIES) if self._is_watched else observed
         self._shows_forces = observed == ACCELERATIONS
-        self._restarts = restarts
+        self.restarts = restarts
         self._places = [as_slice(run.indices) for run in runs]
         self._computed = grid.first  # steps of the loop
         self._ahead: tuple[int, Array] = (0, np.zeros((0, ACCELERATIONS, 0)))  # first step and its states
@@ -341,17 +342,17 @@ class ExplicitTimeLoop:
 
     def _write_restart(self) -> None:
         """If it is time to: all that has been computed has been handed out."""
-        if self._restarts.is_due(self.grid, self._computed):
+        if self.restarts.is_due(self.grid, self._computed):
             self.complete_state()
-            self._restarts.write(self.runs, self.grid, self._computed)
+            self.restarts.write(self.runs, self.grid, self._computed)
 
     def _intervals(self, step: int) -> int:
         """Number of steps of the loop to compute in one call, after that step."""
         if self._is_watched and (
-            self._calm < 4 or self._moves or not all(run.is_steady for run in self.runs)
+            self._calm < CALM or self._moves or not all(run.is_steady for run in self.runs)
         ):
             return 1
-        remaining = min(self.grid.loop_steps - step, self._restarts.steps_until_due(self.grid, step))
+        remaining = min(self.grid.loop_steps - step, self.restarts.steps_until_due(self.grid, step))
         if self._is_watched:
             remaining = min(remaining, self._calm // 2, UNSEEN)
         coordinates = sum(len(run.indices) for run in self.runs)
@@ -435,6 +436,26 @@ def is_watched(mbs: Any, runs: Sequence[Run]) -> bool:
 def has_functions(mbs: Any) -> bool:
     """Whether the user has functions that are called before or after each step of Exudyn's loop."""
     return bool(step_functions(mbs))
+
+
+def refuse_newton_functions(mbs: Any) -> None:
+    """Raise SceneError if the user has functions that only Newton's method calls."""
+    if mbs.GetPostNewtonUserFunction() or mbs.GetPreNewtonResidualUserFunction():
+        raise SceneError(
+            "mbs has a PostNewtonUserFunction or a PreNewtonResidualUserFunction, which explicit steps do "
+            "not call: remove it, mbs.SetPostNewtonUserFunction(0), and let a function of "
+            "mbs.SetPreStepUserFunction or mbs.SetPostStepUserFunction do what it does."
+        )
+
+
+def refuse_step_functions(mbs: Any, where: str) -> None:
+    """Raise SceneError if the user has such functions.   where: they would not be called."""
+    refuse_newton_functions(mbs)
+    if has_functions(mbs):
+        raise SceneError(
+            f"it has a pre- or post-step user function, which nobody calls {where}: remove it, or use "
+            "SolveExplicit."
+        )
 
 
 def step_functions(mbs: Any) -> list[Any]:

@@ -34,7 +34,7 @@ class LinearSystem(NamedTuple):
     damping: float = 0.0
 
 
-@implements(index_reduced_rates, LinearSystem, inlined)
+@implements(index_reduced_rates, LinearSystem, compiled=inlined)
 def linear_rates(system, external, q, v, acceleration, rate):
     """Right-hand side; with zeta > 0 it is what Eqs. (27), (28) leave of a constrained direction."""
     for i in range(len(q)):
@@ -44,7 +44,7 @@ def linear_rates(system, external, q, v, acceleration, rate):
         rate[i] = v[i] if system.zeta == 0.0 else -system.zeta * q[i]
 
 
-@implements(accelerate_and_project, LinearSystem, inlined)
+@implements(accelerate_and_project, LinearSystem, compiled=inlined)
 def accelerate_and_project_linear(system, external, q, v, duration, acceleration, end_velocity):
     """Without constraints there is nothing to project."""
     for i in range(len(q)):
@@ -53,7 +53,7 @@ def accelerate_and_project_linear(system, external, q, v, duration, acceleration
         end_velocity[i] = v[i] + duration * acceleration[i]
 
 
-@implements(correct_position, LinearSystem, inlined)
+@implements(correct_position, LinearSystem, compiled=inlined)
 def correct_linear_position(system, external, q, tolerance, learning, correction):
     """Without constraints there is nothing to correct."""
     correction[:] = 0.0

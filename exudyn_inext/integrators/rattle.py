@@ -95,7 +95,7 @@ def _add_correction(h, correction, q, v_half):
         v_half[i] += correction[i] / h
 
 
-@implements(advance, Rattle, inlined_kernel)
+@implements(advance, Rattle, compiled=inlined_kernel)
 def advance_rattle(scheme, system, loads, state, h, steps, history):
     """Arguments: see `advance`."""
     q, v, a, v_half = state.q, state.v, state.a, state.v_half

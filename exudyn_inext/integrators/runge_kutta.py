@@ -64,7 +64,7 @@ def _next_stage(h, stage, x, rate, x_sum, x_stage):
         x_stage[i] = x_sum[i] if stage == 3 else x[i] + h * ABSCISSAE[stage] * rate[i]
 
 
-@implements(advance, RungeKutta4, inlined_kernel)
+@implements(advance, RungeKutta4, compiled=inlined_kernel)
 def advance_runge_kutta(scheme, system, loads, state, h, steps, history):
     """Arguments: see `advance`."""
     q, v, a, rate = state.q, state.v, state.a, state.rate

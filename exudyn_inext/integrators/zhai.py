@@ -99,7 +99,7 @@ def _correct(scheme, h, q, v, a_predicted, a_start, q_start, v_start):
         v[i] = v_start[i] + h * ((1.0 - gamma) * a_start[i] + gamma * a_predicted[i])
 
 
-@implements(advance, Zhai, inlined_kernel)
+@implements(advance, Zhai, compiled=inlined_kernel)
 def advance_zhai(scheme, system, loads, state, h, steps, history):
     """Arguments: see `advance`."""
     q, v, a, a_previous, rate = state.q, state.v, state.a, state.a_previous, state.rate

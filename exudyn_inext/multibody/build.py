@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Array
 from .build_joints import build_joints
 from .build_nodes import Ends, ends_of_cables
-from .cables import Cables, provide_cables, show_matrix
+from .cables import Cables, provide_cables, provide_damping, show_matrix
 from .implicit_contacts import add_contact, mark_implicit
 from .scene import Items, SceneSystem
 
@@ -60,6 +60,7 @@ def build_scene(
     implicit = mark_implicit(cables, chains, known.contacts.records)
     if len(joints.nodes.dof):
         provide_cables(cables, chains, show_matrix)
+    provide_damping(cables, chains, len(joints.rows) > 0)
     if implicit:
         provide_cables(cables, chains, add_contact)
     records = known.bodies, known.points, known.sliders, known.connectors, known.loads, known.contacts

@@ -7,8 +7,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..cable.index_reduction import CableSystem
-from ..cable.linear_response import respond
-from ..called_system import Called, by_address, call_protocol, called, calls, implements, keep_with, provide
+from ..cable.linear_response import DAMPING, improve_damping, leave_to_joints, respond
+from ..called_system import (
+    MOST_PROTOCOLS,
+    Called,
+    addresses_of,
+    by_address,
+    call_protocol,
+    called,
+    calls,
+    implements,
+    keep_with,
+    provide,
+)
 from ..compiled import dispatched, inlined
 from ..lowered import COUNT, NUMBERS, numbers_at
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
@@ -31,20 +42,24 @@ class Cables(NamedTuple):
 def cables_in_a_row(systems: Sequence[Any], inputs: Sequence[int]) -> Cables:
     """These systems, which are kept as long as the table.   inputs: how much external force each takes."""
     row = [called(system, accelerate_and_project, correct_position, respond) for system in systems]
-    functions = np.array([one.functions for one in row], np.int64).reshape(len(row), -1)
+    functions = np.array([one.functions for one in row], np.int64).reshape(len(row), MOST_PROTOCOLS)
     keep_with(functions, row)
-    addresses: Any = [one.address for one in row]
-    if all(isinstance(address, int) for address in addresses):
-        addresses = np.array(addresses, np.int64)
     sizes = [system.chain.nodes.size * 2 * len(system.chain.axes) for system in systems]
     ends = (np.cumsum([0, *numbers], dtype=np.int64) for numbers in (sizes, inputs))
-    return Cables(addresses, functions, *ends)
+    return Cables(addresses_of(row), functions, *ends)
 
 
 def provide_cables(cables: Cables, systems: Sequence[Any], *protocols: Any) -> None:
     """Let these protocols be called, too, where they are implemented.   systems: those of the cables."""
     for functions, system in zip(cables.functions, systems, strict=True):
         provide(functions, system, *protocols)
+
+
+def provide_damping(cables: Cables, systems: Sequence[Any], joined: bool) -> None:
+    """Let `improve_damping` be called of those that need it.   joined: whether the scene has joints."""
+    for functions, system in zip(cables.functions, systems, strict=True):
+        if leave_to_joints(system, joined):
+            provide(functions, system, improve_damping)
 
 
 @inlined
@@ -129,6 +144,20 @@ def respond_with_cables(cables, joints):
             nodes.basis[places].reshape(-1),
             nodes.free[places].reshape(-1),
         )
+
+
+@inlined
+def improve_cables(cables, q, x):
+    """`improve_damping` of those that need it, zero of others; whether there are any.   q, x: (n,)."""
+    dofs, improves = cables.dofs, False
+    for k in range(len(cables.functions)):
+        i, j = dofs[k], dofs[k + 1]
+        if provides(cables, k, DAMPING):
+            improve_damping(one_chain(cables, k), q[i:j], x[i:j])
+            improves = True
+        else:
+            x[i:j] = 0.0
+    return improves
 
 
 @dispatched

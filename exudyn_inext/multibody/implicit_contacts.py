@@ -86,14 +86,8 @@ def _add_contact(axes, nodes, elements, element, mass, row):
         add_contact_row(nodes, elements[element], element, mass, row.reshape((1, 8)))
 
 
-@implements(add_contact, CableSystem)
+@implements(add_contact, CableSystem, LinkedCableSystem)
 def add_contact_of_cable(system, element, mass, row):
-    """Arguments: see `add_contact`."""
-    _add_contact(system.chain.axes, system.chain.nodes, system.chain.elements, element, mass, row)
-
-
-@implements(add_contact, LinkedCableSystem)
-def add_contact_of_linked_cable(system, element, mass, row):
     """Arguments: see `add_contact`."""
     _add_contact(system.chain.axes, system.chain.nodes, system.chain.elements, element, mass, row)
 

@@ -27,7 +27,14 @@ from .bodies import (
     subtract_inertia,
     twice_energy,
 )
-from .cables import Cables, accelerate_cables, correct_cables, rates_of_cables, respond_with_cables
+from .cables import (
+    Cables,
+    accelerate_cables,
+    correct_cables,
+    improve_cables,
+    rates_of_cables,
+    respond_with_cables,
+)
 from .circle_contacts import Contacts, NoContacts, add_contacts, finish_contacts, recall_contacts
 from .connectors import add_connectors
 from .implicit_contacts import complete_contacts, press, reconsider_contacts
@@ -219,6 +226,24 @@ def _join(joints, share, moving, x, refines):
     apply_joints(joints, x, refines)
 
 
+@inlined
+def _accelerate_joined(system, q, v, zeta, learned, acceleration, duration, end_velocity):
+    """Those of all parts, from those without joints; see `_join_accelerations` and `improve_damping`."""
+    joints, added = system.items.joints, system.items.predicted
+    hold(system.items, q, v)
+    respond_with_cables(system.cables, joints)
+    _join_accelerations(joints, zeta, learned, v, acceleration)
+    for i in range(len(q)):
+        added[i] = acceleration[i] if i < system.cable_dofs else 0.0
+    if improve_cables(system.cables, q, added):
+        _join(joints, 0.0, 0.0, added, True)
+        for i in range(len(q)):
+            acceleration[i] += added[i]
+            end_velocity[i] += duration * added[i]
+        for r in range(len(joints.multipliers)):
+            joints.multipliers[r] += joints.solved[r]
+
+
 @implements(index_reduced_rates, SceneSystem)
 def scene_rates(system, external, q, v, acceleration, rate):
     """Eq. (30). Arguments: see `index_reduced_rates`."""
@@ -232,9 +257,7 @@ def scene_rates(system, external, q, v, acceleration, rate):
     accelerate_bodies(items, v, zeta, acceleration)
     _project_bodies(items, v, zeta, rate)
     if len(items.joints.rows) > 0:
-        hold(items, q, v)
-        respond_with_cables(system.cables, items.joints)
-        _join_accelerations(items.joints, zeta, 0.0, v, acceleration)
+        _accelerate_joined(system, q, v, zeta, 0.0, acceleration, 0.0, rate)
         _join(items.joints, zeta, 1.0, rate, True)
 
 
@@ -262,9 +285,7 @@ def accelerate_and_project_scene(system, external, q, v, duration, acceleration,
         end_velocity[i] = v[i] + duration * acceleration[i]
     _project_bodies(items, end_velocity, 0.0, end_velocity)
     if len(items.joints.rows) > 0:
-        hold(items, q, v)
-        respond_with_cables(system.cables, items.joints)
-        _join_accelerations(items.joints, 0.0, 1.0, v, acceleration)
+        _accelerate_joined(system, q, v, 0.0, 1.0, acceleration, duration, end_velocity)
         _join(items.joints, 0.0, 1.0, end_velocity, True)
 
 

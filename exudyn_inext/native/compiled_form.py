@@ -63,7 +63,7 @@ def compiled_form(
     on_cables = places[-1].stop if places else 0
     q, v = _with_unit_quaternions(scene.rows, np.array([[q, v]]))[0]
     scene.surroundings.set_state(t, q, v)
-    elsewhere = scene.elsewhere.union(cable.number for cable in scene.cables)
+    elsewhere = scene.elsewhere.union(part.cable.number for part in scene.cables)
     known, numbers = read_known_items(
         scene.mbs,
         scene.bodies,

@@ -17,7 +17,7 @@ from ..run.joined_scene import OpenContacts
 from ..run.parts_in_one import CompiledParts
 from ..scene.bodies import BodiesSystem, MassBlock
 from ..scene.coupled_system import CoupledSystem, Part
-from ..scene.model import HeldCoordinate
+from ..scene.model import CableInScene, HeldCoordinate
 from ..system import index_reduced_rates
 from .bodies import BodyMasses, SystemMass, read_bodies, read_quaternions, require_mass
 from .compiled_form import (
@@ -41,13 +41,11 @@ _NONE: Mapping[int, HeldCoordinate] = {}
 class CoupledCable(NamedTuple):
     """A cable of the scene.
 
-    number: of its object.   indices, reference: of its coordinates, see `PartCoordinates`.
-    system: its index-reduced equations.   loads: gravity and motions; Exudyn evaluates all others.
+    cable: `CableInScene.among_others`.   system: its index-reduced equations.
+    loads: gravity and motions; Exudyn evaluates all others.
     """
 
-    number: int
-    indices: np.ndarray
-    reference: Array
+    cable: CableInScene
     system: Any
     loads: CableLoads
 
@@ -57,8 +55,10 @@ class CoupledScene:
 
     system: all of it.   map: its coordinates in the mbs.   surroundings: forces and joints.
     joints: native constraints that couple the parts.   rows: theirs.
-    held: coordinates that belong to no part.
-    cable_systems: of the cables, in memory that they share.
+    held: coordinates that belong to no part.   size: number of coordinates of all parts.
+    cable_systems: of the cables, in memory that they share.   groups: of those that do.
+    body_system: the equations of all bodies, and bodies_of_variable_mass: how many bodies Exudyn is asked for
+        their mass at each evaluation.
     place_of_bodies: among what is evaluated at once.
     parts_in_one: compiled code that evaluates bodies and joints, while Exudyn evaluates the forces, or None.
     """
@@ -90,30 +90,34 @@ class CoupledScene:
         self.cables = cables
         self.elsewhere, self.moved = own_constraints, moved
         solver = evaluator(mbs)
-        on_cables = np.concatenate([np.zeros(0, int), *(cable.indices for cable in cables)])
+        on_cables = np.concatenate([np.zeros(0, int), *(part.cable.indices for part in cables)])
         total = SystemMass(mbs, solver)
-        self.bodies = bodies = read_bodies(mbs, [cable.number for cable in cables], on_cables, total)
+        self.bodies = bodies = read_bodies(mbs, [part.cable.number for part in cables], on_cables, total)
         quaternions = read_quaternions(mbs)
         by_place = holders(mbs, held)
-        self._masses = masses = BodyMasses(mbs, bodies, quaternions, zeta, total, by_place)
+        masses = BodyMasses(mbs, bodies, quaternions, zeta, total, by_place)
         self.held = HeldCoordinates(mbs, masses, [by_place[place] for place in masses.held.tolist()], held)
-        places = [PartCoordinates(cable.indices, cable.reference) for cable in cables]
+        places = [PartCoordinates(one.indices, one.cable.reference.ravel()) for one, _, _ in cables]
         places.append(PartCoordinates(masses.coordinates, np.zeros(len(masses.coordinates))))
         self.map = CoordinateMap(mbs.systemData.ODE2Size(), places)
         require_mass(mbs, np.setdiff1d(self.map.missing(), masses.held))
-        self.groups = groups = in_few_chains([cable.system for cable in cables])
-        self.cable_systems = [system for _, alike in groups for system in alike]
+        self.groups: Sequence[Systems] = in_few_chains([cable.system for cable in cables])
+        groups = self.groups
+        self.cable_systems: Sequence[Any] = [system for _, alike in groups for system in alike]
         others = [Part(masses.system, self.map.slices[-1]), *self._first_order_states()]
         of_cables = list(_parts_of_cables(groups, self.map.slices))
         parts = [*of_cables, *others]
         evaluated = [part.whole or part for part in of_cables]
         wholes = [*{id(whole): whole for whole in evaluated}.values(), *others]
         self.place_of_bodies = len(wholes) - len(others)
-        self.joints = read_joints(mbs, own_constraints.union(self.held.numbers))
+        self.joints: Sequence[Any] = read_joints(mbs, own_constraints.union(self.held.numbers))
         self.rows = rows = JointRows(self.joints, quaternions, parts, self.map, masses.held)
         loads = [cable.loads for cable in cables]
         self.surroundings = NativeSurroundings(mbs, solver, wholes, self.map, loads, masses, rows, self.held)
         self.system = CoupledSystem(parts, self.surroundings, zeta, wholes)
+        self.size = parts[-1].dofs.stop
+        self.has_bodies = len(masses.coordinates) > 0
+        self.body_system, self.bodies_of_variable_mass = masses.system, masses.number_of_variable
 
     def displacements(self, q: Array) -> Array:
         """(size,) of all coordinates of mbs, from those of all parts; held ones are where they begin."""
@@ -122,20 +126,10 @@ class CoupledScene:
         total[own] = np.array(self.map.displacements(q[: len(own)]))[own]
         return total
 
-    @property
-    def held_places(self) -> np.ndarray:
-        """Of coordinates that belong to no part, in the system vector."""
-        return self._masses.held
-
     def take_hold(self, v: Array, tolerance: float) -> None:
         """Stop the held coordinates at the start; see `HeldCoordinates`.   v: (n,) of all parts, in place."""
         bodies = self.system.parts[len(self.cables)].dofs
         self.held.take_hold(v[bodies], tolerance)
-
-    @property
-    def size(self) -> int:
-        """Number of coordinates of all parts."""
-        return self.system.parts[-1].dofs.stop
 
     @property
     def places_of_nodes(self) -> dict[int, tuple[int, int]]:
@@ -161,7 +155,7 @@ class CoupledScene:
         """See `EvaluatedScene`."""
         if self.parts_in_one:
             return self.parts_in_one.kinetic_energy(q, v)
-        return self._masses.system.kinetic_energy(v[self.map.slices[-1]])
+        return self.body_system.kinetic_energy(v[self.map.slices[-1]])
 
     def violation(self, t: float, q: Array) -> float:
         """See `EvaluatedScene`."""
@@ -173,29 +167,15 @@ class CoupledScene:
         """See `EvaluatedScene`."""
         return float(self.system.multipliers @ self.system.drift)
 
-    @property
-    def body_system(self) -> BodiesSystem:
-        """The equations of all bodies."""
-        return self._masses.system
-
-    @property
-    def bodies_of_variable_mass(self) -> int:
-        """How many bodies Exudyn is asked for their mass at each evaluation."""
-        return self._masses.number_of_variable
-
     def memory(self) -> dict[str, Any]:
         """What earlier steps taught joints and quaternions, and where joints slide, by names."""
-        taught = {"joints": self.system.foresight, "quaternions": self._masses.system.memory()}
+        taught = {"joints": self.system.foresight, "quaternions": self.body_system.memory()}
         return taught | {"places": self.surroundings.places}
 
     def forget(self) -> None:
         """What earlier steps taught the joints and quaternions does not hold any more."""
         self.system.foresight[:] = 0.0
-        self._masses.system.forget()
-
-    @property
-    def has_bodies(self) -> bool:
-        return len(self.map.indices) > sum(len(cable.indices) for cable in self.cables)
+        self.body_system.forget()
 
     def _first_order_states(self) -> list[Part]:
         """y of y' = f as velocities of unit masses: every scheme then integrates them as it does v."""

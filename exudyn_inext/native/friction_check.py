@@ -42,11 +42,6 @@ class FrictionCheck:
         self._steps = 0
         self.sums = np.zeros((len(self.numbers), 4))
 
-    @property
-    def is_needed(self) -> bool:
-        """Whether there is such a contact."""
-        return bool(self.numbers)
-
     def look(self) -> None:
         """At the end of a step: at contacts that have just closed, from time to time at all of them."""
         data = np.array(self._mbs.systemData.GetDataCoordinates())

@@ -28,13 +28,14 @@ class HeldCoordinates:
     """Those that the masses of bodies leave out.
 
     numbers: of the constraints that hold them.   rows: (k,) their algebraic equations.
+    places: (k,) of the coordinates in the system vector.
     """
 
     def __init__(
         self, mbs: Any, masses: BodyMasses, numbers: Iterable[int], held: Mapping[int, HeldCoordinate]
     ) -> None:
         self._mbs = mbs
-        self._masses = masses
+        self._masses, self.places = masses, masses.held
         self.numbers = list(numbers)
         rows = [mbs.systemData.GetObjectLTGAE(number)[0] for number in self.numbers]
         self.rows = np.array(rows, dtype=int)

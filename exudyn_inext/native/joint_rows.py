@@ -69,10 +69,6 @@ class JointRows:
         self.quaternions = np.array(of_nodes, dtype=int).reshape(-1, 4)
         self.references = np.array([q.reference for q in quaternions], dtype=float).reshape(-1, 4)
 
-    @property
-    def number(self) -> int:
-        return len(self.names)
-
     def values(self, mbs: Any, equations: Array) -> Array:
         """(m,) in the current configuration of mbs, from the values of all algebraic equations there."""
         result = equations[self._equations]
@@ -90,7 +86,7 @@ class JointRows:
 
     def beyond(self, mbs: Any) -> Array:
         """(m,) how far what slides is beyond the ends of its cable [m]."""
-        result = np.zeros(self.number)
+        result = np.zeros(len(self.names))
         for own, joint in self.sliding:
             result[own[0]] = joint.beyond(mbs)
         return result
@@ -136,12 +132,12 @@ class JointRows:
         """
         value = value_at(t, q)
         if not self.follows_time and (self._are_linear or not v.any()):
-            return JointTerms(value, np.zeros(self.number), np.zeros(self.number))
+            return JointTerms(value, np.zeros(len(self.names)), np.zeros(len(self.names)))
         rates = v[: self._places]  # those of first-order states behind them have other units
         step = self._step / max(1.0, float(np.abs(rates).max()))
         after, before = (value_at(t + s, self._moved(q, v, s)) for s in (step, -step))
         gamma = (2.0 * value - after - before) / step**2
-        drift = np.zeros(self.number)
+        drift = np.zeros(len(self.names))
         if self.follows_time:
             drift = (value_at(t + STEP, q) - value_at(t - STEP, q)) / (2.0 * STEP)
         return JointTerms(value, drift, gamma)

@@ -1,12 +1,14 @@
 """What Exudyn's items do to a scene at rest, for the search for its equilibrium."""
 
 from collections.abc import Iterable
+from itertools import pairwise
 from typing import Any
 from warnings import warn
 
 import exudyn
 import numpy as np
 from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import connected_components
 
 from ..arrays import Array
 from ..errors import SceneError
@@ -95,7 +97,7 @@ class StaticScene:
 def _varying(scene: CoupledScene) -> list[np.ndarray]:
     """Coordinates that forces of items, or Jacobians of joints, depend on, of each item."""
     mbs, data = scene.mbs, scene.mbs.systemData
-    left_out = {cable.number for cable in scene.cables} | scene.elsewhere
+    left_out = {part.cable.number for part in scene.cables} | scene.elsewhere
     found = _in_general_contact(scene)
     found += [_places(scene, body.coordinates) for body in scene.bodies]
     found += [_places(scene, joint.coordinates) for joint in scene.joints if not joint.is_linear]
@@ -163,30 +165,23 @@ def require_held(scene: CoupledScene, cables_held: list[bool]) -> None:
     mbs, data = scene.mbs, scene.mbs.systemData
     if mbs.NumberOfGeneralContacts():
         return
-    owners = [(cable.number, set(cable.indices.tolist())) for cable in scene.cables]
+    owners = [(cable.number, set(cable.indices.tolist())) for cable, _, _ in scene.cables]
     owners += [(body.number, set(body.coordinates.tolist())) for body in scene.bodies]
-    group = list(range(len(owners) + 1))  # the last one is the ground
-
-    def root(k: int) -> int:
-        while group[k] != k:
-            k = group[k]
-        return k
-
     owner_of = {place: k for k, (_, places) in enumerate(owners) for place in sorted(places)}
     ties = [{k, len(owners)} for k, is_held in enumerate(cables_held) if is_held]
-    ties += [{owner_of[p], len(owners)} for p in scene.held_places.tolist() if p in owner_of]
+    ties += [{owner_of[p], len(owners)} for p in scene.held.places.tolist() if p in owner_of]
     own = {number for number, _ in owners}
     for number in range(data.NumberOfObjects()):
         if number in own or not mbs.GetObject(number).get("activeConnector"):
             continue
         met = {owner_of[place] for place in data.GetObjectLTGODE2(number) if place in owner_of}
         ties.append(met if len(met) > 1 else met | {len(owners)})
-    for tie in ties:
-        first, *others = sorted(tie)
-        for other in others:
-            group[root(other)] = root(first)
+    pairs = np.array([pair for tie in ties for pair in pairwise(sorted(tie))], dtype=int).reshape(-1, 2)
+    size = len(owners) + 1  # the last one is the ground
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (size, size))
+    _, group = connected_components(graph, directed=False)
     for k, (number, _) in enumerate(owners):
-        if root(k) != root(len(owners)):
+        if group[k] != group[-1]:
             name = described(mbs.GetObject(number), number)
             raise SceneError(
                 f"nothing connects {name} to the ground, so that it has no equilibrium of its own: add a "

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..cable.assembly import elastic_energy
+from ..system import ELASTIC, GAUGES, gauge
 from .cable_run import CableRun
 from .watch import NO_MESH
 
@@ -68,10 +69,20 @@ def _wave_speed(run: CableRun, time: float) -> float:
     inputs = run.loads.at(time)
     forces = np.linalg.norm(inputs[: run.state.q.size].reshape(shape)[:, 0], axis=1)
     density, v = cable.section.mass_per_length, run.state.v.reshape(shape)[:, 0]
-    energy = max(0.0, float(elastic_energy(run.system.chain, run.state.q.reshape(shape))))
     squared = float(forces.sum()) / density + float((v * v).sum(axis=1).max())
-    squared += 2.0 * energy / (density * cable.length) + _of_motions(inputs[run.state.q.size :], cable)
+    squared += 2.0 * max(0.0, _bending_energy(run, inputs)) / (density * cable.length)
+    squared += _of_motions(inputs[run.state.q.size :], cable)
     return math.sqrt(squared)
+
+
+def _bending_energy(run: CableRun, inputs: Array) -> float:
+    """[J]; by `gauge`, which each run compiles, where that counts nothing else."""
+    state, cable = run.state, run.scene_cable.cable
+    if cable.stretches:
+        return float(elastic_energy(run.system.chain, state.q.reshape(cable.reference.shape)))
+    gauges, force = np.zeros(GAUGES), np.zeros(state.q.size)
+    gauge(run.called, inputs, state.q, state.v, np.zeros(force.size), force, gauges)
+    return float(gauges[ELASTIC])
 
 
 def _of_motions(inputs: Array, cable: Any) -> float:

@@ -36,42 +36,27 @@ from .redundancy import element_masses, require_independent
 from .settings import SAY_OF_TIME, ExplicitSettings
 from .step_control import ROUND_OFF, FrequencyFollower, Piece, StepControl, StepRule
 from .time_grid import TimeGrid
-from .watch import KEPT, NOW, record_watched
+from .watch import ENERGY, go_back, record_watched
 
 STEPS_BETWEEN_LIMITS = 20_000  # so that a look at the present stability limit costs next to nothing
 
 
 @dataclass(frozen=True)
 class Start:
-    """How a cable starts.
+    """How a run starts.
 
-    time: [s].   tolerance: see `ExplicitSettings.startTolerance`.
-    zeta: stabilisation rate [1/s].   theta: share of bending that is implicit, see `implicit_bending` [-].
-    h: step that is likely, which scales the mass [s].
-    energy_tolerance: see `ExplicitSettings.energyTolerance`; infinite where nobody asks.
-    rejects: see `ExplicitSettings.rejectSteps`.
+    time: [s].   h: step that is likely, which scales the mass [s]; 0 without mass scaling.
+    explicit: settings.
     """
 
     time: float
-    tolerance: float
-    zeta: float
-    theta: float
     h: float
-    energy_tolerance: float
-    rejects: bool
+    explicit: ExplicitSettings
 
-    @classmethod
-    def at(cls, time: float, h: float, explicit: ExplicitSettings) -> "Start":
-        """Of runs with these settings.   h: step that scales the mass [s]; 0 without mass scaling."""
-        return cls(
-            time=time,
-            tolerance=explicit.startTolerance,
-            zeta=explicit.stabilizationRate,
-            theta=explicit.massScaling or 0.0,
-            h=h,
-            energy_tolerance=explicit.energyTolerance,
-            rejects=explicit.rejectSteps,
-        )
+    @property
+    def tolerance(self) -> float:
+        """See `ExplicitSettings.startTolerance`."""
+        return self.explicit.startTolerance
 
 
 def require_implicit_axial_forces(scene_cable: CableInScene, integrator: Integrator) -> None:
@@ -117,11 +102,11 @@ class CableRun(PacedRun):
         self.scene_cable = scene_cable
         self.indices = scene_cable.indices
         self.reference = cable.reference.ravel()
-        self._theta, self._likely_step = start.theta, start.h
+        self._theta, self._likely_step = start.explicit.massScaling or 0.0, start.h
         self._lag = 0.5 if integrator.has_implicit_damping and cable.section.bending_damping else 0.0
         self._stretches = cable.stretches
-        scaled = ImplicitBending(start.theta * start.h**2)
-        self.system = cable_system(cable, start.zeta, scaled)
+        scaled = ImplicitBending(self._theta * start.h**2)
+        self.system = cable_system(cable, start.explicit.stabilizationRate, scaled)
         violations = self._violations(*initial, start)
         self._tracker = FrequencyTracker(self.system, cable.reference.shape)
         self._looked_after = 0  # steps, at the stability limit
@@ -131,12 +116,11 @@ class CableRun(PacedRun):
         self.state: Any = integrator.allocate(cable.reference.size, len(self.loads.constant))
         self.state.q[:], self.state.v[:] = (array.ravel() for array in initial)
         self.looks_ahead = self.loads.known_ahead
-        self.watch = CableWatch(
-            scene_cable, self.loads, self.state, start.energy_tolerance, integrator.stabilised
-        )
+        tolerance, gains_energy = start.explicit.energyTolerance, integrator.stabilised
+        self.watch = CableWatch(scene_cable, self.loads, self.state, tolerance, gains_energy)
         self._record_watched = Prepared(record_watched)
-        self._rejects = start.rejects
-        self.control = StepControl(rejects=start.rejects)
+        self._rejects = start.explicit.rejectSteps
+        self.control = StepControl(rejects=self._rejects)
         self.start_correction = self._project(*violations, start)
 
     def make_consistent(self, start: Start) -> None:
@@ -240,7 +224,16 @@ class CableRun(PacedRun):
         put_reactions(self.scene_cable.reactions, self._supported.solve(external, q, v), multipliers)
 
     def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
-        """See `Run.complete`."""
+        """Set accelerations, unless they are those of the scheme, and multipliers of recorded states.
+
+        Args:
+            times: (k,) of the states [s].
+            history: (k, 3, n) displacements and velocities, and output: accelerations.
+            multipliers: (k, m) output, of Exudyn's algebraic equations.
+
+        Returns:
+            Whether multipliers have been set.
+        """
         for t, (q, v, _), row in zip(times, history, multipliers, strict=True) if self.has_reactions else ():
             self.put_reactions(self.loads.at(t), q + self.reference, v, row)
         return self.has_reactions
@@ -293,8 +286,7 @@ class CableRun(PacedRun):
         """Prepare the system for steps of h [s]: what is implicit depends on it."""
         self.control.present = h
         if self.has_implicit_bending:
-            implicit = ImplicitBending(self._theta * h**2, self._lag * h, h)
-            set_mass(self.system.chain, self.scene_cable.cable, implicit)
+            set_mass(self.system.chain, self.scene_cable.cable, self._implicit)
 
     @contextmanager
     def implicit_damping_left_out(self) -> Iterator[None]:
@@ -327,22 +319,17 @@ class CableRun(PacedRun):
             RedundantConstraintError: length constraints and supports depend on each other.
         """
         self.forget()
-        self._begin(self.loads.at(time))
+        self.start_scheme(time)
+        self.require_independence()
+        self.watch.open(self.called, self.loads.at(time), self.state)
 
     def begin_again(self, time: float) -> None:
         """As `start`, with axial forces of earlier steps; what has changed the energy is no error."""
         if not self._stretches:
             self.forget()
-        watch = self.watch.watch
-        account = watch.account[NOW].copy()
-        self._begin(self.loads.at(time))
-        account.start = watch.account[NOW].start - account.work - account.surplus
-        watch.account[NOW] = watch.account[KEPT] = account
-
-    def _begin(self, external: Array) -> None:
-        self._accelerate(external)
+        self.start_scheme(time)
         self.require_independence()
-        self.watch.open(self.called, external, self.state)
+        self.watch.begin_again(self.called, self.loads.at(time), self.state)
 
     def memory(self) -> dict[str, Any]:
         """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
@@ -369,7 +356,9 @@ class CableRun(PacedRun):
         before, loads = self.watch.steps, self.loads.sample(piece, self.integrator.stages)
         rows, watch = history[: piece.intervals], self.watch.watch
         steps = piece.h, piece.in_interval
-        self._record_watched(self.scheme, self.called, loads, self.state, *steps, rows, watch)
+        good = self._record_watched(self.scheme, self.called, loads, self.state, *steps, rows, watch)
+        if good < len(rows):
+            go_back(watch, self.state)
         taken = self.watch.steps - before
         if taken < piece.steps:
             self.trouble = self.integrator.trouble(self.scheme, self.watch.watch.kept)
@@ -378,10 +367,7 @@ class CableRun(PacedRun):
 
     def start_scheme(self, time: float) -> None:
         """See `PacedRun.start_scheme`."""
-        self._accelerate(self.loads.at(time))
-
-    def _accelerate(self, external: Array) -> None:
-        memory = memory_of(self.system)
+        memory, external = memory_of(self.system), self.loads.at(time)
         if remembers_axial_forces(memory):
             accelerate_again(self.called, external, self.state, self.control.present, [memory])
         else:
@@ -435,7 +421,7 @@ class CableRun(PacedRun):
         """From time to time: the share that the step is of the present stability limit."""
         if self.control.steps - self._looked_after < STEPS_BETWEEN_LIMITS:
             return
-        if not self.control.is_nominal or self.watch.has_trouble or self._lag or self._stretches:
+        if not self.control.is_nominal or self.watch.trouble or self._lag or self._stretches:
             return
         self._looked_after = self.control.steps
         shape = self.scene_cable.cable.reference.shape
@@ -448,10 +434,10 @@ class CableRun(PacedRun):
         """What went wrong in the last steps, and why; empty if all is well."""
         if not self.gave_up:
             return ""
-        if not self.watch.has_trouble:
+        if not self.watch.trouble:
             return f"{self.name}: {GIVEN_UP}."
         tried, taken = f"; {self.control.said}", self.control.present
-        if self.watch.gains_too_much:
+        if self.watch.trouble == ENERGY:
             tried, taken = "", h
         limit = self._stability_limit(self.largest_frequency(time))
         said = explanation(self.integrator, self.trouble, taken, limit, self.is_scaled)

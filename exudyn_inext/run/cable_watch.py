@@ -8,6 +8,7 @@ from ..arrays import Array
 from ..cable.axial import SHORTEST
 from ..cable.border import all_links, motions_of
 from ..cable.cable import Cable
+from ..integrators.integrator import FACTOR
 from ..scene.model import CableInScene
 from .cable_loads import CableLoads
 from .run_watch import RunWatch
@@ -59,6 +60,11 @@ class CableWatch(RunWatch):
     def go_on(self, system: Any, external: Array, state: Any) -> None:
         """With another step, from a state that the integrator has just started from."""
         go_on(self.watch, system, external, state)
+
+    def begin_again(self, system: Any, external: Array, state: Any) -> None:
+        """Go on where forces may have jumped, from a state that the integrator has just started from."""
+        self.watch.work[:, FACTOR] = np.inf  # known from the first step on
+        self.go_on(system, external, state)
 
     def keep(self, state: Any) -> None:
         """Return to this state after steps that go wrong: it begins with other forces than the one before."""

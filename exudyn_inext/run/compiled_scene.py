@@ -342,6 +342,7 @@ class CompiledScene:
         """The same system in memory of its own, with the cables' mass as it is."""
         groups = in_few_chains([cable_system(cable, self.system.zeta) for cable in cables])
         own = cables_of_scene(groups, [loads for _, _, loads in self._cables])
+        own.functions[:] = self.system.cables.functions
         items, copies = self.system.items, copied(self.system.items)
         copies.contacts.records["lag"] = 0.0
         copies.joints.foresight[:] = 0.0

@@ -42,6 +42,7 @@ from .watch import (
     build_watch,
     condemn,
     glance,
+    go_back,
     go_on_with_gauges,
     judge_after_work,
     open_with_gauges,
@@ -277,7 +278,11 @@ class CoupledWatch(RunWatch):
         take_sums(self.path_of_evaluations)
         work += 0.5 * float(self._changes[0]) / h**2
         self._changes[:] = 0.0
-        return int(judge_after_work(watch, state, self._gravity, work, scatter, self._steps, duration))
+        counted = work, scatter, self._steps, duration
+        trouble = int(judge_after_work(watch, state, self._gravity, *counted))
+        if trouble:
+            go_back(watch, state)
+        return trouble
 
     def _kinetic_energy(self, t: float, state: Any, v: Array) -> float:
         """Of velocities v (n,) in the present configuration [J]."""

@@ -29,15 +29,13 @@ class OpenContacts:
 
 
 class Friction(Protocol):
-    """Friction, looked at in a run.   is_needed: whether there is any.   sums: memory of what was seen.
+    """Friction, looked at in a run.   numbers: of the objects with it.   sums: memory of what was seen.
 
     finding: what is wrong with it; empty if nothing is.
     """
 
+    numbers: list[int]
     sums: Array
-
-    @property
-    def is_needed(self) -> bool: ...
 
     @property
     def finding(self) -> str: ...
@@ -94,18 +92,13 @@ class JoinedScene(EvaluatedScene, Protocol):
     map: Any
     surroundings: Any
     held: Any
-
-    @property
-    def cable_systems(self) -> Sequence[Any]: ...
-
-    @property
-    def groups(self) -> Sequence[Systems]: ...
-
-    @property
-    def joints(self) -> Sequence[Any]: ...
-
-    @property
-    def size(self) -> int: ...
+    cable_systems: Sequence[Any]
+    groups: Sequence[Systems]
+    joints: Sequence[Any]
+    size: int
+    has_bodies: bool
+    bodies_of_variable_mass: int
+    parts_in_one: CompiledParts | None
 
     @property
     def initial_state(self) -> tuple[Array, Array]: ...
@@ -118,15 +111,6 @@ class JoinedScene(EvaluatedScene, Protocol):
 
     @property
     def remembered(self) -> Elsewhere | None: ...
-
-    @property
-    def parts_in_one(self) -> CompiledParts | None: ...
-
-    @property
-    def has_bodies(self) -> bool: ...
-
-    @property
-    def bodies_of_variable_mass(self) -> int: ...
 
     def require_finite(self, v: Array) -> None:
         """Raise SceneError unless all velocities v (n,) are finite."""

@@ -11,6 +11,7 @@ from .kept_state import Elsewhere, KeptState
 from .run_watch import RunWatch
 from .step_control import ROUND_OFF, Piece, StepControl
 from .time_grid import TimeGrid
+from .watch import ENERGY, TOO_FAST
 
 HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are smaller for a while only
 
@@ -123,12 +124,14 @@ class PacedRun:
             Whether all that follow are smaller.
         """
         watch: RunWatch = self.watch
-        is_shortened = watch.is_too_fast or (watch.hides_energy and self.control.divisor < HIDING_PARTS)
+        is_shortened = watch.trouble == TOO_FAST or (
+            watch.hides_energy and self.control.divisor < HIDING_PARTS
+        )
         if is_shortened:
             self.control.shorten(watch.parts)
             if not self.control.may_shorten:
                 watch.limit_phase(1.0, math.inf, watch.watch.mesh)
-        elif watch.gains_too_much or not self.control.reject():
+        elif watch.trouble == ENERGY or not self.control.reject():
             self.gave_up = True
             return False
         self.resume(time)

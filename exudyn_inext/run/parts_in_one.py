@@ -1,13 +1,14 @@
 """Bodies and joints in compiled code, where Exudyn evaluates the forces: see `coupled_system.PartsInOne`."""
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
 from ..called_system import Bound
-from ..multibody.scene import bodies_energy, joint_violation, subtract_inertia_forces, subtract_joint_forces
+from ..multibody.scene import bodies_energy, subtract_inertia_forces, subtract_joint_forces
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .compiled_scene import CompiledScene
 
@@ -30,8 +31,22 @@ class CompiledParts:
         self._cables = len(form.system.cable_force)
         self.multipliers = form.multipliers
         form.given[:] = 0.0
-        protocols = index_reduced_rates, accelerate_and_project, correct_position
-        self._rates, self._accelerate, self._correct = (Bound(one, form.system) for one in protocols)
+
+    def _bound(self, protocol: Any) -> Bound:
+        self.form.provide((protocol,))
+        return Bound(protocol, self.form.system)
+
+    @cached_property
+    def _rates(self) -> Bound:
+        return self._bound(index_reduced_rates)
+
+    @cached_property
+    def _accelerate(self) -> Bound:
+        return self._bound(accelerate_and_project)
+
+    @cached_property
+    def _correct(self) -> Bound:
+        return self._bound(correct_position)
 
     @property
     def drift(self) -> Array:
@@ -79,4 +94,4 @@ class CompiledParts:
 
     def violation(self, t: float, q: Array) -> float:
         """Largest |c| of the joints [m, -]."""
-        return float(joint_violation(self._items, self.form.loads.at(t)[self._cables :], q))
+        return self.form.violation(t, q)

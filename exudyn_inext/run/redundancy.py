@@ -69,11 +69,23 @@ def _require_independent_links(scene_cable: CableInScene, factor: Array) -> None
         )
 
 
-def is_held_straight(cable: Cable, q: Array, jacobians: Iterable[Array]) -> bool:
-    """Whether a cable that cannot stretch is straight, and supports, links or joints have both of its ends.
+def held_straight(runs: Sequence[Any], scene: Any, q: Array) -> list[str]:
+    """Names of straight cables that cannot stretch, and have supports, links or joints at both ends.
 
-    q: (n_dof,) its coordinates.   jacobians: (rows, n_dof) of joints by them.
+    Args:
+        runs: of the cables.   scene: see `JoinedScene`; its joints have been evaluated.
+        q: (n,) coordinates of all parts.
     """
+    names, blocks = [], scene.surroundings.blocks
+    for run, dofs in zip(runs, scene.map.slices, strict=False):
+        jacobians = [block.jacobian for block in blocks if block.dofs == dofs]
+        if _is_held_straight(run.scene_cable.cable, q[dofs], jacobians):
+            names.append(run.name)
+    return names
+
+
+def _is_held_straight(cable: Cable, q: Array, jacobians: Iterable[Array]) -> bool:
+    """q: (n_dof,) coordinates of the cable.   jacobians: (rows, n_dof) of joints by them."""
     places = q.reshape(cable.reference.shape)[:, 0]
     is_straight = np.linalg.norm(places[-1] - places[0]) >= (1.0 - STRAIGHT) * cable.length
     if cable.stretches or not is_straight:

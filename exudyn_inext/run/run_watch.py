@@ -8,7 +8,6 @@ from typing import Any
 from ..arrays import Array
 from ..integrators.integrator import remembered
 from .watch import (
-    ALL_IS_WELL,
     BEGINNING,
     CONSTRAINTS,
     ENERGY,
@@ -47,14 +46,9 @@ class RunWatch:
         return self.watch.phase < math.inf
 
     @property
-    def has_trouble(self) -> bool:
-        """Whether the last steps went wrong."""
-        return bool(self.watch.account[NOW].trouble != ALL_IS_WELL)
-
-    @property
-    def gains_too_much(self) -> bool:
-        """Whether the energy has grown so much altogether that smaller steps do not help."""
-        return bool(self.watch.account[NOW].trouble == ENERGY)
+    def trouble(self) -> int:
+        """What was wrong with the last steps, see `watch`."""
+        return int(self.watch.account[NOW].trouble)
 
     @property
     def turned_over(self) -> float:
@@ -69,18 +63,13 @@ class RunWatch:
         return float(self.watch.account["error"][NOW]) / self.watch.tolerance if self.looks_at_phase else 0.0
 
     @property
-    def is_too_fast(self) -> bool:
-        """Whether the step is too long for the motion."""
-        return bool(self.watch.account[NOW].trouble == TOO_FAST)
-
-    @property
     def hides_energy(self) -> bool:
         """Whether it is too long for a cable that stretches.
 
         Axial vibrations that it does not resolve hide energy, which shorter steps for a while would set free.
         """
-        trouble = self.watch.account[NOW].trouble
-        return self.stretches and self.looks_at_phase and trouble in (ENERGY, JUMP, NOT_FINITE, UNSTABLE)
+        hidden = self.trouble in (ENERGY, JUMP, NOT_FINITE, UNSTABLE)
+        return self.stretches and self.looks_at_phase and hidden
 
     @property
     def parts(self) -> int:

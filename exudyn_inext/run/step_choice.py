@@ -13,8 +13,7 @@ from ..errors import SceneError, StepSizeError
 from ..integrators.linear_stability import decay_limit, frequency_limit
 from .accurate_step import accurate_step, resolution_of_mesh, step_of_short_waves
 from .cable_run import CableRun
-from .coupled_run import CoupledRun
-from .run import Run
+from .coupled_run import CoupledRun, Run
 from .settings import ExplicitSettings
 from .step_control import StepRule
 from .watch import NO_MESH

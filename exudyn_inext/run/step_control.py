@@ -121,6 +121,18 @@ class FrequencyFollower:
         return step if step > SMALLEST * min(log["first"], remaining) else 0.0
 
 
+def _logged(name: str, kind: type) -> Any:
+    """A number of the log as a property."""
+
+    def get(control: Any) -> Any:
+        return kind(control._log[name])
+
+    def put(control: Any, value: Any) -> None:
+        control._log[name] = value
+
+    return property(get, put)
+
+
 class StepControl:
     """What the next steps of a run will be, and what the last ones were.
 
@@ -128,7 +140,16 @@ class StepControl:
 
     smallest: of the steps so far [s].   steps: how many.   rejections: how often they went wrong.
     present: step that the system is prepared for [s].   offset: of the present state in its interval [s].
+    divisor: what the nominal step is divided by.   beginnings: how often the run has begun again.
     """
+
+    smallest: float = _logged("smallest", float)
+    present: float = _logged("present", float)
+    offset: float = _logged("offset", float)
+    steps: int = _logged("steps", int)
+    rejections: int = _logged("rejections", int)
+    divisor: int = _logged("divisor", int)
+    beginnings: int = _logged("beginnings", int)
 
     def __init__(self, follower: FrequencyFollower | None = None, rejects: bool = True) -> None:
         self.follower = follower
@@ -136,40 +157,6 @@ class StepControl:
         self._log = np.zeros(1, _LOG)[0]
         self._log["smallest"] = math.inf
         self._log["patience"] = self._log["divisor"] = 1
-
-    @property
-    def smallest(self) -> float:
-        return float(self._log["smallest"])
-
-    @property
-    def steps(self) -> int:
-        return int(self._log["steps"])
-
-    @property
-    def rejections(self) -> int:
-        return int(self._log["rejections"])
-
-    @property
-    def divisor(self) -> int:
-        """What the nominal step is divided by."""
-        return int(self._log["divisor"])
-
-    @property
-    def beginnings(self) -> int:
-        """How often the run has begun again."""
-        return int(self._log["beginnings"])
-
-    @property
-    def present(self) -> float:
-        return float(self._log["present"])
-
-    @present.setter
-    def present(self, h: float) -> None:
-        self._log["present"] = h
-
-    @property
-    def offset(self) -> float:
-        return float(self._log["offset"])
 
     @property
     def said(self) -> str:

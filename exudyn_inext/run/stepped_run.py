@@ -2,39 +2,34 @@
 
 from collections.abc import Mapping, Sequence
 from math import isfinite
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
 from ..checks import LARGEST
 from ..errors import InputError
-from .cable_run import CableRun
-from .coupled_run import CoupledRun
+from .coupled_run import Run
 from .kept_state import KeptState
 from .time_grid import TimeGrid
 
 _SEQUENCES = (Sequence, np.ndarray)
 
 
-class StateOfCable(NamedTuple):
-    """Views of the present state.   q, v: (n, 2, dim)."""
-
-    q: Array
-    v: Array
-
-
 class SteppedRun:
     """A run of a cable, or of a coupled scene in compiled code, that is advanced without allocation.
 
-    run: of it.   cables: their states.
+    run: of it.   cables: views of the present q and v (n, 2, dim) of each.
     nodes: first coordinate of each node that takes forces, and the dimension of its space.
     """
 
-    def __init__(self, run: CableRun | CoupledRun) -> None:
+    def __init__(self, run: Run) -> None:
         self.run = run
         self.nodes: Mapping[int, tuple[int, int]] = run.places_of_nodes
-        self.cables = [_view(run.state, *place) for place in run.places_of_cables]
+        q, v = run.state.q, run.state.v
+        self.cables = [
+            (q[dofs].reshape(shape), v[dofs].reshape(shape)) for dofs, shape in run.places_of_cables
+        ]
         self._forces = run.settable_forces
         self._without = self._forces.copy()
         self._initial = KeptState(run.memory(), run.elsewhere)
@@ -55,10 +50,6 @@ class SteppedRun:
         self._present, self._before = self._before, self._present
         self._data_before[:] = self.run.data
         return self.run.advance(grid, 0, self._present) == 1
-
-    def verdict(self, time: float, h: float) -> str:
-        """What went wrong; see `CableRun.verdict`."""
-        return self.run.verdict(time, h)
 
     def restore(self) -> None:
         """Coordinates, velocities, accelerations and data before the last call of `step`."""
@@ -86,10 +77,6 @@ class SteppedRun:
         states[0, indices] = state.q - self.run.reference
         states[1, indices] = state.v
         states[2, indices] = state.a
-
-
-def _view(state: Any, dofs: slice, shape: tuple[int, ...]) -> StateOfCable:
-    return StateOfCable(state.q[dofs].reshape(shape), state.v[dofs].reshape(shape))
 
 
 def _are_three_numbers(force: Any) -> bool:

@@ -42,6 +42,23 @@ class TimeGrid:
         return self.start + self.steps_until(loop_step) * self.h
 
 
+def time_grid(mbs: Any, settings: Any, wanted: float) -> TimeGrid:
+    """As few loop steps as the outputs allow, each with equal integrator steps of at most `wanted` [s].
+
+    Args:
+        mbs: its sensors decide whether their write period counts.   settings: exudyn.SimulationSettings.
+
+    Raises:
+        InputError: the end time is not after the start time, or there are more steps than can be counted.
+    """
+    period, solution = math.inf, settings.solution
+    if solution.file.write:
+        period = solution.file.writePeriod
+    if solution.sensors.active and mbs.systemData.NumberOfSensors() > 0:
+        period = min(period, solution.sensors.writePeriod)
+    return grid_of_period(settings, wanted, period)
+
+
 def grid_of_period(settings: Any, wanted: float, period: float) -> TimeGrid:
     """The grid of `time_grid` for outputs at a given period [s]; 0: at every step of the integrator.
 

@@ -52,6 +52,11 @@ SCATTER = 4.0  # times its standard deviation may the work of forces be wrong
 
 NO_MESH = np.zeros(4)
 
+OF_MOTION = (
+    *("surplus", "time", "forces", "speeds", "extent", "work", "scatter", "scattered", "slope"),
+    *("largest_power", "error"),
+)  # numbers of an account that begin at zero
+
 ACCOUNT = record_type(
     [
         ("start", np.float64),
@@ -178,6 +183,7 @@ def _no_work(pattern: Array) -> Array:
 
 @inlined
 def _keep(watch, state):
+    """As `keep`."""
     for memory in range(len(state)):
         kept, now = watch.kept[memory], state[memory]
         for i in range(len(now)):
@@ -190,59 +196,45 @@ def _keep(watch, state):
     watch.account[KEPT] = watch.account[NOW]
 
 
-@inlined
-def _exchange(watch, state):
+def keep(watch: Watch, state: Any) -> None:
+    """Make this the last good state."""
+    for kept, now in zip(watch.kept, state, strict=True):
+        kept[:] = now
+    watch.gauges[:] = watch.gauges_now
+    watch.kept_work[:] = watch.work
+    watch.account[KEPT] = watch.account[NOW]
+
+
+def go_back(watch: Watch, state: Any) -> None:
     """The state is the last good one again; the other one is kept, for whoever looks for the cause."""
-    for memory in range(len(state)):
-        kept, now = watch.kept[memory], state[memory]
-        for i in range(len(now)):
-            wrong = now[i]
-            now[i] = kept[i]
-            kept[i] = wrong
-    for i in range(len(watch.position)):
-        watch.position[i] = state.q[i]
-    for p in range(len(watch.work)):
-        for i in range(watch.work.shape[1]):
-            watch.work[p, i] = watch.kept_work[p, i]
-    watch.account[FAILED] = watch.account[NOW]
-    watch.account[NOW] = watch.account[KEPT]
-    watch.account[NOW].trouble = watch.account[FAILED].trouble
-    watch.account[NOW].ahead = watch.least
+    for kept, now in zip(watch.kept, state, strict=True):
+        kept[:], now[:] = now.copy(), kept.copy()
+    watch.position[:] = state.q
+    watch.work[:] = watch.kept_work
+    account = watch.account
+    account[FAILED] = account[NOW]
+    account[NOW] = account[KEPT]
+    account[NOW].trouble = account[FAILED].trouble
+    account[NOW].ahead = watch.least
 
 
-@kernel
-def open_with_gauges(watch, state, round_off):
+def open_with_gauges(watch: Watch, state: Any, round_off: float) -> None:
     """As `open_account`, where `gauges_now` are set already."""
-    account = watch.account[NOW]
     kinetic, elastic = watch.gauges_now[KINETIC], watch.gauges_now[ELASTIC]
-    account.start = kinetic + elastic
-    account.surplus = 0.0
-    account.time = 0.0
-    account.forces = 0.0
-    account.speeds = 0.0
-    account.extent = 0.0
-    account.agitation = watch.gauges_now[RESOLVED]
-    account.work = 0.0
-    account.unsure = round_off
-    account.round_off = round_off
-    account.scatter = 0.0
-    account.scattered = 0.0
-    account.slope = 0.0
-    account.largest_power = 0.0
-    account.ahead = watch.least
-    account.largest_kinetic = kinetic
-    account.least_elastic = elastic
-    account.largest_elastic = elastic
-    account.error = 0.0
-    account.trouble = ALL_IS_WELL
-    for i in range(len(watch.position)):
-        watch.position[i] = state.q[i]
-    for p in range(len(watch.work)):
-        watch.work[p, SUM], watch.work[p, FACTOR] = 0.0, np.inf  # that is known from the first step on
-        watch.work[p, PROJECTION] = 0.0
-        for i in range(len(watch.position)):
-            watch.work[p, PROJECTION] += watch.pattern[p, i] * state.q[i]
-    _keep(watch, state)
+    account = watch.account[NOW : NOW + 1]
+    account["start"] = kinetic + elastic
+    for name in OF_MOTION:
+        account[name] = 0.0
+    account["agitation"] = watch.gauges_now[RESOLVED]
+    account["unsure"] = account["round_off"] = round_off
+    account["ahead"] = watch.least
+    account["largest_kinetic"] = kinetic
+    account["least_elastic"] = account["largest_elastic"] = elastic
+    account["trouble"] = ALL_IS_WELL
+    watch.position[:] = state.q
+    watch.work[:, SUM], watch.work[:, FACTOR] = 0.0, np.inf  # that is known from the first step on
+    watch.work[:, PROJECTION] = watch.pattern @ state.q
+    keep(watch, state)
 
 
 def open_account(watch: Watch, system: Any, external: Array, state: Any, round_off: float) -> None:
@@ -256,12 +248,11 @@ def open_account(watch: Watch, system: Any, external: Array, state: Any, round_o
     open_with_gauges(watch, state, round_off)
 
 
-@kernel
-def go_on_with_gauges(watch, state):
+def go_on_with_gauges(watch: Watch, state: Any) -> None:
     """As `go_on`, where `gauges_now` are set already."""
     account, now = watch.account[NOW], watch.gauges_now
     account.start = now[KINETIC] + now[ELASTIC] - account.work - account.surplus
-    _keep(watch, state)
+    keep(watch, state)
 
 
 def go_on(watch: Watch, system: Any, external: Array, state: Any) -> None:
@@ -403,7 +394,7 @@ def glance(q, v, a):
 
 @inlined
 def _judge(watch, state, steps, duration):
-    """After some steps whose work is counted; trouble takes the state back, and is returned."""
+    """What the trouble is after some steps whose work is counted."""
     account, now = watch.account[NOW], watch.gauges_now
     account.trouble = ALL_IS_WELL
     if not _is_finite(now):
@@ -421,20 +412,17 @@ def _judge(watch, state, steps, duration):
     if account.trouble == ALL_IS_WELL:
         account.steps += steps
         _keep(watch, state)
-    else:
-        _exchange(watch, state)
     return account.trouble
 
 
-@kernel
-def condemn(watch, state, trouble, excess):
+def condemn(watch: Watch, state: Any, trouble: int, excess: float) -> None:
     """The last steps went wrong, as others have found; the state is that of the last inspection.
 
     trouble: what it is.   excess: how much of it, as the account's `error` [-].
     """
     watch.account[NOW].trouble = trouble
     watch.account[NOW].error = excess
-    _exchange(watch, state)
+    go_back(watch, state)
 
 
 @kernel
@@ -448,7 +436,7 @@ def judge_after_work(watch, state, constant, work, scatter, steps, duration):
         steps, duration: since the last time [-, s].
 
     Returns:
-        What the trouble is; if there is any, the state is that of the last inspection.
+        What the trouble is; if there is any, `go_back`.
     """
     account = watch.account[NOW]
     account.work += work
@@ -467,7 +455,7 @@ def record_watched(scheme, system, loads, state, h, steps, history, watch):
         watch: over the run; its account is open.
 
     Returns:
-        Number of intervals that ended well. If not all did, the state is that of the last inspection.
+        Number of intervals that ended well. If not all did, `go_back`.
     """
     done, total = 0, len(history) * steps
     while done < total:

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from ..arrays import Array
+from ..called_system import Bound
 from ..system import accelerate_and_project
 from .coupled_system import CoupledSystem
 from .joints import JointBlock, JointTerms
@@ -69,7 +70,7 @@ class _InContact:
 class _GivenContacts:
     """A compiled system to which these contacts are given as forces (n,).   start: q_0 (n,)."""
 
-    system: Any
+    accelerate: Bound
     given: Array
     contacts: ClosedContacts
     start: Array
@@ -79,7 +80,7 @@ class _GivenContacts:
 def _accelerate_in_contact(system, external, q, v, duration, acceleration, end_velocity):
     """Arguments: see `accelerate_and_project`."""
     system.given[:] = system.contacts.forces(q - system.start, v + duration * acceleration)
-    accelerate_and_project(system.system, external, q, v, duration, acceleration, end_velocity)
+    system.accelerate(external, q, v, duration, acceleration, end_velocity)
 
 
 def rates_in_contact(
@@ -99,7 +100,8 @@ def rates_in_contact(
         return _rates_of_coupled(system, external, contacts, q, v, kept)
     before = given.copy()
     try:
-        return fastest_rates(_GivenContacts(system, given, contacts, q.copy()), external, q, v, kept)
+        accelerate = Bound(accelerate_and_project, system)
+        return fastest_rates(_GivenContacts(accelerate, given, contacts, q.copy()), external, q, v, kept)
     finally:
         given[:] = before
 

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from ..arrays import Array
+from ..cable.linear_response import improve_damping, leave_to_joints
 from ..called_system import Bound
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .joints import JointBlock, JointSolve, JointTerms
@@ -34,11 +35,14 @@ class _Resolved(NamedTuple):
     rates: Callable[..., None]
     accelerate: Callable[..., None]
     correct: Callable[..., float]
+    improve: Callable[..., None] | None
 
 
-def _resolve(part: Part) -> _Resolved:
+def _resolve(part: Part, has_joints: bool) -> _Resolved:
     protocols = index_reduced_rates, accelerate_and_project, correct_position
-    return _Resolved(part.dofs, *(Bound(protocol, part.system) for protocol in protocols))
+    rates, accelerate, correct = (Bound(protocol, part.system) for protocol in protocols)
+    improve = Bound(improve_damping, part.system) if leave_to_joints(part.system, has_joints) else None
+    return _Resolved(part.dofs, rates, accelerate, correct, improve)
 
 
 class Surroundings(Protocol):
@@ -115,7 +119,7 @@ class CoupledSystem:
     @cached_property
     def resolved(self) -> list[_Resolved]:
         """The wholes."""
-        return [_resolve(part) for part in self.wholes]
+        return [_resolve(part, self.has_joints) for part in self.wholes]
 
     @cached_property
     def solve(self) -> JointSolve:
@@ -132,6 +136,19 @@ class CoupledSystem:
         """What its last evaluation found of the joints."""
         assert self.in_one
         self.multipliers, self.drift = self.in_one.multipliers, self.in_one.drift
+
+    def accelerate_joined(self, q: Array, acceleration: Array, target: Array) -> Array:
+        """Let J a = target; returns what the damping of cables adds then, see `improve_damping` (n,)."""
+        self.multipliers = self.solve.apply(acceleration, target)
+        added = np.zeros(len(acceleration))
+        for part in self.resolved:
+            if part.improve is not None:
+                added[part.dofs] = acceleration[part.dofs]
+                part.improve(q[part.dofs], added[part.dofs])
+        if added.any():
+            self.multipliers = self.multipliers + self.solve.apply(added, np.zeros(len(target)))
+            acceleration += added
+        return added
 
     def join(self, t: float, q: Array, v: Array) -> JointTerms:
         """Joints at (t, q, v), their Schur complement factorised; the parts are factorised at q."""
@@ -156,7 +173,7 @@ def coupled_rates(system, external, q, v, acceleration, rate):
         return
     terms, solve = system.join(t, q, v), system.solve
     speed = solve.times_jacobian(v) + terms.drift
-    system.multipliers = solve.apply(acceleration, terms.gamma - system.zeta * speed)
+    system.accelerate_joined(q, acceleration, terms.gamma - system.zeta * speed)
     solve.apply(rate, -system.zeta * terms.value - terms.drift)
 
 
@@ -174,7 +191,7 @@ def accelerate_and_project_coupled(system, external, q, v, duration, acceleratio
     if not system.has_joints:
         return
     terms, solve = system.join(t, q, v), system.solve
-    system.multipliers = solve.apply(acceleration, terms.gamma + system.foresight)
+    end_velocity += duration * system.accelerate_joined(q, acceleration, terms.gamma + system.foresight)
     solve.apply(end_velocity, -terms.drift)
 
 

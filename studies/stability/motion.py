@@ -209,7 +209,9 @@ class Motion:
         factor = np.zeros((steps, len(self._method.integrator.stages), 0))
         loads = inner.LoadHistory(self.external, pattern, factor)
         history = np.zeros((1, 3, self.state.q.size))
-        inner.record(self._method.parameters, self.system, loads, self.state, self.h, steps, history)
+        method = self._method
+        system, state = self.system, self.state
+        inner.record(method.integrator, method.parameters, system, loads, state, self.h, steps, history)
         self.steps += steps
         return self.is_credible
 

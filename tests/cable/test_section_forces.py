@@ -170,22 +170,29 @@ def test_forces_at_a_node_are_those_of_the_element_before_it(dim):
     assert np.abs(behind - before).max() > 0.1
 
 
+@pytest.mark.parametrize("damping", [0.0, 0.7])
 @both_dimensions
-def test_bending_moment_is_stiffness_times_curvature(dim):
+def test_bending_moment_is_that_of_the_curvature_and_its_rate(dim, damping):
     """Curvature from the angle between tangents nearby; positive in the plane where it turns left."""
     natural = 0.8 if dim == 2 else 0.0
-    cable, state = moving(dim, natural_curvature=natural)
+    cable, state = moving(dim, natural_curvature=natural, bending_damping=damping)
     points, step = np.array([0.3, 1.7, 2.9]), 1e-5
-    forces, _ = found_at(cable, state, points)
-    ahead, behind = (slopes(cable, state.q, points + s, 1) for s in (step, -step))
-    arc_length = 2.0 * step * np.linalg.norm(slopes(cable, state.q, points, 1), axis=1)
+
+    def curvature(time):
+        """(m, 3) vector at a time [s]."""
+        q = state.q + time * state.v
+        r_x = [np.pad(slopes(cable, q, points + s, 1), ((0, 0), (0, 3 - dim))) for s in (-step, 0.0, step)]
+        behind, here, ahead = (np.linalg.norm(one, axis=1)[:, None] for one in r_x)
+        return np.cross(r_x[0], r_x[2]) / behind / ahead / (2.0 * step * here)
+
+    rate = (curvature(1e-4) - curvature(-1e-4)) / 2e-4
+    expected = cable.section.bending_stiffness * curvature(0.0) + damping * rate
     if dim == 2:
-        turn = ahead[:, 1] * behind[:, 0] - ahead[:, 0] * behind[:, 1]
+        expected = expected[:, 2] - cable.section.bending_stiffness * natural
     else:
-        turn = np.linalg.norm(np.cross(behind, ahead), axis=1)
-    sine = turn / np.linalg.norm(ahead, axis=1) / np.linalg.norm(behind, axis=1)
-    expected = cable.section.bending_stiffness * (sine / arc_length - natural)
-    np.testing.assert_allclose(forces.bending_moment, expected, rtol=1e-6)
+        expected = np.linalg.norm(expected, axis=1)
+    forces, _ = found_at(cable, state, points)
+    np.testing.assert_allclose(forces.bending_moment, expected, rtol=1e-5)
 
 
 # ------------------------------------------------------------------- tension from multipliers
@@ -197,6 +204,7 @@ def test_a_nodal_multiplier_is_shared_by_the_elements_beside_its_node(closed):
     lengths = np.array([1.0, 2.0, 4.0])
     cable = replace(straight_cable(3, 2), element_lengths=lengths, closed=closed)
     cable = replace(cable, section=replace(cable.section, bending_stiffness=1e-30))
+    at_rest = np.zeros(cable.reference.shape)
     first, last = [1.0, 0.0, 0.25], [1.0, 0.0, 0.25]
     shares = {
         0: first if closed else [2.0, 0.0, 0.0],
@@ -206,24 +214,27 @@ def test_a_nodal_multiplier_is_shared_by_the_elements_beside_its_node(closed):
     }
     for node, expected in shares.items():
         nodal = np.eye(4)[node]
-        found = multiplier_tension(cable, cable.reference, nodal, np.zeros(3))
+        found = multiplier_tension(cable, cable.reference, at_rest, nodal, np.zeros(3))
         np.testing.assert_allclose(found, expected, atol=1e-12)
         np.testing.assert_array_equal(nodal, np.eye(4)[node])
-    of_length = multiplier_tension(cable, cable.reference, np.zeros(4), np.array([1.0, -2.0, 3.0]))
+    multiplier = np.array([1.0, -2.0, 3.0])
+    of_length = multiplier_tension(cable, cable.reference, at_rest, np.zeros(4), multiplier)
     np.testing.assert_allclose(of_length, [2.0, -4.0, 6.0], atol=1e-12)
 
 
 @both_measures
 @pytest.mark.parametrize("natural", [0.0, 0.7])
 def test_bending_of_an_arc_counts_with_its_curvature_squared(measure, natural):
-    """EI (kappa^2 - 2 kappa_0 kappa), the first term twice for `product`."""
-    radius, stiffness, number = 2.0, 3.0, 8
+    """EI (kappa^2 - 2 kappa_0 kappa), the first term twice for `product`, and 2 D kappa kappa_t."""
+    radius, stiffness, number, damping = 2.0, 3.0, 8, 0.4
     cable = straight_cable(number, 2, length=1.5, measure=measure)
-    section = replace(cable.section, bending_stiffness=stiffness, natural_curvature=natural)
-    cable = replace(cable, section=section)
-    found = multiplier_tension(cable, arc(1.5, number, radius), np.zeros(number + 1), np.zeros(number))
+    laws = {"bending_stiffness": stiffness, "natural_curvature": natural, "bending_damping": damping}
+    cable = replace(cable, section=replace(cable.section, **laws))
+    q = arc(1.5, number, radius)
+    v = (arc(1.5, number, radius + 1e-4) - arc(1.5, number, radius - 1e-4)) / 2e-4
+    found = multiplier_tension(cable, q, v, np.zeros(number + 1), np.zeros(number))
     twice = 2.0 if measure is MEASURES[1] else 1.0
-    expected = stiffness * (twice / radius**2 - 2.0 * natural / radius)
+    expected = stiffness * (twice / radius**2 - 2.0 * natural / radius) - 2.0 * damping / radius**3
     np.testing.assert_allclose(found, expected, rtol=1e-3)
 
 

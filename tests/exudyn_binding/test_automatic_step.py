@@ -1,5 +1,7 @@
 """The step of a run that is given none: by accuracy, with implicit bending where that would decide."""
 
+from functools import partial
+
 import exudyn
 import numpy as np
 import pytest
@@ -100,16 +102,16 @@ def test_small_fast_waves_of_a_line_do_not_shorten_its_step(line):
     assert np.sqrt(((path - fine) ** 2).sum(axis=2).mean()) < 0.005 * size
 
 
-def test_vibrations_of_cables_among_bodies_are_resolved(new_mbs, add_cable, add_sensor, solve):
-    """A cantilever with a mass at its end, 10 periods."""
+@pytest.fixture
+def weighed_cantilever(new_mbs, add_cable, add_sensor, solve):
+    """(section, elements, end, settings) -> path of its end, where a mass is, and report."""
 
-    def run(**explicit):
+    def run(section, elements, end, **explicit):
         mbs = new_mbs()
-        section = InextensibleCable(massPerLength=0.1, bendingStiffness=100.0)
         cable = add_cable(
             mbs,
             positionEnd=[1, 0, 0],
-            numberOfElements=4,
+            numberOfElements=elements,
             beamTemplate=section,
             groundConstraintsStart=CLAMPED,
         )
@@ -120,13 +122,30 @@ def test_vibrations_of_cables_among_bodies_are_resolved(new_mbs, add_cable, add_
         )
         sensor = add_sensor(mbs, cable["nodes"][-1])
         mbs.Assemble()
-        report = solve(mbs, settings=quiet_settings(END, 1, PERIOD), **explicit)
+        report = solve(mbs, settings=quiet_settings(end, 1, PERIOD), **explicit)
         return np.asarray(mbs.GetSensorStoredData(sensor))[:, 1:4], report
 
+    return run
+
+
+def test_vibrations_of_cables_among_bodies_are_resolved(weighed_cantilever):
+    """10 periods."""
+    run = partial(weighed_cantilever, InextensibleCable(massPerLength=0.1, bendingStiffness=100.0), 4, END)
     path, report = run()
     fine, _ = run(stepSize=report["stepSize"] / 16, massScaling=0.3)
     assert np.abs(path - fine).max() < 0.01 * np.ptp(fine[:, 1])
     assert report["decidedBy"] == "accuracy" and report["stepSize"] > 5.0 * report["bounds"].rule
+
+
+def test_strains_at_the_start_do_not_shorten_the_step(weighed_cantilever):
+    """They make axial waves, which steps need not resolve."""
+
+    def resolving_step(strain):
+        stretching = {"axialStiffness": 1e4, "axialDamping": 10.0, "referenceAxialStrain": strain}
+        section = InextensibleCable(massPerLength=0.1, bendingStiffness=1.0, **stretching)
+        return weighed_cantilever(section, 8, PERIOD)[1]["bounds"].accuracy
+
+    assert resolving_step(0.05) == resolving_step(0.0)
 
 
 @pytest.fixture

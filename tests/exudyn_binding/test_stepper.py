@@ -14,6 +14,7 @@ from exudyn_inext import (
     ExplicitStepper,
     InputError,
     SceneError,
+    SolveExplicit,
     StepSizeError,
 )
 
@@ -241,6 +242,22 @@ def test_a_divergence_keeps_the_last_good_state_and_asks_for_a_new_start(twin, w
     stepper.Start()
     stepper.Step()
     assert stepper.time == 5e-3
+
+
+def test_functions_that_nobody_would_call_are_refused(twin):
+    model = twin()
+    for name in ("PreStep", "PostStep"):
+        register = getattr(model.mbs, f"Set{name}UserFunction")
+        register(lambda mbs, t: True)
+        with pytest.raises(SceneError, match="pre- or post-step user function, which nobody calls between"):
+            ExplicitStepper(model.mbs, stepSize=1e-3)
+        register(0)
+    model.mbs.SetPostNewtonUserFunction(lambda mbs, t: [0, 0])
+    for run in (ExplicitStepper, SolveExplicit):
+        with pytest.raises(SceneError, match=r"PostNewtonUserFunction .*: remove it"):
+            run(model.mbs)
+    model.mbs.SetPostNewtonUserFunction(0)
+    ExplicitStepper(model.mbs, stepSize=1e-3)
 
 
 def test_a_step_before_the_start_is_refused(twin):

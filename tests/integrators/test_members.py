@@ -5,7 +5,7 @@ import pytest
 
 from exudyn_inext.cable.chain import build_chain
 from exudyn_inext.cable.index_reduction import CableSystem
-from exudyn_inext.called_system import called
+from exudyn_inext.called_system import addresses_of, called
 from exudyn_inext.integrators import INTEGRATORS
 from exudyn_inext.integrators.integrator import LoadHistory, record
 from exudyn_inext.integrators.rattle import Rattle
@@ -43,7 +43,7 @@ def alone(seed):
 def test_members_move_as_they_do_alone_bit_by_bit():
     members = [start(1), start(2, broken=True), start(3)]
     systems = [called(cable, *RATTLE.calls, gauge) for cable, _, _ in members]
-    addresses, functions = np.array([one.address for one in systems]), systems[0].functions
+    addresses, functions = addresses_of(systems), systems[0].functions
     loads, memories = (stacked(column) for column in list(zip(*members, strict=True))[1:])
     watches = stacked([build_watch(memory, 4, np.inf) for _, _, memory in members])
     output, good = np.full((2, 3, INTERVALS, memories.q.shape[1]), 7.0), np.zeros(3, dtype=int)

@@ -18,6 +18,7 @@ from exudyn_inext.run.watch import (
     NOT_FINITE,
     STEPS_WITH_POWER,
     build_watch,
+    go_back,
     open_account,
     record_watched,
 )
@@ -57,6 +58,8 @@ class WatchedPendulum:
         scheme, loads = self.integrator.scheme(), self.loads(h, steps)
         system = called(self.system, *self.integrator.calls, gauge)
         good = record_watched(scheme, system, loads, self.state, h, 1, history, self.watch)
+        if good < steps:
+            go_back(self.watch, self.state)
         return good, history[:good]
 
 

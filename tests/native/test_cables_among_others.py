@@ -6,18 +6,23 @@ import pytest
 from exudyn.itemInterface import (
     CartesianSpringDamper,
     CoordinateConstraint,
+    GenericJoint,
     LoadForceVector,
     MarkerBodyPosition,
+    MarkerBodyRigid,
     MarkerNodeCoordinate,
     MarkerNodePosition,
+    MarkerNodeRigid,
+    RevoluteJoint2D,
     SphericalJoint,
+    TorsionalSpringDamper,
 )
 from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import CableForces, CableShape, CreateCableForceSensor, DivergenceError
 from exudyn_inext.items.cable_data import find_cable_item
 from reference_models.model import quiet_settings, silence
-from tests.exudyn_binding.items import load_node, native_cable, solve_native, trajectory
+from tests.exudyn_binding.items import either_cable, load_node, native_cable, solve_native, trajectory
 
 GRAVITY = [0, -9.81, 0]
 
@@ -60,6 +65,48 @@ def with_brick(new_mbs, add_pendulum, add_sensor, solve):
         return report, [trajectory(mbs, sensor) for sensor in sensors], mbs
 
     return run
+
+
+def damped_arm(mbs, native):
+    """A damped cable, clamped to a brick on a torsional spring and to a hanging one; both bricks."""
+    section = {"massPerLength": 0.2, "bendingStiffness": 0.5, "bendingDamping": 0.02}
+    line = {"positionStart": [0, 0, 0], "positionEnd": [1, 0, 0], "gravity": GRAVITY}
+    line["numberOfElements"] = 20 if native else 10
+    nodes, _ = either_cable(mbs, native, 2, section, 2e5, **line)
+    inertia, bricks = InertiaCuboid(1000, [0.2, 0.1, 0.05]), []
+    for node, x, end in ((nodes[0], -0.1, 0.1), (nodes[-1], 1.1, -0.1)):
+        place = {"referencePosition": [x, 0, 0], "gravity": GRAVITY}
+        bricks.append(mbs.CreateRigidBody(inertia=inertia, create2D=True, **place))
+        clamp = MarkerBodyRigid(bodyNumber=bricks[-1], localPosition=[end, 0, 0])
+        pair = [mbs.AddMarker(marker) for marker in (clamp, MarkerNodeRigid(nodeNumber=node))]
+        mbs.AddObject(GenericJoint(markerNumbers=pair, constrainedAxes=[1, 1, 0, 0, 0, 1]))
+    wall = MarkerBodyRigid(bodyNumber=mbs.CreateGround(referencePosition=[-0.2, 0, 0]))
+    hinge = MarkerBodyRigid(bodyNumber=bricks[0], localPosition=[-0.1, 0, 0])
+    pair = [mbs.AddMarker(marker) for marker in (wall, hinge)]
+    mbs.AddObject(RevoluteJoint2D(markerNumbers=pair))
+    mbs.AddObject(TorsionalSpringDamper(markerNumbers=pair, stiffness=20, damping=0.1))
+    return bricks
+
+
+def test_a_damped_cable_between_clamps_moves_as_a_native_one(new_mbs, solve):
+    """Its damping has more on the left than it is, which the clamps must not feel."""
+    found = []
+    for native in (True, False):
+        mbs = new_mbs()
+        bricks = damped_arm(mbs, native)
+        mbs.Assemble()
+        if native:
+            solve_native(mbs, 1.0, step=2.5e-4)
+        else:
+            report = solve(mbs, 1.0)
+        kind = exudyn.OutputVariableType.Position
+        found.append([mbs.GetObjectOutputBody(brick, kind) for brick in bricks])
+    np.testing.assert_allclose(*found, atol=1e-3)
+    assert report["drift"]["energyGain"] < 1e-3
+
+
+def test_so_it_does_by_exudyns_own_evaluation(by_exudyn, new_mbs, solve):
+    test_a_damped_cable_between_clamps_moves_as_a_native_one(new_mbs, solve)
 
 
 def test_a_brick_on_a_cable_moves_as_on_a_native_cable(new_mbs, with_brick, add_sensor):

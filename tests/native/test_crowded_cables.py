@@ -11,6 +11,7 @@ from exudyn.itemInterface import (
     MarkerBodyPosition,
     MarkerNodePosition,
     ObjectJointSpherical,
+    SensorObject,
 )
 
 from exudyn_inext import (
@@ -192,3 +193,27 @@ def test_a_node_that_is_held_twice_is_named():
     crowd.mbs.Assemble()
     with silence(), pytest.raises(RedundantConstraintError, match="is not independent"):
         SolveExplicit(crowd.mbs, quiet_settings(0.01, 10))
+
+
+def test_the_support_of_a_crowded_cable_carries_it():
+    """At the start it hangs straight down: its pin carries the weight of the cable and its 12 masses."""
+    mbs = exudyn.SystemContainer().AddSystem()
+    section, gravity = InextensibleCable(massPerLength=0.2, bendingStiffness=0.5), [0, -10, 0]
+    pin = [True, True, False, False]
+    cable = CreateInextensibleCable(mbs, [0, 0, 0], [0, -1, 0], 12, section, gravity, pin)
+    for node, place in zip(cable["nodes"][1:], cable["nodePositions"][1:], strict=True):
+        mass = {"referencePosition": [place[0], place[1], 0], "mass": 0.1, "gravity": gravity}
+        point = mbs.AddMarker(MarkerBodyPosition(bodyNumber=mbs.CreateMassPoint(create2D=True, **mass)))
+        pair = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)), point]
+        mbs.AddObject(ObjectJointSpherical(markerNumbers=pair, constrainedAxes=[1, 1, 0]))
+    force = SensorObject(
+        objectNumber=cable["constraintObjects"][1],
+        outputVariableType=exudyn.OutputVariableType.Force,
+        storeInternal=True,
+    )
+    sensor = mbs.AddSensor(force)
+    mbs.Assemble()
+    with silence():
+        SolveExplicit(mbs, quiet_settings(0.01, 1))
+    found = np.abs(mbs.GetSensorStoredData(sensor)[:, 1])
+    np.testing.assert_allclose(found, 10 * (0.2 + 12 * 0.1), rtol=1e-6)

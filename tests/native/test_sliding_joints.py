@@ -87,7 +87,6 @@ def trolley(make, elements=16, start=0.55, mass=MASS, arm=ARM, **joint):
     section = dict(massPerLength=0.3, bendingStiffness=1.0)
     scene.cable_nodes, cables = make(mbs, shape, section)
     length = float(shape.elementLengths)
-    offsets = [length * k for k in range(elements)]
     segment = int(start / length)
     weights = shape_functions(start / length - segment, length)
     two = slice(segment, segment + 2)
@@ -101,21 +100,26 @@ def trolley(make, elements=16, start=0.55, mass=MASS, arm=ARM, **joint):
     )
     mbs.AddLoad(LoadForceVector(markerNumber=centre, loadVector=[0, -mass * G, 0]))
     markers = [mbs.AddMarker(MarkerBodyCable2DCoordinates(bodyNumber=cable)) for cable in cables]
-    data = mbs.AddNode(NodeGenericData(initialCoordinates=[segment, start], numberOfDataCoordinates=2))
-    given = dict(slidingMarkerNumbers=markers, slidingMarkerOffsets=offsets, nodeNumber=data) | joint
-    scene.joint = mbs.AddObject(
-        ObjectJointSliding2D(name="trolley", markerNumbers=[top, markers[segment]], **given)
-    )
     kinds = {"place": OUTPUT.Position, "speed": OUTPUT.Velocity, "spin": OUTPUT.AngularVelocity}
     scene.sensors = {
         name: mbs.AddSensor(SensorNode(nodeNumber=scene.node, outputVariableType=kind, **KEPT))
         for name, kind in kinds.items()
     }
-    for kind in ("SlidingCoordinate", "Force"):
-        sensor = SensorObject(objectNumber=scene.joint, outputVariableType=getattr(OUTPUT, kind), **KEPT)
-        scene.sensors[kind] = mbs.AddSensor(sensor)
+    slide(scene, ObjectJointSliding2D, top, markers, length, start, **joint)
     mbs.Assemble()
     return scene
+
+
+def slide(scene, kind, top, markers, length, start, **joint):
+    """Let the marker `top` slide along elements of that length, from the arc length `start` on."""
+    mbs, segment = scene.mbs, int(start / length)
+    data = mbs.AddNode(NodeGenericData(initialCoordinates=[segment, start], numberOfDataCoordinates=2))
+    offsets = [length * k for k in range(len(markers))]
+    given = dict(slidingMarkerNumbers=markers, slidingMarkerOffsets=offsets, nodeNumber=data) | joint
+    scene.joint = mbs.AddObject(kind(name="trolley", markerNumbers=[top, markers[segment]], **given))
+    for what in ("SlidingCoordinate", "Force"):
+        sensor = SensorObject(objectNumber=scene.joint, outputVariableType=getattr(OUTPUT, what), **KEPT)
+        scene.sensors[what] = mbs.AddSensor(sensor)
 
 
 def run(scene, end=1.0, step=1e-3, solve=SolveExplicit, restarts=None, **explicit):

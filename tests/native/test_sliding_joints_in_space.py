@@ -9,11 +9,9 @@ from exudyn.beams import GenerateBeamElementsAlongLine
 from exudyn.itemInterface import (
     MarkerBodyBeamShape,
     MarkerBodyRigid,
-    NodeGenericData,
     ObjectANCFCable,
     ObjectJointSliding,
     SensorBody,
-    SensorObject,
 )
 from exudyn.utilities import InertiaCuboid
 
@@ -22,7 +20,7 @@ from exudyn_inext.errors import SceneError
 from exudyn_inext.native.known import joints as known_joints
 from exudyn_inext.native.known.unknown import UnknownItemError
 
-from .test_sliding_joints import KEPT, OUTPUT, run
+from .test_sliding_joints import KEPT, OUTPUT, run, slide
 
 LENGTH, ELEMENTS, START, ARM = 2.0, 16, 0.7, 0.2
 MASS, PULL = 0.6, [1.0, -9.81, 3.0]  # of the trolley [kg, m/s^2]
@@ -54,26 +52,13 @@ def trolley(make, **joint):
     body = mbs.CreateRigidBody(inertia=inertia, referencePosition=[START, -ARM, 0.02], gravity=PULL)
     top = mbs.AddMarker(MarkerBodyRigid(bodyNumber=body, localPosition=[0, ARM, -0.02]))
     markers = [mbs.AddMarker(MarkerBodyBeamShape(bodyNumber=element)) for element in elements]
-    length = LENGTH / ELEMENTS
-    segment = int(START / length)
-    data = mbs.AddNode(NodeGenericData(initialCoordinates=[segment, START], numberOfDataCoordinates=2))
-    given = dict(
-        constrainRotations=[0, 0, 0],
-        slidingMarkerNumbers=markers,
-        slidingMarkerOffsets=[length * k for k in range(ELEMENTS)],
-        nodeNumber=data,
-    )
-    joint = mbs.AddObject(
-        ObjectJointSliding(name="trolley", markerNumbers=[top, markers[segment]], **(given | joint))
-    )
     scene.sensors = {
         "place": mbs.AddSensor(SensorBody(bodyNumber=body, outputVariableType=OUTPUT.Position, **KEPT))
     }
     given = dict(bodyNumber=body, outputVariableType=OUTPUT.Velocity, **KEPT)
     scene.sensors["speed"] = mbs.AddSensor(SensorBody(**given))
-    for kind in ("SlidingCoordinate", "Force"):
-        sensor = SensorObject(objectNumber=joint, outputVariableType=getattr(OUTPUT, kind), **KEPT)
-        scene.sensors[kind] = mbs.AddSensor(sensor)
+    joint = {"constrainRotations": [0, 0, 0]} | joint
+    slide(scene, ObjectJointSliding, top, markers, LENGTH / ELEMENTS, START, **joint)
     mbs.Assemble()
     return scene
 

@@ -17,6 +17,7 @@ from ...advice.stretch import stretch_error
 from ...advice.survey import Search, survey_meshes
 from ...checks import require_positive
 from ...errors import InputError
+from ..arguments import settings_of
 from ..reports import AdviceReport
 from .advice_settings import MOST_SAMPLES, SAMPLES, AdviceSettings, require_builder
 from .pilot_runs import Build, PilotRuns
@@ -67,10 +68,8 @@ def Advise(
     require_builder("build", build)
     tolerance, end_time = require_positive("tolerance", tolerance), require_positive("endTime", endTime)
     limit = float("inf") if budget is None else require_positive("budget", budget)
-    settings = AdviceSettings() if settings is None else settings
-    if not isinstance(settings, AdviceSettings):
-        raise InputError(f"settings = {settings!r}: must be AdviceSettings.")
-    return _Session(build, tolerance, end_time, limit, settings).result()
+    given: AdviceSettings = settings_of(AdviceSettings, "settings", settings)
+    return _Session(build, tolerance, end_time, limit, given).result()
 
 
 class _Session:

@@ -12,8 +12,7 @@ from exudyn.exudynCPP import ObjectIndex
 from ...cable.link import Motion
 from ...items.parameters import Parameter
 from ...loads.weight import ElementWeight
-from ...run.coupled_run import CoupledRun
-from ...run.run import Run
+from ...run.coupled_run import CoupledRun, Run
 from ...scene.model import CableInScene, Scene
 
 _JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
@@ -55,7 +54,8 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
             return Demand.READ
         if is_joint and not mbs.GetObjectParameter(key.number, "activeConnector"):
             return Demand.NOTHING
-        return Demand.MOVE if is_joint and all(run.can_move(key.number) for run in coupled) else Demand.BUILD
+        moves = is_joint and all(run.mover.can_move(key.number) for run in coupled)
+        return Demand.MOVE if moves else Demand.BUILD
     is_connector = kind.startswith(("Connector", "Contact"))
     return Demand.EVALUATE if is_connector else Demand.BUILD
 

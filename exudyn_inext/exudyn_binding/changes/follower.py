@@ -12,8 +12,7 @@ from ...native.surroundings import state_kept
 from ...run.cable_loads import CableLoads
 from ...run.cable_run import CableRun
 from ...run.consistent_start import agree
-from ...run.coupled_run import CoupledRun
-from ...run.run import Run
+from ...run.coupled_run import CoupledRun, Run
 from ...run.settings import ExplicitSettings
 from ...scene.model import Scene
 from ..cable_forces import forget_evaluators
@@ -68,7 +67,7 @@ class ChangeFollower:
         return {"moves": self.moves} | {key: value for part in parts for key, value in part.memory().items()}
 
     def figures(self) -> dict[str, float]:
-        """Extremes of runs that others have taken over from; see `Run.figures`."""
+        """Extremes of runs that others have taken over from; see `CableRun.figures`."""
         return self._figures
 
     def follow(self, runs: Sequence[Run], time: float, end: float) -> Sequence[Run]:
@@ -87,7 +86,7 @@ class ChangeFollower:
             self.reader.drives.follow(changed, time)
             runs = self._followed(runs, changed, time, end)
         coupled = [run for run in runs if isinstance(run, CoupledRun)]
-        self.moves = self.reader.moves or any(run.approaches for run in coupled)
+        self.moves = self.reader.moves or any(run.mover.approaches for run in coupled)
         return runs
 
     def require_all_seen(self, runs: Sequence[Run]) -> None:
@@ -101,7 +100,7 @@ class ChangeFollower:
         time = self.mbs.systemData.GetTime()
         for run in runs:
             if isinstance(run, CoupledRun):
-                run.require_same_items(time)
+                run.mover.require_same_items(time)
         scene, alone = read_scene(self.mbs, self.reader), _alone(runs)
         loads = [CableLoads(cable).constant for cable in scene.cables] if alone else []
         is_same = same_cables(self.scene, scene) and not (alone and scene.foreign)
@@ -124,7 +123,7 @@ class ChangeFollower:
             return False
         forget_evaluators(self.sensors)
         items = self._acting(runs, changed)
-        return all(run.take_values(items) for run in runs if isinstance(run, CoupledRun))
+        return all(run.mover.take_values(items) for run in runs if isinstance(run, CoupledRun))
 
     def _load_at_once(self, runs: Sequence[CableRun], changed: Sequence[Parameter], time: float) -> bool:
         """As `_act_at_once`, for constant forces on nodes of cables among nothing else."""
@@ -214,7 +213,6 @@ def _go_on(runs: Sequence[Run], time: float, end: float, has_changed: bool) -> N
         has_changed: whether joints may have; if not, they rest.
     """
     for run in runs:
-        assert isinstance(run, CableRun | CoupledRun)
         if isinstance(run, CableRun):
             agree(run.system, run.loads.at(time), run.state)
         else:

@@ -10,8 +10,7 @@ import numpy as np
 from ...errors import StepSizeError
 from ...items.parameters import Parameter
 from ...run.cable_run import CableRun
-from ...run.coupled_run import CoupledRun
-from ...run.run import Run
+from ...run.coupled_run import CoupledRun, Run
 from ...run.settings import ExplicitSettings
 from ...run.step_choice import StepSizeBounds, follow_frequencies, step_above_limit, step_bounds
 

@@ -103,9 +103,9 @@ ADVISE = [
                 {"settings": AdviceSettings(samplePeriod=1e-20)},
                 r"samplePeriod = 1e-20 s: .* more than 1e\+06 samples in endTime = 0.01 s; give a larger one",
             ),
-            ({"settings": 5}, r"settings = 5: must be AdviceSettings"),
-            ({"settings": {}}, r"settings = \{\}: must be AdviceSettings"),
-            ({"settings": AdviceSettings}, r"settings = <class.*must be AdviceSettings"),
+            ({"settings": 5}, r"settings = 5: must be AdviceSettings\(\)"),
+            ({"settings": {}}, r"settings = \{\}: must be AdviceSettings\(\)"),
+            ({"settings": AdviceSettings}, r"settings = <class.*must be AdviceSettings\(\)"),
             (
                 {"settings": AdviceSettings(buildConventional=lambda n: None, numbersOfElements=(2, 3, 4))},
                 r"buildConventional\(2\) returned None: must return \(mbs, sensorNumber\)",

@@ -582,9 +582,9 @@ EQUILIBRIUM = [
         {"mbs": MBS},
         [
             ({"simulationSettings": "static"}, r"simulationSettings = 'static': must be SimulationSettings"),
-            ({"staticSettings": 1e-9}, r"staticSettings = 1e-09: must be a StaticSettings"),
-            ({"staticSettings": StaticSettings}, r"staticSettings = <class.*must be a StaticSettings"),
-            ({"staticSettings": {}}, r"staticSettings = \{\}: must be a StaticSettings"),
+            ({"staticSettings": 1e-9}, r"staticSettings = 1e-09: must be StaticSettings\(\)"),
+            ({"staticSettings": StaticSettings}, r"staticSettings = <class.*must be StaticSettings\(\)"),
+            ({"staticSettings": {}}, r"staticSettings = \{\}: must be StaticSettings\(\)"),
             (with_time(startTime=INF), r"startTime = inf: must be a finite number \[s\]"),
         ],
     ),

@@ -1,0 +1,153 @@
+"""What bounds the steps of a coupled scene, and what is said of it."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..integrators.linear_stability import frequency_limit
+from ..scene.closed_contacts import rates_in_contact
+from ..scene.small_vibrations import FastestRates, VibrationTracker, fastest_rates
+from ..system import accelerate_and_project
+from .cable_run import CableRun
+from .divergence import explanation, listed
+from .joined_scene import JoinedScene, OpenContacts
+from .mover import Mover, together
+from .paced_run import PacedRun
+from .step_control import FrequencyFollower, StepControl, StepRule
+
+STEPS_BETWEEN_LOOKS = 128  # at the frequency, which costs as much as some 10 evaluations
+
+
+class LimitedRun(PacedRun):
+    """See `CoupledRun`.   mover: who takes the steps.   why_not: why Exudyn does; empty if it does not."""
+
+    mover: Mover
+    why_not: str
+    indices: np.ndarray
+    _scene: JoinedScene
+    _runs: Sequence[CableRun]
+    _why: str  # Exudyn may have to
+    _time: float  # of the state whose rates are known [s]
+    _rejects: bool
+    _fastest: Array  # (2, 2, n) found by searches so far, see `fastest_rates`: as it is, and in contact
+    _unsolvable = ""  # what was said of joints that could not be solved for
+    _tracker: VibrationTracker | None = None
+
+    @property
+    def name(self) -> str:
+        cables = listed([run.name for run in self._runs])
+        joints = len(self._scene.joints)
+        others = [f"{joints} joint(s)"] if joints else []
+        others += ["bodies"] if self._scene.has_bodies else []
+        return " and ".join([cables, *others]) if cables else "native items"
+
+    @property
+    def reason(self) -> str:
+        """What an evaluation needs."""
+        joints, bodies = len(self._scene.joints), self._scene.bodies_of_variable_mass
+        needs = ["one right-hand side of Exudyn"]
+        if self._scene.parts_in_one:
+            needs += ["no mass and no Jacobian (bodies and joints are compiled)"]
+        else:
+            needs += [f"the mass of {bodies} bodies"] if bodies else ["no mass (all constant, inverted once)"]
+            needs += [f"the Jacobians of {joints} joints"] if joints else ["no Jacobian (no joints)"]
+        said = f"each evaluation takes {', '.join(needs)}, as mbs contains {self._why}"
+        return f"{said}; Exudyn evaluates them because of {self.why_not}"
+
+    @cached_property
+    def _rates(self) -> FastestRates:
+        return self._rates_at(self._time)
+
+    def _rates_at(self, time: float) -> FastestRates:
+        """Of the present state."""
+        with self._without_implicit_forces(time):
+            return fastest_rates(*self._system_at(time), self.state.q, self.state.v, self._fastest[0])
+
+    def _system_at(self, time: float) -> tuple[Any, Array]:
+        """What takes the steps, and the external force that it is given."""
+        return self.mover.system, self.mover.external_at(time)
+
+    @contextmanager
+    def _without_implicit_forces(self, time: float) -> Iterator[None]:
+        """Damping and axial forces of cables, at present, and damping of contact do not bound the step."""
+        damping = [run.implicit_damping_left_out() for run in self._runs]
+        with together([self.mover.contact_damping_left_out(), *damping]):
+            if any(run.scene_cable.cable.stretches for run in self._runs):
+                memory = np.zeros((2, len(self.state.q)))
+                system, external = self._system_at(time)
+                accelerate_and_project(system, external, self.state.q, self.state.v, 0.0, *memory)
+            with together([run.axial_forces_frozen for run in self._runs]):
+                yield
+
+    def forget_rates(self, time: float) -> None:
+        """Find them again, for the configuration at `time` [s]; the run must then begin again."""
+        self._time = time
+        self.__dict__.pop("_rates", None)
+        if self._tracker:
+            self._tracker.vibration[:] = 0.0
+
+    @cached_property
+    def contacts(self) -> OpenContacts | None:
+        """Contacts that are open at the start, if there are any."""
+        state, implicit = (self._time, self.state.q, self.state.v), self.mover.dofs_in_implicit_contact
+        return self._scene.open_contacts(*state, self.data[0], implicit)
+
+    @property
+    def rates_in_contact(self) -> FastestRates:
+        """The rates if all of these contacts close at once; zero where there are none."""
+        if self.contacts is None:
+            return FastestRates(0.0, 0.0)
+        given, state = (self.mover.given, self.contacts.closed), (self.state.q, self.state.v)
+        with self._without_implicit_forces(self._time):
+            return rates_in_contact(*self._system_at(self._time), *given, *state, self._fastest[1])
+
+    def largest_frequency(self, time: float) -> float:
+        """w_max [rad/s] of small vibrations about the present configuration, joints included."""
+        return self._rates.frequency
+
+    def damping_ratio(self, frequency: float) -> float:
+        """Strongest damping [1/s], as a share of that frequency."""
+        ratio = self._rates.damping / frequency if frequency > 0.0 else 0.0
+        return ratio if ratio > 1e-6 else 0.0
+
+    def follow_frequency(self, rule: StepRule) -> None:
+        """Let the steps follow the present stability limit."""
+        self._tracker = VibrationTracker(self._scene.size)
+        follower = FrequencyFollower(rule, self._present_frequency, STEPS_BETWEEN_LOOKS)
+        self.control = StepControl(follower, self._rejects)
+
+    def _present_frequency(self, time: float) -> float:
+        """w_max [rad/s] about the present state, of which the integrator then knows again."""
+        assert self._tracker is not None
+        with self._without_implicit_forces(time):
+            found = self._tracker.frequency(*self._system_at(time), self.state.q, self.state.v)
+        self.resume(time)
+        return found
+
+    def verdict(self, time: float, h: float) -> str:
+        """What went wrong in the last steps; see `CableRun.verdict`."""
+        if not self.gave_up:
+            return ""
+        if self._unsolvable:
+            return f"{self.name}: {self._unsolvable} If the motion before that is wrong, reduce stepSize."
+        limit, scaled = self._limit_now(time), any(run.is_scaled for run in self._runs)
+        said = explanation(self.integrator, self.trouble, self.control.present, limit, scaled)
+        return f"{self.name}: {self.watch.found}; {self._place}; {self.control.said}. {said}"
+
+    def _limit_now(self, time: float) -> float:
+        """Stability limit [s] in the state of the last inspection; infinite if there is none."""
+        rates = self._rates_at(time)
+        if not rates.frequency > 0.0:
+            return np.inf
+        ratio = rates.damping / rates.frequency
+        return frequency_limit(self.integrator, self.scheme, ratio) / rates.frequency
+
+    @property
+    def _place(self) -> str:
+        """Where the last good state has its largest acceleration."""
+        largest = int(np.argmax(np.abs(self.state.a[: len(self.indices)])))
+        return f"its accelerations are largest at {self._scene.coordinate_name(self.indices[largest])}"

@@ -1,0 +1,130 @@
+"""A coupled scene that Python moves, with forces, and what has no compiled form, from Exudyn."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..compiled import plain
+from ..integrators.integrator import Integrator, LoadHistory, advance
+from .cable_run import CableRun
+from .compiled_scene import ChangedItem
+from .consistent_start import StartCorrection
+from .coupled_start import consistent_start
+from .coupled_watch import CoupledWatch
+from .joined_scene import JoinedScene
+from .mover import FULFILLED, Mover
+from .paced_run import PacedRun
+from .step_control import Piece
+from .time_grid import TimeGrid
+
+
+class MovedByExudyn(Mover):
+    """See `Mover`; mbs follows each step.
+
+    looks_ahead: whether many steps are one call.   is_steady: see `CableRun.is_steady`.
+    evaluated: the scene, by whom evaluates it.
+    elsewhere, data, remembered: see `PacedRun`.
+    """
+
+    looks_ahead = is_steady = False
+    remembered: Array | None = None
+    data = PacedRun.data
+
+    def __init__(
+        self, scene: JoinedScene, runs: Sequence[CableRun], state: Any, method: tuple[Integrator, Any]
+    ) -> None:
+        super().__init__(scene, runs, state, method)
+        self.evaluated, self.elsewhere = scene, scene.remembered
+        self._output = np.zeros((1, 3, scene.size))
+
+    @property
+    def system(self) -> Any:
+        return self._scene.system
+
+    def external_at(self, time: float) -> Array:
+        return np.array([time])
+
+    def correct_start(self, time: float, tolerance: float) -> StartCorrection:
+        """Move the state onto the joints.   tolerance: see `ExplicitSettings.startTolerance`."""
+        state = time, self._state.q, self._state.v
+        return consistent_start(self._scene.system, self.cables, *state, tolerance)
+
+    def compile_steps(self, time: float) -> None:
+        """Compile what takes steps from the present state on, at `time` [s], as far as there is any."""
+        if not self.approaches:
+            self._scene.compile_parts(time, self._state.q, self._state.v)
+
+    def approach_joints(self, time: float, end: float) -> bool:
+        """Let violated joints be fulfilled at `end` [s]; returns whether all of them can be moved."""
+        self._scene.surroundings.approach_joints(time, end, self._state.q, FULFILLED)
+        if self.approaches:
+            self._scene.leave_compiled_parts()
+        return True
+
+    @property
+    def approaches(self) -> bool:
+        """Whether joints have moved through the last step, as they were changed."""
+        return self._scene.surroundings.approach is not None
+
+    def rest(self) -> None:
+        """Joints that have been moved stay where they are."""
+        self._scene.surroundings.approach = None
+
+    def can_move(self, number: int) -> bool:
+        """Whether the offset of a joint may be set between steps."""
+        return True
+
+    def take_values(self, changed: Sequence[ChangedItem]) -> bool:
+        """Whether loads and springs that were changed act now; otherwise some may."""
+        return True
+
+    def require_same_items(self, time: float) -> None:
+        """Raise SceneError if Exudyn's items are not those that have moved the scene."""
+        self._scene.require_agreement(None, time, self._state.q, self._state.v)
+
+    def look(self, time: float) -> None:
+        """Evaluate what the next step needs to know of a state that has been set."""
+        self._scene.surroundings.forces(time, self._state.q, self._state.v)
+
+    def begin_record(self, intervals: int) -> None:
+        """So many intervals of the time loop are about to be taken."""
+
+    def end_record(self, grid: TimeGrid, first: int, history: Array) -> None:
+        """These intervals from number `first` on went well: mbs is left in the state at their end."""
+        surroundings, system = self._scene.surroundings, self._scene.system
+        if len(history):
+            multipliers = surroundings.all_multipliers(system.multipliers, self._state.a)
+            surroundings.show(grid.time(first + len(history)), self._state, multipliers)
+
+    def take(self, piece: Piece, times: Array, done: int, history: Array, watch: CoupledWatch) -> None:
+        """Take steps of a piece, of which some are done; `watch` counts their work.
+
+        times: (steps, stages) of their evaluations [s].   history: see `PacedRun.take`.
+        """
+        take_step = plain(advance.dispatch(type(self._scheme)))
+        system, state = self._scene.system, self._state
+        nothing, the_time = np.zeros(len(state.external)), np.eye(1, len(state.external))
+        surroundings, last = self._scene.surroundings, done + len(times)
+        surroundings.path, surroundings.settles = watch.path_of_evaluations, watch.has_one_evaluation
+        try:
+            for number, factors in enumerate(times[:, np.newaxis, :, np.newaxis], done + 1):
+                if number == last:
+                    watch.look(state)
+                loads = LoadHistory(nothing, the_time, factors)
+                take_step(self._scheme, system, loads, state, piece.h, 1, self._output)
+                surroundings.finish_step(piece.time(number), state.q, state.v)
+                for call in watch.after_each_step:
+                    call()
+        finally:
+            surroundings.path, surroundings.settles = None, False
+
+    def finish_piece(self, history: Array) -> None:
+        """Write the state into the history, unless steps have done so."""
+        for place, values in enumerate((self._state.q, self._state.v, self._state.a)):
+            history[0, place] = values[: history.shape[2]]
+
+    def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
+        """See `CableRun.complete`."""
+        return False

@@ -1,0 +1,201 @@
+"""A coupled scene that compiled kernels move: many steps in one call, of which mbs knows nothing."""
+
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import SceneError
+from ..integrators.integrator import Integrator
+from .cable_run import CableRun
+from .compiled_scene import ChangedItem, CompiledScene, RememberedByContacts, Steps
+from .consistent_start import StartCorrection
+from .coupled_start import compiled_start, consistent_start
+from .coupled_watch import CoupledWatch
+from .joined_scene import JoinedScene
+from .mover import FULFILLED, Mover
+from .redundancy import held_straight
+from .step_control import Piece
+from .time_grid import TimeGrid
+
+
+class MovedByKernels(Mover):
+    """See `Mover`, and `MovedByExudyn` for what the methods do.
+
+    form: the scene in compiled code.
+    """
+
+    looks_ahead = True
+
+    def __init__(
+        self,
+        form: CompiledScene,
+        scene: JoinedScene,
+        runs: Sequence[CableRun],
+        state: Any,
+        method: tuple[Integrator, Any],
+    ) -> None:
+        super().__init__(scene, runs, state, method)
+        self._form = self.evaluated = form
+        self.given, self.data = form.given, form.contacts.data
+        self.elsewhere = RememberedByContacts(self.data)
+        if self._may_damp_contact:
+            self.dofs_in_implicit_contact = form.dofs_in_implicit_contact
+        self._end_of_step = 0.0  # until which joints are moved [s]
+        self._recorded = 0  # intervals
+        self._first_data = self.data[0]  # of them
+        self._is_alone = False  # mbs does not follow it
+        self._data_of_intervals = np.zeros((0, 0))  # with places of what slides
+
+    @property
+    def system(self) -> Any:
+        return self._form.system
+
+    @property
+    def _quick_system(self) -> CompiledScene:
+        return self._form
+
+    def external_at(self, time: float) -> Array:
+        return self._form.loads.at(time)
+
+    def correct_start(self, time: float, tolerance: float) -> StartCorrection:
+        """By Exudyn where knots, which yield a little, may hide that joints depend on each other."""
+        given = time, self._state.q, self._state.v, tolerance
+        if self.approaches:
+            self._form.approach_joints(time, self._end_of_step, self._state.q, FULFILLED)
+        scene, q = self._scene, self._state.q
+        hides_dependence = self._form.has_knots and bool(held_straight(self._runs, scene, q))
+        found = None if hides_dependence else compiled_start(self._form, *given)
+        if found is None:
+            if self.approaches:  # Exudyn knows nothing of that
+                scene.surroundings.approach_joints(time, self._end_of_step, q, FULFILLED)
+            found = consistent_start(scene.system, self.cables, *given)
+        scene.surroundings.approach = None
+        return found
+
+    def compile_steps(self, time: float) -> None:
+        self._form.provide(self._integrator.calls)
+
+    @property
+    def _may_damp_contact(self) -> bool:
+        """Whether there is contact, and the integrator hands on the accelerations that its damping needs."""
+        integrator = self._integrator
+        return self._form.has_contacts and integrator.has_implicit_damping and not integrator.stabilised
+
+    def set_step(self, h: float) -> None:
+        super().set_step(h)
+        if self._may_damp_contact:
+            self._form.set_step(h)
+
+    def contact_damping_left_out(self) -> AbstractContextManager[None]:
+        if self._may_damp_contact:
+            return self._form.explicit_contact(damping=0.0)
+        return super().contact_damping_left_out()
+
+    @property
+    def places(self) -> dict[str, Array]:
+        return self._form.places
+
+    def approach_joints(self, time: float, end: float) -> bool:
+        self._end_of_step = end
+        return self._form.approach_joints(time, end, self._state.q, FULFILLED)
+
+    @property
+    def approaches(self) -> bool:
+        return self._form.approaches
+
+    def rest(self) -> None:
+        self._scene.surroundings.approach = None
+        self._form.rest()
+
+    def can_move(self, number: int) -> bool:
+        return self._form.can_move(number)
+
+    def take_values(self, changed: Sequence[ChangedItem]) -> bool:
+        return all(map(self._form.take_over, changed))
+
+    def require_same_items(self, time: float) -> None:
+        self._form.rest()
+        with self._form.explicit_contact():
+            self._scene.require_agreement(self._form, time, self._state.q, self._state.v)
+
+    def leave_mbs(self, who: str) -> None:
+        """Do without mbs from now on.   who: asks, for messages.
+
+        Raises:
+            SceneError: joints slide along cables.
+        """
+        if self._scene.surroundings.has_sliding_joints:
+            raise SceneError(
+                f"{who} does not say where joints are that slide along cables: use SolveExplicit, or leave "
+                "these out."
+            )
+        self._is_alone = True
+        if self._form.remembers:
+            self._form.begin_history(self.data[0], 1)
+
+    def look(self, time: float) -> None:
+        pass
+
+    def begin_record(self, intervals: int) -> None:
+        if self._form.remembers:
+            remembered = self._scene.surroundings.remembered
+            self._first_data = self.data[0].copy() if self._is_alone else remembered
+            self._form.begin_history(self._first_data, intervals)
+
+    def end_record(self, grid: TimeGrid, first: int, history: Array) -> None:
+        self._recorded = len(history)
+        surroundings, data = self._scene.surroundings, self._of_contacts
+        if surroundings.has_sliding_joints:
+            if data is None:
+                data = np.tile(surroundings.remembered, (len(history), 1))
+            times = [grid.time(first + 1 + k) for k in range(len(history))]
+            self._data_of_intervals = surroundings.places_in(data, times, history)
+
+    def take(self, piece: Piece, times: Array, done: int, history: Array, watch: CoupledWatch) -> None:
+        where = done, history, piece.in_interval
+        steps = Steps(self._scheme, piece.h, times, watch.has_one_evaluation, *where)
+        self._form.take(steps, self._state, watch.path, watch.before)
+        self._scene.system.multipliers = self._form.multipliers
+
+    def finish_piece(self, history: Array) -> None:
+        pass
+
+    @property
+    def is_steady(self) -> bool:
+        """See `CableRun.is_steady`; what contacts and sliding joints remember is in mbs, too."""
+        return self.remembered is None and self._form.loads.are_steady
+
+    @property
+    def remembered(self) -> Array | None:
+        slides = self._scene.surroundings.has_sliding_joints
+        return self._data_of_intervals if slides else self._of_contacts
+
+    @property
+    def _of_contacts(self) -> Array | None:
+        """(k, D) data of compiled contacts after the intervals of the last record."""
+        return self._form.contacts.history[: self._recorded] if self._form.remembers else None
+
+    def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
+        """See `CableRun.complete`; one by one where reactions of cables are asked for after each."""
+        contacts = None if self._of_contacts is None else self._of_contacts[-len(times) :]
+        together = 1 if any(run.has_reactions for run in self._runs) else len(times)
+        history[:, 0] += self._scene.map.reference
+        for first in range(0, len(times), together):
+            which = slice(first, first + together)
+            remembered = None if contacts is None else contacts[which]
+            rows = self._form.evaluate(self.cables, times[which], history[which], remembered)
+            states = zip(rows, times[which].tolist(), history[which, 0], strict=True)
+            multipliers[which] = [self._scene.surroundings.multipliers(*state) for state in states]
+            self.put_reactions(self._form, times[first], history[first], multipliers[first])
+        history[:, 0] -= self._scene.map.reference
+        return True
+
+    def set_accelerations(self, times: Array, history: Array) -> None:
+        """As `complete`, of the beginning and all intervals of the last record, without multipliers."""
+        data = None if self._of_contacts is None else np.vstack([self._first_data, self._of_contacts])
+        history[:, 0] += self._scene.map.reference
+        self._form.evaluate(self.cables, times, history, data)
+        history[:, 0] -= self._scene.map.reference

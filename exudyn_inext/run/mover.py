@@ -1,0 +1,96 @@
+"""What both ways to move a coupled scene share: by compiled kernels, or with evaluations of Exudyn."""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from typing import Any
+
+import numpy as np
+
+from ..arrays import Array
+from ..cable.cable import Cable
+from ..compiled import plain
+from ..integrators.integrator import Integrator
+from .cable_run import CableRun
+from .joined_scene import EvaluatedScene, JoinedScene
+
+FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
+
+
+class Mover:
+    """Who takes the steps of a coupled scene; see `MovedByKernels` and `MovedByExudyn`.
+
+    Args:
+        scene: all of it.   runs: of its cables.   state: of the integrator.   method: it, and its scheme.
+
+    system: that takes the steps.
+    given: (n,) forces besides those of the items, which others may set, or None: there are none.
+    dofs_in_implicit_contact: first coordinates of the nodes of cables whose contact is damped implicitly.
+    """
+
+    given: Array | None = None
+    dofs_in_implicit_contact: np.ndarray = np.zeros(0, int)
+
+    def __init__(
+        self, scene: JoinedScene, runs: Sequence[CableRun], state: Any, method: tuple[Integrator, Any]
+    ) -> None:
+        self._scene, self._runs, self._state = scene, runs, state
+        self._integrator, self._scheme = method
+
+    @property
+    def system(self) -> Any:
+        raise NotImplementedError
+
+    def external_at(self, time: float) -> Array:
+        """External force that the system is given at `time` [s]."""
+        raise NotImplementedError
+
+    @property
+    def cables(self) -> list[Cable]:
+        """Models of the inextensible cables."""
+        return [run.scene_cable.cable for run in self._runs]
+
+    def begin_by(self, function: Callable[..., None], time: float) -> None:
+        """Begin with a function of the integrator, of (system, external, state)."""
+        plain(function)(self._quick_system, self.external_at(time), self._state)
+
+    @property
+    def _quick_system(self) -> Any:
+        """The system, for single evaluations."""
+        return self.system
+
+    def set_step(self, h: float) -> None:
+        """Prepare the cables, and contact with them, for steps of h [s]."""
+        for run in self._runs:
+            run.set_step(h)
+
+    @property
+    def places(self) -> dict[str, Array]:
+        """Where the next steps look for what slides, by names; of compiled joints."""
+        return {}
+
+    def contact_damping_left_out(self) -> AbstractContextManager[None]:
+        """Contact of cables without what is implicit in it."""
+        return nullcontext()
+
+    def mass_as_it_is(self) -> AbstractContextManager[None]:
+        """Nothing of the cables' bending is in the matrix on the left."""
+        return together([run.mass_as_it_is() for run in self._runs])
+
+    def put_reactions(self, evaluated: EvaluatedScene, t: float, state: Any, multipliers: Array) -> None:
+        """Of the cables' own supports; `evaluated` is so at t [s].   state: q, v, ... of all parts."""
+        supported = [cable for cable, run in enumerate(self._runs) if run.has_reactions]
+        forces = evaluated.joined_forces() if supported else np.zeros(0)
+        for cable in supported:
+            run, dofs = self._runs[cable], self._scene.map.slices[cable]
+            external = run.loads.at(t).copy()
+            external[: dofs.stop - dofs.start] += forces[dofs]
+            run.put_reactions(external, state[0][dofs], state[1][dofs], multipliers)
+
+
+@contextmanager
+def together(contexts: Sequence[AbstractContextManager[None]]) -> Iterator[None]:
+    """Enter all of them."""
+    with ExitStack() as stack:
+        for context in contexts:
+            stack.enter_context(context)
+        yield
