@@ -10,6 +10,7 @@ import exudyn
 
 from ..errors import SceneError
 from ..items.functions_of_time import take_word
+from ..items.functions_that_look import step_functions
 from ..native.surroundings import state_kept
 from ..native.velocity_level import Drives, at_position_level
 from ..run.loop_clock import LoopClock
@@ -36,7 +37,6 @@ from .time_loop import (
     ExplicitTimeLoop,
     is_watched,
     refuse_newton_functions,
-    step_functions,
     warn_of_findings,
     worst_figures,
 )

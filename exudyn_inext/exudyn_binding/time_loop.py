@@ -13,6 +13,7 @@ import numpy as np
 
 from ..arrays import Array, as_slice
 from ..errors import DivergenceError, SceneError
+from ..items.functions_that_look import step_functions
 from ..run.coupled_run import Run
 from ..run.divergence import divergence, listed
 from ..run.kept_state import KeptState
@@ -456,9 +457,3 @@ def refuse_step_functions(mbs: Any, where: str) -> None:
             f"it has a pre- or post-step user function, which nobody calls {where}: remove it, or use "
             "SolveExplicit."
         )
-
-
-def step_functions(mbs: Any) -> list[Any]:
-    """Functions of the user that are called before or after each step of Exudyn's loop."""
-    given = mbs.GetPreStepUserFunction(), mbs.GetPostStepUserFunction()
-    return [one["function"] if isinstance(one, dict) else one for one in given if one]

@@ -1,4 +1,4 @@
-"""Whether a user function may look at accelerations, or at forces of constraints."""
+"""Step functions of the user, and whether they may look at accelerations, or at forces of constraints."""
 
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
@@ -23,6 +23,12 @@ _TYPES = {
 }
 _OPEN = {"getattr", "eval", "exec", "vars", "globals", "locals", "__import__", "compile", "open", "input"}
 _DATA = (int, float, complex, str, bool, type(None), np.ndarray, np.generic, list, tuple, dict, set)
+
+
+def step_functions(mbs: Any) -> list[Any]:
+    """Functions of the user that are called before or after each step of Exudyn's loop."""
+    given = mbs.GetPreStepUserFunction(), mbs.GetPostStepUserFunction()
+    return [one["function"] if isinstance(one, dict) else one for one in given if one]
 
 
 def may_look_at_forces(function: Any) -> bool:

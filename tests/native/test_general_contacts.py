@@ -157,3 +157,18 @@ def test_two_contacts_are_named(new_mbs):
     assert mbs.AddGeneralContact().isActive
     with pytest.raises(UnknownItemError, match="more than one"):
         read_general_contacts(mbs, None, frozenset(), evaluate)
+
+
+@pytest.mark.parametrize("register", ["SetPreStepUserFunction", "SetPostStepUserFunction"])
+def test_a_step_function_that_knows_the_contact_keeps_it_with_exudyn(new_mbs, register):
+    mbs = new_mbs()
+    contact, _, evaluate = with_cables(mbs, LAWS)
+    contact.sphereSphereContact = False
+
+    def let_go(mbs, t):
+        contact.isActive = t < 0.1
+        return True
+
+    getattr(mbs, register)(let_go)
+    with pytest.raises(UnknownItemError, match="user function may change"):
+        read_general_contacts(mbs, None, frozenset(), evaluate)

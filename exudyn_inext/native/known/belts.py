@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import exudyn
 import numpy as np
 from scipy.sparse import csc_array
-from scipy.sparse.linalg import spsolve
+from scipy.sparse.linalg import splu
 
 from ...arrays import Array
 from ...element.shape_functions import shape_functions
@@ -30,6 +30,7 @@ from .unknown import UnknownItemError
 _STIFF = 1e20  # [N/m^2], beside which that of a cable counts alone
 _BEYOND = 1.5  # radius of the large sphere by the largest distance from it
 _APPROACH = 100.0  # how fast all comes nearer to the centre [1/s]
+_PASSES = 3  # of a solve by squares, which has twice the digits of the condition
 _SIMPSON = np.array([1.0, 4.0, 1.0]) / 6.0
 _TOLERANCE = 1e-9  # of the forces, relative
 _OF_SPHERE = ("radius", "contactStiffness", "contactDamping", "frictionMaterialIndex")
@@ -232,7 +233,9 @@ class _Probe:
         """
         columns, on_cables, places = self._integrals(vectors), np.zeros(self._size), self._elements.places
         on_cables[places] = forces[places]
-        x: Array = np.atleast_1d(spsolve(csc_array(columns.T @ columns), columns.T @ on_cables))
+        squares, x = splu(csc_array(columns.T @ columns)), np.zeros(len(places))
+        for _ in range(_PASSES):
+            x += squares.solve(columns.T @ (on_cables - columns @ x))
         worst = float(np.abs(columns @ x - on_cables).max(initial=0.0))
         if not worst <= _TOLERANCE * max(scale, float(np.abs(on_cables).max(initial=0.0))):
             raise UnknownItemError("GeneralContact, which presses cables otherwise")
