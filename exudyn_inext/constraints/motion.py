@@ -29,22 +29,26 @@ def motion_of(
         is_pure: see `Motion`.
     """
 
-    def p(t: float) -> Array:
-        return np.atleast_1d(np.asarray(position(t), dtype=float))
-
-    def p_t(t: float) -> Array:
-        if velocity is not None:
-            return np.atleast_1d(np.asarray(velocity(t), dtype=float))
-        return (p(t + STEP) - p(t - STEP)) / (2.0 * STEP)
-
-    def p_tt(t: float) -> Array:
+    def at(t: float) -> Array:
+        if velocity is None:
+            values = differences(position, t)
+        else:
+            values = np.array([_vector(position(t)), *differences(velocity, t)[:2]])
         if acceleration is not None:
-            return np.atleast_1d(np.asarray(acceleration(t), dtype=float))
-        if velocity is not None:
-            return (p_t(t + STEP) - p_t(t - STEP)) / (2.0 * STEP)
-        return (p(t + STEP) - 2.0 * p(t) + p(t - STEP)) / STEP**2
+            values[2] = acceleration(t)
+        return values
 
-    return Motion(lambda t: np.array([p(t), p_t(t), p_tt(t)]), is_pure=is_pure)
+    return Motion(at, is_pure=is_pure)
+
+
+def _vector(value: Any) -> Array:
+    return np.atleast_1d(np.asarray(value, dtype=float))
+
+
+def differences(function: Function, t: float) -> Array:
+    """(3, n) values of a function t [s] -> (n,), or a number, and first two derivatives by differences."""
+    before, value, after = (_vector(function(s)) for s in (t - STEP, t, t + STEP))
+    return np.array([value, (after - before) / (2.0 * STEP), (after - 2.0 * value + before) / STEP**2])
 
 
 def require_smooth(motion: Motion, t: float, name: str) -> None:

@@ -266,7 +266,7 @@ def set_rates(joints, v):
     """c_t = J v - o_t of all rows.   v: (n,)."""
     entries = joints.entries
     for r in range(len(joints.rate)):
-        joints.rate[r] = -joints.rows[r].drift[0]
+        joints.rate[r] = -joints.rows[r].drift
     for e in range(len(entries.first)):
         first, dof = entries.first[e], entries.dof[e]
         for i in range(entries.begin[e], entries.stop[e]):
@@ -401,7 +401,7 @@ def power_of_offsets(joints):
     """What joints that move do [W], by the multipliers of the last evaluation."""
     power = 0.0
     for r in range(len(joints.rows)):
-        power -= joints.multipliers[r] * joints.rows[r].drift[0]
+        power -= joints.multipliers[r] * joints.rows[r].drift
     return power
 
 

@@ -8,7 +8,8 @@ With the distance d = x_1 - x_0 and axes e_0 and e_1 that are fixed to the point
     DISTANCE    c = |d| - o
     PARALLEL    of slopes, see `same_slope`: b = e_0, d = e_1
 
-o may follow a function of time: c_t = -o_t where nothing else moves.
+o may follow functions of time, and e_0 may turn by them in its frame: c_t = d . e_0t - o_t, or e_0t . e_1,
+where nothing else moves.
 """
 
 import numpy as np
@@ -31,7 +32,14 @@ ROW = record_type(
         ("offset", np.float64),  # o, at present
         ("rest", np.float64),  # o without what follows the time
         ("function", np.int64),  # place of what follows the time, and its derivatives, or -1
-        ("drift", np.float64, (2,)),  # o_t and o_tt
+        ("rates", np.float64, (2,)),  # o_t and o_tt
+        (
+            "turning",
+            np.int64,
+        ),  # place of e_0 in its frame, each coordinate with its derivatives, or -1
+        ("turn", np.float64, (2, 3)),  # derivatives of e_0 in its frame
+        ("turned", np.float64, (2, 3)),  # the same in the global frame, at present
+        ("drift", np.float64),  # -c_t where nothing else moves
         ("e", np.float64, (2, 3)),  # e_0 and e_1 at present; of PARALLEL dc/dx_0 and dc/dx_1
         ("d", np.float64, (3,)),  # distance at present
     ]
@@ -40,22 +48,37 @@ ROW = record_type(
 
 @inlined
 def move_rows(rows, functions):
-    """Offsets at present.   functions: (F,) values of functions of time."""
+    """Offsets and axes at present.   functions: (F,) values of functions of time."""
     for r in range(len(rows)):
-        place = rows[r].function
-        if place >= 0:
-            rows[r].offset = rows[r].rest + functions[place]
-            rows[r].drift[0] = functions[place + 1]
-            rows[r].drift[1] = functions[place + 2]
+        row = rows[r]
+        if row.function >= 0:
+            row.offset = row.rest + functions[row.function]
+            for k in range(2):
+                row.rates[k] = functions[row.function + 1 + k]
+        if row.turning >= 0:
+            for i in range(3):
+                place = row.turning + 3 * i
+                row.axes[0, i] = functions[place]
+                for k in range(2):
+                    row.turn[k, i] = functions[place + 1 + k]
+
+
+@inlined
+def _to_global(point, own, result):
+    """A vector (3,) of the frame of a point."""
+    for i in range(3):
+        total = 0.0
+        for j in range(3):
+            total += point.orientation[i, j] * own[j]
+        result[i] = total
 
 
 @inlined
 def _turn_axis(row, point, side):
-    for i in range(3):
-        total = 0.0
-        for j in range(3):
-            total += point.orientation[i, j] * row.axes[side, j]
-        row.e[side, i] = total
+    _to_global(point, row.axes[side], row.e[side])
+    if side == 0 and row.turning >= 0:
+        for k in range(2):
+            _to_global(point, row.turn[k], row.turned[k])
 
 
 @inlined
@@ -67,7 +90,8 @@ def _set_distance(row, one, other):
 
 @inlined
 def row_value(row, one, other):
-    """c, with the axes and the distance at present."""
+    """c, with the axes, the distance and the drift at present."""
+    row.drift = row.rates[0]
     if row.kind == PARALLEL:
         return slope_difference(row.axes[0], row.axes[1], one.x[0], other.x[0], row.e)
     if row.kind == DIFFERENCE:
@@ -76,12 +100,14 @@ def row_value(row, one, other):
     if row.kind == ACROSS:
         _turn_axis(row, one, 0)
         _turn_axis(row, other, 1)
+        row.drift -= dot(row.turned[0], row.e[1])
         return dot(row.e[0], row.e[1])
     _set_distance(row, one, other)
     if row.kind == DISTANCE:
         return np.sqrt(dot(row.d, row.d)) - row.offset
     side = row.component
     _turn_axis(row, one if side == 0 else other, side)
+    row.drift -= dot(row.d, row.turned[0])
     return dot(row.d, row.e[side]) - row.offset
 
 
@@ -122,19 +148,21 @@ def add_row_jacobian(row, side, point, jacobian, start):
 
 
 @inlined
-def _axis_rates(e, point, i):
-    """Components i of e_t = w x e and e_tt = w_t x e + w x (w x e)."""
-    spin, along = point.spin, 0.0
-    for j in range(3):
-        along += spin[j] * e[j]
-    square = dot(spin, spin)
-    return cross(spin, e, i), cross(point.spin_rate, e, i) + spin[i] * along - square * e[i]
+def _axis_rates(row, side, point, i):
+    """Components i of e_t = w x e + u, e_tt = w_t x e + w x (w x e) + 2 w x u + u_t, with u of its turn."""
+    spin, e = point.spin, row.e[side]
+    along, square = dot(spin, e), dot(spin, spin)
+    rate, change = cross(spin, e, i), cross(point.spin_rate, e, i) + spin[i] * along - square * e[i]
+    if side == 0:
+        change += 2.0 * cross(spin, row.turned[0], i) + row.turned[1, i]
+        rate += row.turned[0, i]
+    return rate, change
 
 
 @inlined
 def row_gamma(row, one, other):
     """-c_tt with accelerations of the coordinates zero, Eq. (27); the row is evaluated."""
-    return _gamma_at_rest(row, one, other) + row.drift[1]
+    return _gamma_at_rest(row, one, other) + row.rates[1]
 
 
 @inlined
@@ -148,15 +176,15 @@ def _gamma_at_rest(row, one, other):
         return slope_gamma(row.axes[0], row.axes[1], one.x, other.x)
     if row.kind == ACROSS:
         for i in range(3):
-            rate, change = _axis_rates(row.e[0], one, i)
-            other_rate, other_change = _axis_rates(row.e[1], other, i)
+            rate, change = _axis_rates(row, 0, one, i)
+            other_rate, other_change = _axis_rates(row, 1, other, i)
             total += change * row.e[1, i] + 2.0 * rate * other_rate + row.e[0, i] * other_change
         return -total
     factor = row.factor if row.kind == ALONG else 1.0
     if row.kind == ALONG:
         side = row.component
         for i in range(3):
-            rate, change = _axis_rates(row.e[side], one if side == 0 else other, i)
+            rate, change = _axis_rates(row, side, one if side == 0 else other, i)
             velocity = other.x[1, i] - factor * one.x[1, i]
             acceleration = other.x[2, i] - factor * one.x[2, i]
             total += acceleration * row.e[side, i] + 2.0 * velocity * rate + row.d[i] * change

@@ -222,7 +222,7 @@ def _join_accelerations(joints, zeta, learned, v, acceleration):
 def _join(joints, share, moving, x, refines):
     """J x = -share c + moving o_t; see `apply_joints`."""
     for r in range(len(joints.rows)):
-        joints.target[r] = -share * joints.value[r] + moving * joints.rows[r].drift[0]
+        joints.target[r] = -share * joints.value[r] + moving * joints.rows[r].drift
     apply_joints(joints, x, refines)
 
 

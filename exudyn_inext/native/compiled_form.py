@@ -179,7 +179,7 @@ def _evaluated(
     evaluate(external, q, v, 0.0, result, rate)
     result[: system.cable_dofs] = system.items.force[: system.cable_dofs]
     joints = system.items.joints
-    drift = -joints.rows["drift"][:, 0]
+    drift = -joints.rows["drift"]
     return result[:number], np.array([joints.value, joints.rate - drift, joints.gamma, drift])
 
 

@@ -51,7 +51,7 @@ class CompiledParts:
     @property
     def drift(self) -> Array:
         """(m,) c_t at the last evaluation."""
-        result: Array = -self._items.joints.rows["drift"][:, 0]
+        result: Array = -self._items.joints.rows["drift"]
         return result
 
     def subtract_inertia(self, q: Array, v: Array, forces: Array) -> None:

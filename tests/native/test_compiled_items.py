@@ -336,7 +336,20 @@ def generic_joint(b):
         choice[0] |= not any(choice)
     turn = RotationMatrixZ(0.4) if b.dimension == 2 else RotXYZ2RotationMatrix(b.vector())
     create = {"position": b.vector(), "rotationMatrixAxes": turn, "constrainedAxes": choice}
-    b.mbs.CreateGenericJoint(itemNumbers=b.bodies, **create)
+    return b.mbs.CreateGenericJoint(itemNumbers=b.bodies, **create)
+
+
+def turned_generic_joint(b):
+    """Distances and angles follow the time, from those that it has."""
+    joint = generic_joint(b)
+    way, turn = b.vector(0.1), (b.vector(0.3) if b.dimension == 3 else np.array([0.0, 0.0, 0.3]))
+
+    def moving(mbs, t, itemNumber, offsets):
+        distances = np.array(offsets[:3]) + way * np.sin(9.0 * t)
+        return [*distances, *(turn * np.sin(7.0 * t))]
+
+    b.mbs.SetObjectParameter(joint, "offsetUserFunction", moving)
+    b.mbs.SetObjectParameter(joint, "offsetUserFunctionParameters", [2e-3, 1e-3, 0, 0, 0, 0])
 
 
 def planar_joints(b):
@@ -613,6 +626,13 @@ def test_contacts_that_close_stick_and_slide_are_what_exudyn_says(integrator, mo
 def test_what_is_driven_moves_as_exudyn_says(integrator, dimension):
     """Exudyn's side finds rates of offsets by differences."""
     require_the_same([driven, spring], 5, dimension, integrator, max(1e-7, OFF_UNITY[integrator]))
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_joints_that_are_turned_move_as_exudyn_says(dimension, seed):
+    """Exudyn's side finds rates of offsets by differences."""
+    require_the_same([turned_generic_joint, spring], seed, dimension)
 
 
 @pytest.mark.parametrize("integrator", ["RATTLE", "Zhai"])

@@ -1,14 +1,15 @@
 """Joints and constraints as rows."""
 
 from collections.abc import Callable, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
+from exudyn.rigidBodyUtilities import RotXYZ2RotationMatrix
 
 from ...arrays import Array, collected
-from ...constraints.motion import motion_of
+from ...constraints.motion import differences, motion_of
 from ...items.attach.clamp_to_body import Clamp
 from ...items.attach.shared_node import SameSlope
 from ...items.functions_of_time import is_of_time_alone
@@ -32,30 +33,38 @@ class _Joint:
     """Both markers of a joint, and its axes in the frames of the points.
 
     places: of the markers.   axes: (2, 3, 3), columns x, y, z of both.
+    is_moved: whether offsets, and how the axes of the first one turn, follow the time, see `TurnedFrame`.
     """
 
     places: tuple[Place, Place]
     axes: Array
+    is_moved: bool = False
 
     def row(self, kind: int, **fields: Any) -> Any:
         row = np.zeros(1, ROW)[0]
         row["points"] = [place.point for place in self.places]
-        row["entry"] = row["function"] = -1
+        row["entry"] = row["function"] = row["turning"] = -1
         given = {"kind": kind, "factor": 1.0, **fields}
         for name, value in given.items():
             row[name] = value
         return row
 
     def difference(self, i: int) -> Any:
-        return self.row(DIFFERENCE, component=i)
+        return self.row(DIFFERENCE, component=i, function=self._place(i))
 
     def along(self, side: int, i: int) -> Any:
         """The distance along axis i of one side."""
-        return self.row(ALONG, component=side, axes=self.axes[:, :, i])
+        moved = {"function": self._place(i), "turning": self._place(3 + 3 * i)}
+        return self.row(ALONG, component=side, axes=self.axes[:, :, i], **moved)
 
     def across(self, i: int, j: int) -> Any:
         """Axis i of the first and axis j of the second side at a right angle."""
-        return self.row(ACROSS, axes=np.array([self.axes[0][:, i], self.axes[1][:, j]]))
+        axes = np.array([self.axes[0][:, i], self.axes[1][:, j]])
+        return self.row(ACROSS, axes=axes, turning=self._place(3 + 3 * i))
+
+    def _place(self, function: int) -> int:
+        """Of a function, after those of other joints."""
+        return 3 * function if self.is_moved else -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +76,42 @@ class OffsetFunction:
     def values(self, times: Sequence[float]) -> Array:
         """(T, 3) at these times [s]."""
         return np.array([self.at(t)[:, 0] for t in times]).reshape(-1, 3)
+
+
+class TurnedFrame:
+    """What the offsets of a GenericJoint are: distances o, and angles a that turn the first marker's axes.
+
+    Exudyn turns them by RotXYZ2RotationMatrix(a), and knows no rates (CObjectJointGeneric.cpp).
+
+    offsets: t [s] -> (6,) o and a.   axes: (3, 3) of the first marker in the frame of its point.
+    """
+
+    def __init__(self, offsets: Callable[[float], Any], axes: Array) -> None:
+        self._offsets, self._axes = offsets, axes
+        self._known: tuple[list[float], Array] = ([], np.zeros((0, 3, 12)))
+
+    def values(self, times: Sequence[float]) -> Array:
+        """(T, 3, 12) at these times [s]: o, then x, y, z of each axis, with their derivatives."""
+        if list(times) != self._known[0]:
+            self._known = list(times), np.array([differences(self._at, t) for t in times]).reshape(-1, 3, 12)
+        return self._known[1]
+
+    def _at(self, t: float) -> Array:
+        offsets = np.asarray(self._offsets(t), dtype=float)
+        turned = self._axes @ RotXYZ2RotationMatrix(offsets[3:])
+        return np.concatenate([offsets[:3], turned.T.ravel()])
+
+
+@dataclass(frozen=True, eq=False)
+class PartOfFrame:
+    """One of the numbers of a frame that turns.   which: 0 to 11."""
+
+    frame: TurnedFrame
+    which: int
+
+    def values(self, times: Sequence[float]) -> Array:
+        """(T, 3) at these times [s]."""
+        return self.frame.values(times)[:, :, self.which]
 
 
 class KnownRows(NamedTuple):
@@ -105,7 +150,13 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved:
             raise UnknownItemError(f"{joint.name} with alternative constraints")
         found = read(data, joint.name, reader)
         of_joint = [found[k] for k in joint.active]
-        if data.get("offsetUserFunction"):
+        if data.get("offsetUserFunction") and data["objectType"] == "JointGeneric":
+            for row in of_joint:
+                row["function"] += 3 * len(functions) * (row["function"] >= 0)
+                row["turning"] += 3 * len(functions) * (row["turning"] >= 0)
+            frame = _turned_frame(mbs, joint, data, reader)
+            functions += [PartOfFrame(frame, k) for k in range(12)]
+        elif data.get("offsetUserFunction"):
             of_joint[0]["function"], of_joint[0]["rest"] = 3 * len(functions), 0.0
             functions.append(_offset_function(mbs, joint, data))
         elif joint.number in moved and data["objectType"] in _OFFSETS and of_joint:
@@ -144,20 +195,34 @@ def _sliding(joint: SlidingJoint, reader: PointReader) -> tuple[list[Any], Any]:
 
 
 def _offset_function(mbs: Any, joint: JointItem, data: dict[str, Any]) -> OffsetFunction:
-    """UnknownItemError if it may depend on the state."""
-    given = [data[key] for key in _OFFSET_FUNCTIONS]
-    if not all(is_of_time_alone(mbs, one) for one in given if one):
-        raise UnknownItemError(
-            f"{joint.name}, whose user function may depend on the state (if not: {SAY_OF_TIME})"
-        )
-    number, offset = joint.number, float(data["offset"])
-    value, rate = (partial(_called, one["function"], mbs, number, offset) if one else None for one in given)
+    value, rate = (_of_time(mbs, joint, data[key], float(data["offset"])) for key in _OFFSET_FUNCTIONS)
     assert value is not None
     return OffsetFunction(motion_of(value, rate).at)
 
 
-def _called(function: Any, mbs: Any, number: int, offset: float, t: float) -> Any:
-    return function(mbs, t, number, offset)
+def _turned_frame(mbs: Any, joint: JointItem, data: dict[str, Any], reader: PointReader) -> TurnedFrame:
+    offsets = _of_time(mbs, joint, data["offsetUserFunction"], data["offsetUserFunctionParameters"])
+    assert offsets is not None
+    return TurnedFrame(offsets, _joint(_without_functions(data), joint.name, reader).axes[0])
+
+
+def _of_time(mbs: Any, joint: JointItem, given: Any, parameters: Any) -> Callable[[float], Any] | None:
+    """A user function as one of t [s], or None; UnknownItemError if it may depend on the state."""
+    if not given:
+        return None
+    if not is_of_time_alone(mbs, given):
+        raise UnknownItemError(
+            f"{joint.name}, whose user function may depend on the state (if not: {SAY_OF_TIME})"
+        )
+    return partial(_called, given["function"], mbs, joint.number, parameters)
+
+
+def _called(function: Any, mbs: Any, number: int, parameters: Any, t: float) -> Any:
+    return function(mbs, t, number, parameters)
+
+
+def _without_functions(data: dict[str, Any]) -> dict[str, Any]:
+    return {**data, **dict.fromkeys(_OFFSET_FUNCTIONS, 0)}
 
 
 def _joint(data: dict[str, Any], name: str, reader: PointReader, has_frames: bool = True) -> _Joint:
@@ -186,7 +251,7 @@ def _prismatic_x(data: dict[str, Any], name: str, reader: PointReader) -> list[A
 
 
 def _generic(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
-    joint = _joint(data, name, reader)
+    joint = replace(_joint(_without_functions(data), name, reader), is_moved=bool(data["offsetUserFunction"]))
     locked = np.asarray(data["constrainedAxes"], dtype=bool)
     holds_all = locked[:3].all()
     rows = [joint.difference(i) if holds_all else joint.along(0, i) for i in range(3)]
@@ -221,7 +286,7 @@ def _distance(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]
 
 
 def _coordinate(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
-    joint = _joint({**data, **dict.fromkeys(_OFFSET_FUNCTIONS, 0)}, name, reader, has_frames=False)
+    joint = _joint(_without_functions(data), name, reader, has_frames=False)
     factor = data.get("factor1", data.get("factorValue1", 1.0))
     return [joint.row(DIFFERENCE, factor=factor, offset=data["offset"])]
 
