@@ -1,6 +1,6 @@
 """A native constraint of an mbs as a joint, which Exudyn evaluates."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import exudyn
@@ -19,7 +19,7 @@ class JointItem:
     number: of the object.   rows: (k,) places of its active equations among all algebraic equations.
     active: (k,) which of its own equations these are.   coordinates: (n,) places in the system vector.
     name: for messages.   follows_time: whether user functions take part.
-    is_linear: whether its Jacobian never changes.
+    is_linear: whether its Jacobian never changes.   period: modulo which its value counts, or infinite.
     """
 
     number: int
@@ -29,6 +29,7 @@ class JointItem:
     name: str
     follows_time: bool
     is_linear: bool
+    period: float = field(default=np.inf, kw_only=True)
 
     def jacobian(self, mbs: Any) -> Array:
         """(k, n) with respect to `coordinates`, in the current configuration."""

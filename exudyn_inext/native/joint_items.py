@@ -74,7 +74,13 @@ def _joint(mbs: Any, number: int, data: dict[str, Any], name: str) -> JointItem:
         follows_time=any("UserFunction" in key and isinstance(value, dict) for key, value in data.items()),
         is_linear=data["objectType"] in _LINEAR
         and all(_is_translation(mbs, n) for n in data["markerNumbers"]),
+        period=_period(data.get("offsetUserFunction")),
     )
+
+
+def _period(offset: Any) -> float:
+    """Of what follows this user function, see `velocity_level`."""
+    return getattr(offset["function"], "period", np.inf) if offset else np.inf
 
 
 def _is_translation(mbs: Any, number: int) -> bool:

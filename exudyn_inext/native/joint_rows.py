@@ -47,6 +47,9 @@ class JointRows:
         self._equations = np.concatenate([np.zeros(0, int), *(joint.rows for joint in joints)])
         ends = np.cumsum([0, *(len(joint.rows) for joint in joints)])
         rows = [np.arange(a, b) for a, b in pairwise(ends)]
+        periods = np.repeat([joint.period for joint in joints], np.diff(ends))
+        self._angles = np.flatnonzero(np.isfinite(periods))
+        self._periods = periods[self._angles]
         pairs = zip(rows, joints, strict=True)
         self.sliding = [(own, joint) for own, joint in pairs if isinstance(joint, SlidingJoint)]
         shortest = min((float(joint.lengths.min()) for _, joint in self.sliding), default=1.0)
@@ -72,6 +75,7 @@ class JointRows:
     def values(self, mbs: Any, equations: Array) -> Array:
         """(m,) in the current configuration of mbs, from the values of all algebraic equations there."""
         result = equations[self._equations]
+        result[self._angles] -= self._periods * np.round(result[self._angles] / self._periods)
         for own, joint in self.sliding:
             result[own] = joint.foot(mbs).distances
         return result

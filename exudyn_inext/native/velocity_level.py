@@ -2,11 +2,13 @@
 
 Exudyn has factor1 q1_t - q0_t = v(t), with v from offsetUserFunction_t or else the offset, and does not ask
 offsetUserFunction (CObjectConnectorCoordinate.cpp). Explicit steps, which enforce places, take
-factor1 q1 - q0 = c + int v dt, with c from the state in which the constraint begins to act.
+factor1 q1 - q0 = c + int v dt, with c from the state in which the constraint begins to act. Angles, which
+markers give between -pi and pi, count modulo the period of the left side.
 """
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from fractions import Fraction
 from typing import Any
 
 import exudyn
@@ -23,6 +25,7 @@ CELL = 1e-3  # over which a velocity is integrated by one formula [s]
 _POINTS, _WEIGHTS = (x.tolist() for x in np.polynomial.legendre.leggauss(4))
 _FUNCTIONS = ("offsetUserFunction", "offsetUserFunction_t")
 _MAY_CHANGE = ("offset", "activeConnector")
+_TEETH = 1000  # most of a wheel that is geared to another one
 
 
 class Travel:
@@ -53,13 +56,14 @@ class Drive:
     """A constraint at velocity level.
 
     number: of the object.   rate: its offsetUserFunction_t, or None.
-    begin: when it began to act [s].   place: of the coordinates then [m].
+    begin: when it began to act [s].   place: of the coordinates then [m].   period: of it, or infinite.
     """
 
-    def __init__(self, mbs: Any, number: int, data: Mapping[str, Any]) -> None:
+    def __init__(self, mbs: Any, number: int, data: dict[str, Any]) -> None:
         self._mbs, self.number = mbs, number
         self.given = {name: data[name] and data[name]["function"] for name in _FUNCTIONS}
         self.rate = self.given["offsetUserFunction_t"]
+        self.period = _period(mbs, number, data)
         self.begin, self.place = 0.0, 0.0
         self._offset = 0.0
         self._travel: Callable[[float], float] = _at_rest
@@ -87,8 +91,27 @@ class Drive:
             return self.velocity(t)
 
         place.of_time_alone = velocity.of_time_alone = True  # type: ignore[attr-defined]
+        place.period = self.period  # type: ignore[attr-defined]  # read by `joint_items`
         velocity.given = self.rate  # type: ignore[attr-defined]  # counts in restart files
         return dict(zip(_FUNCTIONS, (place, velocity), strict=True))
+
+
+def _period(mbs: Any, number: int, data: dict[str, Any]) -> float:
+    """Of factor1 q1 - q0, of which either may be an angle; SceneError if both are and no period is found."""
+    kinds = [mbs.GetMarker(marker)["markerType"] for marker in data["markerNumbers"]]
+    first, other = (kind == "NodeRotationCoordinate" for kind in kinds)
+    factor = float(data["factor1"])
+    if not first:
+        return 2.0 * np.pi * abs(factor) if other and factor else np.inf
+    if not other:
+        return 2.0 * np.pi
+    ratio = Fraction(factor).limit_denominator(_TEETH)
+    if abs(float(ratio) - factor) > 1e-12 * abs(factor):
+        raise SceneError(
+            f"{described(data, number)} gears two angles by factor1 = {factor:g}, which explicit steps "
+            f"can follow only if it is a ratio of whole numbers up to {_TEETH}, as of teeth: take one."
+        )
+    return 2.0 * np.pi / ratio.denominator
 
 
 class Drives:

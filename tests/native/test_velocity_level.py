@@ -5,12 +5,15 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import (
     CoordinateConstraint,
+    MarkerBodyPosition,
     MarkerNodeCoordinate,
     MarkerNodePosition,
+    MarkerNodeRotationCoordinate,
     NodePointGround,
     SensorObject,
     SphericalJoint,
 )
+from exudyn.utilities import InertiaCuboid, RotationMatrixZ
 
 from exudyn_inext import (
     CableForces,
@@ -27,12 +30,18 @@ from tests.exudyn_binding.test_restart import restarting
 
 SECTION = {"massPerLength": 0.3, "bendingStiffness": 0.02}
 END, STEPS = 0.4, 400
+SPEED = 9.0  # mean one of a wheel [rad/s]
+TURN = SPEED * (END - np.sin(9.0 * END) / 9.0)
 TIP = "tip"
 pytestmark = pytest.mark.filterwarnings("ignore:.*initial velocities")
 
 
 def at_speed(mbs, t, itemNumber, lOffset):
     return (0.9 + lOffset) * np.sin(9.0 * t)
+
+
+def speeding_up(mbs, t, itemNumber, lOffset):
+    return SPEED * (1.0 - np.cos(9.0 * t))
 
 
 def way_at_speed(t):
@@ -214,3 +223,69 @@ def test_the_function_of_a_velocity_cannot_be_replaced_during_a_run(mbs):
     ):
         scene.solve()
     assert mbs.GetObjectParameter(scene.constraint, "velocityLevel")
+
+
+class Wheels:
+    """A wheel that turns at a velocity has another one geared to it, from whose rim a cable hangs.
+
+    angles: of both, sensors.   cable: its last node.
+    """
+
+    def __init__(self, mbs, native, gear):
+        self.mbs = mbs
+        ground = mbs.CreateGround()
+        wheels, markers = [], []
+        for x in (0.0, 0.5):
+            wheel = mbs.CreateRigidBody(
+                inertia=InertiaCuboid(500, [0.2, 0.2, 0.1]), referencePosition=[x, 0, 0], returnDict=True
+            )
+            bodies = [ground, wheel["bodyNumber"]]
+            mbs.CreateRevoluteJoint(itemNumbers=bodies, position=[x, 0, 0], axis=[0, 0, 1])
+            angle = MarkerNodeRotationCoordinate(nodeNumber=wheel["nodeNumber"], rotationCoordinate=2)
+            wheels.append(wheel), markers.append(mbs.AddMarker(angle))
+        self.nodes = [wheel["nodeNumber"] for wheel in wheels]
+        fixed = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+        for pair, rates in (
+            ([fixed, markers[0]], {"offsetUserFunction_t": speeding_up}),
+            (markers, {"factor1": gear}),
+        ):
+            mbs.AddObject(CoordinateConstraint(markerNumbers=pair, velocityLevel=True, **rates))
+        line = {"positionStart": [0.55, 0, 0], "positionEnd": [0.55, -0.8, 0], "gravity": [0, -9.81, 0]}
+        line["numberOfElements"] = 16 if native else 8
+        nodes, _ = either_cable(mbs, native, 3, SECTION, 2e5, **line)
+        rim = mbs.AddMarker(
+            MarkerBodyPosition(bodyNumber=wheels[1]["bodyNumber"], localPosition=[0.05, 0, 0])
+        )
+        pair = [rim, mbs.AddMarker(MarkerNodePosition(nodeNumber=nodes[0]))]
+        mbs.AddObject(SphericalJoint(markerNumbers=pair))
+        self.tip = nodes[-1]
+
+    def output(self, node, kind):
+        return np.array(self.mbs.GetNodeOutput(node, getattr(exudyn.OutputVariableType, kind)))
+
+
+@pytest.mark.parametrize("gear", [0.75, -2.0])
+def test_angles_go_on_beyond_half_a_turn(new_mbs, gear):
+    tips = []
+    for native in (False, True):
+        scene = Wheels(new_mbs(), native, gear)
+        scene.mbs.Assemble()
+        if native:
+            solve_native(scene.mbs, END, END / STEPS)
+        else:
+            with silence():
+                SolveExplicit(scene.mbs, quiet_settings(END, STEPS))
+        for node, turn in zip(scene.nodes, (TURN, TURN / gear), strict=True):
+            frame = scene.output(node, "RotationMatrix").reshape(3, 3)
+            np.testing.assert_allclose(frame, RotationMatrixZ(turn), atol=1e-4)
+        tips.append(scene.output(scene.tip, "Position"))
+    np.testing.assert_allclose(*tips, atol=3e-3)
+
+
+def test_angles_geared_by_no_ratio_of_whole_numbers_are_refused(mbs):
+    scene = Wheels(mbs, False, np.sqrt(2.0))
+    scene.mbs.Assemble()
+    with pytest.raises(
+        SceneError, match=r"gears two angles by factor1 = 1\.41421, .* whole numbers up to 1000"
+    ):
+        SolveExplicit(mbs, quiet_settings(END, STEPS))
