@@ -1,13 +1,15 @@
 """Sparse matrices of a whole cable, for statics and as plain formulas: no kernels."""
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, eye_array, kron
+from scipy.sparse import csr_array
 
 from ..arrays import Array
 from ..element.forms import forms_of_mesh
 from ..element.inertia import mass_matrix
+from ..sparse import Pattern
 from .assembly import add_elastic_force
 from .attached import mass_of_points
 from .cable import Cable
@@ -19,12 +21,16 @@ STEP = 1e-3  # of differences [m, -]
 
 def assembled(forms: Array, shape: tuple[int, ...]) -> csr_array:
     """(n_dof, n_dof) matrix of element forms (N, 4, 4) that act alike in every direction."""
+    return _pattern_of_forms(shape).matrix(np.repeat(forms.ravel(), shape[2]))
+
+
+@lru_cache(maxsize=64)
+def _pattern_of_forms(shape: tuple[int, ...]) -> Pattern:
     nodes, _, dim = shape
-    places = 2 * np.arange(len(forms))[:, None] + np.arange(4)
-    rows = np.broadcast_to(places[:, :, None], forms.shape)
-    columns = np.broadcast_to(places[:, None, :], forms.shape)
-    entries = (forms.ravel(), (rows.ravel(), columns.ravel()))
-    return csr_array(kron(coo_array(entries, shape=(2 * nodes, 2 * nodes)), eye_array(dim)))
+    places = 2 * np.arange(nodes - 1)[:, None] + np.arange(4)
+    both = np.broadcast_arrays(places[:, :, None], places[:, None, :])
+    rows, columns = ((dim * one[..., None] + np.arange(dim)).ravel() for one in both)
+    return Pattern(rows, columns, (2 * nodes * dim, 2 * nodes * dim))
 
 
 def form_of_cable(cable: Cable, form: Callable[[float], Array]) -> csr_array:
@@ -77,21 +83,24 @@ def _matrix_of(apply: Callable[[Array], Array], shape: tuple[int, ...]) -> csr_a
 
     Nodes three apart do not: all columns are found with 6 dim products.
     """
+    directions, exist, pattern = _products(shape)
+    images = (apply(direction)[own] for direction, own in zip(directions, exist, strict=True))
+    return pattern.matrix(np.concatenate([image.ravel() for image in images]))
+
+
+@lru_cache(maxsize=64)
+def _products(shape: tuple[int, ...]) -> tuple[list[Array], list[np.ndarray], Pattern]:
+    """The vectors of `_matrix_of`, nodes that their images have, and the places of these."""
     nodes, _, dim = shape
-    rows, columns, values = [], [], []
-    numbers = np.arange(int(np.prod(shape))).reshape(shape)
-    for colour in range(3):
-        chosen = np.arange(colour, nodes, 3)
-        for kind in range(2):
-            for axis in range(dim):
-                direction = np.zeros(shape)
-                direction[chosen, kind, axis] = 1.0
-                image = apply(direction)
-                owner = np.clip(3 * ((np.arange(nodes) - colour + 1) // 3) + colour, 0, None)
-                exists = owner < nodes
-                rows.append(numbers[exists].ravel())
-                of_owner = numbers[owner[exists], kind, axis]
-                columns.append(np.repeat(of_owner, 2 * dim))
-                values.append(image[exists].ravel())
-    entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
-    return csr_array(coo_array(entries, shape=(numbers.size, numbers.size)))
+    numbers, directions, exist, rows, columns = np.arange(2 * nodes * dim).reshape(shape), [], [], [], []
+    for colour, kind, axis in np.ndindex(3, 2, dim):
+        direction = np.zeros(shape)
+        direction[colour::3, kind, axis] = 1.0
+        owner = np.clip(3 * ((np.arange(nodes) - colour + 1) // 3) + colour, 0, None)
+        exists = owner < nodes
+        directions.append(direction)
+        exist.append(exists)
+        rows.append(numbers[exists].ravel())
+        columns.append(np.repeat(numbers[owner[exists], kind, axis], 2 * dim))
+    size = numbers.size, numbers.size
+    return directions, exist, Pattern(np.concatenate(rows), np.concatenate(columns), size)

@@ -12,10 +12,11 @@ from itertools import accumulate
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array, eye_array, kron
+from scipy.sparse import csr_array
 
 from ..arrays import Array
 from ..cable.link import Motion
+from ..sparse import Pattern
 
 _WIDTH = 4  # most weights of a vector: positions and slopes of two nodes
 
@@ -116,31 +117,46 @@ class Constraints:
         return self._sums(y, p_tt) + self._sums(p_tt, y) - 2.0 * self._sums(y_t, y_t)
 
     @cached_property
-    def _derivatives(self) -> tuple[np.ndarray, ...]:
-        """Rows, columns, factors of dc / dx, and the other vector of the product that they multiply."""
+    def _derivatives(self) -> tuple[Pattern, Array, np.ndarray]:
+        """Places and factors of dc / dx, and the other vector of the product that they multiply."""
         of, other = np.append(self._left, self._right), np.append(self._right, self._left)
         entry, k = np.nonzero(self._weights[of])
         factor = np.tile(self._factor, 2)[entry] * self._weights[of[entry], k]
-        columns = self._dim * self._places[of[entry], k][:, None] + np.arange(self._dim)
-        return np.repeat(np.tile(self._row, 2)[entry], self._dim), columns.ravel(), factor, other[entry]
+        rows = np.repeat(np.tile(self._row, 2)[entry], self._dim)
+        pattern = Pattern(rows, self._coordinates(self._places[of[entry], k]), (self.number, self._size))
+        return pattern, factor, other[entry]
+
+    def _coordinates(self, places: np.ndarray) -> np.ndarray:
+        """(e dim,) of positions or slopes (e,)."""
+        return (self._dim * places[:, None] + np.arange(self._dim)).ravel()
+
+    @property
+    def _size(self) -> int:
+        return self._nodes * self._dim
 
     def jacobian(self, q: Array, t: float = 0.0) -> csr_array:
         """c_q (number, n_dof)."""
-        rows, columns, factor, other = self._derivatives
+        pattern, factor, other = self._derivatives
         entries = factor[:, None] * self._vectors(q, self._points_at(t)[0])[other]
-        found = csr_array((entries.ravel(), (rows, columns)), shape=(self.number, q.size))
-        found.eliminate_zeros()
-        return found
+        return pattern.matrix(entries.ravel())
+
+    @cached_property
+    def _second_derivatives(self) -> tuple[Pattern, Array, np.ndarray]:
+        """Places and factors of d2c / dx2, and the constraint of each."""
+        weights = self._weights[self._left][:, :, None] * self._weights[self._right][:, None, :]
+        entry, k, m = np.nonzero(weights)
+        left, right = (
+            self._coordinates(self._places[vectors[entry], j])
+            for vectors, j in ((self._left, k), (self._right, m))
+        )
+        pattern = Pattern(np.append(left, right), np.append(right, left), (self._size, self._size))
+        factor = np.tile(np.repeat(self._factor[entry] * weights[entry, k, m], self._dim), 2)
+        return pattern, factor, np.tile(np.repeat(self._row[entry], self._dim), 2)
 
     def hessian(self, multipliers: Array) -> csr_array:
         """sum_r multipliers_r d2c_r/dq2 (n_dof, n_dof), constant in q."""
-        size = len(self._places)
-        vectors = np.repeat(np.arange(size), _WIDTH), self._places.ravel()
-        weights = csr_array((self._weights.ravel(), vectors), shape=(size, self._nodes))
-        entries = multipliers[self._row] * self._factor, (self._left, self._right)
-        half = weights.T @ csr_array(entries, shape=(size, size)) @ weights
-        half.eliminate_zeros()
-        return csr_array(kron(half + half.T, eye_array(self._dim)))
+        pattern, factor, row = self._second_derivatives
+        return pattern.matrix(factor * multipliers[row])
 
     def describe(self, row: int, node_names: Sequence[Any]) -> tuple[str, str]:
         """The kind of equation `row`, and where it acts, for messages; node_names: (n,) of the nodes."""

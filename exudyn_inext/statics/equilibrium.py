@@ -8,6 +8,7 @@ taut, slack or upside down. A point where the constrained Hessian is not positiv
 worst direction.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,10 +63,8 @@ class Equilibrium:
 def _step(potential: StaticSystem, q: Array, multipliers: Array, shift: float) -> tuple[Array, Array, float]:
     """A descent direction along the constraints, new multipliers, and the energy's slope along it."""
     jacobian, force = potential.jacobian(q), potential.force(q)
-    exact = potential.hessian(q, multipliers)
     zero = np.zeros(jacobian.shape[0])
-    shifted = [csr_array(exact + factor * shift * potential.mass) for factor in SHIFTS]
-    for model in (exact, *shifted, potential.convex_model(multipliers, shift)):
+    for model in _models(potential, q, multipliers, shift):
         try:
             direction, new = solve(factorise(model, jacobian), force, zero)
         except RuntimeError:  # singular
@@ -76,6 +75,15 @@ def _step(potential: StaticSystem, q: Array, multipliers: Array, shift: float) -
         if np.isfinite(new).all():  # where forces are balanced there is no direction, but tension
             multipliers = new
     return np.zeros(q.size), multipliers, 0.0
+
+
+def _models(potential: StaticSystem, q: Array, multipliers: Array, shift: float) -> Iterator[csr_array]:
+    """The Hessian, then what is more and more convex."""
+    exact = potential.hessian(q, multipliers)
+    yield exact
+    for factor in SHIFTS:
+        yield csr_array(exact + factor * shift * potential.mass)
+    yield potential.convex_model(multipliers, shift)
 
 
 def _line_search(

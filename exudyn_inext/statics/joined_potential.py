@@ -13,9 +13,10 @@ from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
-from scipy.sparse import block_diag, csr_array, vstack
+from scipy.sparse import csr_array, vstack
 
 from ..arrays import Array
+from ..sparse import block_diagonal
 from .potential import Potential
 from .rounds import rounds_of
 
@@ -67,8 +68,8 @@ class JoinedPotential:
         self._bodies = slice(int(ends[-1]), len(start))
         self._rounds = rounds_of(others.varying, self._bodies.start)
         self.length = max(cable.length for cable in cables)
-        self.mass = csr_array(block_diag([*(cable.mass for cable in cables), others.mass]))
-        self.metric = csr_array(block_diag([*(cable.metric for cable in cables), others.mass]))
+        self.mass = block_diagonal([*(cable.mass for cable in cables), csr_array(others.mass)])
+        self.metric = block_diagonal([*(cable.metric for cable in cables), csr_array(others.mass)])
         self._scale = np.ones(len(start))
         for cable, place in zip(cables, self._places, strict=True):
             self._scale[place] = cable.scale
@@ -142,8 +143,8 @@ class JoinedPotential:
     def jacobian(self, q: Array) -> csr_array:
         """See `StaticSystem`."""
         places, size = self._others.quaternions, len(q)
-        of_cables = block_diag([cable.jacobian(own) for cable, own in self._parts(q)])
-        of_cables = _widened(of_cables, size)
+        bodies = csr_array((0, size - self._bodies.start))
+        of_cables = block_diagonal([*(cable.jacobian(own) for cable, own in self._parts(q)), bodies])
         rows = np.repeat(np.arange(len(places)), 4)
         norms = csr_array((self._euler_parameters(q).ravel(), (rows, places.ravel())), (len(places), size))
         return csr_array(vstack([of_cables, norms, self._others.jacobian(q)]))
@@ -154,7 +155,7 @@ class JoinedPotential:
         blocks = [cable.hessian(at, lam) for (cable, at), lam in zip(self._parts(q), own, strict=True)]
         first = sum(map(len, own))
         rest = len(q) - self._bodies.start
-        total = csr_array(block_diag([*blocks, csr_array((rest, rest))]))
+        total = block_diagonal([*blocks, csr_array((rest, rest))])
         places = self._others.quaternions
         of_norms = np.repeat(multipliers[first : first + len(places)], 4)
         total += csr_array((of_norms, (places.ravel(), places.ravel())), total.shape)
@@ -194,11 +195,4 @@ class JoinedPotential:
         """See `StaticSystem`."""
         own = self.multipliers_of_cables(multipliers)
         blocks = [cable.convex_model(lam, shift) for cable, lam in zip(self._cables, own, strict=True)]
-        return csr_array(block_diag([*blocks, shift * self._others.mass]))
-
-
-def _widened(matrix: csr_array, size: int) -> csr_array:
-    """The same with columns of zeros behind."""
-    found = csr_array(matrix)
-    found.resize((found.shape[0], size))
-    return found
+        return block_diagonal([*blocks, csr_array(shift * self._others.mass)])

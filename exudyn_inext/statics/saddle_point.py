@@ -1,15 +1,16 @@
 """Sparse factorisation of [B J^T; J 0]: steps along, or back to, the constraint manifold."""
 
 import numpy as np
-from scipy.sparse import block_array, csc_array, csr_array
+from scipy.sparse import csr_array
 from scipy.sparse.linalg import SuperLU, splu
 
 from ..arrays import Array
+from ..sparse import bordered
 
 
 def factorise(model: csr_array, jacobian: csr_array) -> SuperLU:
     """LU of [B J^T; J 0]."""
-    return splu(csc_array(block_array([[model, jacobian.T], [jacobian, None]])))
+    return splu(bordered(model, jacobian))
 
 
 def solve(factor: SuperLU, force: Array, target: Array) -> tuple[Array, Array]:

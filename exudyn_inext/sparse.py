@@ -1,0 +1,55 @@
+"""Sparse matrices that are built again and again with entries in the same places.
+
+SciPy's own ways to put them together take longer than to solve with them, if they are small.
+"""
+
+from collections.abc import Sequence
+from itertools import accumulate
+
+import numpy as np
+from scipy.sparse import csc_array, csr_array
+
+from .arrays import Array
+
+
+class Pattern:
+    """Where entries are; those in one place are added.   rows, columns: (E,).   shape: of the matrix."""
+
+    def __init__(self, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]) -> None:
+        self._shape = shape
+        place, self._slot = np.unique(rows.astype(np.int64) * shape[1] + columns, return_inverse=True)
+        row, column = np.divmod(place, max(shape[1], 1))
+        self._columns = column.astype(np.int32)
+        self._start = np.searchsorted(row, np.arange(shape[0] + 1)).astype(np.int32)
+
+    def matrix(self, values: Array) -> csr_array:
+        """Of entries (E,); zeros among them are kept."""
+        data = np.bincount(self._slot, values, len(self._columns))
+        return csr_array((data, self._columns, self._start), shape=self._shape)
+
+
+def rows_of(matrix: csr_array) -> np.ndarray:
+    """(nnz,) row of each entry."""
+    return np.repeat(np.arange(matrix.shape[0], dtype=np.int32), np.diff(matrix.indptr))
+
+
+def block_diagonal(blocks: Sequence[csr_array]) -> csr_array:
+    """Blocks one after the other."""
+    rows, columns = ([0, *accumulate(block.shape[axis] for block in blocks)] for axis in (0, 1))
+    ends = [0, *accumulate(block.nnz for block in blocks)]
+    data = np.concatenate([np.zeros(0), *(block.data for block in blocks)])
+    none = np.zeros(0, np.int32)
+    indices = [none, *(block.indices + first for block, first in zip(blocks, columns, strict=False))]
+    start = [none, *(block.indptr[:-1] + end for block, end in zip(blocks, ends, strict=False)), ends[-1:]]
+    places = np.concatenate(indices).astype(np.int32), np.concatenate(start).astype(np.int32)
+    return csr_array((data, *places), shape=(rows[-1], columns[-1]))
+
+
+def bordered(model: csr_array, jacobian: csr_array) -> csc_array:
+    """[B J^T; J 0]."""
+    (number, size), of_model, of_rows = jacobian.shape, rows_of(model), rows_of(jacobian)
+    below = of_rows + np.int32(size)
+    rows = np.concatenate([of_model, below, jacobian.indices])
+    columns = np.concatenate([model.indices, jacobian.indices, below])
+    values = np.concatenate([model.data, jacobian.data, jacobian.data])
+    return csc_array((values, (rows, columns)), shape=(size + number, size + number))
