@@ -9,20 +9,21 @@ from .static_system import StaticSystem
 LARGEST_TURN = 0.4  # of a slope in one step [-]
 PROJECTIONS = 100
 SMALLEST_STEP = 1e-6
+LEFT = 0.1
 
 
 def feasible(potential: StaticSystem, q: Array, tolerance: float) -> tuple[Array, float]:
     """q moved onto the constraints, and what is left of their largest violation.
 
     Newton's method with steps that are smallest in the metric of mass and bending, shortened until the
-    sum of squares falls.
+    sum of squares falls. The Jacobian is kept as long as a step leaves less than `LEFT` of the violation.
     """
-    values = potential.values(q)
+    values, factor = potential.values(q), None
     for _ in range(PROJECTIONS):
         if float(np.abs(values).max(initial=0.0)) <= tolerance:
             break
         try:
-            factor = factorise(potential.metric, potential.jacobian(q))
+            factor = factor or factorise(potential.metric, potential.jacobian(q))
         except RuntimeError:  # constraints depend on each other here
             break
         step = solve(factor, np.zeros(q.size), -values)[0].reshape(q.shape)
@@ -34,6 +35,7 @@ def feasible(potential: StaticSystem, q: Array, tolerance: float) -> tuple[Array
             size *= 0.5
         else:
             break
+        factor = factor if trial @ trial < LEFT**2 * (values @ values) else None
         q, values = q + size * step, trial
     return q, float(np.abs(values).max(initial=0.0))
 

@@ -1,11 +1,13 @@
 """Energy, forces, Hessians and constraints of one cable under static loads."""
 
+from functools import cached_property
+
 import numpy as np
 from scipy.sparse import csr_array
 
 from ..arrays import Array
 from ..cable.assembly import add_elastic_force, elastic_energy
-from ..cable.cable import Cable
+from ..cable.cable import Cable, CurvatureMeasure
 from ..cable.chain import build_chain
 from ..cable.sparse_forms import assembled, elastic_tangent, form_of_cable, mass_of_cable
 from ..constraints import constraints_of_cable
@@ -86,7 +88,12 @@ class Potential(StaticSystem):
 
     def elastic_tangent(self, q: Array) -> csr_array:
         """-dF/dq (n_dof, n_dof)."""
-        return elastic_tangent(self._chain, q)
+        is_linear = self.cable.measure is not CurvatureMeasure.PRODUCT
+        return self._tangent_of_linear_forces if is_linear else elastic_tangent(self._chain, q)
+
+    @cached_property
+    def _tangent_of_linear_forces(self) -> csr_array:
+        return elastic_tangent(self._chain, self.cable.reference)
 
     def convex_model(self, multipliers: Array, shift: float) -> csr_array:
         """Bending stiffness, mean tension of the elements where it pulls, and shift times the mass."""
