@@ -35,14 +35,23 @@ def rows_of(matrix: csr_array) -> np.ndarray:
 
 def block_diagonal(blocks: Sequence[csr_array]) -> csr_array:
     """Blocks one after the other."""
-    rows, columns = ([0, *accumulate(block.shape[axis] for block in blocks)] for axis in (0, 1))
+    ends = [0, *accumulate(block.shape[1] for block in blocks)]
+    return _one_below_another(blocks, ends[:-1], ends[-1])
+
+
+def one_below_another(blocks: Sequence[csr_array]) -> csr_array:
+    """The rows of all blocks."""
+    return _one_below_another(blocks, [0] * len(blocks), blocks[0].shape[1])
+
+
+def _one_below_another(blocks: Sequence[csr_array], columns: Sequence[int], width: int) -> csr_array:
+    """columns: where those of each block begin.   width: number of all."""
     ends = [0, *accumulate(block.nnz for block in blocks)]
-    data = np.concatenate([np.zeros(0), *(block.data for block in blocks)])
-    none = np.zeros(0, np.int32)
-    indices = [none, *(block.indices + first for block, first in zip(blocks, columns, strict=False))]
-    start = [none, *(block.indptr[:-1] + end for block, end in zip(blocks, ends, strict=False)), ends[-1:]]
+    indices = [block.indices + first for block, first in zip(blocks, columns, strict=True)]
+    start = [*(block.indptr[:-1] + end for block, end in zip(blocks, ends, strict=False)), ends[-1:]]
     places = np.concatenate(indices).astype(np.int32), np.concatenate(start).astype(np.int32)
-    return csr_array((data, *places), shape=(rows[-1], columns[-1]))
+    data = np.concatenate([block.data for block in blocks])
+    return csr_array((data, *places), shape=(len(places[1]) - 1, width))
 
 
 def bordered(model: csr_array, jacobian: csr_array) -> csc_array:

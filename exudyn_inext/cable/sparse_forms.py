@@ -16,7 +16,7 @@ from .cable import Cable
 from .chain import Chain
 from .constraint_rows import unconstrained_force
 
-STEP = 1e-3  # of differences [m, -]
+STEP = 1e-3  # of differences [-]
 
 
 def assembled(forms: Array, shape: tuple[int, ...]) -> csr_array:
@@ -56,12 +56,18 @@ def elastic_tangent(chain: Chain, q: Array) -> csr_array:
     return tangent_of(elastic_force, q, step=1.0)
 
 
-def tangent_of(force: Callable[[Array], Array], q: Array, step: float = STEP) -> csr_array:
-    """-dF/dq (n_dof, n_dof) of a smooth force (n, 2, dim) at q, by differences of order four."""
+def tangent_of(
+    force: Callable[[Array], Array], q: Array, step: float = STEP, length: float = 1.0
+) -> csr_array:
+    """-dF/dq (n_dof, n_dof) of a smooth force (n, 2, dim) at q, by differences of order four.
+
+    step: of slopes [-], and of positions over a length [m].
+    """
 
     def apply(x: Array) -> Array:
-        near = force(q + step * x) - force(q - step * x)
-        return (force(q + 2.0 * step * x) - force(q - 2.0 * step * x) - 8.0 * near) / (12.0 * step)
+        h = step * length if x[:, 0].any() else step
+        near = force(q + h * x) - force(q - h * x)
+        return (force(q + 2.0 * h * x) - force(q - 2.0 * h * x) - 8.0 * near) / (12.0 * h)
 
     return _matrix_of(apply, q.shape)
 

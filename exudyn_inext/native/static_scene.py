@@ -81,7 +81,14 @@ class StaticScene:
             columns.append(block.dofs.start + at[1])
             values.append(block.jacobian[at])
         places = np.concatenate(rows), np.concatenate(columns)
-        return csr_array(coo_array((np.concatenate(values), places), size))
+        return csr_array((np.concatenate(values), places), size)
+
+    def pulls(self, q: Array, nu: Array) -> Array:
+        """See `Others`."""
+        result = np.zeros(len(q))
+        for block in self._scene.surroundings.jacobian(self._time, q) if self._scene.joints else ():
+            result[block.dofs] += block.jacobian.T @ nu[block.rows]
+        return result
 
     def reactions(self, q: Array, nu: Array) -> Array:
         """Of all algebraic equations in Exudyn's order.   nu: (m,) of the joints."""

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from ..arrays import Array
-from .feasible import cautious, feasible
+from .feasible import cautious, feasible, followed
 from .saddle_point import factorise, solve
 from .stability import smallest_eigenvalue
 from .static_system import StaticSystem
@@ -97,7 +97,7 @@ def _line_search(
     size = cautious(potential, step)
     is_resolved = -slope > RESOLUTION * potential.scale_of_energy(q)
     for _ in range(30):
-        trial, left = feasible(potential, q + size * step, feasibility)
+        trial, left = followed(potential, q, size * step, feasibility)
         falls = not is_resolved or potential.fall(q, trial) >= -_ARMIJO * size * slope
         if left <= 1e3 * feasibility and falls and not potential.is_blocked(q, trial):
             return trial
@@ -145,7 +145,8 @@ def find_equilibrium(potential: StaticSystem, start: Array, options: StaticOptio
         if np.abs(q).max() > LARGEST_EXCURSION * potential.length:
             message = "it runs away: its loads are not balanced by anything that holds it"
             break
-    converged = residual <= 1e3 * limit and eigenvalue > potential.indifferent and not message
+    is_balanced = residual <= max(1e3 * limit, potential.round_off)
+    converged = is_balanced and eigenvalue > potential.indifferent and not message
     if not converged and not message:
         message = "no stable equilibrium within reach"
     violation = float(np.abs(potential.values(q)).max(initial=0.0))

@@ -1,25 +1,72 @@
 """States on the constraint manifold near given ones, which may be far from it."""
 
+from typing import Protocol
+
 import numpy as np
+from scipy.sparse import csr_array
 
 from ..arrays import Array
+from ..sparse import one_below_another
 from .saddle_point import factorise, solve
 from .static_system import StaticSystem
 
 LARGEST_TURN = 0.4  # of a slope in one step [-]
 PROJECTIONS = 100
+FEW = 10  # with strains
 SMALLEST_STEP = 1e-6
 LEFT = 0.1
 
 
-def feasible(potential: StaticSystem, q: Array, tolerance: float) -> tuple[Array, float]:
+class Constrained(Protocol):
+    """What is moved onto its constraints, see `StaticSystem`."""
+
+    metric: csr_array
+
+    def turn(self, step: Array) -> float: ...
+
+    def values(self, q: Array) -> Array: ...
+
+    def jacobian(self, q: Array) -> csr_array: ...
+
+
+class WithStrains:
+    """A system whose strains are constrained, too: to those that a step from q foresees.
+
+    A stiff cable would resist what a straight step stretches it by when it turns.
+    """
+
+    def __init__(self, potential: StaticSystem, q: Array, step: Array) -> None:
+        self._potential, self.metric, self.turn = potential, potential.metric, potential.turn
+        self._foreseen = potential.strains(q) + potential.strain_rows(q) @ step.ravel()
+
+    def values(self, q: Array) -> Array:
+        """(m + k,)"""
+        return np.append(self._potential.values(q), self._potential.strains(q) - self._foreseen)
+
+    def jacobian(self, q: Array) -> csr_array:
+        """(m + k, n)"""
+        return one_below_another([self._potential.jacobian(q), self._potential.strain_rows(q)])
+
+
+def followed(potential: StaticSystem, q: Array, step: Array, tolerance: float) -> tuple[Array, float]:
+    """`feasible` after a step from q, with the strains that it foresees where these can be."""
+    if len(potential.strains(q)):
+        found = feasible(WithStrains(potential, q, step), q + step, tolerance, FEW)
+        if found[1] <= 1e3 * tolerance:
+            return found
+    return feasible(potential, q + step, tolerance)
+
+
+def feasible(
+    potential: Constrained, q: Array, tolerance: float, most: int = PROJECTIONS
+) -> tuple[Array, float]:
     """q moved onto the constraints, and what is left of their largest violation.
 
     Newton's method with steps that are smallest in the metric of mass and bending, shortened until the
     sum of squares falls. The Jacobian is kept as long as a step leaves less than `LEFT` of the violation.
     """
     values, factor = potential.values(q), None
-    for _ in range(PROJECTIONS):
+    for _ in range(most):
         if float(np.abs(values).max(initial=0.0)) <= tolerance:
             break
         try:
@@ -40,6 +87,6 @@ def feasible(potential: StaticSystem, q: Array, tolerance: float) -> tuple[Array
     return q, float(np.abs(values).max(initial=0.0))
 
 
-def cautious(potential: StaticSystem, step: Array) -> float:
+def cautious(potential: Constrained, step: Array) -> float:
     """How much of a step turns no slope and no body by more than `LARGEST_TURN`."""
     return min(1.0, LARGEST_TURN / max(potential.turn(step), 1e-300))

@@ -13,10 +13,10 @@ from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
-from scipy.sparse import csr_array, vstack
+from scipy.sparse import csr_array
 
 from ..arrays import Array
-from ..sparse import block_diagonal
+from ..sparse import block_diagonal, one_below_another
 from .potential import Potential
 from .rounds import rounds_of
 
@@ -52,6 +52,9 @@ class Others(Protocol):
     def jacobian(self, q: Array) -> csr_array:
         """J (m, n)."""
 
+    def pulls(self, q: Array, nu: Array) -> Array:
+        """J^T nu (n,)."""
+
 
 class JoinedPotential:
     """See `StaticSystem`; states are (n,).
@@ -79,6 +82,7 @@ class JoinedPotential:
         heaviest = max(load / cable.shift for load, cable in zip(loads, cables, strict=True))
         self.shift = self.largest_load / heaviest
         self.indifferent = INDIFFERENT * self.shift
+        self.round_off = max(cable.round_off for cable in cables)
 
     def _parts(self, q: Array) -> list[tuple[Potential, Array]]:
         shapes = [cable.cable.reference.shape for cable in self._cables]
@@ -147,7 +151,16 @@ class JoinedPotential:
         of_cables = block_diagonal([*(cable.jacobian(own) for cable, own in self._parts(q)), bodies])
         rows = np.repeat(np.arange(len(places)), 4)
         norms = csr_array((self._euler_parameters(q).ravel(), (rows, places.ravel())), (len(places), size))
-        return csr_array(vstack([of_cables, norms, self._others.jacobian(q)]))
+        return one_below_another([of_cables, norms, self._others.jacobian(q)])
+
+    def strains(self, q: Array) -> Array:
+        """See `StaticSystem`."""
+        return np.concatenate([cable.strains(own) for cable, own in self._parts(q)])
+
+    def strain_rows(self, q: Array) -> csr_array:
+        """See `StaticSystem`."""
+        bodies = csr_array((0, len(q) - self._bodies.start))
+        return block_diagonal([*(cable.strain_rows(own) for cable, own in self._parts(q)), bodies])
 
     def hessian(self, q: Array, multipliers: Array) -> csr_array:
         """See `StaticSystem`; slightly regular."""
@@ -166,8 +179,7 @@ class JoinedPotential:
         """Derivatives of G, by central differences; those of forces on bodies along cables by symmetry."""
 
         def out_of_balance(at: Array) -> Array:
-            force: Array = self._others.jacobian(at).T @ nu - self._others.force(at)
-            return force
+            return self._others.pulls(at, nu) - self._others.force(at)
 
         values = [np.zeros(0)]
         for one in self._rounds:

@@ -82,6 +82,14 @@ class Potential(StaticSystem):
         """(m, n_dof) of all constraints."""
         return self.constraints.jacobian(q, self.time)
 
+    def strains(self, q: Array) -> Array:
+        """There are none."""
+        return np.zeros(0)
+
+    def strain_rows(self, q: Array) -> csr_array:
+        """There are none."""
+        return csr_array((0, q.size))
+
     def hessian(self, q: Array, multipliers: Array) -> csr_array:
         """Of the Lagrangian."""
         return csr_array(self.elastic_tangent(q) + self.constraints.hessian(multipliers))

@@ -14,11 +14,13 @@ class StaticSystem(Protocol):
     shift: of an indefinite Hessian, by the mass [1/s^2].
     mass: (n, n).   metric: (n, n) by which the way back to the constraints is the shortest one.
     indifferent: eigenvalue, at most 0, above which an equilibrium counts as stable [1/s^2].
+    round_off: force that round-off of strains leaves [N].
     """
 
     mass: csr_array
     metric: csr_array
     indifferent: float = 0.0
+    round_off: float = 0.0
 
     @property
     def length(self) -> float: ...
@@ -59,6 +61,12 @@ class StaticSystem(Protocol):
 
     def jacobian(self, q: Array) -> csr_array:
         """(m, n)"""
+
+    def strains(self, q: Array) -> Array:
+        """(k,) of cables that stretch, in any measure."""
+
+    def strain_rows(self, q: Array) -> csr_array:
+        """(k, n) derivatives of `strains`."""
 
     def hessian(self, q: Array, multipliers: Array) -> csr_array:
         """(n, n) of the Lagrangian."""

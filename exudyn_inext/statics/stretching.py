@@ -10,10 +10,13 @@ from ..cable.axial_energy import static_energy
 from ..cable.cable import Cable
 from ..cable.chain import build_chain
 from ..cable.sparse_forms import assembled, tangent_of
-from ..constraints import constraints_of_cable
+from ..constraints import Constraints
+from ..constraints.kinds import length, nodal_inextensibility
 from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
 from .potential import Potential
+
+ROUND_OFF = 100.0 * np.finfo(float).eps  # of strains, summed up
 
 
 class StretchingPotential(Potential):
@@ -23,8 +26,9 @@ class StretchingPotential(Potential):
         super().__init__(cable, external, time)
         self._chain = build_chain(replace(cable, fixed=np.zeros_like(cable.fixed)))
         rigid = replace(cable, section=replace(cable.section, axial_stiffness=None))
-        self._strains = constraints_of_cable(rigid)
+        self._strains = Constraints([length(rigid), nodal_inextensibility(rigid)], cable.reference.shape)
         self._present = cable.reference
+        self.round_off = ROUND_OFF * (cable.section.axial_stiffness or 0.0)
 
     def turn_with(self, q: Array) -> None:
         """The convex model is that of the present state."""
@@ -44,6 +48,14 @@ class StretchingPotential(Potential):
         static_energy(self._chain, q, force)
         return force
 
+    def strains(self, q: Array) -> Array:
+        """See `StaticSystem`."""
+        return self._strains.value(q)
+
+    def strain_rows(self, q: Array) -> csr_array:
+        """See `StaticSystem`."""
+        return self._strains.jacobian(q)
+
     @property
     def largest_load(self) -> float:
         """Of the external forces, bending, and what the strain of the stress-free cable gives [N]."""
@@ -52,7 +64,7 @@ class StretchingPotential(Potential):
 
     def elastic_tangent(self, q: Array) -> csr_array:
         """-dF/dq (n_dof, n_dof)."""
-        return tangent_of(self._elastic_force, q)
+        return tangent_of(self._elastic_force, q, length=float(self.cable.element_lengths.min()))
 
     def convex_model(self, multipliers: Array, shift: float) -> csr_array:
         """Bending and axial stiffness, tension where it pulls, and shift times the mass."""

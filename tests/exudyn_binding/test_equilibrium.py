@@ -348,3 +348,24 @@ def test_search_that_is_cut_off_reports_its_figures(mbs, add_hanging, contents):
 def test_bad_settings_are_refused(changes, message):
     with pytest.raises(InputError, match=message):
         StaticSettings(**changes)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("stiffness", [1e3, 1e5, 1e7, 1e9])
+def test_stiff_cables_are_as_easy_as_inextensible_ones(add_cable, new_mbs, stiffness, dimension):
+    """A cantilever that falls by nine tenths of its length; EA of ropes, wires and rods [N]."""
+    reports, section = [], {"massPerLength": 0.5, "bendingStiffness": 2.0}
+    for axial in (None, stiffness):
+        mbs = new_mbs()
+        template = InextensibleCable(**section, axialStiffness=axial)
+        clamp = [True] * 2 * dimension
+        line = {"positionEnd": [2.0, 0.0, 0.0], "numberOfElements": 16, "gravity": [0.0, -9.81, 0.0]}
+        add_cable(mbs, beamTemplate=template, dimension=dimension, groundConstraintsStart=clamp, **line)
+        mbs.Assemble()
+        reports.append(SolveEquilibrium(mbs))
+    rigid, found = reports
+    assert found["iterations"] <= 1.5 * rigid["iterations"]
+    places = [report["cables"][0]["coordinates"][:, 0] for report in reports]
+    np.testing.assert_allclose(*places, atol=20.0 / stiffness + 2e-5)
+    tolerance = 10.0 / stiffness + 2e-3  # lengths between nodes are held a little otherwise
+    assert found["smallestEigenvalue"] == pytest.approx(rigid["smallestEigenvalue"], rel=tolerance)
