@@ -8,6 +8,8 @@ from .saddle_point import factorise, solve
 from .static_system import StaticSystem
 
 LANCZOS_STEPS = 60
+BETWEEN = 10  # steps between two looks
+SETTLED = 1e-12  # change of the inverse eigenvalues, relative to the largest one
 NEGLIGIBLE = 1e-10  # of the inverse eigenvalues: round-off of those that are infinite
 
 
@@ -29,6 +31,7 @@ def smallest_eigenvalue(potential: StaticSystem, q: Array, multipliers: Array) -
     vector, _ = solve(project, np.random.default_rng(1).standard_normal(q.size), zero)
     basis = np.zeros((rows, q.size))
     reduced = np.zeros((rows, rows))
+    values = vectors = np.zeros((0, 0))
     for row in range(rows):
         for _ in range(2):
             vector = vector - basis[:row].T @ (basis[:row] @ (potential.mass @ vector))
@@ -36,6 +39,15 @@ def smallest_eigenvalue(potential: StaticSystem, q: Array, multipliers: Array) -
         basis[row] = vector / norm
         vector, _ = solve(inverse, potential.mass @ basis[row], zero)
         reduced[row, : row + 1] = basis[: row + 1] @ (potential.mass @ vector)
-    values, vectors = eigh(reduced, lower=True)
-    worst = 0 if values[0] < -NEGLIGIBLE * abs(values).max() else rows - 1
-    return float(1.0 / values[worst]), basis.T @ vectors[:, worst]
+        if row == rows - 1 or row % BETWEEN == BETWEEN - 1:
+            before, (values, vectors) = values, eigh(reduced[: row + 1, : row + 1], lower=True)
+            if len(before) and _are_settled(before, values):
+                break
+    worst = 0 if values[0] < -NEGLIGIBLE * abs(values).max() else len(values) - 1
+    return float(1.0 / values[worst]), basis[: len(values)].T @ vectors[:, worst]
+
+
+def _are_settled(before: Array, values: Array) -> bool:
+    """Whether more steps have left the smallest and the largest of the inverse eigenvalues alone."""
+    size = SETTLED * max(abs(values[0]), abs(values[-1]))
+    return bool(abs(before[0] - values[0]) < size and abs(before[-1] - values[-1]) < size)
