@@ -11,6 +11,7 @@ from ..element.shape_functions import shape_functions
 from .contact_rates import WITH_CIRCLES
 
 SHARE = 0.5  # of its radius: how far from the middle of a circle a segment stays in one step
+MOST_STRIDES = 1000  # of one step, each shorter than that
 
 
 class CirclesInTheWay:
@@ -47,10 +48,15 @@ class CirclesInTheWay:
         return ends - places[self._contact_of_end]
 
     def are_between(self, before: Array, after: Array) -> bool:
-        """Whether a segment would pass the middle of its circle, or nearly so.   Arguments: see `present`."""
+        """Whether a segment would pass the middle of its circle, or nearly so, or goes very far.
+
+        Arguments: see `present`.
+        """
         allowed = SHARE * np.minimum(self._distances(before), self._radii)
         furthest = float(np.linalg.norm(after - before, axis=1).max())
-        strides = 1 + int(furthest / (SHARE * self._radii.min()))
+        strides = 1 + int(min(furthest / (SHARE * self._radii.min()), MOST_STRIDES))
+        if strides > MOST_STRIDES:
+            return True
         ways = (before + share * (after - before) for share in np.linspace(0.0, 1.0, strides + 1)[1:])
         return any((self._distances(way) < allowed).any() for way in ways)
 

@@ -310,6 +310,18 @@ def test_a_cable_comes_to_rest_on_circles_and_not_behind_them(scene):
         np.testing.assert_allclose(found[own][:2], expected[theirs][:2], atol=5e-4)
 
 
+def test_a_cable_that_slides_off_a_wheel_has_no_rest():
+    """The search follows it far; a step is not looked at in strides of the wheel's size for ever."""
+    b = Builder(dimension=2)
+    b.cable([0, 0, 0], [1, 0, 0], 24)
+    elements = CreateCompanionCables(b.mbs, b.made)
+    ground = b.mbs.CreateGround(referencePosition=[0.3, -0.011, 0])
+    add_frictionless_contact(b.mbs, elements, Circle(0.01, 2e3, 0.0, 0.0), ground)
+    b.mbs.Assemble()
+    with pytest.raises(EquilibriumError, match=r"it runs away|no stable equilibrium within reach"):
+        SolveEquilibrium(b.mbs)
+
+
 def held_wheel(b):
     """A body in the plane, each of whose coordinates a constraint holds."""
     body = b.mbs.CreateRigidBody(
