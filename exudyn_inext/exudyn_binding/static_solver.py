@@ -1,18 +1,15 @@
 """SolveEquilibrium: the stable static equilibrium of a scene with inextensible cables."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 from typing import Any
 
 import exudyn
 import numpy as np
 
 from ..arrays import Array
-from ..cable.cable import Cable
 from ..cable.linked_cable import cable_system
 from ..checks import require_finite, require_functions, require_integer, require_positive
-from ..constraints.prescribed_motion import KIND
 from ..errors import EquilibriumError, InputError, SceneError
 from ..items.functions_of_time import take_word
 from ..loads.weight import ElementWeight
@@ -27,8 +24,8 @@ from .arguments import settings_of, simulation_settings
 from .reports import StaticReport
 from .scene import initial_state, read_scene, require_assembled
 from .scene_runs import needs_coupling
+from .static_trouble import hint, require_reach
 
-REACH_TOLERANCE = 1e-9
 MOST_ITERATIONS = 1_000_000
 
 
@@ -141,7 +138,7 @@ def _solve_cables(mbs: Any, scene: Scene, time: float, static: StaticSettings) -
     failed = [(c, e) for c, e in zip(cables, found, strict=True) if not e.converged]
     if failed:
         cable, equilibrium = failed[0]
-        said = _failure(f"cable '{cable.name}'", equilibrium, "loadSteps or maxIterations")
+        said = _failure(f"cable '{cable.name}'", equilibrium, "loadSteps or maxIterations", failed[:1], time)
         raise EquilibriumError(said, StaticReport(report, success=False))
     displacements, reactions = np.zeros(mbs.systemData.ODE2Size()), np.zeros(mbs.systemData.AEsize())
     for cable, equilibrium in zip(cables, found, strict=True):
@@ -154,7 +151,7 @@ def _solve_cables(mbs: Any, scene: Scene, time: float, static: StaticSettings) -
 def _solve_cable(mbs: Any, scene_cable: CableInScene, time: float, static: StaticSettings) -> Equilibrium:
     cable = scene_cable.cable
     _require_still_fluid(scene_cable)
-    _require_reach(cable, time, scene_cable)
+    require_reach(cable, time, scene_cable)
     external = CableLoads(scene_cable).at(time)[: cable.reference.size]
     options = StaticOptions(static.tolerance, static.maxIterations)
     q, _ = initial_state(mbs, scene_cable)
@@ -176,7 +173,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
     for cable in unloaded:
         _require_still_fluid(cable)
         _require_known_weight(cable)
-        _require_reach(cable.cable, time, cable)
+        require_reach(cable.cable, time, cable)
     with state_kept(mbs), switched_off(mbs, *scene.evaluated_by_kernels):
         loads = [CableLoads(cable) for cable in unloaded]
         systems = [cable_system(cable.cable, 0.0) for cable in unloaded]
@@ -204,7 +201,8 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
     ]
     report = _report(scene.cables, of_cables)
     if not equilibrium.converged:
-        said = _failure("the scene", equilibrium, "maxIterations")
+        pairs = zip(scene.cables, of_cables, strict=True)
+        said = _failure("the scene", equilibrium, "maxIterations", pairs, time)
         raise EquilibriumError(said, StaticReport(report, success=False))
     rest_at(mbs, joined.displacements(q), reactions)
     put_data(mbs, data)
@@ -261,39 +259,19 @@ def _report(cables: list[CableInScene], found: list[Equilibrium]) -> dict[str, A
     )
 
 
-def _failure(what: str, equilibrium: Equilibrium, more: str) -> str:
+def _failure(
+    what: str,
+    equilibrium: Equilibrium,
+    more: str,
+    cables: Iterable[tuple[CableInScene, Equilibrium]],
+    time: float,
+) -> str:
+    """What went wrong and what helps.   cables: with their last states."""
+    hints = list(filter(None, (hint(cable, own.q, time) for cable, own in cables)))
+    remedy = hints or [f"add supports, start nearer to the equilibrium, or use more {more}"]
     return (
         f"{what}: {equilibrium.message} after {equilibrium.iterations} iterations (unbalanced "
         f"force {equilibrium.residual:.3g} N, violation of constraints {equilibrium.violation:.3g}, smallest "
-        f"eigenvalue {equilibrium.smallest_eigenvalue:.3g} 1/s^2): add supports, start nearer to the "
-        f"equilibrium, or use more {more}. mbs is unchanged; the error's report has the "
-        "last state."
+        f"eigenvalue {equilibrium.smallest_eigenvalue:.3g} 1/s^2): {remedy[0]}. mbs is unchanged; the "
+        "error's report has the last state."
     )
-
-
-def _require_reach(cable: Cable, time: float, scene_cable: CableInScene) -> None:
-    """Raise SceneError if supports are farther apart than cable and rods between them reach."""
-    if cable.stretches:
-        return
-    arc = np.append(0.0, np.cumsum(cable.element_lengths))
-    names = scene_cable.item.node_names
-    for (a, here, slack_a), (b, there, slack_b) in combinations(_held_points(cable, time), 2):
-        distance, reach = float(np.linalg.norm(there - here)), abs(arc[b] - arc[a]) + slack_a + slack_b
-        if distance > reach * (1.0 + REACH_TOLERANCE):
-            raise SceneError(
-                f"the supports of nodes {names[a]} and {names[b]} of cable '{scene_cable.name}' are "
-                f"{distance:.9g} m apart, but the cable between them reaches {reach:.9g} m only: lengthen "
-                "the cable or move the supports together."
-            )
-
-
-def _held_points(cable: Cable, time: float) -> list[tuple[int, Array, float]]:
-    """(node, point, how far the node may be from it) of pins, clamps, moving supports and hangers."""
-    nodes = np.flatnonzero(cable.fixed[:, 0])
-    points = [(int(k), cable.reference[k, 0], 0.0) for k in nodes if not (cable.closed and k == nodes[-1])]
-    for node in {link.nodes[0] for link in cable.links if link.kind == KIND}:
-        held = [link for link in cable.links if link.kind == KIND and link.nodes == (node,)]
-        if len(held) == cable.dimension:
-            points.append((node, sum(link.normal * link.anchor.at(time)[0] for link in held), 0.0))
-    hangers = [link for link in cable.links if len(link.nodes) == 1 and np.isfinite(link.length)]
-    return points + [(link.nodes[0], link.anchor.at(time)[0], link.length) for link in hangers]

@@ -134,6 +134,7 @@ def find_equilibrium(potential: StaticSystem, start: Array, options: StaticOptio
         )
         following = None
         is_stalled = -slope < RESOLUTION**2 * potential.largest_load * potential.length
+        is_stalled |= residual < potential.round_off
         if residual > limit and slope < 0.0 and not (is_stalled and residual > 0.5 * previous):
             following = _line_search(potential, q, direction, slope, options.feasibility)
         if following is None:

@@ -111,7 +111,9 @@ class JoinedPotential:
 
     def is_blocked(self, q: Array, trial: Array) -> bool:
         """See `StaticSystem`."""
-        return self._others.is_blocked(q, trial)
+        pairs = zip(self._parts(q), self._parts(trial), strict=True)
+        inside_out = any(cable.is_blocked(before, after) for (cable, before), (_, after) in pairs)
+        return inside_out or self._others.is_blocked(q, trial)
 
     def turn(self, step: Array) -> float:
         """See `StaticSystem`."""

@@ -43,8 +43,10 @@ def smallest_eigenvalue(potential: StaticSystem, q: Array, multipliers: Array) -
             before, (values, vectors) = values, eigh(reduced[: row + 1, : row + 1], lower=True)
             if len(before) and _are_settled(before, values):
                 break
-    worst = 0 if values[0] < -NEGLIGIBLE * abs(values).max() else len(values) - 1
-    return float(1.0 / values[worst]), basis[: len(values)].T @ vectors[:, worst]
+    found = basis[: len(values)].T @ vectors
+    is_negative = values[0] < -NEGLIGIBLE * abs(values).max() and found[:, 0] @ (hessian @ found[:, 0]) < 0.0
+    worst = 0 if is_negative else len(values) - 1
+    return float(1.0 / values[worst]), found[:, worst]
 
 
 def _are_settled(before: Array, values: Array) -> bool:

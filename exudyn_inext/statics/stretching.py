@@ -6,6 +6,7 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array
 
 from ..arrays import Array
+from ..cable.axial import SHORTEST
 from ..cable.axial_energy import static_energy
 from ..cable.cable import Cable
 from ..cable.chain import build_chain
@@ -47,6 +48,11 @@ class StretchingPotential(Potential):
         force = np.zeros(q.shape)
         static_energy(self._chain, q, force)
         return force
+
+    def is_blocked(self, q: Array, trial: Array) -> bool:
+        """Whether an element would be about to turn inside out."""
+        before, after = (float(np.linalg.norm(state[:, 1], axis=1).min()) for state in (q, trial))
+        return after < min(before, SHORTEST)
 
     def strains(self, q: Array) -> Array:
         """See `StaticSystem`."""

@@ -369,3 +369,43 @@ def test_stiff_cables_are_as_easy_as_inextensible_ones(add_cable, new_mbs, stiff
     np.testing.assert_allclose(*places, atol=20.0 / stiffness + 2e-5)
     tolerance = 10.0 / stiffness + 2e-3  # lengths between nodes are held a little otherwise
     assert found["smallestEigenvalue"] == pytest.approx(rigid["smallestEigenvalue"], rel=tolerance)
+
+
+def test_flexible_stiff_cables_in_space_are_stable(add_cable, mbs):
+    """EA is 5e9 EI / L^2: round-off of the solves must not count as an eigenvalue below zero."""
+    template = InextensibleCable(massPerLength=1.0, bendingStiffness=1.0, axialStiffness=5e8)
+    line = {"positionEnd": [12.0, 3.0, -6.0], "numberOfElements": 16, "gravity": [3.0, -8.0, 5.0]}
+    clamp = {"groundConstraintsStart": [True] * 6, "dimension": 3}
+    nodes = add_cable(mbs, beamTemplate=template, **line, **clamp)["nodes"]
+    mbs.Assemble()
+    found = SolveEquilibrium(mbs)
+    assert 0.0 < found["smallestEigenvalue"] < 10.0  # a chain: some 1.4 g / L
+    tip = mbs.GetNodeOutput(nodes[-1], exudyn.OutputVariableType.Position)
+    down = np.array(line["gravity"]) / np.linalg.norm(line["gravity"])
+    assert np.linalg.norm(tip) > 0.95 * np.linalg.norm(line["positionEnd"])
+    assert tip @ down > 0.95 * np.linalg.norm(tip)
+
+
+def loaded_across(add_cable, mbs, template, **shape):
+    both = {"groundConstraintsStart": PIN, "groundConstraintsEnd": PIN}
+    add_cable(mbs, beamTemplate=template, gravity=[0.0, -9.81, 0.0], **both, **shape)
+    mbs.Assemble()
+    return SolveEquilibrium(mbs)
+
+
+def test_a_straight_cable_between_supports_needs_its_axial_stiffness(add_cable, new_mbs):
+    section = {"massPerLength": 0.5, "bendingStiffness": 0.01}
+    line = {"positionEnd": [2.0, 0.0, 0.0], "numberOfElements": 8}
+    said = r"cable .* is straight between the supports of nodes 0 and 8, .*: give it its axialStiffness"
+    with pytest.raises(EquilibriumError, match=said):
+        loaded_across(add_cable, new_mbs(), InextensibleCable(**section), **line)
+    template = InextensibleCable(**section, axialStiffness=1e4)
+    assert loaded_across(add_cable, new_mbs(), template, **line)["success"]
+
+
+def test_a_beam_that_turns_inside_out_is_named(add_cable, mbs):
+    """Pressed to a fifth of its length by its supports and its own weight."""
+    template = InextensibleCable(massPerLength=0.5, bendingStiffness=1.0, axialStiffness=60.0)
+    shape = CableShape.Catenary([0, 0, 0], [0.3, 0, 0], 1.0, 16)
+    with pytest.raises(EquilibriumError, match=r"is compressed at node \d+ to 0\.2\d* of its length"):
+        loaded_across(add_cable, mbs, template, shape=shape)
