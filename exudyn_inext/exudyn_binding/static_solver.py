@@ -16,6 +16,7 @@ from ..loads.weight import ElementWeight
 from ..native.coupled_scene import CoupledCable, CoupledScene
 from ..native.static_scene import StaticScene, put_data, require_held, rest_at
 from ..native.surroundings import state_kept, switched_off
+from ..native.velocity_level import at_position_level
 from ..run.cable_loads import CableLoads
 from ..scene.model import CableInScene, Scene, put_reactions
 from ..statics import Equilibrium, JoinedPotential, StaticOptions, find_equilibrium, potential_of
@@ -65,8 +66,8 @@ def SolveEquilibrium(
     The search runs downhill on the constraints from the initial configuration, which need not fulfil them,
     to a stable equilibrium, and writes it into mbs as the initial and the present state, at rest: a
     following SolveExplicit starts from it, after loads were changed, for example. Initial velocities are
-    lost, with a warning. Bodies, springs, joints,
-    torques and contact, which Exudyn evaluates, come to rest together with the cables. Lagrange multipliers
+    lost, with a warning. Bodies, springs, joints, torques and contact, which Exudyn evaluates, come to rest
+    together with the cables; what a constraint at velocity level drives stays where it is. Multipliers
     of joints and supports go into mbs, too, so that outputs and sensors show their forces, with the sign of
     mbs.SolveStatic, which is opposite to that of mbs.SolveDynamic.
 
@@ -101,11 +102,12 @@ def SolveEquilibrium(
     require_assembled(mbs)
     take_word(mbs, static.dependsOnTimeOnly)
     time = require_finite("timeIntegration.startTime", settings.timeIntegration.startTime, "s")
-    scene = read_scene(mbs)
-    if not scene.cables:
-        raise SceneError("mbs has no inextensible cable: use mbs.SolveStatic for native items.")
-    solve = _solve_scene if needs_coupling(scene) else _solve_cables
-    report = solve(mbs, scene, time, static)
+    with at_position_level(mbs, time):
+        scene = read_scene(mbs)
+        if not scene.cables:
+            raise SceneError("mbs has no inextensible cable: use mbs.SolveStatic for native items.")
+        solve = _solve_scene if needs_coupling(scene) else _solve_cables
+        report = solve(mbs, scene, time, static)
     if simulationSettings is not None:
         _write_equilibrium(mbs, settings, scene.evaluated_by_kernels[0])
     return report

@@ -22,6 +22,7 @@ from exudyn_inext import (
     ExplicitStepper,
     SceneError,
     SolveEnsemble,
+    SolveEquilibrium,
     SolveExplicit,
 )
 from reference_models.model import quiet_settings, silence
@@ -223,6 +224,20 @@ def test_the_function_of_a_velocity_cannot_be_replaced_during_a_run(mbs):
     ):
         scene.solve()
     assert mbs.GetObjectParameter(scene.constraint, "velocityLevel")
+
+
+@pytest.mark.parametrize("on", [None, TIP], ids=["a body", "the cable"])
+def test_what_is_driven_stays_where_it_is_in_statics(new_mbs, on):
+    """As a constraint of places with an offset of zero; a run goes on from there."""
+    driven, held = Scene(new_mbs(), on=on, offset=0.5), Scene(new_mbs(), on=on)
+    held.mbs.SetObjectParameter(held.constraint, "velocityLevel", False)
+    for scene in (driven, held):
+        scene.mbs.Assemble()
+        SolveEquilibrium(scene.mbs)
+    np.testing.assert_allclose(driven.place, held.place, atol=1e-9)
+    assert driven.mbs.GetObjectParameter(driven.constraint, "velocityLevel")
+    driven.solve()
+    assert driven.place[1] == pytest.approx(0.5 * END, abs=1e-6)
 
 
 class Wheels:
