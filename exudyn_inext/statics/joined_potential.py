@@ -81,7 +81,7 @@ class JoinedPotential:
         self.largest_load = max(*loads, self.size(others.force(start)))
         heaviest = max(load / cable.shift for load, cable in zip(loads, cables, strict=True))
         self.shift = self.largest_load / heaviest
-        self.indifferent = INDIFFERENT * self.shift
+        self.indifferent = INDIFFERENT * self.shift + min(cable.indifferent for cable in cables)
         self.round_off = max(cable.round_off for cable in cables)
 
     def _parts(self, q: Array) -> list[tuple[Potential, Array]]:

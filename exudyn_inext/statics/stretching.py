@@ -10,7 +10,7 @@ from ..cable.axial import SHORTEST
 from ..cable.axial_energy import static_energy
 from ..cable.cable import Cable
 from ..cable.chain import build_chain
-from ..cable.sparse_forms import assembled, tangent_of
+from ..cable.sparse_forms import STEP, assembled, tangent_of
 from ..constraints import Constraints
 from ..constraints.kinds import length, nodal_inextensibility
 from ..element.forms import forms_of_mesh
@@ -30,6 +30,9 @@ class StretchingPotential(Potential):
         self._strains = Constraints([length(rigid), nodal_inextensibility(rigid)], cable.reference.shape)
         self._present = cable.reference
         self.round_off = ROUND_OFF * (cable.section.axial_stiffness or 0.0)
+        shortest = float(cable.element_lengths.min())
+        noise = 0.1 * self.round_off / (STEP * shortest)  # of a stiffness by differences [N/m]
+        self.indifferent = -noise / (cable.section.mass_per_length * shortest)
 
     def turn_with(self, q: Array) -> None:
         """The convex model is that of the present state."""

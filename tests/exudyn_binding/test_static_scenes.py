@@ -40,6 +40,7 @@ from exudyn_inext.element.shape_functions import shape_functions
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import either_cable
 from tests.items.attach.contact import Circle, add_frictionless_contact, add_general_contact
+from tests.random_scenes import SECTION, RandomScene
 
 MASS, BENDING, AXIAL = 0.2, 0.05, 1e6  # per length [kg/m], [N m^2], of native cables [N]
 SIZE = 1e-4  # of what a finer mesh and a stretch of 1e-6 may change [m]
@@ -502,3 +503,13 @@ def test_load_steps_are_refused_among_bodies():
     with pytest.raises(InputError, match=r"loadSteps = 3: among bodies.*set it to 1"):
         SolveEquilibrium(builder.mbs, staticSettings=StaticSettings(loadSteps=3))
     SolveEquilibrium(builder.mbs, staticSettings=StaticSettings(loadSteps=1))
+
+
+@pytest.mark.parametrize("seed", [61, 139])
+def test_errors_of_differences_of_stiff_cables_are_no_instability(monkeypatch, seed):
+    """Bodies in these scenes may turn without any force."""
+    monkeypatch.setitem(SECTION, "bendingStiffness", 0.44)
+    monkeypatch.setitem(SECTION, "axialStiffness", 2e7)
+    mbs = RandomScene(seed).mbs
+    mbs.Assemble()
+    assert abs(SolveEquilibrium(mbs)["smallestEigenvalue"]) < 1e-2
