@@ -116,6 +116,7 @@ class CoupledScene:
         self.surroundings = NativeSurroundings(mbs, solver, wholes, self.map, loads, masses, rows, self.held)
         self.system = CoupledSystem(parts, self.surroundings, zeta, wholes)
         self.size = parts[-1].dofs.stop
+        self.system.states = slice(len(self.map.indices), self.size)
         self.has_bodies = len(masses.coordinates) > 0
         self.body_system, self.bodies_of_variable_mass = masses.system, masses.number_of_variable
 

@@ -145,6 +145,14 @@ class NativeSurroundings:
             result.append(residual[second : second + first])
         return result
 
+    def rates_of_states(self, t: float, q: Array, v: Array) -> Array:
+        """See `coupled_system.Surroundings`."""
+        self.set_state(t, q, v)
+        self._solver.ComputeODE1RHS(self._mbs)
+        second, first = self._sizes
+        result: Array = self._solver.GetSystemResidual()[second : second + first]
+        return result
+
     def _joined(self, given: Sequence[Array]) -> list[Array]:
         """Copies for each whole: of one cable with its motions, of several, which have none, side by side.
 
