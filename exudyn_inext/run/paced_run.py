@@ -130,7 +130,7 @@ class PacedRun:
         if is_shortened:
             self.control.shorten(watch.parts)
             if not self.control.may_shorten:
-                watch.limit_phase(1.0, math.inf, watch.watch.mesh)
+                watch.ignore_phase()
         elif watch.trouble == ENERGY or not self.control.reject():
             self.gave_up = True
             return False

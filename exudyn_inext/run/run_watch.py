@@ -36,9 +36,18 @@ class RunWatch:
     watch: Watch
     stretches: bool
 
-    def limit_phase(self, duration: float, phase: float, mesh: Array) -> None:
+    def limit_phase(self, duration: float, phase: float, mesh: Array, small: float) -> None:
         """Let it find steps that are too long for the motion; arguments: see `Watch`."""
-        self.watch = self.watch._replace(duration=duration, phase=phase, mesh=mesh)
+        self.watch = self.watch._replace(duration=duration, phase=phase, mesh=mesh, small=small)
+
+    def ignore_phase(self) -> None:
+        """Let it find no more of these."""
+        self.watch = self.watch._replace(phase=math.inf)
+
+    def limit_phase_as(self, other: "RunWatch") -> None:
+        """As the watch over another run."""
+        watch = other.watch
+        self.limit_phase(watch.duration, watch.phase, watch.mesh, watch.small)
 
     @property
     def looks_at_phase(self) -> bool:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from ..cable.cable import Cable
 from ..errors import SceneError, StepSizeError
 from ..integrators.linear_stability import decay_limit, frequency_limit
-from .accurate_step import accurate_step, resolution_of_mesh, step_of_short_waves
+from .accurate_step import accurate_step, resolution_of_mesh, small_error, step_of_short_waves
 from .cable_run import CableRun
 from .coupled_run import CoupledRun, Run
 from .settings import ExplicitSettings
@@ -161,7 +161,7 @@ def _bounds_and_scaling(
     explicit = replace(explicit, massScaling=theta)
     for run in runs:
         mesh = resolution_of_mesh(run, start, theta) if isinstance(run, CableRun) else NO_MESH
-        run.watch.limit_phase(min(duration, MOST_DURATION), _phase(theta), mesh)
+        run.watch.limit_phase(min(duration, MOST_DURATION), _phase(theta), mesh, small_error(run.cables))
     for _ in range(MOST_TRIALS):
         for run in runs if theta else []:
             run.scale_mass(theta, step)

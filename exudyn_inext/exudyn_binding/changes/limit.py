@@ -107,5 +107,4 @@ def _pass_on_steps(before: Sequence[Run], runs: Sequence[Run]) -> None:
     """What has been learned of them so far."""
     for old, new in zip(before, runs, strict=False):
         new.control.memory()["log"][...] = old.control.memory()["log"]
-        watch = old.watch.watch
-        new.watch.limit_phase(watch.duration, watch.phase, watch.mesh)
+        new.watch.limit_phase_as(old.watch)
