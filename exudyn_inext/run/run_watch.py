@@ -94,7 +94,7 @@ class RunWatch:
         """Whether the motion so far allows much longer steps."""
         now = self.watch.account[NOW]
         has_turned = now.forces * now.time**2 > BEGINNING**2 * now.speeds
-        keeps_mesh = not 0.25 < now.over_mesh < math.inf
+        keeps_mesh = self.watch.mesh[1] == 0.0 or not 0.25 < now.over_mesh < math.inf
         return bool(self.looks_at_phase and has_turned and keeps_mesh and SLOW * now.phase < self.watch.phase)
 
     def expect_double_step(self) -> None:

@@ -16,7 +16,6 @@ from .cable_run import CableRun
 from .coupled_run import CoupledRun, Run
 from .settings import ExplicitSettings
 from .step_control import StepRule
-from .watch import NO_MESH
 
 SAFETY_ALONE, SAFETY_AMONG_BODIES = 0.95, 0.7  # share of the limit at the start that is used
 THETA = 0.3  # share of bending that is implicit: 1/4 leaves no margin for the tension
@@ -160,7 +159,7 @@ def _bounds_and_scaling(
     step, theta = accuracy, _mass_scaling(cables, accuracy, explicit, usual)
     explicit = replace(explicit, massScaling=theta)
     for run in runs:
-        mesh = resolution_of_mesh(run, start, theta) if isinstance(run, CableRun) else NO_MESH
+        mesh = resolution_of_mesh(run, start, theta)
         run.watch.limit_phase(min(duration, MOST_DURATION), _phase(theta), mesh, small_error(run.cables))
     for _ in range(MOST_TRIALS):
         for run in runs if theta else []:

@@ -336,11 +336,13 @@ def _errors_of_waves(mesh, squared, h_squared):
     (k l)^4 / 720, relative. The step raises w^2 by (h w)^2 / 12, and mass scaling lowers it by
     theta (h w_b)^2; where these cancel, the first one counts.
 
+    Without s, the first number of the mesh is the square of a step that is short enough [s^2].
+
     mesh: see `Watch`.   squared: w^2 [rad^2/s^2].   h_squared: [s^2].
     """
     tension, stiffness, length, theta = mesh[0], mesh[1], mesh[2], mesh[3]
     if stiffness == 0.0 or not squared > 0.0:
-        return h_squared * squared / 12.0, 0.0
+        return h_squared * squared / 12.0, tension * squared / 12.0
     number = 2.0 * squared / (np.sqrt(tension**2 + 4.0 * stiffness * squared) + tension)  # k^2
     bending = stiffness * number**2
     of_step = h_squared * max(squared / 12.0, theta * bending - squared / 12.0)
@@ -373,7 +375,7 @@ def _is_too_fast(watch, steps, duration):
     else:
         account.phase = rate * watch.duration * BEGINNING / turned
         passed = watch.duration
-    if of_mesh > 0.0 and turned < SAMPLED and steps * account.time < account.ahead * turned * duration:
+    if watch.mesh[1] > 0.0 and turned < SAMPLED and steps * account.time < account.ahead * turned * duration:
         account.ahead = max(watch.least, int(steps * account.time / (turned * duration)))
     is_much = account.phase * passed > watch.phase * watch.duration
     is_late = account.time > WAITING * watch.duration or watch.mesh[1] > 0.0
