@@ -124,9 +124,7 @@ class PacedRun:
             Whether all that follow are smaller.
         """
         watch: RunWatch = self.watch
-        is_shortened = watch.trouble == TOO_FAST or (
-            watch.hides_energy and self.control.divisor < HIDING_PARTS
-        )
+        is_shortened = watch.trouble == TOO_FAST or (watch.hides_energy and self._may_hide)
         if is_shortened:
             self.control.shorten(watch.parts)
             if not self.control.may_shorten:
@@ -137,10 +135,15 @@ class PacedRun:
         self.resume(time)
         return is_shortened
 
+    @property
+    def _may_hide(self) -> bool:
+        """Whether the nominal step may become shorter for axial vibrations that it does not resolve."""
+        return self.control.divisor < HIDING_PARTS * self.control.least
+
     def _shorten_for_gain(self) -> bool:
         """Whether the nominal step is shorter now, as energy grows by jumps too small to be rejected."""
         gain = self.watch.gain
-        if not self.control.grows(gain) or self.control.divisor >= HIDING_PARTS:
+        if not self.control.grows(gain) or not self._may_hide:
             return False
         self.control.shorten(2, gain)
         return True
