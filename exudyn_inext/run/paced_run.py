@@ -100,6 +100,8 @@ class PacedRun:
                 is_spoilt = self._shorten_for_gain()
             else:
                 is_spoilt = self.reject(piece.time(taken)) and self.watch.is_spoilt
+                if self.gave_up and beginning and self._resolve_stretch(grid.h):
+                    self.gave_up, is_spoilt = False, True
             if is_spoilt and beginning:
                 self._begin_again(beginning, grid.time(first))
                 good = 0
@@ -156,7 +158,15 @@ class PacedRun:
 
     def _begin_again(self, beginning: KeptState, time: float) -> None:
         """With a shorter step, from the beginning, which a longer one has spoilt.   time: of it [s]."""
-        divisor, beginnings = self.control.divisor, self.control.beginnings
+        divisor, beginnings, least = self.control.divisor, self.control.beginnings, self.control.least
         beginning.restore()
         self.control.begin_again(divisor, beginnings)
+        self.control.divide_by(least)
         self.resume(time)
+
+    def _resolve_stretch(self, h: float) -> bool:
+        """Whether nominal steps are now so short that no axial vibration hides energy.   h: of the grid [s]."""
+        step = self.watch.resolving_step
+        if not (self.watch.hides_energy and h > step * self.control.divisor > 0.0):
+            return False
+        return self.control.divide_by(math.ceil(h / step))

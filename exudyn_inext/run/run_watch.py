@@ -72,6 +72,12 @@ class RunWatch:
         return float(self.watch.account["error"][NOW]) / self.watch.tolerance if self.looks_at_phase else 0.0
 
     @property
+    def resolving_step(self) -> float:
+        """Step that resolves axial vibrations of the cables [s]; 0: nobody looks, or none of them stretches."""
+        squared, stiffness, *_ = self.watch.mesh
+        return 0.5 * math.sqrt(squared) if stiffness == 0.0 else 0.0
+
+    @property
     def hides_energy(self) -> bool:
         """Whether it is too long for a cable that stretches.
 
