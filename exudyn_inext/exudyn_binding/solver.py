@@ -9,8 +9,7 @@ from typing import Any
 import exudyn
 
 from ..errors import SceneError
-from ..items.functions_of_time import take_word
-from ..items.functions_that_look import step_functions
+from ..items.functions_of_time import step_functions, take_word
 from ..native.surroundings import state_kept
 from ..native.velocity_level import Drives, at_position_level
 from ..run.loop_clock import LoopClock

@@ -187,6 +187,12 @@ class NativeSurroundings:
         values = self._values_of_mbs(t, q)
         return values if self.approach is None else values - self.approach.left_at(t)
 
+    def present_violations(self, t: float, q: Array) -> Array:
+        """c(q, t) (m,) as it is now, after functions of the user may have changed it; mbs stays as it is."""
+        self.forget()
+        with self._visited(t, q):
+            return self._values_of_mbs(t, q)
+
     def _values_of_mbs(self, t: float, q: Array) -> Array:
         """c(q, t) (m,) as Exudyn has it."""
         self._set_positions(t, q)

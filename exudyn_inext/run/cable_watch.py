@@ -110,9 +110,9 @@ def _of_small_stretch(cable: Cable, force: Array) -> float:
 
     Axial vibrations that the step does not resolve hide energy, and set it free.
     """
-    if not cable.stretches:
-        return 0.0
     stiffness = cable.section.axial_stiffness
+    if stiffness is None:
+        return 0.0
     load = float(np.abs(force[: cable.reference.size]).sum())
     strain = min(SMALL, SUDDEN * load / stiffness)
     return 0.5 * stiffness * cable.length * strain**2

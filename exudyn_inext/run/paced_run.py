@@ -9,10 +9,11 @@ from ..arrays import Array
 from ..integrators.integrator import Integrator
 from .kept_state import Elsewhere, KeptState
 from .run_watch import RunWatch
-from .step_control import ROUND_OFF, Piece, StepControl
+from .step_control import PIECE, ROUND_OFF, Piece, StepControl
 from .time_grid import TimeGrid
 from .watch import ENERGY, TOO_FAST
 
+FASTEST = 1e3  # speed of supports and joints, beyond which they jump [m/s]
 HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are smaller for a while only
 
 
@@ -51,6 +52,36 @@ class PacedRun:
     def memory(self) -> dict[str, Any]:
         """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
         raise NotImplementedError
+
+    def jump_of_places(self, time: float, end: float) -> float:
+        """By how much supports or joints leave the present state from `time` to `end` [s] [m, -]."""
+        raise NotImplementedError
+
+    def known_cause(self, time: float) -> str:
+        """Why no step was small enough, if that is known.   time: start of the interval of the loop [s]."""
+        time, duration = time + self.control.offset, PIECE * self.control.present
+        jump, step = self.jump_of_places(time, time + duration), self.watch.resolving_step
+        if jump > FASTEST * duration:
+            return (
+                f"Cause: a support or joint moves by {jump:.3g} m at once at t = {time:.6g} s, for which no "
+                "step is small enough: let it get there within some time."
+            )
+        if self.watch.hides_energy and step > 0.0:
+            return (
+                "Likely cause: axial vibrations, which the steps did not resolve, hid energy that smaller "
+                f"ones set free: take stepSize = {step:.2g}, which resolves them from the start."
+            )
+        return ""
+
+    @property
+    def remedy(self) -> str:
+        """What keeps the energy better."""
+        step = self.watch.resolving_step
+        if self.integrator.stabilised:
+            return "take integrator='RATTLE', or a smaller stepSize"
+        if step > 0.0:
+            return f"take stepSize = {step:.2g}, which resolves axial vibrations"
+        return "take a smaller stepSize"
 
     def set_step(self, h: float) -> None:
         """Prepare the equations for steps of h [s]."""
@@ -165,7 +196,7 @@ class PacedRun:
         self.resume(time)
 
     def _resolve_stretch(self, h: float) -> bool:
-        """Whether nominal steps are now so short that no axial vibration hides energy.   h: of the grid [s]."""
+        """Whether the nominal step is short enough now for axial vibrations.   h: of the grid [s]."""
         step = self.watch.resolving_step
         if not (self.watch.hides_energy and h > step * self.control.divisor > 0.0):
             return False

@@ -73,7 +73,7 @@ class RunWatch:
 
     @property
     def resolving_step(self) -> float:
-        """Step that resolves axial vibrations of the cables [s]; 0: nobody looks, or none of them stretches."""
+        """Step that resolves axial vibrations of the cables [s]; 0: nobody looks, or there are none."""
         squared, stiffness, *_ = self.watch.mesh
         return 0.5 * math.sqrt(squared) if stiffness == 0.0 else 0.0
 

@@ -101,7 +101,6 @@ class StepLimit:
             raise said
         warnings.warn(str(said), stacklevel=2)
 
-
     def _follow(self, runs: Sequence[Run], bounds: StepSizeBounds) -> bool:
         """Divide an automatic step as far as the limit asks for; returns whether it may be so short."""
         safety = self.explicit.stepSafety or bounds.safety
