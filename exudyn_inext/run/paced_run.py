@@ -59,7 +59,7 @@ class PacedRun:
 
     def known_cause(self, time: float) -> str:
         """Why no step was small enough, if that is known.   time: start of the interval of the loop [s]."""
-        time, duration = time + self.control.offset, PIECE * self.control.present
+        time, duration = time + self.control.offset, 2 * PIECE * self.control.present
         jump, step = self.jump_of_places(time, time + duration), self.watch.resolving_step
         if jump > FASTEST * duration:
             return (
