@@ -75,7 +75,8 @@ def SolveExplicit(
 
     What pre- and post-step user functions change acts from that step on, as with mbs.SolveDynamic: parameters
     of loads, connectors, constraints, markers and bodies, active connectors, and states. A constraint that
-    gets another place is fulfilled at the end of the step. Items cannot be added, nor connected otherwise.
+    gets another place, or whose user function reads what they change, is fulfilled at the end of the step. An
+    automatic step becomes shorter where a change asks for it. Items cannot be added, nor connected otherwise.
 
     Many of Exudyn's steps are computed in one compiled call where no user function sees the states
     in between, and up to 32 where functions see them, but have changed nothing for a while. A user
