@@ -9,8 +9,7 @@ from typing import Any
 import exudyn
 
 from ..errors import SceneError
-from ..items.functions_of_time import take_word
-from ..items.functions_that_look import step_functions
+from ..items.functions_of_time import step_functions, take_word
 from ..native.surroundings import state_kept
 from ..native.velocity_level import Drives, at_position_level
 from ..run.loop_clock import LoopClock
@@ -76,7 +75,8 @@ def SolveExplicit(
 
     What pre- and post-step user functions change acts from that step on, as with mbs.SolveDynamic: parameters
     of loads, connectors, constraints, markers and bodies, active connectors, and states. A constraint that
-    gets another place is fulfilled at the end of the step. Items cannot be added, nor connected otherwise.
+    gets another place, or whose user function reads what they change, is fulfilled at the end of the step. An
+    automatic step becomes shorter where a change asks for it. Items cannot be added, nor connected otherwise.
 
     Many of Exudyn's steps are computed in one compiled call where no user function sees the states
     in between, and up to 32 where functions see them, but have changed nothing for a while. A user

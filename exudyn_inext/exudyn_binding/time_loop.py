@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arrays import Array, as_slice
 from ..errors import DivergenceError, SceneError
-from ..items.functions_that_look import step_functions
+from ..items.functions_of_time import step_functions
 from ..run.coupled_run import Run
 from ..run.divergence import divergence, listed
 from ..run.kept_state import KeptState
@@ -30,8 +30,7 @@ UNSEEN = 32  # steps at most that are computed ahead where functions may still c
 class Changes(Protocol):
     """What user functions have changed, see `changes.follower.ChangeFollower`."""
 
-    @property
-    def has_news(self) -> bool: ...
+    def has_news(self, runs: Sequence[Run], time: float) -> bool: ...
 
     @property
     def moves(self) -> bool: ...
@@ -375,7 +374,7 @@ class ExplicitTimeLoop:
 
     def _follow_changes(self) -> None:
         """A user function may have changed items since the last step: go on with what they are now."""
-        if self._changes is None or not self._changes.has_news:
+        if self._changes is None or not self._changes.has_news(self.runs, self.time):
             return
         self._withdraw()
         try:
@@ -414,8 +413,7 @@ def warn_of_findings(runs: Sequence[Run], tolerance: float) -> None:
         if gain > tolerance * run.lenience:
             warnings.warn(
                 f"{run.name}: the energy has grown by {gain:.2%} of what the motion turns over, beyond the "
-                f"work done on it (energyTolerance {tolerance:.2%}): take integrator='RATTLE' instead of "
-                "another one, or a smaller stepSize.",
+                f"work done on it (energyTolerance {tolerance:.2%}): {run.remedy}.",
                 stacklevel=3,
             )
         if run.finding:

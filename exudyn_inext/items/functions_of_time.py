@@ -4,7 +4,7 @@ import builtins
 import dis
 from collections.abc import Callable, Sequence
 from functools import lru_cache
-from types import CodeType, FunctionType, ModuleType
+from types import CellType, CodeType, FunctionType, ModuleType
 from typing import Any, NamedTuple
 from warnings import warn_explicit
 from weakref import WeakKeyDictionary
@@ -35,8 +35,9 @@ def is_of_time_alone(mbs: Any, user_function: Any) -> bool:
 
     It can be seen where its code never reads its first argument, and else only data, functions of NumPy,
     SciPy and math, and Python functions of which this is true, stores nothing outside, and draws no random
-    numbers. The data must not be such that another function of the same module stores it: that one may be
-    called by a sensor, by a key that is pressed, by a thread.
+    numbers. Step functions must not store what is in a function around it, and its data must not be such
+    that another function of the same module stores it: that one may be called by a sensor, by a key that is
+    pressed, by a thread.
     """
     if not user_function:
         return False
@@ -48,7 +49,35 @@ def is_of_time_alone(mbs: Any, user_function: Any) -> bool:
         return False
     code = function.__code__
     is_pure = code.co_argcount > 0 and not _reads(code, code.co_varnames[0]) and _is_pure(function, 0)
-    return is_pure and not _has_sensor_functions(mbs)
+    return is_pure and not _has_sensor_functions(mbs) and not _is_steered(function, step_functions(mbs))
+
+
+def step_functions(mbs: Any) -> list[Any]:
+    """Functions of the user that are called before or after each step of Exudyn's loop."""
+    given = mbs.GetPreStepUserFunction(), mbs.GetPostStepUserFunction()
+    return [one["function"] if isinstance(one, dict) else one for one in given if one]
+
+
+def _is_steered(function: FunctionType, steering: Sequence[Any], depth: int = 0) -> bool:
+    """Whether step functions store into variables, lists or arrays of a function around this one."""
+    own = {id(one) for one in _shared(function)}
+    for other in steering:
+        if not isinstance(other, FunctionType) or depth >= DEEPEST:
+            continue
+        shared = _shared(other)
+        looked = [_looked_at(code) for code in _all_codes(other.__code__)]
+        if any(found.stores or found.is_open for found in looked) and any(id(one) in own for one in shared):
+            return True
+        if _is_steered(function, [one for one in shared if isinstance(one, FunctionType)], depth + 1):
+            return True
+    return False
+
+
+def _shared(function: FunctionType) -> list[Any]:
+    """Variables of the functions around it that one reads; lists, arrays and functions that these hold."""
+    cells = [cell for cell in function.__closure__ or () if cell != CellType()]
+    values = [cell.cell_contents for cell in cells]
+    return cells + [value for value in values if isinstance(value, (*_CONTAINERS, FunctionType))]
 
 
 def _said_of(function: Any, said: bool | Sequence[Any] | None) -> bool | None:

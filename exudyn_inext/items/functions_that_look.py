@@ -25,12 +25,6 @@ _OPEN = {"getattr", "eval", "exec", "vars", "globals", "locals", "__import__", "
 _DATA = (int, float, complex, str, bool, type(None), np.ndarray, np.generic, list, tuple, dict, set)
 
 
-def step_functions(mbs: Any) -> list[Any]:
-    """Functions of the user that are called before or after each step of Exudyn's loop."""
-    given = mbs.GetPreStepUserFunction(), mbs.GetPostStepUserFunction()
-    return [one["function"] if isinstance(one, dict) else one for one in given if one]
-
-
 def may_look_at_forces(function: Any) -> bool:
     """Whether a function f(mbs, t) may, as far as its code shows; sensors are not looked into.
 

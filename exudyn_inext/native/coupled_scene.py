@@ -11,6 +11,7 @@ import numpy as np
 from ..arrays import Array
 from ..cable.many_cables import Systems, in_few_chains
 from ..errors import SceneError
+from ..items.functions_of_time import is_of_time_alone, step_functions
 from ..run.cable_loads import CableLoads
 from ..run.compiled_scene import CompiledScene
 from ..run.joined_scene import OpenContacts
@@ -116,6 +117,7 @@ class CoupledScene:
         self.surroundings = NativeSurroundings(mbs, solver, wholes, self.map, loads, masses, rows, self.held)
         self.system = CoupledSystem(parts, self.surroundings, zeta, wholes)
         self.size = parts[-1].dofs.stop
+        self.system.states = slice(len(self.map.indices), self.size)
         self.has_bodies = len(masses.coordinates) > 0
         self.body_system, self.bodies_of_variable_mass = masses.system, masses.number_of_variable
 
@@ -185,6 +187,12 @@ class CoupledScene:
         start = len(self.map.indices)
         unit = BodiesSystem(number, [MassBlock(np.arange(number), np.eye(number))])
         return [Part(unit, slice(start, start + number))]
+
+    @cached_property
+    def has_steered_joints(self) -> bool:
+        """See `JoinedScene`."""
+        given = (self.mbs.GetObject(joint.number).get("offsetUserFunction") for joint in self.joints)
+        return bool(step_functions(self.mbs)) and not all(is_of_time_alone(self.mbs, f) for f in given if f)
 
     @property
     def initial_state(self) -> tuple[Array, Array]:

@@ -145,6 +145,14 @@ class NativeSurroundings:
             result.append(residual[second : second + first])
         return result
 
+    def rates_of_states(self, t: float, q: Array, v: Array) -> Array:
+        """See `coupled_system.Surroundings`."""
+        self.set_state(t, q, v)
+        self._solver.ComputeODE1RHS(self._mbs)
+        second, first = self._sizes
+        result: Array = self._solver.GetSystemResidual()[second : second + first]
+        return result
+
     def _joined(self, given: Sequence[Array]) -> list[Array]:
         """Copies for each whole: of one cable with its motions, of several, which have none, side by side.
 
@@ -178,6 +186,12 @@ class NativeSurroundings:
         """c(q, t) (m,), of which an approach leaves a part."""
         values = self._values_of_mbs(t, q)
         return values if self.approach is None else values - self.approach.left_at(t)
+
+    def present_violations(self, t: float, q: Array) -> Array:
+        """c(q, t) (m,) as it is now, after functions of the user may have changed it; mbs stays as it is."""
+        self.forget()
+        with self._visited(t, q):
+            return self._values_of_mbs(t, q)
 
     def _values_of_mbs(self, t: float, q: Array) -> Array:
         """c(q, t) (m,) as Exudyn has it."""

@@ -5,21 +5,25 @@ time is then near that of the mesh. c^2 is the tension over rho_A that weight, l
 most, and twice the energy by mass that the motion starts with. The first vibration of the bent cable is
 resolved in any case, and among bodies all bending waves that the mesh resolves. How fast the motion really
 is, the watch finds out, see `watch`: then the step becomes shorter, down to one whose error in bending waves
-is that of the mesh.
+is that of the mesh, and where cables stretch, one in which axial waves pass a share of an element.
 """
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
 from ..cable.assembly import elastic_energy
+from ..cable.cable import Cable
 from ..system import ELASTIC, GAUGES, gauge
 from .cable_run import CableRun
-from .watch import NO_MESH
+from .coupled_run import Run
+from .watch import NO_MESH, SMALL
 
 STEPS_BY_ELEMENT = 20.0  # while a wave passes it
+STEPS_BY_AXIAL_WAVE = 4.0  # while it passes an element: more resolve what the mesh does not
 SHORT_WAVE = 0.2  # step times the frequency of a bending wave of 2 pi elements, among bodies
 BY_DRAG = 0.02  # step times the rate at which drag slows a cable down
 FIRST_VIBRATION = 0.085  # step over L^2 sqrt(rho_A / EI): 0.3 / 3.52, h w of a cantilever's first one
@@ -47,19 +51,36 @@ def step_of_short_waves(run: CableRun) -> float:
     return SHORT_WAVE * length**2 * math.sqrt(section.mass_per_length / section.bending_stiffness)
 
 
-def resolution_of_mesh(run: CableRun, time: float, theta: float) -> Array:
+def resolution_of_mesh(run: Run, time: float, theta: float) -> Array:
     """(4,) by which the errors of step and mesh in waves of a cable are known, see `watch`.
 
     c^2 [m^2/s^2], s^2 = EI / rho_A [m^4/s^2], the length l of the shortest element [m], and theta [-].
-    A cable that stretches has other waves, too: `NO_MESH`.
+    Cables that stretch have other waves, too: of these, and among bodies, only the shortest useful step.
     """
-    cable = run.scene_cable.cable
-    if cable.stretches:
+    stretching = [cable for cable in run.cables if cable.stretches]
+    if stretching:
+        return np.array([min(map(_step_of_axial_waves, stretching)) ** 2, 0.0, 0.0, 0.0])
+    if not isinstance(run, CableRun):
         return NO_MESH
+    cable = run.scene_cable.cable
     section = cable.section
     stiffness = section.bending_stiffness / section.mass_per_length
     with np.errstate(over="ignore"):
         return np.array([_wave_speed(run, time) ** 2, stiffness, cable.element_lengths.min(), theta])
+
+
+def small_error(cables: Sequence[Cable]) -> float:
+    """x . M x / 2 of errors x of cables that no step is shortened for [kg m^2]."""
+    inertias = (cable.section.mass_per_length * cable.length**3 for cable in cables)
+    return 0.5 * SMALL**2 * sum(inertias)
+
+
+def _step_of_axial_waves(cable: Cable) -> float:
+    """The shortest step that serves stretch [s]."""
+    section, length = cable.section, float(cable.element_lengths.min())
+    assert section.axial_stiffness
+    passing = length * math.sqrt(section.mass_per_length / section.axial_stiffness)
+    return passing / STEPS_BY_AXIAL_WAVE
 
 
 def _wave_speed(run: CableRun, time: float) -> float:

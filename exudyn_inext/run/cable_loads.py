@@ -147,6 +147,11 @@ class CableLoads:
         columns += [np.array([motion.at(t).ravel() for t in times]) for motion in self._motions]
         return np.concatenate(columns, axis=1) if columns else np.zeros((len(times), 0))
 
+    def jump_of_places(self, time: float, end: float) -> float:
+        """Largest way of a support from `time` to `end` [s] [m]."""
+        ways = [motion.at(end)[0] - motion.at(time)[0] for motion in self._motions]
+        return max((float(np.linalg.norm(way)) for way in ways), default=0.0)
+
     def _components(self, load: CableLoad, times: list[float]) -> Array:
         """(T, m) components of a load.
 

@@ -440,8 +440,14 @@ class CableRun(PacedRun):
         if self.watch.trouble == ENERGY:
             tried, taken = "", h
         limit = self._stability_limit(self.largest_frequency(time))
-        said = explanation(self.integrator, self.trouble, taken, limit, self.is_scaled)
+        said = self.known_cause(time) or explanation(
+            self.integrator, self.trouble, taken, limit, self.is_scaled
+        )
         return f"{self.name}: {self.watch.finding(self.state)}{tried}. {said}"
+
+    def jump_of_places(self, time: float, end: float) -> float:
+        """See `PacedRun.jump_of_places`."""
+        return self.loads.jump_of_places(time, end)
 
     def _stability_limit(self, frequency: float) -> float:
         if math.isnan(frequency):

@@ -1,5 +1,6 @@
 """What bounds the steps of a coupled scene, and what is said of it."""
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
@@ -10,7 +11,7 @@ import numpy as np
 from ..arrays import Array
 from ..integrators.linear_stability import frequency_limit
 from ..scene.closed_contacts import rates_in_contact
-from ..scene.small_vibrations import FastestRates, VibrationTracker, fastest_rates
+from ..scene.small_vibrations import FastestRates, VibrationTracker, fastest_rates, frequency_of_states
 from ..system import accelerate_and_project
 from .cable_run import CableRun
 from .divergence import explanation, listed
@@ -23,7 +24,11 @@ STEPS_BETWEEN_LOOKS = 128  # at the frequency, which costs as much as some 10 ev
 
 
 class LimitedRun(PacedRun):
-    """See `CoupledRun`.   mover: who takes the steps.   why_not: why Exudyn does; empty if it does not."""
+    """See `CoupledRun`.
+
+    mover: who takes the steps.   why_not: why Exudyn does; empty if it does not.
+    frequency_of_states: of first order [rad/s], when the limit was looked at last.
+    """
 
     mover: Mover
     why_not: str
@@ -34,6 +39,7 @@ class LimitedRun(PacedRun):
     _time: float  # of the state whose rates are known [s]
     _rejects: bool
     _fastest: Array  # (2, 2, n) found by searches so far, see `fastest_rates`: as it is, and in contact
+    frequency_of_states = 0.0
     _unsolvable = ""  # what was said of joints that could not be solved for
     _tracker: VibrationTracker | None = None
 
@@ -65,7 +71,12 @@ class LimitedRun(PacedRun):
     def _rates_at(self, time: float) -> FastestRates:
         """Of the present state."""
         with self._without_implicit_forces(time):
-            return fastest_rates(*self._system_at(time), self.state.q, self.state.v, self._fastest[0])
+            scene = *self._system_at(time), self.state.q, self.state.v
+            rates, states = fastest_rates(*scene, self._fastest[0]), self._scene.system.states
+            self.frequency_of_states = (
+                frequency_of_states(*scene, states) if states.stop > states.start else 0.0
+            )
+            return rates._replace(frequency=math.hypot(rates.frequency, self.frequency_of_states))
 
     def _system_at(self, time: float) -> tuple[Any, Array]:
         """What takes the steps, and the external force that it is given."""
@@ -135,8 +146,17 @@ class LimitedRun(PacedRun):
         if self._unsolvable:
             return f"{self.name}: {self._unsolvable} If the motion before that is wrong, reduce stepSize."
         limit, scaled = self._limit_now(time), any(run.is_scaled for run in self._runs)
-        said = explanation(self.integrator, self.trouble, self.control.present, limit, scaled)
+        said = self.known_cause(time) or explanation(
+            self.integrator, self.trouble, self.control.present, limit, scaled
+        )
         return f"{self.name}: {self.watch.found}; {self._place}; {self.control.said}. {said}"
+
+    def jump_of_places(self, time: float, end: float) -> float:
+        """See `PacedRun.jump_of_places`."""
+        jumps = [run.loads.jump_of_places(time, end) for run in self._runs]
+        if self._scene.joints:
+            jumps.append(self.mover.evaluated.violation(end, self.state.q))
+        return max(jumps, default=0.0)
 
     def _limit_now(self, time: float) -> float:
         """Stability limit [s] in the state of the last inspection; infinite if there is none."""

@@ -86,6 +86,7 @@ class JoinedScene(EvaluatedScene, Protocol):
     remembered: what contacts remember, if there are any.
     initial_state: q and v (size,) at the start.   bodies_of_variable_mass: how many there are.
     parts_in_one: what evaluates bodies and joints, if it is compiled code.
+    has_steered_joints: whether functions of the user move joints by what they change between steps.
     """
 
     system: CoupledSystem
@@ -99,6 +100,9 @@ class JoinedScene(EvaluatedScene, Protocol):
     has_bodies: bool
     bodies_of_variable_mass: int
     parts_in_one: CompiledParts | None
+
+    @property
+    def has_steered_joints(self) -> bool: ...
 
     @property
     def initial_state(self) -> tuple[Array, Array]: ...

@@ -14,7 +14,7 @@ from .consistent_start import StartCorrection
 from .coupled_start import consistent_start
 from .coupled_watch import CoupledWatch
 from .joined_scene import JoinedScene
-from .mover import FULFILLED, Mover
+from .mover import FULFILLED, JUMP, Mover
 from .paced_run import PacedRun
 from .step_control import Piece
 from .time_grid import TimeGrid
@@ -62,6 +62,12 @@ class MovedByExudyn(Mover):
         if self.approaches:
             self._scene.leave_compiled_parts()
         return True
+
+    def has_jumped(self, time: float) -> bool:
+        """See `Mover.has_jumped`."""
+        if not self._scene.has_steered_joints:
+            return False
+        return float(np.abs(self._scene.surroundings.present_violations(time, self._state.q)).max()) > JUMP
 
     @property
     def approaches(self) -> bool:

@@ -15,6 +15,8 @@ from .joined_scene import EvaluatedScene, JoinedScene
 
 FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
 
+JUMP = 1e-6  # violation of joints [m, -] between two steps, beyond what integrators leave
+
 
 class Mover:
     """Who takes the steps of a coupled scene; see `MovedByKernels` and `MovedByExudyn`.
@@ -22,11 +24,12 @@ class Mover:
     Args:
         scene: all of it.   runs: of its cables.   state: of the integrator.   method: it, and its scheme.
 
-    system: that takes the steps.
+    system: that takes the steps.   evaluated: the scene, by whom evaluates it.
     given: (n,) forces besides those of the items, which others may set, or None: there are none.
     dofs_in_implicit_contact: first coordinates of the nodes of cables whose contact is damped implicitly.
     """
 
+    evaluated: EvaluatedScene
     given: Array | None = None
     dofs_in_implicit_contact: np.ndarray = np.zeros(0, int)
 
@@ -48,6 +51,10 @@ class Mover:
     def cables(self) -> list[Cable]:
         """Models of the inextensible cables."""
         return [run.scene_cable.cable for run in self._runs]
+
+    def has_jumped(self, time: float) -> bool:
+        """Whether functions of the user have moved joints at once, before the step from `time` [s]."""
+        return False
 
     def begin_by(self, function: Callable[..., None], time: float) -> None:
         """Begin with a function of the integrator, of (system, external, state)."""

@@ -9,10 +9,11 @@ from ..arrays import Array
 from ..integrators.integrator import Integrator
 from .kept_state import Elsewhere, KeptState
 from .run_watch import RunWatch
-from .step_control import ROUND_OFF, Piece, StepControl
+from .step_control import PIECE, ROUND_OFF, Piece, StepControl
 from .time_grid import TimeGrid
 from .watch import ENERGY, TOO_FAST
 
+FASTEST = 1e3  # speed of supports and joints, beyond which they jump [m/s]
 HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are smaller for a while only
 
 
@@ -51,6 +52,36 @@ class PacedRun:
     def memory(self) -> dict[str, Any]:
         """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
         raise NotImplementedError
+
+    def jump_of_places(self, time: float, end: float) -> float:
+        """By how much supports or joints leave the present state from `time` to `end` [s] [m, -]."""
+        raise NotImplementedError
+
+    def known_cause(self, time: float) -> str:
+        """Why no step was small enough, if that is known.   time: start of the interval of the loop [s]."""
+        time, duration = time + self.control.offset, 2 * PIECE * self.control.present
+        jump, step = self.jump_of_places(time, time + duration), self.watch.resolving_step
+        if jump > FASTEST * duration:
+            return (
+                f"Cause: a support or joint moves by {jump:.3g} m at once at t = {time:.6g} s, for which no "
+                "step is small enough: let it get there within some time."
+            )
+        if self.watch.hides_energy and step > 0.0:
+            return (
+                "Likely cause: axial vibrations, which the steps did not resolve, hid energy that smaller "
+                f"ones set free: take stepSize = {step:.2g}, which resolves them from the start."
+            )
+        return ""
+
+    @property
+    def remedy(self) -> str:
+        """What keeps the energy better."""
+        step = self.watch.resolving_step
+        if self.integrator.stabilised:
+            return "take integrator='RATTLE', or a smaller stepSize"
+        if step > 0.0:
+            return f"take stepSize = {step:.2g}, which resolves axial vibrations"
+        return "take a smaller stepSize"
 
     def set_step(self, h: float) -> None:
         """Prepare the equations for steps of h [s]."""
@@ -100,6 +131,8 @@ class PacedRun:
                 is_spoilt = self._shorten_for_gain()
             else:
                 is_spoilt = self.reject(piece.time(taken)) and self.watch.is_spoilt
+                if self.gave_up and beginning and self._resolve_stretch(grid.h):
+                    self.gave_up, is_spoilt = False, True
             if is_spoilt and beginning:
                 self._begin_again(beginning, grid.time(first))
                 good = 0
@@ -124,23 +157,26 @@ class PacedRun:
             Whether all that follow are smaller.
         """
         watch: RunWatch = self.watch
-        is_shortened = watch.trouble == TOO_FAST or (
-            watch.hides_energy and self.control.divisor < HIDING_PARTS
-        )
+        is_shortened = watch.trouble == TOO_FAST or (watch.hides_energy and self._may_hide)
         if is_shortened:
             self.control.shorten(watch.parts)
             if not self.control.may_shorten:
-                watch.limit_phase(1.0, math.inf, watch.watch.mesh)
+                watch.ignore_phase()
         elif watch.trouble == ENERGY or not self.control.reject():
             self.gave_up = True
             return False
         self.resume(time)
         return is_shortened
 
+    @property
+    def _may_hide(self) -> bool:
+        """Whether the nominal step may become shorter for axial vibrations that it does not resolve."""
+        return self.control.divisor < HIDING_PARTS * self.control.least
+
     def _shorten_for_gain(self) -> bool:
         """Whether the nominal step is shorter now, as energy grows by jumps too small to be rejected."""
         gain = self.watch.gain
-        if not self.control.grows(gain) or self.control.divisor >= HIDING_PARTS:
+        if not self.control.grows(gain) or not self._may_hide:
             return False
         self.control.shorten(2, gain)
         return True
@@ -153,7 +189,15 @@ class PacedRun:
 
     def _begin_again(self, beginning: KeptState, time: float) -> None:
         """With a shorter step, from the beginning, which a longer one has spoilt.   time: of it [s]."""
-        divisor, beginnings = self.control.divisor, self.control.beginnings
+        divisor, beginnings, least = self.control.divisor, self.control.beginnings, self.control.least
         beginning.restore()
         self.control.begin_again(divisor, beginnings)
+        self.control.divide_by(least)
         self.resume(time)
+
+    def _resolve_stretch(self, h: float) -> bool:
+        """Whether the nominal step is short enough now for axial vibrations.   h: of the grid [s]."""
+        step = self.watch.resolving_step
+        if not (self.watch.hides_energy and h > step * self.control.divisor > 0.0):
+            return False
+        return self.control.divide_by(math.ceil(h / step))

@@ -36,9 +36,18 @@ class RunWatch:
     watch: Watch
     stretches: bool
 
-    def limit_phase(self, duration: float, phase: float, mesh: Array) -> None:
+    def limit_phase(self, duration: float, phase: float, mesh: Array, small: float) -> None:
         """Let it find steps that are too long for the motion; arguments: see `Watch`."""
-        self.watch = self.watch._replace(duration=duration, phase=phase, mesh=mesh)
+        self.watch = self.watch._replace(duration=duration, phase=phase, mesh=mesh, small=small)
+
+    def ignore_phase(self) -> None:
+        """Let it find no more of these."""
+        self.watch = self.watch._replace(phase=math.inf)
+
+    def limit_phase_as(self, other: "RunWatch") -> None:
+        """As the watch over another run."""
+        watch = other.watch
+        self.limit_phase(watch.duration, watch.phase, watch.mesh, watch.small)
 
     @property
     def looks_at_phase(self) -> bool:
@@ -63,6 +72,12 @@ class RunWatch:
         return float(self.watch.account["error"][NOW]) / self.watch.tolerance if self.looks_at_phase else 0.0
 
     @property
+    def resolving_step(self) -> float:
+        """Step that resolves axial vibrations of the cables [s]; 0: nobody looks, or there are none."""
+        squared, stiffness, *_ = self.watch.mesh
+        return 0.5 * math.sqrt(squared) if stiffness == 0.0 else 0.0
+
+    @property
     def hides_energy(self) -> bool:
         """Whether it is too long for a cable that stretches.
 
@@ -85,7 +100,7 @@ class RunWatch:
         """Whether the motion so far allows much longer steps."""
         now = self.watch.account[NOW]
         has_turned = now.forces * now.time**2 > BEGINNING**2 * now.speeds
-        keeps_mesh = not 0.25 < now.over_mesh < math.inf
+        keeps_mesh = self.watch.mesh[1] == 0.0 or not 0.25 < now.over_mesh < math.inf
         return bool(self.looks_at_phase and has_turned and keeps_mesh and SLOW * now.phase < self.watch.phase)
 
     def expect_double_step(self) -> None:

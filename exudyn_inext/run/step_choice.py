@@ -11,17 +11,17 @@ from dataclasses import dataclass, replace
 from ..cable.cable import Cable
 from ..errors import SceneError, StepSizeError
 from ..integrators.linear_stability import decay_limit, frequency_limit
-from .accurate_step import accurate_step, resolution_of_mesh, step_of_short_waves
+from .accurate_step import accurate_step, resolution_of_mesh, small_error, step_of_short_waves
 from .cable_run import CableRun
 from .coupled_run import CoupledRun, Run
 from .settings import ExplicitSettings
 from .step_control import StepRule
-from .watch import NO_MESH
 
 SAFETY_ALONE, SAFETY_AMONG_BODIES = 0.95, 0.7  # share of the limit at the start that is used
 THETA = 0.3  # share of bending that is implicit: 1/4 leaves no margin for the tension
 THETA_AMONG_BODIES = 0.55  # with which bending alone, h w < theta^(-1/2), keeps to the share that is used
 STIFF = 0.5  # share of the step of short waves, up to which tension decides, and bending keeps its bound
+OF_STATES = 0.2  # step times the frequency of first order states, as of oil under pressure
 PHASE = 0.003  # error of the motion at the end of a run [rad]
 MOST_DURATION = 100.0  # of a run, for that [s]
 MUCH = 10.0  # times that damping may shorten the step without a word
@@ -156,12 +156,12 @@ def _bounds_and_scaling(
         of_bending = min(map(step_of_short_waves, cables))
         if accuracy > STIFF * of_bending:
             usual = THETA_AMONG_BODIES
-        accuracy = min(accuracy, of_bending)
+        accuracy = min(accuracy, of_bending, *(_step_of_states(run, start) for run in runs))
     step, theta = accuracy, _mass_scaling(cables, accuracy, explicit, usual)
     explicit = replace(explicit, massScaling=theta)
     for run in runs:
-        mesh = resolution_of_mesh(run, start, theta) if isinstance(run, CableRun) else NO_MESH
-        run.watch.limit_phase(min(duration, MOST_DURATION), _phase(theta), mesh)
+        mesh = resolution_of_mesh(run, start, theta)
+        run.watch.limit_phase(min(duration, MOST_DURATION), _phase(theta), mesh, small_error(run.cables))
     for _ in range(MOST_TRIALS):
         for run in runs if theta else []:
             run.scale_mass(theta, step)
@@ -175,6 +175,13 @@ def _bounds_and_scaling(
 
 def _are_among_bodies(runs: Sequence[Run]) -> bool:
     return any(isinstance(run, CoupledRun) for run in runs)
+
+
+def _step_of_states(run: Run, start: float) -> float:
+    """Largest step that resolves oscillations of first order states with velocities [s]."""
+    run.largest_frequency(start)
+    frequency = run.frequency_of_states if isinstance(run, CoupledRun) else 0.0
+    return OF_STATES / frequency if frequency > 0.0 else math.inf
 
 
 def _phase(theta: float) -> float:

@@ -36,6 +36,7 @@ _LOG = np.dtype(
         ("offset", np.float64),
         ("gain", np.float64),
         ("divisor", np.int64),
+        ("least", np.int64),
         ("beginnings", np.int64),
         ("quarters", np.int64),
         ("calm", np.int64),
@@ -140,7 +141,8 @@ class StepControl:
 
     smallest: of the steps so far [s].   steps: how many.   rejections: how often they went wrong.
     present: step that the system is prepared for [s].   offset: of the present state in its interval [s].
-    divisor: what the nominal step is divided by.   beginnings: how often the run has begun again.
+    divisor: what the nominal step is divided by, `least` at least.   beginnings: how often the run has begun
+    again.
     """
 
     smallest: float = _logged("smallest", float)
@@ -149,6 +151,7 @@ class StepControl:
     steps: int = _logged("steps", int)
     rejections: int = _logged("rejections", int)
     divisor: int = _logged("divisor", int)
+    least: int = _logged("least", int)
     beginnings: int = _logged("beginnings", int)
 
     def __init__(self, follower: FrequencyFollower | None = None, rejects: bool = True) -> None:
@@ -156,7 +159,7 @@ class StepControl:
         self._rejects = rejects
         self._log = np.zeros(1, _LOG)[0]
         self._log["smallest"] = math.inf
-        self._log["patience"] = self._log["divisor"] = 1
+        self._log["patience"] = self._log["divisor"] = self._log["least"] = 1
 
     @property
     def said(self) -> str:
@@ -255,6 +258,12 @@ class StepControl:
         self._log["divisor"] = min(self.divisor * parts, MOST_PARTS)
         self._log["gain"] = max(self._log["gain"], gain)
 
+    def divide_by(self, least: int) -> bool:
+        """Divide the nominal step by so much at least, from now on; returns whether it may be so short."""
+        self._log["divisor"] = max(self.divisor, least)
+        self._log["least"] = least
+        return least <= MOST_PARTS
+
     def begin_again(self, divisor: int, beginnings: int) -> None:
         """With the nominal step divided so, after so many other beginnings."""
         self._log["divisor"], self._log["beginnings"] = divisor, beginnings + 1
@@ -265,12 +274,12 @@ class StepControl:
         Between pieces that do not depend on who asks for them; not in a run that began again twice: longer
         steps are what spoilt it.
         """
-        may = self.divisor > 1 and self.is_nominal and interval % BETWEEN == 0
+        may = self.divisor > self.least and self.is_nominal and interval % BETWEEN == 0
         return may and self.beginnings < MOST_BEGINNINGS
 
     def lengthen(self) -> None:
         """The nominal step is much shorter than the motion needs: double it."""
-        self._log["divisor"] = (self.divisor + 1) // 2
+        self._log["divisor"] = max((self.divisor + 1) // 2, self.least)
 
     @property
     def may_shorten(self) -> bool:

@@ -9,7 +9,8 @@ It also looks at how fast the motion is: the vibrations that carry it, of the fr
 
 have a phase error of w T (h w)^2 / 24 after a time T under a scheme of central differences. That counts the
 less the smaller their amplitude is, relative to the way of the motion so far: by 1 / (w t). Where the extent
-X of the motion is known, |x - x_0| in the metric of M, their amplitude |v| / w counts relative to that. An
+X of the motion is known, |x - x_0| in the metric of M, their amplitude |v| / w counts relative to that.
+Errors of places below a share of the cables' length do not count, nor do such vibrations. An
 error above 1 rad counts by its cube root: in a mixture of waves, v is that of slower ones, whose errors are
 smaller, and min(1, (w / w_1)^3) <= w / w_1, where w_1 is the frequency that makes 1 rad. As long as a motion
 goes one way, |v| t near X, its extent grows faster than errors of small waves: it is not judged yet.
@@ -45,6 +46,8 @@ SAMPLED = 20.0  # phase [rad] up to which inspections are at most 1 rad apart
 BEGINNING = 10.0  # phase [rad] of the motion before which its frequency is not known
 LONG = 30.0  # and, but for an inextensible cable alone, before which waves of a sudden start have not passed
 RETURNED = 3.0  # |v| t over the extent of a motion that has come back
+SMALL = 1e-5  # error of places, over the length of the cable, that counts for nothing
+MOST_PHASE = 2.0  # error of a vibration's place, over its amplitude
 WAITING = 0.25  # share of the run after which neither counts any more
 SHARE_OF_EXTENT = 0.3  # so that a phase error of 0.003 is one of 1 % of the extent
 SHARE_OF_POWER = 0.02  # that its sum over time may be wrong by
@@ -97,6 +100,7 @@ class Watch(NamedTuple):
     most: as `tolerance`, of a scheme that gains energy: with more, it has diverged.
     duration: T of the run [s].   phase: error that the step may cause in it [rad], see above.
     mesh: (4,) of the mesh that errors of the step are compared with, see `resolution_of_mesh`; or `NO_MESH`.
+    small: x . M x / 2 of an error x that counts for nothing [J s^2].
     account: (3,) records, NOW, KEPT and FAILED. Energy at the `start` and `agitation` then [J/s^2]; its
         present `surplus` [J]; `time` of motion since then [s], and the integrals of `forces`,
         a . M a / 2 [J/s], and `speeds`, v . M v / 2 [J s], over it, and the `phase` error of the run
@@ -122,6 +126,7 @@ class Watch(NamedTuple):
     duration: float
     phase: float
     mesh: Array
+    small: float
     account: Any
     position: Array
     pattern: Array
@@ -158,6 +163,7 @@ def build_watch(
         duration=1.0,
         phase=np.inf,
         mesh=NO_MESH,
+        small=0.0,
         account=account,
         position=np.zeros(size),
         pattern=own,
@@ -330,11 +336,13 @@ def _errors_of_waves(mesh, squared, h_squared):
     (k l)^4 / 720, relative. The step raises w^2 by (h w)^2 / 12, and mass scaling lowers it by
     theta (h w_b)^2; where these cancel, the first one counts.
 
+    Without s, the first number of the mesh is the square of a step that is short enough [s^2].
+
     mesh: see `Watch`.   squared: w^2 [rad^2/s^2].   h_squared: [s^2].
     """
     tension, stiffness, length, theta = mesh[0], mesh[1], mesh[2], mesh[3]
     if stiffness == 0.0 or not squared > 0.0:
-        return h_squared * squared / 12.0, 0.0
+        return h_squared * squared / 12.0, tension * squared / 12.0
     number = 2.0 * squared / (np.sqrt(tension**2 + 4.0 * stiffness * squared) + tension)  # k^2
     bending = stiffness * number**2
     of_step = h_squared * max(squared / 12.0, theta * bending - squared / 12.0)
@@ -355,6 +363,8 @@ def _is_too_fast(watch, steps, duration):
     of_step, of_mesh = _errors_of_waves(watch.mesh, squared, (duration / steps) ** 2)
     account.over_mesh = of_step / of_mesh if of_mesh > 0.0 else np.inf
     rate, has_returned = 0.5 * of_step * np.sqrt(squared), True
+    at_end = min(rate * watch.duration, MOST_PHASE)
+    matters = account.speeds * at_end**2 > watch.small * account.time * squared
     if account.extent > 0.0:
         amplitude = np.sqrt(account.speeds / (account.time * account.extent * squared))
         made = rate * account.time
@@ -365,12 +375,12 @@ def _is_too_fast(watch, steps, duration):
     else:
         account.phase = rate * watch.duration * BEGINNING / turned
         passed = watch.duration
-    if of_mesh > 0.0 and turned < SAMPLED and steps * account.time < account.ahead * turned * duration:
+    if watch.mesh[1] > 0.0 and turned < SAMPLED and steps * account.time < account.ahead * turned * duration:
         account.ahead = max(watch.least, int(steps * account.time / (turned * duration)))
     is_much = account.phase * passed > watch.phase * watch.duration
     is_late = account.time > WAITING * watch.duration or watch.mesh[1] > 0.0
     is_known = turned > BEGINNING and (is_late or (turned > LONG and has_returned))
-    return is_known and is_much and account.over_mesh > 1.0
+    return is_known and is_much and matters and account.over_mesh > 1.0
 
 
 @inlined

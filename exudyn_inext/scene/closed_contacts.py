@@ -59,6 +59,9 @@ class _InContact:
     def constrain(self, t: float, q: Array, v: Array) -> JointTerms:
         return self._open.constrain(t, q, v)
 
+    def rates_of_states(self, t: float, q: Array, v: Array) -> Array:
+        return self._open.rates_of_states(t, q, v)
+
     def violations(self, t: float, q: Array) -> Array:
         return self._open.violations(t, q)
 

@@ -60,6 +60,9 @@ class Surroundings(Protocol):
     def constrain(self, t: float, q: Array, v: Array) -> JointTerms:
         """The joints at (t, q, v); their Jacobian goes to `blocks`."""
 
+    def rates_of_states(self, t: float, q: Array, v: Array) -> Array:
+        """y' (k,) of the first order states, which are the last ones of v."""
+
     def violations(self, t: float, q: Array) -> Array:
         """c(q, t) (m,)."""
 
@@ -95,10 +98,12 @@ class CoupledSystem:
     multipliers: nu (m,) of the joints at the last evaluation: M a + C_q^T nu = F.
     drift: c_t (m,) of the joints there.
     parts: cables, bodies, first order states.   wholes: what of them is evaluated at once.
+    states: place of the first order states.
     in_one: evaluates all of them, and the joints, if it is set.
     """
 
     in_one: PartsInOne | None = None
+    states = slice(0, 0)
 
     def __init__(
         self,
@@ -180,8 +185,36 @@ def coupled_rates(system, external, q, v, acceleration, rate):
 @accelerate_and_project.register(CoupledSystem)
 def accelerate_and_project_coupled(system, external, q, v, duration, acceleration, end_velocity):
     """Arguments: see `accelerate_and_project`; external: (1,) time [s]."""
-    t = float(external[0])
-    forces = system.surroundings.forces(t, q, v + duration * acceleration)
+    t, states = float(external[0]), system.states
+    velocity = v + duration * acceleration
+    leaps = duration > 0.0 and states.stop > states.start
+    if leaps:
+        rates, velocity[states] = _leap(system, t, q, v, duration, acceleration)
+        ends = velocity[states].copy()
+    forces = system.surroundings.forces(t, q, velocity)
+    if leaps:
+        forces[-1][:] = rates
+    _accelerate(system, t, forces, q, v, duration, acceleration, end_velocity)
+    if leaps:
+        end_velocity[states] = ends
+
+
+def _leap(system, t, q, v, duration, acceleration):
+    """Rates y' of the first order states in the middle of a step, and y at its end.
+
+    y leaps over the velocities, as places do: y_(n+1) = y_n + h y'(t_(n+1/2)). Oscillations of y and v, as of
+    oil under pressure, then keep their energy up to h w = 2; with rates foreseen from y_n and v_n they grow.
+
+    Arguments: see `accelerate_and_project`; v in the middle of the step, duration: half of it.
+    """
+    states = system.states
+    middle = t - duration, q - duration * v, v
+    rates = system.surroundings.rates_of_states(*middle)
+    return rates, v[states] + duration * (2.0 * rates - acceleration[states])
+
+
+def _accelerate(system, t, forces, q, v, duration, acceleration, end_velocity):
+    """As `accelerate_and_project`, with known forces of the surroundings."""
     if system.in_one:
         system.in_one.accelerate(t, forces, q, v, duration, acceleration, end_velocity)
         return system.take_in_one()

@@ -57,6 +57,35 @@ def fastest_rates(
     return FastestRates(float(np.maximum(frequency, rate / OVERDAMPED)), rate)  # keeps a NaN
 
 
+def frequency_of_states(system: Any, external: Array, q: Array, v: Array, states: slice) -> float:
+    """Largest frequency [rad/s] of first order states that push on velocities, and are changed by them.
+
+    As of oil under pressure: with v' = B y and y' = C v it is the root of the largest eigenvalue of -C B.
+    states: their place in v.   Other arguments: see `fastest_rates`.
+    """
+    evaluate, number = Bound(accelerate_and_project, system), states.stop - states.start
+
+    def rates(v: Array) -> Array:
+        result = np.zeros((2, len(v)))
+        evaluate(external, q, v, 0.0, result[0], result[1])
+        return result[0]
+
+    def change(x: Array, step: float) -> Array:
+        return np.asarray(rates(v + step * x) - rates(v - step * x)) / (2.0 * step)
+
+    product = np.zeros((number, number))
+    for column, place in enumerate(range(states.start, states.stop)):
+        push = change(np.eye(1, len(v), place)[0], STEP * max(1.0, abs(v[place])))
+        push[states] = 0.0
+        size = float(np.abs(push).max())
+        if not np.isfinite(size):
+            return math.nan
+        if size > 0.0:
+            product[:, column] = -size * change(push / size, STEP)[states]
+    largest = np.linalg.eigvals(product).real.max() if np.isfinite(product).all() else math.nan
+    return math.sqrt(_positive(float(largest)))
+
+
 _Operator = Callable[[Array], Array]
 
 

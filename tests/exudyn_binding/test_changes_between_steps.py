@@ -584,7 +584,8 @@ def test_a_change_while_steps_are_computed_ahead_is_refused():
         model.run(0.2, 1e-3)
 
 
-def test_a_change_that_makes_the_step_too_long_is_refused_with_its_cause():
+def stiffened():
+    """A cable, whose end a spring holds that becomes stiff."""
     model = Model(False)
     node, _ = model.mass_point([1.8, -0.4, 0])
     markers = [model.at(model.nodes[-1]), model.at(node)]
@@ -595,11 +596,24 @@ def test_a_change_that_makes_the_step_too_long_is_refused_with_its_cause():
         return True
 
     model.mbs.SetPreStepUserFunction(stiffen)
+    return model, int(spring)
+
+
+def test_a_change_that_makes_a_given_step_too_long_is_refused_with_its_cause():
+    model, spring = stiffened()
     with pytest.raises(
-        StepSizeError, match=rf"after the change of 'stiffness' of object {int(spring)} at t = 0\.0"
+        StepSizeError, match=rf"after the change of 'stiffness' of object {spring} at t = 0\.0"
     ):
-        model.run(0.2, 1e-3)
+        model.run(0.2, 1e-3, stepSize=1e-3)
     assert model.mbs.systemData.GetTime() == pytest.approx(0.099, abs=2e-3)
+
+
+def test_a_change_that_makes_an_automatic_step_too_long_shortens_it():
+    model, _ = stiffened()
+    report = model.run(0.2, 1e-3)
+    model, _ = stiffened()
+    fine = model.run(0.2, 1e-3, stepSize=report["stepSize"] / 4)
+    assert report["stepSize"] < 5e-4 and report["rejections"] == 0 == fine["rejections"]
 
 
 def test_a_section_force_follows_a_changed_load_at_once():

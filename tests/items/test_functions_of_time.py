@@ -183,3 +183,29 @@ def test_sensors_with_functions_may_change_what_others_read(mbs):
         )
     )
     assert not is_of_time_alone(mbs, as_given(sine))
+
+
+def steered(stores):
+    """A function of a list around it, which a step function stores into, or reads."""
+    values = [0.0]
+
+    def function(mbs, t, load):
+        return [values[0], 0, 0]
+
+    def store(mbs, t):
+        values[0] = t
+        return True
+
+    def read(mbs, t):
+        return values[0] >= 0.0
+
+    return function, store if stores else read
+
+
+@pytest.mark.parametrize("stores", [True, False])
+def test_a_function_that_step_functions_steer_is_none(stores):
+    mbs = exudyn.SystemContainer().AddSystem()
+    function, between = steered(stores)
+    assert is_of_time_alone(mbs, {"function": function})
+    mbs.SetPreStepUserFunction(between)
+    assert is_of_time_alone(mbs, {"function": function}) is not stores

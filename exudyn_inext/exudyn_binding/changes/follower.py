@@ -47,6 +47,7 @@ class ChangeFollower:
     def __post_init__(self) -> None:
         self.reader.nodes = frozenset(node for cable in self.scene.cables for node in cable.item.nodes)
         self._figures: dict[str, float] = {}
+        self._jumped = False
         self._demands: dict[Parameter, Demand] = {}  # of the present runs
 
     def take_step(self, explicit: ExplicitSettings, h: float) -> None:
@@ -54,10 +55,15 @@ class ChangeFollower:
         self.builder.take_step(explicit, h)
         self.limit.h = h
 
-    @property
-    def has_news(self) -> bool:
-        """Whether something has changed since the last step, or must stop."""
-        return self.log.is_pending or self.moves
+    def has_news(self, runs: Sequence[Run], time: float) -> bool:
+        """Whether something has changed since the last step, until `time` [s], or must stop."""
+        return self.log.is_pending or self.moves or self._has_jumped(runs, time)
+
+    def _has_jumped(self, runs: Sequence[Run], time: float) -> bool:
+        """Whether functions of the user give joints other places at once, as what they read was changed."""
+        coupled = [run for run in runs if isinstance(run, CoupledRun)]
+        self._jumped = any(run.mover.has_jumped(time) for run in coupled)
+        return self._jumped
 
     def stored(self) -> dict[str, Any]:
         """All that has been changed so far, as JSON has it, for a restart file; empty if nothing has."""
@@ -78,6 +84,7 @@ class ChangeFollower:
             StepSizeError: it brings the stability limit below the step.
         """
         changed = self.log.take()
+        self._has_jumped(runs, time)
         self.reader.begin_step(time, end)
         if self._act_at_once(runs, changed, time):
             return runs
@@ -114,7 +121,7 @@ class ChangeFollower:
 
     def _act_at_once(self, runs: Sequence[Run], changed: Sequence[Parameter], time: float) -> bool:
         """Whether all that has changed are values of loads and springs, which act without anything else."""
-        if self.moves or self.limit.grown(self.mbs, changed):
+        if self.moves or self._jumped or self.limit.grown(self.mbs, changed):
             return False
         alone = _alone(runs)
         if alone:
@@ -162,8 +169,9 @@ class ChangeFollower:
                     run.take_over(items, asked <= Demand.MOVE, time)
         if asked < Demand.READ:
             is_stiffer = self.limit.follow_stiffness(self.mbs, runs, changed, time)
-            if self.moves or is_stiffer or asked == Demand.MOVE:
-                _go_on(runs, time, end, asked == Demand.MOVE)
+            has_moved = self._jumped or asked == Demand.MOVE
+            if self.moves or is_stiffer or has_moved:
+                _go_on(runs, time, end, has_moved)
             elif not _have_begun(runs):
                 for run in runs:
                     run.start(time)

@@ -1,5 +1,6 @@
 """The step of a run after a change."""
 
+import math
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -59,7 +60,7 @@ class StepLimit:
             for run in runs:
                 if isinstance(run, CoupledRun):
                     run.forget_rates(time)
-            self._require_stable(step_bounds(runs, time, self.explicit), self.last, time, list(grown))
+            self._require_stable(runs, step_bounds(runs, time, self.explicit), self.last, time, list(grown))
         return bool(grown)
 
     def take_over(
@@ -78,13 +79,18 @@ class StepLimit:
         last = self.last
         if self.h > bounds.stability_limit and all(isinstance(run, CableRun) for run in before):
             last = step_bounds(before, time, self.explicit).stability_limit
-        self._require_stable(bounds, last, time, changed)
+        self._require_stable(runs, bounds, last, time, changed)
 
     def _require_stable(
-        self, bounds: StepSizeBounds, last: float, time: float, changed: Sequence[Parameter]
+        self,
+        runs: Sequence[Run],
+        bounds: StepSizeBounds,
+        last: float,
+        time: float,
+        changed: Sequence[Parameter],
     ) -> None:
         self.last = bounds.stability_limit
-        if self.explicit.adaptiveStep:
+        if self.explicit.adaptiveStep or (self.explicit.stepSize is None and self._follow(runs, bounds)):
             return
         error = step_above_limit(self.h, bounds, self.explicit.integratorName)
         if error is None or bounds.stability_limit > NOTICEABLE * last:
@@ -94,6 +100,12 @@ class StepLimit:
         if not self.explicit.allowUnstableStep:
             raise said
         warnings.warn(str(said), stacklevel=2)
+
+    def _follow(self, runs: Sequence[Run], bounds: StepSizeBounds) -> bool:
+        """Divide an automatic step as far as the limit asks for; returns whether it may be so short."""
+        safety = self.explicit.stepSafety or bounds.safety
+        parts = math.ceil(min(self.h / (safety * bounds.stability_limit), 1e9))
+        return all([run.control.divide_by(max(parts, 1)) for run in runs])
 
 
 def _is_of_stiffness(key: Parameter) -> bool:
@@ -107,5 +119,4 @@ def _pass_on_steps(before: Sequence[Run], runs: Sequence[Run]) -> None:
     """What has been learned of them so far."""
     for old, new in zip(before, runs, strict=False):
         new.control.memory()["log"][...] = old.control.memory()["log"]
-        watch = old.watch.watch
-        new.watch.limit_phase(watch.duration, watch.phase, watch.mesh)
+        new.watch.limit_phase_as(old.watch)

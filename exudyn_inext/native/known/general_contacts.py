@@ -9,7 +9,8 @@ import numpy as np
 
 from ...arrays import collected
 from ...element.shape_functions import shape_functions
-from ...items.functions_that_look import may_look_at_forces, step_functions
+from ...items.functions_of_time import step_functions
+from ...items.functions_that_look import may_look_at_forces
 from ...multibody.general_contacts import ELEMENT, PAIR, GeneralContacts, general_contacts
 from .belts import Touching, elements_of
 from .points import PointReader
