@@ -13,7 +13,7 @@ from .step_control import ROUND_OFF, Piece, StepControl
 from .time_grid import TimeGrid
 from .watch import ENERGY, TOO_FAST
 
-HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are smaller for a while only
+HIDING_PARTS = 256  # of the nominal step, from which on steps that go wrong are smaller for a while only
 
 
 class PacedRun:
