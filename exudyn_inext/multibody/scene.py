@@ -336,6 +336,23 @@ def bodies_energy(bodies, q, v):
     return 0.5 * total
 
 
+def energy_of_spins(bodies):
+    """Sum of w^2 w . J w / 2 [J/s^2]: what a . M a / 2 of coordinates lacks where bodies turn in space.
+
+    bodies: (k,) records, with the spins w of the last evaluation; in the plane, angles add up.
+    """
+    turning = bodies[bodies["rotations"] > 1]
+    spin, inertia = turning["spin"], turning["mass"][:, 3:, 3:]
+    return 0.5 * float(np.einsum("bi,bi,bj,bjk,bk->", spin, spin, spin, inertia, spin))
+
+
+def leave_out_turns(bodies, way):
+    """Take whole turns off the angles of bodies in space, in place.   bodies: (k,) records.   way: (n,)."""
+    for body in bodies[bodies["rotations"] == 3]:
+        at = body["first"] + body["translations"]
+        way[at : at + 3] = np.remainder(way[at : at + 3] + np.pi, 2.0 * np.pi) - np.pi
+
+
 @kernel
 def subtract_inertia_forces(bodies, q, v, force):
     """Take those of all bodies that move with v (n,) at q (n,) off the forces (n,)."""
