@@ -13,7 +13,8 @@ from .step_control import ROUND_OFF, Piece, StepControl
 from .time_grid import TimeGrid
 from .watch import ENERGY, TOO_FAST
 
-HIDING_PARTS = 256  # of the nominal step, from which on steps that go wrong are smaller for a while only
+HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are smaller for a while only
+SMALLEST_PARTS = 256  # and up to which all are, where no smaller ones for a while go well
 
 
 class PacedRun:
@@ -132,8 +133,11 @@ class PacedRun:
             if not self.control.may_shorten:
                 watch.limit_phase(1.0, math.inf, watch.watch.mesh)
         elif watch.trouble == ENERGY or not self.control.reject():
-            self.gave_up = True
-            return False
+            is_shortened = watch.hides_energy and self.control.divisor < SMALLEST_PARTS
+            if not is_shortened:
+                self.gave_up = True
+                return False
+            self.control.shorten(2)
         self.resume(time)
         return is_shortened
 
