@@ -157,9 +157,9 @@ class CoupledScene:
             return self.parts_in_one.kinetic_energy(q, v)
         return self.body_system.kinetic_energy(v[self.map.slices[-1]])
 
-    def energy_of_spins(self) -> float:
+    def energy_of_spins(self, duration: float) -> float:
         """See `EvaluatedScene`; not known of bodies that Exudyn evaluates."""
-        return self.parts_in_one.energy_of_spins() if self.parts_in_one else 0.0
+        return self.parts_in_one.energy_of_spins(duration) if self.parts_in_one else 0.0
 
     def leave_out_turns(self, way: Array) -> None:
         """See `EvaluatedScene`."""

@@ -360,9 +360,9 @@ class CompiledScene:
         """Of the bodies [J]."""
         return float(self._energy(self.system.items.bodies, q, v))
 
-    def energy_of_spins(self) -> float:
+    def energy_of_spins(self, duration: float) -> float:
         """See `EvaluatedScene`."""
-        return energy_of_spins(self.system.items.bodies)
+        return energy_of_spins(self.system.items.bodies, duration)
 
     def leave_out_turns(self, way: Array) -> None:
         """See `EvaluatedScene`."""

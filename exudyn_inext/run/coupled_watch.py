@@ -278,7 +278,7 @@ class CoupledWatch(RunWatch):
         take_sums(self.path_of_evaluations)
         work += 0.5 * float(self._changes[0]) / h**2
         self._changes[:] = 0.0
-        watch.account["forces"][NOW] += self._evaluated.energy_of_spins() * duration
+        watch.account["forces"][NOW] += self._evaluated.energy_of_spins(watch.duration) * duration
         counted = work, scatter, self._steps, duration
         trouble = int(judge_after_work(watch, state, self._gravity, *counted))
         if trouble:

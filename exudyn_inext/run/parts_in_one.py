@@ -98,9 +98,9 @@ class CompiledParts:
         """Of the bodies [J]."""
         return float(bodies_energy(self._bodies, q, v))
 
-    def energy_of_spins(self) -> float:
+    def energy_of_spins(self, duration: float) -> float:
         """See `EvaluatedScene`."""
-        return energy_of_spins(self._bodies)
+        return energy_of_spins(self._bodies, duration)
 
     def leave_out_turns(self, way: Array) -> None:
         """See `EvaluatedScene`."""

@@ -200,8 +200,11 @@ def test_a_cable_at_rest_is_not_taken_for_a_fast_one(swing):
     assert np.ptp(path, axis=0).max() < 1e-6
 
 
-def angular_velocities_of_a_rotor(spin, end, node_type=None):
-    """(T, 3) of a rotor that hangs on a cable by the end of its axis [rad/s].   node_type: None: native."""
+def hanging_rotor(spin, end, node_type=None):
+    """Angular velocities (T, 3) [rad/s] of a rotor that hangs on a cable by the end of its axis; report.
+
+    node_type: None: with a native cable.
+    """
     mbs, gravity = exudyn.SystemContainer().AddSystem(), [0, 0, -9.81]
     template = ObjectANCFCable(massPerLength=0.05, bendingStiffness=0.002, axialStiffness=2e4)
     where = {"positionStart": [0, 0, 1], "positionEnd": [0, 0, 0], "numberOfElements": 8, "gravity": gravity}
@@ -226,9 +229,8 @@ def angular_velocities_of_a_rotor(spin, end, node_type=None):
     if native:
         settings.timeIntegration.numberOfSteps = round(end * 12 * spin)
         mbs.SolveDynamic(settings)
-    else:
-        SolveExplicit(mbs, settings)
-    return np.asarray(mbs.GetSensorStoredData(sensor))[:, 1:]
+    report = {} if native else SolveExplicit(mbs, settings)
+    return np.asarray(mbs.GetSensorStoredData(sensor))[:, 1:], report
 
 
 @pytest.mark.parametrize(
@@ -237,9 +239,17 @@ def angular_velocities_of_a_rotor(spin, end, node_type=None):
 )
 def test_steps_resolve_how_bodies_spin(node_type, spin, end, largest):
     """It hides from the accelerations of coordinates; angles are off by more than 100 % without it."""
-    found = angular_velocities_of_a_rotor(spin, end, getattr(exudyn.NodeType, node_type))
-    native = angular_velocities_of_a_rotor(spin, end)
+    found, _ = hanging_rotor(spin, end, getattr(exudyn.NodeType, node_type))
+    native, _ = hanging_rotor(spin, end)
     assert np.abs(found - native).max() < largest * np.ptp(native, axis=0).max()
+
+
+def test_a_rotor_that_spins_for_long_does_not_shorten_the_steps_more_and_more():
+    steps = [
+        hanging_rotor(600.0, end, exudyn.NodeType.RotationEulerParameters)[1]["steps"] / end
+        for end in (0.4, 4.0)
+    ]
+    assert steps[1] < 1.5 * steps[0]
 
 
 def test_zhai_keeps_the_rule_of_the_paper(swing):
