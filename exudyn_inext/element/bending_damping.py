@@ -99,25 +99,26 @@ def add_damping_force(axes, table, differences, rates, memory, force):
 
 @inlined
 def add_stretched_damping_force(axes, table, differences, rates, memory, force):
-    """The same with kappa = r_x x r_xx / |r_x|^2.
+    """The same with kappa = r_x x r_xx / |r_x|^2; nothing where the weights are zero, as between two cables.
 
     With r_xx,t less 2 (r_x . r_x,t) / |r_x|^2 r_xx its rate is that of r_x x r_xx, over |r_x|^2.
     """
     for g in range(table.shape[0]):
-        _state_at(axes, table[g], differences, rates, memory)
-        square, rate, work = 0.0, 0.0, 0.0
-        for i in range(len(axes)):
-            square += memory[R_X, i] * memory[R_X, i]
-            rate += memory[R_X, i] * memory[V_X, i]
-        per_square = 1.0 / square
-        for i in range(len(axes)):
-            memory[V_XX, i] -= 2.0 * rate * per_square * memory[R_XX, i]
-        _moment(memory)
-        for i in range(len(axes)):
-            work += memory[R_XX, i] * memory[ON_CURVATURE, i]
-        for i in range(len(axes)):
-            memory[ON_SLOPE, i] -= 2.0 * work * per_square * memory[R_X, i]
-        _take_off(axes, table[g], table[g, 0] * per_square * per_square, memory, force)
+        if table[g, 0] > 0.0:
+            _state_at(axes, table[g], differences, rates, memory)
+            square, rate, work = 0.0, 0.0, 0.0
+            for i in range(len(axes)):
+                square += memory[R_X, i] * memory[R_X, i]
+                rate += memory[R_X, i] * memory[V_X, i]
+            per_square = 1.0 / square
+            for i in range(len(axes)):
+                memory[V_XX, i] -= 2.0 * rate * per_square * memory[R_XX, i]
+            _moment(memory)
+            for i in range(len(axes)):
+                work += memory[R_XX, i] * memory[ON_CURVATURE, i]
+            for i in range(len(axes)):
+                memory[ON_SLOPE, i] -= 2.0 * work * per_square * memory[R_X, i]
+            _take_off(axes, table[g], table[g, 0] * per_square * per_square, memory, force)
 
 
 @inlined

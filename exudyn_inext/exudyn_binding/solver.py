@@ -15,7 +15,7 @@ from ..native.velocity_level import Drives, at_position_level
 from ..run.loop_clock import LoopClock
 from ..run.output_files import ResumedOutputs, require_writable_outputs
 from ..run.settings import ExplicitSettings
-from ..run.step_choice import choose_step, warn_of_damping
+from ..run.step_choice import choose_step, warn_of_damping, warn_of_outputs
 from ..run.time_grid import TimeGrid, time_grid
 from .arguments import explicit_settings, simulation_settings
 from .cable_forces import forget_evaluators
@@ -156,6 +156,7 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings, drives: Drives) 
             restarts.mass_scaling = explicit.massScaling
             warn_of_damping(choice, duration)
             grid = restarts.grid(given or time_grid(mbs, settings, choice.h))
+            warn_of_outputs(choice, duration, grid.loop_steps, settings.timeIntegration.numberOfSteps)
             builder.take_step(explicit, grid.h)
             decided_by = choice.decider(grid.substeps, grid.h, "output period")
             observed = observed_derivatives(settings, sensors, step_functions(mbs))

@@ -7,7 +7,14 @@ from typing import Any
 from exudyn.itemInterface import ObjectALEANCFCable2D, ObjectANCFCable, ObjectANCFCable2D
 
 from ..cable.cable import CurvatureMeasure, Section
-from ..checks import require_choice, require_finite, require_integer, require_not_negative, require_positive
+from ..checks import (
+    as_number,
+    require_choice,
+    require_finite,
+    require_integer,
+    require_not_negative,
+    require_positive,
+)
 from ..errors import InputError
 
 
@@ -91,6 +98,11 @@ class InextensibleCable:
             raise InputError(
                 f"referenceCurvature = {curvature!r} in 3D: which way the section faces is not modelled; set "
                 "it to zero, or use dimension=2."
+            )
+        if as_number(self.bendingStiffness) == 0.0:
+            raise InputError(
+                f"bendingStiffness = {self.bendingStiffness!r}: must be a finite number > 0; give a rope "
+                "that hardly resists bending a small one, such as 1e-6 g massPerLength length^3."
             )
         return Section(
             require_positive("massPerLength", self.massPerLength),

@@ -57,6 +57,7 @@ from .sliding import move_sliders, place_sliders
 
 NOT_COUNTED, EACH, ALL_BUT_FIRST, SETTLING = range(4)  # evaluations whose work is counted
 MODE, EVALUATION = range(2)
+TURNED = 300.0  # angle in a run up to which all of a spin counts [rad]
 TRIALS = 4  # solves in one evaluation, until those contacts act that press
 
 
@@ -334,6 +335,28 @@ def bodies_energy(bodies, q, v):
         place_body(body, q)
         total += twice_energy(body, v[body.first :])
     return 0.5 * total
+
+
+def energy_of_spins(bodies, duration):
+    """Sum of w^2 w . J w / 2 [J/s^2]: what a . M a / 2 of coordinates lacks where bodies turn in space.
+
+    A spin counts the less, the more often a body turns round in a run: its angle at the end hardly matters.
+
+    bodies: (k,) records, with the spins w of the last evaluation; in the plane, angles add up.
+    duration: of the run [s].
+    """
+    turning = bodies[bodies["rotations"] > 1]
+    spin, inertia = turning["spin"], turning["mass"][:, 3:, 3:]
+    squared = np.einsum("bi,bi->b", spin, spin)
+    counted = squared / np.maximum(1.0, np.sqrt(squared) * duration / TURNED)
+    return 0.5 * float(counted @ np.einsum("bi,bij,bj->b", spin, inertia, spin))
+
+
+def leave_out_turns(bodies, way):
+    """Take whole turns off the angles of bodies in space, in place.   bodies: (k,) records.   way: (n,)."""
+    for body in bodies[bodies["rotations"] == 3]:
+        at = body["first"] + body["translations"]
+        way[at : at + 3] = np.remainder(way[at : at + 3] + np.pi, 2.0 * np.pi) - np.pi
 
 
 @kernel

@@ -159,6 +159,15 @@ class CoupledScene:
             return self.parts_in_one.kinetic_energy(q, v)
         return self.body_system.kinetic_energy(v[self.map.slices[-1]])
 
+    def energy_of_spins(self, duration: float) -> float:
+        """See `EvaluatedScene`; not known of bodies that Exudyn evaluates."""
+        return self.parts_in_one.energy_of_spins(duration) if self.parts_in_one else 0.0
+
+    def leave_out_turns(self, way: Array) -> None:
+        """See `EvaluatedScene`."""
+        if self.parts_in_one:
+            self.parts_in_one.leave_out_turns(way)
+
     def violation(self, t: float, q: Array) -> float:
         """See `EvaluatedScene`."""
         if self.parts_in_one:

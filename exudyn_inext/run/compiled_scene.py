@@ -24,8 +24,10 @@ from ..multibody.scene import (
     NOT_COUNTED,
     SceneSystem,
     bodies_energy,
+    energy_of_spins,
     evaluate_states,
     joint_violation,
+    leave_out_turns,
     subtract_joint_forces,
     take_steps,
 )
@@ -357,6 +359,14 @@ class CompiledScene:
     def kinetic_energy(self, q: Array, v: Array) -> float:
         """Of the bodies [J]."""
         return float(self._energy(self.system.items.bodies, q, v))
+
+    def energy_of_spins(self, duration: float) -> float:
+        """See `EvaluatedScene`."""
+        return energy_of_spins(self.system.items.bodies, duration)
+
+    def leave_out_turns(self, way: Array) -> None:
+        """See `EvaluatedScene`."""
+        leave_out_turns(self.system.items.bodies, way)
 
     def violation(self, t: float, q: Array) -> float:
         """Largest |c| of the joints [m, -]."""

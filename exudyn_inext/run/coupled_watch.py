@@ -278,6 +278,7 @@ class CoupledWatch(RunWatch):
         take_sums(self.path_of_evaluations)
         work += 0.5 * float(self._changes[0]) / h**2
         self._changes[:] = 0.0
+        watch.account["forces"][NOW] += self._evaluated.energy_of_spins(watch.duration) * duration
         counted = work, scatter, self._steps, duration
         trouble = int(judge_after_work(watch, state, self._gravity, *counted))
         if trouble:
@@ -316,7 +317,9 @@ class CoupledWatch(RunWatch):
         total[RESOLVED] += self._evaluated.kinetic_energy(state.q, state.a)
         total[POWER] += self._evaluated.power_of_joints()
         extent = self.watch.account["extent"]
-        extent[NOW] = max(extent[NOW], self._kinetic_energy(t, state, state.q - self._start))
+        way = state.q - self._start
+        self._evaluated.leave_out_turns(way)
+        extent[NOW] = max(extent[NOW], self._kinetic_energy(t, state, way))
 
 
 def _groups(scene: JoinedScene, runs: Sequence[CableRun]) -> Iterator[_Together]:

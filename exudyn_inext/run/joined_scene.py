@@ -59,6 +59,15 @@ class EvaluatedScene(Protocol):
     def kinetic_energy(self, q: Array, v: Array) -> float:
         """Of the bodies, with velocities v (n,) at q (n,), the state of the last evaluation [J]."""
 
+    def energy_of_spins(self, duration: float) -> float:
+        """What a . M a / 2 lacks where bodies turn in space, at the last evaluation [J/s^2].
+
+        duration: of the run [s].
+        """
+
+    def leave_out_turns(self, way: Array) -> None:
+        """Take whole turns off the angles of bodies in space, in place.   way: (n,)."""
+
     def violation(self, t: float, q: Array) -> float:
         """Largest violation of a joint [m, -]."""
 

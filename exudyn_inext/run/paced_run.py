@@ -15,6 +15,7 @@ from .watch import ENERGY, TOO_FAST
 
 FASTEST = 1e3  # speed of supports and joints, beyond which they jump [m/s]
 HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are smaller for a while only
+SMALLEST_PARTS = 256  # and up to which all are, where no smaller ones for a while go well
 
 
 class PacedRun:
@@ -163,8 +164,11 @@ class PacedRun:
             if not self.control.may_shorten:
                 watch.ignore_phase()
         elif watch.trouble == ENERGY or not self.control.reject():
-            self.gave_up = True
-            return False
+            is_shortened = watch.hides_energy and self.control.divisor < SMALLEST_PARTS
+            if not is_shortened:
+                self.gave_up = True
+                return False
+            self.control.shorten(2)
         self.resume(time)
         return is_shortened
 

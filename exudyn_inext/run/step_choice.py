@@ -25,6 +25,7 @@ OF_STATES = 0.2  # step times the frequency of first order states, as of oil und
 PHASE = 0.003  # error of the motion at the end of a run [rad]
 MOST_DURATION = 100.0  # of a run, for that [s]
 MUCH = 10.0  # times that damping may shorten the step without a word
+MANY = 100.0  # times as many outputs as steps, without a word
 MOST_TRIALS, NEARLY = 6, 0.98  # of a step that the bounds for its own scaled mass allow
 
 
@@ -313,6 +314,19 @@ def warn_of_damping(choice: StepChoice, duration: float) -> None:
             f"s, where {bounds.undamped:.3g} s hold without it: dashpots of springs and joints, drag, and "
             "under RK4 bending damping are explicit; use softer dashpots, or for bending damping "
             "integrator='RATTLE'.",
+            stacklevel=3,
+        )
+
+
+def warn_of_outputs(choice: StepChoice, duration: float, outputs: int, asked: int) -> None:
+    """Before a run of that duration [s]: if write periods make far more steps than the motion needs.
+
+    outputs: steps of the loop.   asked: numberOfSteps.
+    """
+    if outputs > MANY * max(asked, duration / choice.h):
+        warnings.warn(
+            f"write periods make {outputs} steps of {duration / outputs:.3g} s, where {choice.h:.3g} s would "
+            "do: lengthen solution.sensors.writePeriod and solution.file.writePeriod; 0 writes each step.",
             stacklevel=3,
         )
 

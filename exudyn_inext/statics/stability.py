@@ -20,6 +20,7 @@ def smallest_eigenvalue(potential: StaticSystem, q: Array, multipliers: Array) -
     to zero of these.
     """
     hessian, jacobian = potential.hessian(q, multipliers), potential.jacobian(q)
+    hessian = 0.5 * (hessian + hessian.T)  # of torques it is not symmetric
     rows = min(LANCZOS_STEPS, q.size - jacobian.shape[0])
     if rows < 1:
         return np.inf, np.zeros(q.size)

@@ -235,6 +235,26 @@ def test_a_step_above_the_limit_is_told_a_step_and_a_scaling_that_are_accepted()
             assert SolveExplicit(mbs, quiet_settings(2e-3, 2), ExplicitSettings(**explicit))["success"]
 
 
+def test_a_rope_without_bending_stiffness_is_told_one_that_does_not_matter():
+    """With ten times as much, its end moves by less than 0.1 % of its length."""
+    with pytest.raises(InputError, match="bendingStiffness = 0") as caught:
+        CreateInextensibleCable(empty().mbs, **cable_arguments(beamTemplate=InextensibleCable(1.0, 0.0)))
+    share = float(re.search(r"such as (\S+) g massPerLength length\^3", str(caught.value))[1])
+    ends = []
+    for more in (1.0, 10.0):
+        mbs = empty().mbs
+        rope = InextensibleCable(massPerLength=1.0, bendingStiffness=more * share * 9.81)
+        line = {"positionStart": [0, 0, 0], "positionEnd": [1, 0, 0], "numberOfElements": 8}
+        cable = CreateInextensibleCable(
+            mbs, **line, beamTemplate=rope, gravity=[0, -9.81, 0], groundConstraintsStart=PIN
+        )
+        mbs.Assemble()
+        with silence():
+            SolveExplicit(mbs, quiet_settings(0.3, 4))
+        ends.append(mbs.GetNodeOutput(cable["nodes"][-1], exudyn.OutputVariableType.Position))
+    assert np.abs(ends[1] - ends[0]).max() < 1e-3
+
+
 def test_scaling_that_is_set_already_or_does_not_help_is_not_advised():
     """Too little of it; and a spring that is too stiff for the step."""
     for stiffness, explicit in ((0.0, {"massScaling": 1e-6}), (1e8, {})):

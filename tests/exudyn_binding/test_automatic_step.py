@@ -10,9 +10,12 @@ from exudyn.itemInterface import (
     LoadForceVector,
     MarkerBodyPosition,
     MarkerNodePosition,
+    ObjectANCFCable,
     ObjectANCFCable2D,
+    SensorBody,
     SphericalJoint,
 )
+from exudyn.utilities import InertiaCylinder
 
 from examples import overhead_line
 from exudyn_inext import (
@@ -21,6 +24,7 @@ from exudyn_inext import (
     ExplicitSettings,
     InextensibleCable,
     SolveEquilibrium,
+    SolveExplicit,
 )
 from exudyn_inext.run.coupled_run import CoupledRun
 from exudyn_inext.run.watch import _errors_of_waves
@@ -194,6 +198,58 @@ def test_a_cable_at_rest_is_not_taken_for_a_fast_one(swing):
     path, report = swing(section, 8, CLAMPED, at_rest=True)
     assert report["stepSize"] > 0.5 * report["bounds"].accuracy
     assert np.ptp(path, axis=0).max() < 1e-6
+
+
+def hanging_rotor(spin, end, node_type=None):
+    """Angular velocities (T, 3) [rad/s] of a rotor that hangs on a cable by the end of its axis; report.
+
+    node_type: None: with a native cable.
+    """
+    mbs, gravity = exudyn.SystemContainer().AddSystem(), [0, 0, -9.81]
+    template = ObjectANCFCable(massPerLength=0.05, bendingStiffness=0.002, axialStiffness=2e4)
+    where = {"positionStart": [0, 0, 1], "positionEnd": [0, 0, 0], "numberOfElements": 8, "gravity": gravity}
+    where["groundConstraintsStart"] = [True] * 3 + [False] * 3
+    native = node_type is None
+    create = GenerateBeamElementsAlongLine if native else partial(CreateInextensibleCable, extensible=True)
+    cable = create(mbs, beamTemplate=template, **where)
+    rotor = mbs.CreateRigidBody(
+        inertia=InertiaCylinder(1000, 0.02, 0.12, axis=0),
+        referencePosition=[0.05, 0, 0],
+        initialAngularVelocity=[spin, 0, 0],
+        gravity=gravity,
+        nodeType=node_type or exudyn.NodeType.RotationEulerParameters,
+    )
+    hook = mbs.AddMarker(MarkerBodyPosition(bodyNumber=rotor, localPosition=[-0.05, 0, 0]))
+    end_of_cable = mbs.AddMarker(MarkerNodePosition(nodeNumber=cable["nodes"][-1]))
+    mbs.AddObject(SphericalJoint(markerNumbers=[hook, end_of_cable]))
+    kind = exudyn.OutputVariableType.AngularVelocity
+    sensor = mbs.AddSensor(SensorBody(bodyNumber=rotor, outputVariableType=kind, storeInternal=True))
+    mbs.Assemble()
+    settings = quiet_settings(end, 40, end / 40)
+    if native:
+        settings.timeIntegration.numberOfSteps = round(end * 12 * spin)
+        mbs.SolveDynamic(settings)
+    report = {} if native else SolveExplicit(mbs, settings)
+    return np.asarray(mbs.GetSensorStoredData(sensor))[:, 1:], report
+
+
+@pytest.mark.parametrize(
+    ("node_type", "spin", "end", "largest"),
+    [("RotationEulerParameters", 150.0, 0.6, 0.005), ("RotationRxyz", 600.0, 0.4, 0.02)],
+)
+def test_steps_resolve_how_bodies_spin(node_type, spin, end, largest):
+    """It hides from the accelerations of coordinates; angles are off by more than 100 % without it."""
+    found, _ = hanging_rotor(spin, end, getattr(exudyn.NodeType, node_type))
+    native, _ = hanging_rotor(spin, end)
+    assert np.abs(found - native).max() < largest * np.ptp(native, axis=0).max()
+
+
+def test_a_rotor_that_spins_for_long_does_not_shorten_the_steps_more_and_more():
+    steps = [
+        hanging_rotor(600.0, end, exudyn.NodeType.RotationEulerParameters)[1]["steps"] / end
+        for end in (0.4, 4.0)
+    ]
+    assert steps[1] < 1.5 * steps[0]
 
 
 def test_zhai_keeps_the_rule_of_the_paper(swing):

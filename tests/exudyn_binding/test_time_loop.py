@@ -55,6 +55,18 @@ def test_a_solution_file_holds_the_motion_that_the_sensor_saw(twin, solve, tmp_p
     np.testing.assert_allclose(last, state(built.mbs), rtol=1e-8, atol=1e-8)
 
 
+def test_write_periods_that_make_very_many_steps_are_told_of(twin, solve):
+    """What native solvers write at each of their steps; 0, as advised, writes each step here, too."""
+    settings = quiet_settings(0.01, 1)
+    settings.solution.sensors.writePeriod = 1e-6
+    with pytest.warns(UserWarning, match="10000 steps of 1e-06 s.*sensors.writePeriod.*0 writes each step"):
+        solve(twin().mbs, settings=settings)
+    settings.solution.sensors.writePeriod = 0.0
+    built = twin()
+    report = solve(built.mbs, settings=settings)
+    assert len(stored(built)) == report["steps"] + 1 < 100
+
+
 def test_step_user_functions_are_called_once_a_step_and_see_the_state(twin, solve):
     """As with Exudyn's own solvers: before a step, with its end time; after it; at the start."""
     built, before, after = twin(), [], []

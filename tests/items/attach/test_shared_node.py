@@ -36,6 +36,7 @@ from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import SECTION, hang
 
 CABLE = InextensibleCable(**SECTION)
+STRETCHING = InextensibleCable(**SECTION, axialStiffness=1e3, bendingDamping=2e-3)
 DIMENSIONS = [2, 3]
 GRAVITY = {2: [0, -9.81, 0], 3: [0, -7.0, -6.0]}
 HALF, LENGTH, STEP = 4, 1.0, 5e-4  # elements and length of each half of the cut cable [m], step [s]
@@ -55,9 +56,10 @@ def straight(mbs, start, end, elements=HALF, dimension=2, **options):
     return CreateInextensibleCable(mbs, **(line | arguments | options))
 
 
-def pendulum(mbs, is_cut, dimension, **options):
+def pendulum(mbs, is_cut, dimension, section=CABLE, **options):
     """(cables, nodes) of a pendulum of 2 m, in one or two pieces.   options: of the second one."""
-    first = {"groundConstraintsStart": pin(dimension), "dimension": dimension}
+    first = {"groundConstraintsStart": pin(dimension), "dimension": dimension, "beamTemplate": section}
+    options = {"beamTemplate": section} | options
     if not is_cut:
         cable = straight(mbs, [0, 0, 0], [2 * LENGTH, 0, 0], 2 * HALF, **first)
         return [cable], cable["nodes"]
@@ -79,21 +81,34 @@ def coordinates_of(mbs, node):
     return np.add(shown, mbs.GetNodeParameter(node, "referenceCoordinates"))
 
 
-@pytest.mark.parametrize("dimension", DIMENSIONS)
-def test_a_cable_that_is_cut_at_a_shared_node_moves_as_the_uncut_one(new_mbs, solve, dimension):
+def moved_whole_and_cut(new_mbs, solve, dimension, section=CABLE):
+    """Places of the nodes of both pendulums after 1 s; report, cables and nodes of the one that is cut."""
     found = []
     for is_cut in (False, True):
         mbs = new_mbs()
-        cables, nodes = pendulum(mbs, is_cut, dimension)
+        cables, nodes = pendulum(mbs, is_cut, dimension, section)
         mbs.Assemble()
         report = solve(mbs, 1.0, steps=100, stepSize=STEP, massScaling=0.3)
         found.append(places(mbs, nodes))
+    return found, report, mbs, cables, nodes
+
+
+@pytest.mark.parametrize("dimension", DIMENSIONS)
+def test_a_cable_that_is_cut_at_a_shared_node_moves_as_the_uncut_one(new_mbs, solve, dimension):
+    found, report, mbs, cables, nodes = moved_whole_and_cut(new_mbs, solve, dimension)
     assert "in one compiled call" in report["path"]
     np.testing.assert_allclose(found[1], found[0], atol=1e-10)
     own = mbs.GetObject(cables[1]["elements"][0])["nodeNumbers"][0]
     apart = coordinates_of(mbs, own) - coordinates_of(mbs, nodes[HALF])
     assert int(own) != int(nodes[HALF]) and np.abs(apart).max() < 1e-9
     assert found[0][-1][0] < -1.0  # it has swung through, and the slopes have turned round
+
+
+@pytest.mark.parametrize("dimension", DIMENSIONS)
+def test_so_does_one_that_stretches_and_is_damped(new_mbs, solve, dimension):
+    found, *_ = moved_whole_and_cut(new_mbs, solve, dimension, STRETCHING)
+    np.testing.assert_allclose(found[1], found[0], atol=1e-9)
+    assert found[0][-1][0] < -0.5
 
 
 @pytest.mark.parametrize("integrator", ["RATTLE", "RK4", "Zhai"])
