@@ -24,6 +24,7 @@ LARGEST_EXCURSION = 100.0  # of a coordinate, in lengths of the longest cable: n
 RESOLUTION = 1e-10  # gain of energy that round-off hides, relative
 SHIFTS = (1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0)  # of an indefinite Hessian, in units of the loads' own [-]
 ESCAPES = (0.1, 0.01, 1e-3, 1e-4)  # turns of slopes and bodies beside an unstable equilibrium [-]
+SHORT = 0.1  # of a step, which a softer model asks for: a more convex one knows better
 _ARMIJO = 1e-4
 
 
@@ -63,7 +64,7 @@ class Equilibrium:
 def _step(potential: StaticSystem, q: Array, multipliers: Array, shift: float) -> tuple[Array, Array, float]:
     """A descent direction along the constraints, new multipliers, and the energy's slope along it."""
     jacobian, force = potential.jacobian(q), potential.force(q)
-    zero = np.zeros(jacobian.shape[0])
+    zero, found = np.zeros(jacobian.shape[0]), None
     for model in _models(potential, q, multipliers, shift):
         try:
             direction, new = solve(factorise(model, jacobian), force, zero)
@@ -71,10 +72,12 @@ def _step(potential: StaticSystem, q: Array, multipliers: Array, shift: float) -
             continue
         slope = -float(force @ direction)
         if np.isfinite(slope) and slope < 0.0:
-            return direction, new, slope
-        if np.isfinite(new).all():  # where forces are balanced there is no direction, but tension
+            found = direction, new, slope
+            if cautious(potential, direction.reshape(q.shape)) > SHORT:
+                break
+        elif np.isfinite(new).all():  # where forces are balanced there is no direction, but tension
             multipliers = new
-    return np.zeros(q.size), multipliers, 0.0
+    return found or (np.zeros(q.size), multipliers, 0.0)
 
 
 def _models(potential: StaticSystem, q: Array, multipliers: Array, shift: float) -> Iterator[csr_array]:

@@ -12,7 +12,7 @@ from .static_system import StaticSystem
 
 LARGEST_TURN = 0.4  # of a slope in one step [-]
 PROJECTIONS = 100
-FEW = 10  # with strains
+FEW = 15  # after a step, which may be shortened
 SMALLEST_STEP = 1e-6
 LEFT = 0.1
 
@@ -54,7 +54,7 @@ def followed(potential: StaticSystem, q: Array, step: Array, tolerance: float) -
         found = feasible(WithStrains(potential, q, step), q + step, tolerance, FEW)
         if found[1] <= 1e3 * tolerance:
             return found
-    return feasible(potential, q + step, tolerance)
+    return feasible(potential, q + step, tolerance, FEW)
 
 
 def feasible(
