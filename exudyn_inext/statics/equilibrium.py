@@ -15,7 +15,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from ..arrays import Array
-from .feasible import cautious, feasible, followed
+from .feasible import cautious, feasible, followed, straight
 from .saddle_point import factorise, solve
 from .stability import smallest_eigenvalue
 from .static_system import StaticSystem
@@ -98,9 +98,10 @@ def _line_search(
     """
     step = direction.reshape(q.shape)
     size = cautious(potential, step)
+    follow = followed if size > SHORT else straight
     is_resolved = -slope > RESOLUTION * potential.scale_of_energy(q)
     for _ in range(30):
-        trial, left = followed(potential, q, size * step, feasibility)
+        trial, left = follow(potential, q, size * step, feasibility)
         falls = not is_resolved or potential.fall(q, trial) >= -_ARMIJO * size * slope
         if left <= 1e3 * feasibility and falls and not potential.is_blocked(q, trial):
             return trial

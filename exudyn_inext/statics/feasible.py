@@ -54,6 +54,11 @@ def followed(potential: StaticSystem, q: Array, step: Array, tolerance: float) -
         found = feasible(WithStrains(potential, q, step), q + step, tolerance, FEW)
         if found[1] <= 1e3 * tolerance:
             return found
+    return straight(potential, q, step, tolerance)
+
+
+def straight(potential: StaticSystem, q: Array, step: Array, tolerance: float) -> tuple[Array, float]:
+    """`feasible` after a step from q."""
     return feasible(potential, q + step, tolerance, FEW)
 
 
