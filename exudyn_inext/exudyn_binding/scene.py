@@ -28,7 +28,8 @@ from ..scene.links import MovingCoordinate, Rod, links_of_motions
 from ..scene.model import CableInScene, CableItem, CableLoad, HeldCoordinate, Reaction, Scene
 
 _HARMLESS = {"Ground"}
-COINCIDENT = 1e-10  # coordinates of nodes that joints hold together [m, -]
+_MATRICES = ("massMatrix", "stiffnessMatrix", "dampingMatrix")  # of ObjectGenericODE2
+COINCIDENT = 1e-10  # difference of coordinates that are meant to be the same [m, -]
 _KINDS = (HeldCoordinate, MovingCoordinate, Rod)
 Constraint = HeldCoordinate | MovingCoordinate | Rod
 
@@ -90,11 +91,13 @@ def read_scene(mbs: Any, read: Callable[..., Constraint | None] = read_constrain
         constraints_on[cable_of[constraint.nodes[0]]][number] = constraint
     for load in loads:
         loads_on[load.cable if isinstance(load, ElementWeight) else cable_of[load.node]].append(load)
+    cables = [
+        _cable_in_scene(mbs, number, contents, constraints_on[number], loads_on[number])
+        for number in contents.items
+    ]
+    _require_references(mbs, cables)
     return Scene(
-        cables=[
-            _cable_in_scene(mbs, number, contents, constraints_on[number], loads_on[number])
-            for number in contents.items
-        ],
+        cables=cables,
         foreign=foreign,
         own_constraints=frozenset([*contents.constraints, *contents.enforcing]),
         enforcing=contents.enforcing,
@@ -109,6 +112,7 @@ def _contents(mbs: Any, read: Callable[..., Constraint | None]) -> Contents:
         require_none_connected(mbs, number, data, contents.mass_points)
         item = find_cable_item(data)
         if item is not None:
+            _require_no_matrices(item, data)
             contents.items[number] = item
             contents.names[number] = data["name"]
             on_cables.update(item.nodes)
@@ -121,6 +125,19 @@ def _contents(mbs: Any, read: Callable[..., Constraint | None]) -> Contents:
         elif _does_something(data):
             contents.others.append(described(data, number))
     return contents
+
+
+def _require_no_matrices(item: CableItem, data: dict[str, Any]) -> None:
+    """Raise SceneError if a cable's object was given what no run would read.   data: of the object."""
+    if item.enforcement != "projection":  # that object has matrices of its own
+        return
+    values = {name: data[name].Convert2DenseMatrix() for name in _MATRICES}
+    for name, value in {**values, "forceVector": data["forceVector"]}.items():
+        if value.size:
+            raise SceneError(
+                f"{name} of cable '{data['name']}' was set, but its motion follows from its template, "
+                "gravity and loads: leave it empty, and use loads, springs and AddPointMass on the cable."
+            )
 
 
 def _does_something(data: dict[str, Any]) -> bool:
@@ -250,6 +267,22 @@ def _cable_in_scene(
         number=number,
         name=name,
     )
+
+
+def _require_references(mbs: Any, cables: Iterable[CableInScene]) -> None:
+    """Raise SceneError if a node has another reference than its cable was created with."""
+    all_of_them = np.asarray(mbs.systemData.GetODE2Coordinates(exudyn.ConfigurationType.Reference))
+    for scene_cable in cables:
+        created = scene_cable.cable.reference
+        changes = np.abs(all_of_them[scene_cable.indices].reshape(created.shape) - created).max(axis=(1, 2))
+        k = int(changes.argmax())
+        if changes[k] > COINCIDENT:
+            raise SceneError(
+                f"referenceCoordinates of node {scene_cable.item.node_names[k]} of cable "
+                f"'{scene_cable.name}' were changed by {changes[k]:.3g} (limit {COINCIDENT:g}), but its "
+                "elements keep the shape that they were created with: create the cable in the new shape, or "
+                "set initialCoordinates."
+            )
 
 
 def _reactions(

@@ -1,6 +1,7 @@
 """What a function does not deal with, or SolveExplicit cannot start from, is named; mbs stays as it was."""
 
 import exudyn
+import numpy as np
 import pytest
 from exudyn.itemInterface import (
     CartesianSpringDamper,
@@ -154,6 +155,27 @@ def test_nodes_are_named_by_their_numbers_in_the_system(mbs, add_cable, solve, c
     mbs.SetNodeParameter(cable["nodes"][3], "initialCoordinates", [0, 0, 0.1, 0])
     mbs.Assemble()
     refused(mbs, solve, contents, r"cable 'object1' .* slope of node 7\b")
+
+
+def test_a_node_whose_reference_was_changed_is_refused(mbs, add_cable, add_pendulum, solve, contents):
+    add_cable(mbs, numberOfElements=3)
+    cable = add_pendulum(mbs, positionStart=[0, 1, 0], positionEnd=[1.8, 1, 0])
+    mbs.SetNodeParameter(cable["nodes"][-1], "referenceCoordinates", [1.8, 0.9, 1, 0])
+    mbs.Assemble()
+    message = rf"node {int(cable['nodes'][-1])} of cable 'object1' were changed by 0.1 .*initialCoordinates"
+    refused(mbs, solve, contents, message)
+    refused(mbs, SolveEquilibrium, contents, message)
+
+
+@pytest.mark.parametrize("name", ["massMatrix", "stiffnessMatrix", "dampingMatrix", "forceVector"])
+def test_matrices_of_the_object_of_a_cable_are_refused(mbs, add_pendulum, solve, name):
+    cable = add_pendulum(mbs)
+    size = 4 * len(cable["nodes"])
+    value = np.ones(size) if name == "forceVector" else np.eye(size)
+    mbs.SetObjectParameter(cable["elements"][0], name, value)
+    mbs.Assemble()
+    with pytest.raises(SceneError, match=f"{name} of cable 'object0' was set.*use loads"):
+        solve(mbs)
 
 
 def test_consistent_initial_velocities_of_nodes_are_taken_over(mbs, add_cable, solve):
