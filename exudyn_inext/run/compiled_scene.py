@@ -214,11 +214,6 @@ class CompiledScene:
         self.contacts.data[:] = data
         self._set(_with_history(self.system, np.zeros((intervals, len(data)))))
 
-    def count_work_in(self, path: Array) -> None:
-        """Count the work of the items' forces there, see `scene.path_work`."""
-        items = self.system.items._replace(path=path)
-        self._set(self.system._replace(items=items))
-
     def take_over(self, item: ChangedItem) -> bool:
         """Whether the changed item is now what it is in Exudyn; joints that are moved are not looked at."""
         if item[1] in self._moved and item[0] == "Object":

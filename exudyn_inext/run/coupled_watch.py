@@ -22,7 +22,6 @@ from ..scene.path_work import (
     SUMS,
     WAY,
     begin_path,
-    build_path,
     expect_energy,
     follow,
     take_sums,
@@ -118,13 +117,12 @@ class CoupledWatch(RunWatch):
         self._limit = frequency_limit(integrator, scheme, growth=GROWTH)
         self.before = np.zeros((2, len(state.q)))  # q and a at the start of the last step
         self._is_due = False  # a look at its frequency
-        self.path = build_path(len(scene.map.indices))  # the work of all but gravity
-        self.path_of_evaluations = self.path
+        self.path = self.path_of_evaluations = scene.path  # the work of all but gravity
         self._changes = np.zeros(1)  # of masses since the last inspection, see `count_changes`
         self.after_each_step: list[Callable[[], None]] = []
         self.has_one_evaluation = integrator.evaluations(scheme) == 1
         if not self.has_one_evaluation:
-            self.path_of_evaluations = self.path.copy()
+            self.path = scene.path.copy()
             self.after_each_step += [partial(follow, self.path, state.q, scene.forces)]
         self._lacks = self.path_of_evaluations[SUMS]  # sums that tell of them, see `build_path`
         if scene.bodies_of_variable_mass:
@@ -141,7 +139,6 @@ class CoupledWatch(RunWatch):
     def evaluate_by(self, evaluated: EvaluatedScene) -> None:
         """Ask this form of the scene from now on."""
         self._evaluated = evaluated
-        evaluated.count_work_in(self.path_of_evaluations)
 
     @property
     def _steps(self) -> int:
