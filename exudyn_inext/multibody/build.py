@@ -81,7 +81,7 @@ def _without(ends: Ends, places: Sequence[slice], firsts: Sequence[int]) -> Ends
 
 
 def copied(memory: Any) -> Any:
-    """The same tuple of tuples, with copies of its arrays."""
-    if isinstance(memory, np.ndarray):
-        return memory.copy()
-    return type(memory)(*map(copied, memory)) if isinstance(memory, tuple) else memory
+    """The same named tuple of such tuples and arrays, with copies of its arrays."""
+    if not isinstance(memory, tuple):
+        return memory
+    return type(memory)(*[one.copy() if isinstance(one, np.ndarray) else copied(one) for one in memory])
