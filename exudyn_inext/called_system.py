@@ -6,13 +6,13 @@ method is called in C++. So they are compiled once, and for a new type of system
 
 import weakref
 from collections.abc import Callable, Sequence
-from functools import cached_property, partial, wraps
+from functools import cache, partial, wraps
 from typing import Any, NamedTuple
 
 import numba
 import numpy as np
 
-from .compiled import Prepared, c_function, inlined, inlined_kernel, kernel
+from .compiled import c_function, inlined, inlined_kernel, kernel
 from .lowered import (
     COUNT,
     NUMBERS,
@@ -21,6 +21,7 @@ from .lowered import (
     Structure,
     address_of,
     call_at,
+    entry_of,
     memory_of,
     numbers_at,
     structure_of,
@@ -120,6 +121,7 @@ def _put(system, memory):
 
 
 _ADDRESSES: dict[Any, int] = {}  # of protocols for structures of systems
+_PUT: dict[Structure, Callable[..., None]] = {}  # entries of `_put`, for each of them
 _TABLES: dict[int, tuple[Any, Structure]] = {}  # references to those of systems, by their identities
 
 
@@ -138,8 +140,10 @@ def _table_of(system: Any) -> tuple[np.ndarray, Structure]:
         return reference(), structure
     structure = structure_of(system)
     table = np.zeros(MOST_PROTOCOLS + -(-structure.size // INTEGER.itemsize), INTEGER)
-    functions = table[:MOST_PROTOCOLS]
-    _put(system, table[MOST_PROTOCOLS:])
+    functions, memory = table[:MOST_PROTOCOLS], table[MOST_PROTOCOLS:]
+    if structure not in _PUT:
+        _PUT[structure] = entry_of(_put, (system, memory))
+    _PUT[structure](system, memory)
     _TABLES[id(system)] = weakref.ref(functions), structure
     weakref.finalize(functions, _forget, id(system), system).atexit = False
     return functions, structure
@@ -160,11 +164,22 @@ def called(system: Any, *protocols: Any) -> Any:
         return system
     if numba.config.DISABLE_JIT:
         return Called(system, np.zeros(MOST_PROTOCOLS, INTEGER))
-    if not all(isinstance(protocol.dispatch(type(system)), Implementation) for protocol in protocols):
+    if not _are_called(type(system), protocols):
         return system
     functions, structure = _table_of(system)
     _fill(functions, system, structure, protocols)
     return Called(functions.ctypes.data + functions.nbytes, functions)
+
+
+@cache
+def _are_called(kind: type, protocols: tuple[Any, ...]) -> bool:
+    """Whether systems of this type implement all of these protocols for whoever calls them by address."""
+    return all(isinstance(protocol.dispatch(kind), Implementation) for protocol in protocols)
+
+
+@cache
+def _is_implemented(kind: type, protocol: Any) -> bool:
+    return protocol.dispatch(kind) is not protocol.dispatch(object)
 
 
 def addresses_of(row: Sequence[Called]) -> Any:
@@ -180,8 +195,8 @@ def provide(functions: np.ndarray, system: Any, *protocols: Any) -> None:
 
 def _fill(functions: np.ndarray, system: Any, structure: Structure, protocols: Sequence[Any]) -> None:
     for protocol in protocols:
-        place, nothing = _ENTRIES[protocol].place, protocol.dispatch(object)
-        if not functions[place] and protocol.dispatch(type(system)) is not nothing:
+        place = _ENTRIES[protocol].place
+        if not functions[place] and _is_implemented(type(system), protocol):
             functions[place] = 1 if numba.config.DISABLE_JIT else _address(protocol, structure)
 
 
@@ -195,14 +210,14 @@ class Bound:
 
     def __init__(self, protocol: Any, system: Any) -> None:
         self._protocol, self._system = protocol, system
+        self._function: Callable[..., Any] | None = None
 
     def __call__(self, *arguments: Any) -> Any:
+        if self._function is None:
+            known = called(self._system, self._protocol)
+            function = self._protocol.dispatch(type(known))
+            self._function = partial(entry_of(function, (known, *arguments)), known)
         return self._function(*arguments)
-
-    @cached_property
-    def _function(self) -> Callable[..., Any]:
-        known = called(self._system, self._protocol)
-        return partial(Prepared(self._protocol.dispatch(type(known))), known)
 
 
 def takes_any_system(*protocols: Any) -> Callable[[Any], Any]:

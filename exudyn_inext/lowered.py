@@ -187,15 +187,19 @@ def entry_of(function: Any, arguments: tuple[Any, ...]) -> Any:
 
 
 _ENTRIES: dict[Any, Any] = {}  # Numba takes long to find types
+_FLAGS_OF_TYPE = 0x001 | 0x002 | 0x400  # of an array: contiguous as in C, as in Fortran; may be written to
 
 
 def _kinds(argument: Any) -> Any:
     """What decides on the type of an argument, to be compared fast."""
-    if isinstance(argument, np.ndarray):
-        flags = argument.flags
-        return argument.dtype, argument.ndim, flags.c_contiguous, flags.f_contiguous, flags.writeable
     if isinstance(argument, tuple):
-        return type(argument), *map(_kinds, argument)
+        kinds = [
+            (one.dtype, one.ndim, one.flags.num & _FLAGS_OF_TYPE) if type(one) is np.ndarray else _kinds(one)
+            for one in argument
+        ]
+        return type(argument), *kinds
+    if isinstance(argument, np.ndarray):
+        return argument.dtype, argument.ndim, argument.flags.num & _FLAGS_OF_TYPE
     if isinstance(argument, np.generic):
         return argument.dtype
     return type(argument)

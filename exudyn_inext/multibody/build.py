@@ -44,6 +44,7 @@ def build_scene(
     zeta: float,
     foresight: Array,
     still: np.ndarray,
+    path: Array,
 ) -> SceneSystem:
     """The system of a scene.
 
@@ -51,11 +52,10 @@ def build_scene(
         cables: systems of all cables.   chains: the same ones, see `in_few_chains`.
         places: of each cable among the coordinates.   known: the items.   size: number of coordinates.
         zeta: stabilisation rate [1/s].   foresight: (m,) memory, see `CoupledSystem`.
-        still: (n_cables,) coordinates of cables that supports hold.
+        still: (n_cables,) coordinates of cables that supports hold.   path: see `Items`.
     """
     ends = _without(ends_of_cables(chains, places), places, known.sliders.records["first"].tolist())
     joints = build_joints(places, known.bodies, known.points, known.rows, foresight, still, ends)
-    path, counting = np.zeros((5, max(size, 7))), np.zeros(2, np.int64)
     force, given, predicted = np.zeros((3, size))
     implicit = mark_implicit(cables, chains, known.contacts.records)
     if len(joints.nodes.dof):
@@ -64,7 +64,7 @@ def build_scene(
     if implicit:
         provide_cables(cables, chains, add_contact)
     records = known.bodies, known.points, known.sliders, known.connectors, known.loads, known.contacts
-    items = Items(*records, joints, force, given, predicted, path, counting)
+    items = Items(*records, joints, force, given, predicted, path, np.zeros(2, np.int64))
     number = places[-1].stop if places else 0
     ahead = np.repeat(cables.inputs[:-1] - cables.dofs[:-1], np.diff(cables.dofs))  # motions of those before
     return SceneSystem(cables, number, np.zeros(cables.inputs[-1]), np.arange(number) + ahead, items, zeta)
@@ -81,7 +81,7 @@ def _without(ends: Ends, places: Sequence[slice], firsts: Sequence[int]) -> Ends
 
 
 def copied(memory: Any) -> Any:
-    """The same tuple of tuples, with copies of its arrays."""
-    if isinstance(memory, np.ndarray):
-        return memory.copy()
-    return type(memory)(*map(copied, memory)) if isinstance(memory, tuple) else memory
+    """The same named tuple of such tuples and arrays, with copies of its arrays."""
+    if not isinstance(memory, tuple):
+        return memory
+    return type(memory)(*[one.copy() if isinstance(one, np.ndarray) else copied(one) for one in memory])

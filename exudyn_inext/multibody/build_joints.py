@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, sizes_of
 from .build_nodes import (
     MANY,
     Ends,
@@ -175,7 +175,7 @@ def _knots_of(
     is_tie &= rows["function"] < 0
     is_tie &= ~(points["kind"][rows["points"]] == COORDINATE).any(axis=1)
     begin, end = points["first"].tolist(), (points["first"] + points["width"]).tolist()
-    pairs, tied = rows["points"].tolist(), np.flatnonzero(is_tie).tolist()
+    pairs, tied = rows["points"].tolist(), is_tie.nonzero()[0].tolist()
     component_of = rows["component"].tolist()
     places = [(component_of[r], begin[k]) for r in tied for k in pairs[r] if owners[k] != GROUND]
     if len(tied) < FEWEST - 1 or len(set(places)) == len(places):  # no two of them meet
@@ -184,15 +184,16 @@ def _knots_of(
         GROUND if still[a:b].any() and still[a:b].all() else owner
         for a, b, owner in zip(begin, end, owners, strict=True)
     ]
-    others = {k for r in np.flatnonzero(~is_tie).tolist() for k in pairs[r] if owners[k] != GROUND}
+    others = {k for r in (~is_tie).nonzero()[0].tolist() for k in pairs[r] if owners[k] != GROUND}
     held = {coordinate for k in others for coordinate in range(begin[k], end[k])}
+    weights, local = points["weights"], points["local"]
     names = [
-        (owner, (begin[k], end[k], point["weights"].tobytes(), point["local"].tobytes()))
-        for k, (owner, point) in enumerate(zip(owners, points, strict=True))
+        (owner, (begin[k], end[k], weights[k].tobytes(), local[k].tobytes()))
+        for k, owner in enumerate(owners)
     ]
     found: list[list[Member]] = []
     for component in range(3):
-        mine = np.flatnonzero(is_tie & (rows["component"] == component)).tolist()
+        mine = [r for r in tied if component_of[r] == component]
         ties = [Tie(r, (names[pairs[r][0]], names[pairs[r][1]])) for r in mine]
         of_ties = {k for r in mine for k in pairs[r] if owners[k] != GROUND}
         taken = {names[k] for k in of_ties if not held.isdisjoint(range(begin[k], end[k]))}
@@ -222,7 +223,8 @@ def _find_holds(
 
 def _parts(holds: Sequence[_Hold]) -> np.ndarray:
     """(P,) after the holds of each owner."""
-    return np.flatnonzero(np.diff([hold.owner for hold in holds], append=-2)) + 1
+    owners = np.array([hold.owner for hold in holds] + [NONE], dtype=np.int64)
+    return (owners[1:] != owners[:-1]).nonzero()[0] + 1
 
 
 def _pairs(holds: Sequence[_Hold], unknowns: int) -> np.ndarray:
@@ -241,7 +243,7 @@ def _build_holds(holds: Sequence[_Hold], place: np.ndarray, factor: Any, cables:
     """place: of each unknown, NONE at the end.   cables: how many owners are cables."""
     owner, is_row, entry, sign, unknown, member = np.array(holds, dtype=np.int64).reshape(-1, 6).T.copy()
     at, ends = place[unknown], _parts(holds)
-    sizes = np.diff(ends, prepend=0)
+    sizes = sizes_of(ends)
     square = np.cumsum(sizes**2) - sizes**2
     part = np.repeat(np.arange(len(sizes)), sizes**2)
     first, within = (ends - sizes)[part], np.arange(len(part)) - square[part]
@@ -249,7 +251,7 @@ def _build_holds(holds: Sequence[_Hold], place: np.ndarray, factor: Any, cables:
     into, goes = np.full(len(rows), NONE), np.minimum(rows, columns) >= 0
     rows, columns = np.maximum(rows, columns), np.minimum(rows, columns)
     into[goes] = places_of(factor, columns[goes], rows[goes])
-    at_knots = np.diff(np.append(0, np.cumsum(is_row == 0))[ends], prepend=0)
+    at_knots = sizes_of(np.cumsum(is_row == 0)[ends - 1])
     memory = np.zeros((2, len(holds)))
     return Holds(
         entry=entry,

@@ -346,6 +346,8 @@ def energy_of_spins(bodies, duration):
     duration: of the run [s].
     """
     turning = bodies[bodies["rotations"] > 1]
+    if not len(turning):
+        return 0.0
     spin, inertia = turning["spin"], turning["mass"][:, 3:, 3:]
     squared = np.einsum("bi,bi->b", spin, spin)
     counted = squared / np.maximum(1.0, np.sqrt(squared) * duration / TURNED)

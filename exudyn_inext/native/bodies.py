@@ -221,8 +221,10 @@ class BodyMasses:
         groups = _groups(bodies)
         constant = [group for group in groups if all(body.has_constant_mass for body in group)]
         variable = [group for group in groups if not all(body.has_constant_mass for body in group)]
-        of_constant = _coordinates_of([body for group in constant for body in group])
-        self.held = of_constant[np.isin(of_constant, sorted(holdable))] if holdable else np.zeros(0, int)
+        self.held = np.zeros(0, int)
+        if holdable:
+            of_constant = _coordinates_of([body for group in constant for body in group])
+            self.held = of_constant[np.isin(of_constant, sorted(holdable))]
         self.coordinates = self._free(bodies)
         self.held_mass = np.zeros((len(self.held), len(self.held)))
         self.coupling = np.zeros((len(self.held), len(self.coordinates)))
@@ -236,8 +238,7 @@ class BodyMasses:
             dofs = self._dofs_of(group)
             by_size.setdefault(len(dofs), []).append((group, dofs))
         self._stacks = [self._stack(alike, quaternions) for _, alike in sorted(by_size.items())]
-        moving = [group for group in constant if len(self._free(group))]
-        blocks = [MassBlock(self._dofs_of(group), self._initial_mass(group)) for group in moving]
+        blocks = [block for block in map(self._block, constant) if len(block.dofs)]
         initial = np.array(mbs.systemData.GetODE2Coordinates(exudyn.ConfigurationType.Initial))
         alike = [(block.dofs[np.newaxis], block.mass[np.newaxis]) for block in blocks]
         for stack in self._stacks:
@@ -310,15 +311,18 @@ class BodyMasses:
             masses[b, own, own] += np.outer(p, p) * np.trace(masses[b, own, own])
         return masses
 
-    def _initial_mass(self, group: Sequence[Body]) -> Array:
-        """(k, k) of the coordinates of a group that are not held."""
+    def _block(self, group: Sequence[Body]) -> MassBlock:
+        """Initial mass of the coordinates of a group that are not held."""
         dofs = self._dofs_of(group)
         total: Array = np.zeros((len(dofs), len(dofs)))
         for body in group:
-            free = np.flatnonzero(~np.isin(body.coordinates, self.held))
-            places = np.searchsorted(dofs, self._local(body.coordinates[free]))
-            total[np.ix_(places, places)] += body.initial_mass[np.ix_(free, free)]
-        return total
+            own, mass = body.coordinates, body.initial_mass
+            if len(self.held):
+                free = np.flatnonzero(~np.isin(own, self.held))
+                own, mass = own[free], mass[free[:, None], free]
+            places = np.searchsorted(dofs, self._local(own))
+            total[places[:, None], places] += mass
+        return MassBlock(dofs, total)
 
 
 def require_mass(mbs: Any, without: np.ndarray) -> None:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..arrays import Array
-from ..called_system import Bound
 from ..multibody.build import build_scene
 from ..multibody.scene import (
     MODE,
@@ -20,7 +19,6 @@ from ..multibody.scene import (
 from ..run.compiled_scene import CompiledScene, SceneLoads, cables_of_scene
 from ..run.parts_in_one import CompiledParts
 from ..scene.bodies import bodies_rates
-from ..system import accelerate_and_project
 from .known.contacts import disturb
 from .known.scene import read_known_items
 from .known.unknown import UnknownItemError
@@ -85,7 +83,8 @@ def compiled_form(
     native = scene.system
     still = _held_coordinates(scene.cables)
     cables = cables_of_scene(scene.groups, loads)
-    system = build_scene(cables, chains, places, known, scene.size, native.zeta, native.foresight, still)
+    memory = native.foresight, still, scene.path
+    system = build_scene(cables, chains, places, known, scene.size, native.zeta, *memory)
     if not scene.body_system.share_foresight(known.bodies["first"] - on_cables, known.bodies["foresight"]):
         raise UnknownItemError("bodies that share coordinates")
     own = [(place, c.system, c.loads) for place, c in zip(places, scene.cables, strict=True)]
@@ -116,7 +115,6 @@ def require_agreement(
     states, contacts = _states(scene, q, v), form.contacts
     remembered = contacts.data[0].copy()
     random = np.random.default_rng(1) if form.remembers else None
-    evaluate = Bound(accelerate_and_project, form.system)
     for number, (at, rates) in enumerate(states):
         if number and random:
             disturb(contacts, random)
@@ -126,7 +124,7 @@ def require_agreement(
         if not has_forces:
             form.given[: len(scene.map.indices)] = scene.surroundings.native_forces
             subtract_inertia_forces(form.system.items.bodies, at, rates, form.given)
-        found.append(_evaluated(form, evaluate, external, at, rates, len(scene.map.indices)))
+        found.append(_evaluated(form, external, at, rates, len(scene.map.indices)))
         wanted.append(_evaluated_by_exudyn(scene, t, at, rates, given, form.multipliers))
         if number and form.remembers:
             _compare_contacts(scene, form, t, at, rates)
@@ -172,11 +170,11 @@ def _with_unit_quaternions(rows: JointRows, states: Array) -> Array:
 
 
 def _evaluated(
-    form: CompiledScene, evaluate: Bound, external: Array, q: Array, v: Array, number: int
+    form: CompiledScene, external: Array, q: Array, v: Array, number: int
 ) -> tuple[Array, Array]:
     """(number,) forces on the cables, and accelerations of the bodies; and (4, m) of joints."""
     system, (result, rate) = form.system, np.zeros((2, len(q)))
-    evaluate(external, q, v, 0.0, result, rate)
+    form.accelerate(external, q, v, 0.0, result, rate)
     result[: system.cable_dofs] = system.items.force[: system.cable_dofs]
     joints = system.items.joints
     drift = -joints.rows["drift"]
@@ -221,7 +219,7 @@ def _compare_contacts(scene: CoupledScene, form: CompiledScene, t: float, q: Arr
     """What contacts remember once they have settled."""
     counting, memory = form.system.items.counting, np.zeros((2, len(q)))
     counting[MODE] = SETTLING
-    accelerate_and_project(form.system, form.loads.at(t), q, v, 0.0, *memory)
+    form.accelerate(form.loads.at(t), q, v, 0.0, *memory)
     counting[MODE] = NOT_COUNTED
     wanted, found = scene.surroundings.settled(t, q, v), form.contacts.data[0]
     scale = max(1.0, float(np.abs(wanted).max(initial=0.0)))

@@ -43,7 +43,8 @@ class CoordinateMap:
         again = np.flatnonzero(first[self.indices] != np.arange(len(self.indices)))
         self.of_forces = self.indices.copy()
         self.of_forces[again] = -1
-        self._own = np.flatnonzero(self.of_forces >= 0)
+        self._own = np.flatnonzero(self.of_forces >= 0) if len(again) else slice(None)
+        self._into = self.indices[self._own]
         self._vector = np.zeros(size)
         self._part_of = np.repeat(np.arange(len(parts)), np.diff(ends))
 
@@ -53,7 +54,7 @@ class CoordinateMap:
 
     def rates(self, v: Array) -> list[float]:
         """(size,) system vector of velocities or accelerations (n,)."""
-        self._vector[self.indices[self._own]] = v[self._own]
+        self._vector[self._into] = v[self._own]
         return self._vector.tolist()
 
     def repeat(self, x: Array) -> None:
@@ -67,7 +68,7 @@ class CoordinateMap:
         parts = np.where(at >= 0, self._part_of[at], -1)
         found = []
         for part in sorted(set(parts.tolist()) - {-1}):
-            own = np.flatnonzero(parts == part)
+            own = (parts == part).nonzero()[0]
             found.append((part, own, at[own] - self.slices[part].start))
         return found
 

@@ -19,6 +19,7 @@ from ..run.parts_in_one import CompiledParts
 from ..scene.bodies import BodiesSystem, MassBlock
 from ..scene.coupled_system import CoupledSystem, Part
 from ..scene.model import CableInScene, HeldCoordinate
+from ..scene.path_work import build_path
 from ..system import index_reduced_rates
 from .bodies import BodyMasses, SystemMass, read_bodies, read_quaternions, require_mass
 from .compiled_form import (
@@ -62,6 +63,7 @@ class CoupledScene:
         their mass at each evaluation.
     place_of_bodies: among what is evaluated at once.
     parts_in_one: compiled code that evaluates bodies and joints, while Exudyn evaluates the forces, or None.
+    path: see `JoinedScene`.
     """
 
     parts_in_one: CompiledParts | None = None
@@ -117,6 +119,7 @@ class CoupledScene:
         self.surroundings = NativeSurroundings(mbs, solver, wholes, self.map, loads, masses, rows, self.held)
         self.system = CoupledSystem(parts, self.surroundings, zeta, wholes)
         self.size = parts[-1].dofs.stop
+        self.path = build_path(self.size)
         self.system.states = slice(len(self.map.indices), self.size)
         self.has_bodies = len(masses.coordinates) > 0
         self.body_system, self.bodies_of_variable_mass = masses.system, masses.number_of_variable
@@ -149,9 +152,6 @@ class CoupledScene:
     def forces(self) -> Array:
         """See `EvaluatedScene`."""
         return self.surroundings.varying_forces
-
-    def count_work_in(self, path: Array) -> None:
-        """See `EvaluatedScene`; `NativeSurroundings` is told of it in each step."""
 
     def kinetic_energy(self, q: Array, v: Array) -> float:
         """See `EvaluatedScene`."""

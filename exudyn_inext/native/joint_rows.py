@@ -59,7 +59,7 @@ class JointRows:
         self.blocks = list(of_parts.values())
         self._targets = [
             [
-                (of_parts[part], np.ix_(np.searchsorted(of_parts[part].rows, own), at), columns)
+                (of_parts[part], (np.searchsorted(of_parts[part].rows, own)[:, None], at), columns)
                 for part, columns, at in met
             ]
             for own, met in zip(rows, places, strict=True)
@@ -116,7 +116,7 @@ class JointRows:
             for block, places, columns in targets:
                 block.jacobian[places] = jacobian[:, columns]
             if len(held):
-                self.on_held[np.ix_(held, own)] = jacobian[:, columns_held].T
+                self.on_held[held[:, None], own] = jacobian[:, columns_held].T
         self._is_set = True
 
     def _moved(self, q: Array, v: Array, duration: float) -> Array:
@@ -125,7 +125,8 @@ class JointRows:
         Exudyn's Jacobians are those of rotations: they do not see a change of that norm.
         """
         moved = q + duration * v
-        _keep_norms(self.quaternions, self.references, q, moved)
+        if len(self.quaternions):
+            _keep_norms(self.quaternions, self.references, q, moved)
         return moved
 
     def terms(self, value_at: Callable[[float, Array], Array], t: float, q: Array, v: Array) -> JointTerms:

@@ -85,9 +85,9 @@ class SceneLoads:
 
 def cables_of_scene(groups: Sequence[Systems], loads: Sequence[CableLoads]) -> Cables:
     """The systems of all cables.   groups: see `in_few_chains`.   loads: of each cable."""
-    ends = np.cumsum([len(alike) for _, alike in groups], dtype=int)
-    inputs = np.cumsum([0, *(len(one.constant) for one in loads)])[ends]
-    return cables_in_a_row([system for system, _ in groups], np.diff(inputs, prepend=0).tolist())
+    rest = iter(loads)
+    inputs = [sum(len(next(rest).constant) for _ in alike) for _, alike in groups]
+    return cables_in_a_row([system for system, _ in groups], inputs)
 
 
 class Steps(NamedTuple):
@@ -213,11 +213,6 @@ class CompiledScene:
         """Begin intervals with what contacts remember.   data: (D,)."""
         self.contacts.data[:] = data
         self._set(_with_history(self.system, np.zeros((intervals, len(data)))))
-
-    def count_work_in(self, path: Array) -> None:
-        """Count the work of the items' forces there, see `scene.path_work`."""
-        items = self.system.items._replace(path=path)
-        self._set(self.system._replace(items=items))
 
     def take_over(self, item: ChangedItem) -> bool:
         """Whether the changed item is now what it is in Exudyn; joints that are moved are not looked at."""

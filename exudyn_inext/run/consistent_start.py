@@ -9,6 +9,7 @@ from ..arrays import Array
 from ..cable.cable import Cable
 from ..cable.index_reduction import CORRECTION
 from ..cable.linked_cable import LinkedCableSystem
+from ..called_system import Bound
 from ..constraints import constraints_of_cable
 from ..errors import SceneError
 from ..scene.model import CableInScene
@@ -54,9 +55,10 @@ def worst_violations(
     """
     speed = max(1.0, float(np.abs(v).max()))
     cable, none = scene_cable.cable, np.zeros(0)
-    is_kept = _is_kept(system, cable, q)
+    correct = Bound(correct_position, system)
+    is_kept = _is_kept(system, correct, cable, q)
     rests = not (v.any() or scene_cable.moving)  # then no rate can be wrong
-    rests = rests or (is_kept and _is_kept_along(system, cable, q, v, speed))
+    rests = rests or (is_kept and _is_kept_along(system, correct, cable, q, v, speed))
     if rests and is_kept:
         return _worst(PLACES, none), _worst(RATES, none)
     constraints = constraints_of_cable(cable)
@@ -72,23 +74,25 @@ def _worst(what: str, violations: Array) -> Violation:
     return Violation(float(sizes[row]), what, row)
 
 
-def _is_kept(system: Any, cable: Cable, q: Array) -> bool:
+def _is_kept(system: Any, correct: Bound, cable: Cable, q: Array) -> bool:
     """Whether a chain without links keeps its constraints, by one compiled look; False: look closer."""
     if isinstance(system, LinkedCableSystem) or (q - cable.reference)[cable.fixed].any():
         return False
     places, memory = q.ravel(), np.zeros(q.size)
     is_finite = bool(np.isfinite(places).all())
-    return is_finite and correct_position(system, places, places, np.inf, 0.0, memory) < ROUND_OFF
+    return is_finite and correct(places, places, np.inf, 0.0, memory) < ROUND_OFF
 
 
-def _is_kept_along(system: Any, cable: Cable, q: Array, v: Array, speed: float) -> bool:
+def _is_kept_along(
+    system: Any, correct: Bound, cable: Cable, q: Array, v: Array, speed: float
+) -> bool:
     """The same of the rates of constraints: differences on both sides are exact, as these are quadratic."""
     if cable.stretches or v[cable.fixed].any() or not np.isfinite(v).all():
         return False
     memory, rates = np.zeros(q.size), []
     for way in (v / speed, -v / speed):
         at = (q + way).ravel()
-        correct_position(system, at, at, np.inf, 0.0, memory)
+        correct(at, at, np.inf, 0.0, memory)
         records = system.chain.nodes, system.chain.elements
         rates.append(np.concatenate([one["target"][:, CORRECTION] for one in records]))
     return bool(np.abs(rates[0] - rates[1]).max() < ROUND_OFF)

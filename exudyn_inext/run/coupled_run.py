@@ -315,7 +315,11 @@ class CoupledRun(LimitedRun):
     @cached_property
     def _kept(self) -> KeptState:
         """The state before the steps that are being taken."""
-        return KeptState(self.memory(), self.elsewhere)
+        return super().present_state()
+
+    def present_state(self) -> KeptState:
+        """See `PacedRun.present_state`."""
+        return self._kept.another()
 
     @property
     def has_implicit_bending(self) -> bool:

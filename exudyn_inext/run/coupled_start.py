@@ -51,7 +51,7 @@ def compiled_start(
         return StartCorrection()
     given_q, given_v = q.copy(), v.copy()
     external, (a, projected) = form.loads.at(time), np.zeros((2, len(q)))
-    accelerate_and_project(form.system, external, q, v, 0.0, a, projected)
+    form.accelerate(external, q, v, 0.0, a, projected)
     speed = max(1.0, float(np.abs(v).max()))
     worst = np.abs([joints.value, joints.rate / speed]).max()
     if form.has_dependent_joints or not worst <= tolerance:

@@ -22,7 +22,6 @@ from ..scene.path_work import (
     SUMS,
     WAY,
     begin_path,
-    build_path,
     expect_energy,
     follow,
     take_sums,
@@ -118,13 +117,12 @@ class CoupledWatch(RunWatch):
         self._limit = frequency_limit(integrator, scheme, growth=GROWTH)
         self.before = np.zeros((2, len(state.q)))  # q and a at the start of the last step
         self._is_due = False  # a look at its frequency
-        self.path = build_path(len(scene.map.indices))  # the work of all but gravity
-        self.path_of_evaluations = self.path
+        self.path = self.path_of_evaluations = scene.path  # the work of all but gravity
         self._changes = np.zeros(1)  # of masses since the last inspection, see `count_changes`
         self.after_each_step: list[Callable[[], None]] = []
         self.has_one_evaluation = integrator.evaluations(scheme) == 1
         if not self.has_one_evaluation:
-            self.path_of_evaluations = self.path.copy()
+            self.path = scene.path.copy()
             self.after_each_step += [partial(follow, self.path, state.q, scene.forces)]
         self._lacks = self.path_of_evaluations[SUMS]  # sums that tell of them, see `build_path`
         if scene.bodies_of_variable_mass:
@@ -141,7 +139,6 @@ class CoupledWatch(RunWatch):
     def evaluate_by(self, evaluated: EvaluatedScene) -> None:
         """Ask this form of the scene from now on."""
         self._evaluated = evaluated
-        evaluated.count_work_in(self.path_of_evaluations)
 
     @property
     def _steps(self) -> int:
@@ -162,7 +159,8 @@ class CoupledWatch(RunWatch):
         size = float(np.abs(forces + self._gravity[: len(forces)]).sum())
         floor = ROUND_OFF * extent * size + sum(run.watch.round_off for run in self._runs)
         open_with_gauges(self.watch, state, floor)
-        self._resolution = self._kinetic_energy(t, state, np.full(len(state.q), OF_PLACES * extent))
+        places = np.full(len(state.q), OF_PLACES * extent)
+        self._resolution = self._kinetic_energy(self._external(t), state, places)
         self._step = 0.0
         expect_energy(self.path_of_evaluations, self.turned_over, floor, self._energy_tolerance)
 
@@ -241,8 +239,9 @@ class CoupledWatch(RunWatch):
         vibrations, by their energies -a . M x / 2, and so at most the square of their largest frequency.
         """
         way, change = state.q - self.before[0], (h / self._limit) ** 2 * (state.a - self.before[1])
+        external = self._external(t)
         of_way, of_change, of_sum = (
-            self._kinetic_energy(t, state, velocity) for velocity in (way, change, way + change)
+            self._kinetic_energy(external, state, velocity) for velocity in (way, change, way + change)
         )
         product = of_way + of_change - of_sum
         matters = 0.5 * product * (self._limit / h) ** 2 > self._energy_tolerance * self._lacks[SCALE]
@@ -285,14 +284,18 @@ class CoupledWatch(RunWatch):
             go_back(watch, state)
         return trouble
 
-    def _kinetic_energy(self, t: float, state: Any, v: Array) -> float:
+    def _external(self, t: float) -> list[Array]:
+        """Of the cables, as their systems take it, at t [s]."""
+        return [one.external(t) for one in self._together]
+
+    def _kinetic_energy(self, external: Sequence[Array], state: Any, v: Array) -> float:
         """Of velocities v (n,) in the present configuration [J]."""
         gauges = np.zeros(GAUGES)
         total = self._evaluated.kinetic_energy(state.q, v)
-        for one in self._together:
+        for one, given in zip(self._together, external, strict=True):
             dofs = one.dofs
             force, rates = np.zeros(dofs.stop - dofs.start), v[dofs]
-            one.gauge(one.external(t), state.q[dofs], rates, rates, force, gauges)
+            one.gauge(given, state.q[dofs], rates, rates, force, gauges)
             total += gauges[AGITATION]  # the mass alone; what bending adds to it is in KINETIC
         return total
 
@@ -303,10 +306,11 @@ class CoupledWatch(RunWatch):
             for cable, run in enumerate(self._runs):
                 if len(run.loads.pattern):  # its own solve knows no joints
                     self._evaluated.set_multipliers(cable, t, state.q, state.v)
-        for one in self._together:
-            dofs, external = one.dofs, one.external(t)
+        external = self._external(t)
+        for one, given in zip(self._together, external, strict=True):
+            dofs = one.dofs
             mine, force = np.zeros(GAUGES), np.zeros(dofs.stop - dofs.start)
-            one.gauge(external, state.q[dofs], state.v[dofs], state.a[dofs], force, mine)
+            one.gauge(given, state.q[dofs], state.v[dofs], state.a[dofs], force, mine)
             worst = np.maximum(total[VIOLATION], mine[VIOLATION])
             total += mine
             total[VIOLATION] = worst
@@ -319,7 +323,7 @@ class CoupledWatch(RunWatch):
         extent = self.watch.account["extent"]
         way = state.q - self._start
         self._evaluated.leave_out_turns(way)
-        extent[NOW] = max(extent[NOW], self._kinetic_energy(t, state, way))
+        extent[NOW] = max(extent[NOW], self._kinetic_energy(external, state, way))
 
 
 def _groups(scene: JoinedScene, runs: Sequence[CableRun]) -> Iterator[_Together]:

@@ -53,9 +53,6 @@ class EvaluatedScene(Protocol):
     @property
     def forces(self) -> Array: ...
 
-    def count_work_in(self, path: Array) -> None:
-        """Count the work of the forces there, in the steps to come; see `scene.path_work`."""
-
     def kinetic_energy(self, q: Array, v: Array) -> float:
         """Of the bodies, with velocities v (n,) at q (n,), the state of the last evaluation [J]."""
 
@@ -95,6 +92,7 @@ class JoinedScene(EvaluatedScene, Protocol):
     remembered: what contacts remember, if there are any.
     initial_state: q and v (size,) at the start.   bodies_of_variable_mass: how many there are.
     parts_in_one: what evaluates bodies and joints, if it is compiled code.
+    path: memory of the work of the forces at evaluations, see `build_path`.
     has_steered_joints: whether functions of the user move joints by what they change between steps.
     """
 
@@ -109,6 +107,7 @@ class JoinedScene(EvaluatedScene, Protocol):
     has_bodies: bool
     bodies_of_variable_mass: int
     parts_in_one: CompiledParts | None
+    path: Array
 
     @property
     def has_steered_joints(self) -> bool: ...

@@ -1,7 +1,7 @@
 """The state of a run before its last steps, to which it returns if they go wrong."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from functools import reduce
+from copy import copy
 from typing import Any, Protocol
 
 import numpy as np
@@ -29,15 +29,26 @@ class KeptState:
     """
 
     def __init__(self, memory: Mapping[str, Any], elsewhere: Elsewhere | None = None) -> None:
+        arrays = list(_arrays(memory))
+        self._copy_of(arrays, np.array([part for array in arrays for part in _parts(array)], np.int64))
         self._elsewhere = elsewhere
-        self._arrays = list(_arrays(memory))
-        blocks = _blocks(self._arrays)
-        ends = np.cumsum(blocks[:, 1])
-        self._copies = np.empty(ends[-1] if len(ends) else 0, np.uint8)
-        places = self._copies.ctypes.data + ends - blocks[:, 1]
-        self._there = np.column_stack([places, blocks])
-        self._back = np.ascontiguousarray(self._there[:, [1, 0, 2]])
         self.keep()
+
+    def _copy_of(self, arrays: Sequence[np.ndarray], parts: np.ndarray) -> None:
+        """Memory for copies of these parts of the arrays.   parts: (k, 2) addresses and sizes [bytes]."""
+        self._arrays, self._parts = arrays, parts.reshape(-1, 2)
+        sizes = self._parts[:, 1]
+        ends = np.cumsum(sizes)
+        self._copies = np.empty(sizes.sum(), np.uint8)
+        self._there = np.column_stack([self._copies.ctypes.data + ends - sizes, self._parts])
+        self._back = self._there[:, [1, 0, 2]].copy()
+
+    def another(self) -> "KeptState":
+        """Copies of the same memory, as it is now."""
+        result = copy(self)
+        result._copy_of(self._arrays, self._parts)
+        result.keep()
+        return result
 
     def keep(self) -> None:
         """Copy the present state."""
@@ -51,21 +62,14 @@ class KeptState:
             self._elsewhere.put_back(self._other)
 
 
-def _blocks(arrays: Sequence[np.ndarray]) -> np.ndarray:
-    """(k, 2) addresses and sizes [bytes] of their parts without gaps."""
-    whole = [[array.ctypes.data, array.nbytes] for array in arrays if array.flags.c_contiguous]
-    blocks = [np.array(whole, dtype=np.int64).reshape(-1, 2)]
-    for array in arrays:
-        if not array.flags.c_contiguous:
-            places = array.ctypes.data + _offsets(array)
-            blocks.append(np.column_stack([places, np.full(array.size, array.itemsize)]))
-    return np.concatenate(blocks)
-
-
-def _offsets(array: np.ndarray) -> np.ndarray:
-    """(size,) of all entries from the first one [bytes]."""
-    along = [stride * np.arange(size) for size, stride in zip(array.shape, array.strides, strict=True)]
-    return reduce(np.add.outer, along).ravel()
+def _parts(array: np.ndarray) -> list[tuple[int, int]]:
+    """Addresses and sizes [bytes] of its parts without gaps."""
+    if array.flags.c_contiguous:
+        return [(array.ctypes.data, array.nbytes)]
+    if array.ndim > 1 and not array[0].flags.c_contiguous:
+        return [part for row in array for part in _parts(row)]
+    first, step, size = array.ctypes.data, array.strides[0], array.nbytes // len(array)
+    return [(first + step * k, size) for k in range(len(array))]
 
 
 @kernel
@@ -80,7 +84,7 @@ def _copy(blocks):
 
 def _arrays(memory: Mapping[str, Any]) -> Iterator[np.ndarray]:
     for part in memory.values():
-        if isinstance(part, Mapping):
+        if isinstance(part, dict):
             yield from _arrays(part)
         else:
             yield part

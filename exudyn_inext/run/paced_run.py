@@ -54,6 +54,10 @@ class PacedRun:
         """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
         raise NotImplementedError
 
+    def present_state(self) -> KeptState:
+        """All that the next steps depend on, as it is now."""
+        return KeptState(self.memory(), self.elsewhere)
+
     def jump_of_places(self, time: float, end: float) -> float:
         """By how much supports or joints leave the present state from `time` to `end` [s] [m, -]."""
         raise NotImplementedError
@@ -117,7 +121,7 @@ class PacedRun:
         """
         good = 0
         begins = self.watch.looks_at_phase and grid.begins_with(first)
-        beginning = KeptState(self.memory(), self.elsewhere) if begins else None
+        beginning = self.present_state() if begins else None
         while good < len(history) and not self.gave_up:
             piece = self.control.next(grid, first + good, len(history) - good if self.looks_ahead else 1)
             if piece is None:

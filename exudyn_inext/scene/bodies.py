@@ -201,7 +201,7 @@ def _matrix_of_blocks(size: int, blocks: Sequence[MassBlock]) -> Any:
     if size <= _DENSE:
         dense: Array = np.zeros((size, size))
         for block in blocks:
-            dense[np.ix_(block.dofs, block.dofs)] = block.mass
+            dense[block.dofs[:, None], block.dofs] = block.mass
         return dense
     rows = [np.repeat(block.dofs, len(block.dofs)) for block in blocks]
     columns = [np.tile(block.dofs, len(block.dofs)) for block in blocks]

@@ -46,8 +46,8 @@ def read_body_records(mbs: Any, bodies: Sequence[Body], coordinates: CoordinateM
         UnknownItemError: one has no compiled form.
     """
     records = np.zeros(len(bodies), BODY)
-    for record, body in zip(records, bodies, strict=True):
-        _read_body(mbs, body, coordinates, q, record)
+    for number, body in enumerate(bodies):
+        _read_body(mbs, body, coordinates, q, records[number : number + 1])
     firsts = set(records["first"].tolist())
     if len(firsts) < len(bodies):
         raise UnknownItemError("two bodies lie on one node")
@@ -63,6 +63,7 @@ def first_order_records(first: int, number: int) -> Any:
 
 
 def _read_body(mbs: Any, body: Body, coordinates: CoordinateMap, q: Array, record: Any) -> None:
+    """record: (1,) output."""
     data = mbs.GetObject(body.number)
     name = described(data, body.number)
     if data["objectType"] not in _OBJECTS:
@@ -77,7 +78,7 @@ def _read_body(mbs: Any, body: Body, coordinates: CoordinateMap, q: Array, recor
         raise UnknownItemError(f"{name} has coordinates that are held")
     reference = np.asarray(node["referenceCoordinates"], dtype=float)
     record["first"], record["translations"], record["rotations"] = places[0], *kind
-    fields = SimpleNamespace(**{name: record[name] for name in BODY.names or ()})  # read faster than records
+    fields = SimpleNamespace(**{name: record[name][0] for name in BODY.names or ()})  # read faster
     fields.reference[: kind[0]] = reference[: kind[0]]
     fields.reference[3 : 3 + kind[1]] = reference[kind[0] :][: kind[1]]
     fields.orientation[:] = np.eye(3)
@@ -88,7 +89,8 @@ def _read_body(mbs: Any, body: Body, coordinates: CoordinateMap, q: Array, recor
         raise UnknownItemError(f"{name}, of which Exudyn does not tell the mass")
     mass = body.initial_mass if body.has_constant_mass else body.mass(mbs)
     fields.mass[:] = mass_in_frame(fields, mass)
-    among = np.ix_(free, free)
+    rows = np.array(free)[:, None]
+    among = rows, rows.T
     own = fields.mass[among]
     with suppress(np.linalg.LinAlgError):
         fields.inverse[among] = inverse = np.linalg.inv(own)
