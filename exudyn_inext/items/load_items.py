@@ -1,11 +1,12 @@
 """Loads of an mbs on the nodes of a cable: constant and user-function ones."""
 
-from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
+from ..loads.function import LoadFunction
 from ..loads.nodal import NodalLoad
 from .functions_of_time import is_of_time_alone
 from .mass_points import mass_of_point, node_of_mass_point
@@ -42,14 +43,14 @@ def _weight_of_mass_point(mbs: Any, data: dict[str, Any], body: dict[str, Any]) 
         return None
     mass = mass_of_point(body)
     gravity, history, is_pure = course_of(mbs, data["loadVectorUserFunction"], data["loadVector"])
-    force = history and (lambda t: mass * np.asarray(history(t), dtype=float))
+    force = history and replace(history, scale=mass)
     return NodalLoad(node, (0, 1, 2), mass * gravity, force, is_pure)
 
 
-def course_of(mbs: Any, user_function: Any, value: Any) -> tuple[Array, Callable[[float], Any] | None, bool]:
+def course_of(mbs: Any, user_function: Any, value: Any) -> tuple[Array, LoadFunction | None, bool]:
     """`constant`, `history` and `is_pure` of a `NodalLoad`, from what Exudyn gives of a load."""
     constant = np.atleast_1d(np.asarray(value, dtype=float))
     if not user_function:
         return constant, None, False
-    function = user_function["function"]
-    return constant, lambda t: function(mbs, t, value), is_of_time_alone(mbs, user_function)
+    history = LoadFunction(user_function["function"], mbs, value)
+    return constant, history, is_of_time_alone(mbs, user_function)

@@ -1,43 +1,24 @@
 """Loads as records, and their functions of time."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...arrays import Array
 from ...items.load_items import course_of
 from ...multibody.loads import LOAD, NONE
-from ...run.cable_loads import as_rows
+from ...run.load_functions import Asked
 from ...run.settings import SAY_OF_TIME
 from .points import Place, PointReader
 from .unknown import UnknownItemError
 
 
-@dataclass(frozen=True, eq=False)
-class LoadFunction:
-    """A load that is a function of time.   name: of it.   at: t [s] -> its components.   scale: of them."""
-
-    name: str
-    at: Callable[[float], Any]
-    scale: float
-    number: int
-
-    def values(self, times: Sequence[float]) -> Array:
-        """(T, 3) at these times [s]; SceneError if they are no finite numbers."""
-        given = as_rows([self.at(t) for t in times], times, self.number, self.name)
-        result = np.zeros((len(given), 3))
-        result[:, : self.number] = self.scale * given
-        return result
-
-
 class KnownLoad(NamedTuple):
-    """record: of a load.   scale: of its components.   function: of time, or None."""
+    """record: of a load.   scale: of its components.   function: that it has, or None."""
 
     record: Any
     scale: float
-    function: LoadFunction | None
+    function: Asked | None
 
 
 def read_load(mbs: Any, number: int, reader: PointReader) -> KnownLoad | None:
@@ -62,7 +43,7 @@ def read_load(mbs: Any, number: int, reader: PointReader) -> KnownLoad | None:
         raise UnknownItemError(
             f"{name}, whose user function may depend on the state (if it does not: {SAY_OF_TIME})"
         )
-    return KnownLoad(record, scale, LoadFunction(name, history, scale, len(constant)))
+    return KnownLoad(record, scale, Asked(replace(history, scale=scale), len(constant), name))
 
 
 def _placed(data: dict[str, Any], name: str, mbs: Any, reader: PointReader) -> tuple[Any, float]:
