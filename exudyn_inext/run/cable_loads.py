@@ -166,7 +166,8 @@ def _require_none(out_of_plane: Sequence[tuple[int, CableLoad]], values: Array) 
     for place, load in out_of_plane:
         column = values[:, place]
         if column.any():
+            value = column[np.flatnonzero(column)[0]]
             raise SceneError(
-                f"load on {load.place} has the z component {column[np.flatnonzero(column)[0]]:g} {load.unit}, "
-                "but its cable is planar: create the cable with dimension=3."
+                f"load on {load.place} has the z component {value:g} {load.unit}, but its cable is "
+                "planar: create the cable with dimension=3."
             )
