@@ -181,21 +181,18 @@ def _read_loads(mbs: Any, on_cables: Container[int], elements: Elements) -> tupl
     weights: list[ElementWeight] = []
     others = []
     for number in range(mbs.systemData.NumberOfLoads()):
-        if (weight := read_weight(mbs, number, elements)) is not None:
+        data = mbs.GetLoad(number)
+        name = f"load {number} '{data['name']}' ({data['loadType']})"
+        if (weight := read_weight(mbs, number, data, elements)) is not None:
             weights.append(weight)
             if weight.follows_state:
-                others.append(_name_of_load(mbs, number))
-        elif _is_of_cables(load := read_load(mbs, number), on_cables):
+                others.append(name)
+        elif _is_of_cables(load := read_load(mbs, number, data), on_cables):
             loads.append(load)
         else:
-            others.append(_name_of_load(mbs, number))
-            _require_numbers(mbs, load, others[-1])
+            others.append(name)
+            _require_numbers(mbs, load, name)
     return loads + put_together(weights), others
-
-
-def _name_of_load(mbs: Any, number: int) -> str:
-    data = mbs.GetLoad(number)
-    return f"load {number} '{data['name']}' ({data['loadType']})"
 
 
 def _is_of_cables(load: NodalLoad | None, on_cables: Container[int]) -> TypeGuard[NodalLoad]:

@@ -30,13 +30,12 @@ def elements_by_nodes(cables: Mapping[int, CableItem]) -> Elements:
     return {nodes[::-1]: element for nodes, element in found.items()} | found
 
 
-def read_weight(mbs: Any, number: int, elements: Elements) -> ElementWeight | None:
-    """Load `number` of mbs as weight of an element, or None if it is something else.
+def read_weight(mbs: Any, number: int, data: dict[str, Any], elements: Elements) -> ElementWeight | None:
+    """Load `number` of mbs as weight of an element, or None if it is something else.   data: of it.
 
     Raises:
         SceneError: a LoadMassProportional acts on what has no mass, and is no companion of an element.
     """
-    data = mbs.GetLoad(number)
     if data["loadType"] != "MassProportional":
         return None
     body = mbs.GetObject(mbs.GetMarker(data["markerNumber"])["bodyNumber"])

@@ -1,6 +1,5 @@
 """Loads as records, and their functions of time."""
 
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +10,9 @@ from ...run.load_functions import Asked
 from ...run.settings import SAY_OF_TIME
 from .points import Place, PointReader
 from .unknown import UnknownItemError
+
+_LOAD = np.zeros(1, LOAD)[0]
+_LOAD["function"] = NONE
 
 
 class KnownLoad(NamedTuple):
@@ -34,8 +36,7 @@ def read_load(mbs: Any, number: int, reader: PointReader) -> KnownLoad | None:
     record, scale = _placed(data, name, mbs, reader)
     value = data["load"] if data["loadType"] == "Coordinate" else data["loadVector"]
     user_function = data.get("loadVectorUserFunction") or data.get("loadUserFunction")
-    constant, history, is_pure = course_of(mbs, user_function, value)
-    record["function"] = NONE
+    constant, history, is_pure = course_of(mbs, user_function, value, scale)
     record["constant"][: len(constant)] = scale * constant
     if history is None:
         return KnownLoad(record, scale, None)
@@ -43,18 +44,18 @@ def read_load(mbs: Any, number: int, reader: PointReader) -> KnownLoad | None:
         raise UnknownItemError(
             f"{name}, whose user function may depend on the state (if it does not: {SAY_OF_TIME})"
         )
-    return KnownLoad(record, scale, Asked(replace(history, scale=scale), len(constant), name))
+    return KnownLoad(record, scale, Asked(history, len(constant), name))
 
 
 def _placed(data: dict[str, Any], name: str, mbs: Any, reader: PointReader) -> tuple[Any, float]:
     """A record without values, and what to multiply these with."""
-    record = np.zeros(1, LOAD)[0]
+    record = _LOAD.copy()
     kind, scale = data["loadType"], 1.0
-    marker = mbs.GetMarker(data["markerNumber"])
     place: Place = reader.marker(int(data["markerNumber"]))
     if kind == "TorqueVector" and not place.has_frame:
         raise UnknownItemError(f"{name} on a marker without a frame")
     if kind == "MassProportional":
+        marker = mbs.GetMarker(data["markerNumber"])
         if marker["markerType"] != "BodyMass":
             raise UnknownItemError(name)
         scale = reader.mass(int(marker["bodyNumber"]))
