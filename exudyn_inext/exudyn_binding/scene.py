@@ -18,12 +18,13 @@ from ..items.attach.markers import REMEDY, unsuitable_items
 from ..items.cable_data import belongs_to_a_cable, find_cable_item
 from ..items.cable_item import supports_of_flags
 from ..items.element_weights import Elements, elements_by_nodes, put_together, read_weight
+from ..items.functions_of_time import functions_at_rest
 from ..items.link_items import read_held_coordinate, read_moving_coordinate, read_rod
 from ..items.load_items import read_load
 from ..items.mass_points import mass_of_point, node_of_mass_point, require_none_connected
 from ..loads.nodal import NodalLoad
 from ..loads.weight import ElementWeight
-from ..run.cable_loads import as_rows
+from ..run.load_functions import Asked, LoadFunctions
 from ..scene.links import MovingCoordinate, Rod, links_of_motions
 from ..scene.model import CableInScene, CableItem, CableLoad, HeldCoordinate, Reaction, Scene
 
@@ -73,9 +74,10 @@ def read_constraint(mbs: Any, number: int, data: dict[str, Any]) -> Constraint |
 
 def read_scene(mbs: Any, read: Callable[..., Constraint | None] = read_constraint) -> Scene:
     """Inextensible cables of an assembled mbs, and what else there is.   read: its constraints."""
-    contents = _contents(mbs, read)
-    cable_of = {node: number for number, item in contents.items.items() for node in item.nodes}
-    loads, other_loads = _read_loads(mbs, cable_of, elements_by_nodes(contents.items))
+    with functions_at_rest(mbs):
+        contents = _contents(mbs, read)
+        cable_of = {node: number for number, item in contents.items.items() for node in item.nodes}
+        loads, other_loads = _read_loads(mbs, cable_of, elements_by_nodes(contents.items))
     foreign = [*contents.others, *_foreign_nodes(mbs, cable_of), *other_loads]
     elsewhere = _take_foreign_constraints(contents.constraints, cable_of)
     foreign += [described(mbs.GetObject(number), number) for number in elsewhere]
@@ -196,21 +198,18 @@ def _read_loads(mbs: Any, on_cables: Container[int], elements: Elements) -> tupl
     weights: list[ElementWeight] = []
     others = []
     for number in range(mbs.systemData.NumberOfLoads()):
-        if (weight := read_weight(mbs, number, elements)) is not None:
+        data = mbs.GetLoad(number)
+        name = f"load {number} '{data['name']}' ({data['loadType']})"
+        if (weight := read_weight(mbs, number, data, elements)) is not None:
             weights.append(weight)
             if weight.follows_state:
-                others.append(_name_of_load(mbs, number))
-        elif _is_of_cables(load := read_load(mbs, number), on_cables):
+                others.append(name)
+        elif _is_of_cables(load := read_load(mbs, number, data), on_cables):
             loads.append(load)
         else:
-            others.append(_name_of_load(mbs, number))
-            _require_numbers(mbs, load, others[-1])
+            others.append(name)
+            _require_numbers(mbs, load, name)
     return loads + put_together(weights), others
-
-
-def _name_of_load(mbs: Any, number: int) -> str:
-    data = mbs.GetLoad(number)
-    return f"load {number} '{data['name']}' ({data['loadType']})"
 
 
 def _is_of_cables(load: NodalLoad | None, on_cables: Container[int]) -> TypeGuard[NodalLoad]:
@@ -223,8 +222,8 @@ def _is_of_cables(load: NodalLoad | None, on_cables: Container[int]) -> TypeGuar
 def _require_numbers(mbs: Any, load: NodalLoad | None, name: str) -> None:
     """Raise SceneError if the user function of a load, asked now, does not return its components."""
     if load is not None and load.history is not None:
-        now = mbs.systemData.GetTime()
-        as_rows([load.history(now)], [now], len(load.constant), name)
+        functions = LoadFunctions([Asked(load.history, len(load.constant), name)])
+        functions.values([mbs.systemData.GetTime()])
 
 
 def _foreign_nodes(mbs: Any, on_cables: Container[int]) -> list[str]:

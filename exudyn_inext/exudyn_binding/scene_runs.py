@@ -8,6 +8,7 @@ from typing import Any
 
 from ..checks import LARGEST
 from ..errors import InextensibleError, InputError, SceneError
+from ..items.functions_of_time import functions_at_rest
 from ..items.parameters import Parameter
 from ..native.coupled_scene import CoupledCable, CoupledScene
 from ..native.surroundings import state_kept, switched_off
@@ -113,8 +114,9 @@ def runs_of_scene(
 
     def coupled_run(held: Mapping[int, HeldCoordinate]) -> CoupledRun:
         own, zeta = scene.own_constraints, explicit.stabilizationRate
-        joined = CoupledScene(mbs, cables, own, zeta, held, moved)
-        return CoupledRun(joined, runs, explicit.method, start, why, end_of_step)
+        with functions_at_rest(mbs):
+            joined = CoupledScene(mbs, cables, own, zeta, held, moved)
+            return CoupledRun(joined, runs, explicit.method, start, why, end_of_step)
 
     why_not = ""
     if scene.held:  # compiled forms take them as joints

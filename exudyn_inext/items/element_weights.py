@@ -30,13 +30,12 @@ def elements_by_nodes(cables: Mapping[int, CableItem]) -> Elements:
     return {nodes[::-1]: element for nodes, element in found.items()} | found
 
 
-def read_weight(mbs: Any, number: int, elements: Elements) -> ElementWeight | None:
-    """Load `number` of mbs as weight of an element, or None if it is something else.
+def read_weight(mbs: Any, number: int, data: dict[str, Any], elements: Elements) -> ElementWeight | None:
+    """Load `number` of mbs as weight of an element, or None if it is something else.   data: of it.
 
     Raises:
         SceneError: a LoadMassProportional acts on what has no mass, and is no companion of an element.
     """
-    data = mbs.GetLoad(number)
     if data["loadType"] != "MassProportional":
         return None
     body = mbs.GetObject(mbs.GetMarker(data["markerNumber"])["bodyNumber"])
@@ -46,8 +45,7 @@ def read_weight(mbs: Any, number: int, elements: Elements) -> ElementWeight | No
         return None
     value, user_function = data["loadVector"], data["loadVectorUserFunction"]
     constant, history, is_pure = course_of(mbs, user_function, value)
-    function = user_function["function"] if user_function else None
-    return ElementWeight(element[0], (element[1],), constant, function, history, is_pure)
+    return ElementWeight(element[0], (element[1],), constant, history, is_pure)
 
 
 def _require_mass(number: int, load: dict[str, Any], body: dict[str, Any]) -> None:
@@ -68,7 +66,8 @@ def put_together(weights: Sequence[ElementWeight]) -> list[ElementWeight]:
     """One weight for all elements of a cable with the same vector and user function."""
     alike: dict[Any, list[ElementWeight]] = {}
     for weight in weights:
-        alike.setdefault((weight.cable, id(weight.function), tuple(weight.constant)), []).append(weight)
+        function = weight.history and weight.history.function
+        alike.setdefault((weight.cable, id(function), tuple(weight.constant)), []).append(weight)
     return [
         replace(same[0], elements=tuple(k for weight in same for k in weight.elements))
         for same in alike.values()

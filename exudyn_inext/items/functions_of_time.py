@@ -2,8 +2,9 @@
 
 import builtins
 import dis
-from collections.abc import Callable, Sequence
-from functools import lru_cache
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import cached_property, lru_cache
 from types import CellType, CodeType, FunctionType, ModuleType
 from typing import Any, NamedTuple
 from warnings import warn_explicit
@@ -23,11 +24,25 @@ _STORING = {"append", "extend", "insert", "pop", "remove", "clear", "update", "s
 DEEPEST = 8  # functions that call each other
 _WARNED: dict[Any, Any] = {}
 _SAID: WeakKeyDictionary[Any, bool | Sequence[Any] | None] = WeakKeyDictionary()  # of each mbs
+_FOUND: WeakKeyDictionary[Any, "_Functions"] = WeakKeyDictionary()  # of each mbs, for a while
 
 
 def take_word(mbs: Any, said: bool | Sequence[Callable[..., Any]] | None) -> None:
     """From now on, `is_of_time_alone` believes what settings say.   said: see `ExplicitSettings`."""
     _SAID[mbs] = said
+
+
+@contextmanager
+def functions_at_rest(mbs: Any) -> Iterator[None]:
+    """While it lasts, functions of the user and what they read do not change: each is looked at once."""
+    if mbs in _FOUND:
+        yield
+        return
+    _FOUND[mbs] = _Functions(mbs)
+    try:
+        yield
+    finally:
+        del _FOUND[mbs]
 
 
 def is_of_time_alone(mbs: Any, user_function: Any) -> bool:
@@ -47,9 +62,9 @@ def is_of_time_alone(mbs: Any, user_function: Any) -> bool:
         return said
     if not isinstance(function, FunctionType):
         return False
-    code = function.__code__
-    is_pure = code.co_argcount > 0 and not _reads(code, code.co_varnames[0]) and _is_pure(function, 0)
-    return is_pure and not _has_sensor_functions(mbs) and not _is_steered(function, step_functions(mbs))
+    code, found = function.__code__, _FOUND.get(mbs) or _Functions(mbs)
+    is_pure = code.co_argcount > 0 and not _reads(code, code.co_varnames[0]) and found.is_pure(function)
+    return is_pure and not found.is_of_sensors and not _is_steered(function, found.steering)
 
 
 def step_functions(mbs: Any) -> list[Any]:
@@ -60,7 +75,7 @@ def step_functions(mbs: Any) -> list[Any]:
 
 def _is_steered(function: FunctionType, steering: Sequence[Any], depth: int = 0) -> bool:
     """Whether step functions store into variables, lists or arrays of a function around this one."""
-    own = {id(one) for one in _shared(function)}
+    own = {id(one) for one in _shared(function)} if steering else set()
     for other in steering:
         if not isinstance(other, FunctionType) or depth >= DEEPEST:
             continue
@@ -153,27 +168,92 @@ def _reads(code: CodeType, name: str) -> bool:
     return any(name in value if isinstance(value, tuple) else name == value for value in loads)
 
 
-def _is_pure(function: FunctionType, depth: int) -> bool:
-    """Whether it reads only data and pure functions, and stores nothing outside."""
-    known = known_to(function)
-    if known is None:
-        return False
-    codes = _all_codes(function.__code__)
-    outer = frozenset().union(*(_looked_at(code).outer for code in codes))
-    data = {name for name in outer if _is_data(known.get(name))}
-    if data and data & _stored_in(function.__globals__):
-        return False
-    return all(_is_pure_code(code, known, depth) for code in codes)
+class _Functions:
+    """What is found of the functions of an mbs, while these and what they read do not change.
+
+    steering: see `step_functions`.
+    """
+
+    def __init__(self, mbs: Any) -> None:
+        self._mbs, self.steering = mbs, step_functions(mbs)
+        self._called: dict[FunctionType, Sequence[FunctionType] | None] = {}
+        self._read: dict[tuple[CodeType, int], list[Any] | None] = {}
+        self._stored: dict[int, set[str]] = {}
+
+    @cached_property
+    def is_of_sensors(self) -> bool:
+        """Whether functions of sensors may change what others read."""
+        return _has_sensor_functions(self._mbs)
+
+    def is_pure(self, function: FunctionType) -> bool:
+        """Whether it, and what it calls, read only data and such functions, and store nothing outside."""
+        reached, ahead = set[FunctionType](), [function]
+        while ahead:
+            one = ahead.pop()
+            if one in reached:
+                continue
+            reached.add(one)
+            if one not in self._called:
+                self._called[one] = self._called_by(one)
+            called = self._called[one]
+            if called is None:
+                return False
+            ahead += called
+        return True
+
+    def _called_by(self, function: FunctionType) -> Sequence[FunctionType] | None:
+        """Python functions that it reads from outside; None if it does what a pure one cannot do."""
+        around = _around(function)
+        if around is None:
+            return None
+        called: list[FunctionType] = []
+        for code in _all_codes(function.__code__):
+            of_module, looked = self._of_module(code, function.__globals__), _looked_at(code)
+            if of_module is None:
+                return None
+            cells = {name: around[name] for name in looked.free if name in around}
+            if not all(_is_pure_value(name, value) for name, value in cells.items()):
+                return None
+            values = of_module + list(cells.values())
+            if looked.stores and any(isinstance(value, list | dict | np.ndarray) for value in values):
+                return None
+            called += filter(_is_of_user, values)
+        return called
+
+    def _of_module(self, code: CodeType, module: dict[str, Any]) -> list[Any] | None:
+        """Values that code reads of its module, and built-in ones; None as of `_called_by`."""
+        key = code, id(module)
+        if key not in self._read:
+            self._read[key] = self._read_of_module(_looked_at(code), module)
+        return self._read[key]
+
+    def _read_of_module(self, found: "_Code", module: dict[str, Any]) -> list[Any] | None:
+        if found.is_open:
+            return None
+        names = [name for name in found.outer if name in module or hasattr(builtins, name)]
+        values = {name: module[name] if name in module else getattr(builtins, name) for name in names}
+        data = {name for name, value in values.items() if _is_data(value)}
+        if data and id(module) not in self._stored:
+            self._stored[id(module)] = _stored_in(module)
+        if data and data & self._stored[id(module)]:
+            return None
+        is_pure = all(_is_pure_value(name, value) for name, value in values.items())
+        return list(values.values()) if is_pure else None
 
 
-def known_to(function: FunctionType) -> dict[str, Any] | None:
-    """Values of the names that a function reads from outside; None if one has no value yet."""
+def _around(function: FunctionType) -> dict[str, Any] | None:
+    """Values of the variables of functions around it that a function reads; None if one has no value yet."""
     try:
         cells = [cell.cell_contents for cell in function.__closure__ or ()]
     except ValueError:
         return None
-    inner = dict(zip(function.__code__.co_freevars, cells, strict=True))
-    return {**vars(builtins), **function.__globals__, **inner}
+    return dict(zip(function.__code__.co_freevars, cells, strict=True))
+
+
+def known_to(function: FunctionType) -> dict[str, Any] | None:
+    """Values of the names that a function reads from outside; None if one has no value yet."""
+    around = _around(function)
+    return None if around is None else {**vars(builtins), **function.__globals__, **around}
 
 
 def package_of(value: Any) -> str:
@@ -194,34 +274,32 @@ def _stored_in(module: dict[str, Any]) -> set[str]:
     return names
 
 
-def _all_codes(code: CodeType) -> list[CodeType]:
+@lru_cache(maxsize=256)
+def _all_codes(code: CodeType) -> tuple[CodeType, ...]:
     """The code, and what is defined within it."""
     inner = [const for const in code.co_consts if isinstance(const, CodeType)]
-    return [code, *(found for const in inner for found in _all_codes(const))]
+    return code, *(found for const in inner for found in _all_codes(const))
 
 
-def _is_pure_code(code: CodeType, known: dict[str, Any], depth: int) -> bool:
-    found = _looked_at(code)
-    if found.is_open:
-        return False
-    values = {name: known[name] for name in found.outer | found.free if name in known}
-    if not all(_is_pure_value(name, value, depth) for name, value in values.items()):
-        return False
-    reads_lists = any(isinstance(value, list | dict | np.ndarray) for value in values.values())
-    return not (found.stores and reads_lists)
-
-
-def _is_pure_value(name: str, value: Any, depth: int) -> bool:
-    """Whether a value that code reads from outside depends on nothing else."""
+def _is_pure_value(name: str, value: Any) -> bool:
+    """Whether a value that code reads from outside depends on nothing else, or is a function of the user."""
     if isinstance(value, ModuleType):
         return package_of(value) in _TRUSTED
     if _is_data(value):
         return True
-    if package_of(value if getattr(value, "__module__", None) else type(value)) in _TRUSTED:
+    if _is_trusted(value):
         return not isinstance(value, np.ndarray)
-    if isinstance(value, FunctionType):
-        return depth < DEEPEST and _is_pure(value, depth + 1)
-    return name in _BUILTINS and value is getattr(builtins, name, None)
+    is_builtin = name in _BUILTINS and value is getattr(builtins, name, None)
+    return is_builtin or isinstance(value, FunctionType)
+
+
+def _is_of_user(value: Any) -> bool:
+    return isinstance(value, FunctionType) and not _is_trusted(value)
+
+
+def _is_trusted(value: Any) -> bool:
+    """Whether it, or its type, is of a package that depends on nothing else."""
+    return package_of(value if getattr(value, "__module__", None) else type(value)) in _TRUSTED
 
 
 def _is_data(value: Any) -> bool:

@@ -1,11 +1,11 @@
 """Loads of an mbs on the nodes of a cable: constant and user-function ones."""
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
+from ..loads.function import LoadFunction
 from ..loads.nodal import NodalLoad
 from .functions_of_time import is_of_time_alone
 from .mass_points import mass_of_point, node_of_mass_point
@@ -13,9 +13,8 @@ from .mass_points import mass_of_point, node_of_mass_point
 _POSITION_MARKERS = {"NodePosition", "NodeRigid"}
 
 
-def read_load(mbs: Any, number: int) -> NodalLoad | None:
-    """Load `number` of mbs, or None if it is of a kind that is not supported."""
-    data = mbs.GetLoad(number)
+def read_load(mbs: Any, number: int, data: dict[str, Any]) -> NodalLoad | None:
+    """Load `number` of mbs, or None if it is of a kind that is not supported.   data: of it."""
     marker = mbs.GetMarker(data["markerNumber"])
     kinds = (data["loadType"], marker["markerType"])
     if kinds[0] == "ForceVector" and kinds[1] in _POSITION_MARKERS and not data["bodyFixed"]:
@@ -41,15 +40,19 @@ def _weight_of_mass_point(mbs: Any, data: dict[str, Any], body: dict[str, Any]) 
     if node < 0:
         return None
     mass = mass_of_point(body)
-    gravity, history, is_pure = course_of(mbs, data["loadVectorUserFunction"], data["loadVector"])
-    force = history and (lambda t: mass * np.asarray(history(t), dtype=float))
-    return NodalLoad(node, (0, 1, 2), mass * gravity, force, is_pure)
+    gravity, history, is_pure = course_of(mbs, data["loadVectorUserFunction"], data["loadVector"], mass)
+    return NodalLoad(node, (0, 1, 2), mass * gravity, history, is_pure)
 
 
-def course_of(mbs: Any, user_function: Any, value: Any) -> tuple[Array, Callable[[float], Any] | None, bool]:
-    """`constant`, `history` and `is_pure` of a `NodalLoad`, from what Exudyn gives of a load."""
+def course_of(
+    mbs: Any, user_function: Any, value: Any, scale: float = 1.0
+) -> tuple[Array, LoadFunction | None, bool]:
+    """`constant`, `history` and `is_pure` of a `NodalLoad`, from what Exudyn gives of a load.
+
+    scale: of what its function returns, not of its constant.
+    """
     constant = np.atleast_1d(np.asarray(value, dtype=float))
     if not user_function:
         return constant, None, False
-    function = user_function["function"]
-    return constant, lambda t: function(mbs, t, value), is_of_time_alone(mbs, user_function)
+    history = LoadFunction(user_function["function"], mbs, value, scale)
+    return constant, history, is_of_time_alone(mbs, user_function)

@@ -1,13 +1,14 @@
 """A generalised force on a node: constant, or a function of time."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import Array
 from ..cable.cable import Cable
+from .function import LoadFunction
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,15 +18,15 @@ class NodalLoad:
     node: node number.
     coordinates: the nodal coordinate that each component acts on.
     constant: (m,) components [N, Nm].
-    history: t -> its components as the user function returns them, or None if the load is constant.
-    is_pure: whether the history depends on the time alone, so that it may be asked ahead of time.
+    history: its user function, or None if the load is constant.
+    is_pure: whether that one depends on the time alone, so that it may be asked ahead of time.
     number: of the load in its mbs.
     """
 
     node: int
     coordinates: tuple[int, ...]
     constant: Array
-    history: Callable[[float], Any] | None
+    history: LoadFunction | None
     is_pure: bool = False
     number: int = -1
 

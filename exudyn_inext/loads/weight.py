@@ -1,13 +1,14 @@
 """Gravity of some elements of a cable: constant, or a function of time."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from ..arrays import Array
 from ..cable.cable import Cable
+from .function import LoadFunction
 from .gravity import gravity_force
 
 
@@ -16,15 +17,13 @@ class ElementWeight:
     """Gravity of some elements of a cable.
 
     cable: number of its object.   elements: which ones; one that is named twice has it twice.
-    constant: (3,) gravity acceleration [m/s^2].   function: its user function, or None.
-    history, is_pure: see `NodalLoad`.
+    constant: (3,) gravity acceleration [m/s^2].   history, is_pure: see `NodalLoad`.
     """
 
     cable: int
     elements: tuple[int, ...]
     constant: Array
-    function: Any
-    history: Callable[[float], Any] | None
+    history: LoadFunction | None
     is_pure: bool
 
     unit: ClassVar[str] = "m/s^2"

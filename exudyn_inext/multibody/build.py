@@ -23,7 +23,7 @@ class FunctionOfTime(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class KnownItems:
-    """All but the cables: records, and functions of time that rows and loads refer to, three numbers each."""
+    """All but the cables: records, and functions of time that rows refer to, three numbers each."""
 
     bodies: Any
     points: Any

@@ -17,6 +17,7 @@ from ..multibody.scene import (
     subtract_inertia_forces,
 )
 from ..run.compiled_scene import CompiledScene, SceneLoads, cables_of_scene
+from ..run.load_functions import LoadFunctions
 from ..run.parts_in_one import CompiledParts
 from ..scene.bodies import bodies_rates
 from .known.contacts import disturb
@@ -79,7 +80,7 @@ def compiled_form(
     if len(known.rows) != len(scene.system.foresight):
         raise UnknownItemError("equations of joints")
     chains = [system for system, _ in scene.groups]
-    acting = SceneLoads(loads, known.functions)
+    acting = SceneLoads(loads, known.functions, LoadFunctions(numbers.functions))
     native = scene.system
     still = _held_coordinates(scene.cables)
     cables = cables_of_scene(scene.groups, loads)

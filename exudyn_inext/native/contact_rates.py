@@ -13,7 +13,7 @@ from typing import Any
 
 import exudyn
 import numpy as np
-from scipy.sparse import csr_array, vstack
+from scipy.sparse import csr_array
 
 from ..arrays import Array
 from ..element.shape_functions import first_derivatives, shape_functions
@@ -81,31 +81,31 @@ def open_contacts(
         mbs: assembled.   coordinates: of the coupled parts.   size: number of coordinates of all parts.
         implicit: see `JoinedScene.open_contacts`.
     """
-    data = mbs.systemData
-    numbers = range(data.NumberOfObjects() if data.DataSize() else 0)
-    contacts = [_read(mbs, number, coordinates, implicit) for number in numbers]
+    data, reference = mbs.systemData, exudyn.ConfigurationType.Reference
+    gaps = np.array(data.GetDataCoordinates())
+    numbers = range(data.NumberOfObjects() if len(gaps) else 0)
+    contacts = [_read(mbs, number, gaps, coordinates, implicit) for number in numbers]
     found = [contact for contact in contacts if contact is not None]
     if not found:
         return None
+    q = np.add(data.GetODE2Coordinates(), data.GetODE2Coordinates(reference))
     lengths: dict[int, float] = {}
     for contact in found:
         lengths[contact.marker] = lengths.get(contact.marker, 0.0) + contact.length
     circles = {marker: _Circle(mbs, marker) for marker in lengths}
-    motions = []
+    blocks = []
     for contact in found:
         turn = 2.0 * np.pi * contact.radius
         share = float(np.sqrt(min(1.0, turn / lengths[contact.marker])))
-        motions.append(_motion(mbs, contact, circles[contact.marker], share, coordinates, size))
+        blocks.append(_motion(q, contact, circles[contact.marker], share, coordinates))
     stiffness, damping = (
         np.concatenate([np.tile(contact.strengths(names), contact.segments) for contact in found])
         for names in (STIFFNESSES, DAMPINGS)
     )
     stiffness *= np.repeat(np.concatenate([contact.is_open for contact in found]), 2)
-    motion = vstack(motions, format="csr")
-    are_implicit = [np.full(2 * contact.segments, contact.is_implicit) for contact in found]
-    closed = ClosedContacts(
-        motion, _of_others(motion, np.concatenate(are_implicit), implicit), stiffness, damping
-    )
+    motion = _below_each_other(blocks, size)
+    are_implicit = np.repeat([contact.is_implicit for contact in found], [2 * one.segments for one in found])
+    closed = ClosedContacts(motion, _of_others(motion, are_implicit, implicit), stiffness, damping)
     return OpenContacts(closed, _name(found), STIFFNESSES, DAMPINGS)
 
 
@@ -114,6 +114,8 @@ def _of_others(motion: Any, are_implicit: np.ndarray, implicit: np.ndarray) -> A
 
     implicit: see `JoinedScene.open_contacts`.
     """
+    if not are_implicit.any():
+        return motion
     entries = motion.tocoo()
     of_cables = (implicit[:, np.newaxis] + np.arange(4)).ravel()
     is_left_out = are_implicit[entries.row] & np.isin(entries.col, of_cables)
@@ -130,8 +132,13 @@ def _require_finite(contact: _OpenContact) -> None:
         )
 
 
-def _read(mbs: Any, number: int, coordinates: CoordinateMap, implicit: np.ndarray) -> _OpenContact | None:
-    """The contact that this object is, or None if it is none that counts; arguments: see `open_contacts`."""
+def _read(
+    mbs: Any, number: int, gaps: Array, coordinates: CoordinateMap, implicit: np.ndarray
+) -> _OpenContact | None:
+    """The contact that this object is, or None if it is none that counts.
+
+    gaps: data coordinates of mbs.   Other arguments: see `open_contacts`.
+    """
     data = mbs.GetObject(number)
     if data["objectType"] not in WITH_CIRCLES or not data["activeConnector"]:
         return None
@@ -140,7 +147,7 @@ def _read(mbs: Any, number: int, coordinates: CoordinateMap, implicit: np.ndarra
     if body["objectType"] != "ANCFCable2D":
         return None
     segments, length = int(data["numberOfContactSegments"]), float(body["length"])
-    gaps = np.array(mbs.systemData.GetDataCoordinates())[mbs.systemData.GetObjectLTGData(number)[:segments]]
+    gaps = gaps[mbs.systemData.GetObjectLTGData(number)[:segments]]
     element = np.array(mbs.systemData.GetObjectLTGODE2(cable), dtype=int)
     is_implicit = coordinates.place(int(element[0])) in implicit
     counts = (gaps > 0.0) | is_implicit
@@ -181,14 +188,13 @@ class _Circle:
 
 
 def _motion(
-    mbs: Any, contact: _OpenContact, circle: _Circle, share: float, coordinates: CoordinateMap, size: int
-) -> Any:
-    """(2 segments, size) relative velocities of the segments' middles and the circle, sparse.
+    q: Array, contact: _OpenContact, circle: _Circle, share: float, coordinates: CoordinateMap
+) -> tuple[Array, np.ndarray]:
+    """(2 segments, k) relative velocities of the segments' middles and the circle, and the k coordinates.
 
-    Of each segment across and along the cable.   share: of the circle's velocity that counts [-].
+    Of each segment across and along the cable.   q: of the system.   share: of the circle's velocity that
+    counts [-].
     """
-    reference = exudyn.ConfigurationType.Reference
-    q = np.add(mbs.systemData.GetODE2Coordinates(), mbs.systemData.GetODE2Coordinates(reference))
     nodal = q[contact.element].reshape(4, 2)
     axes = _across_and_along(contact.slopes @ nodal)
     away = contact.middles @ nodal - circle.centre
@@ -200,9 +206,18 @@ def _motion(
     count = 2 * contact.segments
     block = np.hstack([of_cable.reshape(count, -1), -share * of_circle.reshape(count, -1)])
     places = np.array([coordinates.place(int(c)) for c in (*contact.element, *circle.columns)])
-    block, places = block[:, places >= 0], places[places >= 0]  # others are held
-    rows, columns = np.indices(block.shape)
-    return csr_array((block.ravel(), (rows.ravel(), places[columns.ravel()])), shape=(count, size))
+    return block[:, places >= 0], places[places >= 0]  # others are held
+
+
+def _below_each_other(blocks: Sequence[tuple[Array, np.ndarray]], size: int) -> Any:
+    """(m, size) rows of blocks that have these columns, sparse."""
+    ends = np.cumsum([len(block) for block, _ in blocks])
+    rows = [
+        np.repeat(np.arange(end - len(b), end), b.shape[1]) for end, (b, _) in zip(ends, blocks, strict=True)
+    ]
+    columns = np.concatenate([np.tile(places, len(block)) for block, places in blocks])
+    values = np.concatenate([block.ravel() for block, _ in blocks])
+    return csr_array((values, (np.concatenate(rows), columns)), shape=(int(ends[-1]), size))
 
 
 def _across_and_along(tangents: Array) -> Array:

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from ..loads.gravity import gravity_force
 from ..loads.nodal import NodalLoad
 from ..loads.weight import ElementWeight
 from ..scene.model import CableInScene, CableLoad
+from .load_functions import Asked, LoadFunctions
 from .settings import SAY_OF_TIME
 from .step_control import Piece
 
@@ -22,37 +22,6 @@ from .step_control import Piece
 def _at_rest(motion: Motion, dim: int) -> Array:
     """(3 dim,) p, p_t, p_tt of a motion that rests; zero for one that does not."""
     return motion.at(0.0).ravel() if motion.rests else np.zeros(3 * dim)
-
-
-def as_rows(returned: list[Any], times: Sequence[float], number: int, name: str) -> Array:
-    """(T, number) what a user function returned at these times [s]; name: of its load, for messages.
-
-    Raises:
-        SceneError: names the first that is not so many finite numbers.
-    """
-    try:
-        values = np.array(returned).reshape(len(times), -1)
-    except (TypeError, ValueError, OverflowError):
-        values = np.zeros((0, 0))
-    if values.shape == (len(times), number) and values.dtype.kind in "fiu" and np.isfinite(values).all():
-        return values.astype(float)
-    rows = [_as_row(value) for value in returned]
-    for row, value, t in zip(rows, returned, times, strict=True):
-        if row.shape != (number,) or not np.isfinite(row).all():
-            raise SceneError(
-                f"the user function of {name} returned {value!r} at "
-                f"t = {t:g} s: must return {number} finite number(s)."
-            )
-    return np.stack(rows)
-
-
-def _as_row(value: Any) -> Array:
-    """(m,) numbers; (0,) if they are none."""
-    try:
-        row = np.ravel(np.asarray(value))
-        return row.astype(float) if row.dtype.kind in "fiu" else np.zeros(0)
-    except (TypeError, ValueError, OverflowError):
-        return np.zeros(0)
 
 
 class CableLoads:
@@ -71,6 +40,8 @@ class CableLoads:
         self._motions = [motion for motion in motions if not motion.rests]
         self._loads = cable.loads
         self._histories = [load for load in cable.loads if load.history is not None]
+        self._functions = LoadFunctions([_asked(load) for load in self._histories])
+        self._out_of_plane = self._columns_out_of_plane(self._histories)
         self._steady = [(load, self._patterns(load)) for load in cable.loads if load.history is None]
         self._alone = self.constant.copy()  # without loads
         self._add_steady()
@@ -81,8 +52,7 @@ class CableLoads:
 
     def _add_steady(self) -> None:
         for load, patterns in self._steady:
-            (components,) = self._components(load, [0.0])
-            for pattern, value in zip(patterns, components, strict=True):
+            for pattern, value in zip(patterns, self._components_at(load, 0.0), strict=True):
                 self.constant += value * pattern
 
     def change(self, number: int, components: Array) -> bool:
@@ -109,7 +79,7 @@ class CableLoads:
         total = np.tile(self._item.gravity, (shape[0], 1))
         for load in self._loads:
             if isinstance(load, ElementWeight):
-                total += load.gravity(self._components(load, [time])[0], shape)
+                total += load.gravity(self._components_at(load, time), shape)
         return total
 
     @property
@@ -143,34 +113,30 @@ class CableLoads:
 
     def factors(self, times: list[float]) -> Array:
         """(T, P) of all load histories and motions."""
-        columns = [self._components(load, times) for load in self._histories]
-        columns += [np.array([motion.at(t).ravel() for t in times]) for motion in self._motions]
-        return np.concatenate(columns, axis=1) if columns else np.zeros((len(times), 0))
+        values = self._functions.values(times)
+        _require_none(self._out_of_plane, values)
+        columns = [np.array([motion.at(t).ravel() for t in times]) for motion in self._motions]
+        return np.concatenate([values, *columns], axis=1)
 
     def jump_of_places(self, time: float, end: float) -> float:
         """Largest way of a support from `time` to `end` [s] [m]."""
         ways = [motion.at(end)[0] - motion.at(time)[0] for motion in self._motions]
         return max((float(np.linalg.norm(way)) for way in ways), default=0.0)
 
-    def _components(self, load: CableLoad, times: list[float]) -> Array:
-        """(T, m) components of a load.
+    def _components_at(self, load: CableLoad, time: float) -> Array:
+        """(m,) components of a load."""
+        values = load.constant[np.newaxis]
+        if load.history is not None:
+            values = LoadFunctions([_asked(load)]).values([time])
+        _require_none(self._columns_out_of_plane([load]), values)
+        components: Array = values[0]
+        return components
 
-        Raises:
-            SceneError: the user function returns something else, or a force out of the cable's plane.
-        """
-        if load.history is None:
-            values = np.tile(load.constant, (len(times), 1))
-        else:
-            returned, name = [load.history(t) for t in times], f"the load on {load.place}"
-            values = as_rows(returned, times, len(load.constant), name)
-        for component, column in enumerate(values.T):
-            if not load.is_in_space(component, self._dimension) and column.any():
-                value = column[np.flatnonzero(column)[0]]
-                raise SceneError(
-                    f"load on {load.place} has the z component {value:g} {load.unit}, but its cable is "
-                    "planar: create the cable with dimension=3."
-                )
-        return values
+    def _columns_out_of_plane(self, loads: Sequence[CableLoad]) -> list[tuple[int, CableLoad]]:
+        """Which of all components of these loads leave the cable's plane; and whose they are."""
+        components = [(load, k) for load in loads for k in range(len(load.constant))]
+        dim = self._dimension
+        return [(place, load) for place, (load, k) in enumerate(components) if not load.is_in_space(k, dim)]
 
     def _motion_patterns(self, n_dof: int, motions: list[Motion]) -> list[Array]:
         """One unit row a component of p, p_t, p_tt of each motion."""
@@ -187,3 +153,21 @@ class CableLoads:
         patterns = np.zeros((len(forces), len(self.constant)))
         patterns[:, : forces.shape[1]] = forces
         return patterns
+
+
+def _asked(load: CableLoad) -> Asked:
+    """A load that has a user function."""
+    assert load.history is not None
+    return Asked(load.history, len(load.constant), f"the load on {load.place}", load.is_pure)
+
+
+def _require_none(out_of_plane: Sequence[tuple[int, CableLoad]], values: Array) -> None:
+    """SceneError if there is a force out of a cable's plane.   values: (T, m) of all components."""
+    for place, load in out_of_plane:
+        column = values[:, place]
+        if column.any():
+            value = column[np.flatnonzero(column)[0]]
+            raise SceneError(
+                f"load on {load.place} has the z component {value:g} {load.unit}, but its cable is "
+                "planar: create the cable with dimension=3."
+            )

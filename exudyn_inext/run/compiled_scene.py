@@ -35,6 +35,7 @@ from ..multibody.sliding import BEYOND, PLACE
 from ..scene.joints import NOT_FINITE, dependent_row, not_independent
 from ..system import accelerate_and_project, index_reduced_rates
 from .cable_loads import CableLoads
+from .load_functions import LoadFunctions
 from .moved_offsets import MovedOffset
 
 FEW = 50  # states
@@ -43,20 +44,27 @@ ChangedItem = tuple[str, int, str]  # kind, number, name of the parameter
 
 
 class SceneLoads:
-    """What acts on the cables of a scene, with functions of time behind it; see `CableLoads`."""
+    """What acts on the cables of a scene, with functions of time behind it; see `CableLoads`.
 
-    def __init__(self, loads: Sequence[CableLoads], functions: Sequence[FunctionOfTime]) -> None:
-        self._loads, self._functions = loads, functions
+    functions: of joints.   of_loads: those of loads on bodies and cables. Each has three values.
+    """
+
+    def __init__(
+        self, loads: Sequence[CableLoads], functions: Sequence[FunctionOfTime], of_loads: LoadFunctions
+    ) -> None:
+        self._loads, self._functions, self._of_loads = loads, functions, of_loads
+        number = len(functions) + len(of_loads.numbers)
+        self._is_given = (np.arange(3) < of_loads.numbers[:, np.newaxis]).ravel()
         parts = [of_cable.constant for of_cable in loads]
-        self.constant: Array = np.concatenate([*parts, np.zeros(3 * len(functions))])
-        rows = sum(len(of_cable.pattern) for of_cable in loads) + 3 * len(functions)
+        self.constant: Array = np.concatenate([*parts, np.zeros(3 * number)])
+        rows = sum(len(of_cable.pattern) for of_cable in loads) + 3 * number
         self.pattern = np.zeros((rows, len(self.constant)))
         row = column = 0
         for of_cable in loads:
             rows, columns = of_cable.pattern.shape
             self.pattern[row : row + rows, column : column + columns] = of_cable.pattern
             row, column = row + rows, column + columns
-        self.pattern[row:, column:] = np.eye(3 * len(functions))
+        self.pattern[row:, column:] = np.eye(3 * number)
 
     def at(self, t: float) -> Array:
         """(n_external,) at t [s]."""
@@ -72,9 +80,19 @@ class SceneLoads:
 
     def factors(self, times: list[float]) -> Array:
         """(T, P) of all that depends on the time."""
+        of_loads = np.zeros((len(times), len(self._is_given)))
+        of_loads[:, self._is_given] = self._of_loads.values(times)
         columns = [loads.factors(times) for loads in self._loads if len(loads.pattern)]
-        columns += [load.values(times) for load in self._functions]
+        return np.concatenate([*columns, self._of_joints(times), of_loads], axis=1)
+
+    def _of_joints(self, times: list[float]) -> Array:
+        columns = [function.values(times) for function in self._functions]
         return np.concatenate(columns, axis=1) if columns else np.zeros((len(times), 0))
+
+    def of_joints(self, t: float) -> Array:
+        """(F,) values of the functions of joints at t [s]."""
+        values: Array = self._of_joints([t])[0]
+        return values
 
     def sample(self, times: Array) -> LoadHistory:
         """History of steps.   times: (steps, stages) [s]."""
@@ -365,8 +383,7 @@ class CompiledScene:
 
     def violation(self, t: float, q: Array) -> float:
         """Largest |c| of the joints [m, -]."""
-        functions = self.loads.at(t)[len(self.system.cable_force) :]
-        return float(self._violation(self.system.items, functions, q))
+        return float(self._violation(self.system.items, self.loads.of_joints(t), q))
 
     def power_of_joints(self) -> float:
         """See `EvaluatedScene`."""

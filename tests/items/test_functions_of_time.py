@@ -8,7 +8,7 @@ import pytest
 from exudyn.itemInterface import MarkerNodePosition, NodePoint, SensorUserFunction
 from exudyn.utilities import SmoothStep
 
-from exudyn_inext.items.functions_of_time import is_of_time_alone, take_word
+from exudyn_inext.items.functions_of_time import functions_at_rest, is_of_time_alone, take_word
 
 AMPLITUDE, TABLE, TARGET = 2.0, np.linspace(0.0, 1.0, 5), {"mbs": exudyn}
 COUNT, MEMORY, WANTED = 2.0, np.zeros(3), {"force": 0.0}
@@ -209,3 +209,25 @@ def test_a_function_that_step_functions_steer_is_none(stores):
     assert is_of_time_alone(mbs, {"function": function})
     mbs.SetPreStepUserFunction(between)
     assert is_of_time_alone(mbs, {"function": function}) is not stores
+
+
+def test_what_a_function_reads_is_looked_at_again_once_it_may_have_changed(mbs):
+    given = 3.0
+
+    def function(mbs, t, load):
+        return [given, 0, 0]
+
+    with functions_at_rest(mbs):
+        assert is_of_time_alone(mbs, as_given(function))
+    given = exudyn
+    assert not is_of_time_alone(mbs, as_given(function))
+    with functions_at_rest(mbs):
+        assert not is_of_time_alone(mbs, as_given(function))
+
+
+def test_functions_of_one_code_are_judged_by_what_each_reads(mbs):
+    with functions_at_rest(mbs):
+        of_time = [
+            is_of_time_alone(mbs, as_given(closure(given))) for given in (1.0, exudyn, sine, following)
+        ]
+    assert of_time == [True, False, True, False]

@@ -73,7 +73,8 @@ def same_weights(run: CoupledRun, scene: Scene) -> bool:
 
 
 def _weights(cable: CableInScene) -> list[Any]:
-    return [(w.elements, w.constant, w.function) for w in cable.loads if isinstance(w, ElementWeight)]
+    weights = [load for load in cable.loads if isinstance(load, ElementWeight)]
+    return [(one.elements, one.constant, one.history and one.history.function) for one in weights]
 
 
 def _same(one: Any, other: Any) -> bool:

@@ -43,7 +43,7 @@ def refuse_weights(item: CableItem) -> Callable[[Any], None]:
 
     def check(mbs: Any) -> None:
         for load in range(mbs.systemData.NumberOfLoads()):
-            if read_weight(mbs, load, elements) is not None:
+            if read_weight(mbs, load, mbs.GetLoad(load), elements) is not None:
                 raise SceneError(
                     f"load {load} '{mbs.GetLoad(load)['name']}' (MassProportional) acts on a companion, "
                     "which has no mass under native solvers: give the inextensible cable its gravity=..., "

@@ -37,8 +37,9 @@ class ContactReader:
         self._reader = reader
         self._row_of = {number: row for row, number in enumerate(checked)}
         self._segments = 0
-        self._records: list[Any] = []
+        self._records: list[dict[str, Any]] = []
         self._weights: list[Array] = []
+        self._weights_of: dict[tuple[int, float], Array] = {}  # of so many segments, of an element so long
 
     def adds(self, number: int) -> bool:
         """Whether the object is a contact that acts; UnknownItemError if that has no compiled form."""
@@ -49,27 +50,31 @@ class ContactReader:
         return True
 
     def _add(self, data: dict[str, Any], number: int) -> None:
-        name, record = described(data, number), np.zeros(1, CONTACT)[0]
         circle, shape = data["markerNumbers"]
         marker, place = self._mbs.GetMarker(shape), self._reader.marker(circle)
-        record.has_friction = "Friction" in data["objectType"]
-        if record.has_friction and not (place.has_frame and np.array_equal(place.turn, np.eye(3))):
-            raise UnknownItemError(f"{name}, whose circle has no frame of its own")
-        record.circle = place.point
-        record.nodes[:] = self._reader.nodes_of_element(marker["bodyNumber"])
-        record.segments = segments = int(data["numberOfContactSegments"])
-        record.first = self._segments
-        self._segments += segments
-        record.place = self._mbs.systemData.GetObjectLTGData(number)[0]
-        record.pointwise = not data.get("useSegmentNormals", True)
-        record.checked = self._row_of.get(number, -1)
-        for field, parameter in _NAMES.items():
-            setattr(record, field, data.get(parameter, 0.0))
+        has_friction = "Friction" in data["objectType"]
+        if has_friction and not (place.has_frame and np.array_equal(place.turn, np.eye(3))):
+            raise UnknownItemError(f"{described(data, number)}, whose circle has no frame of its own")
+        segments = int(data["numberOfContactSegments"])
         length = float(self._mbs.GetObject(marker["bodyNumber"])["length"])
-        record.length, record.height = length / segments, marker["verticalOffset"]
-        self._records.append(record)
-        xi = np.linspace(0.0, 1.0, segments + 1)
-        self._weights.append(np.stack([shape_functions(xi, length), first_derivatives(xi, length)]).T)
+        fields = {
+            "circle": place.point,
+            "nodes": self._reader.nodes_of_element(marker["bodyNumber"]),
+            "segments": segments,
+            "first": self._segments,
+            "place": self._mbs.systemData.GetObjectLTGData(number)[0],
+            "has_friction": has_friction,
+            "pointwise": not data.get("useSegmentNormals", True),
+            "checked": self._row_of.get(number, -1),
+            "length": length / segments,
+            "height": marker["verticalOffset"],
+        }
+        parameters = {field: data.get(parameter, 0.0) for field, parameter in _NAMES.items()}
+        self._records.append(fields | parameters)
+        self._segments += segments
+        if (segments, length) not in self._weights_of:
+            self._weights_of[segments, length] = _weights(segments, length)
+        self._weights.append(self._weights_of[segments, length])
 
     def contacts(self, sums: Array) -> Any:
         """All of them, as they are at the start of a run.   sums: (checked, 4) memory, see `Contacts`."""
@@ -79,19 +84,28 @@ class ContactReader:
         ends["weights"] = np.concatenate(self._weights).transpose(0, 2, 1)
         segments = np.zeros(self._segments, SEGMENT)
         data = np.array([self._mbs.systemData.GetDataCoordinates(exudyn.ConfigurationType.Initial)] * 2)
-        records = np.array(self._records, CONTACT)
+        records = np.zeros(len(self._records), CONTACT)
+        for field in self._records[0]:
+            records[field] = [one[field] for one in self._records]
         return Contacts(records, ends, segments, data, data[:1].copy(), sums, np.zeros(1, np.int64))
+
+
+def _weights(segments: int, length: float) -> Array:
+    """(segments + 1, 4, 2) shape functions and their derivatives at the ends of the segments."""
+    xi = np.linspace(0.0, 1.0, segments + 1)
+    return np.stack([shape_functions(xi, length), first_derivatives(xi, length)]).T
 
 
 def disturb(contacts: Any, random: np.random.Generator) -> None:
     """Let data be those of random contacts, each with a segment that touches, wherever it is."""
-    for record in contacts.records:
-        gaps = slice(record.place, record.place + record.segments)
-        contacts.data[:, gaps] = random.uniform(-1.0, 0.5, record.segments)
-        contacts.data[:, record.place] = -1.0
-        if record.has_friction:
-            states, places = (
-                slice(gaps.stop + k * record.segments, gaps.stop + (k + 1) * record.segments) for k in (0, 1)
-            )
-            contacts.data[:, states] = random.integers(-2, 2, record.segments)
-            contacts.data[:, places] = record.radius * random.uniform(-1.0, 1.0, record.segments)
+    records = contacts.records
+    names = ("place", "segments", "has_friction", "radius")
+    for place, segments, has_friction, radius in zip(
+        *(records[name].tolist() for name in names), strict=True
+    ):
+        gaps, states, places = (slice(place + k * segments, place + (k + 1) * segments) for k in range(3))
+        contacts.data[:, gaps] = random.uniform(-1.0, 0.5, segments)
+        contacts.data[:, place] = -1.0
+        if has_friction:
+            contacts.data[:, states] = random.integers(-2, 2, segments)
+            contacts.data[:, places] = radius * random.uniform(-1.0, 1.0, segments)

@@ -25,6 +25,8 @@ from .unknown import UnknownItemError, require_no_functions
 
 X, Y, Z = range(3)
 _OFFSET_FUNCTIONS = ("offsetUserFunction", "offsetUserFunction_t")
+_ROW = np.zeros(1, ROW)[0]
+_ROW["factor"], _ROW["entry"], _ROW["function"], _ROW["turning"] = 1.0, -1, -1, -1
 _OFFSETS = {"ConnectorCoordinate": "offset", "ConnectorDistance": "distance"}
 
 
@@ -41,11 +43,10 @@ class _Joint:
     is_moved: bool = False
 
     def row(self, kind: int, **fields: Any) -> Any:
-        row = np.zeros(1, ROW)[0]
+        row = _ROW.copy()
         row["points"] = [place.point for place in self.places]
-        row["entry"] = row["function"] = row["turning"] = -1
-        given = {"kind": kind, "factor": 1.0, **fields}
-        for name, value in given.items():
+        row["kind"] = kind
+        for name, value in fields.items():
             row[name] = value
         return row
 
@@ -230,8 +231,11 @@ def _joint(data: dict[str, Any], name: str, reader: PointReader, has_frames: boo
     places = tuple(reader.marker(number) for number in data["markerNumbers"])
     if has_frames and not all(place.has_frame for place in places):
         raise UnknownItemError(f"{name} between markers without frames")
-    axes = [place.turn @ data.get(f"rotationMarker{k}", np.eye(3)) for k, place in enumerate(places)]
-    return _Joint(places, np.array(axes))  # type: ignore[arg-type]
+    axes = np.array([place.turn for place in places])
+    for k, own in enumerate(axes):
+        if f"rotationMarker{k}" in data:
+            own[:] = own @ data[f"rotationMarker{k}"]
+    return _Joint(places, axes)  # type: ignore[arg-type]
 
 
 def _spherical(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:

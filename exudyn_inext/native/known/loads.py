@@ -1,43 +1,26 @@
 """Loads as records, and their functions of time."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...arrays import Array
 from ...items.load_items import course_of
 from ...multibody.loads import LOAD, NONE
-from ...run.cable_loads import as_rows
+from ...run.load_functions import Asked
 from ...run.settings import SAY_OF_TIME
 from .points import Place, PointReader
 from .unknown import UnknownItemError
 
-
-@dataclass(frozen=True, eq=False)
-class LoadFunction:
-    """A load that is a function of time.   name: of it.   at: t [s] -> its components.   scale: of them."""
-
-    name: str
-    at: Callable[[float], Any]
-    scale: float
-    number: int
-
-    def values(self, times: Sequence[float]) -> Array:
-        """(T, 3) at these times [s]; SceneError if they are no finite numbers."""
-        given = as_rows([self.at(t) for t in times], times, self.number, self.name)
-        result = np.zeros((len(given), 3))
-        result[:, : self.number] = self.scale * given
-        return result
+_LOAD = np.zeros(1, LOAD)[0]
+_LOAD["function"] = NONE
 
 
 class KnownLoad(NamedTuple):
-    """record: of a load.   scale: of its components.   function: of time, or None."""
+    """record: of a load.   scale: of its components.   function: that it has, or None."""
 
     record: Any
     scale: float
-    function: LoadFunction | None
+    function: Asked | None
 
 
 def read_load(mbs: Any, number: int, reader: PointReader) -> KnownLoad | None:
@@ -53,8 +36,7 @@ def read_load(mbs: Any, number: int, reader: PointReader) -> KnownLoad | None:
     record, scale = _placed(data, name, mbs, reader)
     value = data["load"] if data["loadType"] == "Coordinate" else data["loadVector"]
     user_function = data.get("loadVectorUserFunction") or data.get("loadUserFunction")
-    constant, history, is_pure = course_of(mbs, user_function, value)
-    record["function"] = NONE
+    constant, history, is_pure = course_of(mbs, user_function, value, scale)
     record["constant"][: len(constant)] = scale * constant
     if history is None:
         return KnownLoad(record, scale, None)
@@ -62,18 +44,18 @@ def read_load(mbs: Any, number: int, reader: PointReader) -> KnownLoad | None:
         raise UnknownItemError(
             f"{name}, whose user function may depend on the state (if it does not: {SAY_OF_TIME})"
         )
-    return KnownLoad(record, scale, LoadFunction(name, history, scale, len(constant)))
+    return KnownLoad(record, scale, Asked(history, len(constant), name))
 
 
 def _placed(data: dict[str, Any], name: str, mbs: Any, reader: PointReader) -> tuple[Any, float]:
     """A record without values, and what to multiply these with."""
-    record = np.zeros(1, LOAD)[0]
+    record = _LOAD.copy()
     kind, scale = data["loadType"], 1.0
-    marker = mbs.GetMarker(data["markerNumber"])
     place: Place = reader.marker(int(data["markerNumber"]))
     if kind == "TorqueVector" and not place.has_frame:
         raise UnknownItemError(f"{name} on a marker without a frame")
     if kind == "MassProportional":
+        marker = mbs.GetMarker(data["markerNumber"])
         if marker["markerType"] != "BodyMass":
             raise UnknownItemError(name)
         scale = reader.mass(int(marker["bodyNumber"]))

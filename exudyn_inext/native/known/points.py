@@ -1,5 +1,6 @@
 """Markers as points: of the ground, of bodies, of cables."""
 
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,6 +27,8 @@ class Place(NamedTuple):
 
 
 _ALONG = np.eye(3)
+_POINT = np.zeros(1, POINT)[0]
+_POINT["orientation"] = _ALONG
 
 
 class PointReader:
@@ -47,6 +50,7 @@ class PointReader:
         self._of_nodes = {int(body["first"]): number for number, body in enumerate(bodies)}
         self._points: list[Any] = []
         self._known: dict[int, Place] = {}
+        self._nodes: dict[int, tuple[list[int], dict[str, Any]]] = {}
 
     @property
     def records(self) -> Any:
@@ -145,7 +149,9 @@ class PointReader:
         return float(self._bodies[self._of_bodies[number]].mass[0, 0])
 
     def _of_node(self, number: int) -> tuple[list[int], dict[str, Any]]:
-        return self._mbs.systemData.GetNodeLTGODE2(number), self._mbs.GetNode(number)
+        if number not in self._nodes:
+            self._nodes[number] = self._mbs.systemData.GetNodeLTGODE2(number), self._mbs.GetNode(number)
+        return self._nodes[number]
 
     def _on_node(self, number: int, has_frame: bool) -> Place:
         places, node = self._of_node(number)
@@ -223,11 +229,8 @@ class PointReader:
         return self._add(point, has_frame=True)
 
     def _weighted(self, first: int, dim: int, weights: list[float]) -> Place:
-        point = _new(ON_CABLE, first, len(weights) * dim)
-        point["dimension"] = dim
-        point["weights"][: len(weights)] = weights
-        for k, weight in enumerate(weights):
-            point["along"][:dim, k * dim : (k + 1) * dim] = weight * _ALONG[:dim, :dim]
+        point = _on_axis(dim, *weights).copy()
+        point["first"] = first
         return self._add(point)
 
     def coordinate(self, number: int, which: int) -> Place:
@@ -245,7 +248,17 @@ class PointReader:
 
 
 def _new(kind: int, first: int = 0, width: int = 0) -> Any:
-    point = np.zeros(1, POINT)[0]
+    point = _POINT.copy()
     point["kind"], point["first"], point["width"] = kind, first, width
-    point["orientation"] = _ALONG
+    return point
+
+
+@lru_cache(maxsize=64)
+def _on_axis(dim: int, *weights: float) -> Any:
+    """A point on the axis of a cable, by these weights of its coordinates; the first one is not set."""
+    point = _new(ON_CABLE, width=len(weights) * dim)
+    point["dimension"] = dim
+    point["weights"][: len(weights)] = weights
+    for k, weight in enumerate(weights):
+        point["along"][:dim, k * dim : (k + 1) * dim] = weight * _ALONG[:dim, :dim]
     return point

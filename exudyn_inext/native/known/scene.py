@@ -7,10 +7,11 @@ import numpy as np
 
 from ...arrays import Array, collected
 from ...items.attach.inert import is_inert_cable
-from ...multibody.build import FunctionOfTime, KnownItems
+from ...multibody.build import KnownItems
 from ...multibody.connectors import CONNECTOR
 from ...multibody.loads import LOAD, NONE
 from ...run.compiled_scene import ChangedItem
+from ...run.load_functions import Asked
 from ...run.moved_offsets import MovedOffset
 from ..bodies import Body
 from ..coordinates import CoordinateMap
@@ -65,7 +66,7 @@ def read_known_items(
     reader = PointReader(mbs, coordinates, on_cables, records, of_bodies)
     rows, functions, of_moved, sliders = read_rows(mbs, joints, reader, moved)
     done = {*of_bodies, *elsewhere, *(joint.number for joint in joints)}
-    items = KnownNumbers(mbs, reader, functions, of_moved)
+    items = KnownNumbers(mbs, reader, 3 * len(functions), of_moved)
     touching = ContactReader(mbs, reader, friction.numbers)
     if has_forces:
         for number in range(mbs.systemData.NumberOfObjects()):
@@ -80,28 +81,22 @@ def read_known_items(
         if len(contacts.records):
             raise UnknownItemError("GeneralContact beside other contact of cables")
         contacts = general
-    known = records, reader.records, sliders, rows, springs, loads, contacts, items.functions
+    known = records, reader.records, sliders, rows, springs, loads, contacts, functions
     return KnownItems(*known), items
 
 
 class KnownNumbers:
     """Connectors and loads as records, by their numbers, so that they can be read again.
 
-    connectors, loads: records, in the order in which they were added.   functions: of time, to which those of
-    the loads are added.   moved: offsets that are set between steps.
+    connectors, loads: records, in the order in which they were added.   moved: offsets that are set between
+    steps.   functions: those of loads; each has three values, which follow the `others` of functions of time.
     """
 
-    def __init__(
-        self,
-        mbs: Any,
-        reader: PointReader,
-        functions: Sequence[FunctionOfTime],
-        moved: Mapping[int, MovedOffset],
-    ) -> None:
-        self._mbs, self._reader, self.moved = mbs, reader, moved
+    def __init__(self, mbs: Any, reader: PointReader, others: int, moved: Mapping[int, MovedOffset]) -> None:
+        self._mbs, self._reader, self._others, self.moved = mbs, reader, others, moved
         self.connectors: list[Any] = []
         self.loads: list[Any] = []
-        self.functions = list(functions)
+        self.functions: list[Asked] = []
         self._springs: dict[int, tuple[int, KnownConnector]] = {}  # place of each, by its number
         self._forces: dict[int, tuple[int, KnownLoad]] = {}
 
@@ -120,7 +115,7 @@ class KnownNumbers:
         if read is None:
             return
         if read.function is not None:
-            read.record.function = 3 * len(self.functions)
+            read.record.function = self._others + 3 * len(self.functions)
             self.functions.append(read.function)
         self._forces[number] = len(self.loads), read
         self.loads.append(read.record)

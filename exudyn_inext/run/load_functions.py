@@ -1,0 +1,99 @@
+"""User functions of many loads, evaluated together."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+from ..errors import SceneError
+from ..loads.function import LoadFunction
+
+
+class Asked(NamedTuple):
+    """A load with a user function.   number: of its components.   name: of the load, for messages.
+
+    is_pure: whether nothing but the time decides on what the function returns.
+    """
+
+    function: LoadFunction
+    number: int
+    name: str
+    is_pure: bool = True
+
+
+class LoadFunctions:
+    """Of several loads; a function of the time that they share is called once for all.
+
+    numbers: of the components of each load.
+    """
+
+    def __init__(self, loads: Sequence[Asked]) -> None:
+        self._loads = loads
+        self.numbers = np.array([load.number for load in loads], dtype=int)
+        places: dict[Any, int] = {}
+        self._place = [places.setdefault(_key(load), len(places)) for load in loads]
+        self._called = [loads[self._place.index(k)].function for k in range(len(places))]
+        self._scales = np.repeat(np.array([load.function.scale for load in loads], float), self.numbers)
+
+    def values(self, times: Sequence[float]) -> Array:
+        """(T, sum of numbers) the components of all loads, one after the other, at these times [s].
+
+        Raises:
+            SceneError: see `as_rows`.
+        """
+        if not self._loads:
+            return np.zeros((len(times), 0))
+        calls = [(one.function, one.mbs, one.value) for one in self._called]
+        returned = [[function(mbs, t, value) for function, mbs, value in calls] for t in times]
+        if len(calls) < len(self._loads):
+            returned = [[row[place] for place in self._place] for row in returned]
+        rows = self._of_one_kind(returned)
+        return self._scales * (self._one_by_one(returned, times) if rows is None else rows)
+
+    def _of_one_kind(self, returned: list[list[Any]]) -> Array | None:
+        """All values, if each load has as many components, and all of these are numbers; otherwise None."""
+        shape = len(returned), len(self._loads)
+        values = _as_array(returned)
+        if values is None or values.shape[:2] != shape or values.size != shape[0] * self.numbers.sum():
+            return None
+        return values.reshape(shape[0], -1) if (self.numbers == self.numbers[0]).all() else None
+
+    def _one_by_one(self, returned: list[list[Any]], times: Sequence[float]) -> Array:
+        columns = zip(self._loads, zip(*returned, strict=True), strict=True)
+        return np.hstack([as_rows(list(own), times, load.number, load.name) for load, own in columns])
+
+
+def _key(load: Asked) -> Any:
+    """Equal for loads of which the function may be called once."""
+    function = load.function
+    return (function.function, *np.ravel(function.value).tolist()) if load.is_pure else id(load)
+
+
+def as_rows(returned: list[Any], times: Sequence[float], number: int, name: str) -> Array:
+    """(T, number) what a user function returned at these times [s]; name: of its load, for messages.
+
+    Raises:
+        SceneError: names the first that is not so many finite numbers.
+    """
+    values = _as_array(returned)
+    if values is not None and values.size == number * len(times):
+        return values.reshape(len(times), number)
+    for value, t in zip(returned, times, strict=True):
+        row = _as_array(value)
+        if row is None or row.size != number:
+            raise SceneError(
+                f"the user function of {name} returned {value!r} at "
+                f"t = {t:g} s: must return {number} finite number(s)."
+            )
+    return np.array([np.ravel(value) for value in returned], dtype=float)
+
+
+def _as_array(returned: Any) -> Array | None:
+    """Finite numbers as an array; None if it is something else."""
+    try:
+        values = np.array(returned)
+    except (TypeError, ValueError, OverflowError):
+        return None
+    is_number = values.dtype.kind in "fiub" and np.isfinite(values).all()
+    return values.astype(float) if is_number else None
