@@ -8,6 +8,7 @@ from itertools import accumulate
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
+from scipy.sparse.linalg import splu
 
 from .arrays import Array
 
@@ -54,11 +55,24 @@ def _one_below_another(blocks: Sequence[csr_array], columns: Sequence[int], widt
     return csr_array((data, *places), shape=(len(places[1]) - 1, width))
 
 
-def bordered(model: csr_array, jacobian: csr_array) -> csc_array:
-    """[B J^T; J 0]."""
-    (number, size), of_model, of_rows = jacobian.shape, rows_of(model), rows_of(jacobian)
-    below = of_rows + np.int32(size)
-    rows = np.concatenate([of_model, below, jacobian.indices])
+def bordered(model: csr_array, jacobian: csr_array) -> tuple[np.ndarray, np.ndarray, Array]:
+    """Rows, columns and values of the entries of [B J^T; J 0]."""
+    of_rows = rows_of(jacobian)
+    below = of_rows + np.int32(jacobian.shape[1])
+    rows = np.concatenate([rows_of(model), below, jacobian.indices])
     columns = np.concatenate([model.indices, jacobian.indices, below])
-    values = np.concatenate([model.data, jacobian.data, jacobian.data])
-    return csc_array((values, (rows, columns)), shape=(size + number, size + number))
+    return rows, columns, np.concatenate([model.data, jacobian.data, jacobian.data])
+
+
+def order_of(rows: np.ndarray, columns: np.ndarray, number: int) -> np.ndarray:
+    """(n,) the place of each unknown in an order of elimination that fills few entries, of least degree.
+
+    rows, columns: (E,) entries of a symmetric pattern.   number: n.
+    """
+    own = np.arange(number)
+    places = np.append(rows, own), np.append(columns, own)
+    values = np.append(np.full(len(rows), -1.0), np.full(number, 1.0 + len(rows)))
+    options = {"SymmetricMode": True}
+    matrix = csc_array((values, places), shape=(number, number))
+    found = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    return np.asarray(found.perm_c, dtype=np.int64)

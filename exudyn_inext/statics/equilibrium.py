@@ -67,10 +67,12 @@ def _step(potential: StaticSystem, q: Array, multipliers: Array, shift: float) -
     zero, found = np.zeros(jacobian.shape[0]), None
     for model in _models(potential, q, multipliers, shift):
         try:
-            direction, new = solve(factorise(model, jacobian), force, zero)
+            direction, new = solve(factorise(model, jacobian, potential.order), force, zero)
         except RuntimeError:  # singular
             continue
-        slope = -float(force @ direction)
+        slope = -float(
+            direction @ (model @ direction)
+        )  # force @ direction, less the round-off of J @ direction
         if np.isfinite(slope) and slope < 0.0:
             found = direction, new, slope
             if cautious(potential, direction.reshape(q.shape)) > SHORT:

@@ -21,6 +21,7 @@ class Constrained(Protocol):
     """What is moved onto its constraints, see `StaticSystem`."""
 
     metric: csr_array
+    order: np.ndarray
 
     def turn(self, step: Array) -> float: ...
 
@@ -37,6 +38,7 @@ class WithStrains:
 
     def __init__(self, potential: StaticSystem, q: Array, step: Array) -> None:
         self._potential, self.metric, self.turn = potential, potential.metric, potential.turn
+        self.order = potential.order
         self._foreseen = potential.strains(q) + potential.strain_rows(q) @ step.ravel()
 
     def values(self, q: Array) -> Array:
@@ -75,7 +77,7 @@ def feasible(
         if float(np.abs(values).max(initial=0.0)) <= tolerance:
             break
         try:
-            factor = factor or factorise(potential.metric, potential.jacobian(q))
+            factor = factor or factorise(potential.metric, potential.jacobian(q), potential.order)
         except RuntimeError:  # constraints depend on each other here
             break
         step = solve(factor, np.zeros(q.size), -values)[0].reshape(q.shape)

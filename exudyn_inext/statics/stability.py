@@ -26,7 +26,8 @@ def smallest_eigenvalue(potential: StaticSystem, q: Array, multipliers: Array) -
         return np.inf, np.zeros(q.size)
     zero = np.zeros(jacobian.shape[0])
     try:
-        inverse, project = factorise(hessian, jacobian), factorise(potential.mass, jacobian)
+        inverse = factorise(hessian, jacobian, potential.order)
+        project = factorise(potential.mass, jacobian, potential.order)
     except RuntimeError:  # singular: something moves without any force
         return 0.0, np.zeros(q.size)
     vector, _ = solve(project, np.random.default_rng(1).standard_normal(q.size), zero)
