@@ -4,6 +4,7 @@ SciPy's own ways to put them together take longer than to solve with them, if th
 """
 
 from collections.abc import Sequence
+from copy import copy
 from itertools import accumulate
 
 import numpy as np
@@ -17,16 +18,17 @@ class Pattern:
     """Where entries are; those in one place are added.   rows, columns: (E,).   shape: of the matrix."""
 
     def __init__(self, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]) -> None:
-        self._shape = shape
         place, self._slot = np.unique(rows.astype(np.int64) * shape[1] + columns, return_inverse=True)
         row, column = np.divmod(place, max(shape[1], 1))
-        self._columns = column.astype(np.int32)
-        self._start = np.searchsorted(row, np.arange(shape[0] + 1)).astype(np.int32)
+        start = np.searchsorted(row, np.arange(shape[0] + 1))
+        places = column.astype(np.int32), start.astype(np.int32)
+        self._matrix = csr_array((np.zeros(len(column)), *places), shape=shape)
 
     def matrix(self, values: Array) -> csr_array:
         """Of entries (E,); zeros among them are kept."""
-        data = np.bincount(self._slot, values, len(self._columns))
-        return csr_array((data, self._columns, self._start), shape=self._shape)
+        result = copy(self._matrix)  # shares the places, which are checked once
+        result.data = np.bincount(self._slot, values, len(result.indices)).astype(float, copy=False)
+        return result
 
 
 def rows_of(matrix: csr_array) -> np.ndarray:

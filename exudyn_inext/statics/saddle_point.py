@@ -48,10 +48,11 @@ def factorise(model: csr_array, jacobian: csr_array, order: np.ndarray | None = 
     """
     number, size = jacobian.shape
     total = size + number
-    rows, columns, values = bordered(model, jacobian)
     if total <= FEW:
         dense = np.zeros((total, total), order="F")
-        dense[rows, columns] = values
+        dense[:size, :size] = model.toarray()
+        dense[size:, :size] = below = jacobian.toarray()
+        dense[:size, size:] = below.T
         lu, pivots, is_singular = dgetrf(dense, overwrite_a=True)
         if is_singular:
             raise RuntimeError("the matrix is singular")
@@ -61,6 +62,7 @@ def factorise(model: csr_array, jacobian: csr_array, order: np.ndarray | None = 
     np.maximum.at(last, rows_of(jacobian), order[jacobian.indices])
     places = np.empty(total, np.int32)
     places[np.argsort(np.append(order, last + 0.5), kind="stable")] = np.arange(total)
+    rows, columns, values = bordered(model, jacobian)
     matrix = csc_array((values, (places[rows], places[columns])), shape=(total, total))
     return Factor(splu(matrix, **_OPTIONS), places)
 

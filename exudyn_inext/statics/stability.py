@@ -31,16 +31,17 @@ def smallest_eigenvalue(potential: StaticSystem, q: Array, multipliers: Array) -
     except RuntimeError:  # singular: something moves without any force
         return 0.0, np.zeros(q.size)
     vector, _ = solve(project, np.random.default_rng(1).standard_normal(q.size), zero)
-    basis = np.zeros((rows, q.size))
+    basis, images = np.zeros((2, rows, q.size))  # images: mass times basis
     reduced = np.zeros((rows, rows))
     values = vectors = np.zeros((0, 0))
     for row in range(rows):
         for _ in range(2):
-            vector = vector - basis[:row].T @ (basis[:row] @ (potential.mass @ vector))
-        norm = np.sqrt(vector @ (potential.mass @ vector))
-        basis[row] = vector / norm
-        vector, _ = solve(inverse, potential.mass @ basis[row], zero)
-        reduced[row, : row + 1] = basis[: row + 1] @ (potential.mass @ vector)
+            vector = vector - basis[:row].T @ (images[:row] @ vector)
+        image = potential.mass @ vector
+        norm = np.sqrt(vector @ image)
+        basis[row], images[row] = vector / norm, image / norm
+        vector, _ = solve(inverse, images[row], zero)
+        reduced[row, : row + 1] = images[: row + 1] @ vector
         if row == rows - 1 or row % BETWEEN == BETWEEN - 1:
             before, (values, vectors) = values, eigh(reduced[: row + 1, : row + 1], lower=True)
             if len(before) and _are_settled(before, values):
