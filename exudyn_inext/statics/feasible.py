@@ -71,9 +71,10 @@ def feasible(
 
     Newton's method with steps that are smallest in the metric of mass and bending, shortened until the
     sum of squares falls. The Jacobian is kept as long as a step leaves less than `LEFT` of the violation.
+    Where steps must still be shortened after half of them, there is no way back.
     """
     values, factor = potential.values(q), None
-    for _ in range(most):
+    for attempt in range(most):
         if float(np.abs(values).max(initial=0.0)) <= tolerance:
             break
         try:
@@ -81,13 +82,15 @@ def feasible(
         except RuntimeError:  # constraints depend on each other here
             break
         step = solve(factor, np.zeros(q.size), -values)[0].reshape(q.shape)
-        size = cautious(potential, step)
+        size = whole = cautious(potential, step)
         while size > SMALLEST_STEP:
             trial = potential.values(q + size * step)
             if trial @ trial < values @ values:
                 break
             size *= 0.5
         else:
+            break
+        if size < whole and attempt >= most // 2:
             break
         factor = factor if trial @ trial < LEFT**2 * (values @ values) else None
         q, values = q + size * step, trial
