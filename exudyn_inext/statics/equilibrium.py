@@ -83,7 +83,7 @@ def _step(potential: StaticSystem, q: Array, multipliers: Array) -> _Step:
             step, new = solve(factorise(model, jacobian, potential.order), force, zero)
         except RuntimeError:  # singular
             continue
-        fall = float(step @ (model @ step))  # force @ step, without the round-off of jacobian @ step
+        fall = float((step * (model @ step)).sum())  # force @ step, but for round-off of jacobian @ step
         if np.isfinite(fall) and fall > 0.0:
             direction, slope, multipliers = step, -fall, new
             if cautious(potential, step.reshape(q.shape)) > SHORT:

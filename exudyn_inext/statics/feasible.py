@@ -85,16 +85,21 @@ def feasible(
         size = whole = cautious(potential, step)
         while size > SMALLEST_STEP:
             trial = potential.values(q + size * step)
-            if trial @ trial < values @ values:
+            if _square(trial) < _square(values):
                 break
             size *= 0.5
         else:
             break
         if size < whole and attempt >= most // 2:
             break
-        factor = factor if trial @ trial < LEFT**2 * (values @ values) else None
+        factor = factor if _square(trial) < LEFT**2 * _square(values) else None
         q, values = q + size * step, trial
     return q, float(np.abs(values).max(initial=0.0))
+
+
+def _square(values: Array) -> float:
+    """Sum of squares; BLAS would keep other cores awake for it."""
+    return float(np.square(values).sum())
 
 
 def cautious(potential: Constrained, step: Array) -> float:

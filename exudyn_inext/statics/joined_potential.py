@@ -97,7 +97,7 @@ class JoinedPotential:
         pairs = zip(self._parts(q), self._parts(trial), strict=True)
         of_cables = sum(cable.fall(before, after) for (cable, before), (_, after) in pairs)
         mean = 0.5 * (self._others.force(q) + self._others.force(trial))
-        return float(of_cables + mean @ (trial - q))
+        return float(of_cables + (mean * (trial - q)).sum())
 
     def scale_of_energy(self, q: Array) -> float:
         """See `StaticSystem`."""

@@ -46,10 +46,10 @@ def smallest_eigenvalue(potential: StaticSystem, q: Array, multipliers: Array) -
             before, (values, vectors) = values, eigh(reduced[: row + 1, : row + 1], lower=True)
             if len(before) and _are_settled(before, values):
                 break
-    found = basis[: len(values)].T @ vectors
-    is_negative = values[0] < -NEGLIGIBLE * abs(values).max() and found[:, 0] @ (hessian @ found[:, 0]) < 0.0
-    worst = 0 if is_negative else len(values) - 1
-    return float(1.0 / values[worst]), found[:, worst]
+    lowest, highest = (vectors[:, k] @ basis[: len(values)] for k in (0, -1))
+    if values[0] < -NEGLIGIBLE * abs(values).max() and lowest @ (hessian @ lowest) < 0.0:
+        return float(1.0 / values[0]), lowest
+    return float(1.0 / values[-1]), highest
 
 
 def _are_settled(before: Array, values: Array) -> bool:
