@@ -4,10 +4,12 @@ SciPy's own ways to put them together take longer than to solve with them, if th
 """
 
 from collections.abc import Sequence
+from copy import copy
 from itertools import accumulate
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
+from scipy.sparse.linalg import splu
 
 from .arrays import Array
 
@@ -16,16 +18,17 @@ class Pattern:
     """Where entries are; those in one place are added.   rows, columns: (E,).   shape: of the matrix."""
 
     def __init__(self, rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]) -> None:
-        self._shape = shape
         place, self._slot = np.unique(rows.astype(np.int64) * shape[1] + columns, return_inverse=True)
         row, column = np.divmod(place, max(shape[1], 1))
-        self._columns = column.astype(np.int32)
-        self._start = np.searchsorted(row, np.arange(shape[0] + 1)).astype(np.int32)
+        start = np.searchsorted(row, np.arange(shape[0] + 1))
+        places = column.astype(np.int32), start.astype(np.int32)
+        self._matrix = csr_array((np.zeros(len(column)), *places), shape=shape)
 
     def matrix(self, values: Array) -> csr_array:
         """Of entries (E,); zeros among them are kept."""
-        data = np.bincount(self._slot, values, len(self._columns))
-        return csr_array((data, self._columns, self._start), shape=self._shape)
+        result = copy(self._matrix)  # shares the places, which are checked once
+        result.data = np.bincount(self._slot, values, len(result.indices)).astype(float, copy=False)
+        return result
 
 
 def rows_of(matrix: csr_array) -> np.ndarray:
@@ -54,11 +57,24 @@ def _one_below_another(blocks: Sequence[csr_array], columns: Sequence[int], widt
     return csr_array((data, *places), shape=(len(places[1]) - 1, width))
 
 
-def bordered(model: csr_array, jacobian: csr_array) -> csc_array:
-    """[B J^T; J 0]."""
-    (number, size), of_model, of_rows = jacobian.shape, rows_of(model), rows_of(jacobian)
-    below = of_rows + np.int32(size)
-    rows = np.concatenate([of_model, below, jacobian.indices])
+def bordered(model: csr_array, jacobian: csr_array) -> tuple[np.ndarray, np.ndarray, Array]:
+    """Rows, columns and values of the entries of [B J^T; J 0]."""
+    of_rows = rows_of(jacobian)
+    below = of_rows + np.int32(jacobian.shape[1])
+    rows = np.concatenate([rows_of(model), below, jacobian.indices])
     columns = np.concatenate([model.indices, jacobian.indices, below])
-    values = np.concatenate([model.data, jacobian.data, jacobian.data])
-    return csc_array((values, (rows, columns)), shape=(size + number, size + number))
+    return rows, columns, np.concatenate([model.data, jacobian.data, jacobian.data])
+
+
+def order_of(rows: np.ndarray, columns: np.ndarray, number: int) -> np.ndarray:
+    """(n,) the place of each unknown in an order of elimination that fills few entries, of least degree.
+
+    rows, columns: (E,) entries of a symmetric pattern.   number: n.
+    """
+    own = np.arange(number)
+    places = np.append(rows, own), np.append(columns, own)
+    values = np.append(np.full(len(rows), -1.0), np.full(number, 1.0 + len(rows)))
+    options = {"SymmetricMode": True}
+    matrix = csc_array((values, places), shape=(number, number))
+    found = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    return np.asarray(found.perm_c, dtype=np.int64)

@@ -450,7 +450,7 @@ def dense_constraints(cable, q, v, t=0.0):
     found = constraints_of_cable(cable)
     names = sorted(found.rows, key=lambda name: LINKS_LAST.index(name) if name in LINKS_LAST else -1)
     order = np.concatenate([np.zeros(0, int), *(np.arange(found.number)[found.rows[n]] for n in names)])
-    ends = np.cumsum([0, *(found.rows[name].stop - found.rows[name].start for name in names)])
+    ends = np.cumsum([0, *(len(found.rows[name]) for name in names)])
     return DenseConstraints(
         value=found.value(q, t)[order],
         jacobian=found.jacobian(q, t).toarray()[order],

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from scipy.sparse import block_array, block_diag, coo_array, csr_array, random_array, vstack
+from scipy.sparse import block_diag, coo_array, csr_array, random_array, vstack
 
-from exudyn_inext.sparse import Pattern, block_diagonal, bordered, one_below_another
+from exudyn_inext.sparse import Pattern, block_diagonal, one_below_another
 
 SHAPES = [(3, 5), (0, 4), (4, 2)]
 
@@ -32,9 +32,3 @@ def test_blocks_are_put_beside_and_below_each_other():
     np.testing.assert_array_equal(block_diagonal(blocks).toarray(), expected)
     blocks = [some((number, 6), number) for number in (2, 0, 5)]
     np.testing.assert_array_equal(one_below_another(blocks).toarray(), vstack(blocks).toarray())
-
-
-def test_a_matrix_is_bordered_by_constraints():
-    model, jacobian = some((6, 6), 1), some((2, 6), 2)
-    expected = block_array([[model, jacobian.T], [jacobian, None]]).toarray()
-    np.testing.assert_array_equal(bordered(model, jacobian).toarray(), expected)

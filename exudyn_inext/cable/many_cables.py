@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from .chain import Chain
 from .index_reduction import CableSystem
 
 Systems = tuple[Any, list[Any]]
@@ -43,6 +44,15 @@ def _in_one_chain(systems: Sequence[CableSystem]) -> Systems:
     parts = zip(systems, parts_of_nodes, parts_of_elements, strict=True)
     first = systems[0]
     return _with(first, nodes, elements[:-1]), [_with(*part) for part in parts]
+
+
+def in_one(chains: Sequence[Chain]) -> Chain:
+    """One chain of all."""
+    if len(chains) == 1:
+        return chains[0]
+    nodes, _ = _side_by_side([chain.nodes for chain in chains], gap=0)
+    elements, _ = _side_by_side([chain.elements for chain in chains], gap=1)
+    return chains[0]._replace(nodes=nodes, elements=elements[:-1])
 
 
 def _with(system: CableSystem, nodes: Any, elements: Any) -> CableSystem:

@@ -19,49 +19,67 @@ from .constraint_rows import unconstrained_force
 STEP = 1e-3  # of differences [-]
 
 
-def assembled(forms: Array, shape: tuple[int, ...]) -> csr_array:
-    """(n_dof, n_dof) matrix of element forms (N, 4, 4) that act alike in every direction."""
-    return _pattern_of_forms(shape).matrix(np.repeat(forms.ravel(), shape[2]))
+def assembled(forms: Array, nodes: tuple[int, ...], dim: int) -> csr_array:
+    """(n_dof, n_dof) matrix of element forms (N, 4, 4) that act alike in every direction.
+
+    nodes: numbers of them, of cables that follow each other.
+    """
+    return _pattern_of_forms(nodes, dim).matrix(np.repeat(forms.ravel(), dim))
+
+
+def left_nodes(nodes: tuple[int, ...]) -> np.ndarray:
+    """(N,) of all elements of cables that follow each other."""
+    return np.delete(np.arange(sum(nodes)), np.cumsum(nodes) - 1)
 
 
 @lru_cache(maxsize=64)
-def _pattern_of_forms(shape: tuple[int, ...]) -> Pattern:
-    nodes, _, dim = shape
-    places = 2 * np.arange(nodes - 1)[:, None] + np.arange(4)
+def _pattern_of_forms(nodes: tuple[int, ...], dim: int) -> Pattern:
+    places = 2 * left_nodes(nodes)[:, None] + np.arange(4)
     both = np.broadcast_arrays(places[:, :, None], places[:, None, :])
     rows, columns = ((dim * one[..., None] + np.arange(dim)).ravel() for one in both)
-    return Pattern(rows, columns, (2 * nodes * dim, 2 * nodes * dim))
+    return Pattern(rows, columns, (2 * sum(nodes) * dim, 2 * sum(nodes) * dim))
 
 
 def form_of_cable(cable: Cable, form: Callable[[float], Array]) -> csr_array:
     """`assembled` form of all elements of `cable`."""
-    return assembled(forms_of_mesh(form, cable.element_lengths), cable.reference.shape)
+    return assembled(forms_of_mesh(form, cable.element_lengths), (len(cable.reference),), cable.dimension)
+
+
+def masses_of_elements(cable: Cable) -> Array:
+    """(N, 4, 4) point masses included, without mass scaling."""
+    own = cable.section.mass_per_length * forms_of_mesh(mass_matrix, cable.element_lengths)
+    return own + mass_of_points(cable.point_masses, cable.element_lengths)
 
 
 def mass_of_cable(cable: Cable) -> csr_array:
     """(n_dof, n_dof) mass matrix, point masses included, without mass scaling."""
-    own = cable.section.mass_per_length * form_of_cable(cable, mass_matrix)
-    points = mass_of_points(cable.point_masses, cable.element_lengths)
-    return csr_array(own + assembled(points, cable.reference.shape))
+    return assembled(masses_of_elements(cable), (len(cable.reference),), cable.dimension)
 
 
-def elastic_tangent(chain: Chain, q: Array) -> csr_array:
-    """-dQ_el/dq (n_dof, n_dof) at q (n, 2, dim); exact: Q_el is cubic in q, long steps do."""
+def elastic_tangent(chain: Chain, q: Array, nodes: tuple[int, ...] = ()) -> csr_array:
+    """-dQ_el/dq (n_dof, n_dof) at q (n, 2, dim); exact: Q_el is cubic in q, long steps do.
+
+    nodes: numbers of them, of cables in one chain; (): it is one cable.
+    """
 
     def elastic_force(at: Array) -> Array:
         force = np.zeros_like(at)
         add_elastic_force(chain, at, force)
         return force
 
-    return tangent_of(elastic_force, q, step=1.0)
+    return tangent_of(elastic_force, q, nodes, step=1.0)
 
 
 def tangent_of(
-    force: Callable[[Array], Array], q: Array, step: float = STEP, length: float = 1.0
+    force: Callable[[Array], Array],
+    q: Array,
+    nodes: tuple[int, ...] = (),
+    step: float = STEP,
+    length: float = 1.0,
 ) -> csr_array:
     """-dF/dq (n_dof, n_dof) of a smooth force (n, 2, dim) at q, by differences of order four.
 
-    step: of slopes [-], and of positions over a length [m].
+    nodes: see `elastic_tangent`.   step: of slopes [-], and of positions over a length [m].
     """
 
     def apply(x: Array) -> Array:
@@ -69,7 +87,7 @@ def tangent_of(
         near = force(q + h * x) - force(q - h * x)
         return (force(q + 2.0 * h * x) - force(q - 2.0 * h * x) - 8.0 * near) / (12.0 * h)
 
-    return _matrix_of(apply, q.shape)
+    return _matrix_of(apply, nodes or (len(q),), q.shape[2])
 
 
 def damping_tangent(chain: Chain, q: Array) -> csr_array:
@@ -81,29 +99,36 @@ def damping_tangent(chain: Chain, q: Array) -> csr_array:
         unconstrained_force(chain, rest, q, x, force)
         return elastic - force
 
-    return _matrix_of(apply, q.shape)
+    return _matrix_of(apply, (len(q),), q.shape[2])
 
 
-def _matrix_of(apply: Callable[[Array], Array], shape: tuple[int, ...]) -> csr_array:
-    """Matrix (n_dof, n_dof) of x (n, 2, dim) -> apply(x), where only neighbouring nodes interact.
+def _matrix_of(apply: Callable[[Array], Array], nodes: tuple[int, ...], dim: int) -> csr_array:
+    """Matrix (n_dof, n_dof) of x (n, 2, dim) -> apply(x), where only neighbouring nodes of a cable interact.
 
     Nodes three apart do not: all columns are found with 6 dim products.
     """
-    directions, exist, pattern = _products(shape)
+    directions, exist, pattern = _products(nodes, dim)
     images = (apply(direction)[own] for direction, own in zip(directions, exist, strict=True))
     return pattern.matrix(np.concatenate([image.ravel() for image in images]))
 
 
 @lru_cache(maxsize=64)
-def _products(shape: tuple[int, ...]) -> tuple[list[Array], list[np.ndarray], Pattern]:
+def _products(nodes: tuple[int, ...], dim: int) -> tuple[list[Array], list[np.ndarray], Pattern]:
     """The vectors of `_matrix_of`, nodes that their images have, and the places of these."""
-    nodes, _, dim = shape
-    numbers, directions, exist, rows, columns = np.arange(2 * nodes * dim).reshape(shape), [], [], [], []
+    number = sum(nodes)
+    cable = np.append(np.repeat(np.arange(len(nodes)), nodes), -1)
+    numbers, directions, exist, rows, columns = (
+        np.arange(2 * number * dim).reshape(-1, 2, dim),
+        [],
+        [],
+        [],
+        [],
+    )
     for colour, kind, axis in np.ndindex(3, 2, dim):
-        direction = np.zeros(shape)
+        direction = np.zeros(numbers.shape)
         direction[colour::3, kind, axis] = 1.0
-        owner = np.clip(3 * ((np.arange(nodes) - colour + 1) // 3) + colour, 0, None)
-        exists = owner < nodes
+        owner = np.clip(3 * ((np.arange(number) - colour + 1) // 3) + colour, 0, number)
+        exists = cable[owner] == cable[:-1]
         directions.append(direction)
         exist.append(exists)
         rows.append(numbers[exists].ravel())

@@ -51,24 +51,27 @@ class Constraints:
         kinds: each with one row at least.   shape: (n, 2, dim).
 
     Attributes:
-        rows: those of each kind, by its name.   number: of all rows.
+        rows: indices of those of each kind, by its name.   number: of all rows.
     """
 
     def __init__(self, kinds: Sequence[Kind], shape: tuple[int, ...]) -> None:
         self._kinds, self._nodes, self._dim = kinds, 2 * shape[0], shape[2]
         ends = list(accumulate((len(kind.constant) for kind in kinds), initial=0))
         firsts = list(accumulate((len(kind.places) for kind in kinds), initial=0))
-        self.number, vectors = ends[-1], firsts[-1]
-        self.rows = {kind.name: slice(a, b) for kind, a, b in zip(kinds, ends, ends[1:], strict=False)}
+        self.number, vectors, self._ends = ends[-1], firsts[-1], ends
+        own: dict[str, list[np.ndarray]] = {}
+        for kind, a, b in zip(kinds, ends, ends[1:], strict=False):
+            own.setdefault(kind.name, []).append(np.arange(a, b))
+        self.rows = {name: np.concatenate(rows) for name, rows in own.items()}
         self._constant = np.zeros(self.number)
         self._places = np.zeros((vectors, _WIDTH), dtype=np.int64)
         self._weights = np.zeros((vectors, _WIDTH))
         self._points = np.zeros((3, vectors, self._dim))
         for kind, end, first in zip(kinds, ends, firsts, strict=False):
-            own, width = slice(first, first + len(kind.places)), kind.places.shape[1]
+            of, width = slice(first, first + len(kind.places)), kind.places.shape[1]
             self._constant[end : end + len(kind.constant)] = kind.constant
-            self._places[own, :width], self._weights[own, :width] = kind.places, kind.weights
-            self._points[0, own] = kind.points
+            self._places[of, :width], self._weights[of, :width] = kind.places, kind.weights
+            self._points[0, of] = kind.points
         counted = list(zip(kinds, ends, firsts, strict=False))
         self._moving = [(first + y, motion) for kind, _, first in counted for y, motion in kind.moving]
         products = [
@@ -160,5 +163,6 @@ class Constraints:
 
     def describe(self, row: int, node_names: Sequence[Any]) -> tuple[str, str]:
         """The kind of equation `row`, and where it acts, for messages; node_names: (n,) of the nodes."""
-        kind = next(kind for kind in self._kinds if row < self.rows[kind.name].stop)
-        return kind.name, kind.where(row - self.rows[kind.name].start).format(*node_names)
+        k = next(k for k, end in enumerate(self._ends[1:]) if row < end)
+        kind = self._kinds[k]
+        return kind.name, kind.where(row - self._ends[k]).format(*node_names)

@@ -19,7 +19,14 @@ from ..native.surroundings import state_kept, switched_off
 from ..native.velocity_level import at_position_level
 from ..run.cable_loads import CableLoads
 from ..scene.model import CableInScene, Scene, put_reactions
-from ..statics import Equilibrium, JoinedPotential, StaticOptions, find_equilibrium, potential_of
+from ..statics import (
+    Equilibrium,
+    JoinedPotential,
+    StaticOptions,
+    find_equilibrium,
+    potential_of,
+    potentials_of,
+)
 from ..statics.support_forces import support_forces
 from .arguments import settings_of, simulation_settings
 from .reports import StaticReport
@@ -158,7 +165,7 @@ def _solve_cable(mbs: Any, scene_cable: CableInScene, time: float, static: Stati
     options = StaticOptions(static.tolerance, static.maxIterations)
     q, _ = initial_state(mbs, scene_cable)
     for step in range(1, static.loadSteps + 1):
-        potential = potential_of(cable, external * step / static.loadSteps, time)
+        potential = potential_of([cable], external * step / static.loadSteps, time)
         equilibrium = find_equilibrium(potential, q, options)
         q = equilibrium.q
     return equilibrium
@@ -183,13 +190,11 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         joined = CoupledScene(mbs, parts, scene.own_constraints, 0.0, scene.held)
         require_held(joined, [bool(cable.cable.fixed.any() or cable.cable.links) for cable in unloaded])
         others = StaticScene(joined, time)
-        potentials = [
-            potential_of(cable.cable, own.at(time)[: cable.cable.reference.size], time)
-            for cable, own in zip(unloaded, loads, strict=True)
-        ]
+        cables = [cable.cable for cable in unloaded]
+        external = [own.at(time)[: cable.reference.size] for cable, own in zip(cables, loads, strict=True)]
         start, _ = joined.initial_state
         options = StaticOptions(static.tolerance, static.maxIterations)
-        potential = JoinedPotential(potentials, others, start)
+        potential = JoinedPotential(potentials_of(cables, external, time), others, start)
         equilibrium = find_equilibrium(potential, start, options)
         q = equilibrium.q
         reactions = others.reactions(q, equilibrium.multipliers[-len(others.values(q)) or len(q) :])

@@ -84,7 +84,7 @@ def of_constant_length(q: Array, length: float) -> Array:
         straight_lengths=True,
     )
     tolerance = ROUND_OFF * max(length, 1.0)
-    unloaded = potential_of(cable, np.zeros(cable.reference.size), 0.0)
+    unloaded = potential_of([cable], np.zeros(cable.reference.size), 0.0)
     nearest, left = feasible(unloaded, cable.reference, tolerance)
     if left > tolerance:
         raise InputError(

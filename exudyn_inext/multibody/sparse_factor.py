@@ -8,11 +8,10 @@ A column's rows that follow each other are a run: what a column does to later on
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csc_array
-from scipy.sparse.linalg import splu
 
 from ..arrays import Array
 from ..compiled import inlined
+from ..sparse import order_of
 
 FEW = 8  # unknowns whose order does not matter
 
@@ -43,13 +42,8 @@ def find_order(pairs: np.ndarray, number: int) -> np.ndarray:
     """
     if number <= FEW:
         return np.arange(number)
-    column, row = np.divmod(np.unique((pairs * number + pairs[:, ::-1]).ravel()), number)
-    values = np.where(row == column, 2.0, -1.0 / len(pairs))
-    start = np.searchsorted(column, np.arange(number + 1))
-    matrix = csc_array((values, row.astype(np.int32), start.astype(np.int32)), shape=(number, number))
-    options = {"SymmetricMode": True}
-    found = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
-    return np.asarray(found.perm_c, dtype=np.int64)
+    rows, columns = np.concatenate([pairs, pairs[:, ::-1]]).T
+    return order_of(rows, columns, number)
 
 
 def build_factor(pairs: np.ndarray, number: int) -> SparseFactor:

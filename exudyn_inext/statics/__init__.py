@@ -4,7 +4,7 @@ from .equilibrium import Equilibrium, StaticOptions, find_equilibrium
 from .joined_potential import JoinedPotential
 from .potential import Potential
 from .stability import smallest_eigenvalue
-from .stretching import potential_of
+from .stretching import potential_of, potentials_of
 
 __all__ = [
     "Equilibrium",
@@ -13,5 +13,6 @@ __all__ = [
     "StaticOptions",
     "find_equilibrium",
     "potential_of",
+    "potentials_of",
     "smallest_eigenvalue",
 ]

@@ -10,6 +10,7 @@ worst direction.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -61,32 +62,44 @@ class Equilibrium:
     smallest_eigenvalue: float
 
 
-def _step(potential: StaticSystem, q: Array, multipliers: Array, shift: float) -> tuple[Array, Array, float]:
-    """A descent direction along the constraints, new multipliers, and the energy's slope along it."""
+class _Step(NamedTuple):
+    """A descent direction along the constraints, and the energy's slope along it; it may be missing.
+
+    multipliers: of the constraints, and what force they leave unbalanced.
+    """
+
+    direction: Array
+    slope: float
+    multipliers: Array
+    residual: float
+
+
+def _step(potential: StaticSystem, q: Array, multipliers: Array) -> _Step:
+    """multipliers: of the step before."""
     jacobian, force = potential.jacobian(q), potential.force(q)
-    zero, found = np.zeros(jacobian.shape[0]), None
-    for model in _models(potential, q, multipliers, shift):
+    zero, direction, slope = np.zeros(jacobian.shape[0]), np.zeros(q.size), 0.0
+    for model in _models(potential, q, multipliers):
         try:
-            direction, new = solve(factorise(model, jacobian), force, zero)
+            step, new = solve(factorise(model, jacobian, potential.order), force, zero)
         except RuntimeError:  # singular
             continue
-        slope = -float(force @ direction)
-        if np.isfinite(slope) and slope < 0.0:
-            found = direction, new, slope
-            if cautious(potential, direction.reshape(q.shape)) > SHORT:
+        fall = float((step * (model @ step)).sum())  # force @ step, but for round-off of jacobian @ step
+        if np.isfinite(fall) and fall > 0.0:
+            direction, slope, multipliers = step, -fall, new
+            if cautious(potential, step.reshape(q.shape)) > SHORT:
                 break
-        elif np.isfinite(new).all():  # where forces are balanced there is no direction, but tension
+        elif slope == 0.0 and np.isfinite(new).all():  # balanced forces have no direction, but tension
             multipliers = new
-    return found or (np.zeros(q.size), multipliers, 0.0)
+    return _Step(direction, slope, multipliers, potential.size(force - jacobian.T @ multipliers))
 
 
-def _models(potential: StaticSystem, q: Array, multipliers: Array, shift: float) -> Iterator[csr_array]:
+def _models(potential: StaticSystem, q: Array, multipliers: Array) -> Iterator[csr_array]:
     """The Hessian, then what is more and more convex."""
     exact = potential.hessian(q, multipliers)
     yield exact
     for factor in SHIFTS:
-        yield csr_array(exact + factor * shift * potential.mass)
-    yield potential.convex_model(multipliers, shift)
+        yield exact + factor * potential.shift * potential.mass
+    yield potential.convex_model(multipliers, potential.shift)
 
 
 def _line_search(
@@ -124,19 +137,15 @@ def find_equilibrium(potential: StaticSystem, start: Array, options: StaticOptio
     if violation > 1e3 * options.feasibility:
         nothing = np.zeros(0)
         return Equilibrium(q, nothing, False, "the constraints cannot be met", np.inf, violation, 0, np.nan)
-    multipliers, shift = np.zeros(potential.jacobian(q).shape[0]), potential.shift
+    multipliers = np.zeros(len(potential.values(q)))
     limit = options.tolerance * potential.largest_load
     message, eigenvalue, residual = "", np.nan, np.inf
     iterations = 0
     while iterations < options.iterations:
         iterations += 1
         potential.turn_with(q)
-        direction, multipliers, slope = _step(potential, q, multipliers, shift)
-        previous, residual = (
-            residual,
-            potential.size(potential.force(q) - potential.jacobian(q).T @ multipliers),
-        )
-        following = None
+        previous, following = residual, None
+        direction, slope, multipliers, residual = _step(potential, q, multipliers)
         is_stalled = -slope < RESOLUTION**2 * potential.largest_load * potential.length
         is_stalled |= residual < potential.round_off
         if residual > limit and slope < 0.0 and not (is_stalled and residual > 0.5 * previous):

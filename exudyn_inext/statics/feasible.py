@@ -21,6 +21,7 @@ class Constrained(Protocol):
     """What is moved onto its constraints, see `StaticSystem`."""
 
     metric: csr_array
+    order: np.ndarray
 
     def turn(self, step: Array) -> float: ...
 
@@ -37,6 +38,7 @@ class WithStrains:
 
     def __init__(self, potential: StaticSystem, q: Array, step: Array) -> None:
         self._potential, self.metric, self.turn = potential, potential.metric, potential.turn
+        self.order = potential.order
         self._foreseen = potential.strains(q) + potential.strain_rows(q) @ step.ravel()
 
     def values(self, q: Array) -> Array:
@@ -69,27 +71,35 @@ def feasible(
 
     Newton's method with steps that are smallest in the metric of mass and bending, shortened until the
     sum of squares falls. The Jacobian is kept as long as a step leaves less than `LEFT` of the violation.
+    Where steps must still be shortened after half of them, there is no way back.
     """
     values, factor = potential.values(q), None
-    for _ in range(most):
+    for attempt in range(most):
         if float(np.abs(values).max(initial=0.0)) <= tolerance:
             break
         try:
-            factor = factor or factorise(potential.metric, potential.jacobian(q))
+            factor = factor or factorise(potential.metric, potential.jacobian(q), potential.order)
         except RuntimeError:  # constraints depend on each other here
             break
         step = solve(factor, np.zeros(q.size), -values)[0].reshape(q.shape)
-        size = cautious(potential, step)
+        size = whole = cautious(potential, step)
         while size > SMALLEST_STEP:
             trial = potential.values(q + size * step)
-            if trial @ trial < values @ values:
+            if _square(trial) < _square(values):
                 break
             size *= 0.5
         else:
             break
-        factor = factor if trial @ trial < LEFT**2 * (values @ values) else None
+        if size < whole and attempt >= most // 2:
+            break
+        factor = factor if _square(trial) < LEFT**2 * _square(values) else None
         q, values = q + size * step, trial
     return q, float(np.abs(values).max(initial=0.0))
+
+
+def _square(values: Array) -> float:
+    """Sum of squares; BLAS would keep other cores awake for it."""
+    return float(np.square(values).sum())
 
 
 def cautious(potential: Constrained, step: Array) -> float:

@@ -9,7 +9,7 @@ over those coordinates on which it depends.
 """
 
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import Protocol
 
 import numpy as np
@@ -19,6 +19,7 @@ from ..arrays import Array
 from ..sparse import block_diagonal, one_below_another
 from .potential import Potential
 from .rounds import rounds_of
+from .saddle_point import order_of_elimination
 
 STEP = 1e-6  # of differences [m, -]
 SHARE = 1e-9  # of the usual shift, by which all Hessians are made regular: bodies may be free to turn
@@ -60,36 +61,31 @@ class JoinedPotential:
     """See `StaticSystem`; states are (n,).
 
     Args:
-        cables: of the scene.   others: all other items.   start: (n,) where the search begins.
+        cables: of the scene, in their order.   others: all other items.   start: (n,) where it begins.
     """
 
     def __init__(self, cables: Sequence[Potential], others: Others, start: Array) -> None:
         self._cables, self._others = cables, others
-        sizes = [cable.cable.reference.size for cable in cables]
-        ends = np.cumsum([0, *sizes])
+        ends = np.cumsum([0, *(cable.scale.size for cable in cables)])
         self._places = [slice(a, b) for a, b in pairwise(ends.tolist())]
         self._bodies = slice(int(ends[-1]), len(start))
         self._rounds = rounds_of(others.varying, self._bodies.start)
         self.length = max(cable.length for cable in cables)
         self.mass = block_diagonal([*(cable.mass for cable in cables), csr_array(others.mass)])
         self.metric = block_diagonal([*(cable.metric for cable in cables), csr_array(others.mass)])
+        self.order = order_of_elimination(self.metric, self.jacobian(start))
         self._scale = np.ones(len(start))
         for cable, place in zip(cables, self._places, strict=True):
             self._scale[place] = cable.scale
         self._scale[others.turning] = 1.0 / self.length
-        loads = [cable.largest_load for cable in cables]
-        self.largest_load = max(*loads, self.size(others.force(start)))
-        heaviest = max(load / cable.shift for load, cable in zip(loads, cables, strict=True))
-        self.shift = self.largest_load / heaviest
+        self.largest_load = max(*(cable.largest_load for cable in cables), self.size(others.force(start)))
+        self.shift = self.largest_load / max(cable.inertia for cable in cables)
         self.indifferent = INDIFFERENT * self.shift + min(cable.indifferent for cable in cables)
         self.round_off = max(cable.round_off for cable in cables)
 
     def _parts(self, q: Array) -> list[tuple[Potential, Array]]:
-        shapes = [cable.cable.reference.shape for cable in self._cables]
-        return [
-            (cable, q[place].reshape(shape))
-            for cable, place, shape in zip(self._cables, self._places, shapes, strict=True)
-        ]
+        pairs = zip(self._cables, self._places, strict=True)
+        return [(cable, q[place].reshape(cable.shape)) for cable, place in pairs]
 
     def turn_with(self, q: Array) -> None:
         """See `StaticSystem`."""
@@ -101,7 +97,7 @@ class JoinedPotential:
         pairs = zip(self._parts(q), self._parts(trial), strict=True)
         of_cables = sum(cable.fall(before, after) for (cable, before), (_, after) in pairs)
         mean = 0.5 * (self._others.force(q) + self._others.force(trial))
-        return float(of_cables + mean @ (trial - q))
+        return float(of_cables + (mean * (trial - q)).sum())
 
     def scale_of_energy(self, q: Array) -> float:
         """See `StaticSystem`."""
@@ -166,7 +162,7 @@ class JoinedPotential:
 
     def hessian(self, q: Array, multipliers: Array) -> csr_array:
         """See `StaticSystem`; slightly regular."""
-        own = self.multipliers_of_cables(multipliers)
+        own = self._multipliers(multipliers)
         blocks = [cable.hessian(at, lam) for (cable, at), lam in zip(self._parts(q), own, strict=True)]
         first = sum(map(len, own))
         rest = len(q) - self._bodies.start
@@ -202,11 +198,19 @@ class JoinedPotential:
 
     def multipliers_of_cables(self, multipliers: Array) -> list[Array]:
         """Those of the constraints of each cable, which come first."""
-        ends = np.cumsum([0, *(cable.constraints.number for cable in self._cables)])
-        return [multipliers[a:b] for a, b in pairwise(ends.tolist())]
+        return _parts_of(multipliers, [n for cable in self._cables for n in cable.numbers_of_constraints])
+
+    def _multipliers(self, multipliers: Array) -> list[Array]:
+        """Those of the constraints of cables of one kind, which come first."""
+        return _parts_of(multipliers, [cable.constraints.number for cable in self._cables])
 
     def convex_model(self, multipliers: Array, shift: float) -> csr_array:
         """See `StaticSystem`."""
-        own = self.multipliers_of_cables(multipliers)
+        own = self._multipliers(multipliers)
         blocks = [cable.convex_model(lam, shift) for cable, lam in zip(self._cables, own, strict=True)]
         return block_diagonal([*blocks, csr_array(shift * self._others.mass)])
+
+
+def _parts_of(values: Array, numbers: Sequence[int]) -> list[Array]:
+    """The first values, so many for each part."""
+    return [values[a:b] for a, b in pairwise(accumulate(numbers, initial=0))]

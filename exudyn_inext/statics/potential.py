@@ -1,6 +1,8 @@
-"""Energy, forces, Hessians and constraints of one cable under static loads."""
+"""Energy, forces, Hessians and constraints of cables under static loads."""
 
+from collections.abc import Callable, Sequence
 from functools import cached_property
+from itertools import accumulate, pairwise
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -8,9 +10,10 @@ from scipy.sparse import csr_array
 from ..arrays import Array
 from ..cable.assembly import add_elastic_force, elastic_energy
 from ..cable.cable import Cable, CurvatureMeasure
-from ..cable.chain import build_chain
-from ..cable.sparse_forms import assembled, elastic_tangent, form_of_cable, mass_of_cable
-from ..constraints import constraints_of_cable
+from ..cable.chain import Chain, build_chain
+from ..cable.many_cables import in_one
+from ..cable.sparse_forms import assembled, elastic_tangent, left_nodes, masses_of_elements
+from ..constraints import constraints_of_cables, kinds_of_cable
 from ..element.bending import stiffness_matrix
 from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
@@ -20,37 +23,70 @@ BOW = 0.3  # slope at the ends of the sag that a taut start is given [-]
 
 
 class Potential(StaticSystem):
-    """Energy, forces and Hessians of one cable under given loads, and its constraints at a time."""
+    """Energy, forces and Hessians of cables under given loads, and their constraints at a time.
 
-    def __init__(self, cable: Cable, external: Array, time: float) -> None:
-        self.cable = cable
-        self.time = time
-        self._chain = build_chain(cable)
-        self._external = external.reshape(cable.reference.shape)
-        self.constraints = constraints_of_cable(cable)
-        section = cable.section
-        self.mass = mass_of_cable(cable)
-        self._stiffness = section.bending_stiffness * form_of_cable(cable, stiffness_matrix)
-        smoothing = cable.element_lengths.mean() * cable.length**3 * section.mass_per_length
-        self.metric = self.mass + smoothing / section.bending_stiffness * self._stiffness
-        lengths = np.ones(cable.reference.shape)
-        lengths[:, 1] = 1.0 / float(cable.element_lengths.mean())
-        self.scale = lengths.ravel()  # of forces: moments count over the element length
+    Args:
+        cables: of one kind, whose nodes follow each other.   external: (n, 2, dim) [N, Nm].   time: [s].
+    """
 
-    @property
-    def length(self) -> float:
-        """Of the cable [m]."""
-        return self.cable.length
+    def __init__(self, cables: Sequence[Cable], external: Array, time: float) -> None:
+        self.cables, self.time = cables, time
+        self._nodes, self._dim = tuple(len(cable.reference) for cable in cables), cables[0].dimension
+        self.shape = (sum(self._nodes), 2, self._dim)
+        self.places = [slice(a, b) for a, b in pairwise(accumulate(self._nodes, initial=0))]
+        self._chain = in_one([self._build_chain(cable) for cable in cables])
+        self._external = external.reshape(self.shape)
+        kinds = [kinds_of_cable(cable) for cable in cables]
+        self.numbers_of_constraints = [sum(len(kind.constant) for kind in own) for own in kinds]
+        self.constraints = constraints_of_cables(cables, kinds)
+        self._lengths = np.concatenate([cable.element_lengths for cable in cables])
+        self._bending = self._of_cables(lambda cable: cable.section.bending_stiffness)
+        self._of_length = self._of_cables(lambda cable: cable.length)
+        density = self._of_cables(lambda cable: cable.section.mass_per_length)
+        mean_length = self._of_cables(lambda cable: cable.element_lengths.mean())
+        masses = np.concatenate([masses_of_elements(cable) for cable in cables])
+        bending = forms_of_mesh(stiffness_matrix, self._lengths)
+        self.mass = self._assembled(masses)
+        self._stiffness = self._assembled(self._in_elements(self._bending) * bending)
+        smoothing = self._in_elements(mean_length * self._of_length**3 * density)
+        self.metric = self._assembled(masses + smoothing * bending)
+        scale = np.ones(self.shape)
+        scale[:, 1] = 1.0 / np.repeat(mean_length, self._nodes)[:, None]
+        self.scale = scale.ravel()  # of forces: moments count over the element length
+        self.order = np.arange(self.scale.size)
+        self.length = float(self._of_length.max())
+        self.inertia = float((density * self._of_length**2).max())
+        self.largest_load = float(self._largest_loads.max())
+        self.shift = self.largest_load / self.inertia
 
-    @property
-    def shift(self) -> float:
-        """Of an indefinite Hessian, by the mass [1/s^2]."""
-        return self.largest_load / (self.cable.section.mass_per_length * self.cable.length**2)
+    @staticmethod
+    def _build_chain(cable: Cable) -> Chain:
+        return build_chain(cable)
+
+    def _of_cables(self, value: Callable[[Cable], float]) -> Array:
+        """(C,)"""
+        return np.array([value(cable) for cable in self.cables])
+
+    def _in_elements(self, values: Array) -> Array:
+        """(N, 1, 1) of the cables' values (C,)."""
+        return np.repeat(values, np.subtract(self._nodes, 1))[:, None, None]
+
+    def _assembled(self, forms: Array) -> csr_array:
+        return assembled(forms, self._nodes, self._dim)
+
+    @cached_property
+    def _largest_loads(self) -> Array:
+        """(C,) of the external forces [N], and of bending to a radius of the cable's length."""
+        sizes = np.abs(self._external * self.scale.reshape(self.shape)).max(axis=(1, 2))
+        firsts = [place.start for place in self.places]
+        return np.maximum.reduceat(sizes, firsts) + self._bending / self._of_length**2
 
     def turn_with(self, q: Array) -> None:
-        """The slopes at both ends of a ring are joined transverse to the first one, which may turn."""
-        if self.cable.closed:
-            self.constraints = constraints_of_cable(self.cable, slope=q[0, 1])
+        """The slopes at both ends of a ring are joined across the first one, which may turn."""
+        if any(cable.closed for cable in self.cables):
+            slopes = [q[place.start, 1] for place in self.places]
+            kinds = list(map(kinds_of_cable, self.cables, slopes))
+            self.constraints = constraints_of_cables(self.cables, kinds)
 
     def energy(self, q: Array) -> float:
         """Bending energy less the work of the loads [J]."""
@@ -62,7 +98,7 @@ class Potential(StaticSystem):
 
     def scale_of_energy(self, q: Array) -> float:
         """[J]"""
-        return abs(self.energy(q)) + self.largest_load * self.length
+        return abs(self.energy(q)) + float(self._largest_loads @ self._of_length)
 
     def turn(self, step: Array) -> float:
         """Largest change of a slope in a step (n, 2, dim)."""
@@ -96,59 +132,57 @@ class Potential(StaticSystem):
 
     def elastic_tangent(self, q: Array) -> csr_array:
         """-dF/dq (n_dof, n_dof)."""
-        is_linear = self.cable.measure is not CurvatureMeasure.PRODUCT
-        return self._tangent_of_linear_forces if is_linear else elastic_tangent(self._chain, q)
+        is_linear = self.cables[0].measure is not CurvatureMeasure.PRODUCT
+        return self._tangent_of_linear_forces if is_linear else elastic_tangent(self._chain, q, self._nodes)
 
     @cached_property
     def _tangent_of_linear_forces(self) -> csr_array:
-        return elastic_tangent(self._chain, self.cable.reference)
+        return elastic_tangent(self._chain, np.zeros(self.shape), self._nodes)
 
     def convex_model(self, multipliers: Array, shift: float) -> csr_array:
         """Bending stiffness, mean tension of the elements where it pulls, and shift times the mass."""
-        gram = forms_of_mesh(slope_gram_matrix, self.cable.element_lengths)
+        gram = forms_of_mesh(slope_gram_matrix, self._lengths)
         tension = np.maximum(self._mean_tension(multipliers), 0.0)
-        geometric = assembled(tension[:, None, None] * gram, self.cable.reference.shape)
+        geometric = self._assembled(tension[:, None, None] * gram)
         return csr_array(self._stiffness + geometric + shift * self.mass)
 
     def _mean_tension(self, multipliers: Array) -> Array:
         """(N,) [N]: 2 lam of the length constraint, and the nodal multipliers' share."""
-        cable, rows = self.cable, self.constraints.rows
-        tension = np.zeros(cable.number_of_elements)
+        rows, tension = self.constraints.rows, np.zeros(len(self._lengths))
         if "length" in rows:
-            tension += 2.0 * multipliers[rows["length"]][cable.group_of_element()]
+            numbers = accumulate((cable.length_constraints for cable in self.cables), initial=0)
+            groups = [
+                cable.group_of_element() + first for cable, first in zip(self.cables, numbers, strict=False)
+            ]
+            tension += 2.0 * multipliers[rows["length"]][np.concatenate(groups)]
         if "nodal inextensibility" in rows:
-            nodal = np.zeros(len(cable.reference))
-            nodal[~cable.fixed[:, 1]] = multipliers[rows["nodal inextensibility"]]
-            tension += (nodal[1:] + nodal[:-1]) / cable.element_lengths
+            nodal, left = np.zeros(self.shape[0]), left_nodes(self._nodes)
+            fixed = np.concatenate([cable.fixed for cable in self.cables])
+            nodal[~fixed[:, 1]] = multipliers[rows["nodal inextensibility"]]
+            tension += (nodal[left + 1] + nodal[left]) / self._lengths
         return tension
 
     def size(self, force: Array) -> float:
         """Largest component [N], moments over the element length."""
         return float(np.abs(force * self.scale).max(initial=0.0))
 
-    @property
-    def total_force(self) -> Array:
-        """(dim,) sum of the external forces [N]."""
-        total: Array = self._external[:, 0].sum(axis=0)
-        return total
-
-    @property
-    def largest_load(self) -> float:
-        """Of the external forces [N], and of bending to a radius of the cable's length."""
-        section = self.cable.section
-        return self.size(self._external.ravel()) + section.bending_stiffness / self.cable.length**2
-
     def bowed(self, q: Array) -> Array:
         """q with a sag towards the loads, or anywhere: on a straight line no step makes a cable longer."""
-        arc = np.append(0.0, np.cumsum(self.cable.element_lengths)) * np.pi / self.cable.length
-        chord = q[-1, 0] - q[0, 0]
-        chord = chord / max(float(np.linalg.norm(chord)), 1e-300)
-        candidates = np.stack([self.total_force, *np.eye(q.shape[2])])
-        across = candidates - np.outer(candidates @ chord, chord)
-        sizes = np.linalg.norm(across, axis=1)
-        chosen = 0 if sizes[0] > 1e-6 * self.largest_load else 1 + int(np.argmax(sizes[1:]))
-        sag = BOW * self.cable.length / np.pi * across[chosen] / sizes[chosen]
-        result = q.copy()
-        result[:, 0] += np.outer(np.sin(arc), sag)
-        result[:, 1] += np.outer(np.cos(arc), sag * np.pi / self.cable.length)
-        return result
+        q = q.copy()
+        for cable, place, largest in zip(self.cables, self.places, self._largest_loads, strict=True):
+            _bow(cable, q[place], self._external[place, 0].sum(axis=0), 1e-6 * largest)
+        return q
+
+
+def _bow(cable: Cable, q: Array, load: Array, smallest: float) -> None:
+    """Give a cable a sag.   q: (n, 2, dim) output.   load: (dim,).   smallest: load that counts [N]."""
+    arc = np.append(0.0, np.cumsum(cable.element_lengths)) * np.pi / cable.length
+    chord = q[-1, 0] - q[0, 0]
+    chord = chord / max(float(np.linalg.norm(chord)), 1e-300)
+    candidates = np.stack([load, *np.eye(q.shape[2])])
+    across = candidates - np.outer(candidates @ chord, chord)
+    sizes = np.linalg.norm(across, axis=1)
+    chosen = 0 if sizes[0] > smallest else 1 + int(np.argmax(sizes[1:]))
+    sag = BOW * cable.length / np.pi * across[chosen] / sizes[chosen]
+    q[:, 0] += np.outer(np.sin(arc), sag)
+    q[:, 1] += np.outer(np.cos(arc), sag * np.pi / cable.length)

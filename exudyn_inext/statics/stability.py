@@ -26,28 +26,30 @@ def smallest_eigenvalue(potential: StaticSystem, q: Array, multipliers: Array) -
         return np.inf, np.zeros(q.size)
     zero = np.zeros(jacobian.shape[0])
     try:
-        inverse, project = factorise(hessian, jacobian), factorise(potential.mass, jacobian)
+        inverse = factorise(hessian, jacobian, potential.order)
+        project = factorise(potential.mass, jacobian, potential.order)
     except RuntimeError:  # singular: something moves without any force
         return 0.0, np.zeros(q.size)
     vector, _ = solve(project, np.random.default_rng(1).standard_normal(q.size), zero)
-    basis = np.zeros((rows, q.size))
+    basis, images = np.zeros((2, rows, q.size))  # images: mass times basis
     reduced = np.zeros((rows, rows))
     values = vectors = np.zeros((0, 0))
     for row in range(rows):
         for _ in range(2):
-            vector = vector - basis[:row].T @ (basis[:row] @ (potential.mass @ vector))
-        norm = np.sqrt(vector @ (potential.mass @ vector))
-        basis[row] = vector / norm
-        vector, _ = solve(inverse, potential.mass @ basis[row], zero)
-        reduced[row, : row + 1] = basis[: row + 1] @ (potential.mass @ vector)
+            vector = vector - basis[:row].T @ (images[:row] @ vector)
+        image = potential.mass @ vector
+        norm = np.sqrt(vector @ image)
+        basis[row], images[row] = vector / norm, image / norm
+        vector, _ = solve(inverse, images[row], zero)
+        reduced[row, : row + 1] = images[: row + 1] @ vector
         if row == rows - 1 or row % BETWEEN == BETWEEN - 1:
             before, (values, vectors) = values, eigh(reduced[: row + 1, : row + 1], lower=True)
             if len(before) and _are_settled(before, values):
                 break
-    found = basis[: len(values)].T @ vectors
-    is_negative = values[0] < -NEGLIGIBLE * abs(values).max() and found[:, 0] @ (hessian @ found[:, 0]) < 0.0
-    worst = 0 if is_negative else len(values) - 1
-    return float(1.0 / values[worst]), found[:, worst]
+    lowest, highest = (vectors[:, k] @ basis[: len(values)] for k in (0, -1))
+    if values[0] < -NEGLIGIBLE * abs(values).max() and lowest @ (hessian @ lowest) < 0.0:
+        return float(1.0 / values[0]), lowest
+    return float(1.0 / values[-1]), highest
 
 
 def _are_settled(before: Array, values: Array) -> bool:

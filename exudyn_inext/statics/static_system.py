@@ -2,6 +2,7 @@
 
 from typing import Protocol
 
+import numpy as np
 from scipy.sparse import csr_array
 
 from ..arrays import Array
@@ -13,23 +14,19 @@ class StaticSystem(Protocol):
     length: of the longest cable [m].   largest_load: [N].
     shift: of an indefinite Hessian, by the mass [1/s^2].
     mass: (n, n).   metric: (n, n) by which the way back to the constraints is the shortest one.
+    order: (n,) place of each coordinate in the order of elimination.
     indifferent: eigenvalue, at most 0, above which an equilibrium counts as stable [1/s^2].
     round_off: force that round-off of strains leaves [N].
     """
 
     mass: csr_array
     metric: csr_array
+    order: np.ndarray
+    length: float
+    largest_load: float
+    shift: float
     indifferent: float = 0.0
     round_off: float = 0.0
-
-    @property
-    def length(self) -> float: ...
-
-    @property
-    def largest_load(self) -> float: ...
-
-    @property
-    def shift(self) -> float: ...
 
     def turn_with(self, q: Array) -> None:
         """Constraints may follow the configuration from one step to the next."""

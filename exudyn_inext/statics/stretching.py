@@ -1,6 +1,9 @@
-"""Energy, forces and Hessians of a cable with axial stiffness under static loads."""
+"""Energy, forces and Hessians of cables with axial stiffness under static loads."""
 
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import groupby
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array, diags_array
@@ -9,9 +12,9 @@ from ..arrays import Array
 from ..cable.axial import SHORTEST
 from ..cable.axial_energy import static_energy
 from ..cable.cable import Cable
-from ..cable.chain import build_chain
-from ..cable.sparse_forms import STEP, assembled, tangent_of
-from ..constraints import Constraints
+from ..cable.chain import Chain, build_chain
+from ..cable.sparse_forms import STEP, tangent_of
+from ..constraints import constraints_of_cables
 from ..constraints.kinds import length, nodal_inextensibility
 from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
@@ -23,16 +26,28 @@ ROUND_OFF = 100.0 * np.finfo(float).eps  # of strains, summed up
 class StretchingPotential(Potential):
     """See `Potential`: axial forces take the place of the constraints (18), (19)."""
 
-    def __init__(self, cable: Cable, external: Array, time: float) -> None:
-        super().__init__(cable, external, time)
-        self._chain = build_chain(replace(cable, fixed=np.zeros_like(cable.fixed)))
-        rigid = replace(cable, section=replace(cable.section, axial_stiffness=None))
-        self._strains = Constraints([length(rigid), nodal_inextensibility(rigid)], cable.reference.shape)
-        self._present = cable.reference
-        self.round_off = ROUND_OFF * (cable.section.axial_stiffness or 0.0)
-        shortest = float(cable.element_lengths.min())
-        noise = 0.1 * self.round_off / (STEP * shortest)  # of a stiffness by differences [N/m]
-        self.indifferent = -noise / (cable.section.mass_per_length * shortest)
+    def __init__(self, cables: Sequence[Cable], external: Array, time: float) -> None:
+        self._axial = np.array([cable.section.axial_stiffness or 0.0 for cable in cables])
+        self._free_strain = np.array([cable.section.axial_strain for cable in cables])
+        super().__init__(cables, external, time)
+        rigid = [replace(one, section=replace(one.section, axial_stiffness=None)) for one in cables]
+        kinds = [[length(cable), nodal_inextensibility(cable)] for cable in rigid]
+        self._strains = constraints_of_cables(rigid, kinds)
+        self._present = np.concatenate([cable.reference for cable in cables])
+        self._shortest = float(self._lengths.min())
+        self.round_off = ROUND_OFF * float(self._axial.max())
+        noise = 0.1 * self.round_off / (STEP * self._shortest)  # of a stiffness by differences [N/m]
+        density = self._of_cables(lambda cable: cable.section.mass_per_length)
+        self.indifferent = -noise / (float(density.min()) * self._shortest)
+
+    @staticmethod
+    def _build_chain(cable: Cable) -> Chain:
+        return build_chain(replace(cable, fixed=np.zeros_like(cable.fixed)))
+
+    @property
+    def _largest_loads(self) -> Array:
+        """See `Potential`; also what the strain of the stress-free cable gives."""
+        return super()._largest_loads + self._axial * np.abs(self._free_strain)
 
     def turn_with(self, q: Array) -> None:
         """The convex model is that of the present state."""
@@ -54,8 +69,11 @@ class StretchingPotential(Potential):
 
     def is_blocked(self, q: Array, trial: Array) -> bool:
         """Whether an element would be about to turn inside out."""
-        before, after = (float(np.linalg.norm(state[:, 1], axis=1).min()) for state in (q, trial))
-        return after < min(before, SHORTEST)
+        firsts = [place.start for place in self.places]
+        before, after = (
+            np.minimum.reduceat(np.linalg.norm(state[:, 1], axis=1), firsts) for state in (q, trial)
+        )
+        return bool((after < np.minimum(before, SHORTEST)).any())
 
     def strains(self, q: Array) -> Array:
         """See `StaticSystem`."""
@@ -65,32 +83,48 @@ class StretchingPotential(Potential):
         """See `StaticSystem`."""
         return self._strains.jacobian(q)
 
-    @property
-    def largest_load(self) -> float:
-        """Of the external forces, bending, and what the strain of the stress-free cable gives [N]."""
-        section = self.cable.section
-        return super().largest_load + (section.axial_stiffness or 0.0) * abs(section.axial_strain)
-
     def elastic_tangent(self, q: Array) -> csr_array:
         """-dF/dq (n_dof, n_dof)."""
-        return tangent_of(self._elastic_force, q, length=float(self.cable.element_lengths.min()))
+        return tangent_of(self._elastic_force, q, self._nodes, length=self._shortest)
 
     def convex_model(self, multipliers: Array, shift: float) -> csr_array:
         """Bending and axial stiffness, tension where it pulls, and shift times the mass."""
-        stiffness, lengths = self.cable.section.axial_stiffness or 0.0, self.cable.element_lengths
+        stiffness, lengths = self._in_elements(self._axial).ravel(), self._lengths
         rows, jacobian = self._strains.rows, self._strains.jacobian(self._present)
         of_lengths, of_slopes = (jacobian[rows[name]] for name in ("length", "nodal inextensibility"))
         axial = of_lengths.T @ diags_array(stiffness / (4.0 * lengths)) @ of_lengths
-        axial = axial + stiffness * lengths.mean() / 12.0 * (of_slopes.T @ of_slopes)
+        mean = self._axial * self._of_cables(lambda cable: cable.element_lengths.mean())
+        free = np.concatenate([~cable.fixed[:, 1] for cable in self.cables])
+        axial = axial + of_slopes.T @ diags_array(np.repeat(mean, self._nodes)[free] / 12.0) @ of_slopes
         stretch = self._strains.value(self._present)[rows["length"]]
-        strain = stretch / (2.0 * lengths) - self.cable.section.axial_strain
+        strain = stretch / (2.0 * lengths) - self._in_elements(self._free_strain).ravel()
         gram = forms_of_mesh(slope_gram_matrix, lengths)
-        geometric = assembled(
-            (stiffness * np.maximum(strain, 0.0))[:, None, None] * gram, self._present.shape
-        )
+        geometric = self._assembled((stiffness * np.maximum(strain, 0.0))[:, None, None] * gram)
         return csr_array(self._stiffness + axial + geometric + shift * self.mass)
 
 
-def potential_of(cable: Cable, external: Array, time: float) -> Potential:
-    """Of a cable that stretches, or does not; arguments: see `Potential`."""
-    return (StretchingPotential if cable.stretches else Potential)(cable, external, time)
+def potential_of(cables: Sequence[Cable], external: Array, time: float) -> Potential:
+    """Of cables of one kind; arguments: see `Potential`."""
+    return (StretchingPotential if cables[0].stretches else Potential)(cables, external, time)
+
+
+def potentials_of(cables: Sequence[Cable], external: Sequence[Array], time: float) -> list[Potential]:
+    """Of any cables; those that follow each other and are of one kind are put into one.
+
+    external: (n, 2, dim) on each cable.
+    """
+    pairs = zip(cables, external, strict=True)
+    groups = [list(alike) for _, alike in groupby(pairs, key=lambda pair: _kind(pair[0]))]
+    return [
+        potential_of(
+            [cable for cable, _ in alike], np.concatenate([force.ravel() for _, force in alike]), time
+        )
+        for alike in groups
+    ]
+
+
+def _kind(cable: Cable) -> Any:
+    """The same for cables whose records have the same fields."""
+    section = cable.section
+    features = cable.is_naturally_curved, section.bending_damping != 0.0, cable.drag is None
+    return cable.dimension, cable.measure, cable.stretches, cable.length_constraints > 0, *features

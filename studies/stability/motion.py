@@ -74,7 +74,7 @@ def _settled(start: Equilibrium, guess: Array) -> Equilibrium:
     Raises:
         ArithmeticError: none was found.
     """
-    potential = inner.Potential(start.cable, start.external, 0.0)
+    potential = inner.Potential([start.cable], start.external, 0.0)
     found = inner.find_equilibrium(potential, guess, inner.StaticOptions())
     if not found.converged:
         number = start.cable.number_of_elements
@@ -225,7 +225,7 @@ class Invariants:
     """Energy [J] and worst constraint [-, m] of a cable under constant forces (n, 2, 2)."""
 
     def __init__(self, cable: inner.Cable, external: Array) -> None:
-        self._potential = inner.potential_of(cable, external, 0.0)
+        self._potential = inner.potential_of([cable], external, 0.0)
         self._mass = self._potential.mass
 
     def kinetic(self, v: Array) -> float:

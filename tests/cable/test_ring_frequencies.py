@@ -32,7 +32,7 @@ def ring(number, measure, natural_curvature=0.0):
 def frequencies(cable):
     """Natural frequencies [rad/s] about the circle, which is in equilibrium."""
     q = cable.reference
-    potential = Potential(cable, np.zeros(q.shape), 0.0)
+    potential = Potential([cable], np.zeros(q.shape), 0.0)
     jacobian = potential.jacobian(q).toarray()
     force = potential.force(q)
     multipliers = np.linalg.lstsq(jacobian.T, force, rcond=None)[0]

@@ -84,12 +84,14 @@ def test_a_length_constraint_names_its_elements():
 
 def test_a_cable_without_supports_and_length_constraints_has_nodal_ones_only():
     found = constraints_of_cable(straight_cable(3, 2, length_constraints=0))
-    assert found.rows == {"nodal inextensibility": slice(0, 4)}
+    assert {name: rows.tolist() for name, rows in found.rows.items()} == {
+        "nodal inextensibility": [0, 1, 2, 3]
+    }
 
 
 def test_a_guide_holds_the_slope_alone():
     guided = straight_cable(3, 2, "pinned and guided")
-    numbers = {name: rows.stop - rows.start for name, rows in constraints_of_cable(guided).rows.items()}
+    numbers = {name: len(rows) for name, rows in constraints_of_cable(guided).rows.items()}
     assert numbers == {"length": 3, "nodal inextensibility": 3, "pin": 2, "guide": 2}
     q = guided.reference + np.array([[5.0, 5.0], [0.1, 0.2]])
     np.testing.assert_allclose(values_of("guide", guided, q), [0.1, 0.2])

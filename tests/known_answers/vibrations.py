@@ -9,7 +9,7 @@ from exudyn_inext.statics import potential_of
 def squared_frequencies(cable, external=None):
     """(m,) w^2 [1/s^2] of small vibrations about the reference, an equilibrium, and (m, n, 2, dim) modes."""
     q = cable.reference
-    potential = potential_of(cable, np.zeros(q.shape) if external is None else external, 0.0)
+    potential = potential_of([cable], np.zeros(q.shape) if external is None else external, 0.0)
     jacobian, force = potential.jacobian(q).toarray(), potential.force(q)
     multipliers = np.linalg.lstsq(jacobian.T, force, rcond=1e-12)[0]
     np.testing.assert_allclose(jacobian.T @ multipliers, force, atol=1e-9 * (1.0 + np.abs(force).max()))

@@ -21,7 +21,7 @@ both_measures = pytest.mark.parametrize("measure", MEASURES, ids=lambda measure:
 
 def equilibrium(cable, external, start=None, time=0.0, **options):
     start = cable.reference if start is None else start
-    return find_equilibrium(Potential(cable, external, time), start, StaticOptions(**options))
+    return find_equilibrium(Potential([cable], external, time), start, StaticOptions(**options))
 
 
 def end_force(cable, force):
@@ -33,7 +33,7 @@ def end_force(cable, force):
 
 def reactions(cable, external, q):
     """Multipliers by constraint name: J^T lam is the force that the constraints have to balance."""
-    potential = Potential(cable, external, 0.0)
+    potential = Potential([cable], external, 0.0)
     lam = np.linalg.lstsq(potential.jacobian(q).T.toarray(), potential.force(q), rcond=None)[0]
     return {name: lam[rows] for name, rows in potential.constraints.rows.items()}
 
@@ -225,7 +225,7 @@ def column(kind, number=12):
 
 
 def eigenvalue_of_straight(cable, load):
-    potential = Potential(cable, end_force(cable, [0.0, -load]), 0.0)
+    potential = Potential([cable], end_force(cable, [0.0, -load]), 0.0)
     q = cable.reference
     multipliers = np.linalg.lstsq(potential.jacobian(q).T.toarray(), potential.force(q), rcond=None)[0]
     return smallest_eigenvalue(potential, q, multipliers)[0]
