@@ -390,9 +390,10 @@ def apply_joints(joints, x, refines):
         _set_forces(joints)
         for h in range(len(holds.entry)):
             e, force = holds.entry[h], holds.sign[h] * holds.force[h]
-            first, dof = entries.first[e], entries.dof[e]
-            for i in range(entries.width[e]):
-                x[dof + i] -= entries.response[first + i] * force
+            first, dof, width = entries.first[e], entries.dof[e], entries.width[e]
+            part, response = x[dof : dof + width], entries.response[first : first + width]
+            for i in range(len(part)):
+                part[i] -= response[i] * force
         correct_nodes(joints.nodes, joints.unknowns, x)
 
 

@@ -2,7 +2,8 @@
 
 No pivoting: it exists in any order for matrices that are definite, or positive definite on some unknowns and
 negative definite on the others (quasidefinite, R. J. Vanderbei, SIAM J. Optimization 5 (1995) 100-113).
-A column's rows that follow each other are a run: what a column does to later ones is done run by run.
+Columns that follow each other and have the same rows below them are a group: what they do to later columns is
+summed up first, and then done once (J. W. H. Liu, SIAM Review 34 (1992) 82-109: supernodes).
 """
 
 from typing import NamedTuple
@@ -21,18 +22,20 @@ class SparseFactor(NamedTuple):
 
     start: (n + 1,) where each column of L begins in `rows` and `values`, its diagonal first.
     rows: (nnz,).   values: (nnz,) the matrix, then D and L.
-    first_run: (n + 1,) of each column.   run: (R + 1,) where each run begins below the diagonal in `rows`.
-    into: for each entry below the diagonal and each later run of its column: where in `values` the product
-        of both goes.   first_into: (n,) of each column.
+    begin, end: (n,) first column of the group of each column, and after its last one.
+    into: for each group, and each pair of rows below it, where in `values` their product goes.
+    first_into: (n,) where that begins for the group of each column.
+    sums: (n,) memory.
     """
 
     start: np.ndarray
     rows: np.ndarray
     values: Array
-    first_run: np.ndarray
-    run: np.ndarray
+    begin: np.ndarray
+    end: np.ndarray
     into: np.ndarray
     first_into: np.ndarray
+    sums: Array
 
 
 def find_order(pairs: np.ndarray, number: int) -> np.ndarray:
@@ -52,34 +55,35 @@ def build_factor(pairs: np.ndarray, number: int) -> SparseFactor:
     sizes = np.array([len(column) for column in columns], dtype=np.int64)
     start = np.concatenate([[0], np.cumsum(sizes)])
     rows = np.fromiter((row for column in columns for row in column), np.int64, start[-1])
-    follows = np.zeros(len(rows), dtype=bool)  # the entry before it, in a run
-    follows[1:] = np.diff(rows) == 1
-    follows[start[:-1]] = False
-    follows[(start[:-1] + 1)[sizes > 1]] = False
-    is_below = np.ones(len(rows), dtype=bool)
-    is_below[start[:-1]] = False
-    run = np.flatnonzero(is_below & ~follows)
-    first_run = np.searchsorted(run, start)
+    first = _groups(start, rows)
+    of_column = np.repeat(np.arange(len(first) - 1), np.diff(first))
     key = _keys(start, rows)
-    into, first_into = [np.zeros(0, np.int64)], np.zeros(number, np.int64)
-    done = 0
-    for j in range(number):
-        first_into[j] = done
-        own = run[first_run[j] : first_run[j + 1]]
-        for k in range(len(own) - 1):
-            end, later = own[k + 1], rows[own[k + 1 :]]
-            wanted = rows[own[k] : end, np.newaxis] * number + later
-            into.append(np.searchsorted(key, wanted).ravel())
-            done += wanted.size
+    into = [np.zeros(0, np.int64)]
+    for last in (first[1:] - 1).tolist():
+        below = rows[start[last] + 1 : start[last + 1]]
+        wanted = below[:, np.newaxis] * number + below
+        into.append(np.searchsorted(key, wanted[np.triu_indices(len(below))]))
+    first_into = np.cumsum([len(some) for some in into])[:-1]
     return SparseFactor(
         start,
         rows,
         np.zeros(len(rows)),
-        first_run,
-        np.append(run, len(rows)),
+        first[of_column],
+        first[of_column + 1],
         np.concatenate(into),
-        first_into,
+        first_into[of_column],
+        np.zeros(number),
     )
+
+
+def _groups(start: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """(G + 1,) first columns of groups, and n: a column goes on if the next one has its other rows."""
+    sizes = np.diff(start)
+    following = np.append(rows, -1)[start[:-1] + 1]
+    goes_on = (sizes[:-1] == sizes[1:] + 1) & (following[:-1] == np.arange(1, len(sizes)))
+    begins = np.ones(len(start), dtype=bool)
+    begins[1:-1] = ~goes_on
+    return np.flatnonzero(begins)
 
 
 def _filled(pairs: np.ndarray, number: int) -> list[list[int]]:
@@ -108,37 +112,84 @@ def _keys(start: np.ndarray, rows: np.ndarray) -> np.ndarray:
 
 @inlined
 def eliminate_column(factor, j):
-    """What column j leaves to later ones; it becomes one of L."""
-    values, rows, run = factor.values, factor.rows, factor.run
-    begin, end = factor.start[j] + 1, factor.start[j + 1]
-    inverse = 1.0 / values[begin - 1]
-    into = factor.first_into[j]
-    last = factor.first_run[j + 1]
-    for r in range(factor.first_run[j], last):
-        stop = min(run[r + 1], end)
-        for a in range(run[r], stop):
-            multiple = values[a] * inverse
-            target = factor.start[rows[a]] - a
-            for i in range(a, stop):
-                values[target + i] -= multiple * values[i]
-            for later in range(r + 1, last):
-                target = factor.into[into] - run[later]
-                into += 1
-                for i in range(run[later], min(run[later + 1], end)):
-                    values[target + i] -= multiple * values[i]
-    for a in range(begin, end):
-        values[a] *= inverse
+    """What column j leaves to later ones; with the last one of a group, all of it become columns of L."""
+    values, start, end = factor.values, factor.start, factor.end[j]
+    own = values[start[j] : start[j + 1]]
+    inverse = 1.0 / own[0]
+    for k in range(j + 1, end):
+        later, mine = values[start[k] : start[k + 1]], own[k - j :]
+        multiple = mine[0] * inverse
+        for i in range(len(later)):
+            later[i] -= multiple * mine[i]
+    if j == end - 1:
+        _eliminate_group(factor, factor.begin[j], end)
+
+
+@inlined
+def _eliminate_group(factor, begin, end):
+    """What a group leaves to columns after it."""
+    values, start = factor.values, factor.start
+    number, into = start[end] - start[end - 1] - 1, factor.first_into[begin]
+    for a in range(number):
+        sums = factor.sums[a:number]
+        for i in range(len(sums)):
+            sums[i] = 0.0
+        for j in range(begin, end):
+            below = values[start[j] + end - j + a : start[j + 1]]
+            multiple = below[0] / values[start[j]]
+            for i in range(len(sums)):
+                sums[i] += multiple * below[i]
+        for i in range(len(sums)):
+            values[factor.into[into + i]] -= sums[i]
+        into += len(sums)
+    for j in range(begin, end):
+        column = values[start[j] : start[j + 1]]
+        inverse = 1.0 / column[0]
+        for i in range(1, len(column)):
+            column[i] *= inverse
+
+
+@inlined
+def _substitute_forward(factor, x):
+    values, start, begin = factor.values, factor.start, 0
+    while begin < len(x):
+        end = factor.end[begin]
+        rows = factor.rows[start[end - 1] + 1 : start[end]]
+        sums = factor.sums[: len(rows)]
+        for i in range(len(rows)):
+            sums[i] = 0.0
+        for j in range(begin, end):
+            for k in range(j + 1, end):
+                x[k] -= values[start[j] + k - j] * x[j]
+            below, multiple = values[start[j] + end - j : start[j + 1]], x[j]
+            for i in range(len(rows)):
+                sums[i] += below[i] * multiple
+        for i in range(len(rows)):
+            x[rows[i]] -= sums[i]
+        begin = end
+
+
+@inlined
+def _substitute_backward(factor, x):
+    values, start, end = factor.values, factor.start, len(x)
+    while end > 0:
+        begin = factor.begin[end - 1]
+        rows = factor.rows[start[end - 1] + 1 : start[end]]
+        later = factor.sums[: len(rows)]
+        for i in range(len(rows)):
+            later[i] = x[rows[i]]
+        for j in range(end - 1, begin - 1, -1):
+            below, total = values[start[j] + end - j : start[j + 1]], x[j] / values[start[j]]
+            for k in range(j + 1, end):
+                total -= values[start[j] + k - j] * x[k]
+            for i in range(len(rows)):
+                total -= below[i] * later[i]
+            x[j] = total
+        end = begin
 
 
 @inlined
 def substitute(factor, x):
     """x = S^-1 x.   x: (n,) in the order of elimination."""
-    values, rows, start = factor.values, factor.rows, factor.start
-    for j in range(len(x)):
-        for i in range(start[j] + 1, start[j + 1]):
-            x[rows[i]] -= values[i] * x[j]
-    for j in range(len(x) - 1, -1, -1):
-        total = x[j] / values[start[j]]
-        for i in range(start[j] + 1, start[j + 1]):
-            total -= values[i] * x[rows[i]]
-        x[j] = total
+    _substitute_forward(factor, x)
+    _substitute_backward(factor, x)
