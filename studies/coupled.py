@@ -48,7 +48,7 @@ from .harness.coupled_runs import (
     large_net,
 )
 from .harness.coupled_scenes import SCENES, CoupledScene
-from .harness.pool import ask
+from .harness.process import ask
 from .harness.ratios import DEFAULT, ONE_SETTING, TUNED
 from .harness.tuning import Series, Tuning, compare, draw_fronts, natives, ours
 

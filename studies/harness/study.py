@@ -26,13 +26,12 @@ KEYS = (
 class Order:
     """Which study is to be run, and how.
 
-    output: directory.   quick: few, cheap cases.   workers: processes of a sweep; None: one a core.
+    output: directory.   quick: few, cheap cases.
     """
 
     study: str
     output: Path
     quick: bool = False
-    workers: int | None = None
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,7 @@ def nothing(*given: Any) -> list[Any]:
 class Study:
     """A question that one command answers.
 
-    measure: gives rows; a function, or `OnScene` (cases on a scene), or `Sweep` (many cases in a pool).
+    measure: gives rows; a function, or `OnScene` (cases on a scene), or `Benchmark` (series of cases).
     tables: how the rows are shown.   conclusions: sentences that are computed from them.
     pictures: draws into a directory and returns the files.   ratios: of them, a table and sentences are made.
     not_in_quick_report: why a quick report on all studies leaves it out; empty if it does not.
@@ -84,11 +83,11 @@ def announce(study: str, activity: str) -> None:
     tqdm.write(f"{study}: {activity}", file=sys.stderr)
 
 
-def run(study: Study, output: Path, quick: bool = False, workers: int | None = None) -> str:
+def run(study: Study, output: Path, quick: bool = False) -> str:
     """Measure, write NAME.json, NAME.md and pictures into `output`; return the report."""
     prepare_directory(output)
     announce(study.name, "measuring")
-    results = study.measure(Order(study.name, output, quick, workers))
+    results = study.measure(Order(study.name, output, quick))
     results = results if isinstance(results, Results) else Results(quick, results)
     document = measured(study.name, study.question, results)
     write_json(output / f"{study.name}.json", document)

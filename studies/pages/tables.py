@@ -8,7 +8,6 @@ from studies.harness import Results, Row, groups
 from studies.harness.cases import PAPER_METHOD, RULE
 from studies.harness.ratios import (
     BY_NATIVE_SOLVERS,
-    COMPILED,
     DEFAULT,
     EXPLICIT,
     IMPLICIT,
@@ -131,7 +130,7 @@ def comparison(figures: Figures) -> str:
 
 def _compared(chosen: Chosen, bound: float) -> Iterator[list[str]]:
     for who, row in chosen.items():
-        if who == COMPILED or (row is None and who.endswith("quadrature")):
+        if row is None and who.endswith("quadrature"):
             continue
         if row is None:
             yield [f"{bound:g} m", f"{who}: none", *["-"] * 7]

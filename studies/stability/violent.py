@@ -1,7 +1,6 @@
 """A cable that is thrown: how much of the limit at rest remains."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 from itertools import product
 
@@ -41,13 +40,19 @@ def thrown(speed: float) -> Equilibrium:
     return replace(start, q=q.reshape(v.shape), v=velocity.reshape(v.shape))
 
 
-def violent_cases(quick: bool) -> Iterator[Row]:
+def violent_cases(quick: bool) -> list[Row]:
     """value: largest velocity at the start [m/s]."""
     methods, speeds = (METHODS[1::4], (1.0, 30.0)) if quick else (METHODS, SPEEDS)
-    for (scheme, zeta), speed in product(methods, speeds):
-        label = f"{scheme}, zeta = {zeta:g} 1/s" if scheme != "RATTLE" else scheme
-        case = {"kind": "violent", "label": label, "scheme": scheme, "zeta": zeta}
-        yield case | {"value": speed, "duration": 0.1 if quick else DURATION}
+    return [
+        {
+            "label": f"{scheme}, zeta = {zeta:g} 1/s" if scheme != "RATTLE" else scheme,
+            "scheme": scheme,
+            "zeta": zeta,
+            "value": speed,
+            "duration": 0.1 if quick else DURATION,
+        }
+        for (scheme, zeta), speed in product(methods, speeds)
+    ]
 
 
 def run_violent(case: Row) -> Row:
