@@ -38,14 +38,22 @@ def pendulum(
     line, down = CableShape.Line([0, 0], [LENGTH, 0], elements), [0, -gravity, 0]
     cable = addCable(mbs, shape=line, beamTemplate=template, gravity=down, dimension=dimension)
     add_constraint(mbs, cable["nodes"][0], Pin(at=0.0), dimension)
-    if mass and addCable is CreateInextensibleCable:
-        AddPointMass(mbs, cable, LENGTH, mass)
-    elif mass:
-        body = mbs.CreateMassPoint(referencePosition=[LENGTH, 0, 0], mass=mass, gravity=down, returnDict=True)
-        numbers = (cable["nodes"][-1], body["nodeNumber"])
-        ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=number)) for number in numbers]
-        mbs.AddObject(SphericalJoint(markerNumbers=ends))
+    if mass:
+        hang_mass(mbs, cable, [LENGTH, 0, 0], mass, down, addCable is CreateInextensibleCable)
     return {"cables": [cable], "bodies": []}
+
+
+def hang_mass(
+    mbs: Any, cable: Any, end: Sequence[float], mass: float, gravity: Sequence[float], is_part: bool
+) -> None:
+    """At the end of a straight cable from the origin: as a part of it, or on a joint.   mass: [kg]."""
+    if is_part:
+        AddPointMass(mbs, cable, float(np.linalg.norm(end)), mass)
+        return
+    body = mbs.CreateMassPoint(referencePosition=end, mass=mass, gravity=gravity, returnDict=True)
+    numbers = (cable["nodes"][-1], body["nodeNumber"])
+    ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=number)) for number in numbers]
+    mbs.AddObject(SphericalJoint(markerNumbers=ends))
 
 
 def string(
