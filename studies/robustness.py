@@ -26,42 +26,44 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
 from exudyn_inext import ExplicitSettings, SolveExplicit
 from reference_models.model import quiet_settings, silence
 from reference_models.trajectory import Array
 
-from .harness import Order, Results, Row, Study, column, groups, tables, verdict
+from .harness import Results, Row, Study, column, groups, tables, verdict
 from .harness.bars import Bar, conclusions
+from .harness.benchmark import Benchmark, Series
 from .harness.inner import largest_step
-from .robust.scenes import NATIVE, Rope, build, lone_rope, mixed_rope, moved
+from .robust.scenes import LONE, NATIVE, Rope, build, lone_rope, mixed_rope, moved
 
 END, PERIOD = 1.5, 0.01  # [s]
-LONE, MIXED, BY_NATIVES = 600, 200, 30
 NATIVE_STEP = 5e-4  # [s]
 ACCURATE, SHARE = 0.01, 0.95  # of the motion; of the runs
 JUMP = 0.5  # of the velocity that counts as a snap
 SLOW_START = 5  # output periods after which a jump can be told
 
 
-def measure(order: Order) -> list[Row]:
-    """One row for each scene."""
-    return rows_of(range(8), range(4), 2) if order.quick else rows_of(range(LONE), range(MIXED), BY_NATIVES)
+def lone_cases(quick: bool) -> list[Row]:
+    """Seeds of lone ropes."""
+    return [{"partner": LONE, "seed": seed} for seed in range(8 if quick else 600)]
 
 
-def rows_of(lone: Iterable[int], mixed: Iterable[int], native: int) -> list[Row]:
-    """Rows of these seeds; the first `native` lone ropes by native cables, too."""
-    seeds = list(lone)
-    own = [lone_rope(seed) for seed in seeds] + [mixed_rope(seed) for seed in mixed]
-    rows = [own_row(rope) for rope in tqdm(own, desc="robustness", unit="scene")]
-    return rows + [native_row(lone_rope(seed)) for seed in tqdm(seeds[:native], desc="native", unit="scene")]
+def own_cases(quick: bool) -> list[Row]:
+    """All scenes, by what is in them and their seeds."""
+    mixed = [{"partner": mixed_rope(seed).partner, "seed": seed} for seed in range(4 if quick else 200)]
+    return lone_cases(quick) + mixed
 
 
-def own_row(rope: Rope) -> Row:
+def _rope(case: Row) -> Rope:
+    return (lone_rope if case["partner"] == LONE else mixed_rope)(case["seed"])
+
+
+def own_row(case: Row) -> Row:
     """A run at default settings, and its distance to one with a quarter of the step."""
+    rope = _rope(case)
     found, path, report = _run(rope, ExplicitSettings())
-    row = {"kind": "own", **_described(rope), **found}
+    row = _described(rope) | found
     if row["failure"]:
         return row
     step, _ = largest_step(report["bounds"])
@@ -80,15 +82,24 @@ def own_row(rope: Rope) -> Row:
     return row | errors | {"calm": calm}
 
 
-def native_row(rope: Rope) -> Row:
+def native_row(case: Row) -> Row:
     """Native cables with generalized-alpha."""
-    return {"kind": "native", **_described(rope), **_run(rope)[0]}
+    rope = _rope(case)
+    return _described(rope) | _run(rope)[0]
+
+
+MEASURE = Benchmark(
+    [
+        Series("own", own_cases, own_row),
+        Series("native", lambda quick: lone_cases(quick)[: 2 if quick else 30], native_row),
+    ]
+)
 
 
 def _described(rope: Rope) -> Row:
     return {
         "label": f"{rope.partner}, seed {rope.seed}",
-        **{key: getattr(rope, key) for key in ("seed", "partner", "elements", "stiffness", "dimension")},
+        **{key: getattr(rope, key) for key in ("elements", "stiffness", "dimension")},
         "tipMass": rope.tip_mass,
         "support": "clamped" if rope.clamped else "pinned",
     }
@@ -195,4 +206,4 @@ TABLES = tables(
 )
 
 QUESTION = "Does every run end at default settings, how accurate is it, and what does it cost?"
-STUDY = Study("robustness", QUESTION, measure, conclude, TABLES, minutes=4)
+STUDY = Study("robustness", QUESTION, MEASURE, conclude, TABLES, minutes=4)

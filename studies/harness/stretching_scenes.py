@@ -1,6 +1,6 @@
 """Scenes whose cables stretch, with native cables of the same axial stiffness: what `stretch` solves."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -56,18 +56,13 @@ def hang_mass(
     mbs.AddObject(SphericalJoint(markerNumbers=ends))
 
 
-def string(
-    mbs: Any,
-    addCable: Build = CreateInextensibleCable,
-    elements: int = 8,
-    pluck: Mapping[int, float] = PLUCK,
-) -> dict[str, Any]:
-    """Pinned straight, too short for its supports.   pluck: see `PLUCK`."""
+def string(mbs: Any, addCable: Build = CreateInextensibleCable, elements: int = 8) -> dict[str, Any]:
+    """Pinned straight, too short for its supports, and plucked."""
     template = InextensibleCable(DENSITY, BEND, axialStiffness=STRING, referenceAxialStrain=-PRETENSION)
     x, wave = np.linspace(0.0, LENGTH, elements + 1), np.pi / LENGTH
     v, slope_v = np.zeros((2, elements + 1, 2))
-    v[:, 1] = sum(speed * np.sin(k * wave * x) for k, speed in pluck.items())
-    slope_v[:, 1] = sum(k * wave * speed * np.cos(k * wave * x) for k, speed in pluck.items())
+    v[:, 1] = sum(speed * np.sin(k * wave * x) for k, speed in PLUCK.items())
+    slope_v[:, 1] = sum(k * wave * speed * np.cos(k * wave * x) for k, speed in PLUCK.items())
     v[[0, -1]] = 0.0
     shape = CableShape(np.outer(x, [1, 0]), np.outer(x**0, [1, 0]), velocities=v, slopeVelocities=slope_v)
     cable = addCable(mbs, shape=shape, beamTemplate=template)

@@ -1,7 +1,7 @@
 """What a study is, and a run of it: measure, conclude, draw, store. Every study stores the same document."""
 
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from pathlib import Path
@@ -9,7 +9,7 @@ from typing import Any
 
 from tqdm import tqdm
 
-from .provenance import machine, present_code
+from .provenance import commit_of, machine, present_code
 from .ratios import Ratio, ratio_sentences, ratio_tables
 from .store import Row, prepare_directory, write_json, write_text
 from .table import Table, TextTable
@@ -94,13 +94,8 @@ def run(study: Study, output: Path, quick: bool = False) -> str:
     document |= concluded(study, results)
     document["pictures"] = [picture.name for picture in study.pictures(results, output)]
     write_json(output / f"{study.name}.json", document)
-    mode = f" ({document['mode']})" if document["mode"] else ""
-    tables = [TextTable(**table).markdown for table in document["tables"]]
-    sentences = "\n".join(f"- {sentence}" for sentence in document["conclusions"])
-    parts = [f"# {study.name}{mode}", study.question, *tables, *document["notes"], sentences]
-    report = "\n\n".join(parts) + "\n"
-    gallery = "".join(f"\n![{Path(name).stem}]({name})\n" for name in document["pictures"])
-    write_text(output / f"{study.name}.md", report + gallery)
+    report = "\n\n".join([f"# {study.name}", *section(document, output)]) + "\n"
+    write_text(output / f"{study.name}.md", report)
     return report
 
 
@@ -129,3 +124,23 @@ def concluded(study: Study, results: Results) -> Document:
         "conclusions": study.conclusions(results) + ratio_sentences(ratios, results.quick),
         "ratios": [vars(ratio) for ratio in ratios],
     }
+
+
+def bullets(texts: Iterable[str]) -> str:
+    """A list, as Markdown."""
+    return "\n".join(f"- {text}" for text in texts)
+
+
+def section(document: Document, folder: Path) -> list[str]:
+    """A study as Markdown: question, conclusions, pictures, tables, notes.   folder: of the pictures."""
+    pictures = [
+        f"![{Path(name).stem.replace('_', ' ')}]({name})"
+        if (folder / name).is_file()
+        else f"The picture {name} is not there."
+        for name in document["pictures"]
+    ]
+    tables = [TextTable(**stored).markdown for stored in document["tables"]]
+    mode = f", {document['mode']}" if document["mode"] else ""
+    blocks = [document["question"], bullets(document["conclusions"]), *pictures, *tables, *document["notes"]]
+    measured = f"Measured on {document['date']}, {commit_of(document)}{mode}."
+    return [*filter(None, blocks), measured + document.get("note", "")]

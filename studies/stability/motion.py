@@ -1,13 +1,23 @@
 """Cables in equilibrium, at rest or spinning, and compiled motion of one, in portions, without Exudyn."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
+import exudyn
 import numpy as np
 
-from exudyn_inext import Rattle, RungeKutta4, Zhai
-from reference_models.scenes import load_scene
+from exudyn_inext import (
+    AddPointMass,
+    CableShape,
+    CreateInextensibleCable,
+    InextensibleCable,
+    Rattle,
+    RungeKutta4,
+    SolveEquilibrium,
+    Zhai,
+)
+from reference_models.conventional.supports import add_constraint
+from reference_models.scenes import Clamp, Pin, load_scene
 from reference_models.trajectory import Array
 from studies.harness import Row, inner
 
@@ -16,88 +26,59 @@ LENGTH = _OWN.length  # [m]
 DENSITY = _OWN.section.mass_per_length  # rho_A [kg/m]
 STIFFNESS = _OWN.section.bending_stiffness  # EI [N m^2]
 GRAVITY = 9.81  # [m/s^2]
-_OWN_MASS = (inner.PointMass(LENGTH, DENSITY * LENGTH),)  # as much as the cable's, at its end
+_OWN_MASS = DENSITY * LENGTH  # as much as the cable's, at its end
 
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """A cable, its coordinates and velocities (n, 2, 2), and the external force (n, 2, 2)."""
+    """A cable, its coordinates and velocities (n, 2, 2).   inputs: see `CableLoads.at`, constant."""
 
     cable: inner.Cable
     q: Array
     v: Array
-    external: Array
+    inputs: Array
 
     @property
     def element_length(self) -> float:
         return float(self.cable.element_lengths[0])
 
     @property
-    def inputs(self) -> Array:
-        """(n_external,) what a system takes: the force, and the anchors of links at rest."""
-        motions = [motion.at(0.0).ravel() for motion in inner.motions_of(inner.all_links(self.cable))]
-        return np.concatenate([self.external.ravel(), *motions])
+    def external(self) -> Array:
+        """Forces on the coordinates (n, 2, 2)."""
+        return self.inputs[: self.q.size].reshape(self.q.shape)
 
 
-def _cable_at(
-    nodes: Array,
-    held: Sequence[tuple[int, int]] = (),
+def _placed(
+    shape: CableShape,
+    start: Pin | Clamp | None = None,
+    end: Pin | None = None,
     gravity: float = 0.0,
-    stiffness: float = STIFFNESS,
-    natural: float = 0.0,
-    **more: Any,
+    mass: float = 0.0,
+    settles: bool = False,
+    **template: float,
 ) -> Equilibrium:
-    """A cable at rest.   nodes: (n, 2, 2).   held: pairs of node and 0 (position) or 1 (slope).
-
-    more: of `Cable`.
-    """
-    number = len(nodes) - 1
-    fixed = np.zeros((number + 1, 2), dtype=bool)
-    for node, what in held:
-        fixed[node, what] = True
-    cable = inner.Cable(
-        reference=nodes,
-        element_lengths=np.full(number, LENGTH / number),
-        section=inner.Section(DENSITY, stiffness, natural),
-        measure=inner.CurvatureMeasure.SECOND_DERIVATIVE,
-        length_constraints=number,
-        fixed=fixed,
-        **more,
-    )
-    force = inner.gravity_force(cable, np.array([0.0, -gravity]))
-    return Equilibrium(cable, nodes, np.zeros_like(nodes), force)
-
-
-def _settled(start: Equilibrium, guess: Array) -> Equilibrium:
-    """In the stable equilibrium near a guess (n, 2, 2).
-
-    Raises:
-        ArithmeticError: none was found.
-    """
-    potential = inner.Potential(start.cable, start.external, 0.0)
-    found = inner.find_equilibrium(potential, guess, inner.StaticOptions())
-    if not found.converged:
-        number = start.cable.number_of_elements
-        raise ArithmeticError(f"no equilibrium with {number} elements: {found.message}")
-    return replace(start, q=found.q)
-
-
-def _line(elements: int, direction: tuple[float, float]) -> Array:
-    places = np.outer(np.linspace(0.0, LENGTH, elements + 1), direction)
-    return np.stack([places, np.tile(direction, (elements + 1, 1))], axis=1)
-
-
-def _arc(elements: int, turns: float) -> Array:
-    """From the origin along x, in circles that curve upwards."""
-    angle = np.linspace(0.0, 2.0 * np.pi * turns, elements + 1)
-    sine, cosine = np.sin(angle), np.cos(angle)
-    places = LENGTH / (2.0 * np.pi * turns) * np.stack([sine, 1.0 - cosine], axis=1)
-    return np.stack([places, np.stack([cosine, sine], axis=1)], axis=1)
+    """A cable with supports and a mass [kg] at its end.   settles: in the equilibrium near its shape."""
+    container = exudyn.SystemContainer()
+    mbs = container.AddSystem()
+    template = {"massPerLength": DENSITY, "bendingStiffness": STIFFNESS, **template}
+    own = InextensibleCable(**template)
+    cable = CreateInextensibleCable(mbs, shape=shape, beamTemplate=own, gravity=[0.0, -gravity, 0.0])
+    for node, support in ((cable["nodes"][0], start), (cable["nodes"][-1], end)):
+        if support:
+            add_constraint(mbs, node, support, 2)
+    if mass:
+        AddPointMass(mbs, cable, LENGTH, mass)
+    mbs.Assemble()
+    if settles:
+        SolveEquilibrium(mbs)
+    cables = inner.read_scene(mbs).cables
+    ((q, v),) = inner.initial_states(mbs, cables)
+    return Equilibrium(cables[0].cable, q, v, inner.CableLoads(cables[0]).at(0.0))
 
 
 def straight(elements: int, gravity: float = 0.0) -> Equilibrium:
     """Pinned at its start; under gravity it is released from the horizontal."""
-    return _cable_at(_line(elements, (1.0, 0.0)), [(0, 0)], gravity)
+    return _placed(CableShape.Line([0, 0], [LENGTH, 0], elements), Pin(at=0.0), gravity=gravity)
 
 
 def hanging(elements: int, gravity: float, stiffness: float = STIFFNESS) -> Equilibrium:
@@ -105,38 +86,41 @@ def hanging(elements: int, gravity: float, stiffness: float = STIFFNESS) -> Equi
 
     Without the mass, a limp free end does not hang straight (docs/overview.md, "When to use it").
     """
-    return _cable_at(_line(elements, (0.0, -1.0)), [(0, 0)], gravity, stiffness, point_masses=_OWN_MASS)
+    line = CableShape.Line([0, 0], [0, -LENGTH], elements)
+    return _placed(line, Pin(at=0.0), gravity=gravity, mass=_OWN_MASS, bendingStiffness=stiffness)
 
 
 def sagging(elements: int, share: float, gravity: float = GRAVITY) -> Equilibrium:
     """Between two pins at the same height, that share of the cable's length apart [-]; its equilibrium."""
-    nodes = _line(elements, (share, 0.0))
-    start = _cable_at(nodes, [(0, 0), (elements, 0)], gravity, straight_lengths=True)
-    place = np.pi * np.linspace(0.0, 1.0, elements + 1)
+    place = np.pi * np.linspace(0.0, 1.0, 2 * elements + 1)
     angle = -2.0 * np.sqrt(1.0 - share) * np.cos(place)  # of an arch as long as the cable, nearly
-    guess = nodes.copy()
-    guess[:, 0, 1] = -2.0 / np.pi * LENGTH * np.sqrt(1.0 - share) * np.sin(place)
-    guess[:, 1] = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return _settled(start, guess)
+    slopes = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    places = np.zeros((elements + 1, 2))
+    places[1:] = LENGTH / elements * slopes[1::2].cumsum(axis=0)
+    places[:, 0] *= share * LENGTH / places[-1, 0]
+    shape = CableShape(places, slopes[::2], LENGTH / elements, lengthReference="straight")
+    return _placed(shape, Pin(at=0.0), Pin(at=1.0), gravity, settles=True)
 
 
 def coil(elements: int, turns: float) -> Equilibrium:
-    """Clamped at its start, free of stress in that many turns."""
-    nodes = _arc(elements, turns)
-    return _settled(_cable_at(nodes, [(0, 0), (0, 1)], natural=2.0 * np.pi * turns / LENGTH), nodes)
+    """Clamped at its start, free of stress in that many turns, in circles that curve upwards."""
+    angle = np.linspace(0.0, 2.0 * np.pi * turns, elements + 1)
+    sine, cosine = np.sin(angle), np.cos(angle)
+    curvature = 2.0 * np.pi * turns / LENGTH
+    places = np.stack([sine, 1.0 - cosine], axis=1) / curvature
+    shape = CableShape(places, np.stack([cosine, sine], axis=1), LENGTH / elements)
+    return _placed(shape, Clamp(at=0.0), settles=True, referenceCurvature=curvature)
 
 
 def ring(elements: int) -> Equilibrium:
     """A free closed ring."""
-    nodes = _arc(elements, 1.0)
-    nodes[-1] = nodes[0]
-    return _cable_at(nodes, closed=True)
+    return _placed(CableShape.Circle([0, 0], LENGTH / (2.0 * np.pi), elements))
 
 
 def spinning(elements: int, rate: float) -> Equilibrium:
     """Straight, spinning about the pin at its start with that rate [rad/s]; as much mass at its end."""
-    start = _cable_at(_line(elements, (1.0, 0.0)), [(0, 0)], point_masses=_OWN_MASS)
-    return replace(start, v=rate * np.stack([-start.q[..., 1], start.q[..., 0]], axis=-1))
+    line = CableShape.Line([0, 0], [LENGTH, 0], elements, [0, 0], [0, rate * LENGTH])
+    return _placed(line, Pin(at=0.0), mass=_OWN_MASS)
 
 
 CABLES = {make.__name__: make for make in (straight, hanging, sagging, coil, ring, spinning)}
