@@ -35,14 +35,15 @@ def add_circle_contact(
     length: float,
     surface: Surface,
     touches: Callable[[float], bool],
+    centre: Sequence[float] = (0.0, 0.0, 0.0),
 ) -> None:
-    """Contact of all elements with a circle about the origin.
+    """Contact of all elements with a circle.
 
     Args:
         mbs: the system.   nodes: of the cable.   length: of the cable [m].   surface: of the circle.
-        touches: arc length [m] -> whether the cable touches there at the start.
+        touches: arc length [m] -> whether the cable touches there at the start.   centre: of the circle [m].
     """
-    circle = mbs.AddMarker(eu.MarkerBodyRigid(bodyNumber=mbs.CreateGround()))
+    circle = mbs.AddMarker(eu.MarkerBodyRigid(bodyNumber=mbs.CreateGround(referencePosition=list(centre))))
     count, segments = len(nodes) - 1, surface.segments
     share = length / count / segments
     for k in range(count):

@@ -25,9 +25,6 @@ def _parser(program: str) -> argparse.ArgumentParser:
     one.add_argument("name", help="as shown by 'list'")
     one.add_argument("--quick", action="store_true", help="a short motion and few, cheap cases")
     one.add_argument("--output", type=Path, default=Path("results"), help="default: results")
-    one.add_argument(
-        "--workers", type=int, metavar="N", help="processes of studies with many cases; default: one a core"
-    )
     add_commands(commands)
     add_options(commands.add_parser("report", help="everything measured, as one Markdown and one HTML page"))
     return parser
@@ -58,9 +55,7 @@ def main(arguments: Sequence[str] | None = None, program: str = "python -m studi
             remake(options)
         else:
             study = find_study(options.name)
-            if options.workers is not None and options.workers < 1:
-                raise InputError(f"--workers {options.workers}: must be at least 1.")
-            run(study, options.output, options.quick, options.workers)
+            run(study, options.output, options.quick)
             print(as_text(read_json(options.output / f"{study.name}.json") or {}, terminal_width()))
             print(f"\nWritten to {options.output}")
     except InputError as error:

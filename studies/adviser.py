@@ -41,7 +41,8 @@ from reference_models.scenes.section import Round, Section
 from reference_models.scenes.shape import Circle, Line, Parabolas
 from reference_models.scenes.support import Clamp, Pin
 
-from .harness import Order, Results, Row, Study, Table, inner, percent, verdict
+from .harness import Order, Results, Row, Study, Table, inner
+from .harness.bars import Bar, conclusions
 
 TOLERANCES = (1e-2, 3e-3, 1e-3, 3e-4)  # of the length
 FEW = AdviceSettings(numbersOfElements=(4, 6, 8))
@@ -173,7 +174,7 @@ def _outcome(
         "referenceUncertainty": uncertainty,
     }
     if again.failure:
-        return row | {"status": f"FAILED: {again.failure}"}
+        return row | {"status": f"failed: {again.failure}"}
     if tolerance < LEAST_OVER_UNCERTAINTY * uncertainty:
         return row | {"status": "not judged: the reference is too uncertain"}
     error = again.distance(reference)
@@ -203,43 +204,27 @@ def _fine_run(runs: inner.PilotRuns, elements: int) -> inner.Pilot:
     raise DivergenceError(pilot.failure)
 
 
+def _off(row: Row) -> float | None:
+    """Error over its prediction, or the prediction over it."""
+    return max(row["ratio"], 1.0 / row["ratio"]) if "ratio" in row else None
+
+
+def _over(row: Row) -> float | None:
+    """Error over the tolerance, where it was said to be within."""
+    return row["achievedError"] / row["value"] if row.get("meetsTolerance") and "ratio" in row else None
+
+
+BARS = conclusions(
+    Bar("advice", _off, "how far errors are from their predictions, as a factor", FACTOR, noise=1.0),
+    Bar("advice", _over, "error over the tolerance that it was said to keep", 1.0, noise=1.0, share=SHARE),
+)
+
+
 def conclude(results: Results) -> list[str]:
-    """How often it was right; the misses."""
+    """How often the advice was right, and how often that could not be judged."""
     rows = results.of_kind("advice")
-    judged = [row for row in rows if row.get("achievedError") is not None]
-    refused, failed = (sum(row["status"].startswith(how) for row in rows) for how in ("refused", "FAILED"))
-    if not judged:
-        return [f"None of {len(rows)} cases could be judged."]
-    near = [row for row in judged if _is_near(row)]
-    promised = [row for row in judged if row["meetsTolerance"]]
-    kept = [row for row in promised if not _is_broken(row)]
-    return [
-        f"{len(rows)} cases: {len(judged)} judged, {refused} refused, {failed} failed, the others below the "
-        "reference's uncertainty.",
-        f"The achieved error is within a factor {FACTOR:g} of the prediction in {len(near)} of {len(judged)} "
-        f"cases ({_bar(len(near), len(judged), 1.0)}).",
-        f"It is within the tolerance in {len(kept)} of {len(promised)} cases that were said to be "
-        f"({_bar(len(kept), len(promised), SHARE)}).",
-        *(
-            "Miss: {label} ({what}), tolerance {value:.2g}: {choice}, predicted {predictedError:.2g}, "
-            "achieved {achievedError:.2g}.".format_map(row)
-            for row in judged
-            if not _is_near(row) or _is_broken(row)
-        ),
-    ]
-
-
-def _is_near(row: Row) -> bool:
-    return bool(1.0 / FACTOR <= row["ratio"] <= FACTOR)
-
-
-def _is_broken(row: Row) -> bool:
-    """Whether it was said to be within the tolerance, and is not."""
-    return bool(row["meetsTolerance"] and row["achievedError"] > row["value"])
-
-
-def _bar(number: int, total: int, share: float) -> str:
-    return f"bar of {percent(share)} {verdict(number >= share * total)}"
+    judged, refused = sum("ratio" in row for row in rows), sum(row["status"][:7] == "refused" for row in rows)
+    return [*BARS(results), f"{judged} of {len(rows)} cases could be judged; {refused} were refused."]
 
 
 TABLE = Table(

@@ -35,7 +35,7 @@ What is left out
 from functools import partial
 from pathlib import Path
 
-from .harness import Order, Results, Row, Study, Table, announce, groups
+from .harness import Order, Results, Row, Study, announce, groups, tables
 from .harness.bars import Bar, conclusions
 from .harness.coupled_runs import (
     LARGE_ELEMENTS,
@@ -48,7 +48,7 @@ from .harness.coupled_runs import (
     large_net,
 )
 from .harness.coupled_scenes import SCENES, CoupledScene
-from .harness.pool import ask
+from .harness.process import ask
 from .harness.ratios import DEFAULT, ONE_SETTING, TUNED
 from .harness.tuning import Series, Tuning, compare, draw_fronts, natives, ours
 
@@ -124,29 +124,21 @@ def draw(results: Results, directory: Path) -> list[Path]:
     return [draw_fronts(results, directory / "coupled_scenes.png", BOUNDS)]
 
 
-TABLES = [
-    Table(
-        "best",
-        "Cheapest runs within a bound [s], and ratios of CPU times; how far converged runs agree:",
-        "scene | within | inextensible: ours | its start: oursStart | default settings: default | native | "
-        "its start: nativeStart | native over inextensible: native/ours | "
-        "over default settings: native/default | "
-        "over one setting: native/setting | agreement",
-        compared,
-    ),
-    Table(
-        "settings",
-        "Their settings and errors:",
-        "scene | within | inextensible: oursSettings | error: oursError | default: defaultSettings | "
-        "error: defaultError | native: nativeSettings | error: nativeError",
-        compared,
-    ),
-    Table(
-        "large",
-        "Large nets, steps of the same size:",
-        "cables | formulation | start [s]: startSeconds | a step [ms]: stepMilliseconds | "
-        "memory [MB]: megabytes",
-    ),
-]
+TABLES = tables(
+    """
+    best: Cheapest runs within a bound [s], and ratios of CPU times; how far converged runs agree:
+        scene | within | inextensible: ours | its start: oursStart | default settings: default | native |
+        its start: nativeStart | native over inextensible: native/ours |
+        over default settings: native/default | over one setting: native/setting | agreement
+    settings: Their settings and errors:
+        scene | within | inextensible: oursSettings | error: oursError | default: defaultSettings |
+        error: defaultError | native: nativeSettings | error: nativeError
+    large: Large nets, steps of the same size:
+        cables | formulation | start [s]: startSeconds | a step [ms]: stepMilliseconds |
+        memory [MB]: megabytes
+    """,
+    best=compared,
+    settings=compared,
+)
 QUESTION = "What do scenes of cables, bodies and joints cost, inextensible and native, at equal error?"
 STUDY = Study("coupled", QUESTION, measure, conclude, TABLES, draw, minutes=9)

@@ -33,9 +33,9 @@ from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case
 
 from .harness import Results, Row, Study, column, groups, number, tables
+from .harness.benchmark import Benchmark, Series
 from .harness.cases import failing_case, unguarded
 from .harness.plot import COLORS, Curve, Panel, chart
-from .harness.pool import Sweep
 from .harness.reference import ReferenceSolution
 from .harness.timing import OK, measure
 from .table3 import reference_of
@@ -77,13 +77,11 @@ def make_cases(quick: bool) -> list[Row]:
     names = ("planar_pendulum",) if quick else tuple(SCENES)
     return [
         {
-            "kind": "change",
             "scene": name,
             "label": label,
             "elements": SCENES[name],
             "motion": QUICK_MOTION if quick else load_scene(name).end_time,
             "repeats": QUICK_REPEATS if quick else REPEATS,
-            "timed": True,
         }
         for name in names
         for label in changes_of(load_scene(name), SCENES[name])
@@ -226,4 +224,5 @@ TABLES = tables(
 )
 
 QUESTION = "What may be left out of the model when, and what does that save?"
-STUDY = Study("minimal_model", QUESTION, Sweep(make_cases, run_change), conclude, TABLES, draw, minutes=3)
+MEASURE = Benchmark([Series("change", make_cases, run_change)])
+STUDY = Study("minimal_model", QUESTION, MEASURE, conclude, TABLES, draw, minutes=3)

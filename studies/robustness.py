@@ -19,106 +19,107 @@ What is left out
     Accuracy after a snap: the motion is chaotic there. Stretch, which softens snaps.
 """
 
+import math
 import time
 import warnings
 from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
-from exudyn_inext import ExplicitSettings, InextensibleError, SolveExplicit
+from exudyn_inext import ExplicitSettings, SolveExplicit
 from reference_models.model import quiet_settings, silence
 from reference_models.trajectory import Array
 
-from .harness import Order, Results, Row, Study, column, groups, percent, tables, verdict
+from .harness import Results, Row, Study, column, groups, tables, verdict
+from .harness.bars import Bar, conclusions
+from .harness.benchmark import Benchmark, Series
 from .harness.inner import largest_step
-from .robust.scenes import Rope, build, build_native, lone_rope, mixed_rope, moved
+from .robust.scenes import LONE, NATIVE, Rope, build, lone_rope, mixed_rope, moved
 
 END, PERIOD = 1.5, 0.01  # [s]
-LONE, MIXED, NATIVE = 600, 200, 30
 NATIVE_STEP = 5e-4  # [s]
 ACCURATE, SHARE = 0.01, 0.95  # of the motion; of the runs
 JUMP = 0.5  # of the velocity that counts as a snap
 SLOW_START = 5  # output periods after which a jump can be told
 
 
-def measure(order: Order) -> list[Row]:
-    """One row for each scene."""
-    return rows_of(range(8), range(4), 2) if order.quick else rows_of(range(LONE), range(MIXED), NATIVE)
+def lone_cases(quick: bool) -> list[Row]:
+    """Seeds of lone ropes."""
+    return [{"partner": LONE, "seed": seed} for seed in range(8 if quick else 600)]
 
 
-def rows_of(lone: Iterable[int], mixed: Iterable[int], native: int) -> list[Row]:
-    """Rows of these seeds; the first `native` lone ropes by native cables, too."""
-    seeds = list(lone)
-    own = [lone_rope(seed) for seed in seeds] + [mixed_rope(seed) for seed in mixed]
-    rows = [own_row(rope) for rope in tqdm(own, desc="robustness", unit="scene")]
-    return rows + [native_row(lone_rope(seed)) for seed in tqdm(seeds[:native], desc="native", unit="scene")]
+def own_cases(quick: bool) -> list[Row]:
+    """All scenes, by what is in them and their seeds."""
+    mixed = [{"partner": mixed_rope(seed).partner, "seed": seed} for seed in range(4 if quick else 200)]
+    return lone_cases(quick) + mixed
 
 
-def own_row(rope: Rope) -> Row:
+def _rope(case: Row) -> Rope:
+    return (lone_rope if case["partner"] == LONE else mixed_rope)(case["seed"])
+
+
+def own_row(case: Row) -> Row:
     """A run at default settings, and its distance to one with a quarter of the step."""
-    row = _described(rope) | {"kind": "own"}
-    path, seconds, report = _run(rope, ExplicitSettings())
-    if isinstance(report, str):
-        return row | {"cpuSeconds": seconds, "failure": report}
+    rope = _rope(case)
+    found, path, report = _run(rope, ExplicitSettings())
+    row = _described(rope) | found
+    if row["failure"]:
+        return row
     step, _ = largest_step(report["bounds"])
     finer = ExplicitSettings(stepSize=step / 4, massScaling=report["massScaling"], allowUnstableStep=True)
-    fine, _, reference = _run(rope, finer)
+    reference, fine, _ = _run(rope, finer)
     row |= {
-        "cpuSeconds": seconds,
         "stepSize": step,
         **{key: report[key] for key in ("massScaling", "steps", "rejections")},
         "energyGain": report["drift"].get("energyGain", 0.0),
-        "failure": "",
     }
-    if isinstance(reference, str):
-        return row | {"errorBeforeSnap": np.nan, "error": np.nan}
+    if reference["failure"]:
+        return row | {"errorBeforeSnap": math.inf, "error": math.inf}
     distance = np.linalg.norm(path - fine, axis=1) / moved(fine)
     calm = periods_before_snap(fine)
-    return row | {
-        "errorBeforeSnap": float(distance[:calm].max()), "error": float(distance.max()), "calm": calm
-    }  # fmt: skip
+    errors = {"errorBeforeSnap": float(distance[:calm].max()), "error": float(distance.max())}
+    return row | errors | {"calm": calm}
 
 
-def native_row(rope: Rope) -> Row:
+def native_row(case: Row) -> Row:
     """Native cables with generalized-alpha."""
-    _container, mbs, _ = build_native(rope)
-    settings = quiet_settings(END, round(END / NATIVE_STEP), PERIOD)
-    start, failure = time.process_time(), ""
-    try:
-        with silence():
-            mbs.SolveDynamic(settings)
-        reached = mbs.systemData.GetTime()
-        failure = "" if reached > END - PERIOD else f"stopped at t = {reached:.3g} s"
-    except Exception as error:  # Exudyn's solver errors have no common type
-        failure = type(error).__name__
-    taken = {"cpuSeconds": time.process_time() - start, "failure": failure}
-    return _described(rope) | {"kind": "native"} | taken
+    rope = _rope(case)
+    return _described(rope) | _run(rope)[0]
+
+
+MEASURE = Benchmark(
+    [
+        Series("own", own_cases, own_row),
+        Series("native", lambda quick: lone_cases(quick)[: 2 if quick else 30], native_row),
+    ]
+)
 
 
 def _described(rope: Rope) -> Row:
     return {
-        **{key: getattr(rope, key) for key in ("seed", "partner", "elements", "stiffness", "dimension")},
+        "label": f"{rope.partner}, seed {rope.seed}",
+        **{key: getattr(rope, key) for key in ("elements", "stiffness", "dimension")},
         "tipMass": rope.tip_mass,
         "support": "clamped" if rope.clamped else "pinned",
     }
 
 
-def _run(rope: Rope, explicit: ExplicitSettings) -> tuple[Array, float, Any]:
-    """Path of the free end (T, 3), CPU seconds, and the report or what went wrong."""
-    _container, mbs, sensor = build(rope)
-    settings = quiet_settings(END, 1, PERIOD)
-    start = time.process_time()
-    with warnings.catch_warnings():
+def _run(rope: Rope, explicit: ExplicitSettings | None = None) -> tuple[Row, Array, Any]:
+    """CPU time and what went wrong; path of the free end (T, 3); the report.   explicit: None: native."""
+    _container, mbs, sensor = build(rope) if explicit else build(rope, NATIVE)
+    settings = quiet_settings(END, 1 if explicit else round(END / NATIVE_STEP), PERIOD)
+    start, report, failure = time.process_time(), None, ""
+    with silence(), warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            report: Any = SolveExplicit(mbs, settings, explicit)
-        except InextensibleError as error:
-            report = f"{type(error).__name__}: {error}"
-    seconds = time.process_time() - start
-    path = np.array(mbs.GetSensorStoredData(sensor)[:, 1:4])
-    return path, seconds, report
+            report = SolveExplicit(mbs, settings, explicit) if explicit else mbs.SolveDynamic(settings)
+        except Exception as error:  # Exudyn's solver errors have no common type
+            failure = f"{type(error).__name__}: {error}"
+    path = np.array(mbs.GetSensorStoredData(sensor))
+    if not failure and path[-1, 0] < END - PERIOD:
+        failure = f"stopped at t = {path[-1, 0]:.3g} s"
+    return {"cpuSeconds": time.process_time() - start, "failure": failure}, path[:, 1:4], report
 
 
 def periods_before_snap(path: Array) -> int:
@@ -159,17 +160,26 @@ def _failed(rows: Iterable[Row]) -> list[Row]:
     return [row for row in rows if row["failure"]]
 
 
+ACCURACY = conclusions(
+    Bar(
+        "own",
+        "errorBeforeSnap",
+        "distance to a run with a quarter of the step, before the first snap, over the motion",
+        ACCURATE,
+        noise=1.0,
+        share=SHARE,
+    ),
+)
+
+
 def conclude(results: Results) -> list[str]:
     """Failures, accuracy, cost."""
     own, native = results.of_kind("own"), results.of_kind("native")
-    failures, seconds = len(_failed(own)), sum(column(own, "cpuSeconds"))
-    ended = [row for row in own if not row["failure"]]
-    share = float(np.mean(_errors(ended) < ACCURATE)) if ended else 0.0
+    failures = len(_failed(own))
     said = [
         f"{failures} of {len(own)} runs at default settings did not end: {verdict(failures == 0)}.",
-        f"{percent(share)} of them lie within {percent(ACCURATE)} of the motion of a run with a quarter "
-        f"of the step, before the first snap (bar {percent(SHARE)}): {verdict(1.0 - share <= 1.0 - SHARE)}.",
-        f"All of them took {seconds:.3g} s of CPU time.",
+        *ACCURACY(results),
+        f"All of them took {sum(column(own, 'cpuSeconds')):.3g} s of CPU time.",
     ]
     if native:
         seeds = set(column(native, "seed"))
@@ -196,4 +206,4 @@ TABLES = tables(
 )
 
 QUESTION = "Does every run end at default settings, how accurate is it, and what does it cost?"
-STUDY = Study("robustness", QUESTION, measure, conclude, TABLES, minutes=4)
+STUDY = Study("robustness", QUESTION, MEASURE, conclude, TABLES, minutes=4)

@@ -17,7 +17,6 @@ Protocol
     w_max leaves out, lower the limits of Zhai there.
     Violent starts: a pinned cable is thrown; a step lasts if all smaller ones that were tried do, the
     constraints hold and the energy stays within 5 %.
-    Nothing is timed, so that all cores work at once.
 
 What is left out
     Damping, drag, contact and bodies, which bound steps of their own; unequal elements. Axial waves of
@@ -30,23 +29,17 @@ from pathlib import Path
 
 from .harness import Results, Row, Study, Table, column, groups
 from .harness.bars import Bar, conclusions
+from .harness.benchmark import Benchmark, Series
 from .harness.plot import COLORS, Curve, Panel, chart
-from .harness.pool import Sweep
 from .stability.limits import AGREEMENT
-from .stability.linear import MAPS, PLAIN, linear_cases, run_linear
+from .stability.linear import MAPS, PLAIN, run_linear
 from .stability.motion import SCHEMES
 from .stability.violent import run_violent, violent_cases
 
-
-def make_cases(quick: bool) -> Sequence[Row]:
-    """Of all maps."""
-    return [*linear_cases(quick), *violent_cases(quick)]
-
-
-def run_case(case: Row) -> Row:
-    """One point of one map."""
-    return (run_violent if case["kind"] == "violent" else run_linear)(case)
-
+SERIES = (
+    *(Series(kind, one.cases, run_linear) for kind, one in MAPS.items()),
+    Series("violent", violent_cases, run_violent),
+)
 
 _LIMITS = "predicted h [s]: predicted | found h [s]: found | found/predicted: ratio"
 _RULES = "ruled by: ruledBy | rule (37)/found: ruleOverLimit | status"
@@ -133,9 +126,9 @@ QUESTION = "Which step is the largest stable one at the extremes, and which boun
 STUDY = Study(
     "stability_limits",
     QUESTION,
-    Sweep(make_cases, run_case),
+    Benchmark(SERIES),
     conclusions(*BARS),
     TABLES,
     draw,
-    minutes=2,
+    minutes=4,
 )

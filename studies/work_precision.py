@@ -47,9 +47,9 @@ from reference_models.trajectory import Case
 
 from .harness import Results, Row, Study, announce, groups, tables
 from .harness.bars import Bar, conclusions
+from .harness.benchmark import Benchmark, Series
 from .harness.figures import COST_AXES, LOOKS, front_curves
 from .harness.plot import COLORS, Curve, Panel, chart
-from .harness.pool import Sweep
 from .harness.ratios import BY_NATIVE_SOLVERS, EXPLICIT, IMPLICIT, INEXTENSIBLE, PEER, family_of, is_usable
 from .harness.reference import ReferenceSolution
 from .harness.timing import measure
@@ -63,15 +63,13 @@ QUICK_MOTION, QUICK_REPEATS = 0.5, 1  # [s]
 
 
 def make_cases(quick: bool) -> list[Row]:
-    """One a scene, timed."""
+    """One a scene."""
     return [
         {
-            "kind": "scene",
             "scene": name,
             "motion": QUICK_MOTION if quick else load_scene(name).end_time,
             "repeats": QUICK_REPEATS if quick else REPEATS,
             "quick": quick,
-            "timed": True,
         }
         for name in SCENES
     ]
@@ -244,7 +242,7 @@ QUESTION = "What does an accuracy cost in each formulation, and where does the i
 STUDY = Study(
     "work_precision",
     QUESTION,
-    Sweep(make_cases, run_scene),
+    Benchmark([Series("scene", make_cases, run_scene)]),
     conclude,
     TABLES,
     draw,

@@ -1,5 +1,6 @@
 """Conclusions: the worst figure of some rows, and whether it keeps a bar."""
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -20,7 +21,7 @@ class Bar:
     what: the figure in words; {}: the value of `per`.   bar: number, or key; None: nothing is judged.
     per: rows that agree in this key are judged together; empty: all are.
     over_least: whether figures are over the least one.   is_least: whether the bar is a lower one.
-    noise: factor by which the figure of a quick run may be off.
+    noise: factor by which the figure of a quick run may be off.   share: of the rows that has to keep it.
     """
 
     rows: str | Callable[[Results], Sequence[Row]]
@@ -31,6 +32,7 @@ class Bar:
     over_least: bool = False
     is_least: bool = False
     noise: float = QUICK_NOISE
+    share: float = 1.0
 
     def sentences(self, results: Results) -> Iterator[str]:
         """One for each value of `per`."""
@@ -52,10 +54,13 @@ class Bar:
         if self.bar is None:
             return found
         kept = [self._keeps(one / unit, other, noise) for one, other in known]
-        missed = f" by {kept.count(False)} of {len(kept)}" if False in kept and len(kept) > 1 else ""
+        missed, open_ = kept.count(False), kept.count(None)
+        allowed = math.floor((1.0 - self.share) * len(kept) + 1e-9)
+        is_kept = False if missed > allowed else None if missed + open_ > allowed else True
         words = CONTROL_WORDS if name_of(row).startswith(CONTROL) else ("kept", "MISSED")
-        said = verdict(self._keeps(value / unit, row, noise), *words)
-        return f"{found}; the bar of {self._bar(row):.4g} is {said}{missed}"
+        said = f"{found}; the bar of {self._bar(row):.4g} is {verdict(is_kept, *words)}"
+        by = f" by {missed} of {len(kept)}" if missed and len(kept) > 1 else ""
+        return said + (", missed" if is_kept and by else "") + by
 
     def _bar(self, row: Row) -> float:
         return float(row[self.bar] if isinstance(self.bar, str) else self.bar or 0.0)

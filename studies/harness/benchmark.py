@@ -1,4 +1,4 @@
-"""Benchmarks: what varies, and what is timed in turn; one runner for all of them."""
+"""Series of cases: what varies, and what is measured, or timed in turn; one runner for all of them."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -8,10 +8,10 @@ from typing import Any
 from tqdm import tqdm
 
 from .bars import Bar, conclusions
-from .store import Row
+from .store import Row, plain
 from .study import Order, Study
 from .table import tables
-from .timing import Measurement, in_turn, sampled
+from .timing import OK, Measurement, in_turn, sampled
 
 
 def varied(quick: Mapping[str, Sequence[Any]], **values: Sequence[Any]) -> Callable[[bool], list[Row]]:
@@ -29,7 +29,7 @@ class Series:
     """Rows of one kind: what varies, and what is measured.
 
     cases: quick -> what varies, see `varied`.
-    row: (case, measurements by key) -> what is stored; without tasks, of the case alone.
+    row: (case, measurements by key) -> what is stored; without tasks, of the case alone, see `rows_of`.
     tasks: case -> key -> `Prepare`, or, with `least`, `Task`; equal keys are the same task.
     turn: keys; cases that agree in them are timed in turn; empty: all are.
     rounds: of a quick and of a full run.   least: of a sample, quick and full [s].
@@ -50,7 +50,7 @@ class Series:
         cases, name = self.cases(order.quick), f"{order.study}, {self.kind}"
         if self.tasks is None:
             for case in tqdm(cases, desc=name, unit="case"):
-                yield {"kind": self.kind, **self.row(case)}
+                yield from rows_of(self.row, {"kind": self.kind, **case})
             return
         turns: dict[tuple[Any, ...], list[Row]] = {}
         for case in cases:
@@ -69,12 +69,21 @@ class Series:
 
 @dataclass(frozen=True)
 class Benchmark:
-    """How the rows of a study of speed are measured: one series after another."""
+    """How the rows of a study are measured: one series after another."""
 
     series: Sequence[Series]
 
     def __call__(self, order: Order) -> list[Row]:
         return [row for one in self.series for row in one.rows(order)]
+
+
+def rows_of(run: Callable[[Row], Row | list[Row]], case: Row) -> list[Row]:
+    """The case with what was found and its status, or rows of its own; if it fails, the others go on."""
+    try:
+        found = plain(run(case))
+    except Exception as error:
+        return [{**case, "status": f"failed: {type(error).__name__}: {error}"}]
+    return found if isinstance(found, list) else [{**case, **found, "status": OK}]
 
 
 def benchmark(

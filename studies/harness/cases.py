@@ -11,10 +11,10 @@ from exudyn_inext import ExplicitSettings, ExplicitStepper, InextensibleError, Z
 from reference_models.inextensible import Inextensible, build, inextensible_case, label_of
 from reference_models.model import SENSOR_PERIOD, node_index
 from reference_models.scenes import Scene
-from reference_models.trajectory import Array, Case, Run, Trajectory, Untimed
+from reference_models.trajectory import Array, Case, Run, Trajectory
 
 from . import inner
-from .ratios import COMPILED, DEFAULT, INEXTENSIBLE, ONE_SETTING
+from .ratios import DEFAULT, INEXTENSIBLE, ONE_SETTING
 
 PAPER_METHOD = "paper's method at its settings: product, v_n in the predictor"
 THETA, ZETA, CONSTANT = 0.3, 100.0, 1.4  # of the one setting; C is twice the usual one
@@ -103,49 +103,6 @@ def failing_case(
 
 
 # ------------------------------------------------------------------- without Exudyn's time loop
-
-
-def compiled_case(
-    scene: Scene,
-    integrator: str,
-    elements: int,
-    step_size: float,
-    mass_scaling: float,
-    zeta: float = ExplicitSettings.stabilizationRate,
-) -> Case:
-    """The steps alone, without Exudyn's loop, set-up and sensors; states are kept at 100 Hz.
-
-    One compiled call, started from an evaluation of the initial state.
-    step_size: divides the sensors' period [s].   zeta: stabilisation rate of Zhai [1/s].
-    """
-    substeps = round(SENSOR_PERIOD / step_size)
-    h, samples = SENSOR_PERIOD / substeps, round(scene.end_time / SENSOR_PERIOD)
-    settings = unguarded(integrator, h, mass_scaling, zeta)
-    grid = inner.TimeGrid(0.0, samples, substeps, h)
-
-    def prepare() -> Run:
-        mbs = build(scene, elements).mbs
-        (cable,) = inner.cable_runs(mbs, inner.read_scene(mbs).cables, 0.0, h, settings)
-        node = node_index(scene.observe[scene.main_point], elements)
-        shape = cable.scene_cable.cable.reference.shape
-
-        def run() -> Untimed:
-            start = cable.state.q.copy()
-            cable.start(0.0)
-            history = np.empty((samples, 3, len(cable.indices)))
-            good = cable.record(grid, 0, history)
-
-            def trajectory() -> Trajectory:
-                states = np.concatenate([start[None], history[:good, 0] + cable.reference])
-                return _sampled(states.reshape(len(states), *shape)[:, node, 0])
-
-            return trajectory
-
-        return run
-
-    label = f"compiled steps: {integrator}, N = {elements}, h = {h:.3g} s, mass scaling {mass_scaling:g}"
-    details = {"zeta": zeta, "massScaling": mass_scaling}
-    return Case(label, COMPILED, integrator, elements, h, substeps * samples, prepare, details)
 
 
 def stepper_case(scene: Scene, elements: int, settings: ExplicitSettings) -> Case:

@@ -11,7 +11,6 @@ from reference_models.trajectory import Trajectory
 from .plot import COLORS, REFERENCE_COLOR, Curve, Panel, chart
 from .ratios import (
     BY_NATIVE_SOLVERS,
-    COMPILED,
     EXPLICIT,
     IMPLICIT,
     INEXTENSIBLE,
@@ -33,7 +32,6 @@ LOOKS = {
     BY_NATIVE_SOLVERS: (COLORS[4], "P"),
     IMPLICIT: (COLORS[1], "s"),
     EXPLICIT: (COLORS[2], "^"),
-    COMPILED: (COLORS[5], "v"),
     PEER: (COLORS[3], "D"),
 }
 """Family of rows -> color and marker."""

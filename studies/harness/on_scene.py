@@ -15,7 +15,7 @@ from reference_models.inextensible import Inextensible, inextensible_case
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case, Trajectory
 
-from .cases import compiled_case, explicit_case, paper_case, untuned_cases
+from .cases import explicit_case, paper_case, untuned_cases
 from .figures import draw_cost_and_accuracy, draw_trajectories
 from .ratios import Ratio, equal_accuracy, front, kind_of, time_ratio
 from .reference import ReferenceOf, ReferenceSolution, from_data, interpolation_error
@@ -167,11 +167,10 @@ class PaperTable:
     shown: labels of the rows whose motion is drawn; of the last one, others are multiples.
     bounds: errors at which the cheapest runs are compared [m].
     inextensible: of `explicit_case`: scheme, N, h [s], mass scaling, zeta [1/s], curvature measure.
-    compiled: the cheapest of them, without Exudyn's loop.
     implicit: N, solver, quadrature; see the study's head for how they were chosen; coarse ones first.
     explicit: N, integrator, quadrature, at their largest stable steps.
     meshes: of default settings and of the one setting.
-    quick: how many of the inextensible, compiled and implicit ones a quick run takes.
+    quick: how many of the inextensible and implicit ones a quick run takes.
     """
 
     name: str
@@ -184,17 +183,15 @@ class PaperTable:
     inextensible: Sequence[tuple[Any, ...]]
     implicit: Sequence[tuple[Any, ...]]
     explicit: Sequence[tuple[Any, ...]]
-    compiled: Sequence[tuple[Any, ...]] = ()
     meshes: Sequence[int] = (3, 4, 5, 6, 8, 10, 12)
-    quick: tuple[int, int, int] = (2, 0, 2)
+    quick: tuple[int, int] = (2, 2)
 
     def cases(self, scene: Scene, quick: bool) -> list[Case]:
         """All rows; a quick run leaves out the costly ones."""
-        own, compiled, implicit = self.quick if quick else (None, None, None)
+        own, implicit = self.quick if quick else (None, None)
         return [
             *self.at_paper_settings(scene, quick),
             *(explicit_case(scene, *row) for row in self.inextensible[:own]),
-            *(compiled_case(scene, *row) for row in self.compiled[:compiled]),
             *(native_case(scene, *row) for row in self.implicit[:implicit]),
             *([] if quick else [*untuned_cases(scene, self.meshes), *self.explicit_cases(scene)]),
         ]

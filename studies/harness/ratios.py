@@ -5,13 +5,12 @@ Ratios are native CPU time over the inextensible cable's: at the paper's setting
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
 from typing import Any
 
 from .store import Row
 from .table import TextTable, at_most, judged, number, timing_noise
 
-CONVENTIONAL, INEXTENSIBLE, COMPILED = "conventional", "inextensible", "compiled steps"
+CONVENTIONAL, INEXTENSIBLE = "conventional", "inextensible"
 DEFAULT, ONE_SETTING, TUNED = "default settings", "one setting", "tuned"
 """How the inextensible rows were chosen: not at all; by one rule for all scenes; for the scene."""
 OURS = (DEFAULT, ONE_SETTING, TUNED)
@@ -54,7 +53,7 @@ def family_of(row: Row) -> str:
         return formulation if row.get("enforcement", "projection") == "projection" else BY_NATIVE_SOLVERS
     if formulation == CONVENTIONAL:
         return IMPLICIT if is_implicit(row) else EXPLICIT
-    return COMPILED if formulation == COMPILED else PEER
+    return PEER
 
 
 def kind_of(row: Row) -> tuple[Any, ...]:
@@ -74,12 +73,12 @@ def cheapest(rows: Iterable[Row], error_bound: float) -> Row | None:
 
 
 def best(rows: Iterable[Row], bound: float) -> dict[str, Row | None]:
-    """The cheapest rows within the bound [m]: ours, by how they were chosen; compiled steps; native ones."""
-    kinds: dict[str, list[Row]] = {name: [] for name in (*OURS, COMPILED, *NATIVES)}
+    """The cheapest rows within the bound [m]: ours, by how they were chosen; native ones."""
+    kinds: dict[str, list[Row]] = {name: [] for name in (*OURS, *NATIVES)}
     for row in rows:
         natives = [name for name, belongs in NATIVES.items() if belongs(row)]
         ours = {TUNED, row.get("choice", TUNED)} & set(OURS)
-        own = {CONVENTIONAL: natives, INEXTENSIBLE: ours, COMPILED: (COMPILED,)}
+        own = {CONVENTIONAL: natives, INEXTENSIBLE: ours}
         for name in own.get(row["formulation"], ()):
             kinds[name].append(row)
     return {name: cheapest(some, bound) for name, some in kinds.items()}
@@ -115,20 +114,14 @@ class Ratio:
 
 
 def equal_accuracy(rows: Sequence[Row], bounds: Sequence[float]) -> list[Ratio]:
-    """Cheapest native rows of each kind over the cheapest inextensible one, and over compiled steps alone.
-
-    bounds: largest errorMax of both [m].
-    """
+    """Cheapest native rows of each kind over the cheapest inextensible one.   bounds: of both errors [m]."""
     found = []
     for bound in bounds:
         chosen = best(rows, bound)
-        for name, over in product(NATIVES, (TUNED, COMPILED)):
-            native, own = chosen[name], chosen[over]
-            if over == TUNED or (own and name.startswith(IMPLICIT)):
-                alone = f", over {COMPILED} alone" if over == COMPILED else ""
-                label = f": {native['label']}" if native else ""
-                text = f"cheapest run, {name}, with error <= {bound:g} m{alone}{label}"
-                found.append(Ratio(text, None, time_ratio(native, own)))
+        for name in NATIVES:
+            label = f": {native['label']}" if (native := chosen[name]) else ""
+            text = f"cheapest run, {name}, with error <= {bound:g} m{label}"
+            found.append(Ratio(text, None, time_ratio(native, chosen[TUNED])))
     return found
 
 

@@ -1,6 +1,6 @@
 """Scenes whose cables stretch, with native cables of the same axial stiffness: what `stretch` solves."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -38,28 +38,31 @@ def pendulum(
     line, down = CableShape.Line([0, 0], [LENGTH, 0], elements), [0, -gravity, 0]
     cable = addCable(mbs, shape=line, beamTemplate=template, gravity=down, dimension=dimension)
     add_constraint(mbs, cable["nodes"][0], Pin(at=0.0), dimension)
-    if mass and addCable is CreateInextensibleCable:
-        AddPointMass(mbs, cable, LENGTH, mass)
-    elif mass:
-        body = mbs.CreateMassPoint(referencePosition=[LENGTH, 0, 0], mass=mass, gravity=down, returnDict=True)
-        numbers = (cable["nodes"][-1], body["nodeNumber"])
-        ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=number)) for number in numbers]
-        mbs.AddObject(SphericalJoint(markerNumbers=ends))
+    if mass:
+        hang_mass(mbs, cable, [LENGTH, 0, 0], mass, down, addCable is CreateInextensibleCable)
     return {"cables": [cable], "bodies": []}
 
 
-def string(
-    mbs: Any,
-    addCable: Build = CreateInextensibleCable,
-    elements: int = 8,
-    pluck: Mapping[int, float] = PLUCK,
-) -> dict[str, Any]:
-    """Pinned straight, too short for its supports.   pluck: see `PLUCK`."""
+def hang_mass(
+    mbs: Any, cable: Any, end: Sequence[float], mass: float, gravity: Sequence[float], is_part: bool
+) -> None:
+    """At the end of a straight cable from the origin: as a part of it, or on a joint.   mass: [kg]."""
+    if is_part:
+        AddPointMass(mbs, cable, float(np.linalg.norm(end)), mass)
+        return
+    body = mbs.CreateMassPoint(referencePosition=end, mass=mass, gravity=gravity, returnDict=True)
+    numbers = (cable["nodes"][-1], body["nodeNumber"])
+    ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=number)) for number in numbers]
+    mbs.AddObject(SphericalJoint(markerNumbers=ends))
+
+
+def string(mbs: Any, addCable: Build = CreateInextensibleCable, elements: int = 8) -> dict[str, Any]:
+    """Pinned straight, too short for its supports, and plucked."""
     template = InextensibleCable(DENSITY, BEND, axialStiffness=STRING, referenceAxialStrain=-PRETENSION)
     x, wave = np.linspace(0.0, LENGTH, elements + 1), np.pi / LENGTH
     v, slope_v = np.zeros((2, elements + 1, 2))
-    v[:, 1] = sum(speed * np.sin(k * wave * x) for k, speed in pluck.items())
-    slope_v[:, 1] = sum(k * wave * speed * np.cos(k * wave * x) for k, speed in pluck.items())
+    v[:, 1] = sum(speed * np.sin(k * wave * x) for k, speed in PLUCK.items())
+    slope_v[:, 1] = sum(k * wave * speed * np.cos(k * wave * x) for k, speed in PLUCK.items())
     v[[0, -1]] = 0.0
     shape = CableShape(np.outer(x, [1, 0]), np.outer(x**0, [1, 0]), velocities=v, slopeVelocities=slope_v)
     cable = addCable(mbs, shape=shape, beamTemplate=template)

@@ -1,7 +1,7 @@
 """What a study is, and a run of it: measure, conclude, draw, store. Every study stores the same document."""
 
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from pathlib import Path
@@ -9,7 +9,7 @@ from typing import Any
 
 from tqdm import tqdm
 
-from .provenance import machine, present_code
+from .provenance import commit_of, machine, present_code
 from .ratios import Ratio, ratio_sentences, ratio_tables
 from .store import Row, prepare_directory, write_json, write_text
 from .table import Table, TextTable
@@ -26,13 +26,12 @@ KEYS = (
 class Order:
     """Which study is to be run, and how.
 
-    output: directory.   quick: few, cheap cases.   workers: processes of a sweep; None: one a core.
+    output: directory.   quick: few, cheap cases.
     """
 
     study: str
     output: Path
     quick: bool = False
-    workers: int | None = None
 
 
 @dataclass(frozen=True)
@@ -61,7 +60,7 @@ def nothing(*given: Any) -> list[Any]:
 class Study:
     """A question that one command answers.
 
-    measure: gives rows; a function, or `OnScene` (cases on a scene), or `Sweep` (many cases in a pool).
+    measure: gives rows; a function, or `OnScene` (cases on a scene), or `Benchmark` (series of cases).
     tables: how the rows are shown.   conclusions: sentences that are computed from them.
     pictures: draws into a directory and returns the files.   ratios: of them, a table and sentences are made.
     not_in_quick_report: why a quick report on all studies leaves it out; empty if it does not.
@@ -84,24 +83,19 @@ def announce(study: str, activity: str) -> None:
     tqdm.write(f"{study}: {activity}", file=sys.stderr)
 
 
-def run(study: Study, output: Path, quick: bool = False, workers: int | None = None) -> str:
+def run(study: Study, output: Path, quick: bool = False) -> str:
     """Measure, write NAME.json, NAME.md and pictures into `output`; return the report."""
     prepare_directory(output)
     announce(study.name, "measuring")
-    results = study.measure(Order(study.name, output, quick, workers))
+    results = study.measure(Order(study.name, output, quick))
     results = results if isinstance(results, Results) else Results(quick, results)
     document = measured(study.name, study.question, results)
     write_json(output / f"{study.name}.json", document)
     document |= concluded(study, results)
     document["pictures"] = [picture.name for picture in study.pictures(results, output)]
     write_json(output / f"{study.name}.json", document)
-    mode = f" ({document['mode']})" if document["mode"] else ""
-    tables = [TextTable(**table).markdown for table in document["tables"]]
-    sentences = "\n".join(f"- {sentence}" for sentence in document["conclusions"])
-    parts = [f"# {study.name}{mode}", study.question, *tables, *document["notes"], sentences]
-    report = "\n\n".join(parts) + "\n"
-    gallery = "".join(f"\n![{Path(name).stem}]({name})\n" for name in document["pictures"])
-    write_text(output / f"{study.name}.md", report + gallery)
+    report = "\n\n".join([f"# {study.name}", *section(document, output)]) + "\n"
+    write_text(output / f"{study.name}.md", report)
     return report
 
 
@@ -130,3 +124,23 @@ def concluded(study: Study, results: Results) -> Document:
         "conclusions": study.conclusions(results) + ratio_sentences(ratios, results.quick),
         "ratios": [vars(ratio) for ratio in ratios],
     }
+
+
+def bullets(texts: Iterable[str]) -> str:
+    """A list, as Markdown."""
+    return "\n".join(f"- {text}" for text in texts)
+
+
+def section(document: Document, folder: Path) -> list[str]:
+    """A study as Markdown: question, conclusions, pictures, tables, notes.   folder: of the pictures."""
+    pictures = [
+        f"![{Path(name).stem.replace('_', ' ')}]({name})"
+        if (folder / name).is_file()
+        else f"The picture {name} is not there."
+        for name in document["pictures"]
+    ]
+    tables = [TextTable(**stored).markdown for stored in document["tables"]]
+    mode = f", {document['mode']}" if document["mode"] else ""
+    blocks = [document["question"], bullets(document["conclusions"]), *pictures, *tables, *document["notes"]]
+    measured = f"Measured on {document['date']}, {commit_of(document)}{mode}."
+    return [*filter(None, blocks), measured + document.get("note", "")]

@@ -8,7 +8,6 @@ from studies.harness import Results, Row, groups
 from studies.harness.cases import PAPER_METHOD, RULE
 from studies.harness.ratios import (
     BY_NATIVE_SOLVERS,
-    COMPILED,
     DEFAULT,
     EXPLICIT,
     IMPLICIT,
@@ -131,7 +130,7 @@ def comparison(figures: Figures) -> str:
 
 def _compared(chosen: Chosen, bound: float) -> Iterator[list[str]]:
     for who, row in chosen.items():
-        if who == COMPILED or (row is None and who.endswith("quadrature")):
+        if row is None and who.endswith("quadrature"):
             continue
         if row is None:
             yield [f"{bound:g} m", f"{who}: none", *["-"] * 7]
@@ -263,18 +262,6 @@ def _sentences(*names: str, containing: str = "", first: int | None = None) -> B
     return block
 
 
-def noise(figures: Figures) -> str:
-    """How far repeated studies differ."""
-    said = [
-        f"`{name}`, repeated {one['runs']} times: CPU times differ by {percent(one['median'])} in the "
-        f"median, by {percent(one['largest'])} at most."
-        for name, document in figures.all.items()
-        if (one := document.get("repeated"))
-    ]
-    rest = "How far repeated studies differ is not measured yet: `python -m studies remake table1 --times 3`."
-    return "\n".join(f"- {sentence}" for sentence in said) or rest
-
-
 BLOCKS: dict[str, Block] = {
     "headline": headline,
     "comparison": comparison,
@@ -285,5 +272,4 @@ BLOCKS: dict[str, Block] = {
     "step_cost": step_cost,
     "steps": _sentences("kernel", "scaling", "realtime", "ensemble", first=1),
     "stretch": _sentences("stretch"),
-    "noise": noise,
 }

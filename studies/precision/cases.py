@@ -9,7 +9,7 @@ forces depend on velocities.
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import chain, product
+from itertools import chain, islice, product
 
 from exudyn_inext import ExplicitSettings, Zhai
 from reference_models.conventional.cases import native_case
@@ -33,12 +33,13 @@ TABLES = {
     "power_line": table3.TABLE,
 }
 BRIEF = 0.01  # [s] of motion, to ask for a limit
+QUICK = 4  # cases of each kind that a quick run has
 
 
 def cases_of(scene: Scene, quick: bool) -> list[Case]:
-    """All of them; tuned rows and series may meet: of equal labels, the first."""
+    """All of them, or the first ones of each kind; of equal labels the first, as tuned rows meet series."""
     makers = (inextensible_cases, enforced_cases, native_cases, links_cases)
-    return unique(chain.from_iterable(make(scene, quick) for make in makers))
+    return unique(chain.from_iterable(islice(make(scene), QUICK if quick else None) for make in makers))
 
 
 def unique(cases: Iterable[Case]) -> list[Case]:
@@ -47,12 +48,6 @@ def unique(cases: Iterable[Case]) -> list[Case]:
     for case in cases:
         found.setdefault(case.label, case)
     return list(found.values())
-
-
-def plan_of(scene: Scene, quick: bool) -> "Plan":
-    """Of a scene."""
-    plan = PLANS[scene.name]
-    return brief(plan) if quick else plan
 
 
 _VERLET: ExplicitIntegrator = "velocityVerlet"
@@ -144,25 +139,6 @@ PLANS = {
 }  # fmt: skip
 
 
-def brief(plan: Plan) -> Plan:
-    """Of a quick run: some cheap ones of each kind; elements are multiples of the least that are enforced."""
-    n = plan.enforced[0]
-    return replace(
-        plan,
-        limited=(n,),
-        scaled=(n, 2 * n),
-        steps=(5e-3, 2.5e-3),
-        coarse=((n, 1e-2),),
-        enforced=(n,),
-        full=(10,) if n < 8 else (),
-        lobatto=(n,),
-        native_steps=(5e-3,),
-        explicit=plan.explicit[:1] if n < 8 else (),
-        zhai=plan.zhai[:1] if n < 8 else (),
-        native_coarse=(),
-    )
-
-
 # ------------------------------------------------------------- inextensible, under explicit steps
 
 
@@ -178,11 +154,10 @@ SCALED = (("Zhai", 0.3), ("RATTLE", 0.25), ("RATTLE", EXTRA_THETA))
 DECAY = 0.6  # most of h zeta; Zhai's limit is 1
 
 
-def inextensible_cases(scene: Scene, quick: bool) -> Iterator[Case]:
+def inextensible_cases(scene: Scene) -> Iterator[Case]:
     """Every scheme at fractions of its limit on many meshes, then with scaled mass."""
-    plan = plan_of(scene, quick)
-    if not quick:
-        yield from (explicit_case(scene, *row) for row in TABLES[scene.name].inextensible)
+    plan = PLANS[scene.name]
+    yield from (explicit_case(scene, *row) for row in TABLES[scene.name].inextensible)
     for elements in plan.limited:
         for name in SCHEMES:
             yield from limited_cases(scene, elements, name)
@@ -218,15 +193,15 @@ MOST_PENALTIES = 3  # of the meshes: Exudyn factorises the whole mass matrix at 
 IMPLICIT_STEPS = (4e-3, 2e-3, 1e-3)
 
 
-def enforced_cases(scene: Scene, quick: bool) -> Iterator[Case]:
+def enforced_cases(scene: Scene) -> Iterator[Case]:
     """Penalty masses for explicit solvers, algebraic constraints for implicit ones."""
-    plan = plan_of(scene, quick)
+    plan = PLANS[scene.name]
     for n in plan.enforced[:MOST_PENALTIES]:
         runge_kutta, verlet = (h * (10.0 / n) ** 2 for h in plan.at_ten)
         yield enforced_case(scene, n, "penaltyMass", Explicit(runge_kutta, "rungeKutta44"))
-        if not quick and n <= plan.enforced[1]:
+        if n <= plan.enforced[1]:
             yield enforced_case(scene, n, "penaltyMass", Explicit(verlet))
-    for n, h in product(plan.enforced, IMPLICIT_STEPS[: 1 if quick else None]):
+    for n, h in product(plan.enforced, IMPLICIT_STEPS):
         yield enforced_case(scene, n, "algebraic", Implicit(h, "modified", "sparse", 1e-6, 0.8))
 
 
@@ -237,22 +212,20 @@ EXPLICIT_FRACTIONS, ZHAI_FRACTIONS = (1.0, 0.5), (0.95, 0.5)  # of the largest s
 TRAPEZOIDAL_STEPS = (2.5e-3, 1.25e-3)  # [s]; larger ones diverge from the solution
 
 
-def native_cases(scene: Scene, quick: bool) -> Iterator[Case]:
+def native_cases(scene: Scene) -> Iterator[Case]:
     """Tuned rows and series; explicit ones first search for their largest stable steps."""
-    plan = plan_of(scene, quick)
-    if not quick:
-        yield from (native_case(scene, *row) for row in TABLES[scene.name].implicit)
-    yield from _implicit_series(scene, plan, quick)
-    if not quick:
-        yield from TABLES[scene.name].explicit_cases(scene)
+    table, plan = TABLES[scene.name], PLANS[scene.name]
+    yield from (native_case(scene, *row) for row in table.implicit)
+    yield from _implicit_series(scene, plan)
+    yield from table.explicit_cases(scene)
     yield from _explicit_series(scene, plan)
 
 
-def _implicit_series(scene: Scene, plan: Plan, quick: bool) -> Iterator[Case]:
+def _implicit_series(scene: Scene, plan: Plan) -> Iterator[Case]:
     for quadrature, elements in [*product(["full"], plan.full), *product(["lobatto"], plan.lobatto)]:
         linear = "sparse" if elements > 6 else "dense"
         solvers = [Implicit(h, "modified", linear, 1e-4) for h in plan.native_steps]
-        for h in TRAPEZOIDAL_STEPS[: 1 if quick else None]:
+        for h in TRAPEZOIDAL_STEPS:
             solvers.append(Implicit(h, "modified", linear, 1e-4, integrator="trapezoidal"))
         yield from (native_case(scene, elements, solver, quadrature) for solver in solvers)
     for elements, h, tolerance, radius in plan.native_coarse:
@@ -275,7 +248,7 @@ def _explicit_series(scene: Scene, plan: Plan) -> Iterator[Case]:
 
 
 LINKED_SCENES = ("planar_pendulum", "spatial_pendulum")
-LINKS, QUICK_LINKS = (4, 6, 8, 10, 14, 20, 28, 40, 56, 68), (6, 10)
+LINKS = (4, 6, 8, 10, 14, 20, 28, 40, 56, 68)
 LONG = 40  # links from which on the step has no influence left, and what is costly is not repeated
 TUNED_INERTIA = 8.0 / 7.0  # over a uniform rod's: about the least error on both scenes, 3/4 to 3/2 tried
 LOW_ORDER = {"Euler": (6, 10, 14), "implicitfast": (6, 10), "discrete": (6, 10, 20)}
@@ -283,16 +256,16 @@ LOW_ORDER_FRACTIONS = (0.95, 0.25, 0.05)
 NOT_INSTALLED = "MuJoCo is not installed: no rows of rigid links; pip install 'exudyn_inext[peers]'."
 
 
-def links_cases(scene: Scene, quick: bool) -> Iterator[Case]:
+def links_cases(scene: Scene) -> Iterator[Case]:
     """Over links, steps, integrators and the rotary inertia of a link; none if MuJoCo is not installed."""
     if scene.name not in LINKED_SCENES or not rigid_links.is_installed():
         return
-    for links in QUICK_LINKS if quick else LINKS:
+    for links in LINKS:
         fractions = FRACTIONS[:1] if links >= LONG else FRACTIONS
         for inertia in (TUNED_INERTIA,) if links > LONG else (1.0, TUNED_INERTIA):
             yield from _links(scene, RigidLinks(links, 1.0, rotary_inertia=inertia), fractions)
     for integrator in filter(rigid_links.has_integrator, LOW_ORDER):
-        for links in LOW_ORDER[integrator][: 1 if quick else None]:
+        for links in LOW_ORDER[integrator]:
             chain_of_links = RigidLinks(links, 1.0, integrator, TUNED_INERTIA)
             yield from _links(scene, chain_of_links, LOW_ORDER_FRACTIONS)
 

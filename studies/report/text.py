@@ -1,11 +1,11 @@
 """What a report says, as Markdown: parts under headings, pictures by their names."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from studies.harness import UNDECIDED, TextTable, column, groups, number
 from studies.harness.provenance import commit_of
-from studies.harness.study import Document
+from studies.harness.study import Document, bullets, section
 
 from .compare import ADVERSE, Change, Comparison
 from .documents import Gathered
@@ -21,14 +21,14 @@ def as_markdown(gathered: Gathered, folder: Path, quick: bool, comparison: Compa
         "Headline": _headline(documents),
         "Findings": _findings(documents, gathered.absent),
         "Compared with the earlier report": _changes(comparison) if comparison else [],
-        **{document["study"]: _section(document, folder) for document in documents},
+        **{document["study"]: section(document, folder) for document in documents},
         "Machine and versions": _origins(documents),
     }
     parts = {title: blocks for title, blocks in parts.items() if blocks}
     questions = {document["study"]: f": {document['question']}" for document in documents}
     contents = [f"{_link(title)}{questions.get(title, '')}" for title in parts]
     title = "# Quick report of all measurements" if quick else "# Report of all measurements"
-    blocks = [title, _subtitle(documents, quick), "## Contents", _bullets(contents)]
+    blocks = [title, _subtitle(documents, quick), "## Contents", bullets(contents)]
     for title, own in parts.items():
         blocks += [f"## {title}", *own]
     return "\n\n".join(blocks) + "\n"
@@ -41,10 +41,6 @@ def anchor(title: str) -> str:
 
 def _link(title: str) -> str:
     return f"[{title}](#{anchor(title)})"
-
-
-def _bullets(texts: Iterable[str]) -> str:
-    return "\n".join(f"- {text}" for text in texts)
 
 
 def _subtitle(documents: Sequence[Document], quick: bool) -> str:
@@ -79,35 +75,20 @@ def _findings(documents: Sequence[Document], absent: dict[str, str]) -> Blocks:
     first = [(d, d["conclusions"][0]) for d in documents if d["conclusions"]]
     adverse = [pair for pair in said if ADVERSE.search(pair[1])]
     undecided = sum(UNDECIDED in sentence for _, sentence in said)
-    blocks = [_bullets(f"{_link(d['study'])}{_date_of_old(d)}: {sentence}" for d, sentence in first)]
+    blocks = [bullets(f"{_link(d['study'])}{_date_of_old(d)}: {sentence}" for d, sentence in first)]
     if adverse:
         blocks.append(f"Missed, limited or failed ({len(adverse)}):")
-        blocks.append(_bullets(f"{_link(study)}: {sentence}" for study, sentence in adverse))
+        blocks.append(bullets(f"{_link(study)}: {sentence}" for study, sentence in adverse))
     if undecided:
         blocks.append(f"Verdicts that are undecided within noise: {undecided}.")
     if absent:
-        blocks += ["Left out:", _bullets(f"{name}: {reason}." for name, reason in absent.items())]
+        blocks += ["Left out:", bullets(f"{name}: {reason}." for name, reason in absent.items())]
     return blocks
 
 
 def _date_of_old(document: Document) -> str:
     """The date of results that are not to be taken as the newest ones."""
     return f" ({document['date'][:10]})" if document.get("note") else ""
-
-
-def _section(document: Document, folder: Path) -> Blocks:
-    """A study: question, conclusions, pictures, tables, notes."""
-    pictures = [
-        f"![{Path(name).stem.replace('_', ' ')}]({name})"
-        if (folder / name).is_file()
-        else f"The picture {name} is not there."
-        for name in document["pictures"]
-    ]
-    tables = [TextTable(**stored).markdown for stored in document["tables"]]
-    mode = f", {document['mode']}" if document["mode"] else ""
-    blocks = [document["question"], _bullets(document["conclusions"]), *pictures, *tables, *document["notes"]]
-    measured = f"Measured on {document['date']}, {commit_of(document)}{mode}."
-    return [*filter(None, blocks), measured + document.get("note", "")]
 
 
 def _origins(documents: Sequence[Document]) -> Blocks:
@@ -134,7 +115,7 @@ def _changes(found: Comparison) -> Blocks:
         _figures("Worse beyond noise:", found.worse),
         _figures("Better beyond noise:", found.better),
     ]
-    return [_bullets(found.summary), *(table.markdown for table in tables if table.lines)]
+    return [bullets(found.summary), *(table.markdown for table in tables if table.lines)]
 
 
 def _figures(title: str, changes: Sequence[Change]) -> TextTable:

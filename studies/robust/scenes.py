@@ -9,16 +9,14 @@ from typing import Any
 import exudyn
 import exudyn.utilities as items
 import numpy as np
-from exudyn.beams import GenerateBeamElementsAlongLine
 
-from exudyn_inext import (
-    AddPointMass,
-    AttachToBody,
-    CreateCompanionCables,
-    CreateInextensibleCable,
-    InextensibleCable,
-)
+from examples.contact import Surface, add_circle_contact
+from exudyn_inext import AttachToBody, CableShape, CreateInextensibleCable, InextensibleCable
+from reference_models.conventional.native_cables import NativeCables
+from reference_models.conventional.supports import add_constraint
+from reference_models.scenes import Clamp, Pin
 from reference_models.trajectory import Array
+from studies.harness.stretching_scenes import hang_mass
 
 LENGTH, DENSITY, GRAVITY = 1.0, 0.1, [0.0, -9.81, 0.0]  # [m], [kg/m], [m/s^2]
 STRETCH = 1e4  # axial stiffness of native cables [N]: strains of 2e-3 under the largest weights at rest
@@ -76,132 +74,69 @@ def mixed_rope(seed: int) -> Rope:
     return Rope(seed, rope.elements, rope.stiffness, 0.0, direction, rope.clamped, partner)
 
 
-def build(rope: Rope) -> tuple[Any, Any, int]:
-    """Container, assembled mbs, sensor of the free end's position."""
+def build(rope: Rope, add_cable: Any = CreateInextensibleCable) -> tuple[Any, Any, int]:
+    """Container, assembled mbs, sensor of the free end's position.   add_cable: or `NATIVE`."""
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     template = InextensibleCable(massPerLength=DENSITY, bendingStiffness=rope.stiffness)
-    cable = CreateInextensibleCable(mbs, **_placed(rope), beamTemplate=template, dimension=rope.dimension)
+    shape = CableShape.Line([0.0, 0.0, 0.0], rope.end, rope.elements)
+    cable = add_cable(mbs, shape=shape, beamTemplate=template, gravity=GRAVITY, dimension=rope.dimension)
+    nodes = cable["nodes"]
+    add_constraint(mbs, nodes[0], (Clamp if rope.clamped else Pin)(at=0.0), rope.dimension)
     if rope.tip_mass:
-        AddPointMass(mbs, cable, LENGTH, rope.tip_mass)
+        hang_mass(mbs, cable, rope.end, rope.tip_mass, GRAVITY, add_cable is CreateInextensibleCable)
     if rope.partner in _PARTNERS:
         random = np.random.default_rng(rope.seed + 1_000_000)
         mass = float(random.choice([0.1, 0.3, 1.0]))
         _PARTNERS[rope.partner](mbs, rope, cable, mass, random)
-    return container, mbs, _assembled(mbs, cable)
-
-
-def build_native(rope: Rope) -> tuple[Any, Any, int]:
-    """A lone rope as native cable; the same as `build` gives."""
-    container = exudyn.SystemContainer()
-    mbs = container.AddSystem()
-    kind = items.ObjectANCFCable2D if rope.dimension == 2 else items.ObjectANCFCable
-    section = {"massPerLength": DENSITY, "bendingStiffness": rope.stiffness, "axialStiffness": STRETCH}
-    template = kind(**section, useReducedOrderIntegration=2)
-    cable = GenerateBeamElementsAlongLine(mbs, **_placed(rope), beamTemplate=template)
-    if rope.tip_mass:
-        point = mbs.CreateMassPoint(mass=rope.tip_mass, referencePosition=rope.end, gravity=GRAVITY)
-        end = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=cable["nodes"][-1]))
-        markers = [end, mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=point))]
-        axes = [1, 1, int(rope.dimension == 3)]
-        mbs.AddObject(items.SphericalJoint(markerNumbers=markers, constrainedAxes=axes))
-    return container, mbs, _assembled(mbs, cable)
-
-
-def _placed(rope: Rope) -> dict[str, Any]:
-    """What both kinds of cables are told."""
-    held = [True] * rope.dimension + [rope.clamped] * rope.dimension
-    return {
-        "positionStart": [0.0, 0.0, 0.0],
-        "positionEnd": rope.end,
-        "numberOfElements": rope.elements,
-        "gravity": GRAVITY,
-        "groundConstraintsStart": held,
-    }
-
-
-def _assembled(mbs: Any, cable: Any) -> int:
-    """The sensor of the free end."""
-    position, node = exudyn.OutputVariableType.Position, cable["nodes"][-1]
-    sensor = mbs.AddSensor(items.SensorNode(nodeNumber=node, outputVariableType=position, storeInternal=True))
+    position = exudyn.OutputVariableType.Position
+    end = items.SensorNode(nodeNumber=nodes[-1], outputVariableType=position, storeInternal=True)
+    sensor = int(mbs.AddSensor(end))
     mbs.Assemble()
-    return int(sensor)
+    return container, mbs, sensor
+
+
+NATIVE = NativeCables(STRETCH, "lobatto")
 
 
 def _add_point(mbs: Any, rope: Rope, cable: Any, mass: float, random: Any) -> None:
-    """A mass point, held in the plane of a planar rope."""
-    point = mbs.CreateMassPoint(mass=mass, referencePosition=rope.end, gravity=GRAVITY)
+    is_planar = rope.dimension == 2
+    point = mbs.CreateMassPoint(mass=mass, referencePosition=rope.end, gravity=GRAVITY, create2D=is_planar)
     AttachToBody(mbs, cable, "end", point)
-    if rope.dimension == 2:
-        ends = ((mbs.AddNode(items.NodePointGround()), 0), (mbs.GetObject(point)["nodeNumber"], 2))
-        markers = [
-            mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=number))
-            for node, number in ends
-        ]
-        mbs.AddObject(items.CoordinateConstraint(markerNumbers=markers))
 
 
 def _add_body(mbs: Any, rope: Rope, cable: Any, mass: float, random: Any) -> None:
-    """A cube."""
-    x, y, z = rope.end
-    if rope.dimension == 3:
-        cuboid = items.InertiaCuboid(density=mass / 1e-3, sideLengths=[0.1, 0.1, 0.1])
-        centre = [x, y, z + 0.05]
-        body = mbs.CreateRigidBody(referencePosition=centre, inertia=cuboid, gravity=GRAVITY)
-        AttachToBody(mbs, cable, "end", body, [0.0, 0.0, -0.05])
-        return
-    node = mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[x, y - 0.05, 0.0]))
-    body = mbs.AddObject(items.ObjectRigidBody2D(mass=mass, inertia=mass * 0.1**2 / 6.0, nodeNumber=node))
-    marker = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body))
-    mbs.AddLoad(items.Force(markerNumber=marker, loadVector=[0.0, mass * GRAVITY[1], 0.0]))
-    AttachToBody(mbs, cable, "end", body, [0.0, 0.05, 0.0])
+    """A cube, held at the middle of a face."""
+    is_planar = rope.dimension == 2
+    offset = np.array([0.0, -SIDE / 2, 0.0] if is_planar else [0.0, 0.0, SIDE / 2])
+    centre, cuboid = np.add(rope.end, offset), items.InertiaCuboid(mass / SIDE**3, [SIDE] * 3)
+    body = mbs.CreateRigidBody(referencePosition=centre, inertia=cuboid, gravity=GRAVITY, create2D=is_planar)
+    AttachToBody(mbs, cable, "end", body, (-offset).tolist())
 
 
 def _add_springs(mbs: Any, rope: Rope, cable: Any, mass: float, random: Any) -> None:
     """Two springs to ground, one of them with a dashpot."""
     ground = mbs.CreateGround()
     stiffness = float(10.0 ** random.uniform(0.0, 3.0))
-    nodes = cable["nodes"]
-    for node, damping in ((nodes[len(nodes) // 2], 0.0), (nodes[-1], 0.01 * stiffness)):
-        coordinates = mbs.GetNode(node)["referenceCoordinates"]
-        anchor = [*coordinates[: len(coordinates) // 2], 0.0][:3]
-        markers = [
-            mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=ground, localPosition=anchor)),
-            mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node)),
-        ]
+    for k, damping in ((rope.elements // 2, 0.0), (rope.elements, 0.01 * stiffness)):
+        place = [k / rope.elements * x for x in rope.end]
+        anchor = items.MarkerBodyPosition(bodyNumber=ground, localPosition=place)
+        node = items.MarkerNodePosition(nodeNumber=cable["nodes"][k])
+        markers = [mbs.AddMarker(end) for end in (anchor, node)]
         law = {"stiffness": [stiffness] * 3, "damping": [damping] * 3}
         mbs.AddObject(items.CartesianSpringDamper(markerNumbers=markers, **law))
 
 
-SEGMENTS = 3
-
-
 def _add_circle(mbs: Any, rope: Rope, cable: Any, mass: float, random: Any) -> None:
     """A circle that the rope falls onto."""
-    radius, side = 0.15, 1.0 if rope.direction[0] >= 0.0 else -1.0
-    circle = mbs.CreateGround(referencePosition=[0.5 * side, -0.25, 0.0])
-    centre = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=circle))
-    stiffness = float(10.0 ** random.uniform(2.0, 4.0))
-    memory = [0.1] * SEGMENTS + [-2.0] * SEGMENTS + [0.0] * SEGMENTS
-    for element in CreateCompanionCables(mbs, cable):
-        shape = mbs.AddMarker(items.MarkerBodyCable2DShape(bodyNumber=element, numberOfSegments=SEGMENTS))
-        data = items.NodeGenericData(initialCoordinates=memory, numberOfDataCoordinates=len(memory))
-        mbs.AddObject(
-            items.ObjectContactFrictionCircleCable2D(
-                markerNumbers=[centre, shape],
-                nodeNumber=mbs.AddNode(data),
-                numberOfContactSegments=SEGMENTS,
-                circleRadius=radius,
-                contactStiffness=stiffness,
-                contactDamping=1e-3 * stiffness,
-                frictionCoefficient=float(random.choice([0.0, 0.3])),
-                frictionStiffness=0.1 * stiffness,
-                frictionVelocityPenalty=1e-3 * stiffness,
-                useSegmentNormals=False,
-            )
-        )
+    side = 1.0 if rope.direction[0] >= 0.0 else -1.0
+    stiffness = float(10.0 ** random.uniform(2.0, 4.0)) * SEGMENTS * rope.elements / LENGTH
+    dashpot, friction = 1e-3 * stiffness, float(random.choice([0.0, 0.3]))
+    surface = Surface(0.15, friction, stiffness, dashpot, 0.1 * stiffness, dashpot, SEGMENTS)
+    add_circle_contact(mbs, cable["nodes"], LENGTH, surface, lambda s: False, [0.5 * side, -0.25, 0.0])
 
 
+SIDE, SEGMENTS = 0.1, 3  # of the cube [m]; of an element in contact
 _PARTNERS = {MASS: _add_point, BODY: _add_body, SPRING: _add_springs, CONTACT: _add_circle}
 
 

@@ -32,7 +32,7 @@ from studies.harness import Row
 from studies.harness.cases import stepper_case
 from studies.harness.inner import element_type, node_type
 from studies.harness.memory import long_cable
-from studies.harness.pool import ask
+from studies.harness.process import ask
 from studies.harness.reference import from_data
 from studies.harness.timing import Prepare, Task, row_of
 

@@ -33,7 +33,7 @@ from exudyn_inext import DivergenceError, ExplicitSettings, ExplicitStepper
 from studies.harness import Row, inner
 from studies.harness.joined_scenes import Contents, joined_scene
 from studies.harness.memory import KINDS, dropped_scenes
-from studies.harness.pool import ask
+from studies.harness.process import ask
 from studies.stability.motion import Invariants
 
 ELEMENTS, STEP, CALL = 5, 2.5e-3, 1000  # steps in a compiled call

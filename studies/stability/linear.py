@@ -1,7 +1,7 @@
 """Maps of the linear regime: predicted and bisected limits about equilibria, one thing varied at a time."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -30,7 +30,7 @@ class Map:
     """One thing that is varied under several schemes.
 
     title, what: of its table, and of the column of what it varies.   said, axis: the same in sentences and
-    in a picture; empty: in none.   points: quick -> points.   method: value -> keywords of `_case`.
+    in a picture; empty: in none.   points: quick -> points.   method: value -> keywords of `case_of`.
     """
 
     title: str
@@ -40,6 +40,21 @@ class Map:
     schemes: Sequence[str]
     points: Callable[[bool], Sequence[Point]]
     method: Callable[[float], dict[str, float]] = field(default=lambda value: {})
+
+    def cases(self, quick: bool) -> list[Row]:
+        """All of them; "value" is what is varied."""
+        return [
+            case_of(cable, scheme, value, given, **self.method(value))
+            for scheme in self.schemes
+            for value, cable, given in self.points(quick)
+        ]
+
+
+def case_of(cable: str, scheme: str, value: float, given: dict[str, Any], **method: float) -> Row:
+    """given: keywords of the cable.   method: zeta [1/s], theta, steps, where they are not the usual ones."""
+    usual = {"zeta": SLOW_ZETA, "theta": 0.0, "steps": STEPS}
+    names = {"label": f"{scheme}, {cable}", "cable": cable, "scheme": scheme}
+    return {**names, "value": value, "given": given, **usual, **method}
 
 
 def _on(
@@ -123,28 +138,6 @@ MAPS = {
         lambda rate: {"steps": SPIN_STEPS},
     ),
 }  # fmt: skip
-
-
-def _case(kind: str, cable: str, scheme: str, value: float, given: dict[str, Any], **method: float) -> Row:
-    return {
-        "kind": kind,
-        "label": f"{scheme}, {cable}",
-        "cable": cable,
-        "scheme": scheme,
-        "value": value,
-        "given": given,
-        "zeta": method.get("zeta", SLOW_ZETA),
-        "theta": method.get("theta", 0.0),
-        "steps": int(method.get("steps", STEPS)),
-    }
-
-
-def linear_cases(quick: bool) -> Iterator[Row]:
-    """All of them; "value" is what a map varies."""
-    for kind, one in MAPS.items():
-        for scheme in one.schemes:
-            for value, cable, given in one.points(quick):
-                yield _case(kind, cable, scheme, value, given, **one.method(value))
 
 
 def run_linear(case: Row) -> Row:

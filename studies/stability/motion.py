@@ -1,13 +1,30 @@
-"""Cables in equilibrium, at rest or spinning, and compiled motion of one, in portions, without Exudyn."""
+"""Cables in equilibrium, at rest or spinning, and how they move."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+import math
+import warnings
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
+import exudyn
 import numpy as np
 
-from exudyn_inext import Rattle, RungeKutta4, Zhai
-from reference_models.scenes import load_scene
+from exudyn_inext import (
+    AddPointMass,
+    CableShape,
+    CreateInextensibleCable,
+    DivergenceError,
+    ExplicitSettings,
+    InextensibleCable,
+    Rattle,
+    RungeKutta4,
+    SolveEquilibrium,
+    SolveExplicit,
+    Zhai,
+)
+from reference_models.conventional.supports import add_constraint
+from reference_models.model import quiet_settings, silence
+from reference_models.scenes import Clamp, Pin, load_scene
 from reference_models.trajectory import Array
 from studies.harness import Row, inner
 
@@ -16,88 +33,88 @@ LENGTH = _OWN.length  # [m]
 DENSITY = _OWN.section.mass_per_length  # rho_A [kg/m]
 STIFFNESS = _OWN.section.bending_stiffness  # EI [N m^2]
 GRAVITY = 9.81  # [m/s^2]
-_OWN_MASS = (inner.PointMass(LENGTH, DENSITY * LENGTH),)  # as much as the cable's, at its end
+_OWN_MASS = DENSITY * LENGTH  # as much as the cable's, at its end
 
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """A cable, its coordinates and velocities (n, 2, 2), and the external force (n, 2, 2)."""
+    """A planar cable alone in an mbs, in equilibrium, spinning or thrown.   container: owns mbs."""
 
-    cable: inner.Cable
-    q: Array
-    v: Array
-    external: Array
+    container: Any
+    mbs: Any
+
+    @cached_property
+    def _in_scene(self) -> Any:
+        return inner.read_scene(self.mbs).cables[0]
+
+    @property
+    def cable(self) -> inner.Cable:
+        return self._in_scene.cable  # type: ignore[no-any-return]
+
+    @cached_property
+    def inputs(self) -> Array:
+        """See `CableLoads.at`; constant."""
+        return inner.CableLoads(self._in_scene).at(0.0)
+
+    @cached_property
+    def state(self) -> tuple[Array, Array]:
+        """q and v at the start (n, 2, 2)."""
+        return inner.initial_states(self.mbs, [self._in_scene])[0]
 
     @property
     def element_length(self) -> float:
         return float(self.cable.element_lengths[0])
 
-    @property
-    def inputs(self) -> Array:
-        """(n_external,) what a system takes: the force, and the anchors of links at rest."""
-        motions = [motion.at(0.0).ravel() for motion in inner.motions_of(inner.all_links(self.cable))]
-        return np.concatenate([self.external.ravel(), *motions])
+    def moved(self, q: Array, settings: ExplicitSettings, steps: int) -> Array | None:
+        """Coordinates (n, 2, 2) after so many steps from q; None if the run diverged."""
+        own, given = self._in_scene.indices, np.zeros(self.mbs.systemData.ODE2Size())
+        given[own] = (q - self.cable.reference).ravel()
+        found = moved(self.mbs, given, settings, steps)
+        return None if found is None else self.cable.reference + found[own].reshape(q.shape)
 
 
-def _cable_at(
-    nodes: Array,
-    held: Sequence[tuple[int, int]] = (),
+def moved(mbs: Any, coordinates: Array, settings: ExplicitSettings, steps: int) -> Array | None:
+    """Coordinates (n,) of an mbs after so many steps from these; None if the run diverged."""
+    data, end = mbs.systemData, steps * (settings.stepSize or 0.0)
+    data.SetODE2Coordinates(coordinates, exudyn.ConfigurationType.Initial)
+    with warnings.catch_warnings(), silence():
+        warnings.simplefilter("ignore", UserWarning)  # the step is above the limit on purpose
+        try:
+            SolveExplicit(mbs, quiet_settings(end, 1, period=end), settings)
+        except DivergenceError:
+            return None
+    return np.array(data.GetODE2Coordinates())
+
+
+def _placed(
+    shape: CableShape,
+    start: Pin | Clamp | None = None,
+    end: Pin | None = None,
     gravity: float = 0.0,
-    stiffness: float = STIFFNESS,
-    natural: float = 0.0,
-    **more: Any,
+    mass: float = 0.0,
+    settles: bool = False,
+    **template: float,
 ) -> Equilibrium:
-    """A cable at rest.   nodes: (n, 2, 2).   held: pairs of node and 0 (position) or 1 (slope).
-
-    more: of `Cable`.
-    """
-    number = len(nodes) - 1
-    fixed = np.zeros((number + 1, 2), dtype=bool)
-    for node, what in held:
-        fixed[node, what] = True
-    cable = inner.Cable(
-        reference=nodes,
-        element_lengths=np.full(number, LENGTH / number),
-        section=inner.Section(DENSITY, stiffness, natural),
-        measure=inner.CurvatureMeasure.SECOND_DERIVATIVE,
-        length_constraints=number,
-        fixed=fixed,
-        **more,
-    )
-    force = inner.gravity_force(cable, np.array([0.0, -gravity]))
-    return Equilibrium(cable, nodes, np.zeros_like(nodes), force)
-
-
-def _settled(start: Equilibrium, guess: Array) -> Equilibrium:
-    """In the stable equilibrium near a guess (n, 2, 2).
-
-    Raises:
-        ArithmeticError: none was found.
-    """
-    potential = inner.Potential([start.cable], start.external, 0.0)
-    found = inner.find_equilibrium(potential, guess, inner.StaticOptions())
-    if not found.converged:
-        number = start.cable.number_of_elements
-        raise ArithmeticError(f"no equilibrium with {number} elements: {found.message}")
-    return replace(start, q=found.q)
-
-
-def _line(elements: int, direction: tuple[float, float]) -> Array:
-    places = np.outer(np.linspace(0.0, LENGTH, elements + 1), direction)
-    return np.stack([places, np.tile(direction, (elements + 1, 1))], axis=1)
-
-
-def _arc(elements: int, turns: float) -> Array:
-    """From the origin along x, in circles that curve upwards."""
-    angle = np.linspace(0.0, 2.0 * np.pi * turns, elements + 1)
-    sine, cosine = np.sin(angle), np.cos(angle)
-    places = LENGTH / (2.0 * np.pi * turns) * np.stack([sine, 1.0 - cosine], axis=1)
-    return np.stack([places, np.stack([cosine, sine], axis=1)], axis=1)
+    """A cable with supports and a mass [kg] at its end.   settles: in the equilibrium near its shape."""
+    container = exudyn.SystemContainer()
+    mbs = container.AddSystem()
+    template = {"massPerLength": DENSITY, "bendingStiffness": STIFFNESS, **template}
+    own = InextensibleCable(**template)
+    cable = CreateInextensibleCable(mbs, shape=shape, beamTemplate=own, gravity=[0.0, -gravity, 0.0])
+    for node, support in ((cable["nodes"][0], start), (cable["nodes"][-1], end)):
+        if support:
+            add_constraint(mbs, node, support, 2)
+    if mass:
+        AddPointMass(mbs, cable, LENGTH, mass)
+    mbs.Assemble()
+    if settles:
+        SolveEquilibrium(mbs)
+    return Equilibrium(container, mbs)
 
 
 def straight(elements: int, gravity: float = 0.0) -> Equilibrium:
     """Pinned at its start; under gravity it is released from the horizontal."""
-    return _cable_at(_line(elements, (1.0, 0.0)), [(0, 0)], gravity)
+    return _placed(CableShape.Line([0, 0], [LENGTH, 0], elements), Pin(at=0.0), gravity=gravity)
 
 
 def hanging(elements: int, gravity: float, stiffness: float = STIFFNESS) -> Equilibrium:
@@ -105,56 +122,65 @@ def hanging(elements: int, gravity: float, stiffness: float = STIFFNESS) -> Equi
 
     Without the mass, a limp free end does not hang straight (docs/overview.md, "When to use it").
     """
-    return _cable_at(_line(elements, (0.0, -1.0)), [(0, 0)], gravity, stiffness, point_masses=_OWN_MASS)
+    line = CableShape.Line([0, 0], [0, -LENGTH], elements)
+    return _placed(line, Pin(at=0.0), gravity=gravity, mass=_OWN_MASS, bendingStiffness=stiffness)
 
 
 def sagging(elements: int, share: float, gravity: float = GRAVITY) -> Equilibrium:
     """Between two pins at the same height, that share of the cable's length apart [-]; its equilibrium."""
-    nodes = _line(elements, (share, 0.0))
-    start = _cable_at(nodes, [(0, 0), (elements, 0)], gravity, straight_lengths=True)
-    place = np.pi * np.linspace(0.0, 1.0, elements + 1)
+    place = np.pi * np.linspace(0.0, 1.0, 2 * elements + 1)
     angle = -2.0 * np.sqrt(1.0 - share) * np.cos(place)  # of an arch as long as the cable, nearly
-    guess = nodes.copy()
-    guess[:, 0, 1] = -2.0 / np.pi * LENGTH * np.sqrt(1.0 - share) * np.sin(place)
-    guess[:, 1] = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return _settled(start, guess)
+    slopes = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    places = np.zeros((elements + 1, 2))
+    places[1:] = LENGTH / elements * slopes[1::2].cumsum(axis=0)
+    places[:, 0] *= share * LENGTH / places[-1, 0]
+    shape = CableShape(places, slopes[::2], LENGTH / elements, lengthReference="straight")
+    return _placed(shape, Pin(at=0.0), Pin(at=1.0), gravity, settles=True)
 
 
 def coil(elements: int, turns: float) -> Equilibrium:
-    """Clamped at its start, free of stress in that many turns."""
-    nodes = _arc(elements, turns)
-    return _settled(_cable_at(nodes, [(0, 0), (0, 1)], natural=2.0 * np.pi * turns / LENGTH), nodes)
+    """Clamped at its start, free of stress in that many turns, in circles that curve upwards."""
+    angle = np.linspace(0.0, 2.0 * np.pi * turns, elements + 1)
+    sine, cosine = np.sin(angle), np.cos(angle)
+    curvature = 2.0 * np.pi * turns / LENGTH
+    places = np.stack([sine, 1.0 - cosine], axis=1) / curvature
+    shape = CableShape(places, np.stack([cosine, sine], axis=1), LENGTH / elements)
+    return _placed(shape, Clamp(at=0.0), settles=True, referenceCurvature=curvature)
 
 
 def ring(elements: int) -> Equilibrium:
     """A free closed ring."""
-    nodes = _arc(elements, 1.0)
-    nodes[-1] = nodes[0]
-    return _cable_at(nodes, closed=True)
+    return _placed(CableShape.Circle([0, 0], LENGTH / (2.0 * np.pi), elements))
 
 
 def spinning(elements: int, rate: float) -> Equilibrium:
     """Straight, spinning about the pin at its start with that rate [rad/s]; as much mass at its end."""
-    start = _cable_at(_line(elements, (1.0, 0.0)), [(0, 0)], point_masses=_OWN_MASS)
-    return replace(start, v=rate * np.stack([-start.q[..., 1], start.q[..., 0]], axis=-1))
+    line = CableShape.Line([0, 0], [LENGTH, 0], elements, [0, 0], [0, rate * LENGTH])
+    return _placed(line, Pin(at=0.0), mass=_OWN_MASS)
 
 
 CABLES = {make.__name__: make for make in (straight, hanging, sagging, coil, ring, spinning)}
 
 
-# ------------------------------------------------------------------------------------------ motion
+def thrown(elements: int, speed: float) -> Equilibrium:
+    """Pinned and straight, under gravity; one wave and a half run up and down at that speed [m/s]."""
+    x, wave = np.linspace(0.0, LENGTH, elements + 1), 3.0 * np.pi / LENGTH
+    v, slope_v = np.zeros((2, elements + 1, 2))
+    v[:, 1], slope_v[:, 1] = speed * np.sin(wave * x), speed * wave * np.cos(wave * x)
+    shape = CableShape(np.outer(x, [1, 0]), np.outer(x**0, [1, 0]), velocities=v, slopeVelocities=slope_v)
+    return _placed(shape, Pin(at=0.0), gravity=GRAVITY)
 
 
-STRETCH_LIMIT = 0.05  # |r_x|^2 - 1 [-] beyond which a run has diverged
-PORTION = 100  # steps
+# ----------------------------------------------------------------------------------------- methods
 
-SCHEMES: dict[str, tuple[str, Any]] = {
-    "Zhai": ("Zhai", Zhai()),
-    "Zhai, v_n": ("Zhai", Zhai(projected_rate=False)),
-    "Zhai, corrector, psi = phi = 0": ("Zhai", Zhai(psi=0.0, phi=0.0, corrector=True)),
-    "Zhai, corrector": ("Zhai", Zhai(corrector=True)),
-    "RATTLE": ("RATTLE", Rattle()),
-    "RK4": ("RK4", RungeKutta4()),
+
+SCHEMES: dict[str, Any] = {
+    "Zhai": Zhai(),
+    "Zhai, v_n": Zhai(projected_rate=False),
+    "Zhai, corrector, psi = phi = 0": Zhai(psi=0.0, phi=0.0, corrector=True),
+    "Zhai, corrector": Zhai(corrector=True),
+    "RATTLE": Rattle(),
+    "RK4": RungeKutta4(),
 }
 
 
@@ -171,54 +197,21 @@ class Method:
         """What a case asks for."""
         return cls(case["scheme"], case.get("zeta", cls.zeta), case.get("theta", cls.theta))
 
-    @property
-    def integrator(self) -> inner.Integrator:
-        return inner.find_integrator(SCHEMES[self.scheme][0])
-
-    @property
-    def parameters(self) -> Any:
-        return SCHEMES[self.scheme][1]
+    def settings(self, h: float | None = None, energy_tolerance: float = math.inf) -> ExplicitSettings:
+        """For steps of size h [s], unstable ones, too."""
+        return ExplicitSettings(
+            SCHEMES[self.scheme],
+            stepSize=h,
+            massScaling=self.theta,
+            stabilizationRate=self.zeta,
+            energyTolerance=energy_tolerance,
+            allowUnstableStep=True,
+            rejectSteps=False,
+        )
 
     def system(self, cable: inner.Cable, h: float) -> Any:
         """The index-reduced equations for steps of size h [s]."""
         return inner.cable_system(cable, self.zeta, inner.ImplicitBending(self.theta * h * h))
-
-
-class Motion:
-    """A cable that moves from a state with steps of size h [s].
-
-    q, v: (n, 2, dim) present state, views.   steps: taken so far.
-    """
-
-    def __init__(self, start: Equilibrium, method: Method, h: float) -> None:
-        self.h, self.steps, self._method = h, 0, method
-        self.system = method.system(start.cable, h)
-        self.external = start.inputs
-        integrator = method.integrator
-        self.state = integrator.allocate(start.q.size, self.external.size)
-        self.state.q[:], self.state.v[:] = start.q.ravel(), start.v.ravel()
-        if not integrator.stabilised:
-            inner.settle(self.system, self.external, self.state.q, self.state.v)
-        integrator.start(self.system, self.external, self.state)
-        self.q, self.v = (array.reshape(start.q.shape) for array in (self.state.q, self.state.v))
-        self.a = self.state.a.reshape(start.q.shape)
-
-    def advance(self, steps: int) -> bool:
-        """Take so many steps; returns whether the state is that of an inextensible cable."""
-        pattern = np.zeros((0, self.external.size))
-        factor = np.zeros((steps, len(self._method.integrator.stages), 0))
-        loads = inner.LoadHistory(self.external, pattern, factor)
-        history = np.zeros((1, 3, self.state.q.size))
-        method = self._method
-        system, state = self.system, self.state
-        inner.record(method.integrator, method.parameters, system, loads, state, self.h, steps, history)
-        self.steps += steps
-        return self.is_credible
-
-    @property
-    def is_credible(self) -> bool:
-        squares = np.einsum("ki,ki->k", self.q[:, 1], self.q[:, 1])
-        return bool(np.abs(squares - 1.0).max() < STRETCH_LIMIT)  # a NaN is not
 
 
 class Invariants:

@@ -69,8 +69,6 @@ def test_stretch_compares_both_quadratures_and_finds_one_step_for_all_stiffnesse
     rows = run_quick("stretch")
     tuned = {row["formulation"] for row in rows["best"] if row["choice"] == "tuned" and row["bound"] == 1e-3}
     assert tuned == {"ours", stretch.FULL, stretch.LOBATTO}
-    (accuracy,) = rows["accuracy"]
-    assert accuracy["error"] < accuracy["bar"]
     soft, stiff = rows["stiffness"]
     assert soft["found"] == pytest.approx(stiff["found"], rel=stretch.SAME)
     assert soft["native"] == pytest.approx(10**0.5 * stiff["native"], rel=stretch.SAME)

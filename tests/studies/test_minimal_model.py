@@ -7,6 +7,7 @@ import pytest
 
 from studies import minimal_model
 from studies.__main__ import main
+from studies.harness.benchmark import Benchmark
 from studies.harness.study import Results
 from studies.minimal_model import SCENES, is_harmless, summary_of
 
@@ -71,10 +72,10 @@ def test_it_runs_in_quick_mode(tmp_path, monkeypatch):
     assert {case["scene"] for case in cases} == {"planar_pendulum"}
     assert {case["scene"] for case in minimal_model.make_cases(False)} == set(SCENES)
     few = [case for case in cases if case["label"] in KEPT]
-    measure = replace(minimal_model.STUDY.measure, cases=lambda quick: few)
-    study = replace(minimal_model.STUDY, measure=measure)
+    (series,) = minimal_model.STUDY.measure.series
+    study = replace(minimal_model.STUDY, measure=Benchmark([replace(series, cases=lambda quick: few)]))
     monkeypatch.setattr("studies.__main__.find_study", lambda name: study)
-    command = ["run", "minimal_model", "--quick", "--workers", "1", "--output", str(tmp_path)]
+    command = ["run", "minimal_model", "--quick", "--output", str(tmp_path)]
     assert main(command) == 0
     rows = json.loads((tmp_path / "minimal_model.json").read_text())["rows"]
     errors = {row["label"]: row["error"] for row in rows}

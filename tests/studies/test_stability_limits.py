@@ -8,6 +8,7 @@ import pytest
 
 from studies import stability_limits
 from studies.__main__ import main
+from studies.harness.benchmark import Benchmark
 from studies.harness.study import Results
 from studies.stability import linear
 from studies.stability.limits import largest_stable_step
@@ -24,7 +25,7 @@ SCHEMES = ["Zhai", "Zhai, v_n", "Zhai, corrector, psi = phi = 0", "Zhai, correct
 
 def found(cable, scheme, given=None, **method):
     given = SCENES[cable] if given is None else given
-    return run_linear(linear._case("scheme", cable, scheme, 0.0, given, **{"steps": 1000, **method}))
+    return run_linear(linear.case_of(cable, scheme, 0.0, given, **{"steps": 1000, **method}))
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
@@ -55,14 +56,13 @@ def test_zeta_rules_where_it_is_large():
 def test_spin_lowers_the_limit_of_zhai_and_not_that_of_rattle():
     given = {"elements": 10, "rate": 100.0}
     for scheme, is_that_of_frequency in (("Zhai", False), ("RATTLE", True)):
-        row = run_linear(linear._case("spin", "spinning", scheme, 100.0, given, steps=500))
+        row = run_linear(linear.case_of("spinning", scheme, 100.0, given, steps=500))
         assert (abs(row["ratio"] - 1.0) < 0.05) == is_that_of_frequency
 
 
 def test_a_violent_start_costs_zhai_more_than_rattle():
     cases = [
-        {"kind": "violent", "scheme": scheme, "zeta": 100.0, "value": 30.0, "duration": 0.1}
-        for scheme in ("Zhai", "RATTLE")
+        {"scheme": scheme, "zeta": 100.0, "value": 30.0, "duration": 0.1} for scheme in ("Zhai", "RATTLE")
     ]
     zhai, rattle = (run_violent(case) for case in cases)
     assert zhai["part"] < 0.5 * rattle["part"] <= 0.5
@@ -106,13 +106,13 @@ KINDS = {"scheme", "zeta", "stiffness", "elements", "curvature", "gravity", "spi
 
 def test_it_runs_in_quick_mode(tmp_path, monkeypatch):
     """The first case of every map but those that need kernels of their own."""
-    all_cases = stability_limits.make_cases(True)
-    assert {case["kind"] for case in all_cases} == KINDS
-    first = {case["kind"]: case for case in reversed(all_cases)}
-    measure = replace(stability_limits.STUDY.measure, cases=lambda quick: list(first.values()))
-    study = replace(stability_limits.STUDY, measure=measure)
+    first = [
+        replace(series, cases=lambda quick, series=series: list(series.cases(quick))[:1])
+        for series in stability_limits.SERIES
+    ]
+    study = replace(stability_limits.STUDY, measure=Benchmark(first))
     monkeypatch.setattr("studies.__main__.find_study", lambda name: study)
-    command = ["run", "stability_limits", "--quick", "--workers", "1", "--output", str(tmp_path)]
+    command = ["run", "stability_limits", "--quick", "--output", str(tmp_path)]
     assert main(command) == 0
     document = json.loads((tmp_path / "stability_limits.json").read_text())
     assert {row["kind"] for row in document["rows"]} == KINDS

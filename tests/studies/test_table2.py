@@ -17,8 +17,6 @@ ROWS = [
     row("quick", "inextensible", "Zhai", 0.01, 4e-3),
     row("quicker but coarse", "inextensible", "Zhai", 0.001, 6e-3),
     row("finer", "inextensible", "RATTLE", 0.025, 5e-4),
-    row("compiled", "compiled steps", "Zhai", 0.004, 4e-3),
-    row("compiled, finer", "compiled steps", "RATTLE", 0.01, 5e-4),
     row("coarse", "conventional", "generalizedAlpha", 0.05, 6.5e-3, "lobatto"),
     row("coarse, default", "conventional", "generalizedAlpha", 0.2, 6.5e-3),
     row("fine", "conventional", "generalizedAlpha", 0.4, 6e-4, "lobatto"),
@@ -41,14 +39,6 @@ def conclusion_line(text):
     [
         (PAPER_IMPLICIT, "| 1.95 | 40.0 |"),
         (PAPER_EXPLICIT, "| 163 | 200 |"),
-        (
-            "native, implicit, with error <= 0.0045 m, over compiled steps alone",
-            ": fine |  | 100 |",
-        ),
-        (
-            "native, implicit, with error <= 0.0007 m, over compiled steps alone",
-            ": fine |  | 40.0 |",
-        ),
         ("native, implicit, with error <= 0.007 m", ": coarse |  | 50.0 |"),
         ("native, implicit, with error <= 0.0045 m", ": fine |  | 40.0 |"),
         ("native, implicit, with error <= 0.0007 m", ": fine |  | 16.0 |"),
