@@ -170,9 +170,7 @@ def _with_unit_quaternions(rows: JointRows, states: Array) -> Array:
     return states
 
 
-def _evaluated(
-    form: CompiledScene, external: Array, q: Array, v: Array, number: int
-) -> tuple[Array, Array]:
+def _evaluated(form: CompiledScene, external: Array, q: Array, v: Array, number: int) -> tuple[Array, Array]:
     """(number,) forces on the cables, and accelerations of the bodies; and (4, m) of joints."""
     system, (result, rate) = form.system, np.zeros((2, len(q)))
     form.accelerate(external, q, v, 0.0, result, rate)

@@ -83,9 +83,7 @@ def _is_kept(system: Any, correct: Bound, cable: Cable, q: Array) -> bool:
     return is_finite and correct(places, places, np.inf, 0.0, memory) < ROUND_OFF
 
 
-def _is_kept_along(
-    system: Any, correct: Bound, cable: Cable, q: Array, v: Array, speed: float
-) -> bool:
+def _is_kept_along(system: Any, correct: Bound, cable: Cable, q: Array, v: Array, speed: float) -> bool:
     """The same of the rates of constraints: differences on both sides are exact, as these are quadratic."""
     if cable.stretches or v[cable.fixed].any() or not np.isfinite(v).all():
         return False
