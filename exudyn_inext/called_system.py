@@ -196,7 +196,7 @@ def provide(functions: np.ndarray, system: Any, *protocols: Any) -> None:
 def _fill(functions: np.ndarray, system: Any, structure: Structure, protocols: Sequence[Any]) -> None:
     for protocol in protocols:
         place = _ENTRIES[protocol].place
-        if not functions[place] and _is_implemented(type(system), protocol):
+        if not functions[place] and _is_implemented(system.__class__, protocol):
             functions[place] = 1 if numba.config.DISABLE_JIT else _address(protocol, structure)
 
 
