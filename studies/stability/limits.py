@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from reference_models.trajectory import Array
 from studies.harness import Row, inner
 from studies.harness.inner import FrequencyTracker, cable_system, index_reduced_rates
 
-from .motion import Equilibrium, Method
+from .motion import PORTION, Equilibrium, Method, Motion
 
 # -------------------------------------------------------------------- what the linear theory gives
 
@@ -51,22 +51,21 @@ def predict(start: Equilibrium, method: Method, growth: float = inner.GROWTH_TOL
 
     growth: of a step that counts as none [-]; see `frequency_limit`.
     """
-    (q, v), scheme = start.state, method.settings().method
-    limit = inner.frequency_limit(*scheme, growth=growth)
+    limit = inner.frequency_limit(method.integrator, method.parameters, growth=growth)
 
     def frequency(h: float) -> float:
         system = method.system(start.cable, h)
-        return inner.largest_frequency(system, start.inputs, q, v)
+        return inner.largest_frequency(system, start.inputs, start.q, start.v)
 
     plain = frequency(0.0)
-    relaxed = inner.largest_frequency(method.system(start.cable, 0.0), 0.0 * start.inputs, q)
+    relaxed = inner.largest_frequency(method.system(start.cable, 0.0), 0.0 * start.inputs, start.q)
     section = start.cable.section
     bending = limit / plain
     if method.theta:  # the scaled mass depends on h, and may leave no limit
         bending = largest_stable_step(lambda h: h * frequency(h) < limit, bending, 1e-4, 1e4)
     return Prediction(
         bending,
-        inner.decay_limit(*scheme) / method.zeta,
+        inner.decay_limit(method.integrator, method.parameters) / method.zeta,
         inner.rule_step(
             start.element_length, section.mass_per_length, section.bending_stiffness, RULE_CONSTANT
         ),
@@ -89,19 +88,18 @@ FARTHEST = 30.0  # times the estimate, or that part of it
 Stable = Callable[[float], bool]
 
 
-def disturbed(start: Equilibrium) -> Array:
-    """(n, 2, 2) coordinates nearby: the fastest vibration, which decides, and random ones.
+def disturbed(start: Equilibrium) -> Equilibrium:
+    """The same with coordinates nearby: the fastest vibration, which decides, and random ones.
 
-    The latter, a tenth, give all modes a share.
+    The latter, a tenth, are a little off the constraints and give all modes a share.
     """
-    q, v = start.state
-    noise = 0.1 * np.random.default_rng(1).uniform(-1.0, 1.0, q.shape)
+    noise = 0.1 * np.random.default_rng(1).uniform(-1.0, 1.0, start.q.shape)
     noise[:, 0] *= start.element_length
-    system, rate, a = cable_system(start.cable, 1.0), np.zeros(q.size), np.zeros_like(q)
-    tracker = FrequencyTracker(system, q.shape)
+    system, rate, a = cable_system(start.cable, 1.0), np.zeros(start.q.size), np.zeros_like(start.q)
+    tracker = FrequencyTracker(system, start.q.shape)
     for _ in range(ITERATIONS):
-        index_reduced_rates(system, start.inputs, q.ravel(), v.ravel(), a.ravel(), rate)
-        tracker.frequency(q, a)
+        index_reduced_rates(system, start.inputs, start.q.ravel(), start.v.ravel(), a.ravel(), rate)
+        tracker.frequency(start.q, a)
     scaled = np.abs(tracker.vibration)
     scaled[:, 0] /= start.element_length
     noise += 0.9 / scaled.max() * tracker.vibration
@@ -109,7 +107,7 @@ def disturbed(start: Equilibrium) -> Array:
     noise[start.cable.fixed] = 0.0
     if start.cable.closed:
         noise[-1] = noise[0]
-    return q + noise
+    return replace(start, q=start.q + noise)
 
 
 def distance(start: Equilibrium) -> Callable[[Array, Array], float]:
@@ -117,7 +115,7 @@ def distance(start: Equilibrium) -> Callable[[Array, Array], float]:
 
     Of a cable that spins, after the second one has been turned about the origin, as far as their ends differ.
     """
-    spins = start.state[1].any()
+    spins = start.v.any()
 
     def apart(q: Array, other: Array) -> float:
         if spins:
@@ -136,13 +134,16 @@ def is_stable_about(start: Equilibrium, method: Method, steps: int) -> Stable:
 
     A cable that spins is compared with the same steps of an undisturbed one.
     """
-    (q, v), near, apart = start.state, disturbed(start), distance(start)
+    near, apart, is_at_rest = disturbed(start), distance(start), not start.v.any()
 
     def is_stable(h: float) -> bool:
-        settings = method.settings(h)
-        moved = start.moved(near, settings, steps)
-        twin = start.moved(q, settings, steps) if v.any() else q
-        return moved is not None and twin is not None and apart(moved, twin) < GROWTH * DISTURBANCE
+        motion, twin = Motion(near, method, h), Motion(start, method, h)
+        while motion.steps < steps:
+            if not motion.advance(PORTION) or not (is_at_rest or twin.advance(PORTION)):
+                return False
+            if not apart(motion.q, twin.q) < GROWTH * DISTURBANCE:
+                return False
+        return True
 
     return is_stable
 

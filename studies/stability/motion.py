@@ -1,9 +1,6 @@
-"""Cables in equilibrium, at rest or spinning, and how they move."""
+"""Cables in equilibrium, at rest or spinning, and compiled motion of one, in portions, without Exudyn."""
 
-import math
-import warnings
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import exudyn
@@ -13,17 +10,13 @@ from exudyn_inext import (
     AddPointMass,
     CableShape,
     CreateInextensibleCable,
-    DivergenceError,
-    ExplicitSettings,
     InextensibleCable,
     Rattle,
     RungeKutta4,
     SolveEquilibrium,
-    SolveExplicit,
     Zhai,
 )
 from reference_models.conventional.supports import add_constraint
-from reference_models.model import quiet_settings, silence
 from reference_models.scenes import Clamp, Pin, load_scene
 from reference_models.trajectory import Array
 from studies.harness import Row, inner
@@ -38,52 +31,21 @@ _OWN_MASS = DENSITY * LENGTH  # as much as the cable's, at its end
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """A planar cable alone in an mbs, in equilibrium, spinning or thrown.   container: owns mbs."""
+    """A cable, its coordinates and velocities (n, 2, 2).   inputs: see `CableLoads.at`, constant."""
 
-    container: Any
-    mbs: Any
-
-    @cached_property
-    def _in_scene(self) -> Any:
-        return inner.read_scene(self.mbs).cables[0]
-
-    @property
-    def cable(self) -> inner.Cable:
-        return self._in_scene.cable  # type: ignore[no-any-return]
-
-    @cached_property
-    def inputs(self) -> Array:
-        """See `CableLoads.at`; constant."""
-        return inner.CableLoads(self._in_scene).at(0.0)
-
-    @cached_property
-    def state(self) -> tuple[Array, Array]:
-        """q and v at the start (n, 2, 2)."""
-        return inner.initial_states(self.mbs, [self._in_scene])[0]
+    cable: inner.Cable
+    q: Array
+    v: Array
+    inputs: Array
 
     @property
     def element_length(self) -> float:
         return float(self.cable.element_lengths[0])
 
-    def moved(self, q: Array, settings: ExplicitSettings, steps: int) -> Array | None:
-        """Coordinates (n, 2, 2) after so many steps from q; None if the run diverged."""
-        own, given = self._in_scene.indices, np.zeros(self.mbs.systemData.ODE2Size())
-        given[own] = (q - self.cable.reference).ravel()
-        found = moved(self.mbs, given, settings, steps)
-        return None if found is None else self.cable.reference + found[own].reshape(q.shape)
-
-
-def moved(mbs: Any, coordinates: Array, settings: ExplicitSettings, steps: int) -> Array | None:
-    """Coordinates (n,) of an mbs after so many steps from these; None if the run diverged."""
-    data, end = mbs.systemData, steps * (settings.stepSize or 0.0)
-    data.SetODE2Coordinates(coordinates, exudyn.ConfigurationType.Initial)
-    with warnings.catch_warnings(), silence():
-        warnings.simplefilter("ignore", UserWarning)  # the step is above the limit on purpose
-        try:
-            SolveExplicit(mbs, quiet_settings(end, 1, period=end), settings)
-        except DivergenceError:
-            return None
-    return np.array(data.GetODE2Coordinates())
+    @property
+    def external(self) -> Array:
+        """Forces on the coordinates (n, 2, 2)."""
+        return self.inputs[: self.q.size].reshape(self.q.shape)
 
 
 def _placed(
@@ -109,7 +71,9 @@ def _placed(
     mbs.Assemble()
     if settles:
         SolveEquilibrium(mbs)
-    return Equilibrium(container, mbs)
+    cables = inner.read_scene(mbs).cables
+    ((q, v),) = inner.initial_states(mbs, cables)
+    return Equilibrium(cables[0].cable, q, v, inner.CableLoads(cables[0]).at(0.0))
 
 
 def straight(elements: int, gravity: float = 0.0) -> Equilibrium:
@@ -162,25 +126,19 @@ def spinning(elements: int, rate: float) -> Equilibrium:
 CABLES = {make.__name__: make for make in (straight, hanging, sagging, coil, ring, spinning)}
 
 
-def thrown(elements: int, speed: float) -> Equilibrium:
-    """Pinned and straight, under gravity; one wave and a half run up and down at that speed [m/s]."""
-    x, wave = np.linspace(0.0, LENGTH, elements + 1), 3.0 * np.pi / LENGTH
-    v, slope_v = np.zeros((2, elements + 1, 2))
-    v[:, 1], slope_v[:, 1] = speed * np.sin(wave * x), speed * wave * np.cos(wave * x)
-    shape = CableShape(np.outer(x, [1, 0]), np.outer(x**0, [1, 0]), velocities=v, slopeVelocities=slope_v)
-    return _placed(shape, Pin(at=0.0), gravity=GRAVITY)
+# ------------------------------------------------------------------------------------------ motion
 
 
-# ----------------------------------------------------------------------------------------- methods
+STRETCH_LIMIT = 0.05  # |r_x|^2 - 1 [-] beyond which a run has diverged
+PORTION = 100  # steps
 
-
-SCHEMES: dict[str, Any] = {
-    "Zhai": Zhai(),
-    "Zhai, v_n": Zhai(projected_rate=False),
-    "Zhai, corrector, psi = phi = 0": Zhai(psi=0.0, phi=0.0, corrector=True),
-    "Zhai, corrector": Zhai(corrector=True),
-    "RATTLE": Rattle(),
-    "RK4": RungeKutta4(),
+SCHEMES: dict[str, tuple[str, Any]] = {
+    "Zhai": ("Zhai", Zhai()),
+    "Zhai, v_n": ("Zhai", Zhai(projected_rate=False)),
+    "Zhai, corrector, psi = phi = 0": ("Zhai", Zhai(psi=0.0, phi=0.0, corrector=True)),
+    "Zhai, corrector": ("Zhai", Zhai(corrector=True)),
+    "RATTLE": ("RATTLE", Rattle()),
+    "RK4": ("RK4", RungeKutta4()),
 }
 
 
@@ -197,21 +155,54 @@ class Method:
         """What a case asks for."""
         return cls(case["scheme"], case.get("zeta", cls.zeta), case.get("theta", cls.theta))
 
-    def settings(self, h: float | None = None, energy_tolerance: float = math.inf) -> ExplicitSettings:
-        """For steps of size h [s], unstable ones, too."""
-        return ExplicitSettings(
-            SCHEMES[self.scheme],
-            stepSize=h,
-            massScaling=self.theta,
-            stabilizationRate=self.zeta,
-            energyTolerance=energy_tolerance,
-            allowUnstableStep=True,
-            rejectSteps=False,
-        )
+    @property
+    def integrator(self) -> inner.Integrator:
+        return inner.find_integrator(SCHEMES[self.scheme][0])
+
+    @property
+    def parameters(self) -> Any:
+        return SCHEMES[self.scheme][1]
 
     def system(self, cable: inner.Cable, h: float) -> Any:
         """The index-reduced equations for steps of size h [s]."""
         return inner.cable_system(cable, self.zeta, inner.ImplicitBending(self.theta * h * h))
+
+
+class Motion:
+    """A cable that moves from a state with steps of size h [s].
+
+    q, v: (n, 2, dim) present state, views.   steps: taken so far.
+    """
+
+    def __init__(self, start: Equilibrium, method: Method, h: float) -> None:
+        self.h, self.steps, self._method = h, 0, method
+        self.system = method.system(start.cable, h)
+        self.external = start.inputs
+        integrator = method.integrator
+        self.state = integrator.allocate(start.q.size, self.external.size)
+        self.state.q[:], self.state.v[:] = start.q.ravel(), start.v.ravel()
+        if not integrator.stabilised:
+            inner.settle(self.system, self.external, self.state.q, self.state.v)
+        integrator.start(self.system, self.external, self.state)
+        self.q, self.v = (array.reshape(start.q.shape) for array in (self.state.q, self.state.v))
+        self.a = self.state.a.reshape(start.q.shape)
+
+    def advance(self, steps: int) -> bool:
+        """Take so many steps; returns whether the state is that of an inextensible cable."""
+        pattern = np.zeros((0, self.external.size))
+        factor = np.zeros((steps, len(self._method.integrator.stages), 0))
+        loads = inner.LoadHistory(self.external, pattern, factor)
+        history = np.zeros((1, 3, self.state.q.size))
+        method = self._method
+        system, state = self.system, self.state
+        inner.record(method.integrator, method.parameters, system, loads, state, self.h, steps, history)
+        self.steps += steps
+        return self.is_credible
+
+    @property
+    def is_credible(self) -> bool:
+        squares = np.einsum("ki,ki->k", self.q[:, 1], self.q[:, 1])
+        return bool(np.abs(squares - 1.0).max() < STRETCH_LIMIT)  # a NaN is not
 
 
 class Invariants:
