@@ -130,5 +130,5 @@ STUDY = Study(
     conclusions(*BARS),
     TABLES,
     draw,
-    minutes=4,
+    minutes=2,
 )

@@ -5,6 +5,7 @@ from typing import Any
 
 import exudyn
 import numpy as np
+from scipy.optimize import brentq
 
 from exudyn_inext import (
     AddPointMass,
@@ -92,12 +93,11 @@ def hanging(elements: int, gravity: float, stiffness: float = STIFFNESS) -> Equi
 
 def sagging(elements: int, share: float, gravity: float = GRAVITY) -> Equilibrium:
     """Between two pins at the same height, that share of the cable's length apart [-]; its equilibrium."""
-    place = np.pi * np.linspace(0.0, 1.0, 2 * elements + 1)
-    angle = -2.0 * np.sqrt(1.0 - share) * np.cos(place)  # of an arch as long as the cable, nearly
-    slopes = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    waves = np.cos(np.pi * np.linspace(0.0, 1.0, 2 * elements + 1))
+    largest = brentq(lambda x: np.cos(x * waves[1::2]).mean() - share, 0.0, 2.4)  # angle, of an arch as long
+    slopes = np.stack([np.cos(largest * waves), -np.sin(largest * waves)], axis=1)
     places = np.zeros((elements + 1, 2))
     places[1:] = LENGTH / elements * slopes[1::2].cumsum(axis=0)
-    places[:, 0] *= share * LENGTH / places[-1, 0]
     shape = CableShape(places, slopes[::2], LENGTH / elements, lengthReference="straight")
     return _placed(shape, Pin(at=0.0), Pin(at=1.0), gravity, settles=True)
 
