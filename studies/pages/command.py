@@ -9,7 +9,7 @@ from pathlib import Path
 from exudyn_inext import InputError
 from studies.harness.provenance import ROOT
 from studies.harness.store import write_text
-from studies.harness.study import run
+from studies.harness.study import announce, run
 from studies.registry import find_study
 from studies.report.documents import Gathered, read
 from studies.report.text import as_markdown
@@ -32,6 +32,7 @@ def add_commands(commands: "argparse._SubParsersAction[argparse.ArgumentParser]"
     )
     add = remake.add_argument
     add("names", nargs="*", metavar="NAME", default=NEEDED, help=f"default: {' '.join(NEEDED)}")
+    add("--times", type=int, default=1, help="run each study so often, and store how far its times differ")
     add("--output", type=Path, default=Path("results"), help="default: results")
     add("--stored", action="store_true", help="take what OUTPUT holds; run nothing")
     add("--provisional", default="", metavar="WHY", help="a note that all tables print")
@@ -39,13 +40,19 @@ def add_commands(commands: "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 def remake(options: argparse.Namespace, root: Path = ROOT, folder: Path = FOLDER) -> None:
     """Run one study after another; pages are written when each one ends.   root: of the pages."""
-    for study in [find_study(name) for name in options.names]:
-        if not options.stored:
-            run(study, options.output)
-        document = read(options.output / f"{study.name}.json")
-        for picture in document["pictures"]:
+    studies = [find_study(name) for name in options.names]
+    if options.times < 1:
+        raise InputError(f"--times {options.times}: a study runs at least once.")
+    for study in studies:
+        documents = []
+        for time in range(options.times):
+            announce(study.name, f"run {time + 1} of {options.times}")
+            if not options.stored:
+                run(study, options.output)
+            documents.append(read(options.output / f"{study.name}.json"))
+        for picture in documents[-1]["pictures"]:
             shutil.copy(options.output / picture, root / REPORT.parent / picture)
-        print(f"Stored: {store(reduced(document, options.provisional), folder)}")
+        print(f"Stored: {store(reduced(documents, options.provisional), folder)}")
         write_pages(root, folder)
 
 

@@ -1,6 +1,7 @@
 """Committed results: what each study measured last, reduced to what pages show."""
 
 import json
+import statistics
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -29,13 +30,20 @@ ROW_KEYS = {
     "startSeconds", "cables", "springs", "points", "bodies", "joints", "microseconds", "startMilliseconds",
     "stepMilliseconds", "megabytes", "opponent", "ratio",
 }  # fmt: skip
+TIMES = ("cpuSeconds", "microseconds")
 
 
-def reduced(document: Document, provisional: str = "") -> Document:
-    """What is committed of a study.   provisional: why it is to be measured again; empty: it is not."""
-    kept = {key: document[key] for key in (*KEYS, "paper") if key in document}
-    tables = [table for table in document["tables"] if len(table["lines"]) <= MOST_LINES]
-    return {"format": FORMAT, **kept, "rows": _rows(document), "tables": tables, "provisional": provisional}
+def reduced(documents: Sequence[Document], provisional: str = "") -> Document:
+    """What is committed of the runs of one study: the last one, and the spread of their times.
+
+    Args:
+        documents: of the runs.   provisional: why the figures are to be measured again; empty: they are not.
+    """
+    last = documents[-1]
+    kept = {key: last[key] for key in (*KEYS, "paper") if key in last}
+    tables = [table for table in last["tables"] if len(table["lines"]) <= MOST_LINES]
+    more = {"rows": _rows(last), "tables": tables, "provisional": provisional}
+    return {"format": FORMAT, **kept, **more, "repeated": spread([_rows(one) for one in documents])}
 
 
 def _rows(document: Document) -> list[Row]:
@@ -46,6 +54,23 @@ def _rows(document: Document) -> list[Row]:
 
 def _rounded(value: Any) -> Any:
     return float(f"{value:.4g}") if isinstance(value, float) else value
+
+
+def spread(runs: Sequence[Sequence[Row]]) -> Row | None:
+    """How far the times of repeated runs differ, over their median: in the median row, and at most."""
+    if len(runs) < 2 or len({len(rows) for rows in runs}) > 1:
+        return None
+    found = [
+        [row[key] for row in rows] for key in TIMES for rows in zip(*runs, strict=True) if _all(rows, key)
+    ]
+    shares = [(max(times) - min(times)) / statistics.median(times) for times in found]
+    return (
+        {"runs": len(runs), "median": statistics.median(shares), "largest": max(shares)} if shares else None
+    )
+
+
+def _all(rows: Sequence[Row], key: str) -> bool:
+    return all(key in row for row in rows)
 
 
 def store(document: Document, folder: Path = FOLDER) -> Path:

@@ -262,6 +262,18 @@ def _sentences(*names: str, containing: str = "", first: int | None = None) -> B
     return block
 
 
+def noise(figures: Figures) -> str:
+    """How far repeated studies differ."""
+    said = [
+        f"`{name}`, repeated {one['runs']} times: CPU times differ by {percent(one['median'])} in the "
+        f"median, by {percent(one['largest'])} at most."
+        for name, document in figures.all.items()
+        if (one := document.get("repeated"))
+    ]
+    rest = "How far repeated studies differ is not measured yet: `python -m studies remake table1 --times 3`."
+    return "\n".join(f"- {sentence}" for sentence in said) or rest
+
+
 BLOCKS: dict[str, Block] = {
     "headline": headline,
     "comparison": comparison,
@@ -272,4 +284,5 @@ BLOCKS: dict[str, Block] = {
     "step_cost": step_cost,
     "steps": _sentences("kernel", "scaling", "realtime", "ensemble", first=1),
     "stretch": _sentences("stretch"),
+    "noise": noise,
 }
