@@ -15,13 +15,6 @@ def as_slice(indices: NDArray[np.int_]) -> Any:
     return slice(first, first + len(indices)) if follow_each_other else indices
 
 
-def sizes_of(ends: NDArray[np.int_]) -> NDArray[np.int_]:
-    """Of pieces that follow each other, from where each of them ends."""
-    sizes = ends.copy()
-    sizes[1:] -= ends[:-1]
-    return sizes
-
-
 def record_type(fields: Any) -> np.dtype[Any]:
     """dtype of records whose fields are attributes of each, in kernels and in Python.
 

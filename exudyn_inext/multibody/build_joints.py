@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arrays import Array, sizes_of
+from ..arrays import Array
 from .build_nodes import (
     MANY,
     Ends,
@@ -243,7 +243,7 @@ def _build_holds(holds: Sequence[_Hold], place: np.ndarray, factor: Any, cables:
     """place: of each unknown, NONE at the end.   cables: how many owners are cables."""
     owner, is_row, entry, sign, unknown, member = np.array(holds, dtype=np.int64).reshape(-1, 6).T.copy()
     at, ends = place[unknown], _parts(holds)
-    sizes = sizes_of(ends)
+    sizes = np.diff(ends, prepend=0)
     square = np.cumsum(sizes**2) - sizes**2
     part = np.repeat(np.arange(len(sizes)), sizes**2)
     first, within = (ends - sizes)[part], np.arange(len(part)) - square[part]
@@ -251,7 +251,7 @@ def _build_holds(holds: Sequence[_Hold], place: np.ndarray, factor: Any, cables:
     into, goes = np.full(len(rows), NONE), np.minimum(rows, columns) >= 0
     rows, columns = np.maximum(rows, columns), np.minimum(rows, columns)
     into[goes] = places_of(factor, columns[goes], rows[goes])
-    at_knots = sizes_of(np.cumsum(is_row == 0)[ends - 1])
+    at_knots = np.diff(np.cumsum(is_row == 0)[ends - 1], prepend=0)
     memory = np.zeros((2, len(holds)))
     return Holds(
         entry=entry,

@@ -84,7 +84,7 @@ def _copy(blocks):
 
 def _arrays(memory: Mapping[str, Any]) -> Iterator[np.ndarray]:
     for part in memory.values():
-        if isinstance(part, dict):
+        if isinstance(part, Mapping):
             yield from _arrays(part)
         else:
             yield part

@@ -33,7 +33,8 @@ class LoadFunctions:
         self.numbers = np.array([load.number for load in loads], dtype=int)
         places: dict[Any, int] = {}
         self._place = [places.setdefault(_key(load), len(places)) for load in loads]
-        self._called = [loads[self._place.index(k)].function for k in range(len(places))]
+        _, firsts = np.unique(self._place, return_index=True)
+        self._called = [loads[k].function for k in firsts]
         self._scales = np.repeat(np.array([load.function.scale for load in loads], float), self.numbers)
 
     def values(self, times: Sequence[float]) -> Array:
