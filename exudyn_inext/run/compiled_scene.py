@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -169,6 +170,7 @@ class CompiledScene:
         self._chains, self._cables = chains, cables
         self._names = names
         self._read_again, self._moved = read_again, moved
+        self._has_spins = bool((system.items.bodies["rotations"] > 1).any())
         self._unscaled: SceneSystem | None = None
         self._take_steps = Prepared(take_steps)
         self._set(system)
@@ -248,17 +250,24 @@ class CompiledScene:
 
         Returns whether all of them can be moved.
         """
-        joints, others = self.system.items.joints, np.ones(len(self.multipliers), dtype=bool)
+        joints = [one.items.joints for one in (self.system, self._unscaled) if one]
         self.rest()
         for one in self._moved.values():
-            for system in filter(None, (self.system, self._unscaled)):
-                system.items.joints.rows["rest"][one.row] = one.given()
-            others[one.row] = False
+            rest = one.given()
+            for of_system in joints:
+                of_system.rows["rest"][one.row] = rest
         self.violation(time, q)
+        values = joints[0].value
         for one in self._moved.values():
-            left = float(joints.value[one.row])
+            left = float(values[one.row])
             one.aim(left if abs(left) > tolerance else 0.0, time, end)
-        return not len(others) or not np.abs(joints.value[others]).max(initial=0.0) > tolerance
+        others = values[self._not_moved]
+        return not len(others) or not max(others.max(), -others.min()) > tolerance
+
+    @cached_property
+    def _not_moved(self) -> np.ndarray:
+        """Rows of joints whose offset nobody sets between steps."""
+        return np.setdiff1d(np.arange(len(self.multipliers)), [one.row for one in self._moved.values()])
 
     def rest(self) -> None:
         """Joints that have been moved stay where they are."""
@@ -375,7 +384,7 @@ class CompiledScene:
 
     def energy_of_spins(self, duration: float) -> float:
         """See `EvaluatedScene`."""
-        return energy_of_spins(self.system.items.bodies, duration)
+        return energy_of_spins(self.system.items.bodies, duration) if self._has_spins else 0.0
 
     def leave_out_turns(self, way: Array) -> None:
         """See `EvaluatedScene`."""

@@ -237,7 +237,7 @@ class CoupledRun(LimitedRun):
 
     @property
     def _has_axial_forces(self) -> bool:
-        return any(map(remembers_axial_forces, self._taught.values()))
+        return self.watch.stretches and any(map(remembers_axial_forces, self._taught.values()))
 
     def resume(self, time: float) -> None:
         """Go on at `time` [s] with the memory that has been set; data coordinates are those of mbs."""

@@ -57,17 +57,22 @@ ROUND_OFF = 1e-10  # of the energy, relative to the forces times the extent
 OF_PLACES = 1e3 * np.finfo(float).eps  # of places, relative to the extent
 STEPS_BETWEEN_LOOKS = 8  # at the frequency of a step, which is looked at more often after an inspection
 GROWTH = 0.1  # of a vibration in a step [-], that is unstable
+MOST_UNSEEN = 8  # steps of the loop between two that are inspected, where joints are moved in each
+# of counts: steps since the last inspection, and until the next one at most; steps of the loop, with the
+# present one, that are not inspected, and how many it will be after the next one that is
+_STEPS, _MOST, _UNSEEN, _NEXT_UNSEEN = range(4)
 
 
 class _Together(NamedTuple):
     """Cables that share records.   dofs: their place.   loads: of each.
 
-    gauge: of them.
+    gauge: of them.   nothing: external force and memory for energies that do not depend on loads.
     """
 
     dofs: slice
     loads: Sequence[CableLoads]
     gauge: Callable[..., None]
+    nothing: tuple[Array, Array]
 
     def external(self, t: float) -> Array:
         """As the system takes it, at t [s]."""
@@ -86,7 +91,8 @@ class CoupledWatch(RunWatch):
     path_of_evaluations: for `NativeSurroundings.path` during steps; a lack of work within a step shows in it.
     has_one_evaluation: each step.
     after_each_step: what to call then.
-    is_close: whether the end of each interval is judged, as where joints are moved step by step.
+    is_close: whether joints are moved in this step of the loop. Its end is judged, as their power jumps from
+        step to step; if all is well, up to `MOST_UNSEEN` of the next ones are not.
     """
 
     is_close = False
@@ -134,25 +140,22 @@ class CoupledWatch(RunWatch):
         self._resolution = 0.0  # energy of velocities of round-off, times the square of the step [J s^2]
         self._last = np.zeros(2)  # inspection: its time [s], and the square of the velocities then
         self._calm = 0.0  # largest square of velocities that calls for no other one
-        self._counts = np.zeros(2, int)  # of steps since then, and until the next one at most
+        self._counts = np.zeros(4, int)  # see _STEPS
 
     def evaluate_by(self, evaluated: EvaluatedScene) -> None:
         """Ask this form of the scene from now on."""
         self._evaluated = evaluated
 
     @property
-    def _steps(self) -> int:
-        return int(self._counts[0])
-
-    @property
-    def _most_steps(self) -> int:
-        return int(self._counts[1])
+    def _is_unseen(self) -> bool:
+        """Whether nobody keeps the account of the present step of the loop."""
+        return bool(self._counts[_UNSEEN] > 0)
 
     def open(self, t: float, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""
         self._start[:] = state.q
         forces = self._begin_work(t, state)
-        self._counts[1] = FIRST_STEPS
+        self._counts[:] = 0, FIRST_STEPS, 0, 0
         self._begin(t, state)
         extent = float(np.abs(state.q).max(initial=0.0))
         self._scale = max(1.0, extent)
@@ -160,7 +163,7 @@ class CoupledWatch(RunWatch):
         floor = ROUND_OFF * extent * size + sum(run.watch.round_off for run in self._runs)
         open_with_gauges(self.watch, state, floor)
         places = np.full(len(state.q), OF_PLACES * extent)
-        self._resolution = self._kinetic_energy(self._external(t), state, places)
+        self._resolution = self._kinetic_energy(state, places)
         self._step = 0.0
         expect_energy(self.path_of_evaluations, self.turned_over, floor, self._energy_tolerance)
 
@@ -183,7 +186,10 @@ class CoupledWatch(RunWatch):
 
     def begin_again(self, t: float, state: Any) -> None:
         """Go on from a state that the integrator has just started from, and that has been changed."""
-        self._counts[1] = FIRST_STEPS
+        self._counts[_UNSEEN] -= 1
+        if self.is_close and self._is_unseen:
+            return
+        self._counts[_MOST:_NEXT_UNSEEN] = FIRST_STEPS, 0
         self._begin_work(t, state)
         self._begin(t, state)
         self._start[:] = self.watch.position[:] = state.q
@@ -191,25 +197,30 @@ class CoupledWatch(RunWatch):
 
     def go_on(self, t: float, state: Any) -> None:
         """With another step, from a state that the integrator has just started from, at t [s]."""
-        if self._steps:  # what has gone on since the last inspection counts, and is not judged any more
+        if (
+            self._counts[_STEPS] and not self._is_unseen
+        ):  # what has gone on counts, and is not judged any more
             self._set_gauges(t, state)
             indifferent = self.watch._replace(tolerance=np.inf, most=np.inf, phase=np.inf)
             self._judge(indifferent, self._step, t - self._last[0], state)
         self._begin_work(t, state)
-        self._counts[1] = FIRST_STEPS
+        self._counts[_MOST:] = FIRST_STEPS, 0, 0
         self._begin(t, state)
         go_on_with_gauges(self.watch, state)
 
     @property
     def steps_ahead(self) -> int:
         """That may be taken before the next `is_well_at`."""
-        return min(STEPS_BETWEEN_GLANCES, self._most_steps - self._steps)
+        if self._is_unseen:
+            return STEPS_BETWEEN_GLANCES
+        return min(STEPS_BETWEEN_GLANCES, int(self._counts[_MOST] - self._counts[_STEPS]))
 
     def count(self, steps: int) -> None:
         """These steps have been taken."""
-        before, now = (number // STEPS_BETWEEN_LOOKS for number in (self._steps, self._steps + steps))
-        self._is_due = before == 0 or before < now
-        self._counts[0] += steps
+        before = int(self._counts[_STEPS])
+        self._counts[_STEPS] = now = before + steps
+        looks = before // STEPS_BETWEEN_LOOKS
+        self._is_due = looks == 0 or looks < now // STEPS_BETWEEN_LOOKS
 
     def is_well_at(self, t: float, h: float, state: Any, at_once: bool = False) -> bool:
         """Judge the steps of h [s] until t [s] from time to time, and `at_once`, or if velocities grow."""
@@ -217,31 +228,44 @@ class CoupledWatch(RunWatch):
             self._set_step(h)
         if self._lacks[LACK] > self._energy_tolerance:
             return self._condemn(state, LACK_OF_WORK, self._lacks[LACK])
-        if self._is_due and (excess := self._excess(t, h, state)) > 1.0:
+        if self._is_due and (excess := self._excess(h, state)) > 1.0:
             return self._condemn(state, UNSTABLE, excess)
-        few = self._steps < self._most_steps and not (self.is_close or at_once)
+        if self._is_unseen:
+            return self._is_quiet(state)
+        few = self._counts[_STEPS] < self._counts[_MOST] and not (self.is_close or at_once)
         if few and glance(state.q, state.v, state.a) <= self._calm:
             return True
         self._set_gauges(t, state)
         trouble = self._judge(self.watch, h, t - self._last[0], state)
         self._lacks[SCALE] = max(self._lacks[SCALE], self.turned_over)
         self._begin(t, state)
+        if self.is_close and not trouble:
+            more = int(self._counts[_NEXT_UNSEEN])
+            self._counts[_UNSEEN:] = 1 + more, min(2 * more + 1, MOST_UNSEEN)
         return not trouble
+
+    def _is_quiet(self, state: Any) -> bool:
+        """Whether a step that is not inspected is finite; the next one is if velocities have grown much."""
+        size = glance(state.q, state.v, state.a)
+        if not size < np.inf:
+            return self._condemn(state, NOT_FINITE, np.nan)
+        if size > self._calm:
+            self._counts[_UNSEEN] = 1
+        return True
 
     def look(self, state: Any) -> None:
         """Remember the state before the last step that is taken now."""
         self.before[0], self.before[1] = state.q, state.a
 
-    def _excess(self, t: float, h: float, state: Any) -> float:
+    def _excess(self, h: float, state: Any) -> float:
         """Largest frequency of the last step's motion over that up to which it is stable; 0 if it is quiet.
 
         With the change a of accelerations along the way x, w^2 = -(a . M a) / (a . M x) is a mean over the
         vibrations, by their energies -a . M x / 2, and so at most the square of their largest frequency.
         """
         way, change = state.q - self.before[0], (h / self._limit) ** 2 * (state.a - self.before[1])
-        external = self._external(t)
         of_way, of_change, of_sum = (
-            self._kinetic_energy(external, state, velocity) for velocity in (way, change, way + change)
+            self._kinetic_energy(state, velocity) for velocity in (way, change, way + change)
         )
         product = of_way + of_change - of_sum
         matters = 0.5 * product * (self._limit / h) ** 2 > self._energy_tolerance * self._lacks[SCALE]
@@ -268,7 +292,7 @@ class CoupledWatch(RunWatch):
     def _begin(self, t: float, state: Any) -> None:
         """Count steps from a state at t [s]."""
         most = STEPS_WITH_POWER if self.watch.gauges_now[POWER] else STEPS_BETWEEN
-        self._counts[:] = 0, min(2 * self._counts[1], most)
+        self._counts[:_UNSEEN] = 0, min(2 * self._counts[_MOST], most)
         self._last[:] = t, state.v.dot(state.v)
         self._calm = CALM * float(self._last[1])
 
@@ -278,24 +302,19 @@ class CoupledWatch(RunWatch):
         work += 0.5 * float(self._changes[0]) / h**2
         self._changes[:] = 0.0
         watch.account["forces"][NOW] += self._evaluated.energy_of_spins(watch.duration) * duration
-        counted = work, scatter, self._steps, duration
+        counted = work, scatter, int(self._counts[_STEPS]), duration
         trouble = int(judge_after_work(watch, state, self._gravity, *counted))
         if trouble:
             go_back(watch, state)
         return trouble
 
-    def _external(self, t: float) -> list[Array]:
-        """Of the cables, as their systems take it, at t [s]."""
-        return [one.external(t) for one in self._together]
-
-    def _kinetic_energy(self, external: Sequence[Array], state: Any, v: Array) -> float:
+    def _kinetic_energy(self, state: Any, v: Array) -> float:
         """Of velocities v (n,) in the present configuration [J]."""
         gauges = np.zeros(GAUGES)
         total = self._evaluated.kinetic_energy(state.q, v)
-        for one, given in zip(self._together, external, strict=True):
-            dofs = one.dofs
-            force, rates = np.zeros(dofs.stop - dofs.start), v[dofs]
-            one.gauge(given, state.q[dofs], rates, rates, force, gauges)
+        for one in self._together:
+            rates, (external, memory) = v[one.dofs], one.nothing
+            one.gauge(external, state.q[one.dofs], rates, rates, memory, gauges)
             total += gauges[AGITATION]  # the mass alone; what bending adds to it is in KINETIC
         return total
 
@@ -306,9 +325,8 @@ class CoupledWatch(RunWatch):
             for cable, run in enumerate(self._runs):
                 if len(run.loads.pattern):  # its own solve knows no joints
                     self._evaluated.set_multipliers(cable, t, state.q, state.v)
-        external = self._external(t)
-        for one, given in zip(self._together, external, strict=True):
-            dofs = one.dofs
+        for one in self._together:
+            dofs, given = one.dofs, one.external(t)
             mine, force = np.zeros(GAUGES), np.zeros(dofs.stop - dofs.start)
             one.gauge(given, state.q[dofs], state.v[dofs], state.a[dofs], force, mine)
             worst = np.maximum(total[VIOLATION], mine[VIOLATION])
@@ -323,7 +341,7 @@ class CoupledWatch(RunWatch):
         extent = self.watch.account["extent"]
         way = state.q - self._start
         self._evaluated.leave_out_turns(way)
-        extent[NOW] = max(extent[NOW], self._kinetic_energy(external, state, way))
+        extent[NOW] = max(extent[NOW], self._kinetic_energy(state, way))
 
 
 def _groups(scene: JoinedScene, runs: Sequence[CableRun]) -> Iterator[_Together]:
@@ -332,5 +350,6 @@ def _groups(scene: JoinedScene, runs: Sequence[CableRun]) -> Iterator[_Together]
         end = done + len(alike)
         dofs = slice(scene.map.slices[done].start, scene.map.slices[end - 1].stop)
         loads, measure = [run.loads for run in runs[done:end]], Bound(gauge, system)
-        yield _Together(dofs, loads, measure)
+        inputs = sum(len(one.constant) for one in loads)
+        yield _Together(dofs, loads, measure, (np.zeros(inputs), np.zeros(dofs.stop - dofs.start)))
         done = end

@@ -47,6 +47,8 @@ class MovedByKernels(Mover):
         self._recorded = 0  # intervals
         self._first_data = self.data[0]  # of them
         self._is_alone = False  # mbs does not follow it
+        self._slides = scene.surroundings.has_sliding_joints
+        self._remembers = form.remembers
         self._data_of_intervals = np.zeros((0, 0))  # with places of what slides
 
     @property
@@ -127,28 +129,28 @@ class MovedByKernels(Mover):
         Raises:
             SceneError: joints slide along cables.
         """
-        if self._scene.surroundings.has_sliding_joints:
+        if self._slides:
             raise SceneError(
                 f"{who} does not say where joints are that slide along cables: use SolveExplicit, or leave "
                 "these out."
             )
         self._is_alone = True
-        if self._form.remembers:
+        if self._remembers:
             self._form.begin_history(self.data[0], 1)
 
     def look(self, time: float) -> None:
         pass
 
     def begin_record(self, intervals: int) -> None:
-        if self._form.remembers:
+        if self._remembers:
             remembered = self._scene.surroundings.remembered
             self._first_data = self.data[0].copy() if self._is_alone else remembered
             self._form.begin_history(self._first_data, intervals)
 
     def end_record(self, grid: TimeGrid, first: int, history: Array) -> None:
         self._recorded = len(history)
-        surroundings, data = self._scene.surroundings, self._of_contacts
-        if surroundings.has_sliding_joints:
+        if self._slides:
+            surroundings, data = self._scene.surroundings, self._of_contacts
             if data is None:
                 data = np.tile(surroundings.remembered, (len(history), 1))
             times = [grid.time(first + 1 + k) for k in range(len(history))]
@@ -170,13 +172,12 @@ class MovedByKernels(Mover):
 
     @property
     def remembered(self) -> Array | None:
-        slides = self._scene.surroundings.has_sliding_joints
-        return self._data_of_intervals if slides else self._of_contacts
+        return self._data_of_intervals if self._slides else self._of_contacts
 
     @property
     def _of_contacts(self) -> Array | None:
         """(k, D) data of compiled contacts after the intervals of the last record."""
-        return self._form.contacts.history[: self._recorded] if self._form.remembers else None
+        return self._form.contacts.history[: self._recorded] if self._remembers else None
 
     def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
         """See `CableRun.complete`; one by one where reactions of cables are asked for after each."""

@@ -6,9 +6,11 @@ shortened where the motion turns out to be too fast for it, and doubled when it 
 present stability limit of the cable.
 """
 
+import ctypes
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,25 +29,18 @@ STEPS_BETWEEN = 32  # two looks at the frequency
 GAINED = 3.0  # times its tolerance may the energy grow before the nominal step becomes shorter
 SMALLEST = 1e-3  # nominal step, relative to the first one, below which a run has diverged
 
-_LOG = np.dtype(
-    [
-        ("frequency", np.float64),
-        ("first", np.float64),
-        ("present", np.float64),
-        ("smallest", np.float64),
-        ("offset", np.float64),
-        ("gain", np.float64),
-        ("divisor", np.int64),
-        ("least", np.int64),
-        ("beginnings", np.int64),
-        ("quarters", np.int64),
-        ("calm", np.int64),
-        ("patience", np.int64),
-        ("rejections", np.int64),
-        ("steps", np.int64),
-    ],
-    align=True,
-)  # of which log["name"] is ten times faster than the attribute of a record
+
+class _Log(ctypes.Structure):
+    """Numbers of a `StepControl`, in memory that can be kept; attributes are faster than those of records."""
+
+    _fields_ = (
+        *(
+            (name, ctypes.c_double)
+            for name in ("frequency", "first", "present", "smallest", "offset", "gain")
+        ),
+        *((name, ctypes.c_int64) for name in ("divisor", "least", "beginnings", "quarters")),
+        *((name, ctypes.c_int64) for name in ("calm", "patience", "rejections", "steps")),
+    )
 
 
 @dataclass(frozen=True)
@@ -86,7 +81,8 @@ class Piece(NamedTuple):
 
     def times(self, stages: Sequence[float]) -> Array:
         """(steps, stages) at which a scheme with these stages needs loads [s]."""
-        numbers: Array = np.add.outer(self.before + np.arange(self.steps), stages)
+        steps = np.arange(self.before, self.before + self.steps, dtype=float)
+        numbers: Array = steps[:, np.newaxis] + np.asarray(stages)
         return self.origin + self.h * numbers
 
 
@@ -114,24 +110,21 @@ class FrequencyFollower:
         frequency = self._frequency(time)
         if not math.isfinite(frequency):
             return 0.0
-        growth = max(0.0, frequency - log["frequency"]) if log["frequency"] else 0.0
-        log["frequency"] = frequency
+        growth = max(0.0, frequency - log.frequency) if log.frequency else 0.0
+        log.frequency = frequency
         allowed = self._rule.safety * self._rule.limit / max(frequency + growth, 1e-300)
         step = min(allowed, self._rule.largest, remaining)
-        log["first"] = log["first"] or step
-        return step if step > SMALLEST * min(log["first"], remaining) else 0.0
+        log.first = log.first or step
+        return step if step > SMALLEST * min(log.first, remaining) else 0.0
 
 
-def _logged(name: str, kind: type) -> Any:
+def _logged(name: str) -> Any:
     """A number of the log as a property."""
 
-    def get(control: Any) -> Any:
-        return kind(control._log[name])
-
     def put(control: Any, value: Any) -> None:
-        control._log[name] = value
+        setattr(control._log, name, value)
 
-    return property(get, put)
+    return property(attrgetter(f"_log.{name}"), put)
 
 
 class StepControl:
@@ -145,21 +138,20 @@ class StepControl:
     again.
     """
 
-    smallest: float = _logged("smallest", float)
-    present: float = _logged("present", float)
-    offset: float = _logged("offset", float)
-    steps: int = _logged("steps", int)
-    rejections: int = _logged("rejections", int)
-    divisor: int = _logged("divisor", int)
-    least: int = _logged("least", int)
-    beginnings: int = _logged("beginnings", int)
+    smallest: float = _logged("smallest")
+    present: float = _logged("present")
+    offset: float = _logged("offset")
+    steps: int = _logged("steps")
+    rejections: int = _logged("rejections")
+    divisor: int = _logged("divisor")
+    least: int = _logged("least")
+    beginnings: int = _logged("beginnings")
 
     def __init__(self, follower: FrequencyFollower | None = None, rejects: bool = True) -> None:
         self.follower = follower
         self._rejects = rejects
-        self._log = np.zeros(1, _LOG)[0]
-        self._log["smallest"] = math.inf
-        self._log["patience"] = self._log["divisor"] = self._log["least"] = 1
+        self._log: Any = _Log(smallest=math.inf, divisor=1, least=1, patience=1)
+        self._memory = np.frombuffer(self._log, _Log)
 
     @property
     def said(self) -> str:
@@ -170,11 +162,11 @@ class StepControl:
     @property
     def is_nominal(self) -> bool:
         """Whether whole intervals of equal steps may be taken."""
-        return self.follower is None and self._log["quarters"] == 0 and self._log["offset"] == 0.0
+        return self.follower is None and self._log.quarters == 0 and self._log.offset == 0.0
 
     def memory(self) -> dict[str, Any]:
         """What the next steps depend on, to be kept or set."""
-        return {"log": self._log.base}
+        return {"log": self._memory}
 
     def next(self, grid: TimeGrid, interval: int, most: int) -> Piece | None:
         """The next steps; None if they would have to be so small that the run must have diverged.
@@ -195,7 +187,7 @@ class StepControl:
             nominal, together = self.follower.nominal_step(self._log, time, remaining), self.follower.steps
         if nominal == 0.0:
             return None
-        quarters = int(self._log["quarters"])
+        quarters = self._log.quarters
         duration = remaining / steps_within(remaining, PIECE * nominal / 2**quarters)
         steps = steps_within(duration, nominal / 4**quarters)
         if not quarters:
@@ -214,59 +206,59 @@ class StepControl:
         """So many steps of a piece went well; returns how many intervals of the loop they have completed."""
         log = self._log
         if taken:
-            log["steps"] += taken
-            log["smallest"] = min(log["smallest"], piece.h)
+            log.steps += taken
+            log.smallest = min(log.smallest, piece.h)
         if piece.is_whole:
             done, left = divmod(taken, piece.in_interval)
-            log["offset"] = left * piece.h
+            log.offset = left * piece.h
             return done
-        log["offset"] += taken * piece.h
-        is_done = log["offset"] >= (1.0 - ROUND_OFF) * grid.substeps * grid.h
+        log.offset += taken * piece.h
+        is_done = log.offset >= (1.0 - ROUND_OFF) * grid.substeps * grid.h
         if is_done:
-            log["offset"] = 0.0
+            log.offset = 0.0
         return int(is_done)
 
     def accept(self) -> None:
         """A piece went well; longer steps are tried again after some patience."""
         log = self._log
-        log["calm"] = calm = log["calm"] + 1
-        if not log["quarters"]:
+        log.calm = calm = log.calm + 1
+        if not log.quarters:
             if calm > MOST_PATIENCE:
-                log["patience"] = 1
-        elif calm >= log["patience"]:
-            log["quarters"] -= 1
-            log["calm"] = 0
+                log.patience = 1
+        elif calm >= log.patience:
+            log.quarters -= 1
+            log.calm = 0
 
     def reject(self) -> bool:
         """The last steps went wrong; returns whether smaller ones may be tried."""
         log = self._log
-        log["rejections"] += 1
-        if log["calm"] < 2:  # the longer step that was tried was too long: wait twice as long
-            log["patience"] = min(2 * log["patience"], MOST_PATIENCE)
-        log["calm"] = 0
-        if log["quarters"] >= QUARTERS or not self._rejects:
+        log.rejections += 1
+        if log.calm < 2:  # the longer step that was tried was too long: wait twice as long
+            log.patience = min(2 * log.patience, MOST_PATIENCE)
+        log.calm = 0
+        if log.quarters >= QUARTERS or not self._rejects:
             return False
-        log["quarters"] += 1
+        log.quarters += 1
         return True
 
     def grows(self, gain: float) -> bool:
         """Whether a gain of energy, times its tolerance, is much more than `shorten` was told last."""
-        return gain > self._log["gain"] + GAINED
+        return gain > self._log.gain + GAINED
 
     def shorten(self, parts: int, gain: float = 0.0) -> None:
         """The nominal step is too long for the motion; `may_shorten`.   gain: see `grows`."""
-        self._log["divisor"] = min(self.divisor * parts, MOST_PARTS)
-        self._log["gain"] = max(self._log["gain"], gain)
+        self._log.divisor = min(self.divisor * parts, MOST_PARTS)
+        self._log.gain = max(self._log.gain, gain)
 
     def divide_by(self, least: int) -> bool:
         """Divide the nominal step by so much at least, from now on; returns whether it may be so short."""
-        self._log["divisor"] = max(self.divisor, least)
-        self._log["least"] = least
+        self._log.divisor = max(self.divisor, least)
+        self._log.least = least
         return least <= MOST_PARTS
 
     def begin_again(self, divisor: int, beginnings: int) -> None:
         """With the nominal step divided so, after so many other beginnings."""
-        self._log["divisor"], self._log["beginnings"] = divisor, beginnings + 1
+        self._log.divisor, self._log.beginnings = divisor, beginnings + 1
 
     def may_lengthen(self, interval: int) -> bool:
         """Whether the nominal step may become longer again, before that interval of the loop.
@@ -279,7 +271,7 @@ class StepControl:
 
     def lengthen(self) -> None:
         """The nominal step is much shorter than the motion needs: double it."""
-        self._log["divisor"] = max((self.divisor + 1) // 2, self.least)
+        self._log.divisor = max((self.divisor + 1) // 2, self.least)
 
     @property
     def may_shorten(self) -> bool:

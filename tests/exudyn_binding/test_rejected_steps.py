@@ -2,8 +2,18 @@
 
 import warnings
 
+import exudyn
 import numpy as np
 import pytest
+from exudyn.itemInterface import (
+    CoordinateConstraint,
+    MarkerBodyPosition,
+    MarkerNodeCoordinate,
+    MarkerNodePosition,
+    NodePointGround,
+    SensorNode,
+    SphericalJoint,
+)
 
 from exudyn_inext import DivergenceError, ExplicitSettings, SolveExplicit
 from exudyn_inext.run import step_control
@@ -126,3 +136,55 @@ def test_adaptive_steps_are_rejected_too():
     path, report = fall(lone_rope(20), adaptiveStep=True)
     assert len(path) == round(END / PERIOD) + 1 and np.isfinite(path).all()
     assert report["drift"]["energyGain"] < 0.05
+
+
+@pytest.fixture
+def shaken(new_mbs, add_pendulum):
+    """(settings) -> path of a load on a cable whose upper end is moved before each step, and report."""
+
+    def move(**explicit):
+        mbs = new_mbs()
+        made = add_pendulum(mbs, dimension=2, groundConstraintsStart=[False] * 4)
+        ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=made["nodes"][k])) for k in (0, -1)]
+        axes, bodies = [1, 1, 0], []
+        for marker, x in zip(ends, (0.0, 1.8), strict=True):
+            body = mbs.CreateMassPoint(
+                referencePosition=[x, 0, 0], mass=0.3, gravity=[0, -9.81, 0], create2D=True, returnDict=True
+            )
+            pair = [mbs.AddMarker(MarkerBodyPosition(bodyNumber=body["bodyNumber"])), marker]
+            mbs.AddObject(SphericalJoint(markerNumbers=pair, constrainedAxes=axes))
+            bodies.append(body)
+        ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+        holds = []
+        for c in range(2):
+            held = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=bodies[0]["nodeNumber"], coordinate=c))
+            holds.append(mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, held])))
+        position = exudyn.OutputVariableType.Position
+        sensor = mbs.AddSensor(
+            SensorNode(nodeNumber=bodies[1]["nodeNumber"], outputVariableType=position, storeInternal=True)
+        )
+
+        def shake(mbs, t):
+            mbs.SetObjectParameter(holds[0], "offset", float(0.1 * (1.0 - np.cos(6.0 * t))))
+            return True
+
+        mbs.SetPreStepUserFunction(shake)
+        mbs.Assemble()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            report = SolveExplicit(mbs, quiet_settings(0.6, 60, 0.01), ExplicitSettings(**explicit))
+        return np.array(mbs.GetSensorStoredData(sensor)[:, 1:3]), report
+
+    return move
+
+
+def test_steps_above_the_limit_are_rejected_where_joints_are_moved_step_by_step(shaken):
+    """Most of these steps are not inspected."""
+    expected, report = shaken()
+    assert report["rejections"] == 0
+    largest = report["bounds"].stability_limit
+    found, report = shaken(stepSize=1.3 * largest, allowUnstableStep=True)
+    assert report["rejections"] > 0
+    np.testing.assert_allclose(found, expected, atol=2e-3)
+    with pytest.raises(DivergenceError):
+        shaken(stepSize=1.3 * largest, allowUnstableStep=True, rejectSteps=False)

@@ -126,10 +126,11 @@ class ChangeFollower:
         alone = _alone(runs)
         if alone:
             return self._load_at_once(alone, changed, time)
-        if not _have_begun(runs) or any(self._demand(runs, key) > Demand.EVALUATE for key in changed):
+        asked = {key: self._demand(runs, key) for key in changed}
+        if not _have_begun(runs) or max(asked.values(), default=Demand.NOTHING) > Demand.EVALUATE:
             return False
         forget_evaluators(self.sensors)
-        items = self._acting(runs, changed)
+        items = [key for key, it in asked.items() if it]
         return all(run.mover.take_values(items) for run in runs if isinstance(run, CoupledRun))
 
     def _load_at_once(self, runs: Sequence[CableRun], changed: Sequence[Parameter], time: float) -> bool:
@@ -224,11 +225,11 @@ def _go_on(runs: Sequence[Run], time: float, end: float, has_changed: bool) -> N
         if isinstance(run, CableRun):
             agree(run.system, run.loads.at(time), run.state)
         else:
-            run.watch.is_close = True
             if has_changed:
                 run.approach(time, end)
             else:
                 run.rest_joints(time)
+            run.watch.is_close = run.mover.approaches
         start_after_jump(run, run.begin_again, time)
 
 

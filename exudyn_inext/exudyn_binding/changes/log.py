@@ -174,8 +174,10 @@ def _logs_of(mbs: Any) -> list[ChangeLog]:
 def _is_same(x: Any, y: Any) -> bool:
     """Whether two values of a parameter are equal: numbers, lists, arrays, functions, or anything else."""
     try:
-        if type(x) is type(y) and isinstance(x, float | list):
+        if type(x) is type(y) and isinstance(x, (float, list)):
             return bool(x == y)
+        if isinstance(x, np.ndarray) and isinstance(y, np.ndarray):
+            return x.shape == y.shape and not bool((x != y).any())
         return x is y or bool(np.array_equal(x, y))
     except (TypeError, ValueError):
         return False
