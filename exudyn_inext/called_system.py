@@ -26,7 +26,7 @@ from .lowered import (
     numbers_at,
     structure_of,
 )
-from .system import GAUGES, accelerate_and_project, correct_position, gauge, index_reduced_rates
+from .system import REPORTED, accelerate_and_project, correct_position, index_reduced_rates, report_energy
 
 MOST_PROTOCOLS = 10
 INTEGER = np.dtype(np.int64)
@@ -315,23 +315,28 @@ def correct_called(system, external, q, tolerance, learning, correction):
     )
 
 
-@by_address(gauge, *_EVALUATION, NUMBERS, NUMBERS, NUMBERS)
-def GAUGE(system, size, inputs, external, q, v, a, force, gauges):
-    """How `gauge` is called by address."""
-    gauge(
+@by_address(report_energy, *_EVALUATION, NUMBERS, NUMBERS, NUMBERS)
+def REPORT_ENERGY(system, size, inputs, external, q, v, a, force, energy_report):
+    """How `report_energy` is called by address."""
+    report_energy(
         system[0],
         numbers_at(external, inputs),
         numbers_at(q, size),
         numbers_at(v, size),
         numbers_at(a, size),
         numbers_at(force, size),
-        numbers_at(gauges, GAUGES),
+        numbers_at(energy_report, REPORTED),
     )
     return 0.0
 
 
-@calls(gauge)
-def gauge_called(system, external, q, v, a, force, gauges):
-    """Arguments: see `gauge`."""
+@calls(report_energy)
+def report_energy_called(system, external, q, v, a, force, energy_report):
+    """Arguments: see `report_energy`."""
     state = len(q), len(external), external.ctypes.data, q.ctypes.data, v.ctypes.data
-    call_protocol(system, GAUGE, (*state, a.ctypes.data, force.ctypes.data, gauges.ctypes.data), gauges)
+    call_protocol(
+        system,
+        REPORT_ENERGY,
+        (*state, a.ctypes.data, force.ctypes.data, energy_report.ctypes.data),
+        energy_report,
+    )

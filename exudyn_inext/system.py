@@ -76,13 +76,14 @@ def correct_position(system, external, q, tolerance, learning, correction):
     raise NotImplementedError(f"no position correction for {type(system).__name__}")
 
 
-KINETIC, ELASTIC, POWER, VIOLATION, AGITATION, RESOLVED = 0, 1, 2, 3, 4, 5  # what `gauge` gives
-GAUGES = 6
+# what `report_energy` gives
+KINETIC, ELASTIC, POWER, VIOLATION, ACCELERATION_ENERGY, RESOLVED = 0, 1, 2, 3, 4, 5
+REPORTED = 6
 
 
 @dispatched
 @singledispatch
-def gauge(system, external, q, v, a, force, gauges):
+def report_energy(system, external, q, v, a, force, energy_report):
     """Energies and violated constraints of a state, for whoever watches a run.
 
     Args:
@@ -90,10 +91,10 @@ def gauge(system, external, q, v, a, force, gauges):
         external: external generalised force at the time of (q, v), with motions behind it.
         q: (n_dof,) coordinates.   v: (n_dof,) velocities.   a: (n_dof,) accelerations.
         force: (n_dof,) output: forces whose work is to be counted along the coordinates [N, Nm].
-        gauges: (6,) output: kinetic and elastic energy [J]; power [W] of what is in neither nor in `force`
-            (damping, drag, moving constraints); largest violation of a constraint [-], lengths relative;
-            a . M a / 2 [J/s^2]; the same without vibrations that are implicit and that the step does not
-            resolve.
+        energy_report: (6,) output: kinetic and elastic energy [J]; power [W] of what is in neither
+            nor in `force` (damping, drag, moving constraints); largest violation of a constraint [-], lengths
+            relative; a . M a / 2 [J/s^2]; the same without vibrations that are implicit and that the step
+            does not resolve.
 
     Raises:
         NotImplementedError: the type of `system` implements no such figures.

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from scipy.linalg import block_diag, eigh, null_space
 
-from exudyn_inext.cable.border import all_links, motions_of
 from exudyn_inext.cable.cable import Cable, CurvatureMeasure, Section
 from exudyn_inext.cable.implicit_bending import ImplicitBending
 from exudyn_inext.cable.link import Motion, rest
 from exudyn_inext.cable.linked_cable import cable_system
+from exudyn_inext.cable.links import all_links, motions_of
 from exudyn_inext.constraints import constraints_of_cable
 from exudyn_inext.constraints.distance import hanger, rod
 from exudyn_inext.constraints.prescribed_motion import prescribed

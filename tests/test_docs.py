@@ -69,7 +69,7 @@ def test_no_link_leads_nowhere(document):
 
 def test_a_name_that_does_not_exist_is_noticed():
     assert resolves("cable.factorisation.factorise")
-    assert not resolves("cable.factorisation.factorize") and not resolves("cables.border")
+    assert not resolves("cable.factorisation.factorize") and not resolves("cables.links")
 
 
 def test_the_reference_has_all_that_the_package_offers():

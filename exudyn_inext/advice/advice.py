@@ -24,10 +24,10 @@ def choice_sentence(pilot: Pilot, tolerance: float) -> str:
     )
 
 
-def rival_sentence(rivals: Sequence[Pilot], best: Pilot | None, tolerance: float) -> str:
+def candidate_sentence(candidates: Sequence[Pilot], best: Pilot | None, tolerance: float) -> str:
     """How the conventional cable does."""
-    good = [pilot for pilot in rivals if pilot.works and pilot.error <= tolerance]
-    closest = min(rivals, key=lambda pilot: pilot.error)
+    good = [pilot for pilot in candidates if pilot.works and pilot.error <= tolerance]
+    closest = min(candidates, key=lambda pilot: pilot.error)
     if not closest.works:
         return f"No conventional run reached its end: {closest.failure}"
     if not good:

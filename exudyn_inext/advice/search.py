@@ -38,7 +38,7 @@ def try_families(problem: Problem, search: Search) -> None:
         if search.best and expected[choice] > NO_CHEAPER * search.best.seconds:
             break
         waiting.remove(choice)
-        search.judge(problem.run(choice))
+        search.compare_with_finest(problem.run(choice))
 
 
 def _candidates(problem: Problem, search: Search) -> Iterator[Choice]:

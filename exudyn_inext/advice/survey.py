@@ -42,7 +42,7 @@ class Search:
         """The cheapest one within the tolerance, or None."""
         return min(self.good, key=lambda pilot: pilot.seconds, default=None)
 
-    def judge(self, pilot: Pilot) -> None:
+    def compare_with_finest(self, pilot: Pilot) -> None:
         """Add a pilot, compared with the finest solution."""
         if pilot.works:
             pilot.error = self.uncertainty + pilot.distance(self.finest)
@@ -93,7 +93,7 @@ def survey_meshes(problem: Problem, tolerance: float, numbers: Sequence[int], bu
         raise SceneError(_not_converged(pilots))
     search = Search(tolerance, pilots, *found)
     for pilot in pilots + failed:
-        search.judge(pilot)
+        search.compare_with_finest(pilot)
     return search
 
 

@@ -101,9 +101,9 @@ def _set_force(record, strain, rate, bend, place, duration):
     axial = record.axial
     h = axial[STEP]
     of_steps = min(1.0, HUGE * duration)
-    foreseen = record.foresight + of_steps * (record.foresight - axial[REST_BEFORE])
-    axial[REST_BEFORE] += of_steps * (record.foresight - axial[REST_BEFORE])
-    record.foresight = foreseen
+    foreseen = record.drift_correction + of_steps * (record.drift_correction - axial[REST_BEFORE])
+    axial[REST_BEFORE] += of_steps * (record.drift_correction - axial[REST_BEFORE])
+    record.drift_correction = foreseen
     lead = axial[IMPLICIT] * (h * rate + foreseen)
     starting = axial[STIFFNESS] * (strain + 0.25 * h * h * bend) + axial[DAMPING] * rate + axial[FROZEN]
     going = 0.5 * (axial[MEAN_FORCE] + axial[STIFFNESS] * strain + lead)
@@ -127,9 +127,9 @@ def take_back(axes, nodes, elements):
 
 @inlined
 def _take_back(record):
-    foreseen = record.foresight
-    record.foresight = record.axial[REST_BEFORE]
-    record.axial[REST_BEFORE] += record.foresight - foreseen
+    foreseen = record.drift_correction
+    record.drift_correction = record.axial[REST_BEFORE]
+    record.axial[REST_BEFORE] += record.drift_correction - foreseen
 
 
 @inlined
@@ -337,10 +337,10 @@ def _aim_at_strain(record, strain, place):
     axial = record.axial
     moved = place - axial[PLACE]
     rest = strain - axial[STRAIN] - moved
-    lacking = rest - record.foresight
-    axial[MEAN_FORCE] = axial[STIFFNESS] * axial[STRAIN] + axial[IMPLICIT] * (moved + record.foresight)
+    lacking = rest - record.drift_correction
+    axial[MEAN_FORCE] = axial[STIFFNESS] * axial[STRAIN] + axial[IMPLICIT] * (moved + record.drift_correction)
     record.target[CORRECTION] = record.axial[ADDED_MASS] * lacking
-    record.foresight = rest
+    record.drift_correction = rest
     return abs(lacking)
 
 

@@ -173,7 +173,7 @@ def nodal_multipliers_of(system: Any, acceleration: Array) -> Array:
     rest[1:] -= forces[:, 3]
     rest[:-1] -= forces[:, 1]
     if isinstance(system, LinkedCableSystem):
-        links = system.border.links
+        links = system.link_system.links
         forces = links["gradient"][:, :, 1] * links["multiplier"][:, ACCELERATION, np.newaxis, np.newaxis]
         np.subtract.at(rest, links["node"], forces)
     slope = nodes["slope"]
@@ -206,7 +206,7 @@ def _vibrating(system: Any, q: Array, acceleration: Array) -> Vibrating:
         )
     links = np.zeros(0)
     if isinstance(system, LinkedCableSystem):
-        links = system.border.links["multiplier"][:, ACCELERATION].copy()
+        links = system.link_system.links["multiplier"][:, ACCELERATION].copy()
     one = called(system, respond, apply_stiffness)
     masses, memory = (nodes["mass"], elements["mass"]), np.zeros(2 * q.size)
     return Vibrating(one, *masses, nodal, length, links, q.reshape(-1), memory)
@@ -216,7 +216,7 @@ def _freedom(system: Any) -> int:
     """Coordinates that move, less constraints, unless these yield."""
     nodes, dim = system.chain.nodes, len(system.chain.axes)
     places, slopes = nodes["free"].sum(axis=0)
-    links = len(system.border.links) if isinstance(system, LinkedCableSystem) else 0
+    links = len(system.link_system.links) if isinstance(system, LinkedCableSystem) else 0
     if nodes["axial"].size:
         return int(dim * (places + slopes)) - links
     return int(dim * places + (dim - 1) * slopes - nodes["ends_group"].sum()) - links

@@ -5,7 +5,7 @@ from typing import NamedTuple
 from ..called_system import implements
 from ..compiled import inlined, optional
 from ..system import (
-    AGITATION,
+    ACCELERATION_ENERGY,
     ELASTIC,
     KINETIC,
     POWER,
@@ -13,8 +13,8 @@ from ..system import (
     VIOLATION,
     accelerate_and_project,
     correct_position,
-    gauge,
     index_reduced_rates,
+    report_energy,
 )
 from .assembly import (
     GAMMA,
@@ -121,7 +121,7 @@ def cable_rates(system, external, q, v, acceleration, rate):
 def set_projection_targets(duration, record):
     """C_q a = gamma, corrected by the last step; C_q d = -C_q (v + duration a) leads to the manifold."""
     terms = record.constraint
-    record.target[ACCELERATION] = terms[GAMMA] + record.foresight
+    record.target[ACCELERATION] = terms[GAMMA] + record.drift_correction
     record.target[CORRECTION] = -terms[RATE] - duration * record.target[ACCELERATION]
 
 
@@ -130,7 +130,7 @@ def set_correction_target(learning, record):
     """Right-hand side -c of a step back to the manifold; see `correct_position` for what is learned."""
     violation = record.constraint[VALUE]
     record.target[CORRECTION] = -violation
-    record.foresight -= learning * violation
+    record.drift_correction -= learning * violation
 
 
 @implements(accelerate_and_project, CableSystem)
@@ -168,25 +168,27 @@ def correct_cable_position(system, external, q, tolerance, learning, correction)
 
 
 @inlined
-def gauge_chain(chain, external, q, v, a, force, gauges):
-    """Arguments: see `gauge`; of the chain alone, links left out."""
+def report_energy_of_chain(chain, external, q, v, a, force, energy_report):
+    """Arguments: see `report_energy`; of the chain alone, links left out."""
     axes, nodes, elements = chain.axes, chain.nodes, chain.elements
     shape = (len(nodes), 2, len(axes))
     known, rates = q.reshape(shape), v.reshape(shape)
-    gauges[KINETIC] = kinetic_energy(axes, nodes, elements, rates) - lagging_energy(axes, elements, rates)
-    gauges[ELASTIC] = stored_energy(axes, nodes, elements, chain, known, rates, a.reshape(shape))
-    gauges[AGITATION] = kinetic_energy(axes, nodes, elements, a.reshape(shape))
-    gauges[POWER] = dissipative_power(axes, nodes, elements, known, rates)
-    gauges[POWER] += axial_power(axes, nodes, elements, rates)
-    gauges[VIOLATION] = largest_violation(axes, nodes, elements, known)
+    energy_report[KINETIC] = kinetic_energy(axes, nodes, elements, rates) - lagging_energy(
+        axes, elements, rates
+    )
+    energy_report[ELASTIC] = stored_energy(axes, nodes, elements, chain, known, rates, a.reshape(shape))
+    energy_report[ACCELERATION_ENERGY] = kinetic_energy(axes, nodes, elements, a.reshape(shape))
+    energy_report[POWER] = dissipative_power(axes, nodes, elements, known, rates)
+    energy_report[POWER] += axial_power(axes, nodes, elements, rates)
+    energy_report[VIOLATION] = largest_violation(axes, nodes, elements, known)
     resolved = force.reshape(shape)  # as memory
     resolved_acceleration(axes, nodes, elements, a.reshape(shape), resolved)
-    gauges[RESOLVED] = kinetic_energy(axes, nodes, elements, resolved)
+    energy_report[RESOLVED] = kinetic_energy(axes, nodes, elements, resolved)
     for i in range(len(q)):
         force[i] = external[i]
 
 
-@implements(gauge, CableSystem)
-def gauge_cable(system, external, q, v, a, force, gauges):
-    """Arguments: see `gauge`."""
-    gauge_chain(system.chain, external, q, v, a, force, gauges)
+@implements(report_energy, CableSystem)
+def report_energy_of_cable(system, external, q, v, a, force, energy_report):
+    """Arguments: see `report_energy`."""
+    report_energy_of_chain(system.chain, external, q, v, a, force, energy_report)

@@ -138,7 +138,7 @@ def constrained_inverse_of_cable(system, force, x):
 def constrained_inverse_of_linked_cable(system, force, x):
     """Arguments: see `constrained_inverse`."""
     _set_right_hand_side(system.chain.axes, system.chain.nodes, system.chain.elements, 1.0, force)
-    _hold_links(system.border.links)
+    _hold_links(system.link_system.links)
     solve_linked_column(system, ACCELERATION, x)
 
 
@@ -159,7 +159,7 @@ def improve_damping_of_linked_cable(system, q, x):
     shape = (len(nodes), 2, len(axes))
     _set_right_hand_side(axes, nodes, elements, 0.0, x.reshape(shape))
     add_lagging_damping(axes, nodes, elements, q.reshape(shape), x.reshape(shape), ACCELERATION)
-    _hold_links(system.border.links)
+    _hold_links(system.link_system.links)
     solve_linked_column(system, ACCELERATION, x.reshape(shape))
 
 
@@ -188,7 +188,7 @@ def no_link_stiffness(system, multiplier, x, y):
 @implements(add_link_stiffness, LinkedCableSystem)
 def add_rod_stiffness(system, multiplier, x, y):
     """d2c/dq2 = w w^T / L. Arguments: see `add_link_stiffness`."""
-    links = system.border.links
+    links = system.link_system.links
     for r in range(len(links)):
         link = links[r]
         for i in range(x.shape[2]):

@@ -7,19 +7,17 @@ from typing import Any, NamedTuple
 
 from ..called_system import implements
 from ..compiled import inlined, optional
-from ..system import POWER, VIOLATION, accelerate_and_project, correct_position, gauge, index_reduced_rates
+from ..system import (
+    POWER,
+    VIOLATION,
+    accelerate_and_project,
+    correct_position,
+    index_reduced_rates,
+    report_energy,
+)
 from .assembly import add_lagging_damping, improves_alone, leave_targets
 from .axial import aim_at_positions
 from .axial_stiffness import MEAN_FORCE
-from .border import (
-    Border,
-    all_links,
-    apply_links,
-    assemble_links,
-    build_border,
-    factorise_border,
-    set_link_violations,
-)
 from .cable import Cable
 from .chain import Chain, build_chain
 from .energy import power_of_motions
@@ -29,10 +27,19 @@ from .index_reduction import (
     CORRECTION,
     CableSystem,
     assemble_and_factorise,
-    gauge_chain,
+    report_energy_of_chain,
     set_correction_target,
     set_projection_targets,
     set_stabilised_targets,
+)
+from .links import (
+    LinkSystem,
+    all_links,
+    apply_links,
+    assemble_links,
+    build_link_system,
+    factorise_links,
+    set_link_violations,
 )
 from .saddle_point import expand_solution, substitute_backward, substitute_forward
 
@@ -40,12 +47,12 @@ from .saddle_point import expand_solution, substitute_backward, substitute_forwa
 class LinkedCableSystem(NamedTuple):
     """A chain, its links and its stabilisation: a `system` of the integrators.
 
-    chain: coefficients and memory.   border: links.   zeta: see `CableSystem` [1/s].
+    chain: coefficients and memory.   link_system: links.   zeta: see `CableSystem` [1/s].
     closed: 1 if the last node is the first one once more, else 0.
     """
 
     chain: Chain
-    border: Border
+    link_system: LinkSystem
     zeta: float
     closed: int
 
@@ -61,15 +68,15 @@ def cable_system(
     chain = build_chain(cable, implicit)
     if not all_links(cable):
         return CableSystem(chain, zeta)
-    return LinkedCableSystem(chain, build_border(cable), zeta, int(cable.closed))
+    return LinkedCableSystem(chain, build_link_system(cable), zeta, int(cable.closed))
 
 
 def memory_of(system: CableSystem | LinkedCableSystem) -> dict[str, Any]:
     """What earlier steps taught the constraints, by the records that hold them; arrays of the system."""
     records = {"nodes": system.chain.nodes, "elements": system.chain.elements}
     if isinstance(system, LinkedCableSystem):
-        records["links"] = system.border.links
-    memory = {name: held["foresight"] for name, held in records.items()}
+        records["links"] = system.link_system.links
+    memory = {name: held["drift_correction"] for name, held in records.items()}
     for name, held in records.items():
         if name != "links" and held["axial"].size:
             memory[f"axial {name}"] = held["axial"][:, MEAN_FORCE:]
@@ -83,7 +90,7 @@ def _shape_of_motions(axes, external, n_dof):
 
 
 @inlined
-def _assemble(axes, nodes, elements, border, external, q, v, lead, a, set_targets, parameter):
+def _assemble(axes, nodes, elements, link_system, external, q, v, lead, a, set_targets, parameter):
     """All of Eq. (29), links included, factorised. Arguments: see `assemble_and_factorise`."""
     shape = (len(nodes), 2, len(axes))
     n_dof = q.size
@@ -93,8 +100,8 @@ def _assemble(axes, nodes, elements, border, external, q, v, lead, a, set_target
         axes, nodes, elements, force, known, rates, lead, a.reshape(shape), set_targets, parameter
     )
     motions = external[n_dof:].reshape(_shape_of_motions(axes, external, n_dof))
-    assemble_links(axes, nodes, border.links, known, rates, motions, set_targets, parameter)
-    factorise_border(axes, nodes, border)
+    assemble_links(axes, nodes, link_system.links, known, rates, motions, set_targets, parameter)
+    factorise_links(axes, nodes, link_system)
 
 
 @inlined
@@ -112,7 +119,7 @@ def _substitute(system, columns, first):
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     substitute_forward(axes, nodes, elements, columns, first)
     substitute_backward(axes, nodes, columns, first)
-    apply_links(axes, nodes, system.border, columns, first)
+    apply_links(axes, nodes, system.link_system, columns, first)
 
 
 @inlined
@@ -148,10 +155,10 @@ def _improve_damping(axes, nodes, elements, system, q, acceleration):
 def linked_rates(system, external, q, v, acceleration, rate):
     """Eq. (30). Arguments: see `index_reduced_rates`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
-    border = system.border
+    link_system = system.link_system
     shape = (len(nodes), 2, len(axes))
     targets = set_stabilised_targets
-    _assemble(axes, nodes, elements, border, external, q, v, 0.0, acceleration, targets, system.zeta)
+    _assemble(axes, nodes, elements, link_system, external, q, v, 0.0, acceleration, targets, system.zeta)
     _solve_both_linked_columns(system, acceleration.reshape(shape), rate.reshape(shape))
     _improve_damping(axes, nodes, elements, system, q.reshape(shape), acceleration.reshape(shape))
     for i in range(len(v)):
@@ -162,13 +169,13 @@ def linked_rates(system, external, q, v, acceleration, rate):
 def accelerate_and_project_linked(system, external, q, v, duration, acceleration, end_velocity):
     """Arguments: see `accelerate_and_project`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
-    border = system.border
+    link_system = system.link_system
     shape = (len(nodes), 2, len(axes))
     _assemble(
         axes,
         nodes,
         elements,
-        border,
+        link_system,
         external,
         q,
         v,
@@ -187,7 +194,7 @@ def accelerate_and_project_linked(system, external, q, v, duration, acceleration
 def correct_linked_position(system, external, q, tolerance, learning, correction):
     """Arguments: see `correct_position`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
-    links = system.border.links
+    links = system.link_system.links
     shape = (len(nodes), 2, len(axes))
     known = q.reshape(shape)
     worst = aim_at_positions(axes, nodes, elements, known, set_correction_target, learning)
@@ -199,13 +206,13 @@ def correct_linked_position(system, external, q, tolerance, learning, correction
     return worst
 
 
-@implements(gauge, LinkedCableSystem)
-def gauge_linked(system, external, q, v, a, force, gauges):
-    """Arguments: see `gauge`."""
-    axes, links = system.chain.axes, system.border.links
-    gauge_chain(system.chain, external, q, v, a, force, gauges)
+@implements(report_energy, LinkedCableSystem)
+def report_energy_linked(system, external, q, v, a, force, energy_report):
+    """Arguments: see `report_energy`."""
+    axes, links = system.chain.axes, system.link_system.links
+    report_energy_of_chain(system.chain, external, q, v, a, force, energy_report)
     motions = external[q.size :].reshape(_shape_of_motions(axes, external, q.size))
     known = q.reshape((len(system.chain.nodes), 2, len(axes)))
     of_links = set_link_violations(axes, links, known, motions, leave_targets, 0.0)
-    gauges[VIOLATION] = max(gauges[VIOLATION], of_links)
-    gauges[POWER] += power_of_motions(axes, links, motions)
+    energy_report[VIOLATION] = max(energy_report[VIOLATION], of_links)
+    energy_report[POWER] += power_of_motions(axes, links, motions)

@@ -27,7 +27,7 @@ def node_type(dim: int, axial: bool = False) -> np.dtype:
     force: right-hand sides on position and slope [N, Nm], one for each column of Eq. (29).
     constraint: value [-], rate [1/s], gamma [1/s^2] of the nodal constraint (18).
     target: right-hand sides of the nodal constraint, one for each column.
-    foresight: what the constraint's acceleration lacked in the last step of a position-level scheme.
+    drift_correction: what the constraint's acceleration lacked in the last step of a position-level scheme.
     along: known increments along the slope, one for each column.
     lower, inverse_pivot: unit lower L, row by row, and inverse of D of the node's diagonal block L D L^T.
     coupling: D^-1 L^-1 E, where E couples the node with the next one.
@@ -45,7 +45,7 @@ def node_type(dim: int, axial: bool = False) -> np.dtype:
             ("force", NUMBER, (2, 2, dim)),
             ("constraint", NUMBER, (3,)),
             ("target", NUMBER, (2,)),
-            ("foresight", NUMBER),
+            ("drift_correction", NUMBER),
             ("along", NUMBER, (2,)),
             ("lower", NUMBER, (size * (size - 1) // 2,)),
             ("inverse_pivot", NUMBER, (size,)),
@@ -83,7 +83,7 @@ def element_type(
     gradient: length constraint Jacobian on r_left, s_left, r_right, s_right, supports taken out.
     constraint: value [m], rate [m/s], gamma [m/s^2] of the element's share of (19).
     target: right-hand sides of the length constraint, one for each column of Eq. (29).
-    foresight: as for nodes.
+    drift_correction: as for nodes.
     multiplier: of the length constraint that the element belongs to, one for each column.
     """
     return record_type(
@@ -107,7 +107,7 @@ def element_type(
             ("gradient", NUMBER, (4, dim)),
             ("constraint", NUMBER, (3,)),
             ("target", NUMBER, (2,)),
-            ("foresight", NUMBER),
+            ("drift_correction", NUMBER),
             ("multiplier", NUMBER, (2,)),
         ]
     )
@@ -124,7 +124,7 @@ def link_type(dim: int) -> np.dtype:
     offset: u [m].
     gradient: of c on position and slope of each node, supports taken out.
     constraint: value [m], rate [m/s], gamma [m/s^2].
-    target, foresight, multiplier: as for elements.
+    target, drift_correction, multiplier: as for elements.
     """
     return record_type(
         [
@@ -140,7 +140,7 @@ def link_type(dim: int) -> np.dtype:
             ("gradient", NUMBER, (2, 2, dim)),
             ("constraint", NUMBER, (3,)),
             ("target", NUMBER, (2,)),
-            ("foresight", NUMBER),
+            ("drift_correction", NUMBER),
             ("multiplier", NUMBER, (2,)),
         ]
     )

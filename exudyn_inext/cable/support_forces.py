@@ -71,7 +71,7 @@ class SupportedCable:
         """Multipliers (L,) of the links; what the rods do is taken out of the balance."""
         if not isinstance(self._system, LinkedCableSystem):
             return np.zeros(0)
-        links = self._system.border.links
+        links = self._system.link_system.links
         multipliers = links["multiplier"][:, 0]
         forces = (multipliers * links["inverse_length"])[:, np.newaxis] * links["offset"]
         at_nodes = links["weight"][:, :, :, np.newaxis] * forces[:, np.newaxis, np.newaxis, :]

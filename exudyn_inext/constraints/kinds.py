@@ -7,9 +7,9 @@ from itertools import chain
 import numpy as np
 
 from ..arrays import Array
-from ..cable.border import all_links
 from ..cable.cable import Cable
 from ..cable.link import Link, rest
+from ..cable.links import all_links
 from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
 from .quadratic import Kind

@@ -20,7 +20,7 @@ from ..errors import InputError, SceneError
 from ..items.arguments import described
 from ..items.cable_data import point_on_cable, require_cable
 from ..native.coupled_scene import CoupledCable, CoupledScene
-from ..native.surroundings import state_kept, switched_off
+from ..native.native_items import state_kept, switched_off
 from ..native.velocity_level import at_position_level
 from ..run.cable_loads import CableLoads
 from ..scene.model import CableInScene, Scene
@@ -82,7 +82,7 @@ class CableEvaluator:
         """With all bodies and joints, evaluated by Exudyn; its state is put back."""
         with switched_off(mbs, *self._scene.evaluated_by_kernels), state_kept(mbs):
             coupled = self._coupled = self._coupled or self._coupled_scene(mbs)
-            coupled.surroundings.forget()
+            coupled.native_items.forget()
             self._system = coupled.cable_systems[self._place]
             q, v = coupled.state()
             a = coupled.solve_cable(self._place, mbs.systemData.GetTime(), q, v)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from ..cable.border import all_links
+from ..cable.links import all_links
 from ..errors import InextensibleError, InputError, SceneError
 from ..items.functions_of_time import take_word
 from ..native.velocity_level import at_position_level

@@ -10,7 +10,7 @@ import exudyn
 from ..checks import require_positive
 from ..errors import InputError
 from ..items.functions_of_time import take_word
-from ..native.surroundings import state_kept
+from ..native.native_items import state_kept
 from ..native.velocity_level import at_position_level
 from ..run.output_files import require_writable_outputs
 from ..run.settings import ExplicitSettings

@@ -11,7 +11,7 @@ from ..errors import InextensibleError, InputError, SceneError
 from ..items.functions_of_time import functions_at_rest
 from ..items.parameters import Parameter
 from ..native.coupled_scene import CoupledCable, CoupledScene
-from ..native.surroundings import state_kept, switched_off
+from ..native.native_items import state_kept, switched_off
 from ..run.cable_run import CableRun, Start
 from ..run.coupled_run import CoupledRun, Run
 from ..run.settings import ExplicitSettings

@@ -10,7 +10,7 @@ import exudyn
 
 from ..errors import SceneError
 from ..items.functions_of_time import step_functions, take_word
-from ..native.surroundings import state_kept
+from ..native.native_items import state_kept
 from ..native.velocity_level import Drives, at_position_level
 from ..run.loop_clock import LoopClock
 from ..run.output_files import ResumedOutputs, require_writable_outputs

@@ -14,8 +14,8 @@ from ..errors import EquilibriumError, InputError, SceneError
 from ..items.functions_of_time import take_word
 from ..loads.weight import ElementWeight
 from ..native.coupled_scene import CoupledCable, CoupledScene
+from ..native.native_items import state_kept, switched_off
 from ..native.static_scene import StaticScene, put_data, require_held, rest_at
-from ..native.surroundings import state_kept, switched_off
 from ..native.velocity_level import at_position_level
 from ..run.cable_loads import CableLoads
 from ..scene.model import CableInScene, Scene, put_reactions

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..checks import LARGEST, require_positive
-from ..native.surroundings import state_kept
+from ..native.native_items import state_kept
 from ..run.cable_run import Start
 from ..run.coupled_run import Run
 from ..run.kept_state import KeptState

@@ -29,7 +29,7 @@ BODY = record_type(
         ("wrench", np.float64, (6,)),  # right-hand side, and what it is solved for
         ("normal", np.float64, (4,)),  # p of a quaternion over |p|^2
         ("target", np.float64),  # of p . p_tt, p . p_t or p . dp
-        ("foresight", np.float64),  # what p . p_tt lacked in the last step
+        ("drift_correction", np.float64),  # what p . p_tt lacked in the last step
     ]
 )
 
@@ -266,7 +266,7 @@ def aim_at_acceleration(body, v, zeta):
         speed = 0.0
         for i in range(4):
             speed += v[body.translations + i] ** 2
-        body.target = -speed - zeta * _norm_rate(body, v) * _square(body) + body.foresight
+        body.target = -speed - zeta * _norm_rate(body, v) * _square(body) + body.drift_correction
 
 
 @inlined
@@ -286,7 +286,7 @@ def aim_at_place(body, q, learning):
     for i in range(4):
         square += (q[at + i] + body.reference[3 + i]) ** 2
     body.target = 0.5 * (1.0 - square)
-    body.foresight += learning * body.target
+    body.drift_correction += learning * body.target
     return abs(body.target)
 
 

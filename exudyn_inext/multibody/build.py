@@ -42,7 +42,7 @@ def build_scene(
     known: KnownItems,
     size: int,
     zeta: float,
-    foresight: Array,
+    drift_correction: Array,
     still: np.ndarray,
     path: Array,
 ) -> SceneSystem:
@@ -51,11 +51,11 @@ def build_scene(
     Args:
         cables: systems of all cables.   chains: the same ones, see `in_few_chains`.
         places: of each cable among the coordinates.   known: the items.   size: number of coordinates.
-        zeta: stabilisation rate [1/s].   foresight: (m,) memory, see `CoupledSystem`.
+        zeta: stabilisation rate [1/s].   drift_correction: (m,) memory, see `CoupledSystem`.
         still: (n_cables,) coordinates of cables that supports hold.   path: see `Items`.
     """
     ends = _without(ends_of_cables(chains, places), places, known.sliders.records["first"].tolist())
-    joints = build_joints(places, known.bodies, known.points, known.rows, foresight, still, ends)
+    joints = build_joints(places, known.bodies, known.points, known.rows, drift_correction, still, ends)
     force, given, predicted = np.zeros((3, size))
     implicit = mark_implicit(cables, chains, known.contacts.records)
     if len(joints.nodes.dof):

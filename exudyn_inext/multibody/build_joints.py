@@ -38,7 +38,7 @@ def build_joints(
     bodies: Any,
     points: Any,
     rows: Any,
-    foresight: Array,
+    drift_correction: Array,
     still: np.ndarray,
     ends: Ends,
 ) -> Joints:
@@ -46,7 +46,7 @@ def build_joints(
 
     Args:
         places: of each cable among the coordinates.   bodies, points, rows: records.
-        foresight: (m,) memory, see `CoupledSystem`.
+        drift_correction: (m,) memory, see `CoupledSystem`.
         still: (n_cables,) coordinates of cables that supports hold.
         ends: of cables whose nodes can be unknowns.
 
@@ -90,7 +90,7 @@ def build_joints(
         value=vectors[0],
         gamma=vectors[1],
         multipliers=vectors[2],
-        foresight=foresight,
+        drift_correction=drift_correction,
         rate=vectors[3],
         target=vectors[4],
         unknowns=of_unknowns[1],

@@ -103,7 +103,7 @@ class Joints(NamedTuple):
     rows: (m,) records.   place: (m,) of their multipliers among the unknowns, or NONE: of a knot.
     nodes: of cables with many rows.
     factor: of S.   is_row: (n,) whether an unknown is a multiplier.   diagonal: (n,) of S.
-    value, gamma, multipliers: (m,) c, see `rows.row_gamma`, nu.   foresight: (m,) see `CoupledSystem`.
+    value, gamma, multipliers: (m,) c, see `rows.row_gamma`, nu.   drift_correction: (m,) see `CoupledSystem`.
     rate, target: (m,) c_t, and memory of a solve.   unknowns, solved: (n,), (m,) memory.
     dependent: (1,) a row that is not independent of the others, or NONE.
     """
@@ -120,7 +120,7 @@ class Joints(NamedTuple):
     value: Array
     gamma: Array
     multipliers: Array
-    foresight: Array
+    drift_correction: Array
     rate: Array
     target: Array
     unknowns: Array

@@ -214,7 +214,7 @@ def _join_accelerations(joints, zeta, learned, v, acceleration):
     factorise_joints(joints)
     set_rates(joints, v)
     for r in range(len(joints.rows)):
-        joints.target[r] = joints.gamma[r] + learned * joints.foresight[r] - zeta * joints.rate[r]
+        joints.target[r] = joints.gamma[r] + learned * joints.drift_correction[r] - zeta * joints.rate[r]
     apply_joints(joints, acceleration, True)
     keep_multipliers(joints)
 
@@ -308,7 +308,7 @@ def _correct_items(items, functions, q, learning, correction):
     move_rows(joints.rows, functions)
     set_values(joints, items.points)
     for r in range(len(joints.value)):
-        joints.foresight[r] -= learning * joints.value[r]
+        joints.drift_correction[r] -= learning * joints.value[r]
     return largest_value(joints, worst)
 
 

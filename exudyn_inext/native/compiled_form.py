@@ -61,7 +61,7 @@ def compiled_form(
         raise UnknownItemError(not_compiled)
     on_cables = places[-1].stop if places else 0
     q, v = _with_unit_quaternions(scene.rows, np.array([[q, v]]))[0]
-    scene.surroundings.set_state(t, q, v)
+    scene.native_items.set_state(t, q, v)
     elsewhere = scene.elsewhere.union(part.cable.number for part in scene.cables)
     known, numbers = read_known_items(
         scene.mbs,
@@ -74,22 +74,24 @@ def compiled_form(
         has_forces,
         scene.moved,
         scene.friction,
-        scene.surroundings.evaluate,
+        scene.native_items.evaluate,
     )
-    scene.surroundings.forget()
-    if len(known.rows) != len(scene.system.foresight):
+    scene.native_items.forget()
+    if len(known.rows) != len(scene.system.drift_correction):
         raise UnknownItemError("equations of joints")
     chains = [system for system, _ in scene.groups]
     acting = SceneLoads(loads, known.functions, LoadFunctions(numbers.functions))
     native = scene.system
     still = _held_coordinates(scene.cables)
     cables = cables_of_scene(scene.groups, loads)
-    memory = native.foresight, still, scene.path
+    memory = native.drift_correction, still, scene.path
     system = build_scene(cables, chains, places, known, scene.size, native.zeta, *memory)
-    if not scene.body_system.share_foresight(known.bodies["first"] - on_cables, known.bodies["foresight"]):
+    if not scene.body_system.share_drift_correction(
+        known.bodies["first"] - on_cables, known.bodies["drift_correction"]
+    ):
         raise UnknownItemError("bodies that share coordinates")
     own = [(place, c.system, c.loads) for place, c in zip(places, scene.cables, strict=True)]
-    joints = scene.surroundings.joints
+    joints = scene.native_items.joints
     form = CompiledScene(system, chains, acting, own, joints, numbers.read_again, numbers.moved)
     require_agreement(scene, form, t, q, v, has_forces)
     return form
@@ -121,9 +123,9 @@ def require_agreement(
             disturb(contacts, random)
         scene.remember(contacts.data)
         settle_general_contact(scene, t, at, rates)
-        given = scene.surroundings.forces(t, at, rates)[scene.place_of_bodies]
+        given = scene.native_items.forces(t, at, rates)[scene.place_of_bodies]
         if not has_forces:
-            form.given[: len(scene.map.indices)] = scene.surroundings.native_forces
+            form.given[: len(scene.map.indices)] = scene.native_items.native_forces
             subtract_inertia_forces(form.system.items.bodies, at, rates, form.given)
         found.append(_evaluated(form, external, at, rates, len(scene.map.indices)))
         wanted.append(_evaluated_by_exudyn(scene, t, at, rates, given, form.multipliers))
@@ -142,7 +144,7 @@ def require_agreement(
 def settle_general_contact(scene: CoupledScene, t: float, q: Array, v: Array) -> None:
     """Let a GeneralContact act as it does at (t, q, v), whoever has looked at another state."""
     if scene.mbs.NumberOfGeneralContacts():
-        scene.surroundings.settled(t, q, v)
+        scene.native_items.settled(t, q, v)
 
 
 def _states(scene: CoupledScene, q: Array, v: Array) -> Array:
@@ -188,14 +190,14 @@ def _evaluated_by_exudyn(
     Of the joints: values, rates, second derivatives along the motion, and rates of what moves them. The last
     result is the sizes (n,) of what may cancel: accelerations by each row of the joints.
     """
-    result, bodies, rows = scene.surroundings.native_forces.copy(), scene.map.slices[-1], np.zeros((4, 0))
+    result, bodies, rows = scene.native_items.native_forces.copy(), scene.map.slices[-1], np.zeros((4, 0))
     if scene.joints:
-        terms = scene.surroundings.constrain(t, q, v)
+        terms = scene.native_items.constrain(t, q, v)
         rows = np.array([terms.value, np.zeros(len(terms.value)), terms.gamma, terms.drift])
     rate = np.zeros(bodies.stop - bodies.start)
     bodies_rates(scene.body_system, given, q[bodies], v[bodies], result[bodies], rate)
     sizes = np.abs(result)
-    for block in scene.surroundings.blocks:
+    for block in scene.native_items.blocks:
         rows[1, block.rows] += block.jacobian @ v[block.dofs]
         if block.dofs == bodies:
             pulls = scene.body_system.responses(multipliers[block.rows, np.newaxis] * block.jacobian)
@@ -220,7 +222,7 @@ def _compare_contacts(scene: CoupledScene, form: CompiledScene, t: float, q: Arr
     counting[MODE] = SETTLING
     form.accelerate(form.loads.at(t), q, v, 0.0, *memory)
     counting[MODE] = NOT_COUNTED
-    wanted, found = scene.surroundings.settled(t, q, v), form.contacts.data[0]
+    wanted, found = scene.native_items.settled(t, q, v), form.contacts.data[0]
     scale = max(1.0, float(np.abs(wanted).max(initial=0.0)))
     if not (np.abs(wanted - found) <= TOLERANCE * scale).all():
         raise UnknownItemError("contact, which Exudyn settles otherwise")
@@ -233,5 +235,5 @@ def _compare_joints(scene: CoupledScene, wanted: Array, found: Array, size: floa
     tolerance = (TOLERANCE * size, TOLERANCE * size * speed, gamma, drift)
     is_right = (np.abs(wanted - found) <= np.array(tolerance)[:, np.newaxis]).all(axis=(0, 1))
     if not is_right.all():
-        which = scene.surroundings.joints[int(np.argmin(is_right))]
+        which = scene.native_items.joints[int(np.argmin(is_right))]
         raise UnknownItemError(f"{which} which Exudyn evaluates otherwise")

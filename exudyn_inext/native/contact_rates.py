@@ -21,7 +21,7 @@ from ..errors import SceneError
 from ..run.joined_scene import OpenContacts
 from ..scene.closed_contacts import ClosedContacts
 from .coordinates import CoordinateMap
-from .surroundings import state_kept
+from .native_items import state_kept
 
 STIFFNESSES = ("contactStiffness", "frictionStiffness")  # across and along the cable
 DAMPINGS = ("contactDamping", "frictionVelocityPenalty")

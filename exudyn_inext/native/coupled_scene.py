@@ -35,7 +35,7 @@ from .held import HeldCoordinates, holders
 from .joint_items import read_joints
 from .joint_rows import JointRows
 from .known.unknown import UnknownItemError
-from .surroundings import DataCoordinates, NativeSurroundings, evaluator, state_kept
+from .native_items import DataCoordinates, NativeItems, evaluator, state_kept
 
 _NONE: Mapping[int, HeldCoordinate] = {}
 
@@ -55,7 +55,7 @@ class CoupledCable(NamedTuple):
 class CoupledScene:
     """The parts of a scene in one order: cables, bodies, first order states.
 
-    system: all of it.   map: its coordinates in the mbs.   surroundings: forces and joints.
+    system: all of it.   map: its coordinates in the mbs.   native_items: forces and joints.
     joints: native constraints that couple the parts.   rows: theirs.
     held: coordinates that belong to no part.   size: number of coordinates of all parts.
     cable_systems: of the cables, in memory that they share.   groups: of those that do.
@@ -116,8 +116,8 @@ class CoupledScene:
         self.joints: Sequence[Any] = read_joints(mbs, own_constraints.union(self.held.numbers))
         self.rows = rows = JointRows(self.joints, quaternions, parts, self.map, masses.held)
         loads = [cable.loads for cable in cables]
-        self.surroundings = NativeSurroundings(mbs, solver, wholes, self.map, loads, masses, rows, self.held)
-        self.system = CoupledSystem(parts, self.surroundings, zeta, wholes)
+        self.native_items = NativeItems(mbs, solver, wholes, self.map, loads, masses, rows, self.held)
+        self.system = CoupledSystem(parts, self.native_items, zeta, wholes)
         self.size = parts[-1].dofs.stop
         self.path = build_path(self.size)
         self.system.states = slice(len(self.map.indices), self.size)
@@ -151,7 +151,7 @@ class CoupledScene:
     @property
     def forces(self) -> Array:
         """See `EvaluatedScene`."""
-        return self.surroundings.varying_forces
+        return self.native_items.varying_forces
 
     def kinetic_energy(self, q: Array, v: Array) -> float:
         """See `EvaluatedScene`."""
@@ -172,7 +172,7 @@ class CoupledScene:
         """See `EvaluatedScene`."""
         if self.parts_in_one:
             return self.parts_in_one.violation(t, q)
-        return float(np.abs(self.surroundings.violations(t, q)).max())
+        return float(np.abs(self.native_items.violations(t, q)).max())
 
     def power_of_joints(self) -> float:
         """See `EvaluatedScene`."""
@@ -180,12 +180,12 @@ class CoupledScene:
 
     def memory(self) -> dict[str, Any]:
         """What earlier steps taught joints and quaternions, and where joints slide, by names."""
-        taught = {"joints": self.system.foresight, "quaternions": self.body_system.memory()}
-        return taught | {"places": self.surroundings.places}
+        taught = {"joints": self.system.drift_correction, "quaternions": self.body_system.memory()}
+        return taught | {"places": self.native_items.places}
 
     def forget(self) -> None:
         """What earlier steps taught the joints and quaternions does not hold any more."""
-        self.system.foresight[:] = 0.0
+        self.system.drift_correction[:] = 0.0
         self.body_system.forget()
 
     def _first_order_states(self) -> list[Part]:
@@ -220,11 +220,11 @@ class CoupledScene:
         if not self.mbs.systemData.DataSize():
             return None
         with state_kept(self.mbs):
-            self.surroundings.set_state(t, q, v)
+            self.native_items.set_state(t, q, v)
             if data is not None and len(data):
                 self.mbs.systemData.SetDataCoordinates(data.tolist())
             found = open_contacts(self.mbs, self.map, self.size, implicit)
-        self.surroundings.forget()
+        self.native_items.forget()
         return found
 
     @property
@@ -272,7 +272,7 @@ class CoupledScene:
         except UnknownItemError as why:
             return None, str(why)
         finally:
-            self.surroundings.forget()
+            self.native_items.forget()
 
     def compile_parts(self, t: float, q: Array, v: Array) -> None:
         """See `JoinedScene`."""
@@ -280,11 +280,11 @@ class CoupledScene:
             return
         with suppress(UnknownItemError), state_kept(self.mbs):
             self._take_parts(compiled_parts(self, t, q, v))
-        self.surroundings.forget()
+        self.native_items.forget()
 
     def _take_parts(self, parts: CompiledParts | None) -> None:
         self.parts_in_one = self.system.in_one = parts
-        self.surroundings.subtract_inertia = parts.subtract_inertia if parts else None
+        self.native_items.subtract_inertia = parts.subtract_inertia if parts else None
 
     def leave_compiled_parts(self) -> None:
         """See `JoinedScene`."""
@@ -308,7 +308,7 @@ class CoupledScene:
             ) from None
         finally:
             self._take_parts(parts)
-            self.surroundings.forget()
+            self.native_items.forget()
 
     def solve_cable(self, cable: int, t: float, q: Array, v: Array) -> Array:
         """Accelerations (n_dof,) of one cable among all others, whose system then holds its multipliers.
@@ -333,7 +333,7 @@ class CoupledScene:
     def _joined_forces_on(self, dofs: slice) -> Array:
         """Of items and joints, on a part."""
         of_joints = self.system.joint_force(dofs)
-        result: Array = self.surroundings.native_forces[dofs] - of_joints
+        result: Array = self.native_items.native_forces[dofs] - of_joints
         return result
 
     def joined_forces(self) -> Array:

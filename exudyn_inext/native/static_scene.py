@@ -35,7 +35,7 @@ class StaticScene:
         mbs = scene.mbs
         if mbs.systemData.ODE1Size():
             raise SceneError("mbs has states of first order, whose rest is not searched for: remove them.")
-        scene.surroundings.settles = True
+        scene.native_items.settles = True
         self.force(scene.initial_state[0])
         self.mass = scene.body_system.mass
         bodies = scene.map.slices[-1]
@@ -49,8 +49,8 @@ class StaticScene:
 
     def force(self, q: Array) -> Array:
         """See `Others`."""
-        self._scene.surroundings.forces(self._time, q, self._rest)
-        return self._scene.surroundings.native_forces.copy()
+        self._scene.native_items.forces(self._time, q, self._rest)
+        return self._scene.native_items.native_forces.copy()
 
     def is_blocked(self, q: Array, trial: Array) -> bool:
         """Whether a cable would jump over a circle that it touches, or through it."""
@@ -58,24 +58,24 @@ class StaticScene:
 
     def _ends(self, q: Array) -> Array:
         """Of segments in contact with circles, see `CirclesInTheWay`."""
-        self._scene.surroundings.set_state(self._time, q, self._rest)
+        self._scene.native_items.set_state(self._time, q, self._rest)
         return self._circles.present()
 
     def values(self, q: Array) -> Array:
         """See `Others`."""
         if not self._scene.joints:
             return np.zeros(0)
-        surroundings = self._scene.surroundings
-        values = surroundings.violations(self._time, q)
-        if surroundings.has_sliding_joints:  # what no change of c makes up for
-            values = values + np.copysign(surroundings.beyond(), values)
+        native_items = self._scene.native_items
+        values = native_items.violations(self._time, q)
+        if native_items.has_sliding_joints:  # what no change of c makes up for
+            values = values + np.copysign(native_items.beyond(), values)
         return values
 
     def jacobian(self, q: Array) -> csr_array:
         """See `Others`."""
-        surroundings, size = self._scene.surroundings, (len(self._scene.surroundings.joints), len(q))
+        native_items, size = self._scene.native_items, (len(self._scene.native_items.joints), len(q))
         rows, columns, values = [np.zeros(0, int)], [np.zeros(0, int)], [np.zeros(0)]
-        for block in surroundings.jacobian(self._time, q) if self._scene.joints else ():
+        for block in native_items.jacobian(self._time, q) if self._scene.joints else ():
             at = np.nonzero(block.jacobian)
             rows.append(block.rows[at[0]])
             columns.append(block.dofs.start + at[1])
@@ -86,19 +86,19 @@ class StaticScene:
     def pulls(self, q: Array, nu: Array) -> Array:
         """See `Others`."""
         result = np.zeros(len(q))
-        for block in self._scene.surroundings.jacobian(self._time, q) if self._scene.joints else ():
+        for block in self._scene.native_items.jacobian(self._time, q) if self._scene.joints else ():
             result[block.dofs] += block.jacobian.T @ nu[block.rows]
         return result
 
     def reactions(self, q: Array, nu: Array) -> Array:
         """Of all algebraic equations in Exudyn's order.   nu: (m,) of the joints."""
         self.force(q)
-        return self._scene.surroundings.all_multipliers(nu, self._rest)
+        return self._scene.native_items.all_multipliers(nu, self._rest)
 
     def data(self, q: Array) -> Array:
         """(D,) what contacts remember once they have settled, and the places of sliding joints."""
         self.force(q)
-        return self._scene.surroundings.present_places()
+        return self._scene.native_items.present_places()
 
 
 def _varying(scene: CoupledScene) -> list[np.ndarray]:

@@ -19,7 +19,7 @@ from ..items.arguments import described
 from ..items.functions_of_time import is_of_time_alone
 from ..items.parameters import Parameter, set_unnoted
 from ..run.settings import SAY_OF_TIME
-from .surroundings import state_kept
+from .native_items import state_kept
 
 CELL = 1e-3  # over which a velocity is integrated by one formula [s]
 _POINTS, _WEIGHTS = (x.tolist() for x in np.polynomial.legendre.leggauss(4))

@@ -17,7 +17,7 @@ import numpy as np
 from ..arrays import Array
 from ..cable.assembly import elastic_energy
 from ..cable.cable import Cable
-from ..system import ELASTIC, GAUGES, gauge
+from ..system import ELASTIC, REPORTED, report_energy
 from .cable_run import CableRun
 from .coupled_run import Run
 from .watch import NO_MESH, SMALL
@@ -97,13 +97,13 @@ def _wave_speed(run: CableRun, time: float) -> float:
 
 
 def _bending_energy(run: CableRun, inputs: Array) -> float:
-    """[J]; by `gauge`, which each run compiles, where that counts nothing else."""
+    """[J]; by `report_energy`, which each run compiles, where that counts nothing else."""
     state, cable = run.state, run.scene_cable.cable
     if cable.stretches:
         return float(elastic_energy(run.system.chain, state.q.reshape(cable.reference.shape)))
-    gauges, force = np.zeros(GAUGES), np.zeros(state.q.size)
-    gauge(run.called, inputs, state.q, state.v, np.zeros(force.size), force, gauges)
-    return float(gauges[ELASTIC])
+    energy_report, force = np.zeros(REPORTED), np.zeros(state.q.size)
+    report_energy(run.called, inputs, state.q, state.v, np.zeros(force.size), force, energy_report)
+    return float(energy_report[ELASTIC])
 
 
 def _of_motions(inputs: Array, cable: Any) -> float:

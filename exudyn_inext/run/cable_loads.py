@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..arrays import Array
-from ..cable.border import all_links, motions_of
 from ..cable.link import Motion
+from ..cable.links import all_links, motions_of
 from ..errors import SceneError
 from ..integrators.integrator import LoadHistory
 from ..loads.gravity import gravity_force

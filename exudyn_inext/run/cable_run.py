@@ -25,7 +25,7 @@ from ..integrators.integrator import Integrator, remembered
 from ..integrators.linear_stability import frequency_limit
 from ..scene.links import require_smooth_motions
 from ..scene.model import CableInScene, put_reactions
-from ..system import accelerate_and_project, gauge
+from ..system import accelerate_and_project, report_energy
 from .cable_loads import CableLoads
 from .cable_watch import CableWatch
 from .consistent_start import StartCorrection, Violation, project, require_consistent, worst_violations
@@ -163,7 +163,7 @@ class CableRun(PacedRun):
     @cached_property
     def called(self) -> Any:
         """The system, as kernels call it that move and watch it."""
-        return called(self.system, *self.integrator.calls, accelerate_and_project, gauge)
+        return called(self.system, *self.integrator.calls, accelerate_and_project, report_energy)
 
     def follow_frequency(self, rule: StepRule) -> None:
         """Let the steps follow the present stability limit."""
@@ -335,7 +335,7 @@ class CableRun(PacedRun):
         """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
         return {
             "state": remembered(self.state),
-            "foresight": memory_of(self.system),
+            "drift_correction": memory_of(self.system),
             "watch": self.watch.memory(),
             "control": self.control.memory() | {"vibration": self._tracker.vibration},
         }
@@ -348,8 +348,8 @@ class CableRun(PacedRun):
 
     def forget(self) -> None:
         """What earlier steps taught the constraints does not hold any more."""
-        for foresight in memory_of(self.system).values():
-            foresight[:] = 0.0
+        for drift_correction in memory_of(self.system).values():
+            drift_correction[:] = 0.0
 
     def take(self, piece: Piece, history: Array) -> int:
         """See `PacedRun.take`: in one compiled call."""

@@ -6,8 +6,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..cable.axial import SHORTEST
-from ..cable.border import all_links, motions_of
 from ..cable.cable import Cable
+from ..cable.links import all_links, motions_of
 from ..integrators.integrator import FACTOR
 from ..scene.model import CableInScene
 from .cable_loads import CableLoads

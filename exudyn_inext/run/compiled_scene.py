@@ -369,8 +369,8 @@ class CompiledScene:
         own.functions[:] = self.system.cables.functions
         items, copies = self.system.items, copied(self.system.items)
         copies.contacts.records["lag"] = 0.0
-        copies.joints.foresight[:] = 0.0
-        copies.bodies["foresight"] = 0.0
+        copies.joints.drift_correction[:] = 0.0
+        copies.bodies["drift_correction"] = 0.0
         forces = {"connectors": items.connectors, "loads": items.loads}  # may change
         return self.system._replace(cables=own, items=copies._replace(**forces))
 

@@ -95,7 +95,7 @@ class CoupledRun(LimitedRun):
         """See `CableRun.make_consistent`."""
         scene, state = self._scene, self.state
         scene.require_finite(state.v)
-        scene.surroundings.forget()
+        scene.native_items.forget()
         for run, dofs in zip(self._runs, scene.map.slices, strict=False):
             run.state.q[:], run.state.v[:] = state.q[dofs], state.v[dofs]
             run.make_consistent(start)
@@ -142,7 +142,7 @@ class CoupledRun(LimitedRun):
         elif not is_simple or not self.mover.take_values(changed):
             self._leave_kernels("items that were changed during the run")
             self.watch.evaluate_by(self._scene)
-            self._scene.surroundings.forget()
+            self._scene.native_items.forget()
             self.mover.begin_by(self.integrator.resume, time)
 
     def scale_mass(self, theta: float, h: float) -> None:
@@ -179,18 +179,18 @@ class CoupledRun(LimitedRun):
         """See `CableRun.accelerations`; neither extrapolated nor stabilised, as those of the steps are."""
         state, (a, rest) = self.state, np.zeros((2, self._scene.size))
         arguments = self._scene.system, np.array([time]), state.q, state.v
-        surroundings = self._scene.surroundings
-        surroundings.forget()
+        native_items = self._scene.native_items
+        native_items.forget()
         with self.mover.mass_as_it_is():
             if self.integrator.stabilised:
                 accelerate_and_project(*arguments, 0.0, a, rest)
             else:
                 index_reduced_rates(*arguments, a, rest)
-        multipliers[:] = surroundings.all_multipliers(self._scene.system.multipliers, a)
+        multipliers[:] = native_items.all_multipliers(self._scene.system.multipliers, a)
         self.mover.put_reactions(self._scene, time, (state.q, state.v), multipliers)
         if self.has_implicit_bending:
             self.resume(time)
-        surroundings.show(time, state, multipliers)
+        native_items.show(time, state, multipliers)
         return a[: len(self.indices)]
 
     def start(self, time: float) -> None:
@@ -243,14 +243,14 @@ class CoupledRun(LimitedRun):
         """Go on at `time` [s] with the memory that has been set; data coordinates are those of mbs."""
         if self.control.present:
             self.set_step(self.control.present)
-        self._scene.surroundings.forget()
+        self._scene.native_items.forget()
         self.mover.look(time)
         self.mover.begin_by(self.integrator.resume, time)
         self.watch.resume()
 
     def record(self, grid: TimeGrid, first: int, history: Array) -> int:
         """See `CableRun.record`; where Exudyn evaluates its items, mbs is left in the state at the end."""
-        self._scene.surroundings.forget()
+        self._scene.native_items.forget()
         self.mover.begin_record(len(history))
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges
             good = self.advance(grid, first, history)
@@ -374,11 +374,11 @@ class CoupledRun(LimitedRun):
         times: (steps, stages) of their evaluations [s].
         """
         self._unsolvable, end = "", done + len(times)
-        is_judged = not piece.is_whole and end == piece.steps
+        is_checked = not piece.is_whole and end == piece.steps
         try:
             self.mover.take(piece, times, done, history, self.watch)
             self.watch.count(len(times))
-            return self.watch.is_well_at(piece.time(end), piece.h, self.state, is_judged)
+            return self.watch.is_well_at(piece.time(end), piece.h, self.state, is_checked)
         except (DivergenceError, RedundantConstraintError, OffCableError) as error:
             self._unsolvable = "" if isinstance(error, DivergenceError) else str(error)
             self.watch.give_up(self.state)

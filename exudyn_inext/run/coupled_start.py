@@ -75,7 +75,7 @@ def _violations(system: CoupledSystem, time: float, q: Array, v: Array, toleranc
         if abs(violation[row]) <= tolerance:
             continue
         said = (
-            f"the {what} violate {system.surroundings.joints[row]} by {violation[row]:.3g} "
+            f"the {what} violate {system.native_items.joints[row]} by {violation[row]:.3g} "
             f"(limit {tolerance:g})"
         )
         if what == RATES and np.isfinite(violation[row]):

@@ -26,7 +26,7 @@ from ..scene.path_work import (
     follow,
     take_sums,
 )
-from ..system import AGITATION, GAUGES, KINETIC, POWER, RESOLVED, VIOLATION, gauge
+from ..system import ACCELERATION_ENERGY, KINETIC, POWER, REPORTED, RESOLVED, VIOLATION, report_energy
 from .cable_loads import CableLoads
 from .cable_run import CableRun
 from .joined_scene import EvaluatedScene, JoinedScene
@@ -39,18 +39,18 @@ from .watch import (
     VIOLENT,
     Watch,
     build_watch,
+    check_velocities,
     condemn,
-    glance,
     go_back,
-    go_on_with_gauges,
-    judge_after_work,
-    open_with_gauges,
+    go_on_with_report,
+    open_with_report,
+    verdict_after_work,
 )
 
 STEPS_BETWEEN = 1024  # two inspections at most
 FIRST_STEPS = 4  # two inspections, which are further and further apart
 STEPS_WITH_POWER = 32  # at most where damping or supports that move change the energy
-STEPS_BETWEEN_GLANCES = 32  # at the velocities, at most; outputs are looked at, too
+STEPS_BETWEEN_CHECKS = 32  # at the velocities, at most; outputs are looked at, too
 CALM = 16.0  # growth of their square since the last inspection that calls for another one
 LENIENCE = 10.0  # of the energy: forces that jump, as those of contact do, have work between two steps
 ROUND_OFF = 1e-10  # of the energy, relative to the forces times the extent
@@ -66,12 +66,12 @@ _STEPS, _MOST, _UNSEEN, _NEXT_UNSEEN = range(4)
 class _Together(NamedTuple):
     """Cables that share records.   dofs: their place.   loads: of each.
 
-    gauge: of them.   nothing: external force and memory for energies that do not depend on loads.
+    report_energy: of them.   nothing: external force and memory for energies that do not depend on loads.
     """
 
     dofs: slice
     loads: Sequence[CableLoads]
-    gauge: Callable[..., None]
+    report_energy: Callable[..., None]
     nothing: tuple[Array, Array]
 
     def external(self, t: float) -> Array:
@@ -88,7 +88,7 @@ class CoupledWatch(RunWatch):
         energy_tolerance: see `ExplicitSettings.energyTolerance`.
 
     path: memory of the work of whole steps.   before: (2, n) q and a at the start of the last step.
-    path_of_evaluations: for `NativeSurroundings.path` during steps; a lack of work within a step shows in it.
+    path_of_evaluations: for `NativeItems.path` during steps; a lack of work within a step shows in it.
     has_one_evaluation: each step.
     after_each_step: what to call then.
     is_close: whether joints are moved in this step of the loop. Its end is judged, as their power jumps from
@@ -161,7 +161,7 @@ class CoupledWatch(RunWatch):
         self._scale = max(1.0, extent)
         size = float(np.abs(forces + self._gravity[: len(forces)]).sum())
         floor = ROUND_OFF * extent * size + sum(run.watch.round_off for run in self._runs)
-        open_with_gauges(self.watch, state, floor)
+        open_with_report(self.watch, state, floor)
         places = np.full(len(state.q), OF_PLACES * extent)
         self._resolution = self._kinetic_energy(state, places)
         self._step = 0.0
@@ -176,7 +176,7 @@ class CoupledWatch(RunWatch):
 
     def _begin_work(self, t: float, state: Any) -> Any:
         """Count work from a state on; returns the forces of Exudyn's items in it."""
-        self._set_gauges(t, state)
+        self._set_energy_report(t, state)
         forces = self._evaluated.forces
         for path in (self.path, self.path_of_evaluations):
             begin_path(path, state.q, forces)
@@ -193,27 +193,27 @@ class CoupledWatch(RunWatch):
         self._begin_work(t, state)
         self._begin(t, state)
         self._start[:] = self.watch.position[:] = state.q
-        go_on_with_gauges(self.watch, state)
+        go_on_with_report(self.watch, state)
 
     def go_on(self, t: float, state: Any) -> None:
         """With another step, from a state that the integrator has just started from, at t [s]."""
         if (
             self._counts[_STEPS] and not self._is_unseen
         ):  # what has gone on counts, and is not judged any more
-            self._set_gauges(t, state)
+            self._set_energy_report(t, state)
             indifferent = self.watch._replace(tolerance=np.inf, most=np.inf, phase=np.inf)
-            self._judge(indifferent, self._step, t - self._last[0], state)
+            self._verdict(indifferent, self._step, t - self._last[0], state)
         self._begin_work(t, state)
         self._counts[_MOST:] = FIRST_STEPS, 0, 0
         self._begin(t, state)
-        go_on_with_gauges(self.watch, state)
+        go_on_with_report(self.watch, state)
 
     @property
     def steps_ahead(self) -> int:
         """That may be taken before the next `is_well_at`."""
         if self._is_unseen:
-            return STEPS_BETWEEN_GLANCES
-        return min(STEPS_BETWEEN_GLANCES, int(self._counts[_MOST] - self._counts[_STEPS]))
+            return STEPS_BETWEEN_CHECKS
+        return min(STEPS_BETWEEN_CHECKS, int(self._counts[_MOST] - self._counts[_STEPS]))
 
     def count(self, steps: int) -> None:
         """These steps have been taken."""
@@ -233,10 +233,10 @@ class CoupledWatch(RunWatch):
         if self._is_unseen:
             return self._is_quiet(state)
         few = self._counts[_STEPS] < self._counts[_MOST] and not (self.is_close or at_once)
-        if few and glance(state.q, state.v, state.a) <= self._calm:
+        if few and check_velocities(state.q, state.v, state.a) <= self._calm:
             return True
-        self._set_gauges(t, state)
-        trouble = self._judge(self.watch, h, t - self._last[0], state)
+        self._set_energy_report(t, state)
+        trouble = self._verdict(self.watch, h, t - self._last[0], state)
         self._lacks[SCALE] = max(self._lacks[SCALE], self.turned_over)
         self._begin(t, state)
         if self.is_close and not trouble:
@@ -246,7 +246,7 @@ class CoupledWatch(RunWatch):
 
     def _is_quiet(self, state: Any) -> bool:
         """Whether a step that is not inspected is finite; the next one is if velocities have grown much."""
-        size = glance(state.q, state.v, state.a)
+        size = check_velocities(state.q, state.v, state.a)
         if not size < np.inf:
             return self._condemn(state, NOT_FINITE, np.nan)
         if size > self._calm:
@@ -291,35 +291,37 @@ class CoupledWatch(RunWatch):
 
     def _begin(self, t: float, state: Any) -> None:
         """Count steps from a state at t [s]."""
-        most = STEPS_WITH_POWER if self.watch.gauges_now[POWER] else STEPS_BETWEEN
+        most = STEPS_WITH_POWER if self.watch.present_report[POWER] else STEPS_BETWEEN
         self._counts[:_UNSEEN] = 0, min(2 * self._counts[_MOST], most)
         self._last[:] = t, state.v.dot(state.v)
         self._calm = CALM * float(self._last[1])
 
-    def _judge(self, watch: Watch, h: float, duration: float, state: Any) -> int:
+    def _verdict(self, watch: Watch, h: float, duration: float, state: Any) -> int:
         work, scatter = take_sums(self.path)
         take_sums(self.path_of_evaluations)
         work += 0.5 * float(self._changes[0]) / h**2
         self._changes[:] = 0.0
         watch.account["forces"][NOW] += self._evaluated.energy_of_spins(watch.duration) * duration
         counted = work, scatter, int(self._counts[_STEPS]), duration
-        trouble = int(judge_after_work(watch, state, self._gravity, *counted))
+        trouble = int(verdict_after_work(watch, state, self._gravity, *counted))
         if trouble:
             go_back(watch, state)
         return trouble
 
     def _kinetic_energy(self, state: Any, v: Array) -> float:
         """Of velocities v (n,) in the present configuration [J]."""
-        gauges = np.zeros(GAUGES)
+        energy_report = np.zeros(REPORTED)
         total = self._evaluated.kinetic_energy(state.q, v)
         for one in self._together:
             rates, (external, memory) = v[one.dofs], one.nothing
-            one.gauge(external, state.q[one.dofs], rates, rates, memory, gauges)
-            total += gauges[AGITATION]  # the mass alone; what bending adds to it is in KINETIC
+            one.report_energy(external, state.q[one.dofs], rates, rates, memory, energy_report)
+            total += energy_report[
+                ACCELERATION_ENERGY
+            ]  # the mass alone; what bending adds to it is in KINETIC
         return total
 
-    def _set_gauges(self, t: float, state: Any) -> None:
-        total = self.watch.gauges_now
+    def _set_energy_report(self, t: float, state: Any) -> None:
+        total = self.watch.present_report
         total[:] = 0.0
         if self._scene.joints:
             for cable, run in enumerate(self._runs):
@@ -327,8 +329,8 @@ class CoupledWatch(RunWatch):
                     self._evaluated.set_multipliers(cable, t, state.q, state.v)
         for one in self._together:
             dofs, given = one.dofs, one.external(t)
-            mine, force = np.zeros(GAUGES), np.zeros(dofs.stop - dofs.start)
-            one.gauge(given, state.q[dofs], state.v[dofs], state.a[dofs], force, mine)
+            mine, force = np.zeros(REPORTED), np.zeros(dofs.stop - dofs.start)
+            one.report_energy(given, state.q[dofs], state.v[dofs], state.a[dofs], force, mine)
             worst = np.maximum(total[VIOLATION], mine[VIOLATION])
             total += mine
             total[VIOLATION] = worst
@@ -349,7 +351,7 @@ def _groups(scene: JoinedScene, runs: Sequence[CableRun]) -> Iterator[_Together]
     for system, alike in scene.groups:
         end = done + len(alike)
         dofs = slice(scene.map.slices[done].start, scene.map.slices[end - 1].stop)
-        loads, measure = [run.loads for run in runs[done:end]], Bound(gauge, system)
+        loads, measure = [run.loads for run in runs[done:end]], Bound(report_energy, system)
         inputs = sum(len(one.constant) for one in loads)
         yield _Together(dofs, loads, measure, (np.zeros(inputs), np.zeros(dofs.stop - dofs.start)))
         done = end

@@ -85,7 +85,7 @@ class JoinedScene(EvaluatedScene, Protocol):
     """Parts in one order: cables, bodies, first order states.
 
     system: all of it.   map: places of the coordinates (`indices`, `reference`, `slices`).   size: how many.
-    surroundings: forces and joints.   joints: that couple the parts.
+    native_items: forces and joints.   joints: that couple the parts.
     held: coordinates that belong to no part.
     places_of_nodes: first coordinate of each node of cables and bodies, and the dimension of its space.
     cable_systems: of the cables.   groups: of those that share records.   friction: of it.
@@ -98,7 +98,7 @@ class JoinedScene(EvaluatedScene, Protocol):
 
     system: CoupledSystem
     map: Any
-    surroundings: Any
+    native_items: Any
     held: Any
     cable_systems: Sequence[Any]
     groups: Sequence[Systems]

@@ -58,7 +58,7 @@ class MovedByExudyn(Mover):
 
     def approach_joints(self, time: float, end: float) -> bool:
         """Let violated joints be fulfilled at `end` [s]; returns whether all of them can be moved."""
-        self._scene.surroundings.approach_joints(time, end, self._state.q, FULFILLED)
+        self._scene.native_items.approach_joints(time, end, self._state.q, FULFILLED)
         if self.approaches:
             self._scene.leave_compiled_parts()
         return True
@@ -67,16 +67,16 @@ class MovedByExudyn(Mover):
         """See `Mover.has_jumped`."""
         if not self._scene.has_steered_joints:
             return False
-        return float(np.abs(self._scene.surroundings.present_violations(time, self._state.q)).max()) > JUMP
+        return float(np.abs(self._scene.native_items.present_violations(time, self._state.q)).max()) > JUMP
 
     @property
     def approaches(self) -> bool:
         """Whether joints have moved through the last step, as they were changed."""
-        return self._scene.surroundings.approach is not None
+        return self._scene.native_items.approach is not None
 
     def rest(self) -> None:
         """Joints that have been moved stay where they are."""
-        self._scene.surroundings.approach = None
+        self._scene.native_items.approach = None
 
     def can_move(self, number: int) -> bool:
         """Whether the offset of a joint may be set between steps."""
@@ -92,17 +92,17 @@ class MovedByExudyn(Mover):
 
     def look(self, time: float) -> None:
         """Evaluate what the next step needs to know of a state that has been set."""
-        self._scene.surroundings.forces(time, self._state.q, self._state.v)
+        self._scene.native_items.forces(time, self._state.q, self._state.v)
 
     def begin_record(self, intervals: int) -> None:
         """So many intervals of the time loop are about to be taken."""
 
     def end_record(self, grid: TimeGrid, first: int, history: Array) -> None:
         """These intervals from number `first` on went well: mbs is left in the state at their end."""
-        surroundings, system = self._scene.surroundings, self._scene.system
+        native_items, system = self._scene.native_items, self._scene.system
         if len(history):
-            multipliers = surroundings.all_multipliers(system.multipliers, self._state.a)
-            surroundings.show(grid.time(first + len(history)), self._state, multipliers)
+            multipliers = native_items.all_multipliers(system.multipliers, self._state.a)
+            native_items.show(grid.time(first + len(history)), self._state, multipliers)
 
     def take(self, piece: Piece, times: Array, done: int, history: Array, watch: CoupledWatch) -> None:
         """Take steps of a piece, of which some are done; `watch` counts their work.
@@ -112,19 +112,19 @@ class MovedByExudyn(Mover):
         take_step = plain(advance.dispatch(type(self._scheme)))
         system, state = self._scene.system, self._state
         nothing, the_time = np.zeros(len(state.external)), np.eye(1, len(state.external))
-        surroundings, last = self._scene.surroundings, done + len(times)
-        surroundings.path, surroundings.settles = watch.path_of_evaluations, watch.has_one_evaluation
+        native_items, last = self._scene.native_items, done + len(times)
+        native_items.path, native_items.settles = watch.path_of_evaluations, watch.has_one_evaluation
         try:
             for number, factors in enumerate(times[:, np.newaxis, :, np.newaxis], done + 1):
                 if number == last:
                     watch.look(state)
                 loads = LoadHistory(nothing, the_time, factors)
                 take_step(self._scheme, system, loads, state, piece.h, 1, self._output)
-                surroundings.finish_step(piece.time(number), state.q, state.v)
+                native_items.finish_step(piece.time(number), state.q, state.v)
                 for call in watch.after_each_step:
                     call()
         finally:
-            surroundings.path, surroundings.settles = None, False
+            native_items.path, native_items.settles = None, False
 
     def finish_piece(self, history: Array) -> None:
         """Write the state into the history, unless steps have done so."""

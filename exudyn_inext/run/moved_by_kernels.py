@@ -47,7 +47,7 @@ class MovedByKernels(Mover):
         self._recorded = 0  # intervals
         self._first_data = self.data[0]  # of them
         self._is_alone = False  # mbs does not follow it
-        self._slides = scene.surroundings.has_sliding_joints
+        self._slides = scene.native_items.has_sliding_joints
         self._remembers = form.remembers
         self._data_of_intervals = np.zeros((0, 0))  # with places of what slides
 
@@ -72,9 +72,9 @@ class MovedByKernels(Mover):
         found = None if hides_dependence else compiled_start(self._form, *given)
         if found is None:
             if self.approaches:  # Exudyn knows nothing of that
-                scene.surroundings.approach_joints(time, self._end_of_step, q, FULFILLED)
+                scene.native_items.approach_joints(time, self._end_of_step, q, FULFILLED)
             found = consistent_start(scene.system, self.cables, *given)
-        scene.surroundings.approach = None
+        scene.native_items.approach = None
         return found
 
     def compile_steps(self, time: float) -> None:
@@ -109,7 +109,7 @@ class MovedByKernels(Mover):
         return self._form.approaches
 
     def rest(self) -> None:
-        self._scene.surroundings.approach = None
+        self._scene.native_items.approach = None
         self._form.rest()
 
     def can_move(self, number: int) -> bool:
@@ -143,18 +143,18 @@ class MovedByKernels(Mover):
 
     def begin_record(self, intervals: int) -> None:
         if self._remembers:
-            remembered = self._scene.surroundings.remembered
+            remembered = self._scene.native_items.remembered
             self._first_data = self.data[0].copy() if self._is_alone else remembered
             self._form.begin_history(self._first_data, intervals)
 
     def end_record(self, grid: TimeGrid, first: int, history: Array) -> None:
         self._recorded = len(history)
         if self._slides:
-            surroundings, data = self._scene.surroundings, self._of_contacts
+            native_items, data = self._scene.native_items, self._of_contacts
             if data is None:
-                data = np.tile(surroundings.remembered, (len(history), 1))
+                data = np.tile(native_items.remembered, (len(history), 1))
             times = [grid.time(first + 1 + k) for k in range(len(history))]
-            self._data_of_intervals = surroundings.places_in(data, times, history)
+            self._data_of_intervals = native_items.places_in(data, times, history)
 
     def take(self, piece: Piece, times: Array, done: int, history: Array, watch: CoupledWatch) -> None:
         where = done, history, piece.in_interval
@@ -189,7 +189,7 @@ class MovedByKernels(Mover):
             remembered = None if contacts is None else contacts[which]
             rows = self._form.evaluate(self.cables, times[which], history[which], remembered)
             states = zip(rows, times[which].tolist(), history[which, 0], strict=True)
-            multipliers[which] = [self._scene.surroundings.multipliers(*state) for state in states]
+            multipliers[which] = [self._scene.native_items.multipliers(*state) for state in states]
             self.put_reactions(self._form, times[first], history[first], multipliers[first])
         history[:, 0] -= self._scene.map.reference
         return True

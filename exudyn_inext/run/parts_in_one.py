@@ -61,7 +61,7 @@ class CompiledParts:
         return result
 
     def subtract_inertia(self, q: Array, v: Array, forces: Array) -> None:
-        """See `NativeSurroundings`."""
+        """See `NativeItems`."""
         subtract_inertia_forces(self._bodies, q, v, forces)
 
     def rates(self, t: float, forces: Sequence[Array], *arrays: Array) -> None:

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..cable.border import all_links
 from ..cable.cable import Cable
 from ..cable.implicit_bending import ImplicitBending
 from ..cable.linked_cable import LinkedCableSystem
+from ..cable.links import all_links
 from ..errors import RedundantConstraintError
 from ..scene.joints import NOT_FINITE
 from ..scene.model import CableInScene
@@ -38,7 +38,7 @@ def require_independent(scene_cable: CableInScene, system: Any, masses: Array) -
     if not scene_cable.cable.stretches:
         _require_independent_lengths(scene_cable, system, masses)
     if isinstance(system, LinkedCableSystem):
-        _require_independent_links(scene_cable, system.border.schur)
+        _require_independent_links(scene_cable, system.link_system.schur)
 
 
 def _require_independent_lengths(scene_cable: CableInScene, system: Any, masses: Array) -> None:
@@ -76,7 +76,7 @@ def held_straight(runs: Sequence[Any], scene: Any, q: Array) -> list[str]:
         runs: of the cables.   scene: see `JoinedScene`; its joints have been evaluated.
         q: (n,) coordinates of all parts.
     """
-    names, blocks = [], scene.surroundings.blocks
+    names, blocks = [], scene.native_items.blocks
     for run, dofs in zip(runs, scene.map.slices, strict=False):
         jacobians = [block.jacobian for block in blocks if block.dofs == dofs]
         if _is_held_straight(run.scene_cable.cable, q[dofs], jacobians):

@@ -29,7 +29,7 @@ import numpy as np
 from ..arrays import Array, record_type
 from ..compiled import called_kernel, inlined, kernel
 from ..integrators.integrator import FACTOR, FIRST, LAST, PROJECTION, SUM, LoadHistory, advance
-from ..system import ELASTIC, GAUGES, KINETIC, POWER, RESOLVED, VIOLATION, gauge
+from ..system import ELASTIC, KINETIC, POWER, REPORTED, RESOLVED, VIOLATION, report_energy
 
 NOW, KEPT, FAILED = range(3)  # accounts
 ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY, JUMP, TOO_FAST, LACK_OF_WORK, UNSTABLE = range(8)
@@ -71,7 +71,7 @@ ACCOUNT = record_type(
         ("over_mesh", np.float64),
         ("extent", np.float64),
         ("round_off", np.float64),
-        ("agitation", np.float64),
+        ("acceleration_energy", np.float64),
         ("work", np.float64),
         ("unsure", np.float64),
         ("scatter", np.float64),
@@ -101,8 +101,8 @@ class Watch(NamedTuple):
     duration: T of the run [s].   phase: error that the step may cause in it [rad], see above.
     mesh: (4,) of the mesh that errors of the step are compared with, see `resolution_of_mesh`; or `NO_MESH`.
     small: x . M x / 2 of an error x that counts for nothing [J s^2].
-    account: (3,) records, NOW, KEPT and FAILED. Energy at the `start` and `agitation` then [J/s^2]; its
-        present `surplus` [J]; `time` of motion since then [s], and the integrals of `forces`,
+    account: (3,) records, NOW, KEPT and FAILED. Energy at the `start`, `acceleration_energy` then
+        [J/s^2]; its present `surplus` [J]; `time` of motion since then [s], and the integrals of `forces`,
         a . M a / 2 [J/s], and `speeds`, v . M v / 2 [J s], over it, and the `phase` error of the run
         that they let expect [rad]; the error of the step in waves `over_mesh`, relative to that of the
         mesh [-]; the largest `extent` so far, x . M x / 2 [J s^2], or 0: not known; its `round_off` [J];
@@ -115,7 +115,7 @@ class Watch(NamedTuple):
     position: (n_dof,) when work was counted last.
     pattern, work: (P, n_dof), (P, 5) of load histories, see `LoadHistory`.
     kept_work: at the last inspection.
-    gauges: (6,) at the last inspection, see `gauge`.   force, gauges_now: memory.
+    energy_report: (6,) at the last inspection, see `report_energy`.   force, present_report: memory.
     kept: state of the integrator at the last inspection; if it found trouble, the state that it found.
     """
 
@@ -132,9 +132,9 @@ class Watch(NamedTuple):
     pattern: Array
     work: Array
     kept_work: Array
-    gauges: Array
+    energy_report: Array
     force: Array
-    gauges_now: Array
+    present_report: Array
     kept: Any
 
 
@@ -169,9 +169,9 @@ def build_watch(
         pattern=own,
         work=_no_work(own),
         kept_work=_no_work(own),
-        gauges=np.zeros(GAUGES),
+        energy_report=np.zeros(REPORTED),
         force=np.zeros(size),
-        gauges_now=np.zeros(GAUGES),
+        present_report=np.zeros(REPORTED),
         kept=type(state)(*[memory.copy() for memory in state]),
     )
 
@@ -194,8 +194,8 @@ def _keep(watch, state):
         kept, now = watch.kept[memory], state[memory]
         for i in range(len(now)):
             kept[i] = now[i]
-    for i in range(len(watch.gauges)):
-        watch.gauges[i] = watch.gauges_now[i]
+    for i in range(len(watch.energy_report)):
+        watch.energy_report[i] = watch.present_report[i]
     for p in range(len(watch.work)):
         for i in range(watch.work.shape[1]):
             watch.kept_work[p, i] = watch.work[p, i]
@@ -206,7 +206,7 @@ def keep(watch: Watch, state: Any) -> None:
     """Make this the last good state."""
     for kept, now in zip(watch.kept, state, strict=True):
         kept[:] = now
-    watch.gauges[:] = watch.gauges_now
+    watch.energy_report[:] = watch.present_report
     watch.kept_work[:] = watch.work
     watch.account[KEPT] = watch.account[NOW]
 
@@ -224,14 +224,14 @@ def go_back(watch: Watch, state: Any) -> None:
     account[NOW].ahead = watch.least
 
 
-def open_with_gauges(watch: Watch, state: Any, round_off: float) -> None:
-    """As `open_account`, where `gauges_now` are set already."""
-    kinetic, elastic = watch.gauges_now[KINETIC], watch.gauges_now[ELASTIC]
+def open_with_report(watch: Watch, state: Any, round_off: float) -> None:
+    """As `open_account`, where `present_report` are set already."""
+    kinetic, elastic = watch.present_report[KINETIC], watch.present_report[ELASTIC]
     account = watch.account[NOW : NOW + 1]
     account["start"] = kinetic + elastic
     for name in OF_MOTION:
         account[name] = 0.0
-    account["agitation"] = watch.gauges_now[RESOLVED]
+    account["acceleration_energy"] = watch.present_report[RESOLVED]
     account["unsure"] = account["round_off"] = round_off
     account["ahead"] = watch.least
     account["largest_kinetic"] = kinetic
@@ -250,13 +250,13 @@ def open_account(watch: Watch, system: Any, external: Array, state: Any, round_o
         watch: over the run.   system: just started.   external: (n_external,) at the start.
         state: of the integrator.   round_off: of its energy [J].
     """
-    gauge(system, external, state.q, state.v, state.a, watch.force, watch.gauges_now)
-    open_with_gauges(watch, state, round_off)
+    report_energy(system, external, state.q, state.v, state.a, watch.force, watch.present_report)
+    open_with_report(watch, state, round_off)
 
 
-def go_on_with_gauges(watch: Watch, state: Any) -> None:
-    """As `go_on`, where `gauges_now` are set already."""
-    account, now = watch.account[NOW], watch.gauges_now
+def go_on_with_report(watch: Watch, state: Any) -> None:
+    """As `go_on`, where `present_report` are set already."""
+    account, now = watch.account[NOW], watch.present_report
     account.start = now[KINETIC] + now[ELASTIC] - account.work - account.surplus
     keep(watch, state)
 
@@ -266,8 +266,8 @@ def go_on(watch: Watch, system: Any, external: Array, state: Any) -> None:
 
     Arguments: see `open_account`.
     """
-    gauge(system, external, state.q, state.v, state.a, watch.force, watch.gauges_now)
-    go_on_with_gauges(watch, state)
+    report_energy(system, external, state.q, state.v, state.a, watch.force, watch.present_report)
+    go_on_with_report(watch, state)
 
 
 @inlined
@@ -285,8 +285,8 @@ def _add_work_of_loads(watch, constant, q):
 @inlined
 def _look_ahead(watch, duration):
     """How well the power is known between inspections, and when the next one is due."""
-    account, power = watch.account[NOW], watch.gauges_now[POWER]
-    slope = (power - watch.gauges[POWER]) / duration
+    account, power = watch.account[NOW], watch.present_report[POWER]
+    slope = (power - watch.energy_report[POWER]) / duration
     bend = duration * abs(slope - account.slope)
     account.scatter += (duration / 8.0 * bend) ** 2  # enough for a power that falls to nothing at once
     account.slope = slope
@@ -304,8 +304,8 @@ def _draw_up(watch, steps, duration):
     A central difference scheme keeps the energy less h^2 a . M a / 8, exactly if the system is linear: so
     much is in vibrations that the step does not resolve. Implicit ones keep it as it is.
     """
-    account, now = watch.account[NOW], watch.gauges_now
-    by_power = 0.5 * (watch.gauges[POWER] + now[POWER]) * duration
+    account, now = watch.account[NOW], watch.present_report
+    by_power = 0.5 * (watch.energy_report[POWER] + now[POWER]) * duration
     account.work += by_power
     _look_ahead(watch, duration)
     account.unsure += SHARE_OF_POWER * abs(by_power)
@@ -314,7 +314,7 @@ def _draw_up(watch, steps, duration):
     account.largest_elastic = max(account.largest_elastic, now[ELASTIC])
     turned_over = account.largest_kinetic + account.largest_elastic - account.least_elastic
     error = now[KINETIC] + now[ELASTIC] - account.start - account.work
-    unresolved = 0.25 * (duration / steps) ** 2 * (account.agitation + now[RESOLVED])
+    unresolved = 0.25 * (duration / steps) ** 2 * (account.acceleration_energy + now[RESOLVED])
     unsure = account.unsure + SCATTER * np.sqrt(account.scatter) + unresolved
     scattered = SCATTER * np.sqrt(account.scatter - account.scattered)
     doubt = SHARE_OF_POWER * abs(by_power) + scattered + unresolved + account.round_off
@@ -352,7 +352,7 @@ def _errors_of_waves(mesh, squared, h_squared):
 @inlined
 def _is_too_fast(watch, steps, duration):
     """Whether the motion so far is too fast for the step; what rests before it begins is no part of it."""
-    account, now = watch.account[NOW], watch.gauges_now
+    account, now = watch.account[NOW], watch.present_report
     if not account.largest_kinetic > MOTION * account.round_off:
         return False
     account.time += duration
@@ -384,16 +384,16 @@ def _is_too_fast(watch, steps, duration):
 
 
 @inlined
-def _is_finite(gauges):
+def _is_finite(energy_report):
     """By comparison: np.isfinite(x) is x - x == x - x, which reassociation of sums folds."""
     finite = True
-    for i in range(len(gauges)):
-        finite = finite and abs(gauges[i]) < np.inf
+    for i in range(len(energy_report)):
+        finite = finite and abs(energy_report[i]) < np.inf
     return finite
 
 
 @kernel
-def glance(q, v, a):
+def check_velocities(q, v, a):
     """v . v, or infinity if anything in q, v or a (n,) is not finite."""
     square, finite = 0.0, True
     for i in range(len(v)):
@@ -403,9 +403,9 @@ def glance(q, v, a):
 
 
 @inlined
-def _judge(watch, state, steps, duration):
+def _verdict(watch, state, steps, duration):
     """What the trouble is after some steps whose work is counted."""
-    account, now = watch.account[NOW], watch.gauges_now
+    account, now = watch.account[NOW], watch.present_report
     account.trouble = ALL_IS_WELL
     if not _is_finite(now):
         account.trouble = NOT_FINITE
@@ -436,8 +436,8 @@ def condemn(watch: Watch, state: Any, trouble: int, excess: float) -> None:
 
 
 @kernel
-def judge_after_work(watch, state, constant, work, scatter, steps, duration):
-    """Draw up the account with `gauges_now`, after work that was counted elsewhere.
+def verdict_after_work(watch, state, constant, work, scatter, steps, duration):
+    """Draw up the account with `present_report`, after work that was counted elsewhere.
 
     Args:
         watch: over the run.   state: of the integrator.
@@ -452,7 +452,7 @@ def judge_after_work(watch, state, constant, work, scatter, steps, duration):
     account.work += work
     account.scatter += scatter
     _add_work_of_loads(watch, constant, state.q)
-    return _judge(watch, state, steps, duration)
+    return _verdict(watch, state, steps, duration)
 
 
 @called_kernel
@@ -478,9 +478,9 @@ def record_watched(scheme, system, loads, state, h, steps, history, watch):
             number, of_interval = (last - first) * steps, steps
         part = LoadHistory(loads.constant, loads.pattern, loads.factor[done : done + number], watch.work)
         advance(scheme, system, part, state, h, of_interval, history[first:last])
-        gauge(system, state.external, state.q, state.v, state.a, watch.force, watch.gauges_now)
+        report_energy(system, state.external, state.q, state.v, state.a, watch.force, watch.present_report)
         _add_work_of_loads(watch, loads.constant, state.q)
-        if _judge(watch, state, number, number * h) != ALL_IS_WELL:
+        if _verdict(watch, state, number, number * h) != ALL_IS_WELL:
             return first
         done += number
     return len(history)

@@ -46,7 +46,7 @@ class _Stack:
 
     mass: (B, k, k) M now.   mass_before: (B, k, k) when its change was counted last.
     normal: (B, k) dc/dq.   inverse: (B, k, k) Z.   lever: (B, k) w.   target: (B,) b.
-    foresight: (B,) what b lacked in the last step of a position-level scheme.
+    drift_correction: (B,) what b lacked in the last step of a position-level scheme.
     """
 
     def __init__(self, blocks: VariableBlocks) -> None:
@@ -58,7 +58,7 @@ class _Stack:
         self.inverse = np.zeros((number, size, size))
         self.lever = np.zeros((number, size))
         self.target = np.zeros(number)
-        self.foresight = np.zeros(number)
+        self.drift_correction = np.zeros(number)
 
 
 class BodiesSystem:
@@ -146,9 +146,9 @@ class BodiesSystem:
 
     def memory(self) -> dict[str, Array]:
         """What earlier steps taught: (B,) for each size of blocks."""
-        return {str(number): s.foresight for number, s in enumerate(self._stacks)}
+        return {str(number): s.drift_correction for number, s in enumerate(self._stacks)}
 
-    def share_foresight(self, first: np.ndarray, memory: Array) -> bool:
+    def share_drift_correction(self, first: np.ndarray, memory: Array) -> bool:
         """Keep what steps teach in this memory (B,) of bodies whose coordinates begin there.
 
         Returns:
@@ -161,21 +161,21 @@ class BodiesSystem:
             return False
         done = 0
         for s in stacks:
-            own = memory[done : done + len(s.foresight)]
-            own[:] = s.foresight
-            s.foresight, done = own, done + len(own)
+            own = memory[done : done + len(s.drift_correction)]
+            own[:] = s.drift_correction
+            s.drift_correction, done = own, done + len(own)
         return True
 
     def forget(self) -> None:
         """What earlier steps taught does not hold any more."""
-        for foresight in self.memory().values():
-            foresight[:] = 0.0
+        for drift_correction in self.memory().values():
+            drift_correction[:] = 0.0
 
     def aim_at_accelerations(self, v: Array, zeta: float) -> None:
         """b = -v . v - zeta p . v: Eq. (27) of unit quaternions, and what earlier steps taught."""
         for s in self._stacks:
             _aim_at_accelerations(s.blocks.dofs, s.blocks.quaternion, s.normal, v, zeta, s.target)
-            s.target += s.foresight
+            s.target += s.drift_correction
 
     def aim_at_velocities(self, v: Array, zeta: float) -> None:
         """b = -zeta c - p . v leads to the manifold; zeta = 0 to that of the velocities."""
@@ -189,7 +189,7 @@ class BodiesSystem:
             blocks = s.blocks
             _aim_at_positions(blocks.dofs, blocks.quaternion, blocks.reference, q, s.target)
             worst = float(np.maximum(worst, np.abs(s.target).max()))  # unlike max, keeps a NaN
-            s.foresight += learning * s.target
+            s.drift_correction += learning * s.target
         return worst
 
 

@@ -39,15 +39,15 @@ class ClosedContacts:
 
 
 class _InContact:
-    """Surroundings where these contacts act as well; see `coupled_system.Surroundings`."""
+    """Native items where these contacts act as well; see `coupled_system.Items`."""
 
     joints: Sequence[str]
     blocks: Sequence[JointBlock]
 
     def __init__(self, system: CoupledSystem, contacts: ClosedContacts, q: Array) -> None:
-        self.joints = system.surroundings.joints
-        self.blocks = system.surroundings.blocks
-        self._open = system.surroundings
+        self.joints = system.native_items.joints
+        self.blocks = system.native_items.blocks
+        self._open = system.native_items
         self._contacts = contacts
         self._dofs = [part.dofs for part in system.wholes]
         self._start = q.copy()
@@ -115,9 +115,9 @@ def rates_in_contact(
 def _rates_of_coupled(
     system: CoupledSystem, external: Array, contacts: ClosedContacts, q: Array, v: Array, kept: Array
 ) -> FastestRates:
-    surroundings = system.surroundings
-    system.surroundings = _InContact(system, contacts, q)
+    native_items = system.native_items
+    system.native_items = _InContact(system, contacts, q)
     try:
         return fastest_rates(system, external, q, v, kept)
     finally:
-        system.surroundings = surroundings
+        system.native_items = native_items

@@ -45,7 +45,7 @@ def _resolve(part: Part, has_joints: bool) -> _Resolved:
     return _Resolved(part.dofs, rates, accelerate, correct, improve)
 
 
-class Surroundings(Protocol):
+class Items(Protocol):
     """What acts on the parts, and joins them.
 
     joints: what each row is called, for messages.   blocks: their Jacobian by parts.
@@ -73,7 +73,7 @@ class Surroundings(Protocol):
 class PartsInOne(Protocol):
     """All parts and joints as one compiled system, to which the forces are given.
 
-    Arguments are those of the protocols; t: time [s]; forces: see `Surroundings.forces`.
+    Arguments are those of the protocols; t: time [s]; forces: see `Items.forces`.
     multipliers: nu (m,) of the joints at the last evaluation.   drift: c_t (m,) there.
     """
 
@@ -108,18 +108,18 @@ class CoupledSystem:
     def __init__(
         self,
         parts: Sequence[Part],
-        surroundings: Surroundings,
+        native_items: Items,
         zeta: float,
         wholes: Sequence[Part] | None = None,
     ) -> None:
         self.parts = parts
         self.wholes = parts if wholes is None else wholes
-        self.surroundings = surroundings
+        self.native_items = native_items
         self.zeta = zeta
-        self.foresight = np.zeros(len(surroundings.joints))
-        self.multipliers = np.zeros(len(surroundings.joints))
-        self.drift = np.zeros(len(surroundings.joints))
-        self.has_joints = len(surroundings.joints) > 0
+        self.drift_correction = np.zeros(len(native_items.joints))
+        self.multipliers = np.zeros(len(native_items.joints))
+        self.drift = np.zeros(len(native_items.joints))
+        self.has_joints = len(native_items.joints) > 0
 
     @cached_property
     def resolved(self) -> list[_Resolved]:
@@ -129,7 +129,7 @@ class CoupledSystem:
     @cached_property
     def solve(self) -> JointSolve:
         """Of the joints."""
-        return JointSolve(self.surroundings.blocks, self.surroundings.joints)
+        return JointSolve(self.native_items.blocks, self.native_items.joints)
 
     def joint_force(self, dofs: slice) -> Array:
         """J^T nu on one part, at the last evaluation.   dofs: its place."""
@@ -157,7 +157,7 @@ class CoupledSystem:
 
     def join(self, t: float, q: Array, v: Array) -> JointTerms:
         """Joints at (t, q, v), their Schur complement factorised; the parts are factorised at q."""
-        terms = self.surroundings.constrain(t, q, v)
+        terms = self.native_items.constrain(t, q, v)
         self.drift = terms.drift
         self.solve.factorise()
         return terms
@@ -167,7 +167,7 @@ class CoupledSystem:
 def coupled_rates(system, external, q, v, acceleration, rate):
     """Eq. (30). Arguments: see `index_reduced_rates`; external: (1,) time [s]."""
     t = float(external[0])
-    forces = system.surroundings.forces(t, q, v)
+    forces = system.native_items.forces(t, q, v)
     if system.in_one:
         system.in_one.rates(t, forces, q, v, acceleration, rate)
         return system.take_in_one()
@@ -191,7 +191,7 @@ def accelerate_and_project_coupled(system, external, q, v, duration, acceleratio
     if leaps:
         rates, velocity[states] = _leap(system, t, q, v, duration, acceleration)
         ends = velocity[states].copy()
-    forces = system.surroundings.forces(t, q, velocity)
+    forces = system.native_items.forces(t, q, velocity)
     if leaps:
         forces[-1][:] = rates
     _accelerate(system, t, forces, q, v, duration, acceleration, end_velocity)
@@ -209,12 +209,12 @@ def _leap(system, t, q, v, duration, acceleration):
     """
     states = system.states
     middle = t - duration, q - duration * v, v
-    rates = system.surroundings.rates_of_states(*middle)
+    rates = system.native_items.rates_of_states(*middle)
     return rates, v[states] + duration * (2.0 * rates - acceleration[states])
 
 
 def _accelerate(system, t, forces, q, v, duration, acceleration, end_velocity):
-    """As `accelerate_and_project`, with known forces of the surroundings."""
+    """As `accelerate_and_project`, with known forces of native items."""
     if system.in_one:
         system.in_one.accelerate(t, forces, q, v, duration, acceleration, end_velocity)
         return system.take_in_one()
@@ -224,7 +224,9 @@ def _accelerate(system, t, forces, q, v, duration, acceleration, end_velocity):
     if not system.has_joints:
         return
     terms, solve = system.join(t, q, v), system.solve
-    end_velocity += duration * system.accelerate_joined(q, acceleration, terms.gamma + system.foresight)
+    end_velocity += duration * system.accelerate_joined(
+        q, acceleration, terms.gamma + system.drift_correction
+    )
     solve.apply(end_velocity, -terms.drift)
 
 
@@ -236,10 +238,10 @@ def correct_coupled_position(system, external, q, tolerance, learning, correctio
         return system.in_one.correct(t, q, tolerance, learning, correction)
     worst = 0.0
     if system.has_joints:
-        value = system.surroundings.violations(t, q)
-        system.foresight -= learning * value
+        value = system.native_items.violations(t, q)
+        system.drift_correction -= learning * value
         worst = float(np.abs(value).max())
-    for part, inputs in zip(system.resolved, system.surroundings.motions(t), strict=True):
+    for part, inputs in zip(system.resolved, system.native_items.motions(t), strict=True):
         dofs = part.dofs
         violation = part.correct(inputs, q[dofs], tolerance, learning, correction[dofs])
         if violation < tolerance:

@@ -14,7 +14,7 @@ from exudyn_inext.exudyn_binding.scene_runs import runs_of_scene
 from exudyn_inext.integrators import find_integrator
 from exudyn_inext.integrators.integrator import Integrator, LoadHistory, record
 from exudyn_inext.integrators.linear_stability import GROWTH_TOLERANCE, decay_limit, frequency_limit
-from exudyn_inext.native.surroundings import switched_off
+from exudyn_inext.native.native_items import switched_off
 from exudyn_inext.run.cable_loads import CableLoads
 from exudyn_inext.run.consistent_start import settle
 from exudyn_inext.run.coupled_watch import STEPS_BETWEEN

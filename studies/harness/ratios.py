@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from .store import Row
-from .table import TextTable, at_most, judged, number, timing_noise
+from .table import TextTable, at_most, number, timing_noise, verdict_on
 
 CONVENTIONAL, INEXTENSIBLE = "conventional", "inextensible"
 DEFAULT, ONE_SETTING, TUNED = "default settings", "one setting", "tuned"
@@ -151,7 +151,7 @@ def ratio_sentences(found: Sequence[Ratio], quick: bool) -> list[str]:
     if quick or not tuned:
         return sentences
     closest, what = min(tuned, key=lambda one: one[0])
-    verdict = judged(1.0, closest, 1.0, "is always cheaper", "is NOT always cheaper")
+    verdict = verdict_on(1.0, closest, 1.0, "is always cheaper", "is NOT always cheaper")
     equal = (
         f"At equal accuracy, the inextensible cable {verdict}: the closest of {len(tuned)} comparisons is "
         f"{number(closest)} ({what})."

@@ -126,6 +126,8 @@ def verdict(is_kept: bool | None, kept: str = "kept", missed: str = "MISSED") ->
     return kept if is_kept else missed
 
 
-def judged(value: float, bar: float, noise: float = 1.0, kept: str = "kept", missed: str = "MISSED") -> str:
+def verdict_on(
+    value: float, bar: float, noise: float = 1.0, kept: str = "kept", missed: str = "MISSED"
+) -> str:
     """The words for whether value <= bar."""
     return verdict(at_most(value, bar, noise), kept, missed)

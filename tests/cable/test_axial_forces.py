@@ -8,7 +8,7 @@ from exudyn_inext.cable.cable import Cable, CurvatureMeasure, Section
 from exudyn_inext.cable.chain import build_chain
 from exudyn_inext.cable.implicit_bending import ImplicitBending
 from exudyn_inext.cable.linked_cable import cable_system
-from exudyn_inext.system import AGITATION, GAUGES, RESOLVED, accelerate_and_project, gauge
+from exudyn_inext.system import ACCELERATION_ENERGY, REPORTED, RESOLVED, accelerate_and_project, report_energy
 
 pytestmark = pytest.mark.kernel
 
@@ -82,8 +82,8 @@ def test_axial_vibrations_count_as_far_as_the_step_resolves_them(h):
     accelerate_and_project(system, rest, q.ravel(), rest, 0.0, rest.copy(), rest.copy())
     shares = []
     for a in (along, across):
-        gauges = np.zeros(GAUGES)
-        gauge(system, rest, q.ravel(), rest, a.ravel(), rest.copy(), gauges)
-        shares.append(np.sqrt(gauges[RESOLVED] / gauges[AGITATION]))
+        energy_report = np.zeros(REPORTED)
+        report_energy(system, rest, q.ravel(), rest, a.ravel(), rest.copy(), energy_report)
+        shares.append(np.sqrt(energy_report[RESOLVED] / energy_report[ACCELERATION_ENERGY]))
     share = 1.0 / (1.0 + (0.5 * h * np.pi) ** 2 * AXIAL)
     assert shares == pytest.approx([share, 1.0], rel=1e-3)

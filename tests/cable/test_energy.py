@@ -8,16 +8,16 @@ import pytest
 from exudyn_inext.cable.attached import Drag
 from exudyn_inext.cable.linked_cable import cable_system
 from exudyn_inext.system import (
-    AGITATION,
+    ACCELERATION_ENERGY,
     ELASTIC,
-    GAUGES,
     KINETIC,
     POWER,
+    REPORTED,
     RESOLVED,
     VIOLATION,
     accelerate_and_project,
-    gauge,
     index_reduced_rates,
+    report_energy,
 )
 from tests.cables import (
     DIMENSIONS,
@@ -35,46 +35,46 @@ from tests.cables import (
 pytestmark = pytest.mark.kernel
 
 
-def gauged(system, state, v):
-    """gauges and forces at (q, v), the system evaluated there."""
+def reported(system, state, v):
+    """energy_report and forces at (q, v), the system evaluated there."""
     q, inputs = state.q.ravel(), state.inputs
-    a, rate, force, gauges = np.zeros(q.size), np.zeros(q.size), np.zeros(q.size), np.zeros(GAUGES)
+    a, rate, force, energy_report = np.zeros(q.size), np.zeros(q.size), np.zeros(q.size), np.zeros(REPORTED)
     index_reduced_rates(system, inputs, q, v, a, rate)
-    gauge(system, inputs, q, v, a, force, gauges)
-    return gauges, force, a
+    report_energy(system, inputs, q, v, a, force, energy_report)
+    return energy_report, force, a
 
 
 @pytest.mark.parametrize("measure", MEASURES)
 @pytest.mark.parametrize("dim", DIMENSIONS)
 def test_energies_are_those_of_the_dense_matrices(dim, measure):
     state = random_state(1, 5, dim, measure, supports="clamped and pinned")
-    gauges, force, a = gauged(cable_system(state.cable, 0.0), state, state.v.ravel())
+    energy_report, force, a = reported(cable_system(state.cable, 0.0), state, state.v.ravel())
     v = state.v.ravel()
-    assert gauges[KINETIC] == pytest.approx(0.5 * v @ dense_mass(state.cable) @ v)
-    assert gauges[AGITATION] == pytest.approx(0.5 * a @ dense_mass(state.cable) @ a)
-    assert gauges[RESOLVED] == gauges[AGITATION]
-    assert gauges[ELASTIC] == pytest.approx(bending_energy(state.cable, state.q))
+    assert energy_report[KINETIC] == pytest.approx(0.5 * v @ dense_mass(state.cable) @ v)
+    assert energy_report[ACCELERATION_ENERGY] == pytest.approx(0.5 * a @ dense_mass(state.cable) @ a)
+    assert energy_report[RESOLVED] == energy_report[ACCELERATION_ENERGY]
+    assert energy_report[ELASTIC] == pytest.approx(bending_energy(state.cable, state.q))
     np.testing.assert_array_equal(force, state.external.ravel())
-    assert gauges[POWER] == 0.0
+    assert energy_report[POWER] == 0.0
 
 
 def test_elastic_energy_knows_the_natural_curvature():
     state = with_section(random_state(2, 5, 2, MEASURES[0]), natural_curvature=0.7)
-    gauges, _, _ = gauged(cable_system(state.cable, 0.0), state, state.v.ravel())
-    assert gauges[ELASTIC] == pytest.approx(bending_energy(state.cable, state.q))
+    energy_report, _, _ = reported(cable_system(state.cable, 0.0), state, state.v.ravel())
+    assert energy_report[ELASTIC] == pytest.approx(bending_energy(state.cable, state.q))
 
 
 @pytest.mark.parametrize("links", LINKS)
 def test_the_largest_violation_is_that_of_all_constraints_lengths_relative(links):
     state = linked_state(3, 5, 2, MEASURES[0], links)
     system = cable_system(state.cable, 0.0)
-    gauges, _, _ = gauged(system, state, state.v.ravel())
+    energy_report, _, _ = reported(system, state, state.v.ravel())
     found = dense_constraints(state.cable, state.q, state.v, state.time)
     scales = {"length": state.cable.constrained_lengths(), "nodal inextensibility": 1.0}
     values = [np.abs(found.value[found.rows[name]] / scale).max() for name, scale in scales.items()]
     others = [np.abs(found.value[rows]).max() for name, rows in found.rows.items() if name not in scales]
-    assert max(values) <= gauges[VIOLATION] * (1 + 1e-12)
-    assert gauges[VIOLATION] <= max(*values, 1.5 * max(others, default=0.0)) * (1 + 1e-12)
+    assert max(values) <= energy_report[VIOLATION] * (1 + 1e-12)
+    assert energy_report[VIOLATION] <= max(*values, 1.5 * max(others, default=0.0)) * (1 + 1e-12)
 
 
 @pytest.mark.parametrize("dim", DIMENSIONS)
@@ -92,10 +92,10 @@ def test_what_the_energy_gains_is_the_work_of_forces_and_power(links, changes, d
     accelerate_and_project(
         system, state.inputs, state.q.ravel(), state.v.ravel(), 0.0, np.zeros(state.q.size), v
     )
-    gauges, force, a = gauged(system, state, v)
+    energy_report, force, a = reported(system, state, v)
     gain = v @ dense_mass(state.cable) @ a - v @ bending_force(state.cable, state.q).ravel()
-    assert abs(gauges[POWER]) > 0.1
-    assert force @ v + gauges[POWER] == pytest.approx(gain, rel=1e-9, abs=1e-9)
+    assert abs(energy_report[POWER]) > 0.1
+    assert force @ v + energy_report[POWER] == pytest.approx(gain, rel=1e-9, abs=1e-9)
 
 
 @pytest.mark.parametrize("dim", DIMENSIONS)
@@ -105,6 +105,6 @@ def test_gauges_leave_no_trace_in_the_evaluations_to_come(dim):
     system, q, v = cable_system(state.cable, 0.0), state.q.ravel(), state.v.ravel()
     before, after = np.zeros((2, q.size)), np.zeros((2, q.size))
     index_reduced_rates(system, state.inputs, q, v, *before)
-    gauge(system, state.inputs, q, v, before[0], np.zeros(q.size), np.zeros(GAUGES))
+    report_energy(system, state.inputs, q, v, before[0], np.zeros(q.size), np.zeros(REPORTED))
     index_reduced_rates(system, state.inputs, q, v, *after)
     np.testing.assert_array_equal(before, after)

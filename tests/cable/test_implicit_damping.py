@@ -11,7 +11,7 @@ from exudyn_inext.cable.implicit_bending import ImplicitBending
 from exudyn_inext.cable.linked_cable import cable_system
 from exudyn_inext.element.bending import stiffness_matrix
 from exudyn_inext.loads.gravity import gravity_force
-from exudyn_inext.system import GAUGES, accelerate_and_project, gauge, index_reduced_rates
+from exudyn_inext.system import REPORTED, accelerate_and_project, index_reduced_rates, report_energy
 from tests.cables import (
     MEASURES,
     State,
@@ -87,13 +87,13 @@ def test_zhai_damps_at_the_half_step_behind(dim):
 @pytest.mark.kernel
 def test_the_damping_on_the_left_is_no_mass_of_the_kinetic_energy():
     state = damped(2)
-    gauges, force = np.zeros(GAUGES), np.zeros(state.q.size)
+    energy_report, force = np.zeros(REPORTED), np.zeros(state.q.size)
     system = implicit_system(state.cable)
     flat = [array.ravel() for array in (state.q, state.v, state.v)]
-    gauge(system, state.inputs, *flat, force, gauges)
+    report_energy(system, state.inputs, *flat, force, energy_report)
     mass = dense_mass(state.cable, THETA * 4.0 * LAG**2)
     v = np.where(state.cable.fixed[:, :, None], 0.0, state.v).ravel()
-    assert gauges[0] == pytest.approx(0.5 * v @ mass @ v, rel=1e-10)
+    assert energy_report[0] == pytest.approx(0.5 * v @ mass @ v, rel=1e-10)
 
 
 LENGTH, SECTION = 1.0, Section(0.1, 1.0)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_inext.cable.border import CLOSURE
+from exudyn_inext.cable.links import CLOSURE
 from exudyn_inext.constraints import constraints_of_cable, distance, prescribed_motion
 from exudyn_inext.constraints.kinds import HELD
 from tests.cables import (

@@ -11,7 +11,7 @@ from exudyn_inext.integrators.integrator import LoadHistory, record
 from exudyn_inext.integrators.rattle import Rattle
 from exudyn_inext.run.members import member, record_members, stacked
 from exudyn_inext.run.watch import build_watch
-from exudyn_inext.system import gauge
+from exudyn_inext.system import report_energy
 from tests.cables import MEASURES, random_state
 
 pytestmark = pytest.mark.kernel
@@ -42,7 +42,7 @@ def alone(seed):
 
 def test_members_move_as_they_do_alone_bit_by_bit():
     members = [start(1), start(2, broken=True), start(3)]
-    systems = [called(cable, *RATTLE.calls, gauge) for cable, _, _ in members]
+    systems = [called(cable, *RATTLE.calls, report_energy) for cable, _, _ in members]
     addresses, functions = addresses_of(systems), systems[0].functions
     loads, memories = (stacked(column) for column in list(zip(*members, strict=True))[1:])
     watches = stacked([build_watch(memory, 4, np.inf) for _, _, memory in members])

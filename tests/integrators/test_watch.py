@@ -22,7 +22,7 @@ from exudyn_inext.run.watch import (
     open_account,
     record_watched,
 )
-from exudyn_inext.system import gauge
+from exudyn_inext.system import report_energy
 from tests.cables import planar_pendulum
 
 TOLERANCE, MOST = 0.003, 0.009
@@ -56,7 +56,7 @@ class WatchedPendulum:
         """Steps that went well, and q, v, a after each of them."""
         history = np.zeros((steps, 3, self.constant.size))
         scheme, loads = self.integrator.scheme(), self.loads(h, steps)
-        system = called(self.system, *self.integrator.calls, gauge)
+        system = called(self.system, *self.integrator.calls, report_energy)
         good = record_watched(scheme, system, loads, self.state, h, 1, history, self.watch)
         if good < steps:
             go_back(self.watch, self.state)
@@ -130,7 +130,7 @@ def test_damping_takes_energy_that_is_accounted_for(name):
     pendulum = WatchedPendulum(name, damping=2e-4)
     start = pendulum.account.start
     good, _ = pendulum.run(2.5e-4, 16_000)
-    lost = start + pendulum.account.work - (pendulum.watch.gauges[0] + pendulum.watch.gauges[1])
+    lost = start + pendulum.account.work - (pendulum.watch.energy_report[0] + pendulum.watch.energy_report[1])
     by_gravity = pendulum.constant @ (pendulum.state.q - planar_pendulum(5)[0].reference.ravel())
     damped = by_gravity - pendulum.account.work
     assert good == 16_000
@@ -142,7 +142,7 @@ def test_damping_takes_energy_that_is_accounted_for(name):
 def test_work_of_a_force_in_time_is_accounted_for(name):
     pendulum = WatchedPendulum(name, force=lambda t: 0.05 * np.sin(8.0 * t))
     good, _ = pendulum.run(1e-3, 4000)
-    energy = pendulum.watch.gauges[0] + pendulum.watch.gauges[1]
+    energy = pendulum.watch.energy_report[0] + pendulum.watch.energy_report[1]
     by_gravity = pendulum.constant @ (pendulum.state.q - planar_pendulum(5)[0].reference.ravel())
     assert good == 4000
     assert energy - pendulum.account.start == pytest.approx(pendulum.account.work, abs=1e-3)

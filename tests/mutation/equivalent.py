@@ -78,12 +78,12 @@ _RULES = [
     ),
     Rule(
         "memory that is larger than needed",
-        "cable/border.py",
+        "cable/links.py",
         _lines(("2 * cable.dimension", "3 * cable.dimension")),
     ),
     Rule(
         "each response is found twice",
-        "cable/border.py",
+        "cable/links.py",
         _lines(("range(0, len(links), 2)", "range(0, len(links), 1)")),
     ),
     Rule(

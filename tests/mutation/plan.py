@@ -69,7 +69,7 @@ _TESTS: dict[str, Sequence[str]] = {
     "penalty_mass": _ROWS,
     "frequency": _FREQUENCIES,
     "linear_response": _FREQUENCIES,
-    "border": (
+    "links": (
         "cable/test_violations.py",
         "cable/test_linked_cable.py",
         *_ROWS[:1],

@@ -17,7 +17,7 @@ from exudyn.itemInterface import (
 from exudyn_inext.native.known.belts import elements_of
 from exudyn_inext.native.known.general_contacts import read_general_contacts, spheres_may_meet
 from exudyn_inext.native.known.unknown import UnknownItemError
-from exudyn_inext.native.surroundings import evaluator
+from exudyn_inext.native.native_items import evaluator
 
 RADIUS = 0.2  # [m]
 OF_SPHERE = ("radius", "contactStiffness", "contactDamping", "frictionMaterialIndex")

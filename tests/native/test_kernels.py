@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_inext.native.joint_rows import _keep_norms
-from exudyn_inext.native.surroundings import _compare
+from exudyn_inext.native.native_items import _compare
 
 pytestmark = pytest.mark.kernel
 

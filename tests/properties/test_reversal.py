@@ -29,21 +29,21 @@ def distance_to_the_start(state, name="RATTLE", **options):
 
 @pytest.mark.parametrize("dim", [2, 3])
 @given(seed=seeds, number=numbers, supports=supports_of_cables, theta=st.sampled_from([0.0, 0.3]))
-def test_rattle_retraces_its_steps(dim, seed, number, supports, theta):
+def test_rattle_is_reversible(dim, seed, number, supports, theta):
     gap, way = distance_to_the_start(moving_cable(seed, number, dim, supports), mass_scaling=theta * H**2)
     assert gap < SAME
     assert way > 0.05
 
 
 @given(seed=seeds, number=st.integers(4, 6))
-def test_rattle_retraces_its_steps_on_a_hanger_with_a_rod(seed, number):
+def test_rattle_is_reversible_on_a_hanger_with_a_rod(seed, number):
     gap, way = distance_to_the_start(moving_cable(seed, number, 2, links=("hanger", "rod")))
     assert gap < SAME
     assert way > 0.05
 
 
 @given(seed=seeds, number=st.integers(5, 8))
-def test_rattle_retraces_its_steps_on_a_ring(seed, number):
+def test_rattle_is_reversible_on_a_ring(seed, number):
     gap, way = distance_to_the_start(moving_ring(seed, number, 2))
     assert gap < SAME
     assert way > 0.05

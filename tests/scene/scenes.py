@@ -55,7 +55,7 @@ class QuadraticJoints:
 
 
 @dataclass
-class GivenSurroundings:
+class GivenItems:
     """Forces and joints that do not come from Exudyn."""
 
     joints: list
@@ -159,5 +159,5 @@ def whole(seed, dim, joints=3, zeta=5.0, damped=False, linked=False):
     parts = [Part(system, dofs) for system, dofs in zip(systems, slices, strict=True)]
     blocks = [JointBlock(part.system, part.dofs, np.arange(joints)) for part in parts]
     names = [f"joint {k}" for k in range(joints)]
-    system = CoupledSystem(parts, GivenSurroundings(names, blocks, rule, inputs), zeta)
+    system = CoupledSystem(parts, GivenItems(names, blocks, rule, inputs), zeta)
     return Whole(states, masses, system, rule, inputs, slices, q, v)

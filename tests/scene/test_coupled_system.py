@@ -81,7 +81,7 @@ def test_what_a_step_lacked_is_learned():
     accelerate_and_project(all_of_it.system, NOW, all_of_it.q, all_of_it.v, 0.0, memory, correction)
     correct_position(all_of_it.system, NOW, all_of_it.q, 1e-12, 200.0, correction)
     expected = -200.0 * all_of_it.rule.value(TIME, all_of_it.q)
-    np.testing.assert_allclose(all_of_it.system.foresight, expected)
+    np.testing.assert_allclose(all_of_it.system.drift_correction, expected)
     a = np.zeros(len(all_of_it.q))
     accelerate_and_project(all_of_it.system, NOW, all_of_it.q, all_of_it.v, 0.0, a, correction)
     jacobian = all_of_it.rule.jacobian(all_of_it.q)

@@ -3,15 +3,15 @@
 from typing import Any
 
 from ...advice.advice import (
+    candidate_sentence,
     choice_sentence,
     convergence_sentence,
     cost_sentence,
-    rival_sentence,
     stretch_sentence,
 )
+from ...advice.candidates import LENIENCE, climb
 from ...advice.cost import predicted_seconds
 from ...advice.pilot import EXTENSIBLE, Pilot
-from ...advice.rivals import LENIENCE, climb
 from ...advice.search import expected_error, extrapolated, most_accurate, try_families
 from ...advice.stretch import stretch_error
 from ...advice.survey import Search, survey_meshes
@@ -104,7 +104,7 @@ class _Session:
     def result(self) -> dict[str, Any]:
         """See `Advise`."""
         self._add_stretch()
-        self._add_rivals()
+        self._add_candidates()
         advised = self._search.best
         if advised is None:
             advised = self._extrapolated()
@@ -158,18 +158,18 @@ class _Session:
         self._search.tried += rigid.tried
         self._reasons.append(cost_sentence(rigid, self._search))
 
-    def _add_rivals(self) -> None:
+    def _add_candidates(self) -> None:
         """Conventional runs, among what was tried."""
         if self._settings.buildConventional is None:
             return
         search = self._search
         best = search.best
         most = LENIENCE * best.seconds if best else self._settings.pilotBudget
-        rivals = climb(self._problem, [pilot.choice.elements for pilot in search.meshes], most)
-        for pilot in rivals:
-            search.judge(pilot)
-        if rivals:
-            self._reasons.append(rival_sentence(rivals, best, self._tolerance))
+        candidates = climb(self._problem, [pilot.choice.elements for pilot in search.meshes], most)
+        for pilot in candidates:
+            search.compare_with_finest(pilot)
+        if candidates:
+            self._reasons.append(candidate_sentence(candidates, best, self._tolerance))
 
     def _within_budget(self, advised: Pilot) -> Pilot | None:
         """What replaces a run; None if that is within the budget, or no pilot is."""

@@ -75,7 +75,7 @@ class SteppedReader:
 
     A coordinate, or the fixed end of a rod, moves to its new place. A rod that gets another length, and
     whatever else is violated, becomes a joint between cable and ground, which Exudyn evaluates: see
-    `NativeSurroundings.approach`.
+    `NativeItems.approach`.
 
     nodes: of all inextensible cables; constraints elsewhere are joints anyway.
     drives: constraints at velocity level.

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...errors import SceneError
 from ...items.parameters import Parameter
-from ...native.surroundings import state_kept
+from ...native.native_items import state_kept
 from ...run.cable_loads import CableLoads
 from ...run.cable_run import CableRun
 from ...run.consistent_start import agree

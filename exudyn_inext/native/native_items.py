@@ -45,7 +45,7 @@ class Approach(NamedTuple):
         )
 
 
-class NativeSurroundings:
+class NativeItems:
     """What Exudyn knows of a scene: all forces by one call, joints, masses that change.
 
     joints: names of the rows.   blocks: their Jacobian by parts.
@@ -146,7 +146,7 @@ class NativeSurroundings:
         return result
 
     def rates_of_states(self, t: float, q: Array, v: Array) -> Array:
-        """See `coupled_system.Surroundings`."""
+        """See `coupled_system.Items`."""
         self.set_state(t, q, v)
         self._solver.ComputeODE1RHS(self._mbs)
         second, first = self._sizes

@@ -2,8 +2,8 @@
 
 import pytest
 
+from exudyn_inext.advice.candidates import climb
 from exudyn_inext.advice.pilot import CONVENTIONAL
-from exudyn_inext.advice.rivals import climb
 from exudyn_inext.advice.survey import survey_meshes
 from tests.advice.analytic import Analytic
 
@@ -37,6 +37,6 @@ def test_beside_inextensible_runs_their_finest_one_judges(problem):
     assert [pilot.choice.elements for pilot in survey.meshes] == list(NUMBERS)
     pilots = climb(problem, NUMBERS, float("inf"))
     for pilot in pilots:
-        survey.judge(pilot)
+        survey.compare_with_finest(pilot)
         true = problem.error(pilot.choice)
         assert true <= pilot.error <= true + 2.0 * survey.uncertainty + 1e-12

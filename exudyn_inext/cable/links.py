@@ -23,7 +23,7 @@ from .saddle_point import solve_reduced
 CLOSURE = "closure"
 
 
-class Border(NamedTuple):
+class LinkSystem(NamedTuple):
     """The links of a chain and the memory of their solve.
 
     links: (m,) records of `records.link_type`.
@@ -67,7 +67,7 @@ def motions_of(links: tuple[Link, ...]) -> list[Motion]:
     return list({id(link.anchor): link.anchor for link in links}.values())
 
 
-def build_border(cable: Cable) -> Border:
+def build_link_system(cable: Cable) -> LinkSystem:
     """Coefficients of the links of `cable`, and memory for their solves."""
     links = all_links(cable)
     records = np.zeros(len(links), link_type(cable.dimension))
@@ -83,7 +83,7 @@ def build_border(cable: Cable) -> Border:
         record.scale = 1.0 / cable.element_lengths[min(link.nodes[0], cable.number_of_elements - 1)]
     number, size = len(links), 2 * cable.dimension
     response = np.zeros((number + 1, len(cable.reference), size))
-    return Border(records, response, np.zeros((number, number)))
+    return LinkSystem(records, response, np.zeros((number, number)))
 
 
 @inlined
@@ -179,9 +179,9 @@ def _set_unit_force(axes, nodes, link, column):
 
 
 @inlined
-def _set_responses(axes, nodes, border):
+def _set_responses(axes, nodes, link_system):
     """A^-1 B^T, two columns at once."""
-    links, response = border.links, border.response
+    links, response = link_system.links, link_system.response
     size = 2 * len(axes)
     for first in range(0, len(links), 2):
         pair = min(2, len(links) - first)
@@ -195,10 +195,10 @@ def _set_responses(axes, nodes, border):
 
 
 @inlined
-def factorise_border(axes, nodes, border):
+def factorise_links(axes, nodes, link_system):
     """S = L L^T; the chain is factorised and the links are assembled. Destroys `solution`."""
-    _set_responses(axes, nodes, border)
-    links, response, schur = border.links, border.response, border.schur
+    _set_responses(axes, nodes, link_system)
+    links, response, schur = link_system.links, link_system.response, link_system.schur
     for r in range(len(links)):
         link = links[r]
         for c in range(r + 1):
@@ -229,9 +229,9 @@ def _violation_of_solution(axes, nodes, link, column):
 
 
 @inlined
-def _set_multipliers(axes, nodes, border, column):
+def _set_multipliers(axes, nodes, link_system, column):
     """S nu = B x - b for one column."""
-    links, schur = border.links, border.schur
+    links, schur = link_system.links, link_system.schur
     number = len(links)
     for r in range(number):
         nu = _violation_of_solution(axes, nodes, links[r], column)
@@ -246,14 +246,14 @@ def _set_multipliers(axes, nodes, border, column):
 
 
 @inlined
-def apply_links(axes, nodes, border, columns, first):
+def apply_links(axes, nodes, link_system, columns, first):
     """Correct the chain's solution so that the links' targets are met.
 
     columns, first: see `saddle_point.substitute_forward`.
     """
-    links, response = border.links, border.response
+    links, response = link_system.links, link_system.response
     for c in range(len(columns)):
-        _set_multipliers(axes, nodes, border, first + c)
+        _set_multipliers(axes, nodes, link_system, first + c)
     for k in range(len(nodes)):
         for r in range(len(links)):
             for c in range(len(columns)):
