@@ -9,14 +9,14 @@ from .table import (
     at_most,
     column,
     groups,
-    judged,
     number,
     percent,
     tables,
     verdict,
+    verdict_on,
 )
 
 __all__ = [
     "UNDECIDED", "Order", "Results", "Row", "Study", "Table", "TextTable", "announce", "at_most", "column",
-    "groups", "judged", "number", "percent", "tables", "verdict",
+    "groups", "number", "percent", "tables", "verdict", "verdict_on",
 ]  # fmt: skip
