@@ -125,6 +125,7 @@ def _blind(watch: Any) -> Any:
         before=watch.before,
         has_one_evaluation=True,
         after_each_step=(),
+        stretches=watch.stretches,
         steps_ahead=inner.STEPS_BETWEEN,
         look=lambda state: None,
         count=lambda steps: None,
