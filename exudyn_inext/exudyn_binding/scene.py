@@ -13,7 +13,7 @@ from ..cable.link import Link, rest
 from ..constraints.prescribed_motion import prescribed
 from ..errors import SceneError
 from ..items.arguments import described, require_system
-from ..items.attach.inert import is_inert_cable
+from ..items.attach.inert import is_inert_cable, nodes_of_inert_cable
 from ..items.attach.markers import REMEDY, unsuitable_items
 from ..items.cable_data import belongs_to_a_cable, find_cable_item
 from ..items.cable_item import supports_of_flags
@@ -31,6 +31,7 @@ from ..scene.model import CableInScene, CableItem, CableLoad, HeldCoordinate, Re
 _HARMLESS = {"Ground"}
 _MATRICES = ("massMatrix", "stiffnessMatrix", "dampingMatrix")  # of ObjectGenericODE2
 COINCIDENT = 1e-10  # difference of coordinates that are meant to be the same [m, -]
+_OUT_OF_PLANE = {"ForceVector": ("z", "N"), "TorqueVector": ("xy", "Nm")}  # components, unit
 _KINDS = (HeldCoordinate, MovingCoordinate, Rod)
 Constraint = HeldCoordinate | MovingCoordinate | Rod
 
@@ -77,7 +78,7 @@ def read_scene(mbs: Any, read: Callable[..., Constraint | None] = read_constrain
     with functions_at_rest(mbs):
         contents = _contents(mbs, read)
         cable_of = {node: number for number, item in contents.items.items() for node in item.nodes}
-        loads, other_loads = _read_loads(mbs, cable_of, elements_by_nodes(contents.items))
+        loads, other_loads = _read_loads(mbs, cable_of, contents.items)
     foreign = [*contents.others, *_foreign_nodes(mbs, cable_of), *other_loads]
     elsewhere = _take_foreign_constraints(contents.constraints, cable_of)
     foreign += [described(mbs.GetObject(number), number) for number in elsewhere]
@@ -193,7 +194,11 @@ def _take_links(contents: Contents, cable_of: dict[int, int]) -> dict[int, Const
     return links
 
 
-def _read_loads(mbs: Any, on_cables: Container[int], elements: Elements) -> tuple[list[CableLoad], list[str]]:
+def _read_loads(
+    mbs: Any, on_cables: Container[int], items: dict[int, CableItem]
+) -> tuple[list[CableLoad], list[str]]:
+    elements = elements_by_nodes(items)
+    planar = {nodes: one for nodes, one in elements.items() if items[one[0]].cable.dimension == 2}
     loads: list[CableLoad] = []
     weights: list[ElementWeight] = []
     others = []
@@ -209,7 +214,33 @@ def _read_loads(mbs: Any, on_cables: Container[int], elements: Elements) -> tupl
         else:
             others.append(name)
             _require_numbers(mbs, load, name)
+            _require_in_plane(mbs, data, name, planar)
     return loads + put_together(weights), others
+
+
+def _require_in_plane(mbs: Any, data: dict[str, Any], name: str, elements: Elements) -> None:
+    """Raise SceneError if a constant load on a planar cable has components out of its plane.
+
+    Native cables pass these over.   data, name: of the load.   elements: of planar cables.
+    """
+    axes, unit = _OUT_OF_PLANE.get(data["loadType"], ("", ""))
+    if not axes or data["loadVectorUserFunction"] or not _is_on(mbs, int(data["markerNumber"]), elements):
+        return
+    for axis in axes:
+        if value := data["loadVector"]["xyz".index(axis)]:
+            raise SceneError(
+                f"{name} has the {axis} component {value:g} {unit}, but its cable is planar: set that to 0, "
+                "or create the cable with dimension=3, which takes forces."
+            )
+
+
+def _is_on(mbs: Any, marker: int, elements: Elements) -> bool:
+    """Whether a marker is a point of one of these elements, or a frame at one of their nodes."""
+    data = mbs.GetMarker(marker)
+    if data["markerType"] == "NodeRigid":
+        return any(int(data["nodeNumber"]) in nodes for nodes in elements)
+    is_point = data["markerType"] in ("BodyPosition", "BodyRigid")
+    return is_point and nodes_of_inert_cable(mbs.GetObject(data["bodyNumber"])) in elements
 
 
 def _is_of_cables(load: NodalLoad | None, on_cables: Container[int]) -> TypeGuard[NodalLoad]:

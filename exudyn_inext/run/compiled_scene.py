@@ -319,11 +319,6 @@ class CompiledScene:
         return {name: self.system.items.sliders.records[name] for name in PLACE}
 
     @property
-    def has_knots(self) -> bool:
-        """Whether three or more parts meet somewhere."""
-        return len(self.system.items.joints.members.hold) > 0
-
-    @property
     def has_dependent_joints(self) -> bool:
         """Whether a joint depends on others, as seen at the last evaluation."""
         joints = self.system.items.joints

@@ -63,12 +63,12 @@ class MovedByKernels(Mover):
         return self._form.loads.at(time)
 
     def correct_start(self, time: float, tolerance: float) -> StartCorrection:
-        """By Exudyn where knots, which yield a little, may hide that joints depend on each other."""
+        """By Exudyn where straight cables may hide that joints depend on each other, or knots that yield."""
         given = time, self._state.q, self._state.v, tolerance
         if self.approaches:
             self._form.approach_joints(time, self._end_of_step, self._state.q, FULFILLED)
         scene, q = self._scene, self._state.q
-        hides_dependence = self._form.has_knots and bool(held_straight(self._runs, scene, q))
+        hides_dependence = bool(held_straight(self._runs, scene, q))
         found = None if hides_dependence else compiled_start(self._form, *given)
         if found is None:
             if self.approaches:  # Exudyn knows nothing of that

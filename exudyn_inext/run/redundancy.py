@@ -38,7 +38,7 @@ def require_independent(scene_cable: CableInScene, system: Any, masses: Array) -
     if not scene_cable.cable.stretches:
         _require_independent_lengths(scene_cable, system, masses)
     if isinstance(system, LinkedCableSystem):
-        _require_independent_links(scene_cable, system.link_system.schur)
+        _require_independent_links(scene_cable, system.link_system.schur, 1.0 / masses.sum())
 
 
 def _require_independent_lengths(scene_cable: CableInScene, system: Any, masses: Array) -> None:
@@ -56,16 +56,17 @@ def _require_independent_lengths(scene_cable: CableInScene, system: Any, masses:
         )
 
 
-def _require_independent_links(scene_cable: CableInScene, factor: Array) -> None:
+def _require_independent_links(scene_cable: CableInScene, factor: Array, mobility: float) -> None:
+    """mobility: of the cable as a whole [1/kg], beside which that of a link held by lengths is round-off."""
     squares = np.tril(factor) ** 2
-    dependent = ~(np.diag(squares) > PIVOT_TOLERANCE * squares.sum(axis=1))
+    dependent = ~(np.diag(squares) > PIVOT_TOLERANCE * np.maximum(squares.sum(axis=1), mobility))
     if dependent.any():
         link = all_links(scene_cable.cable)[int(np.argmax(dependent))]
         names = " and ".join(str(scene_cable.item.node_names[k]) for k in link.nodes)
         raise RedundantConstraintError(
             f"the {link.kind} constraint at node {names} of cable '{scene_cable.name}' is not independent "
             "of the other constraints (a node that is held or moved twice, or a cable pulled straight "
-            "between what holds it): remove one of them, or let the cable sag."
+            "between what holds it): remove one of them, let the cable sag, or give it its axialStiffness."
         )
 
 

@@ -79,12 +79,18 @@ class RunWatch:
 
     @property
     def hides_energy(self) -> bool:
-        """Whether it is too long for a cable that stretches.
+        """Whether it is too long for a cable that stretches, or for a scheme that gains energy.
 
-        Axial vibrations that it does not resolve hide energy, which shorter steps for a while would set free.
+        Axial vibrations that it does not resolve hide energy, which shorter steps for a while would set free;
+        what such a scheme has gained in a violent motion, shorter steps do not take back.
         """
         hidden = self.trouble in (ENERGY, JUMP, NOT_FINITE, UNSTABLE)
-        return self.stretches and self.looks_at_phase and hidden
+        return (self.stretches or self._gains_energy) and self.looks_at_phase and hidden
+
+    @property
+    def _gains_energy(self) -> bool:
+        """Whether the scheme does, by itself."""
+        return self.watch.most < math.inf
 
     @property
     def parts(self) -> int:
@@ -101,7 +107,8 @@ class RunWatch:
         now = self.watch.account[NOW]
         has_turned = now.forces * now.time**2 > BEGINNING**2 * now.speeds
         keeps_mesh = self.watch.mesh[1] == 0.0 or not 0.25 < now.over_mesh < math.inf
-        return bool(self.looks_at_phase and has_turned and keeps_mesh and SLOW * now.phase < self.watch.phase)
+        may_grow = self.looks_at_phase and not self._gains_energy
+        return bool(may_grow and has_turned and keeps_mesh and SLOW * now.phase < self.watch.phase)
 
     def expect_double_step(self) -> None:
         """The motion so far has this phase error at steps twice as long."""

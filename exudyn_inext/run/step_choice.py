@@ -16,6 +16,7 @@ from .cable_run import CableRun
 from .coupled_run import CoupledRun, Run
 from .settings import ExplicitSettings
 from .step_control import StepRule
+from .watch import NO_MESH
 
 SAFETY_ALONE, SAFETY_AMONG_BODIES = 0.95, 0.7  # share of the limit at the start that is used
 THETA = 0.3  # share of bending that is implicit: 1/4 leaves no margin for the tension
@@ -23,6 +24,7 @@ THETA_AMONG_BODIES = 0.55  # with which bending alone, h w < theta^(-1/2), keeps
 STIFF = 0.5  # share of the step of short waves, up to which tension decides, and bending keeps its bound
 OF_STATES = 0.2  # step times the frequency of first order states, as of oil under pressure
 PHASE = 0.003  # error of the motion at the end of a run [rad]
+ANY_PHASE = 1e100  # that no motion has
 MOST_DURATION = 100.0  # of a run, for that [s]
 MUCH = 10.0  # times that damping may shorten the step without a word
 MANY = 100.0  # times as many outputs as steps, without a word
@@ -150,6 +152,9 @@ def _bounds_and_scaling(
     """Bounds of the step, and the settings with the mass scaling that it needs."""
     cables = [cable for run in runs for cable in run.cable_runs]
     if explicit.stepSize is not None or explicit.method[0].stabilised or not cables:
+        if explicit.stepSize is None and not explicit.adaptiveStep:
+            for run in runs:  # steps that gain energy may become shorter, whatever their phase
+                run.watch.limit_phase(min(duration, MOST_DURATION), ANY_PHASE, NO_MESH, 0.0)
         return step_bounds(runs, start, explicit), explicit
     accuracy = min(accurate_step(cable, start) for cable in cables)
     usual = THETA

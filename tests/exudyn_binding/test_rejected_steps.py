@@ -15,7 +15,13 @@ from exudyn.itemInterface import (
     SphericalJoint,
 )
 
-from exudyn_inext import DivergenceError, ExplicitSettings, SolveExplicit
+from exudyn_inext import (
+    CreateInextensibleCable,
+    DivergenceError,
+    ExplicitSettings,
+    InextensibleCable,
+    SolveExplicit,
+)
 from exudyn_inext.run import step_control
 from exudyn_inext.run.step_control import StepControl
 from reference_models.model import quiet_settings
@@ -56,6 +62,32 @@ def test_ropes_that_snap_tight_run_to_their_end(seed, fault):
 def test_energy_does_not_grow_by_jumps_too_small_to_be_rejected(seed):
     """Stiff ones that snap tight gained 15 % and 8 %, with as many steps."""
     _, report = fall(lone_rope(seed))
+    assert report["drift"]["energyGain"] < 0.01
+
+
+@pytest.mark.parametrize("curvature", [0.3, 1.0])
+def test_zhai_begins_again_with_shorter_steps_where_it_gained_energy(curvature, new_mbs, solve):
+    """A cable springs to its natural curvature, with a body: it kept 70 % too much, in smaller steps."""
+
+    def tip(**explicit):
+        mbs, pinned = new_mbs(), {"groundConstraintsStart": [True, True, False, False]}
+        section = InextensibleCable(massPerLength=0.3, bendingStiffness=0.02, referenceCurvature=curvature)
+        cable = CreateInextensibleCable(
+            mbs, [0, 0, 0], [1, 0, 0], 8, section, gravity=[0, -9.81, 0], **pinned
+        )
+        body = mbs.CreateMassPoint(
+            referencePosition=[1, 0, 0], mass=0.2, gravity=[0, -9.81, 0], create2D=True
+        )
+        pair = MarkerNodePosition(nodeNumber=cable["nodes"][-1]), MarkerBodyPosition(bodyNumber=body)
+        both = [mbs.AddMarker(marker) for marker in pair]
+        mbs.AddObject(SphericalJoint(markerNumbers=both, constrainedAxes=[1, 1, 0]))
+        mbs.Assemble()
+        report = solve(mbs, 1.0, steps=100, **explicit)
+        return mbs.GetNodeOutput(cable["nodes"][-1], exudyn.OutputVariableType.Position), report
+
+    fine, _ = tip(stepSize=5e-5)
+    found, report = tip(integrator="Zhai")
+    np.testing.assert_allclose(found, fine, atol=2e-3)
     assert report["drift"]["energyGain"] < 0.01
 
 

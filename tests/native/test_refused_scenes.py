@@ -5,9 +5,12 @@ import numpy as np
 import pytest
 from exudyn.itemInterface import (
     DistanceConstraint,
+    LoadForceVector,
+    LoadTorqueVector,
     MarkerBodyPosition,
     MarkerBodyRigid,
     MarkerNodePosition,
+    MarkerNodeRigid,
     NodeGenericODE2,
     NodePoint,
     NodeRigidBody2D,
@@ -19,6 +22,7 @@ from exudyn.itemInterface import (
 from exudyn.utilities import InertiaCuboid, RigidBodyInertia, RotXYZ2RotationMatrix
 
 from exudyn_inext import (
+    AddMarkerOnCable,
     CreateInextensibleCable,
     InextensibleCable,
     RedundantConstraintError,
@@ -184,6 +188,61 @@ def test_straight_cables_between_held_ends_are_named_and_may_sag_instead(new_mbs
     x, y, _ = mbs.GetNodeOutput(middle, exudyn.OutputVariableType.Position)
     assert x == pytest.approx(1.0, abs=1e-6)
     assert -0.05 < y < -0.01  # both cables fall, and pull it up
+
+
+@pytest.mark.parametrize("elements", [2, 3, 8])
+@pytest.mark.parametrize("way", [(1, 0, 0), (0, -1, 0), (0.6, 0.8, 0)], ids=str)
+@pytest.mark.parametrize("tie", ["joint", "rod"])
+def test_what_holds_a_straight_cable_at_its_own_length_is_redundant(mbs, solve, tie, way, elements):
+    """A joint to ground at its end, or a rod in line with it; with its axialStiffness it may be held so."""
+
+    def held(axial):
+        mbs.Reset()
+        section = InextensibleCable(massPerLength=0.3, bendingStiffness=0.02, axialStiffness=axial)
+        pinned, end = {"groundConstraintsStart": [True, True, False, False]}, 1.3 * np.array(way)
+        cable = CreateInextensibleCable(mbs, [0, 0, 0], list(end), elements, section, **pinned)
+        rod = 0.0 if tie == "joint" else 0.5
+        anchor = MarkerBodyPosition(
+            bodyNumber=mbs.CreateGround(), localPosition=list(end + rod * np.array(way))
+        )
+        pair = [mbs.AddMarker(MarkerNodePosition(nodeNumber=cable["nodes"][-1])), mbs.AddMarker(anchor)]
+        both = {"markerNumbers": pair}
+        if rod:
+            mbs.AddObject(DistanceConstraint(**both, distance=rod))
+        else:
+            mbs.AddObject(SphericalJoint(**both, constrainedAxes=[1, 1, 0]))
+        mbs.Assemble()
+        solve(mbs, 1e-3)
+
+    with pytest.raises(RedundantConstraintError, match=r"not independent.*axialStiffness"):
+        held(None)
+    held(1e5)
+
+
+@pytest.mark.parametrize(
+    ("load", "vector", "said"),
+    [
+        (LoadForceVector, [1, 2, 3], "z component 3 N"),
+        (LoadTorqueVector, [0.1, 0, 3], "x component 0.1 Nm"),
+        (LoadTorqueVector, [0, 0.2, 0], "y component 0.2 Nm"),
+    ],
+)
+@pytest.mark.parametrize("at_node", [True, False])
+def test_loads_out_of_the_plane_of_a_planar_cable_are_refused(
+    mbs, add_pendulum, solve, load, vector, said, at_node
+):
+    """Those in the plane act: on frames beside nodes, and at nodes."""
+    cable = add_pendulum(mbs, gravity=[0, 0, 0])
+    at = MarkerNodeRigid(nodeNumber=cable["nodes"][2])
+    marker = mbs.AddMarker(at) if at_node else AddMarkerOnCable(mbs, cable, 0.8, hasFrame=True)
+    number = mbs.AddLoad(load(markerNumber=marker, loadVector=vector))
+    mbs.Assemble()
+    with pytest.raises(SceneError, match=rf"{said}.*planar.*dimension=3"):
+        solve(mbs, 1e-3)
+    in_plane = [vector[0], vector[1], 0] if load is LoadForceVector else [0, 0, 1.0]
+    mbs.SetLoadParameter(number, "loadVector", in_plane)
+    solve(mbs, 1e-3)
+    assert np.abs(mbs.systemData.GetODE2Coordinates()).max() > 1e-7
 
 
 def test_what_is_tied_at_another_speed_starts_after_an_impulse(mbs, add_pendulum, solve):
