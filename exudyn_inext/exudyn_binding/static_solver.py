@@ -13,7 +13,8 @@ from ..checks import require_finite, require_functions, require_integer, require
 from ..errors import EquilibriumError, InputError, SceneError
 from ..items.functions_of_time import take_word
 from ..loads.weight import ElementWeight
-from ..native.coupled_scene import CoupledCable, CoupledScene
+from ..native.coupled_scene import CoupledScene
+from ..native.evaluated_scene import CoupledCable
 from ..native.native_items import state_kept, switched_off
 from ..native.static_scene import StaticScene, put_data, require_held, rest_at
 from ..native.velocity_level import at_position_level
