@@ -1,14 +1,29 @@
 """The stiffness of a cable about a configuration: of bending, and of the tension in its constraints."""
 
 from ..called_system import by_address, call_protocol, calls, implements
-from ..compiled import inlined, protocol
+from ..compiled import called_kernel, inlined, protocol
 from ..element.inextensibility import length_gradient
 from ..lowered import COUNT, NUMBERS, local_array, numbers_at
 from .assembly import add_elastic_force, add_element_force, differences
 from .index_reduction import CableSystem
 from .linear_response import add_link_stiffness
 from .linked_cable import LinkedCableSystem
-from .vectors import combine
+
+
+@called_kernel
+def combine(a, x, b, y, result):
+    """result = a x + b y."""
+    for i in range(len(x)):
+        result[i] = a * x[i] + b * y[i]
+
+
+@called_kernel
+def inner(x, y):
+    """Inner product."""
+    total = 0.0
+    for i in range(len(x)):
+        total += x[i] * y[i]
+    return total
 
 
 @protocol

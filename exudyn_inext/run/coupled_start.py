@@ -10,8 +10,7 @@ from ..errors import SceneError
 from ..scene.coupled_system import CoupledSystem
 from ..system import accelerate_and_project
 from .compiled_scene import CompiledScene
-from .consistent_start import PLACES, RATES, StartCorrection, settle
-from .start_velocities import kinetic_energy, warn_of_velocities
+from .consistent_start import PLACES, RATES, StartCorrection, kinetic_energy, settle, warn_of_velocities
 
 
 def consistent_start(

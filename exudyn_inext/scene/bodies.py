@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from ..arrays import Array
 from ..compiled import inlined, kernel
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
-from .parts import respond_to_rows
+from .joints import respond_to_rows
 
 _DENSE = 40  # coordinates up to which a dense product is the faster one
 

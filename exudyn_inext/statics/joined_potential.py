@@ -8,9 +8,9 @@ work that they do along a step, and what they add to the Hessian is found by dif
 over those coordinates on which it depends.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import accumulate, pairwise
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -18,8 +18,48 @@ from scipy.sparse import csr_array
 from ..arrays import Array
 from ..sparse import block_diagonal, one_below_another
 from .potential import Potential
-from .rounds import rounds_of
 from .saddle_point import order_of_elimination
+
+
+class Round(NamedTuple):
+    """Coordinates that are moved together.
+
+    places: (k,) of them.   rows, columns: (e,) entries of the Jacobian that this tells of.
+    """
+
+    places: np.ndarray
+    rows: np.ndarray
+    columns: np.ndarray
+
+
+def rounds_of(groups: Iterable[np.ndarray], first_shared: int) -> list[Round]:
+    """Rounds in which each row depends on one coordinate at most, of a symmetric Jacobian.
+
+    groups: coordinates of each item, each of which may act on all others of it.
+    first_shared: coordinates from this one on are in many groups: rounds of the others leave their rows out.
+    """
+    reach: dict[int, frozenset[int]] = {}  # rows that a coordinate acts on
+    for group in groups:
+        own = frozenset(group.tolist())
+        alone = frozenset(place for place in own if place < first_shared)
+        for place in own:
+            rows_of_place = alone if place in alone else own
+            reach[place] = reach[place] | rows_of_place if place in reach else rows_of_place
+    rounds: list[tuple[list[int], set[int]]] = []
+    for place in sorted(reach):
+        free = [one for one in rounds if one[1].isdisjoint(reach[place])]
+        if not free:
+            rounds.append(([], set()))
+        places, rows = free[0] if free else rounds[-1]
+        places.append(place)
+        rows |= reach[place]
+    return [_round(places, [sorted(reach[place]) for place in places]) for places, _ in rounds]
+
+
+def _round(places: list[int], reached: list[list[int]]) -> Round:
+    at = np.array(places, dtype=np.int64)
+    return Round(at, np.concatenate(reached), np.repeat(at, [len(rows) for rows in reached]))
+
 
 STEP = 1e-6  # of differences [m, -]
 SHARE = 1e-9  # of the usual shift, by which all Hessians are made regular: bodies may be free to turn
