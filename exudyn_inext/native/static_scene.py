@@ -14,6 +14,7 @@ from ..arrays import Array
 from ..errors import SceneError
 from ..items.arguments import described
 from ..items.attach.inert import is_inert_cable
+from ..statics.joined_potential import Others
 from .bodies import read_quaternions
 from .circles_in_the_way import CirclesInTheWay
 from .evaluated_scene import SceneOfExudyn
@@ -22,8 +23,8 @@ _ROTATIONS = {"RigidBody2D": 2, "Point2DSlope1": 2, "PointSlope1": 3, "PointSlop
 """Where the rotations, or slopes, of a node begin."""
 
 
-class StaticScene:
-    """See `statics.joined_potential.Others`.
+class StaticScene(Others):
+    """All that a scene has besides its cables, as Exudyn evaluates it.
 
     Args:
         scene: evaluated by Exudyn.   t: at which loads and joints are taken [s].
@@ -48,7 +49,6 @@ class StaticScene:
         self._circles = CirclesInTheWay(mbs)
 
     def force(self, q: Array) -> Array:
-        """See `Others`."""
         self._scene.native_items.forces(self._time, q, self._rest)
         return self._scene.native_items.native_forces.copy()
 
@@ -62,7 +62,6 @@ class StaticScene:
         return self._circles.present()
 
     def values(self, q: Array) -> Array:
-        """See `Others`."""
         if not self._scene.joints:
             return np.zeros(0)
         native_items = self._scene.native_items
@@ -72,7 +71,6 @@ class StaticScene:
         return values
 
     def jacobian(self, q: Array) -> csr_array:
-        """See `Others`."""
         native_items, size = self._scene.native_items, (len(self._scene.native_items.joints), len(q))
         rows, columns, values = [np.zeros(0, int)], [np.zeros(0, int)], [np.zeros(0)]
         for block in native_items.jacobian(self._time, q) if self._scene.joints else ():
@@ -84,7 +82,6 @@ class StaticScene:
         return csr_array((np.concatenate(values), places), size)
 
     def pulls(self, q: Array, nu: Array) -> Array:
-        """See `Others`."""
         result = np.zeros(len(q))
         for block in self._scene.native_items.jacobian(self._time, q) if self._scene.joints else ():
             result[block.dofs] += block.jacobian.T @ nu[block.rows]
