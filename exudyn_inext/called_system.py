@@ -115,6 +115,17 @@ def implements(
     return register
 
 
+def has_nothing(system_type: type, *protocols: Any) -> None:
+    """For systems of this type these protocols have nothing to do."""
+    for protocol in protocols:
+        protocol.register(system_type)(_do_nothing)
+
+
+@inlined
+def _do_nothing(*_arguments):
+    pass
+
+
 @kernel
 def _put(system, memory):
     memory_of(memory.ctypes.data, system)[0] = system
@@ -251,7 +262,6 @@ _EVALUATION = COUNT, COUNT, NUMBERS, NUMBERS, NUMBERS
 
 @by_address(index_reduced_rates, *_EVALUATION, NUMBERS, NUMBERS)
 def RATES(system, size, inputs, external, q, v, acceleration, rate):
-    """How `index_reduced_rates` is called by address."""
     index_reduced_rates(
         system[0],
         numbers_at(external, inputs),
@@ -265,14 +275,12 @@ def RATES(system, size, inputs, external, q, v, acceleration, rate):
 
 @calls(index_reduced_rates)
 def rates_of_called(system, external, q, v, acceleration, rate):
-    """Arguments: see `index_reduced_rates`."""
     state = len(q), len(external), external.ctypes.data, q.ctypes.data, v.ctypes.data
     call_protocol(system, RATES, (*state, acceleration.ctypes.data, rate.ctypes.data), acceleration)
 
 
 @by_address(accelerate_and_project, *_EVALUATION, REAL, NUMBERS, NUMBERS)
 def ACCELERATION(system, size, inputs, external, q, v, duration, acceleration, end_velocity):
-    """How `accelerate_and_project` is called by address."""
     accelerate_and_project(
         system[0],
         numbers_at(external, inputs),
@@ -287,7 +295,6 @@ def ACCELERATION(system, size, inputs, external, q, v, duration, acceleration, e
 
 @calls(accelerate_and_project)
 def accelerate_called(system, external, q, v, duration, acceleration, end_velocity):
-    """Arguments: see `accelerate_and_project`."""
     state = len(q), len(external), external.ctypes.data, q.ctypes.data, v.ctypes.data
     outputs = acceleration.ctypes.data, end_velocity.ctypes.data
     call_protocol(system, ACCELERATION, (*state, duration, *outputs), acceleration)
@@ -295,7 +302,6 @@ def accelerate_called(system, external, q, v, duration, acceleration, end_veloci
 
 @by_address(correct_position, COUNT, COUNT, NUMBERS, NUMBERS, REAL, REAL, NUMBERS)
 def CORRECTION(system, size, inputs, external, q, tolerance, learning, correction):
-    """How `correct_position` is called by address."""
     return correct_position(
         system[0],
         numbers_at(external, inputs),
@@ -308,7 +314,6 @@ def CORRECTION(system, size, inputs, external, q, tolerance, learning, correctio
 
 @calls(correct_position)
 def correct_called(system, external, q, tolerance, learning, correction):
-    """Arguments: see `correct_position`."""
     places = len(q), len(external), external.ctypes.data, q.ctypes.data
     return call_protocol(
         system, CORRECTION, (*places, tolerance, learning, correction.ctypes.data), correction
@@ -317,7 +322,6 @@ def correct_called(system, external, q, tolerance, learning, correction):
 
 @by_address(report_energy, *_EVALUATION, NUMBERS, NUMBERS, NUMBERS)
 def REPORT_ENERGY(system, size, inputs, external, q, v, a, force, energy_report):
-    """How `report_energy` is called by address."""
     report_energy(
         system[0],
         numbers_at(external, inputs),
@@ -332,7 +336,6 @@ def REPORT_ENERGY(system, size, inputs, external, q, v, a, force, energy_report)
 
 @calls(report_energy)
 def report_energy_called(system, external, q, v, a, force, energy_report):
-    """Arguments: see `report_energy`."""
     state = len(q), len(external), external.ctypes.data, q.ctypes.data, v.ctypes.data
     call_protocol(
         system,

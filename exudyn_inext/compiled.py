@@ -1,15 +1,16 @@
 """How numerical kernels are compiled, and the cache of their machine code.
 
 `kernel` makes an entry point, `inlined` a part of kernels, `inlined_kernel` and `called_kernel` what is both,
-`optional` a part that many cables do not have, `dispatched` a protocol. Parts are optimised in the kernels
-that contain them only; a kernel that others call is optimised before, too: that pays for long ones that
-several call.
+`optional` a part that many cables do not have, `protocol` what types implement. Parts are optimised in the
+kernels that contain them only; a kernel that others call is optimised before, too: that pays for long ones
+that several call.
 
 Where all loops over a `lowered.local_array` are unrolled it has no aliases and is kept in registers: a long
 body of such a loop belongs into a function of its own, or the loop stays.
 """
 
 from collections.abc import Callable
+from functools import singledispatch, wraps
 from typing import Any, TypeVar, cast
 
 import numba
@@ -180,16 +181,25 @@ def optional(field: str, otherwise: Callable[..., Any] = _nothing) -> Callable[[
     return decorate
 
 
-def dispatched(protocol: Any) -> Any:
-    """Let compiled code call a `singledispatch` function, resolved by the type of its first argument."""
+def protocol(declaration: _Function) -> Any:
+    """A function that types of its first argument implement, in Python and in compiled code.
 
+    Without an implementation it raises NotImplementedError.
+    """
+
+    @wraps(declaration)
+    def missing(system, *others):
+        raise NotImplementedError(f"no {declaration.__name__} for {type(system).__name__}")
+
+    function = singledispatch(missing)
+
+    @overload(function, strict=False, jit_options=_OF_PARTS)
     def choose(*arguments):
-        implementation = protocol.dispatch(getattr(arguments[0], "instance_class", object))
+        implementation = function.dispatch(getattr(arguments[0], "instance_class", object))
 
         def call(*arguments):
             return implementation(*arguments)
 
         return call
 
-    overload(protocol, strict=False, jit_options=_OF_PARTS)(choose)
-    return protocol
+    return function

@@ -6,13 +6,10 @@ The same call works in compiled code (resolved when compiling) and in plain Pyth
 Kernels that take any system see it as `Called`, see `called_system`: they are compiled once for all types.
 """
 
-from functools import singledispatch
-
-from .compiled import dispatched
+from .compiled import protocol
 
 
-@dispatched
-@singledispatch
+@protocol
 def index_reduced_rates(system, external, q, v, acceleration, rate):
     """Right-hand side of the index-reduced equations, Eq. (30).
 
@@ -23,15 +20,10 @@ def index_reduced_rates(system, external, q, v, acceleration, rate):
         q: (n_dof,) coordinates.   v: (n_dof,) velocities.
         acceleration: (n_dof,) output dv/dt.
         rate: (n_dof,) output dq/dt: the velocity, projected and stabilised.
-
-    Raises:
-        NotImplementedError: the type of `system` implements no such right-hand side.
     """
-    raise NotImplementedError(f"no index-reduced rates for {type(system).__name__}")
 
 
-@dispatched
-@singledispatch
+@protocol
 def accelerate_and_project(system, external, q, v, duration, acceleration, end_velocity):
     """Constrained acceleration at q, and the velocity after it has acted, on the constraint manifold.
 
@@ -45,15 +37,10 @@ def accelerate_and_project(system, external, q, v, duration, acceleration, end_v
         acceleration: (n_dof,) output a; on entry the last one: forces that depend on the velocity are
             evaluated at v + duration times it.
         end_velocity: (n_dof,) output v_end; must not be the array v.
-
-    Raises:
-        NotImplementedError: the type of `system` implements no such projection.
     """
-    raise NotImplementedError(f"no projection for {type(system).__name__}")
 
 
-@dispatched
-@singledispatch
+@protocol
 def correct_position(system, external, q, tolerance, learning, correction):
     """One step back to the constraint manifold along the last Jacobian: C_q d = -c(q).
 
@@ -69,11 +56,7 @@ def correct_position(system, external, q, tolerance, learning, correction):
     Returns:
         Largest violation |c(q)| [-] before the correction; lengths relative to the element. Where it is
         below the tolerance, the correction is not set.
-
-    Raises:
-        NotImplementedError: the type of `system` implements no such correction.
     """
-    raise NotImplementedError(f"no position correction for {type(system).__name__}")
 
 
 # what `report_energy` gives
@@ -81,8 +64,7 @@ KINETIC, ELASTIC, POWER, VIOLATION, ACCELERATION_ENERGY, RESOLVED = 0, 1, 2, 3, 
 REPORTED = 6
 
 
-@dispatched
-@singledispatch
+@protocol
 def report_energy(system, external, q, v, a, force, energy_report):
     """Energies and violated constraints of a state, for whoever watches a run.
 
@@ -95,8 +77,4 @@ def report_energy(system, external, q, v, a, force, energy_report):
             nor in `force` (damping, drag, moving constraints); largest violation of a constraint [-], lengths
             relative; a . M a / 2 [J/s^2]; the same without vibrations that are implicit and that the step
             does not resolve.
-
-    Raises:
-        NotImplementedError: the type of `system` implements no such figures.
     """
-    raise NotImplementedError(f"no energy balance for {type(system).__name__}")

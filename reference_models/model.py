@@ -9,8 +9,8 @@ import numpy as np
 from exudyn.itemInterface import SensorNode
 
 from exudyn_inext.errors import InputError
-from exudyn_inext.exudyn_binding import quiet
-from exudyn_inext.exudyn_binding.quiet import silence as silence
+from exudyn_inext.exudyn_binding import console
+from exudyn_inext.exudyn_binding.console import silence as silence
 
 from .scenes import Scene
 from .trajectory import Trajectory
@@ -65,7 +65,7 @@ def add_position_sensors(mbs: Any, scene: Scene, nodes: Sequence[int]) -> dict[s
 
 def quiet_settings(end_time: float, steps: int, period: float = SENSOR_PERIOD) -> Any:
     """exudyn.SimulationSettings: silent, no files, sensors every `period` [s]."""
-    return quiet.quiet_settings(end_time, steps, period)
+    return console.quiet_settings(end_time, steps, period)
 
 
 def sensor_trajectory(model: Model, point: str) -> Trajectory:

@@ -7,7 +7,7 @@ import numba
 import pytest
 
 from exudyn_inext import ExplicitSettings, ExplicitStepper, SolveEnsemble, compiled
-from exudyn_inext.exudyn_binding.compile_notice import compile_notice
+from exudyn_inext.exudyn_binding.console import compile_notice
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import add_pendulum, load_node
 

@@ -16,8 +16,7 @@ from .index_reduction import ACCELERATION, CableSystem
 from .linear_response import respond
 from .linked_cable import LinkedCableSystem
 from .saddle_point import apply_mass, multiply_by_mass
-from .stiffness import apply_stiffness
-from .vectors import combine, inner
+from .stiffness import apply_stiffness, combine, inner
 
 LANCZOS_STEPS = 40
 BREAKDOWN = 1e-7  # what is left of a Lanczos vector, relative, that is nothing but round-off

@@ -190,5 +190,4 @@ def report_energy_of_chain(chain, external, q, v, a, force, energy_report):
 
 @implements(report_energy, CableSystem)
 def report_energy_of_cable(system, external, q, v, a, force, energy_report):
-    """Arguments: see `report_energy`."""
     report_energy_of_chain(system.chain, external, q, v, a, force, energy_report)

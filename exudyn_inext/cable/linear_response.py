@@ -1,10 +1,9 @@
 """What small vibrations and joints need of a system: operators, dispatched on its type as in `system`."""
 
-from functools import singledispatch
 from typing import Any
 
-from ..called_system import by_address, call_protocol, calls, implements
-from ..compiled import dispatched, inlined
+from ..called_system import by_address, call_protocol, calls, has_nothing, implements
+from ..compiled import inlined, protocol
 from ..lowered import COUNT, NUMBERS, numbers_at
 from .assembly import add_lagging_damping
 from .chain import Chain
@@ -13,52 +12,39 @@ from .linked_cable import LinkedCableSystem, solve_linked_column
 from .saddle_point import solve_column
 
 
-@dispatched
-@singledispatch
+@protocol
 def constrained_inverse(system, force, x):
     """x = constrained M^-1 force: M x + C_q^T lam = force, C_q x = 0.
 
     Args:
         system: factorised.
         force: (n, 2, dim) [N, Nm].   x: (n, 2, dim) output.
-
-    Raises:
-        NotImplementedError: the type of `system` implements no such solve.
     """
-    raise NotImplementedError(f"no constrained inverse for {type(system).__name__}")
 
 
-@dispatched
-@singledispatch
+@protocol
 def respond(system, first, force, response):
     """`constrained_inverse` of one of the cables that make up a chain: its response to a joint force.
 
     Args:
         system: of the chain, factorised.   first: coordinate of the cable in it.
         force: (w,) on the w coordinates of the cable [N, Nm].   response: (w,) output.
-
-    Raises:
-        NotImplementedError: the type of `system` implements no such solve.
     """
-    raise NotImplementedError(f"no response to joint forces for {type(system).__name__}")
 
 
 @by_address(respond, COUNT, COUNT, NUMBERS, NUMBERS)
 def RESPONSE(system, first, size, force, response):
-    """How `respond` is called by address."""
     respond(system[0], first, numbers_at(force, size), numbers_at(response, size))
     return 0.0
 
 
 @calls(respond)
 def respond_called(system, first, force, response):
-    """Arguments: see `respond`."""
     outputs = force.ctypes.data, response.ctypes.data
     call_protocol(system, RESPONSE, (first, len(force), *outputs), response)
 
 
-@dispatched
-@singledispatch
+@protocol
 def improve_damping(system, q, x):
     """What accelerations lack, as the bending damping of a chain is not all that is in its matrix.
 
@@ -68,23 +54,17 @@ def improve_damping(system, q, x):
     Args:
         system: factorised, see `leave_to_joints`.   q: (n,).
         x: (n,) accelerations with joints, and output: what has to be added to them.
-
-    Raises:
-        NotImplementedError: the type of `system` implements no such solve.
     """
-    raise NotImplementedError(f"no damping for {type(system).__name__}")
 
 
 @by_address(improve_damping, COUNT, NUMBERS, NUMBERS)
 def DAMPING(system, size, q, x):
-    """How `improve_damping` is called by address."""
     improve_damping(system[0], numbers_at(q, size), numbers_at(x, size))
     return 0.0
 
 
 @calls(improve_damping)
 def improve_damping_called(system, q, x):
-    """Arguments: see `improve_damping`."""
     call_protocol(system, DAMPING, (len(q), q.ctypes.data, x.ctypes.data), x)
 
 
@@ -97,15 +77,9 @@ def leave_to_joints(system: Any, joined: bool) -> bool:
     return joined
 
 
-@dispatched
-@singledispatch
+@protocol
 def add_link_stiffness(system, multiplier, x, y):
-    """y += sum nu d2c/dq2 x over the links of a system.   multiplier: (m,) nu; x, y: (n, 2, dim).
-
-    Raises:
-        NotImplementedError: the type of `system` has no links.
-    """
-    raise NotImplementedError(f"no link stiffness for {type(system).__name__}")
+    """y += sum nu d2c/dq2 x over the links of a system.   multiplier: (m,) nu; x, y: (n, 2, dim)."""
 
 
 @inlined
@@ -128,7 +102,6 @@ def _hold_links(links):
 
 @implements(constrained_inverse, CableSystem)
 def constrained_inverse_of_cable(system, force, x):
-    """Arguments: see `constrained_inverse`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     _set_right_hand_side(axes, nodes, elements, 1.0, force)
     solve_column(axes, nodes, elements, ACCELERATION, x)
@@ -136,7 +109,6 @@ def constrained_inverse_of_cable(system, force, x):
 
 @implements(constrained_inverse, LinkedCableSystem)
 def constrained_inverse_of_linked_cable(system, force, x):
-    """Arguments: see `constrained_inverse`."""
     _set_right_hand_side(system.chain.axes, system.chain.nodes, system.chain.elements, 1.0, force)
     _hold_links(system.link_system.links)
     solve_linked_column(system, ACCELERATION, x)
@@ -144,7 +116,6 @@ def constrained_inverse_of_linked_cable(system, force, x):
 
 @implements(improve_damping, CableSystem)
 def improve_damping_of_cable(system, q, x):
-    """Arguments: see `improve_damping`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     shape = (len(nodes), 2, len(axes))
     _set_right_hand_side(axes, nodes, elements, 0.0, x.reshape(shape))
@@ -154,7 +125,6 @@ def improve_damping_of_cable(system, q, x):
 
 @implements(improve_damping, LinkedCableSystem)
 def improve_damping_of_linked_cable(system, q, x):
-    """Arguments: see `improve_damping`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     shape = (len(nodes), 2, len(axes))
     _set_right_hand_side(axes, nodes, elements, 0.0, x.reshape(shape))
@@ -165,7 +135,6 @@ def improve_damping_of_linked_cable(system, q, x):
 
 @implements(respond, CableSystem)
 def respond_in_chain(system, first, force, response):
-    """Arguments: see `respond`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     left, number = first // (2 * len(axes)), len(force) // (2 * len(axes))
     alone = Chain(axes, nodes[left : left + number], elements[left : left + number - 1])
@@ -180,9 +149,7 @@ def respond_of_linked_cable(system, first, force, response):
     constrained_inverse(system, force.reshape(shape), response.reshape(shape))
 
 
-@implements(add_link_stiffness, CableSystem)
-def no_link_stiffness(system, multiplier, x, y):
-    """A cable without links has none."""
+has_nothing(CableSystem, add_link_stiffness)
 
 
 @implements(add_link_stiffness, LinkedCableSystem)

@@ -167,7 +167,6 @@ def linked_rates(system, external, q, v, acceleration, rate):
 
 @implements(accelerate_and_project, LinkedCableSystem)
 def accelerate_and_project_linked(system, external, q, v, duration, acceleration, end_velocity):
-    """Arguments: see `accelerate_and_project`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     link_system = system.link_system
     shape = (len(nodes), 2, len(axes))
@@ -192,7 +191,6 @@ def accelerate_and_project_linked(system, external, q, v, duration, acceleration
 
 @implements(correct_position, LinkedCableSystem)
 def correct_linked_position(system, external, q, tolerance, learning, correction):
-    """Arguments: see `correct_position`."""
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     links = system.link_system.links
     shape = (len(nodes), 2, len(axes))
@@ -208,7 +206,6 @@ def correct_linked_position(system, external, q, tolerance, learning, correction
 
 @implements(report_energy, LinkedCableSystem)
 def report_energy_linked(system, external, q, v, a, force, energy_report):
-    """Arguments: see `report_energy`."""
     axes, links = system.chain.axes, system.link_system.links
     report_energy_of_chain(system.chain, external, q, v, a, force, energy_report)
     motions = external[q.size :].reshape(_shape_of_motions(axes, external, q.size))

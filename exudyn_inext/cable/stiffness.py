@@ -1,20 +1,32 @@
 """The stiffness of a cable about a configuration: of bending, and of the tension in its constraints."""
 
-from functools import singledispatch
-
 from ..called_system import by_address, call_protocol, calls, implements
-from ..compiled import dispatched, inlined
+from ..compiled import called_kernel, inlined, protocol
 from ..element.inextensibility import length_gradient
 from ..lowered import COUNT, NUMBERS, local_array, numbers_at
 from .assembly import add_elastic_force, add_element_force, differences
 from .index_reduction import CableSystem
 from .linear_response import add_link_stiffness
 from .linked_cable import LinkedCableSystem
-from .vectors import combine
 
 
-@dispatched
-@singledispatch
+@called_kernel
+def combine(a, x, b, y, result):
+    """result = a x + b y."""
+    for i in range(len(x)):
+        result[i] = a * x[i] + b * y[i]
+
+
+@called_kernel
+def inner(x, y):
+    """Inner product."""
+    total = 0.0
+    for i in range(len(x)):
+        total += x[i] * y[i]
+    return total
+
+
+@protocol
 def apply_stiffness(system, nodal, length, links, q, x, memory, y):
     """y = H x: the elastic stiffness at q, and the geometric one of the constraints.
 
@@ -22,16 +34,11 @@ def apply_stiffness(system, nodal, length, links, q, x, memory, y):
         system: of a cable.
         nodal, length, links: (n,), (N,), (m,) multipliers of constraints at nodes, of lengths, of links.
         q, x: (n_dof,).   memory: (2 n_dof,).   y: (n_dof,) output.
-
-    Raises:
-        NotImplementedError: the type of `system` implements no stiffness.
     """
-    raise NotImplementedError(f"no stiffness for {type(system).__name__}")
 
 
 @by_address(apply_stiffness, COUNT, COUNT, COUNT, COUNT, *[NUMBERS] * 7)
 def STIFFNESS(system, nodes, elements, m, size, nodal, length, links, q, x, memory, y):
-    """How `apply_stiffness` is called by address."""
     apply_stiffness(
         system[0],
         numbers_at(nodal, nodes),
@@ -47,7 +54,6 @@ def STIFFNESS(system, nodes, elements, m, size, nodal, length, links, q, x, memo
 
 @calls(apply_stiffness)
 def apply_stiffness_of_called(system, nodal, length, links, q, x, memory, y):
-    """Arguments: see `apply_stiffness`."""
     sizes = len(nodal), len(length), len(links), len(q)
     multipliers = nodal.ctypes.data, length.ctypes.data, links.ctypes.data
     vectors = q.ctypes.data, x.ctypes.data, memory.ctypes.data, y.ctypes.data
@@ -87,7 +93,6 @@ def _add_geometric_stiffness(chain, nodal, length, x, y):
 
 @implements(apply_stiffness, CableSystem, LinkedCableSystem)
 def apply_stiffness_of_cable(system, nodal, length, links, q, x, memory, y):
-    """Arguments: see `apply_stiffness`."""
     shape = len(nodal), 2, len(system.chain.axes)
     _set_elastic_part(system.chain, shape, q, x, memory, y)
     one, image = x.reshape(shape), y.reshape(shape)

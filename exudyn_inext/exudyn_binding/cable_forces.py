@@ -19,7 +19,8 @@ from ..checks import LARGEST_NUMBER_OF_ITEMS, require_flag, require_integer
 from ..errors import InputError, SceneError
 from ..items.arguments import described
 from ..items.cable_data import point_on_cable, require_cable
-from ..native.coupled_scene import CoupledCable, CoupledScene
+from ..native.coupled_scene import CoupledScene
+from ..native.evaluated_scene import CoupledCable
 from ..native.native_items import state_kept, switched_off
 from ..native.velocity_level import at_position_level
 from ..run.cable_loads import CableLoads

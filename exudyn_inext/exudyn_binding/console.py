@@ -1,12 +1,75 @@
 """What Exudyn prints on an explicit run: its own look, with the integrator that takes the steps."""
 
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import exudyn
 
+from .. import compiled
+from ..lowered import Compilation
 from ..run.settings import ExplicitSettings
 from .idle_integrator import changed
+
+
+@contextmanager
+def compile_notice(settings: Any = None, solver: Any = None) -> Iterator[None]:
+    """Before the first kernel that is compiled within; from verboseMode = 1 on also how long it took.
+
+    Args:
+        settings: simulation settings, or None.
+        solver: of Exudyn, whose clock stands still meanwhile; or None.
+    """
+
+    def stop_the_clock(seconds: float) -> None:
+        if solver is not None:
+            solver.output.cpuSolverStartTime += seconds
+
+    compilation = Compilation(_announce, stop_the_clock)
+    try:
+        with compilation.listening():
+            yield
+    finally:
+        if compilation.seconds and settings is not None and settings.timeIntegration.verboseMode:
+            print(f"exudyn_inext: kernels compiled in {compilation.seconds:.1f} s", flush=True)
+
+
+def _announce() -> None:
+    """On stderr, as results of scripts go to stdout; silent where Exudyn is."""
+    if not exudyn.config.printToConsole:
+        return
+    folder = compiled.CACHE_FOLDER
+    kept = f"once: they are kept in {folder}" if folder else "in each process: no cache can be written to"
+    print(
+        "exudyn_inext: compiling kernels for this kind of scene (some 20 s, among bodies up to a minute), "
+        f"{kept}",
+        file=sys.stderr,
+        flush=True,
+    )
+
+
+def quiet_settings(end_time: float, steps: int, period: float) -> Any:
+    """exudyn.SimulationSettings: silent, no files, sensors every `period` [s]."""
+    settings = exudyn.SimulationSettings()
+    settings.solution.file.write = False
+    settings.solution.sensors.writePeriod = period
+    settings.timeIntegration.endTime = end_time
+    settings.timeIntegration.numberOfSteps = steps
+    settings.timeIntegration.verboseMode = 0
+    return settings
+
+
+@contextmanager
+def silence() -> Iterator[None]:
+    """Keep Exudyn's notes and failure reports off the console; errors still come as exceptions."""
+    before = exudyn.config.printToConsole
+    exudyn.config.printToConsole = False
+    try:
+        yield
+    finally:
+        exudyn.config.printToConsole = before
+
 
 _OF_NEWTON = 2 | 4 | 8  # flags of stepInformation: iterations and Jacobians, of which there are none
 

@@ -19,14 +19,14 @@ import numpy as np
 from ..arrays import Array, as_slice
 from ..called_system import addresses_of
 from ..checks import require_finite, require_integer
+from ..items.arguments import explicit_settings, simulation_settings
 from ..run.cable_run import CableRun
 from ..run.coupled_run import CoupledRun, Run
 from ..run.members import record_members, stacked
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import StepChoice, require_stable, warn_of_damping
 from ..run.time_grid import TimeGrid, grid_of_period
-from .arguments import explicit_settings, simulation_settings
-from .compile_notice import compile_notice
+from .console import compile_notice
 from .ensemble_members import Member, all_systems, read_members
 from .reports import EnsembleReport
 

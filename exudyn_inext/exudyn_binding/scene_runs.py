@@ -10,7 +10,8 @@ from ..checks import LARGEST
 from ..errors import InextensibleError, InputError, SceneError
 from ..items.functions_of_time import functions_at_rest
 from ..items.parameters import Parameter
-from ..native.coupled_scene import CoupledCable, CoupledScene
+from ..native.coupled_scene import CoupledScene
+from ..native.evaluated_scene import CoupledCable
 from ..native.native_items import state_kept, switched_off
 from ..run.cable_run import CableRun, Start
 from ..run.coupled_run import CoupledRun, Run

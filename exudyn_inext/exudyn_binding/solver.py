@@ -9,6 +9,7 @@ from typing import Any
 import exudyn
 
 from ..errors import SceneError
+from ..items.arguments import explicit_settings, simulation_settings
 from ..items.functions_of_time import step_functions, take_word
 from ..native.native_items import state_kept
 from ..native.velocity_level import Drives, at_position_level
@@ -17,14 +18,12 @@ from ..run.output_files import ResumedOutputs, require_writable_outputs
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import choose_step, warn_of_damping, warn_of_outputs
 from ..run.time_grid import TimeGrid, time_grid
-from .arguments import explicit_settings, simulation_settings
 from .cable_forces import forget_evaluators
 from .changes.constraints import SteppedReader
 from .changes.follower import ChangeFollower
 from .changes.limit import StepLimit
 from .changes.log import ChangeLog, listening
-from .compile_notice import compile_notice
-from .console import header_of, initialized
+from .console import compile_notice, header_of, initialized
 from .idle_integrator import changed, idle_integrator, nothing
 from .mbs_state import first_row, initial_state
 from .reports import ExplicitReport

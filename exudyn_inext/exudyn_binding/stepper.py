@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import Array
 from ..checks import require_finite, require_integer, require_positive
 from ..errors import InputError, SceneError
-from ..items.arguments import node_number
+from ..items.arguments import explicit_settings, node_number
 from ..items.functions_of_time import take_word
 from ..native.velocity_level import at_position_level
 from ..run.coupled_run import CoupledRun
@@ -20,8 +20,7 @@ from ..run.settings import ExplicitSettings
 from ..run.step_choice import MOST_DURATION, choose_step, warn_of_damping
 from ..run.stepped_run import SteppedRun
 from ..run.time_grid import TimeGrid, steps_of_interval
-from .arguments import explicit_settings
-from .compile_notice import compile_notice
+from .console import compile_notice
 from .scene import read_scene, require_assembled
 from .scene_runs import compiled_runs
 from .time_loop import refuse_step_functions

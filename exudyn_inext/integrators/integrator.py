@@ -2,14 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import singledispatch
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import Array
 from ..called_system import called
-from ..compiled import dispatched, inlined_kernel
+from ..compiled import inlined_kernel, protocol
 
 
 @dataclass(frozen=True)
@@ -73,17 +72,12 @@ class LoadHistory(NamedTuple):
     work: Array = NO_WORK
 
 
-@dispatched
-@singledispatch
+@protocol
 def advance(scheme, system, loads, state, h, steps, history):
     """Take `steps` steps of size h [s] for each row of `history`, in place; `store` keeps the results.
 
     history: (intervals, 3, n_dof) output q, v, a at the end of each interval.
-
-    Raises:
-        NotImplementedError: no integrator implements the type of `scheme`.
     """
-    raise NotImplementedError(f"no integrator for {type(scheme).__name__}")
 
 
 def record(

@@ -97,7 +97,6 @@ def _add_correction(h, correction, q, v_half):
 
 @implements(advance, Rattle, compiled=inlined_kernel)
 def advance_rattle(scheme, system, loads, state, h, steps, history):
-    """Arguments: see `advance`."""
     q, v, a, v_half = state.q, state.v, state.a, state.v_half
     external, correction = state.external, state.correction
     for step in range(len(history) * steps):

@@ -66,7 +66,6 @@ def _next_stage(h, stage, x, rate, x_sum, x_stage):
 
 @implements(advance, RungeKutta4, compiled=inlined_kernel)
 def advance_runge_kutta(scheme, system, loads, state, h, steps, history):
-    """Arguments: see `advance`."""
     q, v, a, rate = state.q, state.v, state.a, state.rate
     external, q_stage, v_stage = state.external, state.q_stage, state.v_stage
     q_sum, v_sum = state.q_sum, state.v_sum

@@ -101,7 +101,6 @@ def _correct(scheme, h, q, v, a_predicted, a_start, q_start, v_start):
 
 @implements(advance, Zhai, compiled=inlined_kernel)
 def advance_zhai(scheme, system, loads, state, h, steps, history):
-    """Arguments: see `advance`."""
     q, v, a, a_previous, rate = state.q, state.v, state.a, state.a_previous, state.rate
     external, q_start, v_start = state.external, state.q_start, state.v_start
     for step in range(len(history) * steps):

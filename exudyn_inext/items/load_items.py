@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from ..loads.function import LoadFunction
-from ..loads.nodal import NodalLoad
+from ..loads.nodal import LoadFunction, NodalLoad
 from .functions_of_time import is_of_time_alone
 from .mass_points import mass_of_point, node_of_mass_point
 

@@ -1,14 +1,23 @@
 """A generalised force on a node: constant, or a function of time."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ..arrays import Array
 from ..cable.cable import Cable
-from .function import LoadFunction
+
+
+@dataclass(frozen=True, eq=False)
+class LoadFunction:
+    """Of a load at t [s]: its components are scale times function(mbs, t, value).   value: given with it."""
+
+    function: Callable[..., Any]
+    mbs: Any
+    value: Any
+    scale: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)

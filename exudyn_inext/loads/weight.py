@@ -8,8 +8,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..cable.cable import Cable
-from .function import LoadFunction
 from .gravity import gravity_force
+from .nodal import LoadFunction
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,6 @@
 """The cables of a scene: systems one after the other, called by address, and what joints ask of them."""
 
 from collections.abc import Sequence
-from functools import singledispatch
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +19,7 @@ from ..called_system import (
     keep_with,
     provide,
 )
-from ..compiled import dispatched, inlined
+from ..compiled import inlined, protocol
 from ..lowered import COUNT, NUMBERS, numbers_at
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .nodes import copy_chain
@@ -160,24 +159,18 @@ def improve_cables(cables, q, x):
     return improves
 
 
-@dispatched
-@singledispatch
+@protocol
 def show_matrix(system, first, block, basis, free):
     """The matrix of the solve of one cable of a chain, see `nodes.Nodes`.
 
     Args:
         system: of the chain, factorised.   first: coordinate of the cable in it.
         block, basis, free: output, one number after the other.
-
-    Raises:
-        NotImplementedError: the type of `system` is no plain chain.
     """
-    raise NotImplementedError(f"no matrix of nodes for {type(system).__name__}")
 
 
 @by_address(show_matrix, COUNT, COUNT, NUMBERS, NUMBERS, NUMBERS)
 def MATRIX(system, first, number, block, basis, free):
-    """How `show_matrix` is called by address."""
     dim = len(system[0].chain.axes)
     show_matrix(
         system[0],
@@ -191,14 +184,12 @@ def MATRIX(system, first, number, block, basis, free):
 
 @calls(show_matrix)
 def show_matrix_of_called(system, first, block, basis, free):
-    """Arguments: see `show_matrix`."""
     outputs = block.ctypes.data, basis.ctypes.data, free.ctypes.data
     call_protocol(system, MATRIX, (first, len(free) // 2, *outputs), block)
 
 
 @implements(show_matrix, CableSystem)
 def show_matrix_of_chain(system, first, block, basis, free):
-    """Arguments: see `show_matrix`."""
     axes, number, dim = system.chain.axes, len(free) // 2, len(system.chain.axes)
     left, size = first // (2 * dim), 2 * dim
     nodes = system.chain.nodes[left : left + number]

@@ -11,14 +11,13 @@ place of contact along both. Which segments touch, stick or slide, and since whe
 where contact settles, once a step: see Exudyn's ObjectContactFrictionCircleCable2D.
 """
 
-from functools import singledispatch
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import Array, record_type
-from ..called_system import implements
-from ..compiled import dispatched, inlined
+from ..called_system import has_nothing, implements
+from ..compiled import inlined, protocol
 from ..lowered import local_array
 from .points import add_wrench
 
@@ -97,55 +96,26 @@ class NoContacts(NamedTuple):
     history: Array = np.zeros((1, 0))
 
 
-@dispatched
-@singledispatch
+@protocol
 def add_contacts(contacts, points, q, v, a, settles, force):
     """Add the generalised forces of all contacts to force (n,); the points are placed and move.
 
     a: (n,) accelerations that v contains, where damping is implicit.
     settles: whether data are brought up to date before.
-
-    Raises:
-        NotImplementedError: no such forces for the type of `contacts`.
     """
-    raise NotImplementedError(f"no contacts of type {type(contacts).__name__}")
 
 
-@dispatched
-@singledispatch
+@protocol
 def finish_contacts(contacts, left):
-    """The next step starts from the data of this one, which `history` keeps.   left: rows from its end.
-
-    Raises:
-        NotImplementedError: no such contacts.
-    """
-    raise NotImplementedError(f"no contacts of type {type(contacts).__name__}")
+    """The next step starts from the data of this one, which `history` keeps.   left: rows from its end."""
 
 
-@dispatched
-@singledispatch
+@protocol
 def recall_contacts(contacts, row):
-    """Data are those of a row of `history`.
-
-    Raises:
-        NotImplementedError: no such contacts.
-    """
-    raise NotImplementedError(f"no contacts of type {type(contacts).__name__}")
+    """Data are those of a row of `history`."""
 
 
-@implements(add_contacts, NoContacts)
-def add_no_contacts(contacts, points, q, v, a, settles, force):
-    """Nothing touches."""
-
-
-@implements(finish_contacts, NoContacts)
-def finish_no_contacts(contacts, left):
-    """There are no data."""
-
-
-@implements(recall_contacts, NoContacts)
-def recall_no_contacts(contacts, row):
-    """There are no data."""
+has_nothing(NoContacts, add_contacts, finish_contacts, recall_contacts)
 
 
 @inlined
@@ -428,7 +398,6 @@ def _any_touches(contact, circle, ends, segments, data):
 
 @implements(add_contacts, Contacts)
 def add_circle_contacts(contacts, points, q, v, a, settles, force):
-    """Arguments: see `add_contacts`."""
     data = contacts.data
     for c in range(len(contacts.records)):
         contact = contacts.records[c]
@@ -479,7 +448,6 @@ def _check(contact, segments, data, weight, sums):
 
 @implements(finish_contacts, Contacts)
 def finish_circle_contacts(contacts, left):
-    """Arguments: see `finish_contacts`."""
     data, row = contacts.data, len(contacts.history) - left
     contacts.steps[0] += 1
     weight = STEPS_BETWEEN if contacts.steps[0] % STEPS_BETWEEN == 0 else 0
@@ -494,6 +462,5 @@ def finish_circle_contacts(contacts, left):
 
 @implements(recall_contacts, Contacts)
 def recall_circle_contacts(contacts, row):
-    """Arguments: see `recall_contacts`."""
     for i in range(contacts.data.shape[1]):
         contacts.data[NOW, i] = contacts.history[row, i]

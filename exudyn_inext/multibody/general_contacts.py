@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array, record_type
-from ..called_system import implements
+from ..called_system import has_nothing, implements
 from ..compiled import inlined
 from ..lowered import local_array
 from .cables import one_chain, provides
@@ -307,7 +307,6 @@ def _touch(contacts, c, circle, element, ends, a, force):
 
 @implements(add_contacts, GeneralContacts)
 def add_general_contacts(contacts, points, q, v, a, settles, force):
-    """Arguments: see `add_contacts`."""
     contacts.number[0] = 0
     for e in range(len(contacts.elements)):
         element, moves = contacts.elements[e], False
@@ -384,7 +383,6 @@ def _reconsider_part(part, pair, circle, a, force):
 
 @implements(reconsider_contacts, GeneralContacts)
 def reconsider_general_contacts(contacts, points, a, force):
-    """Arguments: see `reconsider_contacts`."""
     changed = False
     for k in range(contacts.number[0]):
         part = contacts.parts[k]
@@ -396,7 +394,6 @@ def reconsider_general_contacts(contacts, points, a, force):
 
 @implements(complete_contacts, GeneralContacts)
 def complete_general_contacts(contacts, points, a, force):
-    """Arguments: see `complete_contacts`."""
     for k in range(contacts.number[0]):
         part = contacts.parts[k]
         pair = contacts.records[part.pair]
@@ -410,7 +407,6 @@ def complete_general_contacts(contacts, points, a, force):
 
 @implements(press, GeneralContacts)
 def press_by_general_contacts(contacts, cables, again):
-    """Arguments: see `press`."""
     for k in range(len(cables.functions)):
         if provides(cables, k, CONTACT):
             _press_chain(one_chain(cables, k), contacts, cables.dofs[k], cables.dofs[k + 1], again)
@@ -451,16 +447,4 @@ def _press_point(chain, element, point, across, along, row):
             add_contact(chain, element, mass, row[0])
 
 
-@implements(finish_contacts, GeneralContacts)
-def finish_general_contacts(contacts, left):
-    """There are no data."""
-
-
-@implements(recall_contacts, GeneralContacts)
-def recall_general_contacts(contacts, row):
-    """There are no data."""
-
-
-@implements(settle_contacts, GeneralContacts)
-def settle_general_contacts(contacts, items, q, v):
-    """There are no data."""
+has_nothing(GeneralContacts, finish_contacts, recall_contacts, settle_contacts)  # they have no data

@@ -16,15 +16,14 @@ part of the damping remains explicit, and bounds the step.
 """
 
 from collections.abc import Sequence
-from functools import singledispatch
 from typing import Any
 
 from ..cable.axial import take_back
 from ..cable.contact_mass import add_contact_row, clear_contact_mass
 from ..cable.index_reduction import CableSystem
 from ..cable.linked_cable import LinkedCableSystem
-from ..called_system import by_address, call_protocol, calls, implements
-from ..compiled import dispatched, inlined, optional
+from ..called_system import by_address, call_protocol, calls, has_nothing, implements
+from ..compiled import inlined, optional, protocol
 from ..lowered import COUNT, NUMBERS, REAL, local_array, numbers_at
 from .cables import Cables, one_chain, provides
 from .circle_contacts import NOW, Contacts, NoContacts, add_end, pull_by_masses
@@ -47,8 +46,7 @@ def mark_implicit(cables: Cables, chains: Sequence[Any], records: Any) -> bool:
     return bool(records["implicit"].any())
 
 
-@dispatched
-@singledispatch
+@protocol
 def add_contact(system, element, mass, row):
     """mass b b^T beside the mass of an element of a chain.
 
@@ -56,23 +54,17 @@ def add_contact(system, element, mass, row):
         system: of the chain.   element: its number; NOTHING: nothing touches the chain any more; AGAIN: nor
             does it, and the state that was evaluated last will be evaluated again.
         mass: [kg].   row: (8,) b, destroyed.
-
-    Raises:
-        NotImplementedError: no contact with systems of that type.
     """
-    raise NotImplementedError(f"no contact with cables of type {type(system).__name__}")
 
 
 @by_address(add_contact, COUNT, REAL, NUMBERS)
 def CONTACT(system, element, mass, row):
-    """How `add_contact` is called by address."""
     add_contact(system[0], element, mass, numbers_at(row, 8))
     return 0.0
 
 
 @calls(add_contact)
 def add_contact_of_called(system, element, mass, row):
-    """Arguments: see `add_contact`."""
     call_protocol(system, CONTACT, (element, mass, row.ctypes.data), row)
 
 
@@ -88,45 +80,28 @@ def _add_contact(axes, nodes, elements, element, mass, row):
 
 @implements(add_contact, CableSystem, LinkedCableSystem)
 def add_contact_of_cable(system, element, mass, row):
-    """Arguments: see `add_contact`."""
     _add_contact(system.chain.axes, system.chain.nodes, system.chain.elements, element, mass, row)
 
 
-@dispatched
-@singledispatch
+@protocol
 def press(contacts, cables, again):
     """Set the masses of contact beside those of the cables, after `add_contacts`.
 
     again: whether the cables have been accelerated in this state before, by other contacts, in a step.
-
-    Raises:
-        NotImplementedError: no such contacts.
     """
-    raise NotImplementedError(f"no contacts of type {type(contacts).__name__}")
 
 
-@dispatched
-@singledispatch
+@protocol
 def complete_contacts(contacts, points, a, force):
-    """Add to force (n,) what the accelerations a (n,) of the cables do to implicit contact.
-
-    Raises:
-        NotImplementedError: no such contacts.
-    """
-    raise NotImplementedError(f"no contacts of type {type(contacts).__name__}")
+    """Add to force (n,) what the accelerations a (n,) of the cables do to implicit contact."""
 
 
-@dispatched
-@singledispatch
+@protocol
 def reconsider_contacts(contacts, points, a, force):
     """Whether other contacts act at the velocities to come; if so, force (n,) is theirs, and `press` is due.
 
     a: (n,) accelerations of the cables, by those that act at present.
-
-    Raises:
-        NotImplementedError: no such contacts.
     """
-    raise NotImplementedError(f"no contacts of type {type(contacts).__name__}")
 
 
 @implements(reconsider_contacts, NoContacts)
@@ -141,19 +116,11 @@ def reconsider_circle_contacts(contacts, points, a, force):
     return False
 
 
-@implements(press, NoContacts)
-def press_nothing(contacts, cables, again):
-    """Nothing touches."""
-
-
-@implements(complete_contacts, NoContacts)
-def complete_no_contacts(contacts, points, a, force):
-    """There are no forces."""
+has_nothing(NoContacts, press, complete_contacts)
 
 
 @implements(press, Contacts)
 def press_cables(contacts, cables, again):
-    """Arguments: see `press`."""
     for k in range(len(cables.functions)):
         if provides(cables, k, CONTACT):
             _press_chain(one_chain(cables, k), contacts, cables.dofs[k], cables.dofs[k + 1])
@@ -189,7 +156,6 @@ def _press_element(chain, element, contacts, contact, end, row):
 
 @implements(complete_contacts, Contacts)
 def complete_circle_contacts(contacts, points, a, force):
-    """Arguments: see `complete_contacts`."""
     for c in range(len(contacts.records)):
         contact = contacts.records[c]
         if contact.lag > 0.0:

@@ -4,14 +4,13 @@ The external force is followed by functions of time: (n_cables + F,) numbers, th
 own system takes them.
 """
 
-from functools import singledispatch
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import Array
-from ..called_system import implements
-from ..compiled import called_kernel, dispatched, inlined, kernel
+from ..called_system import has_nothing, implements
+from ..compiled import called_kernel, inlined, kernel, protocol
 from ..integrators.integrator import LoadHistory, advance, external_force
 from ..scene.path_work import follow
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
@@ -146,25 +145,16 @@ def act(items, functions, q, v, a):
     move_rows(items.joints.rows, functions)
 
 
-@dispatched
-@singledispatch
+@protocol
 def settle_contacts(contacts, items, q, v):
-    """Bring the data of contacts up to date with a state (q, v) at the end of a step.
-
-    Raises:
-        NotImplementedError: no such contacts.
-    """
-    raise NotImplementedError(f"no contacts of type {type(contacts).__name__}")
+    """Bring the data of contacts up to date with a state (q, v) at the end of a step."""
 
 
-@implements(settle_contacts, NoContacts)
-def settle_no_contacts(contacts, items, q, v):
-    """There are no data."""
+has_nothing(NoContacts, settle_contacts)
 
 
 @implements(settle_contacts, Contacts)
 def settle_circle_contacts(contacts, items, q, v):
-    """Arguments: see `settle_contacts`."""
     _place(items, q, v)
     add_contacts(contacts, items.points, q, v, v, True, items.predicted)
 
@@ -264,7 +254,6 @@ def scene_rates(system, external, q, v, acceleration, rate):
 
 @implements(accelerate_and_project, SceneSystem)
 def accelerate_and_project_scene(system, external, q, v, duration, acceleration, end_velocity):
-    """Arguments: see `accelerate_and_project`."""
     items, number = system.items, system.cable_dofs
     predicted = items.predicted
     for i in range(len(q)):
@@ -314,7 +303,6 @@ def _correct_items(items, functions, q, learning, correction):
 
 @implements(correct_position, SceneSystem)
 def correct_scene_position(system, external, q, tolerance, learning, correction):
-    """Arguments: see `correct_position`."""
     items = system.items
     own, functions = external[: len(system.cable_force)], external[len(system.cable_force) :]
     worst = _correct_items(items, functions, q, learning, correction)

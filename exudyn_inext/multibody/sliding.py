@@ -14,14 +14,13 @@ n = b - (b . t) / (1 + e . t) (t + e), with b at right angles to e. It turns by 
 tau = (t x e) . t_t / (1 + e . t).
 """
 
-from functools import singledispatch
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..arrays import Array, record_type
-from ..called_system import implements
-from ..compiled import dispatched, inlined
+from ..called_system import has_nothing, implements
+from ..compiled import inlined, protocol
 from .points import cross, dot
 
 CLOSE = 1e-13  # of the place to the foot, relative to the length of an element
@@ -68,36 +67,17 @@ class NoSliders(NamedTuple):
     records: Any = np.zeros(0, SLIDER)
 
 
-@dispatched
-@singledispatch
+@protocol
 def place_sliders(sliders, points, q):
-    """Places, frames and Jacobians at q (n,); all other points are placed.
-
-    Raises:
-        NotImplementedError: no such points.
-    """
-    raise NotImplementedError(f"no sliding points of type {type(sliders).__name__}")
+    """Places, frames and Jacobians at q (n,); all other points are placed."""
 
 
-@dispatched
-@singledispatch
+@protocol
 def move_sliders(sliders, points, q, v):
-    """Velocities at (q, v), (n,) each, and accelerations with those of the coordinates zero; all points move.
-
-    Raises:
-        NotImplementedError: no such points.
-    """
-    raise NotImplementedError(f"no sliding points of type {type(sliders).__name__}")
+    """Velocities at (q, v), (n,) each, accelerations with those of the coordinates zero; all points move."""
 
 
-@implements(place_sliders, NoSliders)
-def place_no_sliders(sliders, points, q):
-    """There are none."""
-
-
-@implements(move_sliders, NoSliders)
-def move_no_sliders(sliders, points, q, v):
-    """There are none."""
+has_nothing(NoSliders, place_sliders, move_sliders)
 
 
 @inlined
@@ -183,7 +163,6 @@ def _find_foot(slider, lengths, point, p, q):
 
 @implements(place_sliders, Sliders)
 def place_all_sliders(sliders, points, q):
-    """Arguments: see `place_sliders`."""
     for k in range(len(sliders.records)):
         slider = sliders.records[k]
         point = points[slider.point]

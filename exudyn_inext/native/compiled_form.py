@@ -1,10 +1,7 @@
 """The compiled form of a scene, compared with what Exudyn says of it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,13 +17,11 @@ from ..run.compiled_scene import CompiledScene, SceneLoads, cables_of_scene
 from ..run.load_functions import LoadFunctions
 from ..run.parts_in_one import CompiledParts
 from ..scene.bodies import bodies_rates
+from .evaluated_scene import CoupledCable, SceneOfExudyn
+from .joint_rows import JointRows
 from .known.contacts import disturb
 from .known.scene import read_known_items
 from .known.unknown import UnknownItemError
-
-if TYPE_CHECKING:
-    from .coupled_scene import CoupledCable, CoupledScene
-    from .joint_rows import JointRows
 
 TOLERANCE = 1e-9  # of forces, accelerations, joints and their rates, relative
 OF_DIFFERENCES = 1e-4  # of second derivatives, which Exudyn's side finds by differences
@@ -35,14 +30,14 @@ STATES = 3  # random ones, besides the first
 WAY, SPEED = 0.01, 1.0  # of random states [m, -] from the first one, and [m/s, 1/s]
 
 
-def compiled_parts(scene: CoupledScene, t: float, q: Array, v: Array) -> CompiledParts:
+def compiled_parts(scene: SceneOfExudyn, t: float, q: Array, v: Array) -> CompiledParts:
     """The cables, bodies and joints of a scene in compiled code; arguments: see `compiled_form`."""
     form = compiled_form(scene, t, q, v, has_forces=False)
     return CompiledParts(form, [part.dofs for part in scene.system.parts[len(scene.cables) :]])
 
 
 def compiled_form(
-    scene: CoupledScene, t: float, q: Array, v: Array, has_forces: bool = True
+    scene: SceneOfExudyn, t: float, q: Array, v: Array, has_forces: bool = True
 ) -> CompiledScene:
     """The same scene in compiled code, which agrees with it about the state (q, v) at t [s].
 
@@ -105,7 +100,7 @@ def _held_coordinates(cables: Sequence[CoupledCable]) -> np.ndarray:
 
 
 def require_agreement(
-    scene: CoupledScene, form: CompiledScene, t: float, q: Array, v: Array, has_forces: bool = True
+    scene: SceneOfExudyn, form: CompiledScene, t: float, q: Array, v: Array, has_forces: bool = True
 ) -> None:
     """Compare forces, masses and joints with Exudyn's, at (q, v) and at random states near to it.
 
@@ -141,13 +136,13 @@ def require_agreement(
         _compare_joints(scene, rows, own_rows, size, speed)
 
 
-def settle_general_contact(scene: CoupledScene, t: float, q: Array, v: Array) -> None:
+def settle_general_contact(scene: SceneOfExudyn, t: float, q: Array, v: Array) -> None:
     """Let a GeneralContact act as it does at (t, q, v), whoever has looked at another state."""
     if scene.mbs.NumberOfGeneralContacts():
         scene.native_items.settled(t, q, v)
 
 
-def _states(scene: CoupledScene, q: Array, v: Array) -> Array:
+def _states(scene: SceneOfExudyn, q: Array, v: Array) -> Array:
     """(1 + STATES, 2, n) coordinates and velocities, the given ones first."""
     states = np.tile(np.array([q, v]), (1 + STATES, 1, 1))
     states[1:] += _random_changes(len(q))
@@ -183,7 +178,7 @@ def _evaluated(form: CompiledScene, external: Array, q: Array, v: Array, number:
 
 
 def _evaluated_by_exudyn(
-    scene: CoupledScene, t: float, q: Array, v: Array, given: Array, multipliers: Array
+    scene: SceneOfExudyn, t: float, q: Array, v: Array, given: Array, multipliers: Array
 ) -> tuple[Array, Array, Array]:
     """As `_evaluated`, with these multipliers (m,) of the joints.   given: forces on the bodies.
 
@@ -206,7 +201,7 @@ def _evaluated_by_exudyn(
     return result, rows, sizes
 
 
-def _compare_parts(scene: CoupledScene, wanted: Array, found: Array, sizes: Array) -> None:
+def _compare_parts(scene: SceneOfExudyn, wanted: Array, found: Array, sizes: Array) -> None:
     """wanted, found, sizes: (states, n)."""
     for dofs in scene.map.slices:
         scale = sizes[:, dofs].max(initial=SMALLEST)
@@ -216,7 +211,7 @@ def _compare_parts(scene: CoupledScene, wanted: Array, found: Array, sizes: Arra
             raise UnknownItemError(f"{where}, on which Exudyn's forces are others")
 
 
-def _compare_contacts(scene: CoupledScene, form: CompiledScene, t: float, q: Array, v: Array) -> None:
+def _compare_contacts(scene: SceneOfExudyn, form: CompiledScene, t: float, q: Array, v: Array) -> None:
     """What contacts remember once they have settled."""
     counting, memory = form.system.items.counting, np.zeros((2, len(q)))
     counting[MODE] = SETTLING
@@ -228,7 +223,7 @@ def _compare_contacts(scene: CoupledScene, form: CompiledScene, t: float, q: Arr
         raise UnknownItemError("contact, which Exudyn settles otherwise")
 
 
-def _compare_joints(scene: CoupledScene, wanted: Array, found: Array, size: float, speed: float) -> None:
+def _compare_joints(scene: SceneOfExudyn, wanted: Array, found: Array, size: float, speed: float) -> None:
     """wanted, found: (states, 4, m).   size, speed: largest coordinate and velocity, at least 1."""
     gamma, drift = np.abs(found[:, 2:]).max(axis=(0, 2)).tolist()
     gamma, drift = OF_DIFFERENCES * max(size * speed**2, gamma), OF_DIFFERENCES * max(1.0, drift)

@@ -1,270 +1,21 @@
-"""Cables, bodies and joints of an mbs as one coupled system."""
+"""Cables, bodies and joints of an mbs as one coupled system, and its compiled form."""
 
-from collections.abc import Iterator, Mapping, Sequence, Set
 from contextlib import suppress
-from functools import cached_property
-from typing import Any, NamedTuple
-
-import exudyn
-import numpy as np
 
 from ..arrays import Array
-from ..cable.many_cables import Systems, in_few_chains
 from ..errors import SceneError
-from ..items.functions_of_time import is_of_time_alone, step_functions
-from ..run.cable_loads import CableLoads
 from ..run.compiled_scene import CompiledScene
-from ..run.joined_scene import OpenContacts
 from ..run.parts_in_one import CompiledParts
-from ..scene.bodies import BodiesSystem, MassBlock
-from ..scene.coupled_system import CoupledSystem, Part
-from ..scene.model import CableInScene, HeldCoordinate
-from ..scene.path_work import build_path
-from ..system import index_reduced_rates
-from .bodies import BodyMasses, SystemMass, read_bodies, read_quaternions, require_mass
-from .compiled_form import (
-    compiled_form,
-    compiled_parts,
-    require_agreement,
-    settle_general_contact,
-)
-from .contact_rates import open_contacts
-from .coordinates import CoordinateMap, PartCoordinates
-from .friction_check import FrictionCheck
-from .held import HeldCoordinates, holders
-from .joint_items import read_joints
-from .joint_rows import JointRows
+from .compiled_form import compiled_form, compiled_parts, require_agreement, settle_general_contact
+from .evaluated_scene import SceneOfExudyn
 from .known.unknown import UnknownItemError
-from .native_items import DataCoordinates, NativeItems, evaluator, state_kept
-
-_NONE: Mapping[int, HeldCoordinate] = {}
+from .native_items import state_kept
 
 
-class CoupledCable(NamedTuple):
-    """A cable of the scene.
-
-    cable: `CableInScene.among_others`.   system: its index-reduced equations.
-    loads: gravity and motions; Exudyn evaluates all others.
-    """
-
-    cable: CableInScene
-    system: Any
-    loads: CableLoads
-
-
-class CoupledScene:
-    """The parts of a scene in one order: cables, bodies, first order states.
-
-    system: all of it.   map: its coordinates in the mbs.   native_items: forces and joints.
-    joints: native constraints that couple the parts.   rows: theirs.
-    held: coordinates that belong to no part.   size: number of coordinates of all parts.
-    cable_systems: of the cables, in memory that they share.   groups: of those that do.
-    body_system: the equations of all bodies, and bodies_of_variable_mass: how many bodies Exudyn is asked for
-        their mass at each evaluation.
-    place_of_bodies: among what is evaluated at once.
-    parts_in_one: compiled code that evaluates bodies and joints, while Exudyn evaluates the forces, or None.
-    path: see `JoinedScene`.
-    """
-
-    parts_in_one: CompiledParts | None = None
-
-    def __init__(
-        self,
-        mbs: Any,
-        cables: Sequence[CoupledCable],
-        own_constraints: frozenset[int],
-        zeta: float,
-        held: Mapping[int, HeldCoordinate] = _NONE,
-        moved: Set[int] = frozenset(),
-    ) -> None:
-        """Read all but the cables from mbs.
-
-        Args:
-            mbs: assembled; Exudyn's own evaluation of the cables is switched off.
-            cables: its inextensible cables.   own_constraints: object numbers of what belongs to them.
-            zeta: stabilisation rate of the joints [1/s].
-            held: coordinates to be left out where a body of constant mass has them, by their constraints.
-            moved: numbers of constraints whose offsets or lengths may be set between steps.
-
-        Raises:
-            SceneError: coordinates without mass, or a joint that is not supported.
-        """
-        self.mbs = mbs
-        self.cables = cables
-        self.elsewhere, self.moved = own_constraints, moved
-        solver = evaluator(mbs)
-        on_cables = np.concatenate([np.zeros(0, int), *(part.cable.indices for part in cables)])
-        total = SystemMass(mbs, solver)
-        self.bodies = bodies = read_bodies(mbs, [part.cable.number for part in cables], on_cables, total)
-        quaternions = read_quaternions(mbs)
-        by_place = holders(mbs, held)
-        masses = BodyMasses(mbs, bodies, quaternions, zeta, total, by_place)
-        self.held = HeldCoordinates(mbs, masses, [by_place[place] for place in masses.held.tolist()], held)
-        places = [PartCoordinates(one.indices, one.cable.reference.ravel()) for one, _, _ in cables]
-        places.append(PartCoordinates(masses.coordinates, np.zeros(len(masses.coordinates))))
-        self.map = CoordinateMap(mbs.systemData.ODE2Size(), places)
-        require_mass(mbs, np.setdiff1d(self.map.missing(), masses.held))
-        self.groups: Sequence[Systems] = in_few_chains([cable.system for cable in cables])
-        groups = self.groups
-        self.cable_systems: Sequence[Any] = [system for _, alike in groups for system in alike]
-        others = [Part(masses.system, self.map.slices[-1]), *self._first_order_states()]
-        of_cables = list(_parts_of_cables(groups, self.map.slices))
-        parts = [*of_cables, *others]
-        evaluated = [part.whole or part for part in of_cables]
-        wholes = [*{id(whole): whole for whole in evaluated}.values(), *others]
-        self.place_of_bodies = len(wholes) - len(others)
-        self.joints: Sequence[Any] = read_joints(mbs, own_constraints.union(self.held.numbers))
-        self.rows = rows = JointRows(self.joints, quaternions, parts, self.map, masses.held)
-        loads = [cable.loads for cable in cables]
-        self.native_items = NativeItems(mbs, solver, wholes, self.map, loads, masses, rows, self.held)
-        self.system = CoupledSystem(parts, self.native_items, zeta, wholes)
-        self.size = parts[-1].dofs.stop
-        self.path = build_path(self.size)
-        self.system.states = slice(len(self.map.indices), self.size)
-        self.has_bodies = len(masses.coordinates) > 0
-        self.body_system, self.bodies_of_variable_mass = masses.system, masses.number_of_variable
-
-    def displacements(self, q: Array) -> Array:
-        """(size,) of all coordinates of mbs, from those of all parts; held ones are where they begin."""
-        total = np.array(self.mbs.systemData.GetODE2Coordinates(exudyn.ConfigurationType.Initial))
-        own = self.map.indices
-        total[own] = np.array(self.map.displacements(q[: len(own)]))[own]
-        return total
-
-    def take_hold(self, v: Array, tolerance: float) -> None:
-        """Stop the held coordinates at the start; see `HeldCoordinates`.   v: (n,) of all parts, in place."""
-        bodies = self.system.parts[len(self.cables)].dofs
-        self.held.take_hold(v[bodies], tolerance)
-
-    @property
-    def places_of_nodes(self) -> dict[int, tuple[int, int]]:
-        """First coordinate of each node of cables and bodies, and the dimension of its space."""
-        data, found = self.mbs.systemData, {}
-        for number in range(data.NumberOfNodes()):
-            own = data.GetNodeLTGODE2(number)
-            place = self.map.place(own[0]) if len(own) else -1
-            if place >= 0:
-                kind = self.mbs.GetNode(number)["nodeType"]
-                found[number] = place, 2 if "2D" in kind else 3
-        return found
-
-    @property
-    def forces(self) -> Array:
-        """See `EvaluatedScene`."""
-        return self.native_items.varying_forces
-
-    def kinetic_energy(self, q: Array, v: Array) -> float:
-        """See `EvaluatedScene`."""
-        if self.parts_in_one:
-            return self.parts_in_one.kinetic_energy(q, v)
-        return self.body_system.kinetic_energy(v[self.map.slices[-1]])
-
-    def energy_of_spins(self, duration: float) -> float:
-        """See `EvaluatedScene`; not known of bodies that Exudyn evaluates."""
-        return self.parts_in_one.energy_of_spins(duration) if self.parts_in_one else 0.0
-
-    def leave_out_turns(self, way: Array) -> None:
-        """See `EvaluatedScene`."""
-        if self.parts_in_one:
-            self.parts_in_one.leave_out_turns(way)
-
-    def violation(self, t: float, q: Array) -> float:
-        """See `EvaluatedScene`."""
-        if self.parts_in_one:
-            return self.parts_in_one.violation(t, q)
-        return float(np.abs(self.native_items.violations(t, q)).max())
-
-    def power_of_joints(self) -> float:
-        """See `EvaluatedScene`."""
-        return float(self.system.multipliers @ self.system.drift)
-
-    def memory(self) -> dict[str, Any]:
-        """What earlier steps taught joints and quaternions, and where joints slide, by names."""
-        taught = {"joints": self.system.drift_correction, "quaternions": self.body_system.memory()}
-        return taught | {"places": self.native_items.places}
-
-    def forget(self) -> None:
-        """What earlier steps taught the joints and quaternions does not hold any more."""
-        self.system.drift_correction[:] = 0.0
-        self.body_system.forget()
-
-    def _first_order_states(self) -> list[Part]:
-        """y of y' = f as velocities of unit masses: every scheme then integrates them as it does v."""
-        number = self.mbs.systemData.ODE1Size()
-        if not number:
-            return []
-        start = len(self.map.indices)
-        unit = BodiesSystem(number, [MassBlock(np.arange(number), np.eye(number))])
-        return [Part(unit, slice(start, start + number))]
-
-    @cached_property
-    def has_steered_joints(self) -> bool:
-        """See `JoinedScene`."""
-        given = (self.mbs.GetObject(joint.number).get("offsetUserFunction") for joint in self.joints)
-        return bool(step_functions(self.mbs)) and not all(is_of_time_alone(self.mbs, f) for f in given if f)
-
-    @property
-    def initial_state(self) -> tuple[Array, Array]:
-        """q and v (n,) of all parts at the start."""
-        return self.state(exudyn.ConfigurationType.Initial)
-
-    @cached_property
-    def friction(self) -> FrictionCheck:
-        """Whether friction of cables on circles obeys Coulomb's law."""
-        return FrictionCheck(self.mbs)
-
-    def open_contacts(
-        self, t: float, q: Array, v: Array, data: Array | None, implicit: np.ndarray
-    ) -> OpenContacts | None:
-        """See `JoinedScene`."""
-        if not self.mbs.systemData.DataSize():
-            return None
-        with state_kept(self.mbs):
-            self.native_items.set_state(t, q, v)
-            if data is not None and len(data):
-                self.mbs.systemData.SetDataCoordinates(data.tolist())
-            found = open_contacts(self.mbs, self.map, self.size, implicit)
-        self.native_items.forget()
-        return found
-
-    @property
-    def remembered(self) -> DataCoordinates | None:
-        """What contact and friction remember in mbs, if there are any."""
-        data = self.mbs.systemData
-        return DataCoordinates(data) if data.DataSize() else None
-
-    def remember(self, data: Array) -> None:
-        """Let contacts in mbs remember this, at present and at the start of the step.   data: (2, D)."""
-        if data.shape[1]:
-            DataCoordinates(self.mbs.systemData).put_back(data.tolist())
-
-    def coordinate_name(self, index: int) -> str:
-        """The node that has a coordinate, by its place in the system vector."""
-        data = self.mbs.systemData
-        nodes = [k for k in range(data.NumberOfNodes()) if index in data.GetNodeLTGODE2(k)]
-        return f"node {nodes[0]} '{self.mbs.GetNode(nodes[0])['name']}'" if nodes else f"coordinate {index}"
-
-    def require_finite(self, v: Array) -> None:
-        """Raise SceneError, which names the node, unless all velocities v (n,) are finite."""
-        bad = np.flatnonzero(~np.isfinite(v[: len(self.map.indices)]))
-        if len(bad):
-            where = self.coordinate_name(self.map.indices[bad[0]])
-            raise SceneError(
-                f"an initial velocity of {where} is {v[bad[0]]:g}, no finite number: correct its initial "
-                "values."
-            )
-
-    def state(self, configuration: Any = exudyn.ConfigurationType.Current) -> tuple[Array, Array]:
-        """q and v (n,) of all parts in a configuration of mbs."""
-        data, number = self.mbs.systemData, len(self.map.indices)
-        q, v = np.zeros(self.size), np.zeros(self.size)
-        q[:number] = np.asarray(data.GetODE2Coordinates(configuration))[self.map.indices] + self.map.reference
-        v[:number] = np.asarray(data.GetODE2Coordinates_t(configuration))[self.map.indices]
-        v[number:] = data.GetODE1Coordinates(configuration)
-        return q, v
+class CoupledScene(SceneOfExudyn):
+    """A scene that Exudyn evaluates, of which compiled code takes over what it knows."""
 
     def compiled(self, t: float, q: Array, v: Array) -> tuple[CompiledScene | None, str]:
-        """See `JoinedScene`."""
         try:
             with state_kept(self.mbs):
                 settle_general_contact(self, t, q, v)  # which acts from the start, whoever evaluates it
@@ -275,7 +26,6 @@ class CoupledScene:
             self.native_items.forget()
 
     def compile_parts(self, t: float, q: Array, v: Array) -> None:
-        """See `JoinedScene`."""
         if not (len(self.joints) or len(self.bodies)):
             return
         with suppress(UnknownItemError), state_kept(self.mbs):
@@ -287,7 +37,6 @@ class CoupledScene:
         self.native_items.subtract_inertia = parts.subtract_inertia if parts else None
 
     def leave_compiled_parts(self) -> None:
-        """See `JoinedScene`."""
         self._take_parts(None)
 
     def require_agreement(self, form: CompiledScene | None, t: float, q: Array, v: Array) -> None:
@@ -309,46 +58,3 @@ class CoupledScene:
         finally:
             self._take_parts(parts)
             self.native_items.forget()
-
-    def solve_cable(self, cable: int, t: float, q: Array, v: Array) -> Array:
-        """Accelerations (n_dof,) of one cable among all others, whose system then holds its multipliers.
-
-        Args:
-            cable: which one, in the order of the scene.   t: time [s].   q, v: (n,) of all parts.
-        """
-        a, rate = np.zeros(len(q)), np.zeros(len(q))
-        index_reduced_rates(self.system, np.array([t]), q, v, a, rate)
-        return self.set_multipliers(cable, t, q, v)
-
-    def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
-        """As `solve_cable`, where the scene has been evaluated at (t, q, v)."""
-        part, dofs, _ = self.system.parts[cable]
-        size = dofs.stop - dofs.start
-        a, rate = np.zeros((2, size))
-        force = self.cables[cable].loads.at(t).copy()
-        force[:size] += self._joined_forces_on(dofs)
-        index_reduced_rates(part, force, q[dofs], v[dofs], a, rate)
-        return a
-
-    def _joined_forces_on(self, dofs: slice) -> Array:
-        """Of items and joints, on a part."""
-        of_joints = self.system.joint_force(dofs)
-        result: Array = self.native_items.native_forces[dofs] - of_joints
-        return result
-
-    def joined_forces(self) -> Array:
-        """See `EvaluatedScene`; those on first order states are none."""
-        result = np.zeros(self.size)
-        for dofs in self.map.slices:
-            result[dofs] = self._joined_forces_on(dofs)
-        return result
-
-
-def _parts_of_cables(groups: Sequence[Systems], slices: Sequence[slice]) -> Iterator[Part]:
-    """One for each cable, with what it is evaluated in.   slices: of the cables."""
-    done = 0
-    for system, alike in groups:
-        places = slices[done : done + len(alike)]
-        done += len(alike)
-        whole = Part(system, slice(places[0].start, places[-1].stop)) if len(alike) > 1 else None
-        yield from (Part(own, dofs, whole) for own, dofs in zip(alike, places, strict=True))

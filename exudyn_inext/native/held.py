@@ -9,8 +9,7 @@ import numpy as np
 from ..arrays import Array
 from ..errors import SceneError
 from ..items.arguments import described
-from ..run.consistent_start import PLACES, RATES
-from ..run.start_velocities import warn_of_velocities
+from ..run.consistent_start import PLACES, RATES, warn_of_velocities
 from ..scene.model import HeldCoordinate
 from .bodies import BodyMasses
 

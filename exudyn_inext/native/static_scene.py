@@ -14,22 +14,23 @@ from ..arrays import Array
 from ..errors import SceneError
 from ..items.arguments import described
 from ..items.attach.inert import is_inert_cable
+from ..statics.joined_potential import Others
 from .bodies import read_quaternions
 from .circles_in_the_way import CirclesInTheWay
-from .coupled_scene import CoupledScene
+from .evaluated_scene import SceneOfExudyn
 
 _ROTATIONS = {"RigidBody2D": 2, "Point2DSlope1": 2, "PointSlope1": 3, "PointSlope12": 3, "PointSlope23": 3}
 """Where the rotations, or slopes, of a node begin."""
 
 
-class StaticScene:
-    """See `statics.joined_potential.Others`.
+class StaticScene(Others):
+    """All that a scene has besides its cables, as Exudyn evaluates it.
 
     Args:
         scene: evaluated by Exudyn.   t: at which loads and joints are taken [s].
     """
 
-    def __init__(self, scene: CoupledScene, t: float) -> None:
+    def __init__(self, scene: SceneOfExudyn, t: float) -> None:
         self._scene, self._time = scene, t
         self._rest = np.zeros(scene.size)
         mbs = scene.mbs
@@ -48,7 +49,6 @@ class StaticScene:
         self._circles = CirclesInTheWay(mbs)
 
     def force(self, q: Array) -> Array:
-        """See `Others`."""
         self._scene.native_items.forces(self._time, q, self._rest)
         return self._scene.native_items.native_forces.copy()
 
@@ -62,7 +62,6 @@ class StaticScene:
         return self._circles.present()
 
     def values(self, q: Array) -> Array:
-        """See `Others`."""
         if not self._scene.joints:
             return np.zeros(0)
         native_items = self._scene.native_items
@@ -72,7 +71,6 @@ class StaticScene:
         return values
 
     def jacobian(self, q: Array) -> csr_array:
-        """See `Others`."""
         native_items, size = self._scene.native_items, (len(self._scene.native_items.joints), len(q))
         rows, columns, values = [np.zeros(0, int)], [np.zeros(0, int)], [np.zeros(0)]
         for block in native_items.jacobian(self._time, q) if self._scene.joints else ():
@@ -84,7 +82,6 @@ class StaticScene:
         return csr_array((np.concatenate(values), places), size)
 
     def pulls(self, q: Array, nu: Array) -> Array:
-        """See `Others`."""
         result = np.zeros(len(q))
         for block in self._scene.native_items.jacobian(self._time, q) if self._scene.joints else ():
             result[block.dofs] += block.jacobian.T @ nu[block.rows]
@@ -101,7 +98,7 @@ class StaticScene:
         return self._scene.native_items.present_places()
 
 
-def _varying(scene: CoupledScene) -> list[np.ndarray]:
+def _varying(scene: SceneOfExudyn) -> list[np.ndarray]:
     """Coordinates that forces of items, or Jacobians of joints, depend on, of each item."""
     mbs, data = scene.mbs, scene.mbs.systemData
     left_out = {part.cable.number for part in scene.cables} | scene.elsewhere
@@ -126,7 +123,7 @@ def _acts(item: dict[str, Any]) -> bool:
     )
 
 
-def _in_general_contact(scene: CoupledScene) -> list[np.ndarray]:
+def _in_general_contact(scene: SceneOfExudyn) -> list[np.ndarray]:
     """Bodies, any two of which may touch, and each native element with all of them."""
     mbs, data = scene.mbs, scene.mbs.systemData
     if not mbs.NumberOfGeneralContacts():
@@ -138,13 +135,13 @@ def _in_general_contact(scene: CoupledScene) -> list[np.ndarray]:
     return [bodies, *(np.concatenate([places, bodies]) for places in own)]
 
 
-def _places(scene: CoupledScene, coordinates: Iterable[int]) -> np.ndarray:
+def _places(scene: SceneOfExudyn, coordinates: Iterable[int]) -> np.ndarray:
     """Of coordinates of mbs in the scene, but of those that are held."""
     places = np.array([scene.map.place(c) for c in coordinates], dtype=int)
     return places[places >= 0]
 
 
-def _coordinates_of_marker(scene: CoupledScene, number: int) -> np.ndarray:
+def _coordinates_of_marker(scene: SceneOfExudyn, number: int) -> np.ndarray:
     marker, data = scene.mbs.GetMarker(number), scene.mbs.systemData
     if "nodeNumber" in marker:
         own = data.GetNodeLTGODE2(int(marker["nodeNumber"]))
@@ -153,7 +150,7 @@ def _coordinates_of_marker(scene: CoupledScene, number: int) -> np.ndarray:
     return _places(scene, own)
 
 
-def _turning(scene: CoupledScene, first: int) -> np.ndarray:
+def _turning(scene: SceneOfExudyn, first: int) -> np.ndarray:
     """Places, from `first` on, that turn bodies or their nodes."""
     data, found = scene.mbs.systemData, []
     for number in range(data.NumberOfNodes()):
@@ -164,7 +161,7 @@ def _turning(scene: CoupledScene, first: int) -> np.ndarray:
     return np.array(found, dtype=int)
 
 
-def require_held(scene: CoupledScene, cables_held: list[bool]) -> None:
+def require_held(scene: SceneOfExudyn, cables_held: list[bool]) -> None:
     """Raise SceneError, which names a cable or body, if nothing connects it to the ground.
 
     cables_held: of each cable, whether it has supports.

@@ -1,5 +1,6 @@
 """Initial coordinates and velocities of a cable on its constraint manifold."""
 
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,13 +10,49 @@ from ..arrays import Array
 from ..cable.cable import Cable
 from ..cable.index_reduction import CORRECTION
 from ..cable.linked_cable import LinkedCableSystem
+from ..cable.sparse_forms import mass_of_cable
 from ..called_system import Bound
 from ..constraints import constraints_of_cable
 from ..errors import SceneError
 from ..scene.model import CableInScene
+from ..statics.saddle_point import factorise, solve
 from ..system import accelerate_and_project, correct_position
-from .start_velocities import kinetic_energy, nearest_velocities, warn_of_velocities
 from .step_control import ROUND_OFF
+
+
+def kinetic_energy(cable: Cable, v: Array) -> float:
+    """v . M v / 2 [J].   v: (n_dof,)."""
+    return 0.5 * float(v @ (mass_of_cable(cable) @ v))
+
+
+def nearest_velocities(cable: Cable, q: Array, v: Array, time: float) -> Array:
+    """(n_dof,) velocities on all constraints of a cable, nearest to v in the mass metric.
+
+    Args:
+        q, v: (n_dof,) state; q on the constraints, which must be independent.   time: of it [s].
+    """
+    at, rates = q.reshape(cable.reference.shape), v.reshape(cable.reference.shape)
+    constraints = constraints_of_cable(cable)
+    factor = factorise(mass_of_cable(cable), constraints.jacobian(at, time))
+    change, _ = solve(factor, np.zeros(v.size), -constraints.rate(at, rates, time))
+    nearest: Array = v + change
+    return nearest
+
+
+def warn_of_velocities(found: str, before: float, after: float) -> None:
+    """Say what was violated, and what the projection did to the kinetic energy.
+
+    Args:
+        found: who violates what, and by how much.   before, after: kinetic energy [J].
+    """
+    share = f" ({100.0 * (after - before) / before:+.2f} %)" if before > 0.0 else ""
+    warnings.warn(
+        f"{found}: they have been projected onto the constraints in the mass metric, as impulses there do, "
+        f"which changed the kinetic energy from {before:.6g} J to {after:.6g} J{share}. If that is not "
+        "meant, correct the initial values.",
+        stacklevel=2,
+    )
+
 
 PLACES, RATES = "initial coordinates", "initial velocities"
 _ITERATIONS = 20

@@ -309,7 +309,6 @@ class CoupledRun(LimitedRun):
 
     @property
     def remembered(self) -> Array | None:  # type: ignore[override]
-        """See `PacedRun`."""
         return self.mover.remembered
 
     @cached_property
@@ -318,12 +317,10 @@ class CoupledRun(LimitedRun):
         return super().present_state()
 
     def present_state(self) -> KeptState:
-        """See `PacedRun.present_state`."""
         return self._kept.another()
 
     @property
     def has_implicit_bending(self) -> bool:
-        """See `PacedRun.has_implicit_bending`."""
         return any(run.has_implicit_bending for run in self._runs)
 
     def reject(self, time: float) -> bool:
@@ -335,7 +332,6 @@ class CoupledRun(LimitedRun):
             return False
 
     def start_scheme(self, time: float) -> None:
-        """See `PacedRun.start_scheme`."""
         if not self._has_axial_forces:
             self.mover.begin_by(self.integrator.start, time)
             return
@@ -346,7 +342,6 @@ class CoupledRun(LimitedRun):
         scene.restore()
 
     def watch_on(self, time: float) -> None:
-        """See `PacedRun.watch_on`."""
         self.watch.go_on(time, self.state)
 
     def take(self, piece: Piece, history: Array) -> int:

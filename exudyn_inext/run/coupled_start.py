@@ -11,8 +11,7 @@ from ..scene.coupled_system import CoupledSystem
 from ..scene.joints import PIVOT_TOLERANCE, not_independent
 from ..system import accelerate_and_project
 from .compiled_scene import CompiledScene
-from .consistent_start import PLACES, RATES, StartCorrection, settle
-from .start_velocities import kinetic_energy, warn_of_velocities
+from .consistent_start import PLACES, RATES, StartCorrection, kinetic_energy, settle, warn_of_velocities
 
 
 def consistent_start(

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import SceneError
-from ..loads.function import LoadFunction
+from ..loads.nodal import LoadFunction
 
 
 class Asked(NamedTuple):

@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from ..arrays import Array
 from ..compiled import inlined, kernel
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
-from .parts import respond_to_rows
+from .joints import respond_to_rows
 
 _DENSE = 40  # coordinates up to which a dense product is the faster one
 
@@ -353,7 +353,6 @@ def _aim_at_velocities(dofs, normal, v, zeta, target):
 
 @index_reduced_rates.register(BodiesSystem)
 def bodies_rates(system, external, q, v, acceleration, rate):
-    """Arguments: see `index_reduced_rates`."""
     system.aim_at_accelerations(v, system.zeta)
     acceleration[:] = system.solve(external)
     rate[:] = v
@@ -364,7 +363,6 @@ def bodies_rates(system, external, q, v, acceleration, rate):
 
 @accelerate_and_project.register(BodiesSystem)
 def accelerate_bodies(system, external, q, v, duration, acceleration, end_velocity):
-    """Arguments: see `accelerate_and_project`."""
     system.aim_at_accelerations(v, 0.0)
     acceleration[:] = system.solve(external)
     end_velocity[:] = v + duration * acceleration
@@ -375,7 +373,6 @@ def accelerate_bodies(system, external, q, v, duration, acceleration, end_veloci
 
 @correct_position.register(BodiesSystem)
 def correct_bodies(system, external, q, tolerance, learning, correction):
-    """Arguments: see `correct_position`."""
     worst = system.violation(q, learning)
     if not worst < tolerance:
         correction[:] = system.levered(len(q))

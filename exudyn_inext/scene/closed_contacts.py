@@ -84,7 +84,6 @@ class _GivenContacts:
 
 @accelerate_and_project.register(_GivenContacts)
 def _accelerate_in_contact(system, external, q, v, duration, acceleration, end_velocity):
-    """Arguments: see `accelerate_and_project`."""
     system.given[:] = system.contacts.forces(q - system.start, v + duration * acceleration)
     system.accelerate(external, q, v, duration, acceleration, end_velocity)
 

@@ -10,7 +10,7 @@ narrow for trees and chains of parts, as wide as a side for nets.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import partial, singledispatch
 from itertools import groupby, pairwise
 from typing import Any, NamedTuple
 
@@ -24,7 +24,27 @@ from ..cable.linear_response import respond
 from ..called_system import called
 from ..compiled import kernel
 from ..errors import RedundantConstraintError
-from .parts import respond_to_rows
+
+
+@singledispatch
+def respond_to_rows(system, first, width, dof, jacobian, response):
+    """response_r = A^-1 J_r^T: acceleration of a part, on its own constraints, under a unit joint force.
+
+    Args:
+        system: just evaluated by a protocol of `system`, so that it is factorised.
+        first, width: (rows,) where each row begins in `jacobian` and `response`, and how long it is.
+        dof: (rows,) the first coordinate in the system of the cable or body that the row is on.
+        jacobian, response: (sum of the widths of all parts,); output.
+    """
+    _respond_with_cables(called(system, respond), first, width, dof, jacobian, response)
+
+
+@kernel
+def _respond_with_cables(system, first, width, dof, jacobian, response):
+    for row in range(len(first)):
+        begin, end = first[row], first[row] + width[row]
+        respond(system, dof[row], jacobian[begin:end], response[begin:end])
+
 
 FEW = 24  # rows whose order does not matter
 PIVOT_TOLERANCE = 1e-10  # of a pivot of S, relative to its diagonal entry

@@ -8,9 +8,9 @@ work that they do along a step, and what they add to the Hessian is found by dif
 over those coordinates on which it depends.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import accumulate, pairwise
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from scipy.sparse import csr_array
@@ -18,8 +18,49 @@ from scipy.sparse import csr_array
 from ..arrays import Array
 from ..sparse import block_diagonal, one_below_another
 from .potential import Potential
-from .rounds import rounds_of
 from .saddle_point import order_of_elimination
+from .static_system import StaticSystem
+
+
+class Round(NamedTuple):
+    """Coordinates that are moved together.
+
+    places: (k,) of them.   rows, columns: (e,) entries of the Jacobian that this tells of.
+    """
+
+    places: np.ndarray
+    rows: np.ndarray
+    columns: np.ndarray
+
+
+def rounds_of(groups: Iterable[np.ndarray], first_shared: int) -> list[Round]:
+    """Rounds in which each row depends on one coordinate at most, of a symmetric Jacobian.
+
+    groups: coordinates of each item, each of which may act on all others of it.
+    first_shared: coordinates from this one on are in many groups: rounds of the others leave their rows out.
+    """
+    reach: dict[int, frozenset[int]] = {}  # rows that a coordinate acts on
+    for group in groups:
+        own = frozenset(group.tolist())
+        alone = frozenset(place for place in own if place < first_shared)
+        for place in own:
+            rows_of_place = alone if place in alone else own
+            reach[place] = reach[place] | rows_of_place if place in reach else rows_of_place
+    rounds: list[tuple[list[int], set[int]]] = []
+    for place in sorted(reach):
+        free = [one for one in rounds if one[1].isdisjoint(reach[place])]
+        if not free:
+            rounds.append(([], set()))
+        places, rows = free[0] if free else rounds[-1]
+        places.append(place)
+        rows |= reach[place]
+    return [_round(places, [sorted(reach[place]) for place in places]) for places, _ in rounds]
+
+
+def _round(places: list[int], reached: list[list[int]]) -> Round:
+    at = np.array(places, dtype=np.int64)
+    return Round(at, np.concatenate(reached), np.repeat(at, [len(rows) for rows in reached]))
+
 
 STEP = 1e-6  # of differences [m, -]
 SHARE = 1e-9  # of the usual shift, by which all Hessians are made regular: bodies may be free to turn
@@ -57,8 +98,8 @@ class Others(Protocol):
         """J^T nu (n,)."""
 
 
-class JoinedPotential:
-    """See `StaticSystem`; states are (n,).
+class JoinedPotential(StaticSystem):
+    """Of a scene; states are (n,).
 
     Args:
         cables: of the scene, in their order.   others: all other items.   start: (n,) where it begins.
@@ -88,7 +129,6 @@ class JoinedPotential:
         return [(cable, q[place].reshape(cable.shape)) for cable, place in pairs]
 
     def turn_with(self, q: Array) -> None:
-        """See `StaticSystem`."""
         for cable, own in self._parts(q):
             cable.turn_with(own)
 
@@ -100,35 +140,29 @@ class JoinedPotential:
         return float(of_cables + (mean * (trial - q)).sum())
 
     def scale_of_energy(self, q: Array) -> float:
-        """See `StaticSystem`."""
         return (
             sum(cable.scale_of_energy(own) for cable, own in self._parts(q)) + self.largest_load * self.length
         )
 
     def is_blocked(self, q: Array, trial: Array) -> bool:
-        """See `StaticSystem`."""
         pairs = zip(self._parts(q), self._parts(trial), strict=True)
         inside_out = any(cable.is_blocked(before, after) for (cable, before), (_, after) in pairs)
         return inside_out or self._others.is_blocked(q, trial)
 
     def turn(self, step: Array) -> float:
-        """See `StaticSystem`."""
         of_cables = [cable.turn(own) for cable, own in self._parts(step)]
         return max(*of_cables, float(np.abs(step[self._others.turning]).max(initial=0.0)))
 
     def bowed(self, q: Array) -> Array:
-        """See `StaticSystem`."""
         return np.concatenate([*(cable.bowed(own).ravel() for cable, own in self._parts(q)), q[self._bodies]])
 
     def force(self, q: Array) -> Array:
-        """See `StaticSystem`."""
         total = self._others.force(q).copy()
         for (cable, own), place in zip(self._parts(q), self._places, strict=True):
             total[place] += cable.force(own)
         return total
 
     def size(self, force: Array) -> float:
-        """See `StaticSystem`."""
         return float(np.abs(force * self._scale).max(initial=0.0))
 
     def _euler_parameters(self, q: Array) -> Array:
@@ -143,7 +177,6 @@ class JoinedPotential:
         )
 
     def jacobian(self, q: Array) -> csr_array:
-        """See `StaticSystem`."""
         places, size = self._others.quaternions, len(q)
         bodies = csr_array((0, size - self._bodies.start))
         of_cables = block_diagonal([*(cable.jacobian(own) for cable, own in self._parts(q)), bodies])
@@ -152,11 +185,9 @@ class JoinedPotential:
         return one_below_another([of_cables, norms, self._others.jacobian(q)])
 
     def strains(self, q: Array) -> Array:
-        """See `StaticSystem`."""
         return np.concatenate([cable.strains(own) for cable, own in self._parts(q)])
 
     def strain_rows(self, q: Array) -> csr_array:
-        """See `StaticSystem`."""
         bodies = csr_array((0, len(q) - self._bodies.start))
         return block_diagonal([*(cable.strain_rows(own) for cable, own in self._parts(q)), bodies])
 
@@ -205,7 +236,6 @@ class JoinedPotential:
         return _parts_of(multipliers, [cable.constraints.number for cable in self._cables])
 
     def convex_model(self, multipliers: Array, shift: float) -> csr_array:
-        """See `StaticSystem`."""
         own = self._multipliers(multipliers)
         blocks = [cable.convex_model(lam, shift) for cable, lam in zip(self._cables, own, strict=True)]
         return block_diagonal([*blocks, csr_array(shift * self._others.mass)])

@@ -76,11 +76,9 @@ class StretchingPotential(Potential):
         return bool((after < np.minimum(before, SHORTEST)).any())
 
     def strains(self, q: Array) -> Array:
-        """See `StaticSystem`."""
         return self._strains.value(q)
 
     def strain_rows(self, q: Array) -> csr_array:
-        """See `StaticSystem`."""
         return self._strains.jacobian(q)
 
     def elastic_tangent(self, q: Array) -> csr_array:

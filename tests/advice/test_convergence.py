@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from exudyn_inext.advice.convergence import observed_order, remaining_error
+from exudyn_inext.advice.survey import observed_order, remaining_error
 
 MESHES = [(4, 6, 8), (8, 12, 16), (10, 20, 40), (5, 6, 50)]
 

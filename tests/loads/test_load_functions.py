@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from exudyn_inext.errors import SceneError
-from exudyn_inext.loads.function import LoadFunction
+from exudyn_inext.loads.nodal import LoadFunction
 from exudyn_inext.run.load_functions import Asked, LoadFunctions
 
 TIMES = [0.0, 0.5, 1.0]

@@ -5,7 +5,7 @@ import pytest
 from scipy.sparse import issparse
 
 from exudyn_inext.scene.bodies import BodiesSystem, MassBlock, VariableBlocks
-from exudyn_inext.scene.parts import respond_to_rows
+from exudyn_inext.scene.joints import respond_to_rows
 from exudyn_inext.system import accelerate_and_project, correct_position, index_reduced_rates
 from tests.cables import relative_error
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_inext.statics.rounds import rounds_of
+from exudyn_inext.statics.joined_potential import rounds_of
 
 SIZE = 40
 

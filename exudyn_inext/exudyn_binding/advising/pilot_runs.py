@@ -19,7 +19,7 @@ from ...items.arguments import sensor_number
 from ...items.functions_of_time import take_word
 from ...run.settings import ExplicitSettings
 from ..cable_forces import CableForces
-from ..quiet import quiet_settings, silence
+from ..console import quiet_settings, silence
 from ..scene import read_scene, require_assembled
 from ..solver import SolveExplicit
 
