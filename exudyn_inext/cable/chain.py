@@ -78,13 +78,18 @@ def build_chain(cable: Cable, implicit: ImplicitBending = EXPLICIT) -> Chain:
         elements["drag_law"] = cable.drag.law()
     if cable.length_constraints > 0:
         elements["slope_gram"] = forms_of_mesh(_in_differences(slope_gram_matrix), lengths)
-    elements["reference_length"] = cable.constrained_lengths()
-    elements["per_length"] = 1.0 / elements["reference_length"]
+    set_constrained_lengths(cable, elements)
     if cable.stretches:
         set_axial_stiffness(cable, nodes, elements)
     chain = Chain(tuple(range(dim)), nodes, elements)
     set_mass(chain, cable, implicit)
     return chain
+
+
+def set_constrained_lengths(cable: Cable, elements: Any) -> None:
+    """What the length constraints ask for: of all coefficients the only ones that depend on the reference."""
+    elements["reference_length"] = cable.constrained_lengths()
+    elements["per_length"] = 1.0 / elements["reference_length"]
 
 
 def _turning_matrices(cable: Cable) -> Array:

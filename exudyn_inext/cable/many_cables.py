@@ -11,11 +11,39 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
-from .chain import Chain
+from .cable import Cable
+from .chain import Chain, set_constrained_lengths
+from .implicit_bending import EXPLICIT, ImplicitBending
 from .index_reduction import CableSystem
+from .linked_cable import cable_system
+from .links import all_links
 
 Systems = tuple[Any, list[Any]]
 """One for all of some cables, and those of the cables, which share its memory."""
+
+
+def cable_systems(cables: Sequence[Cable], zeta: float, implicit: ImplicitBending = EXPLICIT) -> list[Any]:
+    """As `cable_system`, of each; what cables have in common is computed once."""
+    systems, known = [], dict[Any, Any]()
+    for cable in cables:
+        key = _coefficients(cable)
+        system: Any = known.get(key)
+        if system is None:
+            system = known[key] = cable_system(cable, zeta, implicit)
+        else:
+            system = _with(system, system.chain.nodes.copy(), system.chain.elements.copy())
+            set_constrained_lengths(cable, system.chain.elements)
+        systems.append(system)
+    return systems
+
+
+def _coefficients(cable: Cable) -> Any:
+    """The same for cables whose systems differ in constrained lengths alone."""
+    section = cable.section
+    if cable.stretches or section.strain_is_relative or all_links(cable):
+        return id(cable)
+    mesh = cable.dimension, cable.element_lengths.tobytes(), cable.fixed.tobytes()
+    return mesh, section, cable.measure, cable.length_constraints, cable.point_masses, cable.drag
 
 
 def in_few_chains(systems: Sequence[Any]) -> list[Systems]:

@@ -6,6 +6,8 @@ from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
+from ..cable.implicit_bending import ImplicitBending
+from ..cable.many_cables import cable_systems
 from ..checks import LARGEST
 from ..errors import InextensibleError, InputError, SceneError
 from ..items.functions_of_time import functions_at_rest
@@ -14,6 +16,7 @@ from ..native.coupled_scene import CoupledScene
 from ..native.evaluated_scene import CoupledCable
 from ..native.native_items import state_kept, switched_off
 from ..run.cable_run import CableRun, Start
+from ..run.consistent_start import are_kept
 from ..run.coupled_run import CoupledRun, Run
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import USUAL_SCALING, StepSizeBounds, step_bounds
@@ -74,8 +77,12 @@ def runs_of_cables(
 ) -> list[CableRun]:
     """One run for each cable, from the initial configuration; arguments: see `runs_of_scene`."""
     start, states = Start(time, h, explicit), initial_states(mbs, cables)
+    scaled = ImplicitBending((explicit.massScaling or 0.0) * h**2)
+    systems = cable_systems([one.cable for one in cables], explicit.stabilizationRate, scaled)
+    is_kept = len(cables) > 1 and are_kept(cables, systems, states)
     return [
-        CableRun(cable, state, start, explicit.method) for cable, state in zip(cables, states, strict=True)
+        CableRun(*given, start, explicit.method, is_kept)
+        for given in zip(cables, systems, states, strict=True)
     ]
 
 

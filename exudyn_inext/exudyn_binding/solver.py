@@ -10,7 +10,7 @@ import exudyn
 
 from ..errors import SceneError
 from ..items.arguments import explicit_settings, simulation_settings
-from ..items.functions_of_time import step_functions, take_word
+from ..items.functions_of_time import functions_at_rest, step_functions, take_word
 from ..native.native_items import state_kept
 from ..native.velocity_level import Drives, at_position_level
 from ..run.loop_clock import LoopClock
@@ -119,11 +119,15 @@ def SolveExplicit(
     require_assembled(mbs)
     refuse_newton_functions(mbs)
     take_word(mbs, explicit.dependsOnTimeOnly)
-    with at_position_level(mbs, float(settings.timeIntegration.startTime)) as drives:
-        return _solve(mbs, settings, explicit, drives)
+    with at_position_level(mbs, float(settings.timeIntegration.startTime)) as drives, ExitStack() as start:
+        start.enter_context(functions_at_rest(mbs))
+        return _solve(mbs, settings, explicit, drives, start)
 
 
-def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings, drives: Drives) -> dict[str, Any]:
+def _solve(
+    mbs: Any, settings: Any, explicit: ExplicitSettings, drives: Drives, until_steps: ExitStack
+) -> dict[str, Any]:
+    """Arguments: see `SolveExplicit`.   until_steps: what lasts until the first step, closed there."""
     log, reader = ChangeLog(mbs), SteppedReader(mbs, drives)
     solver = exudyn.MainSolverImplicitSecondOrder()
     scene = read_scene(mbs, reader)
@@ -176,6 +180,7 @@ def _solve(mbs: Any, settings: Any, explicit: ExplicitSettings, drives: Drives) 
             if outputs is not None:
                 outputs.cut(grid.time(grid.first) + 0.5 * grid.substeps * grid.h)
             header = header_of(explicit, grid.h, decided_by, grid.substeps)
+            until_steps.close()
             with shown, listening(log):
                 _run(mbs, solver, settings, loop, outputs, log, header)
         finally:

@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import Array
 from ..cable.axial import SHORTEST
 from ..cable.cable import Cable
-from ..cable.linked_cable import cable_system
+from ..cable.many_cables import cable_systems
 from ..checks import require_finite, require_functions, require_integer, require_positive
 from ..constraints.prescribed_motion import KIND
 from ..errors import EquilibriumError, InputError, SceneError
@@ -252,7 +252,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         require_reach(cable.cable, time, cable)
     with state_kept(mbs), switched_off(mbs, *scene.evaluated_by_kernels):
         loads = [CableLoads(cable) for cable in unloaded]
-        systems = [cable_system(cable.cable, 0.0) for cable in unloaded]
+        systems = cable_systems([cable.cable for cable in unloaded], 0.0)
         parts = list(map(CoupledCable, unloaded, systems, loads))
         joined = CoupledScene(mbs, parts, scene.own_constraints, 0.0, scene.held)
         require_held(joined, [bool(cable.cable.fixed.any() or cable.cable.links) for cable in unloaded])

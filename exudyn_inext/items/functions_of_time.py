@@ -62,7 +62,14 @@ def is_of_time_alone(mbs: Any, user_function: Any) -> bool:
         return said
     if not isinstance(function, FunctionType):
         return False
-    code, found = function.__code__, _FOUND.get(mbs) or _Functions(mbs)
+    found = _FOUND.get(mbs) or _Functions(mbs)
+    if function not in found.of_time_alone:
+        found.of_time_alone[function] = _is_seen_to_be(function, found)
+    return found.of_time_alone[function]
+
+
+def _is_seen_to_be(function: FunctionType, found: "_Functions") -> bool:
+    code = function.__code__
     is_pure = code.co_argcount > 0 and not _reads(code, code.co_varnames[0]) and found.is_pure(function)
     return is_pure and not found.is_of_sensors and not _is_steered(function, found.steering)
 
@@ -171,11 +178,12 @@ def _reads(code: CodeType, name: str) -> bool:
 class _Functions:
     """What is found of the functions of an mbs, while these and what they read do not change.
 
-    steering: see `step_functions`.
+    steering: see `step_functions`.   of_time_alone: whether functions are, as far as they were looked at.
     """
 
     def __init__(self, mbs: Any) -> None:
         self._mbs, self.steering = mbs, step_functions(mbs)
+        self.of_time_alone: dict[FunctionType, bool] = {}
         self._called: dict[FunctionType, Sequence[FunctionType] | None] = {}
         self._read: dict[tuple[CodeType, int], list[Any] | None] = {}
         self._stored: dict[int, set[str]] = {}

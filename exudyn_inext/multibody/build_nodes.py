@@ -148,7 +148,8 @@ def order_with_nodes(pairs: np.ndarray, number: int, layout: Layout) -> np.ndarr
 def _order_of_blocks(pairs: np.ndarray, early: int, number: int) -> list[int]:
     """Blocks by least degree; those from number `early` on after their neighbours before it."""
     neighbours: list[set[int]] = [set() for _ in range(number)]
-    for one, other in pairs.tolist():
+    for key in np.unique(pairs @ [number, 1]).tolist():  # blocks meet in many entries
+        one, other = divmod(key, number)
         if one != other:
             neighbours[one].add(other)
             neighbours[other].add(one)

@@ -57,20 +57,19 @@ def build_factor(pairs: np.ndarray, number: int) -> SparseFactor:
     rows = np.fromiter((row for column in columns for row in column), np.int64, start[-1])
     first = _groups(start, rows)
     of_column = np.repeat(np.arange(len(first) - 1), np.diff(first))
-    key = _keys(start, rows)
-    into = [np.zeros(0, np.int64)]
+    wanted = [np.zeros(0, np.int64)]
     for last in (first[1:] - 1).tolist():
         below = rows[start[last] + 1 : start[last + 1]]
-        wanted = below[:, np.newaxis] * number + below
-        into.append(np.searchsorted(key, wanted[np.triu_indices(len(below))]))
-    first_into = np.cumsum([len(some) for some in into])[:-1]
+        column = below[:, np.newaxis]
+        wanted.append((column * number + below)[column <= below])
+    first_into = np.cumsum([len(some) for some in wanted])[:-1]
     return SparseFactor(
         start,
         rows,
         np.zeros(len(rows)),
         first[of_column],
         first[of_column + 1],
-        np.concatenate(into),
+        np.searchsorted(_keys(start, rows), np.concatenate(wanted)),
         first_into[of_column],
         np.zeros(number),
     )

@@ -28,7 +28,14 @@ from ..scene.model import CableInScene, put_reactions
 from ..system import accelerate_and_project, report_energy
 from .cable_loads import CableLoads
 from .cable_watch import CableWatch
-from .consistent_start import StartCorrection, Violation, project, require_consistent, worst_violations
+from .consistent_start import (
+    NOTHING,
+    StartCorrection,
+    Violation,
+    project,
+    require_consistent,
+    worst_violations,
+)
 from .divergence import GIVEN_UP, explanation
 from .jump import accelerate_again, remembers_axial_forces
 from .paced_run import PacedRun
@@ -91,10 +98,18 @@ class CableRun(PacedRun):
     def __init__(
         self,
         scene_cable: CableInScene,
+        system: Any,
         initial: tuple[Array, Array],
         start: Start,
         method: tuple[Integrator, Any],
+        is_kept: bool = False,
     ) -> None:
+        """Begin at `initial`, coordinates and velocities.
+
+        Args:
+            scene_cable: the cable.   system: its equations.   start: how.   method: integrator and scheme.
+            is_kept: whether the initial state is known to fulfil the constraints.
+        """
         require_smooth_motions(scene_cable.moving, start.time)
         cable = scene_cable.cable
         integrator, _ = self.integrator, self.scheme = method
@@ -105,9 +120,8 @@ class CableRun(PacedRun):
         self._theta, self._likely_step = start.explicit.massScaling or 0.0, start.h
         self._lag = 0.5 if integrator.has_implicit_damping and cable.section.bending_damping else 0.0
         self._stretches = cable.stretches
-        scaled = ImplicitBending(self._theta * start.h**2)
-        self.system = cable_system(cable, start.explicit.stabilizationRate, scaled)
-        violations = self._violations(*initial, start)
+        self.system = system
+        violations = (NOTHING, NOTHING) if is_kept else self._violations(*initial, start)
         self._tracker = FrequencyTracker(self.system, cable.reference.shape)
         self._looked_after = 0  # steps, at the stability limit
         self._largest_share = 0.0  # of the stability limit, that the step has been

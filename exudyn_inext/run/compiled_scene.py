@@ -9,8 +9,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..cable.cable import Cable
-from ..cable.linked_cable import cable_system
-from ..cable.many_cables import Systems, in_few_chains
+from ..cable.many_cables import Systems, cable_systems, in_few_chains
 from ..called_system import Bound, called, implements
 from ..compiled import Prepared
 from ..errors import OffCableError, RedundantConstraintError
@@ -65,13 +64,17 @@ class SceneLoads:
             rows, columns = of_cable.pattern.shape
             self.pattern[row : row + rows, column : column + columns] = of_cable.pattern
             row, column = row + rows, column + columns
-        self.pattern[row:, column:] = np.eye(3 * number)
+        np.fill_diagonal(self.pattern[row:, column:], 1.0)
+        self._on_cables = slice(row), slice(column)  # of the pattern; each factor after it is an input
 
     def at(self, t: float) -> Array:
         """(n_external,) at t [s]."""
-        if not len(self.pattern):
-            return self.constant.copy()
-        return self.constant + self.factors([t])[0] @ self.pattern
+        external = self.constant.copy()
+        if len(self.pattern):
+            (rows, columns), factors = self._on_cables, self.factors([t])[0]
+            external[columns] += factors[rows] @ self.pattern[rows, columns]
+            external[columns.stop :] += factors[rows.stop :]
+        return external
 
     @property
     def are_steady(self) -> bool:
@@ -359,7 +362,7 @@ class CompiledScene:
 
     def _without_scaling(self, cables: Sequence[Cable]) -> SceneSystem:
         """The same system in memory of its own, with the cables' mass as it is."""
-        groups = in_few_chains([cable_system(cable, self.system.zeta) for cable in cables])
+        groups = in_few_chains(cable_systems(cables, self.system.zeta))
         own = cables_of_scene(groups, [loads for _, _, loads in self._cables])
         own.functions[:] = self.system.cables.functions
         items, copies = self.system.items, copied(self.system.items)

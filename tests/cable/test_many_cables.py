@@ -1,10 +1,14 @@
 """Cables in one set of records move as each of them alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from exudyn_inext.cable.attached import Drag, PointMass
+from exudyn_inext.cable.implicit_bending import ImplicitBending
 from exudyn_inext.cable.linked_cable import cable_system
-from exudyn_inext.cable.many_cables import in_few_chains
+from exudyn_inext.cable.many_cables import cable_systems, in_few_chains
 from exudyn_inext.system import accelerate_and_project, correct_position, index_reduced_rates
 from tests.cables import DIMENSIONS, MEASURES, random_state
 
@@ -45,6 +49,48 @@ def test_each_moves_as_alone_bit_for_bit(dim, measure):
     multipliers = [system.chain.elements["multiplier"] for system in systems]
     for part, multiplier in zip(parts, multipliers, strict=True):
         np.testing.assert_array_equal(part.chain.elements["multiplier"], multiplier)
+
+
+def various_cables():
+    """Each followed by one that differs from it in one respect alone."""
+    plain, other = (random_state(seed, 4, 2, MEASURES[0], 2, "clamped").cable for seed in (1, 2))
+    section, last = plain.section, np.linspace(0.2, 0.4, 4)
+    changes = [
+        {"reference": other.reference},
+        {"fixed": ~plain.fixed},
+        {"element_lengths": last},
+        {"section": replace(section, mass_per_length=3.0)},
+        {"section": replace(section, bending_damping=0.1)},
+        {"section": replace(section, natural_curvature=0.3, strain_is_relative=1.0)},
+        {"section": replace(section, axial_stiffness=1e3)},
+        {"measure": MEASURES[1]},
+        {"length_constraints": 4},
+        {"straight_lengths": not plain.straight_lengths},
+        {"point_masses": (PointMass(0.3, 2.0),)},
+        {"drag": Drag(1.0, 0.5, (0.0, 1.0))},
+    ]
+    first = [replace(plain, **change) for change in changes]
+    return [plain, *first, *(replace(cable, reference=1.5 * cable.reference) for cable in first)]
+
+
+def test_systems_of_many_cables_are_those_of_each_bit_for_bit():
+    cables, implicit = various_cables(), ImplicitBending(1e-3)
+    together = cable_systems(cables, ZETA, implicit)
+    for cable, found in zip(cables, together, strict=True):
+        expected = cable_system(cable, ZETA, implicit)
+        assert found.zeta == expected.zeta and found.chain.axes == expected.chain.axes
+        for records in ("nodes", "elements"):
+            one, other = getattr(found.chain, records), getattr(expected.chain, records)
+            assert one.dtype == other.dtype
+            for field in one.dtype.names:
+                np.testing.assert_array_equal(one[field], other[field])
+
+
+def test_systems_of_many_cables_share_no_memory():
+    cable = various_cables()[0]
+    one, other = cable_systems([cable, cable], ZETA)
+    assert not np.shares_memory(one.chain.nodes, other.chain.nodes)
+    assert not np.shares_memory(one.chain.elements, other.chain.elements)
 
 
 def test_parts_share_the_memory_of_the_whole():
