@@ -18,8 +18,8 @@ from ..compiled import kernel
 from ..system import accelerate_and_project
 
 STEP = 1e-6  # of the differences [m, -, m/s, 1/s]
-ACCURACY = 1e-3  # residual of an eigenvalue
-SETTLED = 1e-4  # its change from one test to the next: residuals say little where vectors are hardly apart
+ACCURACY, OF_VIBRATIONS = 1e-3, 1e-2  # residual of an eigenvalue; its root and its symmetry forgive more
+SETTLED = 1e-3  # its change from one test to the next: residuals say little where vectors are hardly apart
 NO_JUMP = 1e-6  # share of the damping forces
 NEGLIGIBLE = 1e-6  # damping over the frequency: less is round-off, and bounds no step
 FIRST_LOOK, GROWTH = 8, 1.2  # steps of the iteration before its first test, and from one test to the next
@@ -75,7 +75,7 @@ def fastest_rates(
     """
     stiffness, damping, start = _operators(system, external, q, v, added)
     kept = np.zeros((2, len(start))) if kept is None else kept
-    frequency = float(np.sqrt(_largest_eigenvalue(stiffness, start, kept=kept[0])))
+    frequency = float(np.sqrt(_largest_eigenvalue(stiffness, start, 0.0, kept[0], OF_VIBRATIONS)))
     rate = _largest_eigenvalue(damping, start, NEGLIGIBLE * frequency, kept[1])
     return FastestRates(float(np.maximum(frequency, rate / OVERDAMPED)), rate)  # keeps a NaN
 
@@ -195,12 +195,17 @@ class VibrationTracker:
 
 
 def _largest_eigenvalue(
-    operator: _Operator, start: Array, negligible: float = 0.0, kept: Array | None = None
+    operator: _Operator,
+    start: Array,
+    negligible: float = 0.0,
+    kept: Array | None = None,
+    accuracy: float = ACCURACY,
 ) -> float:
     """The eigenvalue of largest real part; zero if none is positive, NaN if something is not finite.
 
     negligible: growth of the start that is nothing but round-off.
     kept: (n,) vector of an earlier search, or zero; of this one, where it has found any.
+    accuracy: residual at which the search ends, as a share of the value.
     """
     kept = np.zeros(len(start)) if kept is None else kept
 
@@ -217,7 +222,7 @@ def _largest_eigenvalue(
         return np.nan
     if np.linalg.norm(first) <= negligible * np.linalg.norm(start):
         return 0.0
-    return _positive(_by_arnoldi(scaled, start, first, kept) if first.any() else 0.0)
+    return _positive(_by_arnoldi(scaled, start, first, kept, accuracy) if first.any() else 0.0)
 
 
 def _positive(value: float) -> float:
@@ -225,10 +230,11 @@ def _positive(value: float) -> float:
     return 0.0 if value <= 0.0 else value
 
 
-def _by_arnoldi(operator: _Operator, start: Array, first: Array, found: Array) -> float:
+def _by_arnoldi(operator: _Operator, start: Array, first: Array, found: Array, accuracy: float) -> float:
     """Largest real part of an eigenvalue, once its Ritz value has converged; NaN if something is not finite.
 
     first: image of the start.   found: (n,) output, the real part of its vector.
+    accuracy: see `_largest_eigenvalue`.
 
     At the latest after `MOST_STEPS`: within some (ln n / m)^2 of the range after m steps, n the coordinates:
     J. Kuczynski, H. Wozniakowski, SIAM J. Matrix Anal. Appl. 13 (1992) 1094-1122.
@@ -247,7 +253,7 @@ def _by_arnoldi(operator: _Operator, start: Array, first: Array, found: Array) -
         if is_last or k + 1 == next_look:
             value, error, vector = _rightmost(hessenberg[: k + 1, : k + 1].T, norm)
             is_settled = abs(value - before) <= SETTLED * abs(value)
-            if is_last or (is_settled and error <= ACCURACY * abs(value)):
+            if is_last or (is_settled and error <= accuracy * abs(value)):
                 found[:] = vector @ basis[: k + 1]
                 return value
             next_look, before = int(GROWTH * next_look) + 1, value
