@@ -6,6 +6,7 @@ differences of the system's own right-hand side: whatever acts on the parts take
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,8 +18,9 @@ from ..compiled import kernel
 from ..system import accelerate_and_project
 
 STEP = 1e-6  # of the differences [m, -, m/s, 1/s]
-ACCURACY = 1e-3  # residual of an eigenvalue
-SETTLED = 1e-4  # its change from one test to the next: residuals say little where vectors are hardly apart
+ACCURACY, OF_VIBRATIONS = 1e-3, 1e-2  # residual of an eigenvalue; its root and its symmetry forgive more
+SETTLED = 1e-3  # its change from one test to the next: residuals say little where vectors are hardly apart
+NO_JUMP = 1e-6  # share of the damping forces
 NEGLIGIBLE = 1e-6  # damping over the frequency: less is round-off, and bounds no step
 FIRST_LOOK, GROWTH = 8, 1.2  # steps of the iteration before its first test, and from one test to the next
 FRESH = 0.1  # share of others beside what was the fastest, one of which may have become it
@@ -38,21 +40,42 @@ class FastestRates(NamedTuple):
     damping: float
 
 
+_Operator = Callable[[Array], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class AddedForces:
+    """Forces -K dq - D v besides those of a system, dq from the configuration q.
+
+    given: (n,) memory from which the system takes them.   stiffness, damping: products K x and D x (n,).
+    """
+
+    given: Array
+    stiffness: _Operator
+    damping: _Operator
+
+
 def fastest_rates(
-    system: Any, external: Array, q: Array, v: Array, kept: Array | None = None
+    system: Any,
+    external: Array,
+    q: Array,
+    v: Array,
+    kept: Array | None = None,
+    added: AddedForces | None = None,
 ) -> FastestRates:
     """Of small motions about the configuration q (n,).   external: of the system, at present.
 
     kept: (2, n) memory of the fastest vibration and decay, from which a search in a scene that has changed a
         little starts; zero at first.
+    added: what acts as well.
 
     The velocities v (n,) count where they pull cables tight, as in bodies that spin about each other;
     gyroscopic forces, which change with small velocities, do not. Friction that jumps where a velocity
     changes its sign has no rate: it makes no motion grow.
     """
-    stiffness, damping, start = _operators(system, external, q, v)
+    stiffness, damping, start = _operators(system, external, q, v, added)
     kept = np.zeros((2, len(start))) if kept is None else kept
-    frequency = float(np.sqrt(_largest_eigenvalue(stiffness, start, kept=kept[0])))
+    frequency = float(np.sqrt(_largest_eigenvalue(stiffness, start, 0.0, kept[0], OF_VIBRATIONS)))
     rate = _largest_eigenvalue(damping, start, NEGLIGIBLE * frequency, kept[1])
     return FastestRates(float(np.maximum(frequency, rate / OVERDAMPED)), rate)  # keeps a NaN
 
@@ -86,38 +109,54 @@ def frequency_of_states(system: Any, external: Array, q: Array, v: Array, states
     return math.sqrt(_positive(float(largest)))
 
 
-_Operator = Callable[[Array], Array]
-
-
-def _operators(system: Any, external: Array, q: Array, v: Array) -> tuple[_Operator, _Operator, Array]:
+def _operators(
+    system: Any, external: Array, q: Array, v: Array, added: AddedForces | None = None
+) -> tuple[_Operator, _Operator, Array]:
     """Derivatives of -a with respect to q and v, and where to start; all on the constraints.
 
     Arguments: see `fastest_rates`.
     """
     evaluate, nothing = Bound(accelerate_and_project, system), np.zeros(len(q))
+    added = added or AddedForces(nothing.copy(), np.zeros_like, np.zeros_like)
+    at_present = -added.damping(v)
+    has_jumps = None
 
-    def accelerated(q: Array, v: Array) -> Array:
-        """Accelerations, and velocities projected onto the constraints."""
+    def accelerated(q: Array, v: Array, force: Array) -> Array:
+        """Accelerations, and velocities projected onto the constraints.   force: (n,) added."""
         result = np.zeros((2, len(q)))
+        added.given[:] = force
         evaluate(external, q, v, 0.0, result[0], result[1])
         return result
 
-    offset = accelerated(q, nothing)[1]  # moving supports
+    offset = accelerated(q, nothing, nothing)[1]  # moving supports
 
     def projected(v: Array) -> Array:
-        return np.asarray(accelerated(q, v)[1] - offset)
+        return np.asarray(accelerated(q, v, nothing)[1] - offset)
 
     def stiffness(x: Array) -> Array:
-        change = accelerated(q - STEP * x, v)[0] - accelerated(q + STEP * x, v)[0]
-        return projected(change) / (2.0 * STEP)
+        move, force = STEP * x, STEP * added.stiffness(x)
+        before, after = (accelerated(q + s * move, v, at_present - s * force)[0] for s in (-1.0, 1.0))
+        return projected(before - after) / (2.0 * STEP)
 
     def damping(x: Array) -> Array:
         """A jump, as of Coulomb friction, drops out of d(2 h) - d(h), d(h) = a(-h) - a(h).
 
-        It keeps to the constraints, since what these ask of a is even in v.
+        It keeps to the constraints, since what these ask of a is even in v. The start moves everything: where
+        nothing jumps then, d(h) is enough from there on.
         """
-        far, near = (accelerated(q, -h * x)[0] - accelerated(q, h * x)[0] for h in (2.0 * STEP, STEP))
-        return np.asarray(far - near) / (2.0 * STEP)
+        nonlocal has_jumps
+        force = added.damping(x)
+
+        def difference(h: float) -> Array:
+            return accelerated(q, -h * x, h * force)[0] - accelerated(q, h * x, -h * force)[0]
+
+        near = difference(STEP)
+        if has_jumps is False:
+            return near / (2.0 * STEP)
+        smooth = difference(2.0 * STEP) - near
+        if has_jumps is None:
+            has_jumps = bool(np.linalg.norm(smooth - near) > NO_JUMP * np.linalg.norm(near))
+        return smooth / (2.0 * STEP)
 
     return stiffness, damping, projected(np.cos(np.arange(len(q), dtype=float) ** 2 * 1.6180339887))
 
@@ -156,12 +195,17 @@ class VibrationTracker:
 
 
 def _largest_eigenvalue(
-    operator: _Operator, start: Array, negligible: float = 0.0, kept: Array | None = None
+    operator: _Operator,
+    start: Array,
+    negligible: float = 0.0,
+    kept: Array | None = None,
+    accuracy: float = ACCURACY,
 ) -> float:
     """The eigenvalue of largest real part; zero if none is positive, NaN if something is not finite.
 
     negligible: growth of the start that is nothing but round-off.
     kept: (n,) vector of an earlier search, or zero; of this one, where it has found any.
+    accuracy: residual at which the search ends, as a share of the value.
     """
     kept = np.zeros(len(start)) if kept is None else kept
 
@@ -178,7 +222,7 @@ def _largest_eigenvalue(
         return np.nan
     if np.linalg.norm(first) <= negligible * np.linalg.norm(start):
         return 0.0
-    return _positive(_by_arnoldi(scaled, start, first, kept) if first.any() else 0.0)
+    return _positive(_by_arnoldi(scaled, start, first, kept, accuracy) if first.any() else 0.0)
 
 
 def _positive(value: float) -> float:
@@ -186,10 +230,11 @@ def _positive(value: float) -> float:
     return 0.0 if value <= 0.0 else value
 
 
-def _by_arnoldi(operator: _Operator, start: Array, first: Array, found: Array) -> float:
+def _by_arnoldi(operator: _Operator, start: Array, first: Array, found: Array, accuracy: float) -> float:
     """Largest real part of an eigenvalue, once its Ritz value has converged; NaN if something is not finite.
 
     first: image of the start.   found: (n,) output, the real part of its vector.
+    accuracy: see `_largest_eigenvalue`.
 
     At the latest after `MOST_STEPS`: within some (ln n / m)^2 of the range after m steps, n the coordinates:
     J. Kuczynski, H. Wozniakowski, SIAM J. Matrix Anal. Appl. 13 (1992) 1094-1122.
@@ -208,7 +253,7 @@ def _by_arnoldi(operator: _Operator, start: Array, first: Array, found: Array) -
         if is_last or k + 1 == next_look:
             value, error, vector = _rightmost(hessenberg[: k + 1, : k + 1].T, norm)
             is_settled = abs(value - before) <= SETTLED * abs(value)
-            if is_last or (is_settled and error <= ACCURACY * abs(value)):
+            if is_last or (is_settled and error <= accuracy * abs(value)):
                 found[:] = vector @ basis[: k + 1]
                 return value
             next_look, before = int(GROWTH * next_look) + 1, value
