@@ -216,7 +216,7 @@ def test_steps_grow_again_when_a_stiff_spring_lets_go():
     """The rest of the run took the short steps that the spring had asked for."""
     path, report = grabbed_for_a_while().run(0.5)
     _, other = grabbed_for_a_while(end=0.5).run(0.5)
-    assert report["steps"] < 0.5 * other["steps"]
+    assert report["steps"] < 0.6 * other["steps"]
     exact, _ = grabbed_for_a_while().run(0.5, stepSize=5e-5)
     assert np.abs(path - exact).max() < 0.01 * np.ptp(exact, axis=0).max()
 
