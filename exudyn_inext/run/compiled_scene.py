@@ -173,7 +173,8 @@ class CompiledScene:
         self._chains, self._cables = chains, cables
         self._names = names
         self._read_again, self._moved = read_again, moved
-        self._has_spins = bool((system.items.bodies["rotations"] > 1).any())
+        rotations = system.items.bodies["rotations"]
+        self._has_spins, self._has_angles = bool((rotations > 1).any()), bool((rotations == 3).any())
         self._unscaled: SceneSystem | None = None
         self._take_steps = Prepared(take_steps)
         self._set(system)
@@ -386,7 +387,8 @@ class CompiledScene:
 
     def leave_out_turns(self, way: Array) -> None:
         """See `EvaluatedScene`."""
-        leave_out_turns(self.system.items.bodies, way)
+        if self._has_angles:
+            leave_out_turns(self.system.items.bodies, way)
 
     def violation(self, t: float, q: Array) -> float:
         """Largest |c| of the joints [m, -]."""

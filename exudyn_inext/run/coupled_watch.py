@@ -57,10 +57,8 @@ ROUND_OFF = 1e-10  # of the energy, relative to the forces times the extent
 OF_PLACES = 1e3 * np.finfo(float).eps  # of places, relative to the extent
 STEPS_BETWEEN_LOOKS = 8  # at the frequency of a step, which is looked at more often after an inspection
 GROWTH = 0.1  # of a vibration in a step [-], that is unstable
-MOST_UNSEEN = 8  # steps of the loop between two that are inspected, where joints are moved in each
-# of counts: steps since the last inspection, and until the next one at most; steps of the loop, with the
-# present one, that are not inspected, and how many it will be after the next one that is
-_STEPS, _MOST, _UNSEEN, _NEXT_UNSEEN = range(4)
+# of counts: steps since the last inspection, and until the next one at most
+_STEPS, _MOST = range(2)
 
 
 class _Together(NamedTuple):
@@ -91,8 +89,8 @@ class CoupledWatch(RunWatch):
     path_of_evaluations: for `NativeItems.path` during steps; a lack of work within a step shows in it.
     has_one_evaluation: each step.
     after_each_step: what to call then.
-    is_close: whether joints are moved in this step of the loop. Its end is judged, as their power jumps from
-        step to step; if all is well, up to `MOST_UNSEEN` of the next ones are not.
+    is_close: whether joints are moved in this step of the loop: its end is judged, as their power jumps from
+        step to step.
     """
 
     is_close = False
@@ -124,11 +122,13 @@ class CoupledWatch(RunWatch):
         self.before = np.zeros((2, len(state.q)))  # q and a at the start of the last step
         self._is_due = False  # a look at its frequency
         self.path = self.path_of_evaluations = scene.path  # the work of all but gravity
+        self._paths = [self.path]
         self._changes = np.zeros(1)  # of masses since the last inspection, see `count_changes`
         self.after_each_step: list[Callable[[], None]] = []
         self.has_one_evaluation = integrator.evaluations(scheme) == 1
         if not self.has_one_evaluation:
             self.path = scene.path.copy()
+            self._paths.insert(0, self.path)
             self.after_each_step += [partial(follow, self.path, state.q, scene.forces)]
         self._lacks = self.path_of_evaluations[SUMS]  # sums that tell of them, see `build_path`
         if scene.bodies_of_variable_mass:
@@ -140,22 +140,17 @@ class CoupledWatch(RunWatch):
         self._resolution = 0.0  # energy of velocities of round-off, times the square of the step [J s^2]
         self._last = np.zeros(2)  # inspection: its time [s], and the square of the velocities then
         self._calm = 0.0  # largest square of velocities that calls for no other one
-        self._counts = np.zeros(4, int)  # see _STEPS
+        self._counts = np.zeros(2, int)  # see _STEPS
 
     def evaluate_by(self, evaluated: EvaluatedScene) -> None:
         """Ask this form of the scene from now on."""
         self._evaluated = evaluated
 
-    @property
-    def _is_unseen(self) -> bool:
-        """Whether nobody keeps the account of the present step of the loop."""
-        return bool(self._counts[_UNSEEN] > 0)
-
     def open(self, t: float, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""
         self._start[:] = state.q
         forces = self._begin_work(t, state)
-        self._counts[:] = 0, FIRST_STEPS, 0, 0
+        self._counts[:] = 0, FIRST_STEPS
         self._begin(t, state)
         extent = float(np.abs(state.q).max(initial=0.0))
         self._scale = max(1.0, extent)
@@ -178,7 +173,7 @@ class CoupledWatch(RunWatch):
         """Count work from a state on; returns the forces of Exudyn's items in it."""
         self._set_energy_report(t, state)
         forces = self._evaluated.forces
-        for path in (self.path, self.path_of_evaluations):
+        for path in self._paths:
             begin_path(path, state.q, forces)
         self._bodies.system.begin_changes()
         self._changes[:] = 0.0
@@ -186,10 +181,9 @@ class CoupledWatch(RunWatch):
 
     def begin_again(self, t: float, state: Any) -> None:
         """Go on from a state that the integrator has just started from, and that has been changed."""
-        self._counts[_UNSEEN] -= 1
-        if self.is_close and self._is_unseen:
-            return
-        self._counts[_MOST:_NEXT_UNSEEN] = FIRST_STEPS, 0
+        if self._counts[_STEPS]:
+            self._see_extent(state)
+        self._counts[_MOST] = FIRST_STEPS
         self._begin_work(t, state)
         self._begin(t, state)
         self._start[:] = self.watch.position[:] = state.q
@@ -197,22 +191,17 @@ class CoupledWatch(RunWatch):
 
     def go_on(self, t: float, state: Any) -> None:
         """With another step, from a state that the integrator has just started from, at t [s]."""
-        if (
-            self._counts[_STEPS] and not self._is_unseen
-        ):  # what has gone on counts, and is not judged any more
-            self._set_energy_report(t, state)
+        if self._counts[_STEPS]:  # what has gone on counts, and is not judged any more
             indifferent = self.watch._replace(tolerance=np.inf, most=np.inf, phase=np.inf)
-            self._verdict(indifferent, self._step, t - self._last[0], state)
+            self._verdict(indifferent, self._step, t, state)
         self._begin_work(t, state)
-        self._counts[_MOST:] = FIRST_STEPS, 0, 0
+        self._counts[_MOST] = FIRST_STEPS
         self._begin(t, state)
         go_on_with_report(self.watch, state)
 
     @property
     def steps_ahead(self) -> int:
         """That may be taken before the next `is_well_at`."""
-        if self._is_unseen:
-            return STEPS_BETWEEN_CHECKS
         return min(STEPS_BETWEEN_CHECKS, int(self._counts[_MOST] - self._counts[_STEPS]))
 
     def count(self, steps: int) -> None:
@@ -230,28 +219,13 @@ class CoupledWatch(RunWatch):
             return self._condemn(state, LACK_OF_WORK, self._lacks[LACK])
         if self._is_due and (excess := self._excess(h, state)) > 1.0:
             return self._condemn(state, UNSTABLE, excess)
-        if self._is_unseen:
-            return self._is_quiet(state)
         few = self._counts[_STEPS] < self._counts[_MOST] and not (self.is_close or at_once)
         if few and check_velocities(state.q, state.v, state.a) <= self._calm:
             return True
-        self._set_energy_report(t, state)
-        trouble = self._verdict(self.watch, h, t - self._last[0], state)
+        trouble = self._verdict(self.watch, h, t, state)
         self._lacks[SCALE] = max(self._lacks[SCALE], self.turned_over)
         self._begin(t, state)
-        if self.is_close and not trouble:
-            more = int(self._counts[_NEXT_UNSEEN])
-            self._counts[_UNSEEN:] = 1 + more, min(2 * more + 1, MOST_UNSEEN)
         return not trouble
-
-    def _is_quiet(self, state: Any) -> bool:
-        """Whether a step that is not inspected is finite; the next one is if velocities have grown much."""
-        size = check_velocities(state.q, state.v, state.a)
-        if not size < np.inf:
-            return self._condemn(state, NOT_FINITE, np.nan)
-        if size > self._calm:
-            self._counts[_UNSEEN] = 1
-        return True
 
     def look(self, state: Any) -> None:
         """Remember the state before the last step that is taken now."""
@@ -292,13 +266,19 @@ class CoupledWatch(RunWatch):
     def _begin(self, t: float, state: Any) -> None:
         """Count steps from a state at t [s]."""
         most = STEPS_WITH_POWER if self.watch.present_report[POWER] else STEPS_BETWEEN
-        self._counts[:_UNSEEN] = 0, min(2 * self._counts[_MOST], most)
+        self._counts[:] = 0, min(2 * self._counts[_MOST], most)
         self._last[:] = t, state.v.dot(state.v)
         self._calm = CALM * float(self._last[1])
 
-    def _verdict(self, watch: Watch, h: float, duration: float, state: Any) -> int:
-        work, scatter = take_sums(self.path)
-        take_sums(self.path_of_evaluations)
+    def _verdict(self, watch: Watch, h: float, t: float, state: Any) -> int:
+        self._set_energy_report(t, state)
+        if self._scene.joints:
+            report = self.watch.present_report
+            report[VIOLATION] = max(report[VIOLATION], self._evaluated.violation(t, state.q) / self._scale)
+        self._see_extent(state)
+        duration, (work, scatter) = t - self._last[0], take_sums(self.path)
+        if self.path is not self.path_of_evaluations:
+            take_sums(self.path_of_evaluations)
         work += 0.5 * float(self._changes[0]) / h**2
         self._changes[:] = 0.0
         watch.account["forces"][NOW] += self._evaluated.energy_of_spins(watch.duration) * duration
@@ -315,12 +295,11 @@ class CoupledWatch(RunWatch):
         for one in self._together:
             rates, (external, memory) = v[one.dofs], one.nothing
             one.report_energy(external, state.q[one.dofs], rates, rates, memory, energy_report)
-            total += energy_report[
-                ACCELERATION_ENERGY
-            ]  # the mass alone; what bending adds to it is in KINETIC
+            total += energy_report[ACCELERATION_ENERGY]  # the mass alone, without what bending adds to it
         return total
 
     def _set_energy_report(self, t: float, state: Any) -> None:
+        """Of cables, bodies, and the power of joints; what violates these is asked for apart."""
         total = self.watch.present_report
         total[:] = 0.0
         if self._scene.joints:
@@ -334,12 +313,11 @@ class CoupledWatch(RunWatch):
             worst = np.maximum(total[VIOLATION], mine[VIOLATION])
             total += mine
             total[VIOLATION] = worst
-        if self._scene.joints:
-            worst_of_joints = self._evaluated.violation(t, state.q) / self._scale
-            total[VIOLATION] = np.maximum(total[VIOLATION], worst_of_joints)
         total[KINETIC] += self._evaluated.kinetic_energy(state.q, state.v)
         total[RESOLVED] += self._evaluated.kinetic_energy(state.q, state.a)
         total[POWER] += self._evaluated.power_of_joints()
+
+    def _see_extent(self, state: Any) -> None:
         extent = self.watch.account["extent"]
         way = state.q - self._start
         self._evaluated.leave_out_turns(way)

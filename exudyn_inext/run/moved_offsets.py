@@ -32,8 +32,10 @@ class MovedOffset:
 
     def values(self, times: Sequence[float]) -> Array:
         """(T, 3) what is left, and its derivatives [m, m/s, m/s^2]."""
-        rate = self._left / self._duration
         result = np.zeros((len(times), 3))
+        if not self.moves:
+            return result
+        rate = self._left / self._duration
         result[:, 0] = [rate * max(self._end - t, 0.0) for t in times]
         result[:, 1] = -rate
         return result

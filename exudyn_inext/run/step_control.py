@@ -38,7 +38,7 @@ class _Log(ctypes.Structure):
             (name, ctypes.c_double)
             for name in ("frequency", "first", "present", "smallest", "offset", "gain")
         ),
-        *((name, ctypes.c_int64) for name in ("divisor", "least", "beginnings", "quarters")),
+        *((name, ctypes.c_int64) for name in ("divisor", "asked", "least", "beginnings", "quarters")),
         *((name, ctypes.c_int64) for name in ("calm", "patience", "rejections", "steps")),
     )
 
@@ -134,8 +134,8 @@ class StepControl:
 
     smallest: of the steps so far [s].   steps: how many.   rejections: how often they went wrong.
     present: step that the system is prepared for [s].   offset: of the present state in its interval [s].
-    divisor: what the nominal step is divided by, `least` at least.   beginnings: how often the run has begun
-    again.
+    divisor: what the nominal step is divided by, `least` at least; the motion `asked` for as much or less.
+    beginnings: how often the run has begun again.
     """
 
     smallest: float = _logged("smallest")
@@ -150,7 +150,7 @@ class StepControl:
     def __init__(self, follower: FrequencyFollower | None = None, rejects: bool = True) -> None:
         self.follower = follower
         self._rejects = rejects
-        self._log: Any = _Log(smallest=math.inf, divisor=1, least=1, patience=1)
+        self._log: Any = _Log(smallest=math.inf, divisor=1, asked=1, least=1, patience=1)
         self._memory = np.frombuffer(self._log, _Log)
 
     @property
@@ -247,18 +247,22 @@ class StepControl:
 
     def shorten(self, parts: int, gain: float = 0.0) -> None:
         """The nominal step is too long for the motion; `may_shorten`.   gain: see `grows`."""
-        self._log.divisor = min(self.divisor * parts, MOST_PARTS)
+        self._log.divisor = self._log.asked = min(self.divisor * parts, MOST_PARTS)
         self._log.gain = max(self._log.gain, gain)
 
     def divide_by(self, least: int) -> bool:
-        """Divide the nominal step by so much at least, from now on; returns whether it may be so short."""
-        self._log.divisor = max(self.divisor, least)
+        """Divide the nominal step by so much at least, from now on; returns whether it may be so short.
+
+        If that is less than before, so is the divisor, as far as the motion has not asked for it.
+        """
+        self._log.divisor = max(self._log.asked, least)
         self._log.least = least
         return least <= MOST_PARTS
 
     def begin_again(self, divisor: int, beginnings: int) -> None:
         """With the nominal step divided so, after so many other beginnings."""
-        self._log.divisor, self._log.beginnings = divisor, beginnings + 1
+        self._log.divisor = self._log.asked = divisor
+        self._log.beginnings = beginnings + 1
 
     def may_lengthen(self, interval: int) -> bool:
         """Whether the nominal step may become longer again, before that interval of the loop.
@@ -271,7 +275,7 @@ class StepControl:
 
     def lengthen(self) -> None:
         """The nominal step is much shorter than the motion needs: double it."""
-        self._log.divisor = max((self.divisor + 1) // 2, self.least)
+        self._log.divisor = self._log.asked = max((self.divisor + 1) // 2, self.least)
 
     @property
     def may_shorten(self) -> bool:

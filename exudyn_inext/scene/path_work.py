@@ -24,7 +24,7 @@ def begin_path(path: Array, q: Array, force: Array) -> None:
     """From q (n or more,) on, with the force (n,) there."""
     size = len(force)
     path[:SUMS] = 0.0
-    path[SUMS, [WORK, SCATTER, LACK]] = 0.0
+    path[SUMS, : LACK + 1] = 0.0
     path[POSITION, :size], path[FORCE, :size] = q[:size], force
 
 
@@ -88,5 +88,5 @@ def _compare(sums, work, lack):
 def take_sums(path: Array) -> tuple[float, float]:
     """Work [J] and scatter [J^2] since the last call."""
     work, scatter = path[SUMS, WORK], path[SUMS, SCATTER]
-    path[SUMS, [WORK, SCATTER, LACK]] = 0.0
+    path[SUMS, : LACK + 1] = 0.0
     return float(work), float(scatter)

@@ -188,6 +188,39 @@ def test_a_spring_that_grabs_a_rope_shortens_automatic_steps(is_switched):
     assert np.abs(path - exact).max() < max(0.01 * extent, 2.0 * np.abs(exact - finer).max())
 
 
+def grabbed_for_a_while(end=0.1):
+    """A pendulum, whose mass a stiff spring grabs after 0.01 s, and lets go at `end` [s]."""
+    rope = Rope([2, 0, 0], {"massPerLength": 0.065, "bendingStiffness": 0.01})
+    made = rope.mbs.CreateMassPoint(
+        mass=0.5, referencePosition=[2, 0, 0], create2D=True, gravity=GRAVITY, returnDict=True
+    )
+    body = rope.mbs.AddMarker(MarkerBodyPosition(bodyNumber=made["bodyNumber"]))
+    pair = [body, rope.marker(rope.nodes[-1])]
+    rope.mbs.AddObject(SphericalJoint(markerNumbers=pair, constrainedAxes=[1, 1, 0]))
+    spring = rope.mbs.AddObject(
+        CartesianSpringDamper(markerNumbers=[rope.fixed([2, 0, 0]), body], stiffness=[0, 0, 0])
+    )
+
+    def grab(mbs, t):
+        holds = 0.01 + 1e-9 < t < end + 1e-9
+        for name, value in (("stiffness", 5e6 * holds), ("damping", 1e3 * holds)):
+            mbs.SetObjectParameter(spring, name, [value, value, 0])
+        return True
+
+    rope.mbs.SetPreStepUserFunction(grab)
+    rope.sense(made["nodeNumber"])
+    return rope
+
+
+def test_steps_grow_again_when_a_stiff_spring_lets_go():
+    """The rest of the run took the short steps that the spring had asked for."""
+    path, report = grabbed_for_a_while().run(0.5)
+    _, other = grabbed_for_a_while(end=0.5).run(0.5)
+    assert report["steps"] < 0.6 * other["steps"]
+    exact, _ = grabbed_for_a_while().run(0.5, stepSize=5e-5)
+    assert np.abs(path - exact).max() < 0.01 * np.ptp(exact, axis=0).max()
+
+
 def stepped(section, size, is_native=False):
     """The end of a rope follows a list, which a step function changes each 0.1 s."""
     rope, place = Rope([2, 0, 0], section, is_native), [0.0]

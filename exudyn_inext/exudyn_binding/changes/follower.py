@@ -57,7 +57,8 @@ class ChangeFollower:
 
     def has_news(self, runs: Sequence[Run], time: float) -> bool:
         """Whether something has changed since the last step, until `time` [s], or must stop."""
-        return self.log.is_pending or self.moves or self._has_jumped(runs, time)
+        is_due = self.limit.is_due(time)
+        return self.log.is_pending or self.moves or self._has_jumped(runs, time) or is_due
 
     def _has_jumped(self, runs: Sequence[Run], time: float) -> bool:
         """Whether functions of the user give joints other places at once, as what they read was changed."""
@@ -84,6 +85,7 @@ class ChangeFollower:
             StepSizeError: it brings the stability limit below the step.
         """
         changed = self.log.take()
+        self.limit.notice(self.mbs, changed, time, end)
         self._has_jumped(runs, time)
         self.reader.begin_step(time, end)
         if self._act_at_once(runs, changed, time):
@@ -121,7 +123,7 @@ class ChangeFollower:
 
     def _act_at_once(self, runs: Sequence[Run], changed: Sequence[Parameter], time: float) -> bool:
         """Whether all that has changed are values of loads and springs, which act without anything else."""
-        if self.moves or self._jumped or self.limit.grown(self.mbs, changed):
+        if self.moves or self._jumped or self.limit.is_due(time) or self.limit.grown(self.mbs, changed):
             return False
         alone = _alone(runs)
         if alone:
@@ -185,7 +187,7 @@ class ChangeFollower:
             _go_on(runs, time, end, has_changed=True)
             return runs
         new = self.builder.build(scene, time, state_of(self.mbs), end)
-        self.limit.take_over(runs, new, time, changed)
+        self.limit.take_over(self.mbs, runs, new, time, changed)
         for run in new:
             run.start(time)
         self._figures = worst_figures([*runs, self])

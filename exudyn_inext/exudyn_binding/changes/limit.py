@@ -16,6 +16,8 @@ from ...run.settings import ExplicitSettings
 from ...run.step_choice import StepSizeBounds, follow_frequencies, step_above_limit, step_bounds
 
 GROWTH = 1.1  # of a stiffness or damping since the limit was looked at, that calls for another look
+FALL = 0.5  # of a stiffness or damping since then, that calls for one after a while
+WAIT = 16.0  # steps of the loop, in which what has fallen does not grow again
 NOTICEABLE = 0.98  # share of the limit before the change: above it, the motion is to blame
 
 
@@ -32,45 +34,78 @@ class StepLimit:
 
     def __post_init__(self) -> None:
         self._seen: dict[Parameter, float] = {}  # size of each stiffness, when the limit was looked at
+        self._fallen: dict[Parameter, float] = {}  # size of those that are much smaller now
+        self._due = math.inf  # when they let the step grow again [s]
 
     def memory(self) -> dict[str, Any]:
-        """At which stiffnesses the limit has been looked at, as plain data."""
-        return {"seen": [[*key, size] for key, size in self._seen.items()]}
+        """At which stiffnesses the limit has been looked at, and when it will be, as plain data."""
+        sizes = {"seen": self._seen, "fallen": self._fallen}
+        listed = {name: [[*key, size] for key, size in of.items()] for name, of in sizes.items()}
+        return listed | {"due": self._due if self._fallen else None}
 
     def restore(self, memory: Mapping[str, Any]) -> None:
         """Let the limit be looked at when it would have been without an interruption."""
-        self._seen = {Parameter(*names): size for *names, size in memory["seen"]}
+        self._seen, self._fallen = (
+            {Parameter(*names): size for *names, size in memory[name]} for name in ("seen", "fallen")
+        )
+        self._due = memory["due"] if self._fallen else math.inf
+
+    def is_due(self, time: float) -> bool:
+        """Whether the limit is to be looked at, as stiffnesses are smaller for a while, at `time` [s]."""
+        return time >= self._due
+
+    def notice(self, mbs: Any, changed: Sequence[Parameter], time: float, end: float) -> None:
+        """Which stiffnesses are much smaller from `time` to `end` [s], the next step of the loop."""
+        if self.explicit.adaptiveStep or self.explicit.stepSize is not None:
+            return
+        for key in self._seen.keys() & set(changed):
+            size = _size(mbs, key)
+            if size < FALL * self._seen[key]:
+                self._fallen[key] = size
+                self._due = time + (WAIT - 0.5) * (end - time)
+            elif self._fallen.pop(key, None) is not None and not self._fallen:
+                self._due = math.inf
 
     def grown(self, mbs: Any, changed: Sequence[Parameter]) -> dict[Parameter, float]:
         """Stiffnesses that are much larger than when the limit was looked at, and how large they are."""
-        sizes = {key: float(np.abs(key.value(mbs)).max()) for key in filter(_is_of_stiffness, changed)}
+        sizes = {key: _size(mbs, key) for key in filter(_is_of_stiffness, changed)}
         return {key: size for key, size in sizes.items() if size > GROWTH * self._seen.get(key, 0.0)}
 
     def follow_stiffness(
         self, mbs: Any, runs: Sequence[Run], changed: Sequence[Parameter], time: float
     ) -> bool:
-        """Whether the runs must begin again, as something around them has become much stiffer.
+        """Whether the runs must begin again, as something around them has become much stiffer, or softer.
 
         Raises:
             StepSizeError: the change has brought the limit below the step.
         """
         grown = self.grown(mbs, changed)
+        is_due = self.is_due(time)
+        if is_due:
+            self._seen |= self._fallen
+            self._fallen, self._due = {}, math.inf
         self._seen |= grown
-        if grown:
+        if grown or is_due:
             for run in runs:
                 if isinstance(run, CoupledRun):
                     run.forget_rates(time)
             self._require_stable(runs, step_bounds(runs, time, self.explicit), self.last, time, list(grown))
-        return bool(grown)
+        return bool(grown) or is_due
 
     def take_over(
-        self, before: Sequence[Run], runs: Sequence[Run], time: float, changed: Sequence[Parameter]
+        self,
+        mbs: Any,
+        before: Sequence[Run],
+        runs: Sequence[Run],
+        time: float,
+        changed: Sequence[Parameter],
     ) -> None:
         """Other runs, which have not begun yet.
 
         Raises:
             StepSizeError: the change has brought the limit below the step.
         """
+        self._seen |= self.grown(mbs, changed)
         bounds = step_bounds(runs, time, self.explicit)
         follow_frequencies(runs, bounds, self.explicit)
         _pass_on_steps(before, runs)
@@ -106,6 +141,11 @@ class StepLimit:
         safety = self.explicit.stepSafety or bounds.safety
         parts = math.ceil(min(self.h / (safety * bounds.stability_limit), 1e9))
         return all([run.control.divide_by(max(parts, 1)) for run in runs])
+
+
+def _size(mbs: Any, key: Parameter) -> float:
+    """Largest value of a stiffness or damping."""
+    return float(np.abs(key.value(mbs)).max())
 
 
 def _is_of_stiffness(key: Parameter) -> bool:
