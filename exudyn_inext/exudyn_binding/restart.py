@@ -202,6 +202,17 @@ class Restarts:
         return LoopClock(grid, self.found.header["loopStep"], self._end) if self.found else None
 
     @property
+    def _evaluated_by(self) -> list[str]:
+        """By whom, of each run that is continued."""
+        found: list[str] = self.found.header["evaluatedBy"] if self.found else []
+        return found
+
+    @property
+    def was_coupled(self) -> bool:
+        """Whether the run that is continued moves cables together with other items; False without one."""
+        return any(self._evaluated_by)
+
+    @property
     def time(self) -> float:
         """From which a run continues [s]."""
         return self._old.time(self._old.first)
@@ -258,6 +269,7 @@ class Restarts:
             "grid": asdict(replace(grid, first=step)),
             "loopStep": self.found.header["loopStep"] if self.found else loop_step,
             "massScaling": self.mass_scaling,
+            "evaluatedBy": [run.evaluated_by for run in runs],
             "changes": self.changes_so_far(),
             "identity": self._identity,
             "meanwhile": meanwhile,
@@ -271,6 +283,7 @@ class Restarts:
         """Give the runs the states and memories of the file."""
         arrays = self.found.arrays if self.found else {}
         for number, run in enumerate(runs):
+            run.evaluate_by(self._evaluated_by[number])
             unpack(str(number), run.memory(), arrays)
             run.resume(grid.time(grid.first))
 

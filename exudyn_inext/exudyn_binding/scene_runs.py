@@ -37,6 +37,7 @@ class RunBuilder:
     mbs: assembled.   changed: parameters, in the course of the run; such constraints become joints.
     explicit: settings.   scaling: step that scales the mass [s]; 0 without mass scaling.
     stack: at its end, cables that were switched off for coupled scenes are switched on again.
+    is_coupled: whether the present runs are, also if all but cables has been switched off since.
     """
 
     mbs: Any
@@ -44,6 +45,7 @@ class RunBuilder:
     explicit: ExplicitSettings
     scaling: float
     stack: ExitStack
+    is_coupled: bool = False
     _is_switched_off: bool = False
 
     def take_step(self, explicit: ExplicitSettings, h: float) -> None:
@@ -52,24 +54,32 @@ class RunBuilder:
         self.scaling = h if explicit.massScaling else 0.0
 
     def build(
-        self, scene: Scene, time: float, state: State | None = None, end: float | None = None
+        self,
+        scene: Scene,
+        time: float,
+        state: State | None = None,
+        end: float | None = None,
+        was_coupled: bool = False,
     ) -> Sequence[Run]:
         """Runs that begin at `time` [s] in a state; None: the initial configuration.
 
         In a given state, constraints that were switched on may be violated by any velocity.   end: of the
-        step in which they are to be fulfilled [s]; None: they are.
+        step in which they are to be fulfilled [s]; None: they are.   was_coupled: see `is_coupled`, of a
+        run that goes on.
         """
-        if not self._is_switched_off and needs_coupling(scene):  # by kernels, and not by Exudyn as well
+        self.is_coupled = was_coupled or needs_coupling(scene)
+        if not self._is_switched_off and self.is_coupled:  # by kernels, and not by Exudyn as well
             self.stack.enter_context(switched_off(self.mbs, *scene.evaluated_by_kernels))
             self._is_switched_off = True
         changed = {key.number for key in self.changed if key.kind == "Object"}
         held = {number: held for number, held in scene.held.items() if number not in changed}
         scene, explicit = replace(scene, held=held), self.explicit
+        runs = coupled_runs if self.is_coupled else runs_of_scene
         if state is None:
-            return runs_of_scene(self.mbs, scene, time, self.scaling, explicit, end, changed)
+            return runs(self.mbs, scene, time, self.scaling, explicit, end, changed)
         with initial_state(self.mbs, state):
             lenient = replace(explicit, startTolerance=LARGEST)
-            return runs_of_scene(self.mbs, scene, time, self.scaling, lenient, end, changed)
+            return runs(self.mbs, scene, time, self.scaling, lenient, end, changed)
 
 
 def runs_of_cables(
@@ -115,6 +125,19 @@ def runs_of_scene(
         )
     if not needs_coupling(scene):
         return runs_of_cables(mbs, scene.cables, time, h, explicit)
+    return coupled_runs(mbs, scene, time, h, explicit, end_of_step, moved)
+
+
+def coupled_runs(
+    mbs: Any,
+    scene: Scene,
+    time: float,
+    h: float,
+    explicit: ExplicitSettings,
+    end_of_step: float | None,
+    moved: Set[int],
+) -> Sequence[Run]:
+    """One run for cables, bodies and joints together; arguments: see `runs_of_scene`."""
     unloaded = [cable.among_others for cable in scene.cables]  # Exudyn evaluates the loads
     runs = runs_of_cables(mbs, unloaded, time, h, explicit)
     cables = [CoupledCable(run.scene_cable, run.system, run.loads) for run in runs]

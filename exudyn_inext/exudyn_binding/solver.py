@@ -149,8 +149,8 @@ def _solve(
             given = None if explicit.stepSize is None else time_grid(mbs, settings, explicit.stepSize)
             scaling = (restarts.step or given.h) if given and explicit.massScaling else 0.0
             builder = RunBuilder(mbs, log.changed, explicit, scaling, stack)
-            beginning = (restarts.time, restarts.state) if restarts.changes else (start,)
-            runs = builder.build(scene, *beginning)
+            time, state = (restarts.time, restarts.state) if restarts.changes else (start, None)
+            runs = builder.build(scene, time, state, was_coupled=restarts.was_coupled)
             log.is_followed = is_watched(mbs, runs)
             duration = float(settings.timeIntegration.endTime) - start
             scaled = bounds_if_scaled(mbs, scene, start, given.h if given else 0.0, explicit)

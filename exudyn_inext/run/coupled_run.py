@@ -26,6 +26,9 @@ from .redundancy import held_straight, with_straight_cables
 from .step_control import Piece, StepControl
 from .time_grid import TimeGrid
 
+KERNELS, PARTS, EXUDYN = "kernels", "kernels of parts", "Exudyn"  # see `CoupledRun.evaluated_by`
+CHANGED = "items that were changed during the run"
+
 
 class CoupledRun(LimitedRun):
     """All of a scene; see `CableRun` for what both kinds of runs offer.
@@ -130,6 +133,19 @@ class CoupledRun(LimitedRun):
         self._move_by(MovedByExudyn(self._scene, self._runs, self.state, method))
         self.why_not = why
 
+    @property
+    def evaluated_by(self) -> str:
+        """Who evaluates bodies and joints: KERNELS, PARTS (kernels, their forces alone) or EXUDYN."""
+        return KERNELS if self.looks_ahead else PARTS if self._scene.parts_in_one else EXUDYN
+
+    def evaluate_by(self, kept: str) -> None:
+        """Before `resume`: as the run did that this one continues; see `evaluated_by`."""
+        if self.looks_ahead and kept != KERNELS:
+            self._leave_kernels(CHANGED)
+            self.watch.evaluate_by(self._scene)
+        if kept == EXUDYN and self._scene.parts_in_one:
+            self._scene.leave_compiled_parts()
+
     def take_over(self, changed: Sequence[ChangedItem], is_simple: bool, time: float) -> None:
         """Go on from the present state, at `time` [s], with items that were changed.
 
@@ -140,7 +156,7 @@ class CoupledRun(LimitedRun):
                 self._scene.leave_compiled_parts()
                 self.mover.begin_by(self.integrator.resume, time)
         elif not is_simple or not self.mover.take_values(changed):
-            self._leave_kernels("items that were changed during the run")
+            self._leave_kernels(CHANGED)
             self.watch.evaluate_by(self._scene)
             self._scene.native_items.forget()
             self.mover.begin_by(self.integrator.resume, time)

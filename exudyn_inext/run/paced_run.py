@@ -54,6 +54,14 @@ class PacedRun:
         """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
         raise NotImplementedError
 
+    @property
+    def evaluated_by(self) -> str:
+        """Who evaluates bodies and joints; empty where cables are alone."""
+        return ""
+
+    def evaluate_by(self, kept: str) -> None:
+        """Before `resume`: let the same evaluate bodies and joints as in the run that this one continues."""
+
     def present_state(self) -> KeptState:
         """All that the next steps depend on, as it is now."""
         return KeptState(self.memory(), self.elsewhere)

@@ -313,6 +313,19 @@ def spring_and_force(model):
     return change
 
 
+def spring_that_grabs(model):
+    """For a while; the cable is alone before and after."""
+    markers = [model.at_point([1.8, 0.3, 0]), model.at(model.nodes[-1])]
+    spring = SpringDamper(markerNumbers=markers, referenceLength=0.3, stiffness=60, activeConnector=False)
+    number = model.mbs.AddObject(spring)
+    return lambda t: model.set_object(number, activeConnector=bool(0.1 < t < 0.25))
+
+
+def spring_that_grabs_beside_a_mass(model):
+    model.mass_point([0, 1, 0])
+    return spring_that_grabs(model)
+
+
 def driven_mass(model):
     """The coordinate of a mass, which a joint ties to the cable, is set step by step."""
     node, _ = model.mass_point([1.8, 0, 0])
@@ -353,6 +366,7 @@ ALONE = [
     feedback_of_a_sensor,
 ]
 AMONG_OTHERS = [
+    spring_that_grabs,
     release_beside_a_mass,
     joint_released_and_caught,
     spring_and_force,
@@ -677,6 +691,7 @@ def test_states_that_a_step_function_sets_act_too(kind):
 
 STORED = [load_that_walks, release, moving_support, hanger, winch, moving_end_of_a_hanger, driven_mass]
 STORED += [joint_released_and_caught, spring_and_force, mass_that_grows]
+STORED += [spring_that_grabs, spring_that_grabs_beside_a_mass]
 
 
 @pytest.mark.parametrize("kind", STORED, ids=name_of)
