@@ -263,7 +263,7 @@ class _Ensemble:
         for number, run in enumerate(runs, first):
             self._start(grid, number, run)
             history = np.empty((grid.loop_steps + 1, 3, len(run.indices)))
-            history[0, :2] = run.state.q - run.reference, run.state.v
+            history[0] = run.state.q - run.reference, run.state.v, run.state.a
             good = run.record(grid, 0, history[1:])
             if isinstance(run, CoupledRun) and len(self.states) == len(DERIVATIVES):
                 times = np.array([grid.time(k) for k in range(good + 1)])
