@@ -74,7 +74,7 @@ class RunBuilder:
         changed = {key.number for key in self.changed if key.kind == "Object"}
         held = {number: held for number, held in scene.held.items() if number not in changed}
         scene, explicit = replace(scene, held=held), self.explicit
-        runs = coupled_runs if self.is_coupled else runs_of_scene
+        runs = coupled_runs if was_coupled else runs_of_scene
         if state is None:
             return runs(self.mbs, scene, time, self.scaling, explicit, end, changed)
         with initial_state(self.mbs, state):
