@@ -137,7 +137,7 @@ def test_a_kinked_start_survives_with_rattle_and_scaled_mass_where_zhai_fails(
     for zhai in ({"stepSize": 2e-4}, {"stepSize": 1e-3, "massScaling": 0.25}):
         with pytest.raises(DivergenceError, match=r"diverged before t = 0\.0[12] s"):
             kinked(integrator="Zhai", **zhai)
-    fault("a start with a right angle in it", "Zhai at a given step is stopped; RATTLE with scaled mass goes on")
+    fault("a start with a right angle in it", "Zhai with a given step stops; RATTLE with scaled mass goes on")
 
 
 def test_an_iteration_that_gives_up_says_where_and_keeps_the_last_good_state(mbs, add_pendulum, solve, fault):
