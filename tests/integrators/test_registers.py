@@ -1,12 +1,13 @@
 """What makes a step cheap: small matrices in registers, and references to arrays that nobody counts."""
 
 import re
+from functools import cache
 
 import numba
 import numpy as np
 import pytest
 
-from exudyn_inext.cable.cable import Cable
+from exudyn_inext.cable.cable import CurvatureMeasure
 from exudyn_inext.cable.linked_cable import cable_system
 from exudyn_inext.compiled import OPTIONS, plain
 from exudyn_inext.integrators.integrator import no_loads
@@ -14,8 +15,10 @@ from exudyn_inext.integrators.rattle import Rattle, advance_rattle, allocate
 from tests.cables import DIMENSIONS, MEASURES, planar_pendulum
 
 
-def machine_independent_code(cable: Cable) -> str:
-    """Optimised LLVM code of the steps of `cable` with RATTLE."""
+@cache
+def machine_independent_code(dim: int, measure: CurvatureMeasure) -> str:
+    """Optimised LLVM code of the steps of a cable with RATTLE."""
+    cable, _ = planar_pendulum(5, dim, measure=measure)
     size = cable.reference.size
     state = allocate(size, size)
     state.q[:] = cable.reference.ravel()
@@ -29,12 +32,10 @@ def machine_independent_code(cable: Cable) -> str:
 @pytest.mark.parametrize("dim", DIMENSIONS)
 @pytest.mark.parametrize("measure", MEASURES)
 def test_small_matrices_of_a_step_stay_in_registers(dim, measure):
-    cable, _ = planar_pendulum(5, dim, measure=measure)
-    code = machine_independent_code(cable)
+    code = machine_independent_code(dim, measure)
     assert re.findall(r"%local_array\S* = alloca.*", code) == []
 
 
 @pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
 def test_references_to_arrays_are_not_counted():
-    cable, _ = planar_pendulum(5)
-    assert "NRT_incref" not in machine_independent_code(cable)
+    assert "NRT_incref" not in machine_independent_code(DIMENSIONS[0], MEASURES[0])
