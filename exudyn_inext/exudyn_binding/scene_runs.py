@@ -37,7 +37,6 @@ class RunBuilder:
     mbs: assembled.   changed: parameters, in the course of the run; such constraints become joints.
     explicit: settings.   scaling: step that scales the mass [s]; 0 without mass scaling.
     stack: at its end, cables that were switched off for coupled scenes are switched on again.
-    is_coupled: whether the present runs are, also if all but cables has been switched off since.
     """
 
     mbs: Any
@@ -45,7 +44,6 @@ class RunBuilder:
     explicit: ExplicitSettings
     scaling: float
     stack: ExitStack
-    is_coupled: bool = False
     _is_switched_off: bool = False
 
     def take_step(self, explicit: ExplicitSettings, h: float) -> None:
@@ -64,11 +62,11 @@ class RunBuilder:
         """Runs that begin at `time` [s] in a state; None: the initial configuration.
 
         In a given state, constraints that were switched on may be violated by any velocity.   end: of the
-        step in which they are to be fulfilled [s]; None: they are.   was_coupled: see `is_coupled`, of a
-        run that goes on.
+        step in which they are to be fulfilled [s]; None: they are.   was_coupled: whether cables move with
+        other items, also if these have been switched off since.
         """
-        self.is_coupled = was_coupled or needs_coupling(scene)
-        if not self._is_switched_off and self.is_coupled:  # by kernels, and not by Exudyn as well
+        is_coupled = was_coupled or needs_coupling(scene)
+        if not self._is_switched_off and is_coupled:  # by kernels, and not by Exudyn as well
             self.stack.enter_context(switched_off(self.mbs, *scene.evaluated_by_kernels))
             self._is_switched_off = True
         changed = {key.number for key in self.changed if key.kind == "Object"}

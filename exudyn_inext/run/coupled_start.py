@@ -8,10 +8,10 @@ from ..arrays import Array
 from ..cable.cable import Cable
 from ..errors import SceneError
 from ..scene.coupled_system import CoupledSystem
-from ..scene.joints import PIVOT_TOLERANCE, not_independent
 from ..system import accelerate_and_project
 from .compiled_scene import CompiledScene
 from .consistent_start import PLACES, RATES, StartCorrection, kinetic_energy, settle, warn_of_velocities
+from .redundancy import require_mobile_points
 
 
 def consistent_start(
@@ -34,7 +34,7 @@ def consistent_start(
     given_q, given_v = q.copy(), v.copy()
     external, (a, projected) = np.array([time]), np.zeros((2, len(q)))
     accelerate_and_project(system, external, q, v, 0.0, a, projected)
-    _require_mobile_points(system, cables)
+    require_mobile_points(system, cables)
     said = _violations(system, time, q, v, tolerance)
     before = _kinetic_energy(system, cables, v) if said else 0.0
     settle(system, external, q, v, projected)
@@ -64,22 +64,6 @@ def compiled_start(
 def _correction(way: Array, change: Array) -> StartCorrection:
     """way, change: (n,) of coordinates and of velocities."""
     return StartCorrection(position=float(np.abs(way).max()), velocity=float(np.abs(change).max()))
-
-
-def _require_mobile_points(system: CoupledSystem, cables: Sequence[Cable]) -> None:
-    """Raise RedundantConstraintError for a joint to ground along a cable that lengths hold already.
-
-    Its entry of S is round-off then, and positive or not by chance: it is compared with the cable's own mass.
-    """
-    blocks, names = system.native_items.blocks, system.native_items.joints
-    parts = np.bincount(np.concatenate([block.rows for block in blocks]))
-    for cable, part in zip(cables, system.parts, strict=False):
-        mass = cable.section.mass_per_length * cable.length
-        for block in (one for one in blocks if one.dofs == part.dofs):
-            entry = np.einsum("ij,ij->i", block.jacobian, block.response)
-            least = PIVOT_TOLERANCE / mass * np.einsum("ij,ij->i", block.jacobian, block.jacobian)
-            if (found := np.flatnonzero((parts[block.rows] == 1) & ~(entry > least))).size:
-                raise not_independent(names[block.rows[found[0]]])
 
 
 def _violations(system: CoupledSystem, time: float, q: Array, v: Array, tolerance: float) -> str:

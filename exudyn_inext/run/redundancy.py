@@ -11,7 +11,8 @@ from ..cable.implicit_bending import ImplicitBending
 from ..cable.linked_cable import LinkedCableSystem
 from ..cable.links import all_links
 from ..errors import RedundantConstraintError
-from ..scene.joints import NOT_FINITE
+from ..scene.coupled_system import CoupledSystem
+from ..scene.joints import NOT_FINITE, not_independent
 from ..scene.model import CableInScene
 from .divergence import listed
 
@@ -68,6 +69,22 @@ def _require_independent_links(scene_cable: CableInScene, factor: Array, mobilit
             "of the other constraints (a node that is held or moved twice, or a cable pulled straight "
             "between what holds it): remove one of them, let the cable sag, or give it its axialStiffness."
         )
+
+
+def require_mobile_points(system: CoupledSystem, cables: Sequence[Cable]) -> None:
+    """Raise RedundantConstraintError for a joint to ground along a cable that lengths hold already.
+
+    Its entry of S is round-off then, and positive or not by chance: it is compared with the cable's own mass.
+    """
+    blocks, names = system.native_items.blocks, system.native_items.joints
+    parts = np.bincount(np.concatenate([block.rows for block in blocks]))
+    for cable, part in zip(cables, system.parts, strict=False):
+        mass = cable.section.mass_per_length * cable.length
+        for block in (one for one in blocks if one.dofs == part.dofs):
+            entry = np.einsum("ij,ij->i", block.jacobian, block.response)
+            least = PIVOT_TOLERANCE / mass * np.einsum("ij,ij->i", block.jacobian, block.jacobian)
+            if (found := np.flatnonzero((parts[block.rows] == 1) & ~(entry > least))).size:
+                raise not_independent(names[block.rows[found[0]]])
 
 
 def held_straight(runs: Sequence[Any], scene: Any, q: Array) -> list[str]:
