@@ -25,7 +25,7 @@ from exudyn.utilities import InertiaCuboid
 from scipy.interpolate import CubicSpline
 
 from exudyn_inext import CableDrag, CreatePrescribedMotion, ExplicitSettings, InputError, SetCableDrag
-from exudyn_inext.exudyn_binding.restart import difference, scene_identity
+from exudyn_inext.exudyn_binding.scene_identity import difference, scene_identity
 from exudyn_inext.run.fingerprint import text_of, texts_of_function
 from reference_models.model import quiet_settings
 from tests.exudyn_binding.items import load_node
@@ -246,7 +246,7 @@ sys.path.insert(0, {root!r})
 import exudyn
 from tests.exudyn_binding.many_functions import build
 from exudyn_inext import ExplicitSettings
-from exudyn_inext.exudyn_binding.restart import scene_identity
+from exudyn_inext.exudyn_binding.scene_identity import scene_identity
 print(json.dumps(scene_identity(build(exudyn.SystemContainer()), ExplicitSettings(), 0.0)))
 """
 
