@@ -31,6 +31,9 @@ def kinetic_energy(cable: Cable, v: Array) -> float:
 def nearest_velocities(cable: Cable, q: Array, v: Array, time: float) -> Array:
     """(n_dof,) velocities on all constraints of a cable, nearest to v in the mass metric.
 
+    This is what impulses at the constraints do, v' = v + M^-1 C_q^T mu with C_q v' + c_t = 0: whatever
+    momentum the constraints leave alone is kept.
+
     Args:
         q, v: (n_dof,) state; q on the constraints, which must be independent.   time: of it [s].
     """

@@ -38,6 +38,9 @@ def rounds_of(groups: Iterable[np.ndarray], first_shared: int) -> list[Round]:
 
     groups: coordinates of each item, each of which may act on all others of it.
     first_shared: coordinates from this one on are in many groups: rounds of the others leave their rows out.
+
+    Source: A. R. Curtis, M. J. D. Powell, J. K. Reid, IMA J. Applied Mathematics 13 (1974) 117-119. That
+    symmetric ones need fewer: M. J. D. Powell, P. L. Toint, SIAM J. Numerical Analysis 16 (1979) 1060-1074.
     """
     reach: dict[int, frozenset[int]] = {}  # rows that a coordinate acts on
     for group in groups:
