@@ -294,10 +294,11 @@ def multiply_by_mass(nodes, elements, x, y):
 
 
 def apply_mass(chain: Chain, x: Array) -> Array:
-    """M x with the supports taken out.   x: (n, 2, dim)."""
+    """M x with the supports taken out.   x: (..., n, 2, dim)."""
     rr, rs, ss = chain.nodes["mass"].T[:, :, np.newaxis]
-    product: Array = np.stack([rr * x[:, 0] + rs * x[:, 1], rs * x[:, 0] + ss * x[:, 1]], axis=1)
+    r, s = x[..., 0, :], x[..., 1, :]
+    product: Array = np.stack([rr * r + rs * s, rs * r + ss * s], axis=-2)
     coupling = chain.elements["mass"].reshape(-1, 2, 2)
-    product[:-1] += coupling @ x[1:]
-    product[1:] += coupling.swapaxes(1, 2) @ x[:-1]
+    product[..., :-1, :, :] += coupling @ x[..., 1:, :, :]
+    product[..., 1:, :, :] += coupling.swapaxes(1, 2) @ x[..., :-1, :, :]
     return product

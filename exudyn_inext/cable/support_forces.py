@@ -1,41 +1,28 @@
 """What supports and links do to a cable: what is left of the balance at a state in motion."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from ..arrays import Array
+from ..called_system import Bound
 from ..system import accelerate_and_project
 from .axial_energy import force_in_motion
 from .cable import Cable
-from .chain import Chain, build_chain
+from .chain import build_chain
 from .index_reduction import ACCELERATION
 from .linked_cable import LinkedCableSystem, cable_system
+from .records import link_type
 from .saddle_point import apply_mass
 
 
-def _out_of_balance(chain: Chain, q: Array, inertia: Array) -> Array:
-    """F - M a - C_q^T lam of the length constraints, (n, 2, dim).
-
-    Args:
-        chain: solved at q (n, 2, dim).   inertia: (n, 2, dim) M a without supports [N, Nm].
-    """
-    nodes, elements = chain.nodes, chain.elements
-    balance: Array = nodes["force"][:, ACCELERATION] - inertia
-    e = np.stack([np.diff(q[:, 0], axis=0), q[:-1, 1], q[1:, 1]], axis=1)
-    multipliers = elements["multiplier"][:, ACCELERATION, np.newaxis, np.newaxis]
-    forces = 2.0 * multipliers * (elements["slope_gram"] @ e)  # see `length_gradient`
-    balance[:-1] -= np.stack([-forces[:, 0], forces[:, 1]], axis=1)
-    balance[1:] -= forces[:, [0, 2]]
-    return balance
-
-
 class SupportForces(NamedTuple):
-    """Multipliers lam of M a + C_q^T lam = F.
+    """Multipliers lam of M a + C_q^T lam = F, at k states.
 
-    on_coordinates: (n, 2, dim) of constraints that hold or move a coordinate; means nothing at free slopes.
-    of_links: (L,) of the links of the cable.
+    on_coordinates: (k, n, 2, dim) of constraints that hold or move a coordinate; nothing at free slopes.
+    of_links: (k, L) of the links of the cable.
     """
 
     on_coordinates: Array
@@ -49,31 +36,63 @@ class SupportedCable:
         self._closed, self._own_links, self._stretches = cable.closed, len(cable.links), cable.stretches
         self._system = cable_system(cable, 0.0)
         self._free = build_chain(replace(cable, fixed=np.zeros_like(cable.fixed), links=()))
+        self._accelerate = Bound(accelerate_and_project, self._system)
+        linked = isinstance(self._system, LinkedCableSystem)
+        self._links = self._system.link_system.links if linked else np.zeros(0, link_type(cable.dimension))
 
     def solve(self, external: Array, q: Array, v: Array) -> SupportForces:
-        """At a state.   external: all that acts, with motions behind it.   q, v: (n_dof,)."""
-        system, shape = self._system, self._system.chain.shape
-        (a, rate), on_coordinates = np.zeros((2, q.size)), np.zeros(shape)
-        accelerate_and_project(system, external, q, v, 0.0, a, rate)
-        inertia = apply_mass(self._free, a.reshape(shape))
-        if self._stretches:
-            force = external[: q.size].reshape(shape)
-            force_in_motion(self._free, force, q.reshape(shape), v.reshape(shape), on_coordinates)
-            on_coordinates -= inertia
-        else:
-            on_coordinates = _out_of_balance(system.chain, q.reshape(shape), inertia)
-        of_links = self._take_rods(on_coordinates)
-        if self._closed:
-            on_coordinates[0] += on_coordinates[-1]
-        return SupportForces(on_coordinates, of_links)
+        """At k states.
 
-    def _take_rods(self, on_coordinates: Array) -> Array:
-        """Multipliers (L,) of the links; what the rods do is taken out of the balance."""
-        if not isinstance(self._system, LinkedCableSystem):
-            return np.zeros(0)
-        links = self._system.link_system.links
-        multipliers = links["multiplier"][:, 0]
-        forces = (multipliers * links["inverse_length"])[:, np.newaxis] * links["offset"]
-        at_nodes = links["weight"][:, :, :, np.newaxis] * forces[:, np.newaxis, np.newaxis, :]
-        np.subtract.at(on_coordinates, links["node"], at_nodes)
-        return multipliers[len(links) - self._own_links :]
+        Args:
+            external: (k, n_external) all that acts, with motions behind it.   q, v: (k, n_dof).
+        """
+        shape = (len(q), *self._system.chain.shape)
+        a, balance = np.zeros(q.shape), np.zeros(shape)
+        links = np.zeros((len(q), len(self._links)), self._links.dtype)
+        balances = self._without_strains if self._stretches else self._without_lengths
+        balances(external, q, v, a, links, balance)
+        balance -= apply_mass(self._free, a.reshape(shape))
+        of_links = self._take_rods(links, balance)
+        if self._closed:
+            balance[:, 0] += balance[:, -1]
+        return SupportForces(balance, of_links)
+
+    def _states(self, external: Array, q: Array, v: Array, a: Array, links: Array) -> Iterator[int]:
+        """Solve for each of them.   a: (k, n_dof) and links: (k, L) output."""
+        rate = np.zeros(q.shape[1])
+        for k in range(len(q)):
+            self._accelerate(external[k], q[k], v[k], 0.0, a[k], rate)
+            links[k] = self._links
+            yield k
+
+    def _without_lengths(self, external: Array, q: Array, v: Array, *output: Array) -> None:
+        """F - C_q^T lam of the length constraints, into the last of the outputs, (k, n, 2, dim)."""
+        a, links, balance = output
+        chain = self._system.chain
+        pulls = np.zeros((len(q), len(chain.elements)))
+        for k in self._states(external, q, v, a, links):
+            balance[k] = chain.nodes["force"][:, ACCELERATION]
+            pulls[k] = chain.elements["multiplier"][:, ACCELERATION]
+        r, s = np.moveaxis(q.reshape(balance.shape), 2, 0)
+        e = np.stack([np.diff(r, axis=1), s[:, :-1], s[:, 1:]], axis=2)
+        gradient = 2.0 * chain.elements["slope_gram"] @ e  # see `length_gradient`
+        along = pulls[:, :, np.newaxis, np.newaxis] * gradient
+        balance[:, :-1] -= np.stack([-along[:, :, 0], along[:, :, 1]], axis=2)
+        balance[:, 1:] -= along[:, :, [0, 2]]
+
+    def _without_strains(self, external: Array, q: Array, v: Array, *output: Array) -> None:
+        """F less what axial stiffness does, as above."""
+        a, links, balance = output
+        shape = balance.shape[1:]
+        for k in self._states(external, q, v, a, links):
+            force = external[k, : q.shape[1]].reshape(shape)
+            force_in_motion(self._free, force, q[k].reshape(shape), v[k].reshape(shape), balance[k])
+
+    def _take_rods(self, links: Array, balance: Array) -> Array:
+        """Multipliers (k, L) of the links; what the rods do is taken out of the balance."""
+        multipliers = links["multiplier"][:, :, 0]
+        forces = (multipliers * links["inverse_length"])[:, :, np.newaxis] * links["offset"]
+        at_nodes = links["weight"][..., np.newaxis] * forces[:, :, np.newaxis, np.newaxis, :]
+        states = np.arange(len(links))[:, np.newaxis, np.newaxis]
+        np.subtract.at(balance, (states, links["node"]), at_nodes)
+        return multipliers[:, links.shape[1] - self._own_links :]

@@ -286,7 +286,8 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
 def _put_reactions(cable: CableInScene, q: Array, multipliers: Array, time: float, reactions: Array) -> None:
     """Those of its supports, into the multipliers of all algebraic equations; see `support_forces`."""
     if cable.reactions and len(multipliers):
-        put_reactions(cable.reactions, support_forces(cable.cable, q, multipliers, time), reactions)
+        forces = support_forces(cable.cable, q, multipliers, time)
+        put_reactions(cable.reactions, forces, reactions[np.newaxis])
 
 
 def _require_still_fluid(scene_cable: CableInScene) -> None:

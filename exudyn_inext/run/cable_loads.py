@@ -103,6 +103,11 @@ class CableLoads:
         forces: Array = self.constant + (self.factors([time]) @ self.pattern)[0]
         return forces
 
+    def at_times(self, times: list[float]) -> Array:
+        """(k, n_external) as `at`, at all of them."""
+        forces: Array = self.constant + self.factors(times) @ self.pattern
+        return forces
+
     def sample(self, piece: Piece, stages: Sequence[float]) -> LoadHistory:
         """Load history of a piece, at the stages of a scheme."""
         shape = (piece.steps, len(stages), len(self.pattern))

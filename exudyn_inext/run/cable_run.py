@@ -230,10 +230,11 @@ class CableRun(PacedRun):
         return bool(self.scene_cable.reactions)
 
     def put_reactions(self, external: Array, q: Array, v: Array, multipliers: Array) -> None:
-        """Multipliers (m,) of Exudyn's algebraic equations, those of the cable's own supports.
+        """Multipliers (k, m) of Exudyn's algebraic equations, those of the cable's own supports.
 
         Args:
-            external: all that acts, see `CableLoads`.   q, v: (n_dof,).   multipliers: output.
+            external: (k, n_external) all that acts, see `CableLoads`.   q, v: (k, n_dof).
+            multipliers: output.
         """
         put_reactions(self.scene_cable.reactions, self._supported.solve(external, q, v), multipliers)
 
@@ -248,8 +249,9 @@ class CableRun(PacedRun):
         Returns:
             Whether multipliers have been set.
         """
-        for t, (q, v, _), row in zip(times, history, multipliers, strict=True) if self.has_reactions else ():
-            self.put_reactions(self.loads.at(t), q + self.reference, v, row)
+        if self.has_reactions:
+            external = self.loads.at_times(times.tolist())
+            self.put_reactions(external, history[:, 0] + self.reference, history[:, 1], multipliers)
         return self.has_reactions
 
     def accelerations(self, time: float, multipliers: Array) -> Array:
@@ -261,7 +263,8 @@ class CableRun(PacedRun):
                 with the state.
         """
         if self.has_reactions:
-            self.put_reactions(self.loads.at(time), self.state.q, self.state.v, multipliers)
+            present = self.loads.at(time)[np.newaxis], self.state.q[np.newaxis], self.state.v[np.newaxis]
+            self.put_reactions(*present, multipliers[np.newaxis])
         if not self.has_implicit_bending:
             return np.asarray(self.state.a)
         a, rate = np.zeros((2, self.state.q.size))

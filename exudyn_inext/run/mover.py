@@ -91,7 +91,8 @@ class Mover:
             run, dofs = self._runs[cable], self._scene.map.slices[cable]
             external = run.loads.at(t).copy()
             external[: dofs.stop - dofs.start] += forces[dofs]
-            run.put_reactions(external, state[0][dofs], state[1][dofs], multipliers)
+            q, v = state[0][dofs], state[1][dofs]
+            run.put_reactions(external[np.newaxis], q[np.newaxis], v[np.newaxis], multipliers[np.newaxis])
 
 
 @contextmanager

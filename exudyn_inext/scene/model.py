@@ -74,13 +74,14 @@ class Reaction(NamedTuple):
 
 
 def put_reactions(reactions: Sequence[Reaction], forces: SupportForces, multipliers: Array) -> None:
-    """Into the multipliers (m,) of all algebraic equations; of constraints that hold the same, the first."""
-    left = forces.on_coordinates.ravel().copy()
+    """Into the multipliers (k, m) of all algebraic equations; of those that hold the same, the first."""
+    left = forces.on_coordinates.reshape(len(multipliers), -1).copy()
     for row, place, gradient in reactions:
         if gradient:
-            multipliers[row], left[place] = left[place] / gradient, 0.0
+            multipliers[:, row] = left[:, place] / gradient
+            left[:, place] = 0.0
         else:
-            multipliers[row] = forces.of_links[place]
+            multipliers[:, row] = forces.of_links[:, place]
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from ..constraints.prescribed_motion import KIND as MOTION
 
 
 def support_forces(cable: Cable, q: Array, multipliers: Array, time: float) -> SupportForces:
-    """At q (n, 2, dim).   multipliers: (m,) of all its constraints.   time: of its motions [s]."""
+    """At one state q (n, 2, dim).   multipliers: (m,) of all its constraints.   time: of its motions [s]."""
     constraints = constraints_of_cable(cable)
     of_links, held = np.zeros(len(cable.links)), np.zeros(constraints.number)
     for kind in {link.kind for link in cable.links}:
@@ -21,4 +21,4 @@ def support_forces(cable: Cable, q: Array, multipliers: Array, time: float) -> S
     on_coordinates: Array = (constraints.jacobian(q, time).T @ held).reshape(q.shape)
     if cable.closed:
         on_coordinates[0] += on_coordinates[-1]
-    return SupportForces(on_coordinates, of_links)
+    return SupportForces(on_coordinates[np.newaxis], of_links[np.newaxis])
