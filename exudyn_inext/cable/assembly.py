@@ -46,6 +46,14 @@ def set_gradient(axes, left_free, right_free, gradient, nodal):
         nodal[3, i] = right_free[1] * gradient[2, i]
 
 
+@inlined
+def add_bending(axes, element, e, force):
+    """Bending force of an element, with its natural curvature.   e: (3, dim); force: (3, dim), added to."""
+    add_bending_force(axes, element.stiffness, element.tensor, e, force)
+    if element.curved:
+        add_natural_curvature_force(element.natural, e, force)
+
+
 @kernel
 def add_elastic_force(chain, q, force):
     """force += Q_el(q), the bending forces of all elements.
@@ -60,8 +68,7 @@ def add_elastic_force(chain, q, force):
         element = chain.elements[k]
         differences(chain.axes, q, k, e)
         clear(element_force)
-        add_bending_force(chain.axes, element.stiffness, element.tensor, e, element_force)
-        add_natural_curvature_force(element.natural, e, element_force)
+        add_bending(chain.axes, element, e, element_force)
         add_element_force(chain.axes, element_force, force[k], force[k + 1])
 
 
@@ -79,8 +86,7 @@ def elastic_energy(chain, q):
         element = chain.elements[k]
         differences(axes, q, k, e)
         clear(force)
-        add_bending_force(axes, element.stiffness, element.tensor, e, force)
-        add_natural_curvature_force(element.natural, e, force)
+        add_bending(axes, element, e, force)
         if element.tensor.shape[0] == 0:
             energy -= 0.5 * contract(axes, e, force)
             continue
@@ -88,8 +94,7 @@ def elastic_energy(chain, q):
             for i in range(len(axes)):
                 half[a, i] = 0.5 * e[a, i]
         for _ in range(4):
-            add_bending_force(axes, element.stiffness, element.tensor, half, force)
-            add_natural_curvature_force(element.natural, half, force)
+            add_bending(axes, element, half, force)
         energy -= contract(axes, e, force) / 6.0
     return energy
 
@@ -152,8 +157,7 @@ def assemble(axes, nodes, elements, external, q, v, column, set_targets, paramet
         differences(axes, q, k, e)
         differences(axes, v, k, e_t)
         clear(result)
-        add_bending_force(axes, element.stiffness, element.tensor, e, result)
-        add_natural_curvature_force(element.natural, e, result)
+        add_bending(axes, element, e, result)
         add_element_force(axes, result, nodes[k].force[column], nodes[k + 1].force[column])
         length_gradient(axes, element.slope_gram, e_t, result)
         element.constraint[GAMMA] = -contract(axes, e_t, result)
@@ -175,12 +179,14 @@ def damp_element(axes, nodes, elements, k, e, e_t, memory, force):
     add_stretched_damping_force(axes, elements[k].damping, e, e_t, memory, force)
 
 
-@optional("damping")
+@inlined
 def add_damping(axes, nodes, elements, q, v, lead, a, column):
     """Damping forces at the velocities v + lead a, added to column `column` of the nodes' `force`.
 
     lead: [s]; a: (n, 2, dim) accelerations that v still lacks. Nothing happens without damping.
     """
+    if not elements[0].damped:
+        return
     e, e_t, lacking, result = local_array(3, 3), local_array(3, 3), local_array(3, 3), local_array(3, 3)
     memory = local_array(7, 3)
     for k in range(len(elements)):
@@ -198,10 +204,7 @@ def add_damping(axes, nodes, elements, q, v, lead, a, column):
 @inlined
 def lag_of(elements):
     """h/2 [s] if the damping is implicit, see `implicit_bending`; 0 without damping."""
-    lag = 0.0
-    for g in range(elements[0].lag.shape[0]):
-        lag = elements[0].lag[g]
-    return lag
+    return elements[0].lag
 
 
 @inlined
@@ -233,13 +236,15 @@ def add_lagging_damping(axes, nodes, elements, q, a, column):
         damp_element(axes, nodes, elements, k, e, e_tt, memory, damped)
         for row in range(3):
             for i in range(len(axes)):
-                damped[row, i] = elements[k].lag[0] * (damped[row, i] - all_of_it[row, i])
+                damped[row, i] = elements[k].lag * (damped[row, i] - all_of_it[row, i])
         add_element_force(axes, damped, nodes[k].force[column], nodes[k + 1].force[column])
 
 
-@optional("drag")
+@inlined
 def add_drag(axes, nodes, elements, q, v, lead, a, column):
     """Drag at the velocities v + lead a; arguments as for `add_damping`. Nothing happens without drag."""
+    if not elements[0].dragged:
+        return
     e, rates, result, memory = local_array(3, 3), local_array(4, 3), local_array(4, 3), local_array(2, 3)
     for k in range(len(elements)):
         differences(axes, q, k, e)

@@ -24,13 +24,12 @@ import numpy as np
 
 from ..compiled import clear, inlined, optional
 from ..element.axial_strain import middle_strain, norm, rise_by_left
-from ..element.bending import add_bending_force
 from ..element.inextensibility import contract, length_gradient
-from ..element.natural_curvature import add_natural_curvature_force
 from ..lowered import local_array
 from .assembly import (
     GAMMA,
     VALUE,
+    add_bending,
     add_element_force,
     assemble,
     differences,
@@ -155,8 +154,7 @@ def _add_bending(axes, element, left, right, e, per_stretch):
     """
     result = local_array(3, 3)
     clear(result)
-    add_bending_force(axes, element.stiffness, element.tensor, e, result)
-    add_natural_curvature_force(element.natural, e, result)
+    add_bending(axes, element, e, result)
     work = contract(axes, e, result)
     middle = element.axial[STRAIN] + element.axial[FREE_STRAIN]
     before, after = left.constraint[VALUE] - middle, right.constraint[VALUE] - middle
@@ -432,8 +430,7 @@ def _stretched_bending_energy(axes, element, q, k):
     length_gradient(axes, element.slope_gram, e, gradient)
     stretch = mean_stretch(element, 0.5 * contract(axes, e, gradient))
     clear(force)
-    add_bending_force(axes, element.stiffness, element.tensor, e, force)
-    add_natural_curvature_force(element.natural, e, force)
+    add_bending(axes, element, e, force)
     left, right = norm(axes, q[k, 1]) - 1.0, norm(axes, q[k + 1, 1]) - 1.0
     middle = middle_strain(stretch - 1.0, left, right)
     left -= middle

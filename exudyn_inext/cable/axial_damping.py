@@ -7,18 +7,13 @@ over the quadrature points, b = sqrt(lag D w) d(kappa_t)/dv, and needs no second
 
 import numpy as np
 
-from ..compiled import inlined, optional
+from ..compiled import inlined
 from ..element.bending_damping import set_curvature_row
 from ..lowered import local_array
 from .assembly import differences
 
 
 @inlined
-def _none(axes, nodes, elements, q, k, rows):
-    return 0
-
-
-@optional("damping", otherwise=_none)
 def damping_rows(axes, nodes, elements, q, k, rows):
     """Set b of element k on r_left, s_left, r_right, s_right, supports taken out; returns how many.
 
@@ -26,10 +21,12 @@ def damping_rows(axes, nodes, elements, q, k, rows):
     """
     element, left, right = elements[k], nodes[k].free, nodes[k + 1].free
     e, row, memory = local_array(3, 3), local_array(3, 3), local_array(7, 3)
-    differences(axes, q, k, e)
     number = 0
+    if not element.damped:
+        return number
+    differences(axes, q, k, e)
     for g in range(element.damping.shape[0]):
-        scale = np.sqrt(element.lag[0] * element.damping[g, 0])
+        scale = np.sqrt(element.lag * element.damping[g, 0])
         if scale > 0.0:
             for component in range(2 if len(axes) == 2 else 0, 3):
                 set_curvature_row(axes, element.damping[g], component, e, memory, row)

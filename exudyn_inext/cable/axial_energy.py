@@ -4,11 +4,9 @@ import numpy as np
 
 from ..arrays import Array
 from ..compiled import clear, kernel
-from ..element.bending import add_bending_force
 from ..element.inextensibility import contract, length_gradient
-from ..element.natural_curvature import add_natural_curvature_force
 from ..lowered import local_array
-from .assembly import damp_element, differences, leave_targets
+from .assembly import add_bending, damp_element, differences, leave_targets
 from .axial import ACCELERATION, assemble_chain, mean_stretch, stored_energy
 from .axial_stiffness import FORCE
 from .cable import Cable
@@ -59,8 +57,7 @@ def mean_section_forces(chain, q, v, rest, mean):
         damp_element(axes, nodes, elements, k, e, e_t, memory, damped)
         length_gradient(axes, element.slope_gram, e, gradient)
         clear(force)
-        add_bending_force(axes, element.stiffness, element.tensor, e, force)
-        add_natural_curvature_force(element.natural, e, force)
+        add_bending(axes, element, e, force)
         stretch = mean_stretch(element, 0.5 * contract(axes, e, gradient))
         along = 0.75 * element.per_length / stretch * element.target[ACCELERATION]
         for i in range(len(axes)):

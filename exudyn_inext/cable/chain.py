@@ -52,15 +52,7 @@ def build_chain(cable: Cable, implicit: ImplicitBending = EXPLICIT) -> Chain:
     dim, number = cable.dimension, cable.number_of_elements
     nodes = np.zeros(number + 1, node_type(dim, cable.stretches))
     section = cable.section
-    layout = element_type(
-        dim,
-        product,
-        natural=cable.is_naturally_curved,
-        damped=section.bending_damping != 0.0,
-        dragged=cable.drag is not None,
-        axial=cable.stretches,
-    )
-    elements = np.zeros(number, layout)
+    elements = np.zeros(number, element_type(dim, product, cable.stretches))
     nodes["free"] = np.where(cable.fixed, 0.0, 1.0)
     nodes["ends_group"] = _ends_group(cable)
     lengths, stiffness = cable.element_lengths, section.bending_stiffness
@@ -69,11 +61,14 @@ def build_chain(cable: Cable, implicit: ImplicitBending = EXPLICIT) -> Chain:
     else:
         elements["stiffness"] = stiffness * forms_of_mesh(_in_differences(stiffness_matrix), lengths)
     if cable.is_naturally_curved:
+        elements["curved"] = True
         elements["natural"] = stiffness * _turning_matrices(cable)
     if section.bending_damping:
+        elements["damped"] = True
         elements["damping"] = forms_of_mesh(damping_table, lengths)
         elements["damping"][:, :, 0] *= section.bending_damping
     if cable.drag is not None:
+        elements["dragged"] = True
         elements["drag"] = forms_of_mesh(drag_table, lengths)
         elements["drag_law"] = cable.drag.law()
     if cable.length_constraints > 0:
@@ -107,7 +102,7 @@ def set_mass(chain: Chain, cable: Cable, implicit: ImplicitBending) -> None:
     nodes, elements = chain.nodes, chain.elements
     masses = _element_masses(cable, implicit.factor(cable.section))
     _assemble_mass(masses, nodes["free"], nodes["mass"], elements["mass"])
-    elements["lag"] = implicit.damping
+    elements["lag"] = np.where(elements["damped"], implicit.damping, 0.0)
     if cable.stretches:
         set_axial_step(implicit.step, nodes, elements)
 

@@ -42,7 +42,7 @@ def lagging_energy(axes, elements, v):
 @inlined
 def dissipative_power(axes, nodes, elements, q, v):
     """Power of bending damping and drag [W]; flowing air may do work.   q, v: (n, 2, dim)."""
-    if elements[0].damping.shape[0] == 0 and elements[0].drag.shape[0] == 0:
+    if not (elements[0].damped or elements[0].dragged):
         return 0.0
     add_damping(axes, nodes, elements, q, v, 0.0, v, LOSS)
     add_drag(axes, nodes, elements, q, v, 0.0, v, LOSS)

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from ..called_system import implements
-from ..compiled import inlined, optional
+from ..compiled import inlined
 from ..system import (
     ACCELERATION_ENERGY,
     ELASTIC,
@@ -71,7 +71,7 @@ def assemble_and_factorise(axes, nodes, elements, external, q, v, lead, a, set_t
     factorise_chain(axes, nodes, elements, q)
 
 
-@optional("damping")
+@inlined
 def _improve_damping(axes, nodes, elements, q, acceleration):
     """One more solve for the damping that is in the matrix on the left, but not in the cable: order 2.
 

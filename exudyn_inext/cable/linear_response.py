@@ -71,7 +71,7 @@ def improve_damping_called(system, q, x):
 def leave_to_joints(system: Any, joined: bool) -> bool:
     """Whether a part of a scene needs `improve_damping`, from now on.   joined: whether joints act on it."""
     elements = system.chain.elements if hasattr(system, "chain") else None
-    if elements is None or not elements["lag"].size or elements["axial"].size:
+    if elements is None or not elements["damped"][0] or elements["axial"].size:
         return False
     elements["joined"] = joined
     return joined

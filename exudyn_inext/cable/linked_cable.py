@@ -6,7 +6,7 @@ The external force is followed by the motions of the anchors: (n_dof + 3 dim M,)
 from typing import Any, NamedTuple
 
 from ..called_system import implements
-from ..compiled import inlined, optional
+from ..compiled import inlined
 from ..system import (
     POWER,
     VIOLATION,
@@ -143,7 +143,7 @@ def _solve_both_linked_columns(system, x, y):
     _expand(system, CORRECTION, y)
 
 
-@optional("damping")
+@inlined
 def _improve_damping(axes, nodes, elements, system, q, acceleration):
     """As `index_reduction._improve_damping`, with links."""
     if improves_alone(elements):

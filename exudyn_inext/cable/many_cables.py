@@ -58,11 +58,12 @@ def _kind(system: Any) -> Any:
     Drag divides by the length of an element's slope, and a cable without length constraints hands on one that
     is never fulfilled: both remain alone.
     """
-    is_alone = not isinstance(system, CableSystem) or system.chain.elements["drag"].size
+    is_alone = not isinstance(system, CableSystem) or system.chain.elements["dragged"][0]
     if is_alone or not system.chain.nodes["ends_group"][-1]:
         return id(system)
     chain = system.chain
-    return system.zeta, chain.nodes.dtype, chain.elements.dtype
+    damping = bool(chain.elements["damped"][0]), float(chain.elements["lag"][0])
+    return system.zeta, chain.nodes.dtype, chain.elements.dtype, damping
 
 
 def _in_one_chain(systems: Sequence[CableSystem]) -> Systems:

@@ -56,24 +56,18 @@ def node_type(dim: int, axial: bool = False) -> np.dtype:
 
 
 @lru_cache
-def element_type(
-    dim: int,
-    product: bool,
-    natural: bool = False,
-    damped: bool = False,
-    dragged: bool = False,
-    axial: bool = False,
-) -> np.dtype:
-    """Record of an element in `dim` dimensions; what a cable does not have takes no memory.
+def element_type(dim: int, product: bool, axial: bool = False) -> np.dtype:
+    """Record of an element in `dim` dimensions.
 
     mass: r-r, r-s, s-r, s-s mass of the left with the right node [kg, kg m, kg m, kg m^2].
     stiffness: EI times the stiffness matrix, in difference coordinates, empty for `product`.
     tensor: EI times the stiffness tensor over pairs, empty for `secondDerivative`.
-    natural: EI kappa_0 times the turning matrix in difference coordinates, empty without kappa_0.
-    damping: table of the damping force, empty without damping.
-    lag: h/2 [s], see `implicit_bending`, empty without damping.
+    curved, damped, dragged: whether there is natural curvature, bending damping, drag; zeros without it.
+    natural: EI kappa_0 times the turning matrix in difference coordinates, empty in space.
+    damping: table of the damping force.
+    lag: h/2 [s] where damping is implicit, see `implicit_bending`; else 0.
     joined: whether joints act on the cable, see `linear_response.improve_damping`.
-    drag: table of the drag, empty without drag.   drag_law: its coefficients and the flow.
+    drag: table of the drag.   drag_law: its coefficients and the flow.
     axial: as for nodes.   bending: EI / (3 l) [N m], empty without axial stiffness.
     contact: beside the mass of both nodes, see `contact_mass`, empty without axial stiffness and in space.
     touches: whether it is not zero.
@@ -91,16 +85,15 @@ def element_type(
             ("mass", NUMBER, (4,)),
             ("stiffness", NUMBER, (0, 0) if product else (3, 3)),
             ("tensor", NUMBER, (6, 6) if product else (0, 0)),
-            ("natural", NUMBER, (3, 3) if natural else (0, 0)),
-            ("damping", NUMBER, (4, 7) if damped else (0, 7)),
-            ("lag", NUMBER, (1,) if damped else (0,)),
+            ("curved", np.bool_),
+            ("damped", np.bool_),
+            ("dragged", np.bool_),
             ("joined", np.bool_),
-            ("drag", NUMBER, (4, 8) if dragged else (0, 8)),
-            ("drag_law", NUMBER, (2, 3) if dragged else (0, 3)),
+            ("touches", np.bool_),
+            ("lag", NUMBER),
             ("axial", NUMBER, (AXIAL_SIZE if axial else 0,)),
             ("bending", NUMBER, (1 if axial else 0,)),
             ("contact", NUMBER, (8 if axial and dim == 2 else 0, 8)),
-            ("touches", np.bool_),
             ("slope_gram", NUMBER, (3, 3)),
             ("reference_length", NUMBER),
             ("per_length", NUMBER),
@@ -109,6 +102,10 @@ def element_type(
             ("target", NUMBER, (2,)),
             ("drift_correction", NUMBER),
             ("multiplier", NUMBER, (2,)),
+            ("natural", NUMBER, (3, 3) if dim == 2 else (0, 0)),
+            ("damping", NUMBER, (4, 7)),
+            ("drag", NUMBER, (4, 8)),
+            ("drag_law", NUMBER, (2, 3)),
         ]
     )
 

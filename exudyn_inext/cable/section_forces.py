@@ -12,13 +12,11 @@ import numpy as np
 
 from ..arrays import Array
 from ..compiled import clear, kernel
-from ..element.bending import add_bending_force
 from ..element.bending_damping import add_damping_force
 from ..element.inextensibility import length_gradient
-from ..element.natural_curvature import add_natural_curvature_force
 from ..element.shape_functions import first_derivatives, quadrature, second_derivatives, shape_functions
 from ..lowered import local_array
-from .assembly import differences
+from .assembly import add_bending, differences
 from .attached_forces import attached_variation
 from .axial_energy import mean_section_forces
 from .cable import Cable, CurvatureMeasure
@@ -52,9 +50,9 @@ def _mean_section_forces(chain, q, v, multiplier, mean):
         differences(axes, q, k, e)
         differences(axes, v, k, e_t)
         clear(force)
-        add_bending_force(axes, element.stiffness, element.tensor, e, force)
-        add_natural_curvature_force(element.natural, e, force)
-        add_damping_force(axes, element.damping, e, e_t, memory, force)
+        add_bending(axes, element, e, force)
+        if element.damped:
+            add_damping_force(axes, element.damping, e, e_t, memory, force)
         length_gradient(axes, element.slope_gram, e, gradient)
         for i in range(len(axes)):
             mean[k, i] = multiplier[k] * gradient[0, i] - force[0, i]
