@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -37,8 +37,9 @@ class SupportedCable:
         self._system = cable_system(cable, 0.0)
         self._free = build_chain(replace(cable, fixed=np.zeros_like(cable.fixed), links=()))
         self._accelerate = Bound(accelerate_and_project, self._system)
-        linked = isinstance(self._system, LinkedCableSystem)
-        self._links = self._system.link_system.links if linked else np.zeros(0, link_type(cable.dimension))
+        self._links: Any = np.zeros(0, link_type(cable.dimension))
+        if isinstance(self._system, LinkedCableSystem):
+            self._links = self._system.link_system.links
 
     def solve(self, external: Array, q: Array, v: Array) -> SupportForces:
         """At k states.
@@ -48,7 +49,7 @@ class SupportedCable:
         """
         shape = (len(q), *self._system.chain.shape)
         a, balance = np.zeros(q.shape), np.zeros(shape)
-        links = np.zeros((len(q), len(self._links)), self._links.dtype)
+        links: Any = np.zeros((len(q), len(self._links)), self._links.dtype)
         balances = self._without_strains if self._stretches else self._without_lengths
         balances(external, q, v, a, links, balance)
         balance -= apply_mass(self._free, a.reshape(shape))
@@ -57,7 +58,7 @@ class SupportedCable:
             balance[:, 0] += balance[:, -1]
         return SupportForces(balance, of_links)
 
-    def _states(self, external: Array, q: Array, v: Array, a: Array, links: Array) -> Iterator[int]:
+    def _states(self, external: Array, q: Array, v: Array, a: Array, links: Any) -> Iterator[int]:
         """Solve for each of them.   a: (k, n_dof) and links: (k, L) output."""
         rate = np.zeros(q.shape[1])
         for k in range(len(q)):
@@ -88,11 +89,12 @@ class SupportedCable:
             force = external[k, : q.shape[1]].reshape(shape)
             force_in_motion(self._free, force, q[k].reshape(shape), v[k].reshape(shape), balance[k])
 
-    def _take_rods(self, links: Array, balance: Array) -> Array:
+    def _take_rods(self, links: Any, balance: Array) -> Array:
         """Multipliers (k, L) of the links; what the rods do is taken out of the balance."""
         multipliers = links["multiplier"][:, :, 0]
         forces = (multipliers * links["inverse_length"])[:, :, np.newaxis] * links["offset"]
         at_nodes = links["weight"][..., np.newaxis] * forces[:, :, np.newaxis, np.newaxis, :]
         states = np.arange(len(links))[:, np.newaxis, np.newaxis]
         np.subtract.at(balance, (states, links["node"]), at_nodes)
-        return multipliers[:, links.shape[1] - self._own_links :]
+        own: Array = multipliers[:, links.shape[1] - self._own_links :]
+        return own

@@ -410,13 +410,13 @@ def take_steps(scheme, system, items, loads, state, h, done, in_interval, histor
 
 
 @kernel
-def evaluate_states(system, items, loads, history, multipliers, external, rate):
+def evaluate_states(system, items, loads, history, multipliers, forces, external, rate):
     """Accelerations and multipliers of states, neither stabilised nor with what earlier steps taught.
 
     Args:
         system: that has taken no steps.   items: of it.   loads: history, one row a state.
         history: (k, 3, n) coordinates and velocities, and output: accelerations; that of contacts is given.
-        multipliers: (k, m) output.   external, rate: memory.
+        multipliers: (k, m) output.   forces: (k, n) output, of items and joints.   external, rate: memory.
     """
     joints = items.joints
     for k in range(len(history)):
@@ -426,3 +426,6 @@ def evaluate_states(system, items, loads, history, multipliers, external, rate):
         accelerate_and_project(system, external, q, v, 0.0, a, rate)
         for r in range(len(joints.rows)):
             multipliers[k, r] = joints.multipliers[r]
+        for i in range(forces.shape[1]):
+            forces[k, i] = items.force[i]
+        subtract_forces(joints, forces[k])

@@ -330,7 +330,7 @@ class CompiledScene:
 
     def evaluate(
         self, cables: Sequence[Cable], times: Array, history: Array, remembered: Array | None = None
-    ) -> Array:
+    ) -> tuple[Array, Array]:
         """Accelerations of states, by the mass as it is; see `evaluate_states`.
 
         Args:
@@ -339,11 +339,12 @@ class CompiledScene:
             remembered: (k, D) by contacts, if there are any.
 
         Returns:
-            (k, m) multipliers of the joints.
+            (k, m) multipliers of the joints, and (k, n) what items and joints do to the coordinates.
         """
         if self._unscaled is None:
             self._unscaled = self._without_scaling(cables)
         multipliers = np.zeros((len(times), len(self.multipliers)))
+        forces = np.zeros((len(times), len(self.system.items.force)))
         system, rate = self._unscaled, np.zeros(history.shape[2])
         if remembered is not None:
             system = _with_history(system, remembered)
@@ -351,15 +352,16 @@ class CompiledScene:
             memory = np.zeros(len(self.loads.constant)), rate
             loads = self.loads.sample(times[:, np.newaxis])
             given = called(system, accelerate_and_project), system.items, loads
-            evaluate_states(*given, history, multipliers, *memory)
-            return multipliers
+            evaluate_states(*given, history, multipliers, forces, *memory)
+            return multipliers, forces
         accelerate = Bound(accelerate_and_project, system)
         for k, (t, (q, v, a)) in enumerate(zip(times.tolist(), history, strict=True)):
             if remembered is not None:
                 system.items.contacts.data[0] = remembered[k]
             accelerate(self.loads.at(t), q, v, 0.0, a, rate)
             multipliers[k] = system.items.joints.multipliers
-        return multipliers
+            forces[k] = _joined_forces(system)
+        return multipliers, forces
 
     def _without_scaling(self, cables: Sequence[Cable]) -> SceneSystem:
         """The same system in memory of its own, with the cables' mass as it is."""
@@ -406,11 +408,6 @@ class CompiledScene:
         force[:size] += _joined_forces(self.system)[dofs]
         index_reduced_rates(system, force, q[dofs], v[dofs], a, rate)
         return a
-
-    def joined_forces(self) -> Array:
-        """See `EvaluatedScene`; by `evaluate`."""
-        assert self._unscaled is not None
-        return _joined_forces(self._unscaled)
 
 
 @implements(accelerate_and_project, CompiledScene, compiled=lambda function: function)

@@ -203,7 +203,8 @@ class CoupledRun(LimitedRun):
             else:
                 index_reduced_rates(*arguments, a, rest)
         multipliers[:] = native_items.all_multipliers(self._scene.system.multipliers, a)
-        self.mover.put_reactions(self._scene, time, (state.q, state.v), multipliers)
+        rows = (row[np.newaxis] for row in (state.q, state.v, self._scene.joined_forces(), multipliers))
+        self.mover.put_reactions(np.array([time]), *rows)
         if self.has_implicit_bending:
             self.resume(time)
         native_items.show(time, state, multipliers)

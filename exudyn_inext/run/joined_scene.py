@@ -71,9 +71,6 @@ class EvaluatedScene(Protocol):
     def power_of_joints(self) -> float:
         """Of those that move, at the last evaluation [W]."""
 
-    def joined_forces(self) -> Array:
-        """(n,) what items and joints did to the coordinates when accelerations were asked for last."""
-
     def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
         """Accelerations of a cable, whose system then holds its multipliers.
 
@@ -123,6 +120,9 @@ class JoinedScene(EvaluatedScene, Protocol):
 
     @property
     def remembered(self) -> Elsewhere | None: ...
+
+    def joined_forces(self) -> Array:
+        """(n,) what items and joints did to the coordinates when accelerations were asked for last."""
 
     def require_finite(self, v: Array) -> None:
         """Raise SceneError unless all velocities v (n,) are finite."""

@@ -180,17 +180,13 @@ class MovedByKernels(Mover):
         return self._form.contacts.history[: self._recorded] if self._remembers else None
 
     def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
-        """See `CableRun.complete`; one by one where reactions of cables are asked for after each."""
+        """See `CableRun.complete`."""
         contacts = None if self._of_contacts is None else self._of_contacts[-len(times) :]
-        together = 1 if any(run.has_reactions for run in self._runs) else len(times)
         history[:, 0] += self._scene.map.reference
-        for first in range(0, len(times), together):
-            which = slice(first, first + together)
-            remembered = None if contacts is None else contacts[which]
-            rows = self._form.evaluate(self.cables, times[which], history[which], remembered)
-            states = zip(rows, times[which].tolist(), history[which, 0], strict=True)
-            multipliers[which] = [self._scene.native_items.multipliers(*state) for state in states]
-            self.put_reactions(self._form, times[first], history[first], multipliers[first])
+        rows, forces = self._form.evaluate(self.cables, times, history, contacts)
+        states = zip(rows, times.tolist(), history[:, 0], strict=True)
+        multipliers[:] = [self._scene.native_items.multipliers(*state) for state in states]
+        self.put_reactions(times, history[:, 0], history[:, 1], forces, multipliers)
         history[:, 0] -= self._scene.map.reference
         return True
 

@@ -83,16 +83,16 @@ class Mover:
         """Nothing of the cables' bending is in the matrix on the left."""
         return together([run.mass_as_it_is() for run in self._runs])
 
-    def put_reactions(self, evaluated: EvaluatedScene, t: float, state: Any, multipliers: Array) -> None:
-        """Of the cables' own supports; `evaluated` is so at t [s].   state: q, v, ... of all parts."""
-        supported = [cable for cable, run in enumerate(self._runs) if run.has_reactions]
-        forces = evaluated.joined_forces() if supported else np.zeros(0)
-        for cable in supported:
-            run, dofs = self._runs[cable], self._scene.map.slices[cable]
-            external = run.loads.at(t).copy()
-            external[: dofs.stop - dofs.start] += forces[dofs]
-            q, v = state[0][dofs], state[1][dofs]
-            run.put_reactions(external[np.newaxis], q[np.newaxis], v[np.newaxis], multipliers[np.newaxis])
+    def put_reactions(self, times: Array, q: Array, v: Array, forces: Array, multipliers: Array) -> None:
+        """Of the cables' own supports, into the multipliers (k, m) of all algebraic equations.
+
+        times: (k,) [s].   q, v: (k, n) of all parts.   forces: (k, n) of items and joints.
+        """
+        for run, dofs in zip(self._runs, self._scene.map.slices, strict=False):
+            if run.has_reactions:
+                external = run.loads.at_times(times.tolist())
+                external[:, : dofs.stop - dofs.start] += forces[:, dofs]
+                run.put_reactions(external, q[:, dofs], v[:, dofs], multipliers)
 
 
 @contextmanager
