@@ -343,22 +343,22 @@ class CompiledScene:
         """
         if self._unscaled is None:
             self._unscaled = self._without_scaling(cables)
+            self._accelerate_unscaled = Bound(accelerate_and_project, self._unscaled)
         multipliers = np.zeros((len(times), len(self.multipliers)))
         forces = np.zeros((len(times), len(self.system.items.force)))
         system, rate = self._unscaled, np.zeros(history.shape[2])
-        if remembered is not None:
-            system = _with_history(system, remembered)
         if len(times) > FEW:  # it takes long to compile
+            if remembered is not None:
+                system = _with_history(system, remembered)
             memory = np.zeros(len(self.loads.constant)), rate
             loads = self.loads.sample(times[:, np.newaxis])
             given = called(system, accelerate_and_project), system.items, loads
             evaluate_states(*given, history, multipliers, forces, *memory)
             return multipliers, forces
-        accelerate = Bound(accelerate_and_project, system)
         for k, (t, (q, v, a)) in enumerate(zip(times.tolist(), history, strict=True)):
             if remembered is not None:
                 system.items.contacts.data[0] = remembered[k]
-            accelerate(self.loads.at(t), q, v, 0.0, a, rate)
+            self._accelerate_unscaled(self.loads.at(t), q, v, 0.0, a, rate)
             multipliers[k] = system.items.joints.multipliers
             forces[k] = _joined_forces(system)
         return multipliers, forces
