@@ -93,7 +93,7 @@ def SolveExplicit(
         (StepSizeBounds), 'massScaling' (theta), 'rejections' (how often steps went wrong and were taken
         again, smaller), 'path' (which way the steps were computed), 'startCorrections' (of each cable, and
         of joints: how far the initial state was from the constraints), 'drift': a dict with the largest
-        'energyGain' and 'energyLoss' (beyond the work done, relative to what the motion turned over), and
+        'energyGain' and 'energyLoss' (beyond the work done, as shares of the energy of the motion), and
         the largest violation of 'constraints' (of joints [m, -] over the largest coordinate at the start if
         that is above 1); in runs of more than 20 000 steps of cables alone also 'stepOverLimit', the
         largest share that the step was of the present stability limit, and 'resumedAt' [s] (of a restart

@@ -412,7 +412,7 @@ def warn_of_findings(runs: Sequence[Run], tolerance: float) -> None:
         gain = run.figures().get("energyGain", 0.0)
         if gain > tolerance * run.lenience:
             warnings.warn(
-                f"{run.name}: the energy has grown by {gain:.2%} of what the motion turns over, beyond the "
+                f"{run.name}: the energy has grown by {gain:.2%} of the energy of the motion, beyond the "
                 f"work done on it (energyTolerance {tolerance:.2%}): {run.remedy}.",
                 stacklevel=3,
             )

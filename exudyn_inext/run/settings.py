@@ -64,8 +64,8 @@ class ExplicitSettings:
             is the limit with all contacts closed that are open at the start. Not with a massScaling.
         rejectSteps: take steps that go wrong again, with a quarter of the step and less, from the state
             before them. False: they end the run, as in studies of stability limits.
-        energyTolerance: energy that a run may have beyond the work done on it, as a share of what its motion
-            turns over (largest kinetic energy and range of the bending energy so far) [-]; among bodies ten
+        energyTolerance: energy that a run may have beyond the work done on it, as a share of the energy of
+            its motion (largest kinetic energy plus range of the elastic energy so far) [-]; among bodies ten
             times as much. A run with more of it is warned of. Steps that make so much at once are rejected,
             and so are those in which the work of Exudyn's items is known no better. Zhai and RK4, which gain
             energy by themselves, end at 30 times as much. math.inf: the energy is not looked at.
