@@ -162,6 +162,7 @@ def SolveEquilibrium(
         to turn about an axis has an eigenvalue of zero there, within round-off.
 
     Raises:
+        InputError: arguments of another kind, or more than one load step among bodies, springs and joints.
         SceneError: mbs not assembled, contains what is not supported, supports farther apart than
             the cable between them is long, or something that nothing connects to the ground.
         EquilibriumError: no stable equilibrium within reach; mbs is unchanged, the error's `report` has
