@@ -20,7 +20,10 @@ class StepSizeError(InextensibleError, ValueError):
 
 
 class EnforcementError(InextensibleError, RuntimeError):
-    """A native solver, which does not keep the length of a cable, evaluates it; see `enforcement`."""
+    """A native solver, which does not keep the length of a cable, evaluates it; see `enforcement`.
+
+    Exudyn raises a ModelError of its own, with this error and its message as text.
+    """
 
 
 class ExplicitTrapWarning(UserWarning):
