@@ -8,11 +8,11 @@ class InextensibleError(Exception):
 
 
 class InputError(InextensibleError, ValueError):
-    """An argument is outside of what the method or the implementation allows."""
+    """An argument, or a time of the settings, is outside of its limits, or a file cannot be written."""
 
 
 class SceneError(InextensibleError, ValueError):
-    """The mbs contains, or lacks, something that the explicit solver needs to know about."""
+    """The mbs is not assembled, is inconsistent, or contains what a solver of this package cannot take."""
 
 
 class StepSizeError(InextensibleError, ValueError):
@@ -20,19 +20,22 @@ class StepSizeError(InextensibleError, ValueError):
 
 
 class EnforcementError(InextensibleError, RuntimeError):
-    """A solver that does not enforce inextensibility evaluates an inextensible cable."""
+    """A native solver, which does not keep the length of a cable, evaluates it; see `enforcement`.
+
+    Exudyn raises a ModelError of its own, with this error and its message as text.
+    """
 
 
 class ExplicitTrapWarning(UserWarning):
-    """A native explicit solver would compute a wrong motion, or none, without saying why."""
+    """A warning: a native explicit solver would compute a wrong motion, or none, without saying why."""
 
 
 class RedundantConstraintError(InextensibleError, ArithmeticError):
-    """The constraints of a cable are linearly dependent in the present configuration."""
+    """Constraints of cables or joints depend on each other in the present configuration."""
 
 
 class DivergenceError(InextensibleError, ArithmeticError):
-    """The run left the finite numbers, or its constraints, or gained energy."""
+    """The run left the finite numbers, or its constraints, or gained energy; mbs has the last good state."""
 
 
 class OffCableError(InextensibleError, ArithmeticError):
@@ -40,7 +43,7 @@ class OffCableError(InextensibleError, ArithmeticError):
 
 
 class EquilibriumError(InextensibleError, ArithmeticError):
-    """No stable static equilibrium was found.   report: figures and last state."""
+    """No stable static equilibrium was found; mbs is unchanged.   report: figures and last state."""
 
     def __init__(self, message: str, report: dict[str, Any]) -> None:
         super().__init__(message)

@@ -8,7 +8,7 @@ from .survey import Search
 
 
 def convergence_sentence(search: Search) -> str:
-    """How good the judge is."""
+    """How good the finest solution is."""
     numbers = ", ".join(str(pilot.choice.elements) for pilot in search.meshes)
     return (
         f"Pilots with {numbers} elements converge with order {search.order:.1f}; the finest one is good to "

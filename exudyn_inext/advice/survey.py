@@ -1,4 +1,4 @@
-"""Solutions on finer and finer meshes, until the finest one can judge the others."""
+"""Solutions on finer and finer meshes, until the finest one can tell the error of the others."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -51,7 +51,7 @@ def remaining_error(coarse: int, fine: int, difference: float, order: float) -> 
 
 INTEGRATOR = "RATTLE"
 SHARE_OF_LIMIT = 0.5
-SHARE_OF_TOLERANCE = 0.2  # the finest solution is that much better than what it has to judge
+SHARE_OF_TOLERANCE = 0.2  # the finest solution is that much better than what it is compared with
 CAUTION = 3.0  # the finest meshes count as of no higher order, which luck may feign
 
 
@@ -60,7 +60,7 @@ class Search:
     """All that was tried, and what the finest mesh says of it.
 
     tolerance: in units of what is observed.
-    meshes: pilots of one integrator on finer and finer meshes; the last one judges.
+    meshes: pilots of one integrator on finer and finer meshes; the last one is the reference.
     order: observed.   uncertainty: error of the last mesh.   tried: all pilots.
     """
 

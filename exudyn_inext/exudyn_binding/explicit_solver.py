@@ -96,7 +96,7 @@ class SteppingLoop(ExplicitTimeLoop):
         self.changes.require_all_seen(self.runs)
 
     def begin_anew(self) -> None:
-        """The next portion begins from the state that mbs has then; what steps have taught is forgotten."""
+        """The next portion begins from the state that mbs has then; drift corrections are reset."""
         self.error, self._begins = None, True
         for run, initial in zip(self._built, self._initial, strict=True):
             initial.restore()

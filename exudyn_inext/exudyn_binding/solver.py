@@ -45,43 +45,41 @@ def SolveExplicit(
 ) -> dict[str, Any]:
     """Explicit dynamics of a scene with inextensible cables, in Exudyn's own time loop.
 
-    Cables alone are moved by compiled code. Bodies, connectors, native joints, contact, first order
-    states and loads on any of them are evaluated by Exudyn, at each right-hand side; joints are enforced
-    in position, velocity and acceleration, as the cables' own constraints are. A CoordinateConstraint at
-    velocity level holds the integral of its velocity; other constraints on velocities, and rotation vectors
-    as coordinates, are refused. A scene may also do without inextensible cables. The
-    report says which path was taken, and why.
+    Compiled code moves the cables, and with them bodies, springs, joints, loads and contact that have
+    compiled forms. Exudyn evaluates what has none. The report says which way was taken, and why. Joints are
+    enforced in position, velocity and acceleration, as the cables' own constraints are. A
+    CoordinateConstraint at velocity level holds the integral of its velocity. Other constraints on
+    velocities are refused, and so are rotation vectors as coordinates. A scene may also do without
+    inextensible cables.
 
     Steps that go wrong (constraints that cannot be solved for, an energy that jumps, numbers that are not
-    finite) are rejected: the run goes on from the state before them with smaller ones, which grow again.
-    The stability limit is that of the initial state, as if contacts of cables with circles that are open
-    were closed.
+    finite) are rejected: the run goes on from the state before them with smaller ones, which grow again. It
+    ends only where no step is small enough. An energy that grows slowly is warned of, see
+    ExplicitSettings.energyTolerance. The stability limit is that of the initial state, as if contacts of
+    cables with circles that are open were closed.
 
-    Sensors, solution files, pre- and post-step user functions and the SolutionViewer work as
-    with mbs.SolveDynamic. Exudyn's steps are as long as the outputs allow: numberOfSteps of the
-    time integration is a lower bound of their number, the write periods of sensors and solution
-    file are upper bounds of their length; the integrator's own steps lie between them.
-
-    It ends only where no step is small enough. An energy that grows slowly is warned of, see
-    ExplicitSettings.energyTolerance.
-
-    Restart files follow simulationSettings.solution.restart: with `write`, one is written every writePeriod
-    and at the end; with `continueIfAvailable`, a run goes on from it, bit for bit as if it had never been
-    interrupted. Scene and settings must be the same, user functions included (endTime may be later); names,
-    drawing, sensors and files may change. Sensor and solution files are cut back to their last whole row at
-    or before the time of the restart file, and appended to; binary solution files are refused, as Exudyn
-    does not append to them. With `write`, rows are flushed to their files at once.
+    Sensors, solution files, pre- and post-step user functions and the SolutionViewer work as with
+    mbs.SolveDynamic. Exudyn's steps are as long as the outputs allow: numberOfSteps of the time integration
+    is a lower bound of their number, the write periods of sensors and solution file are upper bounds of
+    their length. The integrator's own steps lie between them.
 
     What pre- and post-step user functions change acts from that step on, as with mbs.SolveDynamic: parameters
     of loads, connectors, constraints, markers and bodies, active connectors, and states. A constraint that
     gets another place, or whose user function reads what they change, is fulfilled at the end of the step. An
     automatic step becomes shorter where a change asks for it. Items cannot be added, nor connected otherwise.
 
-    Many of Exudyn's steps are computed in one compiled call where no user function sees the states
-    in between, and up to 32 where functions see them, but have changed nothing for a while. A user
-    function of a load that depends on the time alone does not stand in the way: if that can be seen
-    from its code (it uses neither its mbs nor other objects), or if the settings say so, see
+    Many of Exudyn's steps are computed in one compiled call where no user function sees the states in
+    between, and up to 32 where functions see them, but have changed nothing for a while. User functions of
+    loads do not stand in the way if they depend on the time alone. That has to be seen from their code
+    (they use neither their mbs nor other objects), or the settings say so, see
     ExplicitSettings.dependsOnTimeOnly.
+
+    Restart files follow simulationSettings.solution.restart. With `write`, one is written every writePeriod
+    and at the end. With `continueIfAvailable`, a run goes on from it, bit for bit as if it had never been
+    interrupted. Scene and settings must be the same, user functions included (endTime may be later); names,
+    drawing, sensors and files may change. Sensor and solution files are cut back to their last whole row at
+    or before the time of the restart file, and appended to. Binary solution files are refused, as Exudyn does
+    not append to them. With `write`, rows are flushed to their files at once.
 
     Args:
         mbs: assembled system; its inextensible cables start from the initial configuration.
@@ -90,17 +88,16 @@ def SolveExplicit(
         explicitSettings: integrator, step size, stabilisation.
 
     Returns:
-        dict, which prints as a summary, with 'success', 'integrator', 'stepSize' [s] (the smallest, if they
-        adapt), 'steps',
-        'rejections' (how often steps went wrong and were taken again, smaller), 'massScaling' (theta),
-        'loopSteps', 'decidedBy' (what bounded the step), 'bounds' (StepSizeBounds), 'path' (which way the
-        steps were computed), 'startCorrections' (of each cable, and of joints: how far the initial
-        state was from the constraints), 'drift' (largest 'energyGain' and 'energyLoss' of a run, relative
-        to what its motion turned over, beyond the work done on it; largest violation of 'constraints',
-        of joints [m, -] over the largest coordinate at the start if that is above 1; in runs of more than
-        20 000 steps of cables alone, 'stepOverLimit', the largest share that the step was of the present
-        stability limit),
-        and 'resumedAt' [s] (of a restart file; or None).
+        dict, which prints as a summary, with 'success', 'integrator', 'steps', 'loopSteps' (of Exudyn's
+        loop), 'stepSize' [s] (the smallest, if they adapt), 'decidedBy' (what bounded it), 'bounds'
+        (StepSizeBounds), 'massScaling' (theta), 'rejections' (how often steps went wrong and were taken
+        again, smaller), 'path' (which way the steps were computed), 'startCorrections' (of each cable, and
+        of joints: how far the initial state was from the constraints), 'drift': a dict with the largest
+        'energyGain' and 'energyLoss' (beyond the work done, as shares of the energy of the motion), and
+        the largest violation of 'constraints' (of joints [m, -] over the largest coordinate at the start if
+        that is above 1); in runs of more than 20 000 steps of cables alone also 'stepOverLimit', the
+        largest share that the step was of the present stability limit, and 'resumedAt' [s] (of a restart
+        file; or None).
 
     Raises:
         InputError: arguments or times out of their limits, or files that cannot be written.

@@ -85,7 +85,7 @@ def require_reach(cable: Cable, time: float, scene_cable: CableInScene) -> None:
             raise SceneError(
                 f"the supports of nodes {names[a]} and {names[b]} of cable '{scene_cable.name}' are "
                 f"{distance:.9g} m apart, but the cable between them reaches {reach:.9g} m only: lengthen "
-                "the cable or move the supports together."
+                "the cable, move the supports together, or give it its axialStiffness."
             )
 
 
@@ -111,7 +111,8 @@ class StaticSettings:
     Args:
         tolerance: of the forces that are not balanced, relative to the largest one on a cable [-].
         maxIterations: largest number of Newton steps for each load step.
-        loadSteps: the loads, gravity included, are applied in that many equal parts.
+        loadSteps: the loads, gravity included, are applied in that many equal parts; 1 among bodies, springs
+            and joints.
         dependsOnTimeOnly: user functions of weights that do not depend on the state, see ExplicitSettings.
     """
 
@@ -140,7 +141,7 @@ def SolveEquilibrium(
     The search runs downhill on the constraints from the initial configuration, which need not fulfil them,
     to a stable equilibrium, and writes it into mbs as the initial and the present state, at rest: a
     following SolveExplicit starts from it, after loads were changed, for example. Initial velocities are
-    lost, with a warning. Bodies, springs, joints, torques and contact, which Exudyn evaluates, come to rest
+    lost, with a warning that says how to keep them. Bodies, springs, joints, torques and contact come to rest
     together with the cables; what a constraint at velocity level drives stays where it is. Multipliers
     of joints and supports go into mbs, too, so that outputs and sensors show their forces, with the sign of
     mbs.SolveStatic, which is opposite to that of mbs.SolveDynamic.
@@ -161,6 +162,7 @@ def SolveEquilibrium(
         to turn about an axis has an eigenvalue of zero there, within round-off.
 
     Raises:
+        InputError: arguments of another kind, or more than one load step among bodies, springs and joints.
         SceneError: mbs not assembled, contains what is not supported, supports farther apart than
             the cable between them is long, or something that nothing connects to the ground.
         EquilibriumError: no stable equilibrium within reach; mbs is unchanged, the error's `report` has

@@ -412,7 +412,7 @@ def warn_of_findings(runs: Sequence[Run], tolerance: float) -> None:
         gain = run.figures().get("energyGain", 0.0)
         if gain > tolerance * run.lenience:
             warnings.warn(
-                f"{run.name}: the energy has grown by {gain:.2%} of what the motion turns over, beyond the "
+                f"{run.name}: the energy has grown by {gain:.2%} of the energy of the motion, beyond the "
                 f"work done on it (energyTolerance {tolerance:.2%}): {run.remedy}.",
                 stacklevel=3,
             )
@@ -452,6 +452,6 @@ def refuse_step_functions(mbs: Any, where: str) -> None:
     refuse_newton_functions(mbs)
     if has_functions(mbs):
         raise SceneError(
-            f"it has a pre- or post-step user function, which nobody calls {where}: remove it, or use "
+            f"it has a pre- or post-step user function, which is not called {where}: remove it, or use "
             "SolveExplicit."
         )

@@ -26,10 +26,10 @@ MOST_ITERATIONS = 1_000_000
 
 
 class Rattle(NamedTuple):
-    """Parameters of the scheme.
+    """RATTLE, the default integrator, with its parameters.
 
     tolerance: of the position constraints, |c| [-], lengths relative to the element.
-    iterations: largest number of position corrections in a step; beyond, the run stops.
+    iterations: largest number of position corrections in a step; a step that needs more has gone wrong.
     """
 
     tolerance: float = 1e-10

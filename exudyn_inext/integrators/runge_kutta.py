@@ -19,7 +19,7 @@ LOAD_STAGE = (0, 0, 1, 1)  # of INTEGRATOR.stages
 
 
 class RungeKutta4(NamedTuple):
-    """Parameters of the scheme: none but the name, which tells it from other schemes."""
+    """The classical Runge-Kutta method of order 4; its name is its only parameter."""
 
     name: str = "RK4"
 

@@ -21,7 +21,7 @@ from .integrator import Integrator, advance, allocate_state, external_force, sto
 
 
 class Zhai(NamedTuple):
-    """Parameters of the scheme.
+    """The paper's explicit Zhai method, with its parameters.
 
     psi, phi: predictor weights of Eqs. (31), (32) [-].
     corrector: whether phases III and IV, Eqs. (33), (34), follow: two evaluations a step.

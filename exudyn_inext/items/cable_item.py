@@ -96,9 +96,9 @@ def CreateInextensibleCable(
     The cable is one ObjectGenericODE2 on NodePoint2DSlope1 (planar) or NodePointSlope1 nodes. These take
     SensorNode, MarkerNodePosition, MarkerNodeCoordinate(s) and, in the plane, MarkerNodeRigid;
     `AddMarkerOnCable` and `CreateCompanionCables` lead to any arc length, SensorBody and contact,
-    `AttachToBody` to bodies; MarkerBody... and MarkerSuperElement... items on the object itself cannot
-    work. The cable moves under `SolveExplicit`; native solvers, which know nothing of inextensibility,
-    need another `enforcement` than the default and stop with an error else.
+    `AttachToBody` to bodies. Items MarkerBody... and MarkerSuperElement... on the object itself are refused.
+    `SolveExplicit` moves the cable. Native solvers know nothing of inextensibility: they stop with an error,
+    unless the cable has another `enforcement` than the default.
 
     Args:
         mbs: the system where the items are added.
@@ -108,7 +108,8 @@ def CreateInextensibleCable(
         beamTemplate: InextensibleCable, or a native ObjectANCFCable2D or ObjectANCFCable.
         gravity: vector of the gravity acceleration [m/s^2].
         groundConstraintsStart: True/False for each coordinate (positions, then slopes) of the first
-            node: all positions (pin), all slopes (guide), or both (clamp); None: free.
+            node: all positions (pin), some of them (roller), all slopes (guide), positions and slopes
+            (clamp); None: free.
         groundConstraintsEnd: the same for the last node.
         nodeNumberStart: node of an inextensible cable, an inner one as well, at which this one begins;
             None: a node of its own. Loads and supports of a shared node act once.
@@ -117,7 +118,7 @@ def CreateInextensibleCable(
             of the straight cable.
         dimension: 2 or 3; None: 3 if beamTemplate is an ObjectANCFCable, or a node is shared with a cable
             in space; otherwise 2 if shape, velocities and gravity lie in the x-y plane.
-        enforcement: of inextensibility in native solvers. 'projection': none, SolveExplicit only;
+        enforcement: of inextensibility in native solvers. 'projection': none, these stop with an error;
             'penaltyMass' or PenaltyMass(...): penalties, for native explicit solvers; 'algebraic': exact
             constraint objects, for native implicit solvers. SolveExplicit takes all of them alike.
         shareSlopeStart: True: position and slope of that node are shared, as by native elements, and the

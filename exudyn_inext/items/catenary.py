@@ -36,7 +36,8 @@ def hanging_curve(start: Array, end: Array, length: float, up: Array, at: Array)
     if length < distance:
         raise InputError(
             f"length = {length:g} m is less than {distance:g} m, the distance of positionStart and "
-            "positionEnd: give a longer cable, or one with axial stiffness, ObjectANCFCable."
+            "positionEnd: give a longer cable, or CableShape.Line and InextensibleCable with axialStiffness "
+            f"and referenceAxialStrain = {length / distance - 1.0:.3g}."
         )
     if length <= (1.0 + NEARLY_STRAIGHT) * distance:
         return start + at[:, np.newaxis] / length * span, np.tile(span / distance, (len(at), 1))

@@ -20,7 +20,7 @@ from ..errors import InputError
 
 @dataclass(frozen=True)
 class InextensibleCable:
-    """Properties of an inextensible cable element; takes the place of a native beam template.
+    """Properties of a cable, inextensible or with axial stiffness; takes the place of a native beam template.
 
     Args:
         massPerLength: rho_A [kg/m].
@@ -30,7 +30,8 @@ class InextensibleCable:
         bendingDamping: D of the bending moment D kappa_t (Kelvin-Voigt) [N m^2 s], as in native cables.
         referenceCurvature: natural curvature [1/m] of a planar cable, positive if it turns to the left.
         numberOfLengthConstraints: n_bar of Eq. (19), 0 to the number of elements; None: one per element.
-        axialStiffness: EA of the tension EA (|r_x| - 1 - referenceAxialStrain) [N]; None: inextensible.
+        axialStiffness: EA of the tension EA (|r_x| - 1 - referenceAxialStrain) [N]; None: inextensible. Such
+            cables take neither curvatureMeasure='product' nor numberOfLengthConstraints.
         axialDamping: of the tension that the rate of the strain adds [N s].
         referenceAxialStrain: strain of the stress-free cable [-].
         strainIsRelativeToReference: share of the given shape's curvature and strain that is stress-free:

@@ -158,12 +158,12 @@ class SceneOfExudyn(JoinedScene):
         return float(self.system.multipliers @ self.system.drift)
 
     def memory(self) -> dict[str, Any]:
-        """What earlier steps taught joints and quaternions, and where joints slide, by names."""
-        taught = {"joints": self.system.drift_correction, "quaternions": self.body_system.memory()}
-        return taught | {"places": self.native_items.places}
+        """Drift corrections of joints and quaternions, and where joints slide, by names."""
+        corrections = {"joints": self.system.drift_correction, "quaternions": self.body_system.memory()}
+        return corrections | {"places": self.native_items.places}
 
     def forget(self) -> None:
-        """What earlier steps taught the joints and quaternions does not hold any more."""
+        """Reset the drift corrections of joints and quaternions."""
         self.system.drift_correction[:] = 0.0
         self.body_system.forget()
 

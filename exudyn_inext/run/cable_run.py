@@ -364,7 +364,7 @@ class CableRun(PacedRun):
         self.integrator.resume(self.called, self.loads.at(time), self.state)
 
     def forget(self) -> None:
-        """What earlier steps taught the constraints does not hold any more."""
+        """Reset the drift corrections of the constraints."""
         for drift_correction in memory_of(self.system).values():
             drift_correction[:] = 0.0
 

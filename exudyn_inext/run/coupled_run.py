@@ -229,7 +229,7 @@ class CoupledRun(LimitedRun):
         self.watch.begin_again(time, self.state)
 
     def _forget(self) -> None:
-        """What earlier steps taught does not hold any more."""
+        """Reset drift corrections."""
         self._scene.forget()
         for run in self._runs:
             run.forget()
@@ -241,20 +241,20 @@ class CoupledRun(LimitedRun):
             "state": remembered(self.state),
             "scene": self._scene.memory(),
             "places": self.mover.places,
-            "cables": self._taught,
+            "cables": self._corrections,
             "watch": self.watch.memory(),
             "control": self.control.memory() | ({"vibration": tracker.vibration} if tracker else {}),
             "friction": self._scene.friction.sums,
         }
 
     @property
-    def _taught(self) -> dict[str, Any]:
-        """What earlier steps taught the cables."""
+    def _corrections(self) -> dict[str, Any]:
+        """Drift corrections and axial forces of the cables."""
         return {str(k): memory_of(system) for k, (system, _) in enumerate(self._scene.groups)}
 
     @property
     def _has_axial_forces(self) -> bool:
-        return self.watch.stretches and any(map(remembers_axial_forces, self._taught.values()))
+        return self.watch.stretches and any(map(remembers_axial_forces, self._corrections.values()))
 
     def resume(self, time: float) -> None:
         """Go on at `time` [s] with the memory that has been set; data coordinates are those of mbs."""
@@ -353,7 +353,7 @@ class CoupledRun(LimitedRun):
             self.mover.begin_by(self.integrator.start, time)
             return
         scene = KeptState(self._scene.memory())
-        cables = list(self._taught.values())
+        cables = list(self._corrections.values())
         system, external = self.mover.system, self.mover.external_at(time)
         accelerate_again(system, external, self.state, self.control.present, cables)
         scene.restore()

@@ -158,7 +158,7 @@ class JoinedScene(EvaluatedScene, Protocol):
         """
 
     def memory(self) -> dict[str, Any]:
-        """What earlier steps taught joints and bodies, and where joints slide, by names."""
+        """Drift corrections of joints and bodies, and where joints slide, by names."""
 
     def forget(self) -> None:
-        """What earlier steps taught does not hold any more."""
+        """Reset drift corrections."""

@@ -27,7 +27,7 @@ def accelerate_again(
 
     Args:
         system, external, state: see `integrators.rattle`.   h: of the next step [s].
-        cables: what steps taught each of them, see `cable.linked_cable.memory_of`; it stays as it is.
+        cables: drift corrections and axial forces of each, see `cable.linked_cable.memory_of`; unchanged.
     """
     kept = KeptState({str(k): memory for k, memory in enumerate(cables)})
     for memory in cables:

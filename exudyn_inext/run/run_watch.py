@@ -155,13 +155,13 @@ class RunWatch:
             )
         if account.trouble == ENERGY:
             return (
-                f"it has {account.error:.2%} more energy than the work done on it explains, of what its "
-                f"motion turns over (limit {watch.most:.2%})"
+                f"it has more energy than the work done on it explains, by {account.error:.2%} of the energy "
+                f"of its motion (limit {watch.most:.2%})"
             )
         if account.trouble == LACK_OF_WORK:
             return (
                 f"forces change so much within a step that their work is wrong by {account.error:.2%} of "
-                "what its motion turns over"
+                "the energy of its motion"
             )
         if account.trouble == UNSTABLE:
             return (
@@ -170,7 +170,7 @@ class RunWatch:
             )
         if account.trouble == JUMP:
             return (
-                f"its energy jumps by more than {LARGEST_JUMP * watch.tolerance:.2%} of what its motion "
-                "turns over within a few steps"
+                f"its energy jumps by more than {LARGEST_JUMP * watch.tolerance:.2%} of the energy of its "
+                "motion within a few steps"
             )
         return "its coordinates are not finite any more"

@@ -39,7 +39,7 @@ class ExplicitSettings:
 
     Args:
         integrator: 'RATTLE', 'RK4' or the paper's 'Zhai', with its default parameters; or the scheme with
-            parameters of your own, e.g. Zhai(psi=0, phi=0, corrector=True).
+            parameters of your own, such as Zhai(psi=0, phi=0, corrector=True).
         scheme: deprecated: give the scheme with its parameters as the integrator.
         stepSize: upper bound of the integrator's step [s]; the step used divides the time between two
             outputs. None: chosen by accuracy, see `massScaling`; Zhai and RK4: the largest safe one.
@@ -61,14 +61,14 @@ class ExplicitSettings:
         adaptiveStep: between two outputs, take as many equal steps as the present largest frequency of
             cables, bodies and springs asks for, so that a cable that straightens or is pulled tight, and a
             spring that stiffens, stay within their stability limit; stepSize is then an upper bound, and so
-            is the limit with all contacts closed that are open at the start.
+            is the limit with all contacts closed that are open at the start. Not with a massScaling.
         rejectSteps: take steps that go wrong again, with a quarter of the step and less, from the state
             before them. False: they end the run, as in studies of stability limits.
-        energyTolerance: energy that a run may have beyond the work done on it, as a share of what its motion
-            turns over (largest kinetic energy and range of the bending energy so far) [-]. A run with more of
-            it is warned of; steps that make so much at once are rejected, and so are those in which the work
-            of Exudyn's items is known no better; Zhai and RK4, which gain energy
-            by themselves, end at 30 times as much. math.inf: the energy is not looked at.
+        energyTolerance: energy that a run may have beyond the work done on it, as a share of the energy of
+            its motion (largest kinetic energy plus range of the elastic energy so far) [-]; among bodies ten
+            times as much. A run with more of it is warned of. Steps that make so much at once are rejected,
+            and so are those in which the work of Exudyn's items is known no better. Zhai and RK4, which gain
+            energy by themselves, end at 30 times as much. math.inf: the energy is not looked at.
         dependsOnTimeOnly: list of those user functions of loads and constraints that depend on the time
             alone, or True for all, False for none. They are asked ahead of time, so that a run takes many
             steps in one compiled call. None: those of which it can be seen from their code.

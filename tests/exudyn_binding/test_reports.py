@@ -1,5 +1,6 @@
 """Returned reports are dicts, and print as a few lines that say what they hold."""
 
+import inspect
 import json
 import pickle
 import re
@@ -9,6 +10,7 @@ import exudyn
 import pytest
 
 import exudyn_inext
+from docs.extensions.docstrings import sections
 from exudyn_inext import CreateInextensibleCable, EquilibriumError, InextensibleCable, StaticSettings
 from exudyn_inext.exudyn_binding.reports import AdviceReport, EnsembleReport
 from reference_models.model import quiet_settings, silence
@@ -42,6 +44,31 @@ def test_a_report_stays_a_dict(mbs):
     assert isinstance(report, dict) and dict(report) == report
     assert pickle.loads(pickle.dumps(report)) == report
     assert json.loads(json.dumps(report, default=str))["steps"] == report["steps"]
+
+
+OF_LONG_RUNS = {"stepOverLimit"}  # see 'drift' of SolveExplicit
+NO_KEYS = {"ok"}  # a value
+
+
+@pytest.mark.parametrize(
+    "solve",
+    [
+        lambda mbs: exudyn_inext.SolveExplicit(mbs, quiet_settings(0.1, 10)),
+        lambda mbs: exudyn_inext.SolveEquilibrium(mbs),
+        lambda mbs: exudyn_inext.SolveEnsemble([mbs], quiet_settings(0.1, 10), derivatives=2, threads=1),
+        lambda mbs: exudyn_inext.CableForces(mbs, 0),
+    ],
+    ids=["SolveExplicit", "SolveEquilibrium", "SolveEnsemble", "CableForces"],
+)
+def test_the_docstring_names_all_keys_of_a_result_and_no_others(mbs, solve, request):
+    with silence():
+        result = solve(mbs)
+    solver = getattr(exudyn_inext, request.node.callspec.id)
+    returned = dict(sections(inspect.getdoc(solver).splitlines()))["Returns"]
+    described = set(re.findall(r"'(\w+)'", " ".join(returned)))
+    within = [result.get("drift", {}), *result.get("cables", [])]
+    assert set(result) <= described
+    assert described - OF_LONG_RUNS - NO_KEYS <= set(result).union(*within)
 
 
 def test_an_ensemble_prints_how_many_members_reached_the_end(mbs):

@@ -249,7 +249,7 @@ def test_functions_that_nobody_would_call_are_refused(twin):
     for name in ("PreStep", "PostStep"):
         register = getattr(model.mbs, f"Set{name}UserFunction")
         register(lambda mbs, t: True)
-        with pytest.raises(SceneError, match="pre- or post-step user function, which nobody calls between"):
+        with pytest.raises(SceneError, match="pre- or post-step user function, which is not called between"):
             ExplicitStepper(model.mbs, stepSize=1e-3)
         register(0)
     model.mbs.SetPostNewtonUserFunction(lambda mbs, t: [0, 0])

@@ -88,10 +88,10 @@ def Advise(
 ) -> dict[str, Any]:
     """Formulation, mesh, integrator and step for a wanted accuracy, from pilot runs of the scene itself.
 
-    RATTLE runs on finer and finer meshes until Richardson's extrapolation says that the finest one is good to
-    a fifth of the tolerance. It judges runs with other integrators, steps and scaled masses, which are tried
-    in the order of their expected cost as long as they could be the cheapest. Where `pilotBudget` ends
-    before, mesh and error are extrapolated. What is returned is measured otherwise.
+    RATTLE runs on finer and finer meshes until Richardson's extrapolation says that the finest one is good
+    to a fifth of the tolerance. Runs with other integrators, steps and scaled masses are compared with it,
+    in the order of their expected cost, as long as they could be the cheapest. Where `pilotBudget` ends
+    before, mesh and error are extrapolated; otherwise, what is returned is measured.
 
     Args:
         build: function of a number of elements N (of each cable) that builds and assembles the scene, and
@@ -109,7 +109,9 @@ def Advise(
         'integrator', 'stepSize' [s], 'stabilizationRate' [1/s], 'massScaling'
         [-], 'explicitSettings' (to be handed to SolveExplicit; None for conventional cables),
         'predictedError', 'predictedSeconds' (CPU), 'extrapolated', 'meetsTolerance', 'meetsBudget',
-        'reasons' (sentences), 'tried' (list of dicts, one a pilot) and 'pilotSeconds' (CPU, of these).
+        'reasons' (sentences), 'tried' (list of dicts, one a pilot, with 'label', 'formulation', 'integrator',
+        'numberOfElements', 'stepSize' [s], 'massScaling', 'seconds' (CPU), 'error' and 'failure') and
+        'pilotSeconds' (CPU, of these).
 
     Raises:
         InputError: arguments out of their limits, a builder that returns something else, or a tolerance

@@ -28,15 +28,16 @@ def CreateCompanionCables(mbs: Any, cable: Any, show: bool = False) -> list[int]
     """Native ANCF cables without mass and stiffness on the nodes of a cable, one for each element.
 
     What Exudyn attaches to bodies then attaches to the cable: MarkerBodyPosition, in the plane also
-    MarkerBodyRigid, points beside the axis, MarkerBodyCable2DShape and MarkerBodyCable2DCoordinates,
-    SensorBody, and through them loads, springs, joints and contact. Companions that nothing acts on change
-    neither motion nor cost of a run. A cable has one set of them: a second call returns the first set.
-    Sensors and contour plots show motion and CurvatureLocal; section forces, which companions lack, come
-    from `CreateCableForceSensor`.
+    MarkerBodyRigid, points beside the axis, MarkerBodyCable2DShape and MarkerBodyCable2DCoordinates, in
+    space MarkerBodyBeamShape, SensorBody, and through them loads, springs, joints and contact. Companions
+    that nothing acts on change neither motion nor cost of a run. A cable has one set of them: a second call
+    returns the first set. Sensors and contour plots show motion, StrainLocal and CurvatureLocal; section
+    forces, which companions lack, come from `CreateCableForceSensor`.
 
     Contact works in the plane: ObjectContactCircleCable2D and ObjectContactFrictionCircleCable2D, whose
     stiffness and damping bound the steps of SolveExplicit before they close, and
-    GeneralContact.AddANCFCable, for which a stepSize has to be given, as Exudyn does not tell its stiffness.
+    GeneralContact.AddANCFCable. Exudyn does not tell the stiffness of a GeneralContact: where Exudyn
+    evaluates it, as the path of the report says, give a stepSize.
 
     Args:
         mbs: the system; call mbs.Assemble() afterwards.
