@@ -22,6 +22,7 @@ from exudyn.itemInterface import (
     MarkerNodeCoordinate,
     MarkerNodePosition,
     MarkerNodeRigid,
+    MarkerNodeRotationCoordinate,
     Node1D,
     NodeGenericData,
     NodeGenericODE1,
@@ -150,6 +151,10 @@ class Builder:
 
     def coordinate(self, node, which):
         return self.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=which))
+
+    def angle(self, which, axis):
+        marker = MarkerNodeRotationCoordinate(nodeNumber=self.nodes[which], rotationCoordinate=axis)
+        return self.mbs.AddMarker(marker)
 
     def place(self, number):
         """Reference position of a body, and its frame."""
@@ -386,6 +391,34 @@ def coordinate_constraints(b):
     b.mbs.AddObject(CoordinateConstraint(markerNumbers=list(pair), factor1=0.5))
 
 
+def angles(b):
+    """Springs and loads on angles of bodies by Euler parameters and by angles; planar ones have none."""
+    ground = b.coordinate(b.mbs.AddNode(NodePointGround()), 0)
+    for axis in range(3 if b.dimension == 3 else 0):
+        law = {"stiffness": 0.6, "damping": 0.02, "offset": 0.1}
+        for pair in [(ground, b.angle(1, axis)), (b.angle(0, axis), b.angle(1, 2 - axis))]:
+            b.mbs.AddObject(CoordinateSpringDamper(markerNumbers=list(pair), **law))
+        b.mbs.AddLoad(LoadCoordinate(markerNumber=b.angle(0, axis), load=0.1))
+
+
+def geared_angles(b):
+    """Wheels about z, which sway on springs."""
+    kinds, wheels = [exudyn.NodeType.RotationEulerParameters, exudyn.NodeType.RotationRxyz], []
+    for kind in kinds[: 2 * (b.dimension - 2)]:
+        made = b.mbs.CreateRigidBody(
+            inertia=InertiaCuboid(300, [0.1, 0.15, 0.07]),
+            nodeType=kind,
+            initialAngularVelocity=[0.2, 0.3, 4.0 * (1 + len(wheels))],
+            returnDict=True,
+        )
+        pair = [b.ground, made["bodyNumber"]]
+        b.mbs.CreateCartesianSpringDamper(itemNumbers=pair, stiffness=[50] * 3, damping=[1] * 3)
+        axis = MarkerNodeRotationCoordinate(nodeNumber=made["nodeNumber"], rotationCoordinate=2)
+        wheels.append(b.mbs.AddMarker(axis))
+    if wheels:
+        b.mbs.AddObject(CoordinateConstraint(markerNumbers=wheels, factor1=0.5))
+
+
 def drums(b):
     """Masses with one coordinate: one is geared to a body, one drags the cable's tip by a spring."""
     turning, sliding = (b.mbs.AddNode(Node1D(referenceCoordinates=[x])) for x in (0.0, 0.1))
@@ -536,6 +569,8 @@ KINDS = [
     planar_slider,
     distances,
     coordinate_constraints,
+    angles,
+    geared_angles,
     held_point,
     drums,
     clamp,
