@@ -35,7 +35,7 @@ from ..multibody.sliding import BEYOND, PLACE
 from ..scene.joints import NOT_FINITE, dependent_row, not_independent
 from ..system import accelerate_and_project, index_reduced_rates
 from .cable_loads import CableLoads
-from .load_functions import LoadFunctions
+from .load_functions import LoadFunctions, StateFunctions
 from .moved_offsets import MovedOffset
 
 FEW = 50  # states
@@ -66,6 +66,16 @@ class SceneLoads:
             row, column = row + rows, column + columns
         np.fill_diagonal(self.pattern[row:, column:], 1.0)
         self._on_cables = slice(row), slice(column)  # of the pattern; each factor after it is an input
+        self.of_state = of_loads if isinstance(of_loads, StateFunctions) else None
+        self._last = len(self.constant) - len(self._is_given)
+
+    def follow(self, external: Array, q: Array, v: Array) -> Array:
+        """`external`, with the functions that depend on the state as they are at (q, v)."""
+        if self.of_state is None:
+            return external
+        followed = external.copy()
+        followed[self._last :][self._is_given] = self.of_state.look(q, v)
+        return followed
 
     def at(self, t: float) -> Array:
         """(n_external,) at t [s]."""
@@ -347,7 +357,7 @@ class CompiledScene:
         system, rate = self._unscaled, np.zeros(history.shape[2])
         if remembered is not None:
             system = _with_history(system, remembered)
-        if len(times) > FEW:  # it takes long to compile
+        if len(times) > FEW and self.loads.of_state is None:  # it takes long to compile
             memory = np.zeros(len(self.loads.constant)), rate
             loads = self.loads.sample(times[:, np.newaxis])
             given = called(system, accelerate_and_project), system.items, loads
@@ -357,7 +367,7 @@ class CompiledScene:
         for k, (t, (q, v, a)) in enumerate(zip(times.tolist(), history, strict=True)):
             if remembered is not None:
                 system.items.contacts.data[0] = remembered[k]
-            accelerate(self.loads.at(t), q, v, 0.0, a, rate)
+            accelerate(self.loads.follow(self.loads.at(t), q, v), q, v, 0.0, a, rate)
             multipliers[k] = system.items.joints.multipliers
         return multipliers
 
@@ -373,9 +383,9 @@ class CompiledScene:
         forces = {"connectors": items.connectors, "loads": items.loads}  # may change
         return self.system._replace(cables=own, items=copies._replace(**forces))
 
-    def accelerate(self, *arguments: Any) -> None:
+    def accelerate(self, external: Array, q: Array, v: Array, *others: Any) -> None:
         """See `accelerate_and_project`, without the system."""
-        self._accelerate(*arguments)
+        self._accelerate(self.loads.follow(external, q, v), q, v, *others)
 
     def kinetic_energy(self, q: Array, v: Array) -> float:
         """Of the bodies [J]."""
@@ -420,8 +430,8 @@ def _accelerate_compiled(scene: CompiledScene, *arguments: Any) -> None:
 
 
 @implements(index_reduced_rates, CompiledScene, compiled=lambda function: function)
-def _rates_of_compiled(scene: CompiledScene, *arguments: Any) -> None:
-    index_reduced_rates(scene.system, *arguments)
+def _rates_of_compiled(scene: CompiledScene, external: Array, q: Array, v: Array, *others: Any) -> None:
+    index_reduced_rates(scene.system, scene.loads.follow(external, q, v), q, v, *others)
 
 
 def off_cable(name: str, beyond: float, at_start: bool) -> OffCableError:

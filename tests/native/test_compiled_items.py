@@ -730,12 +730,37 @@ def controlled(b):
     b.mbs.AddLoad(force)
 
 
+def of_a_function(b):
+    """A spring that only Exudyn knows."""
+
+    def pull(mbs, t, itemNumber, displacement, velocity, *law):
+        return 30.0 * displacement + 0.2 * velocity
+
+    pair = [b.coordinate(b.cable["nodes"][-1], 0), b.coordinate(b.nodes[0], 0)]
+    b.mbs.AddObject(CoordinateSpringDamper(markerNumbers=pair, springForceUserFunction=pull))
+
+
+@pytest.mark.parametrize(("kinds", "tolerance"), [([spring, angles, drums], OF_JOINTS), ([distances], 1e-6)])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_loads_that_depend_on_the_state_move_compiled_scenes(dimension, kinds, tolerance):
+    """They act at the end of each step, where joints have not moved the state yet."""
+    found = []
+    for compiled in (True, False):
+        builder = Builder(3, dimension)
+        for kind in [*kinds, controlled]:
+            kind(builder)
+        coordinates, _, path = moved(lambda b=builder: b.mbs, "RATTLE", compiled)
+        assert ("each step asks load" in path) is compiled, path
+        found.append(coordinates)
+    np.testing.assert_allclose(*found, atol=tolerance * np.abs(found[1]).max(), rtol=0)
+
+
 def with_compiled_parts(kinds, seed, dimension, integrator, monkeypatch, tolerance):
     """Whether bodies and joints in compiled code move as Exudyn's, under forces that only Exudyn knows."""
     found = []
     for evaluated in (False, True):
         builder = Builder(seed, dimension)
-        for kind in [*kinds, controlled]:
+        for kind in [*kinds, of_a_function]:
             kind(builder)
         if evaluated:
             monkeypatch.setattr(CoupledScene, "compile_parts", lambda *_: None)
@@ -788,9 +813,9 @@ def test_under_all_kinds_of_forces_bodies_and_joints_may_be_compiled(integrator,
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_the_energy_of_compiled_bodies_under_forces_of_exudyn_is_kept(dimension):
-    """Of bodies that turn about points off their centres of mass: the brake takes what they lose."""
+    """Of bodies that turn about points off their centres of mass: the damper takes what they lose."""
     builder = Builder(4, dimension)
-    for kind in (spring, controlled, spherical_joint):
+    for kind in (spring, of_a_function, spherical_joint):
         kind(builder)
     builder.mbs.Assemble()
     explicit = ExplicitSettings(stepSize=2e-4, startTolerance=100.0)
@@ -810,7 +835,7 @@ def test_a_body_that_changes_during_the_run_is_evaluated_by_exudyn_from_then_on(
     for evaluated in (False, True):
         builder = Builder(3, 2)
         spring(builder)
-        controlled(builder)
+        of_a_function(builder)
         builder.mbs.SetPreStepUserFunction(lambda mbs, t, b=builder: heavier(mbs, t, b.bodies[0]))
         builder.mbs.Assemble()
         if evaluated:
