@@ -37,13 +37,19 @@ def rows_of(matrix: csr_array) -> np.ndarray:
 
 
 def block_diagonal(blocks: Sequence[csr_array]) -> csr_array:
-    """Blocks one after the other."""
+    """Blocks one after the other; a single one that is not empty is the result."""
+    blocks = [block for block in blocks if block.shape != (0, 0)]
+    if len(blocks) == 1:
+        return blocks[0]
     ends = [0, *accumulate(block.shape[1] for block in blocks)]
     return _one_below_another(blocks, ends[:-1], ends[-1])
 
 
 def one_below_another(blocks: Sequence[csr_array]) -> csr_array:
-    """The rows of all blocks."""
+    """The rows of all blocks; a single one that has any is the result."""
+    with_rows = [block for block in blocks if block.shape[0]]
+    if len(with_rows) == 1:
+        return with_rows[0]
     return _one_below_another(blocks, [0] * len(blocks), blocks[0].shape[1])
 
 

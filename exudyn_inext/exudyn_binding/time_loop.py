@@ -316,7 +316,7 @@ class ExplicitTimeLoop:
         for run, places in zip(self.runs, self._places, strict=True):
             history = np.empty((intervals, 3, len(run.indices)))
             good = min(good, run.record(self.grid, self._computed, history))
-            if good and not run.looks_ahead and (self._shows_forces or takes_last_step):
+            if good and not run.completes and (self._shows_forces or takes_last_step):
                 time = self.grid.time(self._computed + 1)
                 history[0, 2] = run.accelerations(time, reactions[0])
                 are_set = True

@@ -17,7 +17,7 @@ from .build_nodes import (
 )
 from .joints import Entries, Holds, Joints, Members
 from .knots import FEWEST, GROUND, NONE, Member, Tie, find_knots
-from .points import COORDINATE, FIXED
+from .points import ANGLE, COORDINATE, FIXED
 from .rows import DIFFERENCE
 from .sparse_factor import build_factor, find_order, places_of
 
@@ -173,7 +173,7 @@ def _knots_of(
     """
     is_tie = (rows["kind"] == DIFFERENCE) & (rows["factor"] == 1.0) & (rows["offset"] == 0.0)
     is_tie &= rows["function"] < 0
-    is_tie &= ~(points["kind"][rows["points"]] == COORDINATE).any(axis=1)
+    is_tie &= ~np.isin(points["kind"][rows["points"]], (COORDINATE, ANGLE)).any(axis=1)
     begin, end = points["first"].tolist(), (points["first"] + points["width"]).tolist()
     pairs, tied = rows["points"].tolist(), is_tie.nonzero()[0].tolist()
     component_of = rows["component"].tolist()

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import record_type
 from ..compiled import inlined
-from .points import add_wrench
+from .points import add_wrench, angle_about
 
 SPRING, CARTESIAN, SIX = range(3)
 
@@ -60,9 +60,8 @@ def _stretch_in_frame(connector, one, other):
             connector.stretch[i] += frame[j, i] * (other.x[0, j] - one.x[0, j])
             connector.rate[i] += frame[j, i] * (other.x[1, j] - one.x[1, j])
             connector.rate[3 + i] += frame[j, i] * (other.spin[j] - one.spin[j])
-    connector.stretch[3] = np.arctan2(-relative[1, 2], relative[2, 2])
-    connector.stretch[4] = np.arctan2(relative[0, 2], np.sqrt(abs(1.0 - relative[0, 2] ** 2)))
-    connector.stretch[5] = np.arctan2(-relative[0, 1], relative[0, 0])
+    for axis in range(3):
+        connector.stretch[3 + axis] = angle_about(relative, axis)
 
 
 @inlined

@@ -5,7 +5,7 @@ import numpy as np
 from ..arrays import record_type
 from ..compiled import inlined
 
-FIXED, ON_BODY, ON_CABLE, FRAME_OF_CABLE, COORDINATE = range(5)
+FIXED, ON_BODY, ON_CABLE, FRAME_OF_CABLE, COORDINATE, ANGLE = range(6)
 MOST = 12  # coordinates of a point: those of two nodes in space
 
 POINT = record_type(
@@ -15,6 +15,7 @@ POINT = record_type(
         ("first", np.int64),  # coordinate among all of the scene
         ("width", np.int64),  # number of coordinates
         ("dimension", np.int64),  # of a cable
+        ("axis", np.int64),  # of an angle: 0, 1, 2
         ("local", np.float64, (3,)),  # in the frame of a body or cable; what is added to a coordinate
         ("weights", np.float64, (4,)),  # of positions and slopes of a cable's nodes in the point on its axis
         ("slope_weights", np.float64, (4,)),  # in the slope there
@@ -90,6 +91,31 @@ def _move_on_body(point, body, v):
 
 
 @inlined
+def angle_about(turn, axis):
+    """One of the angles a, b, c of turn (3, 3) = R_x(a) R_y(b) R_z(c) [rad]."""
+    if axis == 0:
+        return np.arctan2(-turn[1, 2], turn[2, 2])
+    if axis == 1:
+        return np.arctan2(turn[0, 2], np.sqrt(turn[1, 2] ** 2 + turn[2, 2] ** 2))
+    return np.arctan2(-turn[0, 1], turn[0, 0])
+
+
+@inlined
+def _place_angle(point, body):
+    """Its rate is the angular velocity about the global axis (CMarkerNodeRotationCoordinate.cpp)."""
+    turn = body.orientation[point.axis]
+    point.x[0, 0] = angle_about(body.orientation, point.axis)
+    for k in range(body.rotations):
+        point.along[0, k] = dot(turn, body.rates[:, k])
+
+
+@inlined
+def _move_angle(point, body):
+    turn = body.orientation[point.axis]
+    point.x[1, 0], point.x[2, 0] = dot(turn, body.spin), dot(turn, body.bias)
+
+
+@inlined
 def _combine(point, q, order):
     """Weighted sum of the coordinates (or of their velocities) of a point on a cable."""
     dim = point.dimension
@@ -156,6 +182,8 @@ def place_points(points, bodies, q):
             _place_on_body(point, bodies[point.body], q)
         elif point.kind == COORDINATE:
             point.x[0, 0] = q[point.first] + point.local[0]
+        elif point.kind == ANGLE:
+            _place_angle(point, bodies[point.body])
         elif point.kind != FIXED:
             _combine(point, q, 0)
             if point.kind == FRAME_OF_CABLE:
@@ -171,6 +199,8 @@ def move_points(points, bodies, q, v):
             _move_on_body(point, bodies[point.body], v)
         elif point.kind == COORDINATE:
             point.x[1, 0] = v[point.first]
+        elif point.kind == ANGLE:
+            _move_angle(point, bodies[point.body])
         elif point.kind != FIXED:
             _combine(point, v, 1)
             if point.kind == FRAME_OF_CABLE:

@@ -9,7 +9,7 @@ With the distance d = x_1 - x_0 and axes e_0 and e_1 that are fixed to the point
     PARALLEL    of slopes, see `same_slope`: b = e_0, d = e_1
 
 o may follow functions of time, and e_0 may turn by them in its frame: c_t = d . e_0t - o_t, or e_0t . e_1,
-where nothing else moves.
+where nothing else moves. A DIFFERENCE of angles counts modulo its period.
 """
 
 import numpy as np
@@ -33,6 +33,7 @@ ROW = record_type(
         ("rest", np.float64),  # o without what follows the time
         ("function", np.int64),  # place of what follows the time, and its derivatives, or -1
         ("rates", np.float64, (2,)),  # o_t and o_tt
+        ("period", np.float64),  # of c, or 0
         (
             "turning",
             np.int64,
@@ -96,7 +97,9 @@ def row_value(row, one, other):
         return slope_difference(row.axes[0], row.axes[1], one.x[0], other.x[0], row.e)
     if row.kind == DIFFERENCE:
         i = row.component
-        return row.factor * other.x[0, i] - one.x[0, i] - row.offset
+        value = row.factor * other.x[0, i] - one.x[0, i] - row.offset
+        turns = np.rint(value / row.period) if row.period > 0.0 else 0.0
+        return value - turns * row.period
     if row.kind == ACROSS:
         _turn_axis(row, one, 0)
         _turn_axis(row, other, 1)

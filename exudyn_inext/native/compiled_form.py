@@ -1,7 +1,8 @@
 """The compiled form of a scene, compared with what Exudyn says of it."""
 
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
+from typing import Any
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from ..multibody.scene import (
     subtract_inertia_forces,
 )
 from ..run.compiled_scene import CompiledScene, SceneLoads, cables_of_scene
-from ..run.load_functions import LoadFunctions
+from ..run.load_functions import LoadFunctions, StateFunctions
 from ..run.parts_in_one import CompiledParts
 from ..scene.bodies import bodies_rates
 from .evaluated_scene import CoupledCable, SceneOfExudyn
@@ -37,13 +38,14 @@ def compiled_parts(scene: SceneOfExudyn, t: float, q: Array, v: Array) -> Compil
 
 
 def compiled_form(
-    scene: SceneOfExudyn, t: float, q: Array, v: Array, has_forces: bool = True
+    scene: SceneOfExudyn, t: float, q: Array, v: Array, has_forces: bool = True, follows_state: bool = False
 ) -> CompiledScene:
     """The same scene in compiled code, which agrees with it about the state (q, v) at t [s].
 
     Args:
         scene: that Exudyn evaluates, in the state (q, v) of all parts.
         has_forces: whether it has the springs and loads.
+        follows_state: whether functions of loads may depend on the state.
 
     Raises:
         UnknownItemError: there is none; the message says of what, or where they differ.
@@ -67,6 +69,7 @@ def compiled_form(
         elsewhere,
         q,
         has_forces,
+        follows_state,
         scene.moved,
         scene.friction,
         scene.native_items.evaluate,
@@ -75,7 +78,10 @@ def compiled_form(
     if len(known.rows) != len(scene.system.drift_correction):
         raise UnknownItemError("equations of joints")
     chains = [system for system, _ in scene.groups]
-    acting = SceneLoads(loads, known.functions, LoadFunctions(numbers.functions))
+    of_loads = LoadFunctions(numbers.functions)
+    if not all(function.is_pure for function in numbers.functions):
+        of_loads = StateFunctions(numbers.functions, partial(_bring, scene, known.contacts))
+    acting = SceneLoads(loads, known.functions, of_loads)
     native = scene.system
     still = _held_coordinates(scene.cables)
     cables = cables_of_scene(scene.groups, loads)
@@ -90,6 +96,14 @@ def compiled_form(
     form = CompiledScene(system, chains, acting, own, joints, numbers.read_again, numbers.moved)
     require_agreement(scene, form, t, q, v, has_forces)
     return form
+
+
+def _bring(scene: SceneOfExudyn, contacts: Any, t: float, q: Array, v: Array) -> None:
+    """Bring mbs to a state, with what these contacts remember."""
+    scene.native_items.forget()
+    if contacts.data.shape[1]:
+        scene.mbs.systemData.SetDataCoordinates(contacts.data[0].tolist())
+    scene.native_items.set_state(t, q, v)
 
 
 def _held_coordinates(cables: Sequence[CoupledCable]) -> np.ndarray:

@@ -15,11 +15,11 @@ from .native_items import state_kept
 class CoupledScene(SceneOfExudyn):
     """A scene that Exudyn evaluates, of which compiled code takes over what it knows."""
 
-    def compiled(self, t: float, q: Array, v: Array) -> tuple[CompiledScene | None, str]:
+    def compiled(self, t: float, q: Array, v: Array, follows_state: bool) -> tuple[CompiledScene | None, str]:
         try:
             with state_kept(self.mbs):
                 settle_general_contact(self, t, q, v)  # which acts from the start, whoever evaluates it
-                return compiled_form(self, t, q, v), ""
+                return compiled_form(self, t, q, v, follows_state=follows_state), ""
         except UnknownItemError as why:
             return None, str(why)
         finally:

@@ -20,6 +20,7 @@ class JointItem:
     active: (k,) which of its own equations these are.   coordinates: (n,) places in the system vector.
     name: for messages.   follows_time: whether user functions take part.
     is_linear: whether its Jacobian never changes.   period: modulo which its value counts, or infinite.
+    is_angular: whether its Jacobian is of angular velocities, of which its value, of angles, is no integral.
     """
 
     number: int
@@ -30,6 +31,7 @@ class JointItem:
     follows_time: bool
     is_linear: bool
     period: float = field(default=np.inf, kw_only=True)
+    is_angular: bool = field(default=False, kw_only=True)
 
     def jacobian(self, mbs: Any) -> Array:
         """(k, n) with respect to `coordinates`, in the current configuration."""

@@ -15,6 +15,7 @@ from .sliding_joints import read_sliding_joint
 _LINEAR = {"JointSpherical", "ConnectorCoordinate"}
 _WITHOUT_ROTATION = {"Ground", "MassPoint", "MassPoint2D", "Mass1D"}
 _SLIDING = {"JointSliding", "JointSliding2D"}
+MOST_TILT = 0.1  # of the axis of a constrained angle [rad]
 
 
 def read_joints(mbs: Any, elsewhere: Collection[int]) -> list[JointItem]:
@@ -75,12 +76,31 @@ def _joint(mbs: Any, number: int, data: dict[str, Any], name: str) -> JointItem:
         is_linear=data["objectType"] in _LINEAR
         and all(_is_translation(mbs, n) for n in data["markerNumbers"]),
         period=_period(data.get("offsetUserFunction")),
+        is_angular=_constrains_angles(mbs, data, name),
     )
 
 
 def _period(offset: Any) -> float:
     """Of what follows this user function, see `velocity_level`."""
     return getattr(offset["function"], "period", np.inf) if offset else np.inf
+
+
+def _constrains_angles(mbs: Any, data: dict[str, Any], name: str) -> bool:
+    """SceneError where an angle does not change by the angular velocity about its axis, as Exudyn has it."""
+    markers = [mbs.GetMarker(number) for number in data["markerNumbers"]]
+    angles = [one for one in markers if one["markerType"] == "NodeRotationCoordinate"]
+    for one in angles:
+        axis, kind = one["rotationCoordinate"], exudyn.OutputVariableType.RotationMatrix
+        frame = np.reshape(mbs.GetNodeOutput(one["nodeNumber"], kind), (3, 3))
+        tilt = float(np.arccos(min(1.0, frame[axis, axis])))
+        if tilt > MOST_TILT:
+            raise SceneError(
+                f"{name} constrains an angle of node {one['nodeNumber']}, whose axis {'xyz'[axis]} is tilted "
+                f"by {tilt:.3g} rad at the start. Explicit steps support {MOST_TILT:g} rad at most, as "
+                "MarkerNodeRotationCoordinate acts about the global axis: turn the scene so that the body "
+                "turns about this axis, or use a spring-damper."
+            )
+    return len(angles) > 0
 
 
 def _is_translation(mbs: Any, number: int) -> bool:

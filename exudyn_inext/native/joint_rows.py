@@ -57,6 +57,11 @@ class JointRows:
         places = [coordinates.places(joint.coordinates) for joint in joints]
         of_parts = _blocks(parts, rows, places)
         self.blocks = list(of_parts.values())
+        self._angular = [
+            (own, joint, np.array([coordinates.place(c) for c in joint.coordinates.tolist()]))
+            for own, joint in zip(rows, joints, strict=True)
+            if joint.is_angular
+        ]
         self._targets = [
             [
                 (of_parts[part], (np.searchsorted(of_parts[part].rows, own)[:, None], at), columns)
@@ -129,23 +134,37 @@ class JointRows:
             _keep_norms(self.quaternions, self.references, q, moved)
         return moved
 
-    def terms(self, value_at: Callable[[float, Array], Array], t: float, q: Array, v: Array) -> JointTerms:
+    def terms(
+        self, mbs: Any, value_at: Callable[[float, Array], Array], t: float, q: Array, v: Array
+    ) -> JointTerms:
         """The joints at (t, q, v); the Jacobian is up to date.
 
         Args:
-            value_at: (t, q) -> c (m,); its second difference along the motion is -gamma, Eq. (27).
+            value_at: (t, q) -> c (m,), which brings mbs there; its second difference along the motion is
+                -gamma, Eq. (27), or the difference of its rate where angular velocities are constrained.
         """
         value = value_at(t, q)
         if not self.follows_time and (self._are_linear or not v.any()):
             return JointTerms(value, np.zeros(len(self.names)), np.zeros(len(self.names)))
         rates = v[: self._places]  # those of first-order states behind them have other units
         step = self._step / max(1.0, float(np.abs(rates).max()))
-        after, before = (value_at(t + s, self._moved(q, v, s)) for s in (step, -step))
+        (after, spin_after), (before, spin_before) = (
+            (value_at(t + s, self._moved(q, v, s)), self._angular_rates(mbs, v)) for s in (step, -step)
+        )
         gamma = (2.0 * value - after - before) / step**2
-        drift = np.zeros(len(self.names))
+        drift, bend = np.zeros((2, len(self.names)))
         if self.follows_time:
-            drift = (value_at(t + STEP, q) - value_at(t - STEP, q)) / (2.0 * STEP)
+            later, earlier = value_at(t + STEP, q), value_at(t - STEP, q)
+            drift, bend = (later - earlier) / (2.0 * STEP), (2.0 * value - later - earlier) / STEP**2
+        for k, (own, _, _) in enumerate(self._angular):
+            gamma[own] = (spin_before[k] - spin_after[k]) / (2.0 * step) + bend[own]
         return JointTerms(value, drift, gamma)
+
+    def _angular_rates(self, mbs: Any, v: Array) -> list[Array]:
+        """Rates of c of those joints that constrain angular velocities, where mbs is."""
+        return [
+            joint.jacobian(mbs)[:, places >= 0] @ v[places[places >= 0]] for _, joint, places in self._angular
+        ]
 
 
 def _common(coordinates: np.ndarray, held: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -206,7 +206,7 @@ class NativeItems:
         """The joints at (t, q, v)."""
         self._set_positions(t, q)
         self._rows.update_jacobian(self._mbs, q)
-        terms = self._rows.terms(self._values_of_mbs, t, q, v)
+        terms = self._rows.terms(self._mbs, self._values_of_mbs, t, q, v)
         return terms if self.approach is None else self.approach.applied(terms, t)
 
     def jacobian(self, t: float, q: Array) -> Sequence[JointBlock]:

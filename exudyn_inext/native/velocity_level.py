@@ -75,7 +75,10 @@ class Drive:
         if place is None:
             equation = exudyn.OutputVariableType.ConstraintEquation
             place = float(np.ravel(self._mbs.GetObjectOutput(self.number, equation))[0])
-        self.place, self._travel = place, Travel(self.velocity, begin)
+        self.place, self._travel = place, Travel(self.velocity, begin) if self.rate else self._steady_travel
+
+    def _steady_travel(self, t: float) -> float:
+        return self._offset * (t - self.begin)
 
     def velocity(self, t: float) -> float:
         """[m/s] at t [s]."""

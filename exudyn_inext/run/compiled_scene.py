@@ -35,7 +35,7 @@ from ..multibody.sliding import BEYOND, PLACE
 from ..scene.joints import NOT_FINITE, dependent_row, not_independent
 from ..system import accelerate_and_project, index_reduced_rates
 from .cable_loads import CableLoads
-from .load_functions import LoadFunctions
+from .load_functions import LoadFunctions, StateFunctions
 from .moved_offsets import MovedOffset
 
 FEW = 50  # states
@@ -66,6 +66,16 @@ class SceneLoads:
             row, column = row + rows, column + columns
         np.fill_diagonal(self.pattern[row:, column:], 1.0)
         self._on_cables = slice(row), slice(column)  # of the pattern; each factor after it is an input
+        self.of_state = of_loads if isinstance(of_loads, StateFunctions) else None
+        self._last = len(self.constant) - len(self._is_given)
+
+    def follow(self, external: Array, q: Array, v: Array) -> Array:
+        """`external`, with the functions that depend on the state as they are at (q, v)."""
+        if self.of_state is None:
+            return external
+        followed = external.copy()
+        followed[self._last :][self._is_given] = self.of_state.look(q, v)
+        return followed
 
     def at(self, t: float) -> Array:
         """(n_external,) at t [s]."""
@@ -347,7 +357,7 @@ class CompiledScene:
         multipliers = np.zeros((len(times), len(self.multipliers)))
         forces = np.zeros((len(times), len(self.system.items.force)))
         system, rate = self._unscaled, np.zeros(history.shape[2])
-        if len(times) > FEW:  # it takes long to compile
+        if len(times) > FEW and self.loads.of_state is None:  # it takes long to compile
             if remembered is not None:
                 system = _with_history(system, remembered)
             memory = np.zeros(len(self.loads.constant)), rate
@@ -358,7 +368,8 @@ class CompiledScene:
         for k, (t, (q, v, a)) in enumerate(zip(times.tolist(), history, strict=True)):
             if remembered is not None:
                 system.items.contacts.data[0] = remembered[k]
-            self._accelerate_unscaled(self.loads.at(t), q, v, 0.0, a, rate)
+            external = self.loads.follow(self.loads.at(t), q, v)
+            self._accelerate_unscaled(external, q, v, 0.0, a, rate)
             multipliers[k] = system.items.joints.multipliers
             forces[k] = _joined_forces(system)
         return multipliers, forces
@@ -375,9 +386,9 @@ class CompiledScene:
         forces = {"connectors": items.connectors, "loads": items.loads}  # may change
         return self.system._replace(cables=own, items=copies._replace(**forces))
 
-    def accelerate(self, *arguments: Any) -> None:
+    def accelerate(self, external: Array, q: Array, v: Array, *others: Any) -> None:
         """See `accelerate_and_project`, without the system."""
-        self._accelerate(*arguments)
+        self._accelerate(self.loads.follow(external, q, v), q, v, *others)
 
     def kinetic_energy(self, q: Array, v: Array) -> float:
         """Of the bodies [J]."""
@@ -417,8 +428,8 @@ def _accelerate_compiled(scene: CompiledScene, *arguments: Any) -> None:
 
 
 @implements(index_reduced_rates, CompiledScene, compiled=lambda function: function)
-def _rates_of_compiled(scene: CompiledScene, *arguments: Any) -> None:
-    index_reduced_rates(scene.system, *arguments)
+def _rates_of_compiled(scene: CompiledScene, external: Array, q: Array, v: Array, *others: Any) -> None:
+    index_reduced_rates(scene.system, scene.loads.follow(external, q, v), q, v, *others)
 
 
 def off_cable(name: str, beyond: float, at_start: bool) -> OffCableError:

@@ -53,7 +53,9 @@ class LimitedRun(PacedRun):
 
     @property
     def reason(self) -> str:
-        """What an evaluation needs."""
+        """What an evaluation needs, or a step of compiled code."""
+        if self.mover.asks:
+            return f"each step asks {self.mover.asks}"
         joints, bodies = len(self._scene.joints), self._scene.bodies_of_variable_mass
         needs = ["one right-hand side of Exudyn"]
         if self._scene.parts_in_one:
@@ -80,7 +82,7 @@ class LimitedRun(PacedRun):
 
     def _system_at(self, time: float) -> tuple[Any, Array]:
         """What takes the steps, and the external force that it is given."""
-        return self.mover.system, self.mover.external_at(time)
+        return self.mover.followed_system, self.mover.external_at(time)
 
     @contextmanager
     def _without_implicit_forces(self, time: float) -> Iterator[None]:

@@ -68,7 +68,7 @@ class CoupledRun(LimitedRun):
         scene.require_finite(self.state.v)
         self.start_correction = StartCorrection()
         try:
-            form, self.why_not = scene.compiled(start.time, self.state.q, self.state.v)
+            form, self.why_not = scene.compiled(start.time, self.state.q, self.state.v, self._evaluates_ends)
             external = np.zeros(len(form.loads.constant) if form else 1)
             self.state = self.state._replace(external=external)
             given = scene, cable_runs, self.state, method
@@ -128,6 +128,19 @@ class CoupledRun(LimitedRun):
     def start_corrections(self) -> list[StartCorrection]:
         return [run.start_correction for run in self._runs] + [self.start_correction]
 
+    @property
+    def _evaluates_ends(self) -> bool:
+        """Whether each step has one evaluation, at its end: there, loads may depend on the state."""
+        return self.integrator.stages == (1.0,) and not self.integrator.stabilised
+
+    @property
+    def completes(self) -> bool:
+        return self._by_kernels
+
+    @property
+    def _by_kernels(self) -> bool:
+        return isinstance(self.mover, MovedByKernels)
+
     def _leave_kernels(self, why: str) -> None:
         method = self.integrator, self.scheme
         self._move_by(MovedByExudyn(self._scene, self._runs, self.state, method))
@@ -136,11 +149,11 @@ class CoupledRun(LimitedRun):
     @property
     def evaluated_by(self) -> str:
         """Who evaluates bodies and joints: KERNELS, PARTS (kernels, their forces alone) or EXUDYN."""
-        return KERNELS if self.looks_ahead else PARTS if self._scene.parts_in_one else EXUDYN
+        return KERNELS if self._by_kernels else PARTS if self._scene.parts_in_one else EXUDYN
 
     def evaluate_by(self, kept: str) -> None:
         """Before `resume`: as the run did that this one continues; see `evaluated_by`."""
-        if self.looks_ahead and kept != KERNELS:
+        if self._by_kernels and kept != KERNELS:
             self._leave_kernels(CHANGED)
             self.watch.evaluate_by(self._scene)
         if kept == EXUDYN and self._scene.parts_in_one:
@@ -151,7 +164,7 @@ class CoupledRun(LimitedRun):
 
         is_simple: whether they are loads, springs, and joints that are moved, only.
         """
-        if not self.looks_ahead:
+        if not self._by_kernels:
             if not is_simple and self._scene.parts_in_one:
                 self._scene.leave_compiled_parts()
                 self.mover.begin_by(self.integrator.resume, time)
@@ -176,7 +189,7 @@ class CoupledRun(LimitedRun):
         """Let joints that have been changed be fulfilled at `end` [s], with velocities for that."""
         was_compiled = self.is_compiled
         self._approach(time, end)
-        if was_compiled and not self.looks_ahead:
+        if was_compiled and not self._by_kernels:
             self.watch.evaluate_by(self._scene)
             self.mover.begin_by(self.integrator.resume, time)
 
@@ -317,7 +330,7 @@ class CoupledRun(LimitedRun):
     @property
     def is_compiled(self) -> bool:
         """Whether compiled code evaluates bodies and joints, at least."""
-        return self.looks_ahead or self._scene.parts_in_one is not None
+        return self._by_kernels or self._scene.parts_in_one is not None
 
     @property
     def is_steady(self) -> bool:
@@ -374,7 +387,7 @@ class CoupledRun(LimitedRun):
                     self._kept.restore()
                 return kept
             done = end
-            if self.looks_ahead and done < piece.steps:
+            if self._by_kernels and done < piece.steps:
                 self._kept.keep()
                 kept = done
         self.mover.finish_piece(history)

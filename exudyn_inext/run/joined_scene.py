@@ -142,8 +142,11 @@ class JoinedScene(EvaluatedScene, Protocol):
     def coordinate_name(self, index: int) -> str:
         """Whose coordinate it is, by its place in the system vector."""
 
-    def compiled(self, t: float, q: Array, v: Array) -> tuple[CompiledScene | None, str]:
-        """The same scene in compiled code, or None and why there is none; (q, v) is a state at t [s]."""
+    def compiled(self, t: float, q: Array, v: Array, follows_state: bool) -> tuple[CompiledScene | None, str]:
+        """The same scene in compiled code, or None and why there is none; (q, v) is a state at t [s].
+
+        follows_state: whether functions of loads may depend on the state.
+        """
 
     def compile_parts(self, t: float, q: Array, v: Array) -> None:
         """Let compiled code evaluate bodies and joints where it can; Exudyn evaluates the forces."""

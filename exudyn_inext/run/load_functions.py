@@ -1,6 +1,6 @@
 """User functions of many loads, evaluated together."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -63,6 +63,30 @@ class LoadFunctions:
     def _one_by_one(self, returned: list[list[Any]], times: Sequence[float]) -> Array:
         columns = zip(self._loads, zip(*returned, strict=True), strict=True)
         return np.hstack([as_rows(list(own), times, load.number, load.name) for load, own in columns])
+
+
+class StateFunctions(LoadFunctions):
+    """Functions of which some may depend on the state: `values` are those that they had when last looked at.
+
+    bring: (t, q, v): brings mbs to that state.   name: of the first load whose function may depend on it.
+    """
+
+    def __init__(self, loads: Sequence[Asked], bring: Callable[[float, Array, Array], None]) -> None:
+        super().__init__(loads)
+        self.name = next(load.name for load in loads if not load.is_pure)
+        self._bring, self._time = bring, 0.0
+        self._values = np.zeros(self.numbers.sum())
+
+    def values(self, times: Sequence[float]) -> Array:
+        self._time = times[-1]
+        return np.tile(self._values, (len(times), 1))
+
+    def look(self, q: Array, v: Array, time: float | None = None) -> Array:
+        """The values in the state (q, v), at the time that was asked for last or, if given, `time` [s]."""
+        self._time = self._time if time is None else time
+        self._bring(self._time, q, v)
+        self._values = super().values([self._time])[0]
+        return self._values
 
 
 def _key(load: Asked) -> Any:

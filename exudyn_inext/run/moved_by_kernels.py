@@ -25,9 +25,9 @@ class MovedByKernels(Mover):
     """See `Mover`, and `MovedByExudyn` for what the methods do.
 
     form: the scene in compiled code.
+    looks_ahead: whether no load depends on the state; otherwise mbs is brought to where the load of a step is
+        evaluated: at its end, by the accelerations before it.
     """
-
-    looks_ahead = True
 
     def __init__(
         self,
@@ -39,6 +39,9 @@ class MovedByKernels(Mover):
     ) -> None:
         super().__init__(scene, runs, state, method)
         self._form = self.evaluated = form
+        self.looks_ahead = form.loads.of_state is None
+        if form.loads.of_state:
+            self.asks = form.loads.of_state.name
         self.given, self.data = form.given, form.contacts.data
         self.elsewhere = RememberedByContacts(self.data)
         if self._may_damp_contact:
@@ -60,7 +63,12 @@ class MovedByKernels(Mover):
         return self._form
 
     def external_at(self, time: float) -> Array:
-        return self._form.loads.at(time)
+        loads = self._form.loads
+        return loads.follow(loads.at(time), self._state.q, self._state.v)
+
+    @property
+    def followed_system(self) -> Any:
+        return self.system if self.looks_ahead else self._form
 
     def correct_start(self, time: float, tolerance: float) -> StartCorrection:
         """By Exudyn where straight cables may hide that joints depend on each other, or knots that yield."""
@@ -127,8 +135,10 @@ class MovedByKernels(Mover):
         """Do without mbs from now on.   who: asks, for messages.
 
         Raises:
-            SceneError: joints slide along cables.
+            SceneError: joints slide along cables, or loads depend on the state.
         """
+        if of_state := self._form.loads.of_state:
+            raise SceneError(f"{who} cannot ask {of_state.name}: use SolveExplicit, or leave it out.")
         if self._slides:
             raise SceneError(
                 f"{who} does not say where joints are that slide along cables: use SolveExplicit, or leave "
@@ -157,9 +167,16 @@ class MovedByKernels(Mover):
             self._data_of_intervals = native_items.places_in(data, times, history)
 
     def take(self, piece: Piece, times: Array, done: int, history: Array, watch: CoupledWatch) -> None:
-        where = done, history, piece.in_interval
-        steps = Steps(self._scheme, piece.h, times, watch.has_one_evaluation, *where)
-        self._form.take(steps, self._state, watch.path, watch.before)
+        of_state, state, h = self._form.loads.of_state, self._state, piece.h
+        at_once = 1 if of_state else len(times)
+        for first in range(0, len(times), at_once):
+            own = times[first : first + at_once]
+            if of_state:
+                way = state.v + 0.5 * h * state.a
+                of_state.look(state.q + h * way, state.v + h * state.a, float(own[0, -1]))
+            where = done + first, history, piece.in_interval
+            steps = Steps(self._scheme, h, own, watch.has_one_evaluation, *where)
+            self._form.take(steps, state, watch.path, watch.before)
         self._scene.system.multipliers = self._form.multipliers
 
     def finish_piece(self, history: Array) -> None:

@@ -27,10 +27,12 @@ class Mover:
     system: that takes the steps.   evaluated: the scene, by whom evaluates it.
     given: (n,) forces besides those of the items, which others may set, or None: there are none.
     dofs_in_implicit_contact: first coordinates of the nodes of cables whose contact is damped implicitly.
+    asks: which load depends on the state, where compiled code asks its function.
     """
 
     evaluated: EvaluatedScene
     given: Array | None = None
+    asks = ""
     dofs_in_implicit_contact: np.ndarray = np.zeros(0, int)
 
     def __init__(
@@ -43,8 +45,13 @@ class Mover:
     def system(self) -> Any:
         raise NotImplementedError
 
+    @property
+    def followed_system(self) -> Any:
+        """The same, or a slower one whose loads follow each state that it is given."""
+        return self.system
+
     def external_at(self, time: float) -> Array:
-        """External force that the system is given at `time` [s]."""
+        """External force that the system is given in the present state, at `time` [s]."""
         raise NotImplementedError
 
     @property

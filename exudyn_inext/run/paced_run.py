@@ -25,6 +25,7 @@ class PacedRun:
     watch: `RunWatch`, which finds steps that went wrong.   gave_up: whether there are no smaller ones.
     trouble: what the integrator said of the last steps that went wrong.
     looks_ahead: whether several steps of the time loop can be computed at once.
+    completes: whether `complete` finds accelerations; otherwise `accelerations` does.
     elsewhere: what of the state lies in no array of the run.
     remembered: (k, D) by contacts after the intervals of the last `record`; None: mbs knows, or there are
         none.
@@ -44,6 +45,10 @@ class PacedRun:
     elsewhere: Elsewhere | None = None
     remembered: Array | None = None
     data: Array = np.zeros((2, 0))
+
+    @property
+    def completes(self) -> bool:
+        return self.looks_ahead
 
     @property
     def has_implicit_bending(self) -> bool:

@@ -113,6 +113,9 @@ class JoinedPotential(StaticSystem):
         ends = np.cumsum([0, *(cable.scale.size for cable in cables)])
         self._places = [slice(a, b) for a, b in pairwise(ends.tolist())]
         self._bodies = slice(int(ends[-1]), len(start))
+        coordinates = self._bodies.stop - self._bodies.start
+        self._no_rows_of_bodies = [csr_array((0, coordinates))] if coordinates else []
+        self._number_of_joints = len(others.values(start))
         self._rounds = rounds_of(others.varying, self._bodies.start)
         self.length = max(cable.length for cable in cables)
         self.mass = block_diagonal([*(cable.mass for cable in cables), csr_array(others.mass)])
@@ -181,18 +184,23 @@ class JoinedPotential(StaticSystem):
 
     def jacobian(self, q: Array) -> csr_array:
         places, size = self._others.quaternions, len(q)
-        bodies = csr_array((0, size - self._bodies.start))
-        of_cables = block_diagonal([*(cable.jacobian(own) for cable, own in self._parts(q)), bodies])
-        rows = np.repeat(np.arange(len(places)), 4)
-        norms = csr_array((self._euler_parameters(q).ravel(), (rows, places.ravel())), (len(places), size))
-        return one_below_another([of_cables, norms, self._others.jacobian(q)])
+        of_cables = block_diagonal(
+            [*(cable.jacobian(own) for cable, own in self._parts(q)), *self._no_rows_of_bodies]
+        )
+        found = [of_cables]
+        if len(places):
+            at = np.repeat(np.arange(len(places)), 4), places.ravel()
+            found.append(csr_array((self._euler_parameters(q).ravel(), at), (len(places), size)))
+        if self._number_of_joints:
+            found.append(self._others.jacobian(q))
+        return one_below_another(found)
 
     def strains(self, q: Array) -> Array:
         return np.concatenate([cable.strains(own) for cable, own in self._parts(q)])
 
     def strain_rows(self, q: Array) -> csr_array:
-        bodies = csr_array((0, len(q) - self._bodies.start))
-        return block_diagonal([*(cable.strain_rows(own) for cable, own in self._parts(q)), bodies])
+        of_cables = (cable.strain_rows(own) for cable, own in self._parts(q))
+        return block_diagonal([*of_cables, *self._no_rows_of_bodies])
 
     def hessian(self, q: Array, multipliers: Array) -> csr_array:
         """See `StaticSystem`; slightly regular."""
@@ -202,8 +210,9 @@ class JoinedPotential(StaticSystem):
         rest = len(q) - self._bodies.start
         total = block_diagonal([*blocks, csr_array((rest, rest))])
         places = self._others.quaternions
-        of_norms = np.repeat(multipliers[first : first + len(places)], 4)
-        total += csr_array((of_norms, (places.ravel(), places.ravel())), total.shape)
+        if len(places):
+            of_norms = np.repeat(multipliers[first : first + len(places)], 4)
+            total += csr_array((of_norms, (places.ravel(), places.ravel())), total.shape)
         total += self._of_others(q, multipliers[first + len(places) :])
         return csr_array(total + SHARE * self.shift * self.mass)
 

@@ -22,6 +22,7 @@ from exudyn.itemInterface import (
     MarkerNodeCoordinate,
     MarkerNodePosition,
     MarkerNodeRigid,
+    MarkerNodeRotationCoordinate,
     Node1D,
     NodeGenericData,
     NodeGenericODE1,
@@ -150,6 +151,10 @@ class Builder:
 
     def coordinate(self, node, which):
         return self.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=which))
+
+    def angle(self, which, axis):
+        marker = MarkerNodeRotationCoordinate(nodeNumber=self.nodes[which], rotationCoordinate=axis)
+        return self.mbs.AddMarker(marker)
 
     def place(self, number):
         """Reference position of a body, and its frame."""
@@ -386,6 +391,34 @@ def coordinate_constraints(b):
     b.mbs.AddObject(CoordinateConstraint(markerNumbers=list(pair), factor1=0.5))
 
 
+def angles(b):
+    """Springs and loads on angles of bodies by Euler parameters and by angles; planar ones have none."""
+    ground = b.coordinate(b.mbs.AddNode(NodePointGround()), 0)
+    for axis in range(3 if b.dimension == 3 else 0):
+        law = {"stiffness": 0.6, "damping": 0.02, "offset": 0.1}
+        for pair in [(ground, b.angle(1, axis)), (b.angle(0, axis), b.angle(1, 2 - axis))]:
+            b.mbs.AddObject(CoordinateSpringDamper(markerNumbers=list(pair), **law))
+        b.mbs.AddLoad(LoadCoordinate(markerNumber=b.angle(0, axis), load=0.1))
+
+
+def geared_angles(b):
+    """Wheels about z, which sway on springs."""
+    kinds, wheels = [exudyn.NodeType.RotationEulerParameters, exudyn.NodeType.RotationRxyz], []
+    for kind in kinds[: 2 * (b.dimension - 2)]:
+        made = b.mbs.CreateRigidBody(
+            inertia=InertiaCuboid(300, [0.1, 0.15, 0.07]),
+            nodeType=kind,
+            initialAngularVelocity=[0.2, 0.3, 4.0 * (1 + len(wheels))],
+            returnDict=True,
+        )
+        pair = [b.ground, made["bodyNumber"]]
+        b.mbs.CreateCartesianSpringDamper(itemNumbers=pair, stiffness=[50] * 3, damping=[1] * 3)
+        axis = MarkerNodeRotationCoordinate(nodeNumber=made["nodeNumber"], rotationCoordinate=2)
+        wheels.append(b.mbs.AddMarker(axis))
+    if wheels:
+        b.mbs.AddObject(CoordinateConstraint(markerNumbers=wheels, factor1=0.5))
+
+
 def drums(b):
     """Masses with one coordinate: one is geared to a body, one drags the cable's tip by a spring."""
     turning, sliding = (b.mbs.AddNode(Node1D(referenceCoordinates=[x])) for x in (0.0, 0.1))
@@ -536,6 +569,8 @@ KINDS = [
     planar_slider,
     distances,
     coordinate_constraints,
+    angles,
+    geared_angles,
     held_point,
     drums,
     clamp,
@@ -695,12 +730,37 @@ def controlled(b):
     b.mbs.AddLoad(force)
 
 
+def of_a_function(b):
+    """A spring that only Exudyn knows."""
+
+    def pull(mbs, t, itemNumber, displacement, velocity, *law):
+        return 30.0 * displacement + 0.2 * velocity
+
+    pair = [b.coordinate(b.cable["nodes"][-1], 0), b.coordinate(b.nodes[0], 0)]
+    b.mbs.AddObject(CoordinateSpringDamper(markerNumbers=pair, springForceUserFunction=pull))
+
+
+@pytest.mark.parametrize(("kinds", "tolerance"), [([spring, angles, drums], OF_JOINTS), ([distances], 1e-6)])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_loads_that_depend_on_the_state_move_compiled_scenes(dimension, kinds, tolerance):
+    """They act at the end of each step, where joints have not moved the state yet."""
+    found = []
+    for compiled in (True, False):
+        builder = Builder(3, dimension)
+        for kind in [*kinds, controlled]:
+            kind(builder)
+        coordinates, _, path = moved(lambda b=builder: b.mbs, "RATTLE", compiled)
+        assert ("each step asks load" in path) is compiled, path
+        found.append(coordinates)
+    np.testing.assert_allclose(*found, atol=tolerance * np.abs(found[1]).max(), rtol=0)
+
+
 def with_compiled_parts(kinds, seed, dimension, integrator, monkeypatch, tolerance):
     """Whether bodies and joints in compiled code move as Exudyn's, under forces that only Exudyn knows."""
     found = []
     for evaluated in (False, True):
         builder = Builder(seed, dimension)
-        for kind in [*kinds, controlled]:
+        for kind in [*kinds, of_a_function]:
             kind(builder)
         if evaluated:
             monkeypatch.setattr(CoupledScene, "compile_parts", lambda *_: None)
@@ -753,9 +813,9 @@ def test_under_all_kinds_of_forces_bodies_and_joints_may_be_compiled(integrator,
 
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_the_energy_of_compiled_bodies_under_forces_of_exudyn_is_kept(dimension):
-    """Of bodies that turn about points off their centres of mass: the brake takes what they lose."""
+    """Of bodies that turn about points off their centres of mass: the damper takes what they lose."""
     builder = Builder(4, dimension)
-    for kind in (spring, controlled, spherical_joint):
+    for kind in (spring, of_a_function, spherical_joint):
         kind(builder)
     builder.mbs.Assemble()
     explicit = ExplicitSettings(stepSize=2e-4, startTolerance=100.0)
@@ -775,7 +835,7 @@ def test_a_body_that_changes_during_the_run_is_evaluated_by_exudyn_from_then_on(
     for evaluated in (False, True):
         builder = Builder(3, 2)
         spring(builder)
-        controlled(builder)
+        of_a_function(builder)
         builder.mbs.SetPreStepUserFunction(lambda mbs, t, b=builder: heavier(mbs, t, b.bodies[0]))
         builder.mbs.Assemble()
         if evaluated:

@@ -13,7 +13,7 @@ from exudyn.itemInterface import (
     SensorObject,
     SphericalJoint,
 )
-from exudyn.utilities import InertiaCuboid, RotationMatrixZ
+from exudyn.utilities import InertiaCuboid, RotationMatrixZ, RotXYZ2RotationMatrix
 
 from exudyn_inext import (
     CableForces,
@@ -289,7 +289,8 @@ def test_angles_go_on_beyond_half_a_turn(new_mbs, gear):
             solve_native(scene.mbs, END, END / STEPS)
         else:
             with silence():
-                SolveExplicit(scene.mbs, quiet_settings(END, STEPS))
+                path = SolveExplicit(scene.mbs, quiet_settings(END, STEPS))["path"]
+            assert "in one compiled call" in path
         for node, turn in zip(scene.nodes, (TURN, TURN / gear), strict=True):
             frame = scene.output(node, "RotationMatrix").reshape(3, 3)
             np.testing.assert_allclose(frame, RotationMatrixZ(turn), atol=1e-4)
@@ -303,4 +304,18 @@ def test_angles_geared_by_no_ratio_of_whole_numbers_are_refused(mbs):
     with pytest.raises(
         SceneError, match=r"gears two angles by factor1 = 1\.41421, .* whole numbers up to 1000"
     ):
+        SolveExplicit(mbs, quiet_settings(END, STEPS))
+
+
+def test_a_constrained_angle_of_a_tilted_body_is_refused(mbs):
+    tilted = RotXYZ2RotationMatrix([0.3, 0.0, 0.0])
+    body = mbs.CreateRigidBody(
+        inertia=InertiaCuboid(500, [0.2, 0.2, 0.1]), referenceRotationMatrix=tilted, returnDict=True
+    )
+    angle = MarkerNodeRotationCoordinate(nodeNumber=body["nodeNumber"], rotationCoordinate=2)
+    fixed = MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0)
+    pair = [mbs.AddMarker(fixed), mbs.AddMarker(angle)]
+    mbs.AddObject(CoordinateConstraint(markerNumbers=pair, velocityLevel=True))
+    mbs.Assemble()
+    with pytest.raises(SceneError, match=r"whose axis z is tilted by 0\.3 rad .* 0\.1 rad at most"):
         SolveExplicit(mbs, quiet_settings(END, STEPS))

@@ -151,6 +151,8 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved:
             raise UnknownItemError(f"{joint.name} with alternative constraints")
         found = read(data, joint.name, reader)
         of_joint = [found[k] for k in joint.active]
+        if np.isfinite(joint.period):
+            of_joint[0]["period"] = joint.period
         if data.get("offsetUserFunction") and data["objectType"] == "JointGeneric":
             for row in of_joint:
                 row["function"] += 3 * len(functions) * (row["function"] >= 0)

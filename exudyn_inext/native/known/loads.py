@@ -23,8 +23,10 @@ class KnownLoad(NamedTuple):
     function: Asked | None
 
 
-def read_load(mbs: Any, number: int, reader: PointReader) -> KnownLoad | None:
+def read_load(mbs: Any, number: int, reader: PointReader, follows_state: bool = False) -> KnownLoad | None:
     """None for a weight of a cable's own.
+
+    follows_state: whether its user function may depend on the state.
 
     Raises:
         UnknownItemError: it has no compiled form.
@@ -41,10 +43,10 @@ def read_load(mbs: Any, number: int, reader: PointReader) -> KnownLoad | None:
     if history is None:
         return KnownLoad(record, scale, None)
     if not is_pure:
-        raise UnknownItemError(
-            f"{name}, whose user function may depend on the state (if it does not: {SAY_OF_TIME})"
-        )
-    return KnownLoad(record, scale, Asked(history, len(constant), name))
+        name += f", whose user function may depend on the state (if it does not: {SAY_OF_TIME})"
+        if not follows_state:
+            raise UnknownItemError(name)
+    return KnownLoad(record, scale, Asked(history, len(constant), name, is_pure))
 
 
 def _placed(data: dict[str, Any], name: str, mbs: Any, reader: PointReader) -> tuple[Any, float]:

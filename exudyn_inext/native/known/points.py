@@ -10,7 +10,7 @@ from ...element.shape_functions import first_derivatives, shape_functions
 from ...items.arguments import described
 from ...items.attach.inert import is_inert_cable
 from ...items.mass_points import mass_of_point, node_of_mass_point
-from ...multibody.points import COORDINATE, FIXED, FRAME_OF_CABLE, ON_BODY, ON_CABLE, POINT
+from ...multibody.points import ANGLE, COORDINATE, FIXED, FRAME_OF_CABLE, ON_BODY, ON_CABLE, POINT
 from ..coordinates import CoordinateMap
 from .unknown import UnknownItemError
 
@@ -79,6 +79,8 @@ class PointReader:
             return self._on_node(int(data["nodeNumber"]), kind == "NodeRigid")
         if kind == "NodeCoordinate":
             return self.coordinate(int(data["nodeNumber"]), int(data["coordinate"]))
+        if kind == "NodeRotationCoordinate":
+            return self.angle(int(data["nodeNumber"]), int(data["rotationCoordinate"]))
         if kind == "BodyMass":
             return self.centre_of_mass(int(data["bodyNumber"]))
         raise UnknownItemError(f"marker {number} '{data['name']}' ({kind})")
@@ -244,6 +246,18 @@ class PointReader:
         point = _new(COORDINATE, place, 1)
         point["local"][0] = -self._coordinates.reference[place]
         point["along"][0, 0] = 1.0
+        return self._add(point)
+
+    def angle(self, number: int, axis: int) -> Place:
+        """An angle of the body on a node; UnknownItemError if there is none."""
+        places, node = self._of_node(number)
+        first = self._coordinates.place(places[0])
+        if first not in self._of_nodes:
+            raise UnknownItemError(f"an angle of node {number} '{node['name']}' ({node['nodeType']})")
+        body = self._of_nodes[first]
+        record = self._bodies[body]
+        point = _new(ANGLE, first + int(record["translations"]), int(record["rotations"]))
+        point["body"], point["axis"] = body, axis
         return self._add(point)
 
 

@@ -36,6 +36,7 @@ def read_known_items(
     elsewhere: frozenset[int],
     q: Array,
     has_forces: bool,
+    follows_state: bool,
     moved: Set[int],
     friction: FrictionCheck,
     evaluate: Callable[[], None],
@@ -48,6 +49,7 @@ def read_known_items(
         coordinates: of the scene; those on cables are the first `on_cables` ones.
         elsewhere: objects that belong to the cables.
         has_forces: whether springs, contacts and loads are read, and there are no states of first order.
+        follows_state: whether functions of loads may depend on the state.
         moved: constraints that are, between steps.   friction: that is looked at.
         evaluate: see `belts.elements_of`.
 
@@ -66,7 +68,7 @@ def read_known_items(
     reader = PointReader(mbs, coordinates, on_cables, records, of_bodies)
     rows, functions, of_moved, sliders = read_rows(mbs, joints, reader, moved)
     done = {*of_bodies, *elsewhere, *(joint.number for joint in joints)}
-    items = KnownNumbers(mbs, reader, 3 * len(functions), of_moved)
+    items = KnownNumbers(mbs, reader, 3 * len(functions), of_moved, follows_state)
     touching = ContactReader(mbs, reader, friction.numbers)
     if has_forces:
         for number in range(mbs.systemData.NumberOfObjects()):
@@ -92,8 +94,16 @@ class KnownNumbers:
     steps.   functions: those of loads; each has three values, which follow the `others` of functions of time.
     """
 
-    def __init__(self, mbs: Any, reader: PointReader, others: int, moved: Mapping[int, MovedOffset]) -> None:
+    def __init__(
+        self,
+        mbs: Any,
+        reader: PointReader,
+        others: int,
+        moved: Mapping[int, MovedOffset],
+        follows_state: bool,
+    ) -> None:
         self._mbs, self._reader, self._others, self.moved = mbs, reader, others, moved
+        self._follows_state = follows_state
         self.connectors: list[Any] = []
         self.loads: list[Any] = []
         self.functions: list[Asked] = []
@@ -111,7 +121,7 @@ class KnownNumbers:
 
     def add_load(self, number: int) -> None:
         """UnknownItemError if it has no compiled form."""
-        read = read_load(self._mbs, number, self._reader)
+        read = read_load(self._mbs, number, self._reader, self._follows_state)
         if read is None:
             return
         if read.function is not None:
