@@ -45,6 +45,12 @@ def functions_at_rest(mbs: Any) -> Iterator[None]:
         del _FOUND[mbs]
 
 
+def python_function(given: dict[str, Any]) -> Callable[..., Any]:
+    """The function in what Exudyn gives of it; a symbolic one, which cannot be called, as its evaluation."""
+    function: Any = given["function"]
+    return function if callable(function) else function.Evaluate
+
+
 def is_of_time_alone(mbs: Any, user_function: Any) -> bool:
     """Whether a user function, as Exudyn gives it, is said to be so, or can be seen to be.
 

@@ -9,7 +9,7 @@ from ..cable.link import Motion, rest
 from ..constraints.motion import motion_of
 from ..scene.links import MovingCoordinate, Rod
 from ..scene.model import HeldCoordinate
-from .functions_of_time import is_of_time_alone
+from .functions_of_time import is_of_time_alone, python_function
 from .on_ground import markers_of, node_marker_to_ground, point_on_ground
 
 _POSITION_MARKERS = {"NodePosition", "NodeRigid"}
@@ -69,11 +69,11 @@ def _motion(mbs: Any, number: int, data: dict[str, Any], reference: float) -> Mo
     offset = float(data["offset"])
     if not data["offsetUserFunction"]:
         return rest(np.array([reference + offset]))
-    function = data["offsetUserFunction"]["function"]
+    function = python_function(data["offsetUserFunction"])
     if hasattr(function, "motion"):
         return function.motion
     given = data["offsetUserFunction"], data["offsetUserFunction_t"]
-    rate = given[1]["function"] if given[1] else None
+    rate = python_function(given[1]) if given[1] else None
     return motion_of(
         lambda t: reference + function(mbs, t, number, offset),
         None if rate is None else lambda t: rate(mbs, t, number, offset),

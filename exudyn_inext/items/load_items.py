@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..loads.nodal import LoadFunction, NodalLoad
-from .functions_of_time import is_of_time_alone
+from .functions_of_time import is_of_time_alone, python_function
 from .mass_points import mass_of_point, node_of_mass_point
 
 _POSITION_MARKERS = {"NodePosition", "NodeRigid"}
@@ -53,5 +53,5 @@ def course_of(
     constant = np.atleast_1d(np.asarray(value, dtype=float))
     if not user_function:
         return constant, None, False
-    history = LoadFunction(user_function["function"], mbs, value, scale)
+    history = LoadFunction(python_function(user_function), mbs, value, scale)
     return constant, history, is_of_time_alone(mbs, user_function)

@@ -27,6 +27,14 @@ _CONSTANT_MASS = {
 }
 _CENTRE_OF_MASS = {"centerOfMass", "physicsCenterOfMass"}  # names in Exudyn's versions
 _SINGULAR = 1e-13  # part of a mass that must resist in each direction
+_SINGULAR_MASSES = {  # remedies for objects whose mass matrices are singular however they are given
+    "ObjectANCFBeam": "the slopes of {} have a singular mass matrix; take ObjectBeamGeometricallyExact on "
+    "NodeRigidBodyRxyz",
+    "BeamGeometricallyExact3D": "{} couples the masses of Euler parameters; put it on NodeRigidBodyRxyz",
+    "FFRF": "frame and mesh of {} can move as a whole both; take ObjectFFRFreducedOrder",
+    "ALEANCFCable2D": "the motion through {} needs a mass of its own; put an ObjectGenericODE2 with a "
+    "massMatrix on the GenericODE2 node of it",
+}
 _NOT_ADDITIVE = {"RigidBodyRotVecLG", "RigidBodyRotVecDataLG"}
 
 
@@ -94,13 +102,17 @@ def _mass_of_object(mbs: Any, number: int, coordinates: np.ndarray, total: Syste
     try:
         return np.asarray(mbs.ComputeItem(index, _MASS)), True
     except exudyn.InternalError:  # stored as sparse matrix, or not at all
-        of_point = _mass_of_point(mbs.GetObject(number), len(coordinates))
-        return (total.part(coordinates), False) if of_point is None else (of_point, False)
+        own = _mass_among_parameters(mbs.GetObject(number), len(coordinates))
+        return (total.part(coordinates), False) if own is None else (own, False)
 
 
-def _mass_of_point(data: dict[str, Any], size: int) -> Array | None:
-    """(size, size) of a mass point, whose mass is one of its parameters; None of another object."""
-    return None if node_of_mass_point(data) < 0 else mass_of_point(data) * np.eye(size)
+def _mass_among_parameters(data: dict[str, Any], size: int) -> Array | None:
+    """(size, size) of an object whose mass is one of its parameters, empty if it has none; None of others."""
+    if node_of_mass_point(data) >= 0:
+        return mass_of_point(data) * np.eye(size)
+    if data["objectType"] == "GenericODE2" and not data["massMatrixUserFunction"]:
+        return np.asarray(data["massMatrix"].Convert2DenseMatrix())
+    return None
 
 
 def read_bodies(mbs: Any, cables: Sequence[int], on_cables: np.ndarray, total: SystemMass) -> list[Body]:
@@ -150,7 +162,7 @@ def read_quaternions(mbs: Any) -> list[Quaternion]:
         if data["nodeType"] in _NOT_ADDITIVE:
             raise SceneError(
                 f"node {number} '{data['name']}' ({data['nodeType']}) has rotations that an explicit scheme "
-                "cannot add up: use nodeType RotationEulerParameters or RotationRxyz."
+                "cannot add up: use nodeType RotationEulerParameters or RotationRxyz (beams: the latter)."
             )
         if data["nodeType"] == "RigidBodyEP":
             coordinates = np.array(mbs.systemData.GetNodeLTGODE2(number)[3:7])
@@ -336,13 +348,20 @@ def require_mass(mbs: Any, without: np.ndarray) -> None:
     for number in range(data.NumberOfNodes()):
         if np.isin(without, data.GetNodeLTGODE2(number)).any():
             node = mbs.GetNode(number)
-            is_ale = node["nodeType"] == "GenericODE2"
-            said = " (of an ALE element, which has no counterpart?)" if is_ale else ""
             raise SceneError(
-                f"node {number} '{node['name']}' ({node['nodeType']}) has coordinates without mass{said}, "
-                "whose accelerations are not determined: give its body mass and inertia (put one on it, if "
-                "there is none), or remove it."
+                f"node {number} '{node['name']}' ({node['nodeType']}) has coordinates without mass, whose "
+                f"accelerations are not determined: {_remedy(mbs, without)}."
             )
+
+
+def _remedy(mbs: Any, without: np.ndarray) -> str:
+    """What to do about coordinates without mass, as far as the objects on them tell.   without: (k,)."""
+    for number in range(mbs.systemData.NumberOfObjects()):
+        data = mbs.GetObject(number)
+        of_kind = _SINGULAR_MASSES.get(data["objectType"])
+        if of_kind and np.isin(without, mbs.systemData.GetObjectLTGODE2(number)).any():
+            return of_kind.format(described(data, number))
+    return "give its body mass and inertia (put one on it, if there is none), or remove it"
 
 
 def _without_mass(dofs: np.ndarray, masses: Array) -> np.ndarray:

@@ -26,6 +26,7 @@ from .native_items import state_kept
 STIFFNESSES = ("contactStiffness", "frictionStiffness")  # across and along the cable
 DAMPINGS = ("contactDamping", "frictionVelocityPenalty")
 WITH_CIRCLES = {"ContactFrictionCircleCable2D", "ContactCircleCable2D"}
+_WITH_FRAME = {"BodyRigid", "NodeRigid"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,13 +166,14 @@ class _Circle:
     """The body that a marker lies on.
 
     centre: (2,) [m].   rates: (k, 3) velocity of the marker [m/s] and angular velocity [1/s] in the plane
-    for a unit velocity of each coordinate of the body.
+    for a unit velocity of each coordinate of the body; none about a point, where nothing rubs.
     """
 
     def __init__(self, mbs: Any, marker: int) -> None:
         what = exudyn.OutputVariableType
         self.centre = np.array(mbs.GetMarkerOutput(marker, what.Position))[:2]
         data = mbs.GetMarker(marker)
+        turns = data["markerType"] in _WITH_FRAME
         body = data.get("bodyNumber")
         system = mbs.systemData
         columns = system.GetNodeLTGODE2(data["nodeNumber"]) if body is None else system.GetObjectLTGODE2(body)
@@ -182,7 +184,8 @@ class _Circle:
                 unit[column] = 1.0
                 system.SetODE2Coordinates_t(unit.tolist())
                 velocity = mbs.GetMarkerOutput(marker, what.Velocity)[:2]
-                rates.append([*velocity, mbs.GetMarkerOutput(marker, what.AngularVelocity)[2]])
+                turning = mbs.GetMarkerOutput(marker, what.AngularVelocity)[2] if turns else 0.0
+                rates.append([*velocity, turning])
         self.columns = np.array(columns, dtype=int)
         self.rates = np.reshape(rates, (-1, 3))
 

@@ -61,6 +61,7 @@ def _joint(mbs: Any, number: int, data: dict[str, Any], name: str) -> JointItem:
         raise SceneError(f"{name} cannot be evaluated in the initial configuration: {error}") from None
     active = np.flatnonzero(np.abs(jacobian).max(axis=1, initial=0.0) > 0.0)
     released = len(rows) - np.count_nonzero(data.get("constrainedAxes", np.ones(len(rows))))
+    released += not data.get("constrainRotation", True)  # of a planar prismatic joint
     if len(rows) - len(active) > released:
         raise SceneError(
             f"{name} has an equation that does not depend on any coordinate in the initial configuration (a "

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..errors import SceneError
 from ..items.arguments import described
-from ..items.functions_of_time import is_of_time_alone
+from ..items.functions_of_time import is_of_time_alone, python_function
 from ..items.parameters import Parameter, set_unnoted
 from ..run.settings import SAY_OF_TIME
 from .native_items import state_kept
@@ -62,7 +62,8 @@ class Drive:
     def __init__(self, mbs: Any, number: int, data: dict[str, Any]) -> None:
         self._mbs, self.number = mbs, number
         self.given = {name: data[name] and data[name]["function"] for name in _FUNCTIONS}
-        self.rate = self.given["offsetUserFunction_t"]
+        rate = data["offsetUserFunction_t"]
+        self.rate = rate and python_function(rate)
         self.period = _period(mbs, number, data)
         self.begin, self.place = 0.0, 0.0
         self._offset = 0.0
@@ -95,7 +96,7 @@ class Drive:
 
         place.of_time_alone = velocity.of_time_alone = True  # type: ignore[attr-defined]
         place.period = self.period  # type: ignore[attr-defined]  # read by `joint_items`
-        velocity.given = self.rate  # type: ignore[attr-defined]  # counts in restart files
+        velocity.given = self.given["offsetUserFunction_t"]  # type: ignore[attr-defined]  # counts in restart files
         return dict(zip(_FUNCTIONS, (place, velocity), strict=True))
 
 

@@ -74,7 +74,8 @@ class LimitedRun(PacedRun):
         """Of the present state."""
         with self._without_implicit_forces(time):
             scene = *self._system_at(time), self.state.q, self.state.v
-            rates, states = fastest_rates(*scene, self._fastest[0]), self._scene.system.states
+            states = self._scene.system.states
+            rates = fastest_rates(*scene, self._fastest[0], states=states)
             self.frequency_of_states = (
                 frequency_of_states(*scene, states) if states.stop > states.start else 0.0
             )

@@ -26,6 +26,7 @@ FIRST_LOOK, GROWTH = 8, 1.2  # steps of the iteration before its first test, and
 FRESH = 0.1  # share of others beside what was the fastest, one of which may have become it
 MOST_STEPS = 400  # of the iteration
 ROUND_OFF = 1e-12
+NO_STATES = slice(0, 0)
 OVERDAMPED = 1e3  # damping over the frequency, beyond which a motion is a decay
 
 
@@ -62,18 +63,19 @@ def fastest_rates(
     v: Array,
     kept: Array | None = None,
     added: AddedForces | None = None,
+    states: slice = NO_STATES,
 ) -> FastestRates:
     """Of small motions about the configuration q (n,).   external: of the system, at present.
 
     kept: (2, n) memory of the fastest vibration and decay, from which a search in a scene that has changed a
         little starts; zero at first.
-    added: what acts as well.
+    added: what acts as well.   states: place of first order states in v, about which these motions are.
 
     The velocities v (n,) count where they pull cables tight, as in bodies that spin about each other;
     gyroscopic forces, which change with small velocities, do not. Friction that jumps where a velocity
     changes its sign has no rate: it makes no motion grow.
     """
-    stiffness, damping, start = _operators(system, external, q, v, added)
+    stiffness, damping, start = _operators(system, external, q, v, added, states)
     kept = np.zeros((2, len(start))) if kept is None else kept
     frequency = float(np.sqrt(_largest_eigenvalue(stiffness, start, 0.0, kept[0], OF_VIBRATIONS)))
     rate = _largest_eigenvalue(damping, start, NEGLIGIBLE * frequency, kept[1])
@@ -110,7 +112,12 @@ def frequency_of_states(system: Any, external: Array, q: Array, v: Array, states
 
 
 def _operators(
-    system: Any, external: Array, q: Array, v: Array, added: AddedForces | None = None
+    system: Any,
+    external: Array,
+    q: Array,
+    v: Array,
+    added: AddedForces | None = None,
+    states: slice = NO_STATES,
 ) -> tuple[_Operator, _Operator, Array]:
     """Derivatives of -a with respect to q and v, and where to start; all on the constraints.
 
@@ -119,6 +126,8 @@ def _operators(
     evaluate, nothing = Bound(accelerate_and_project, system), np.zeros(len(q))
     added = added or AddedForces(nothing.copy(), np.zeros_like, np.zeros_like)
     at_present = -added.damping(v)
+    at_rest = nothing.copy()
+    at_rest[states] = v[states]  # flow of oil has no rate at the pressure of its tank
     has_jumps = None
 
     def accelerated(q: Array, v: Array, force: Array) -> Array:
@@ -148,7 +157,8 @@ def _operators(
         force = added.damping(x)
 
         def difference(h: float) -> Array:
-            return accelerated(q, -h * x, h * force)[0] - accelerated(q, h * x, -h * force)[0]
+            before, after = at_rest - h * x, at_rest + h * x
+            return accelerated(q, before, h * force)[0] - accelerated(q, after, -h * force)[0]
 
         near = difference(STEP)
         if has_jumps is False:

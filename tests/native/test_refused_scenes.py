@@ -13,8 +13,15 @@ from exudyn.itemInterface import (
     MarkerNodeRigid,
     NodeGenericODE2,
     NodePoint,
+    NodePoint2DSlope1,
+    NodePointSlope23,
     NodeRigidBody2D,
+    NodeRigidBodyEP,
+    ObjectALEANCFCable2D,
+    ObjectANCFBeam,
     ObjectANCFCable2D,
+    ObjectBeamGeometricallyExact,
+    ObjectFFRF,
     ObjectJointRollingDisc,
     ObjectRigidBody2D,
     SphericalJoint,
@@ -77,6 +84,43 @@ def node_of_ale_elements(mbs, nodes):
     mass_point(mbs)
 
 
+def section():
+    beam = exudyn.BeamSection()
+    beam.massPerLength, beam.inertia, beam.stiffnessMatrix = 0.3, 1e-4 * np.eye(3), np.diag([300.0] * 6)
+    return beam
+
+
+def beam_of_euler_parameters(mbs, nodes):
+    start = [mbs.AddNode(NodeRigidBodyEP(referenceCoordinates=[x, 1, 0, 1, 0, 0, 0])) for x in (0, 0.1)]
+    mbs.AddObject(
+        ObjectBeamGeometricallyExact(nodeNumbers=start, length=0.1, sectionData=section(), name="boom")
+    )
+
+
+def beam_of_slopes(mbs, nodes):
+    at = [[x, 1, 0, 0, 1, 0, 0, 0, 1] for x in (0, 0.1)]
+    start = [mbs.AddNode(NodePointSlope23(referenceCoordinates=one)) for one in at]
+    mbs.AddObject(ObjectANCFBeam(nodeNumbers=start, length=0.1, sectionData=section(), name="boom"))
+
+
+def floating_frame_of_a_mesh(mbs, nodes):
+    frame = mbs.AddNode(NodeRigidBodyEP(referenceCoordinates=[0, 1, 0, 1, 0, 0, 0]))
+    places = np.vstack([np.zeros(3), 0.3 * np.eye(3), 0.3 * np.ones(3)])
+    mesh = [mbs.AddNode(NodePoint(referenceCoordinates=place)) for place in places]
+    size = 3 * len(mesh)
+    mass, stiffness = exudyn.MatrixContainer(0.1 * np.eye(size)), exudyn.MatrixContainer(np.zeros([size] * 2))
+    given = {"massMatrixFF": mass, "stiffnessMatrixFF": stiffness, "name": "hull"}
+    mbs.AddObject(ObjectFFRF(nodeNumbers=[frame, *mesh], **given))
+
+
+def pipe_with_flow(mbs, nodes):
+    ends = [mbs.AddNode(NodePoint2DSlope1(referenceCoordinates=[x, 1, 1, 0])) for x in (0, 0.3)]
+    zero = {"initialCoordinates": [0], "initialCoordinates_t": [0], "referenceCoordinates": [0]}
+    flow = mbs.AddNode(NodeGenericODE2(numberOfODE2Coordinates=1, **zero))
+    section = {"massPerLength": 0.3, "bendingStiffness": 0.02, "axialStiffness": 300, "length": 0.3}
+    mbs.AddObject(ObjectALEANCFCable2D(nodeNumbers=[*ends, flow], name="pipe", **section))
+
+
 def disc_without_inertia(mbs, nodes):
     node = mbs.AddNode(NodeRigidBody2D(name="disc"))
     mbs.AddObject(ObjectRigidBody2D(mass=1.0, inertia=0.0, nodeNumber=node))
@@ -133,7 +177,11 @@ REFUSED = [
     (velocity_constraint, SceneError, r"'drive' \(JointRollingDisc\) constrains velocities.*penalty"),
     (rotation_vector, SceneError, r"node .*\(RigidBodyRotVecLG\).*RotationEulerParameters or RotationRxyz"),
     (node_without_body, SceneError, r"node \d+ 'lost' \(Point\) has coordinates without mass"),
-    (node_of_ale_elements, SceneError, r"'flow' \(GenericODE2\) has coordinates without mass \(of an ALE"),
+    (node_of_ale_elements, SceneError, r"'flow' \(GenericODE2\) has coordinates without mass.*remove it"),
+    (beam_of_euler_parameters, SceneError, r"mass.*'boom' \(BeamGeometrica.*couples.*NodeRigidBodyRxyz\.$"),
+    (beam_of_slopes, SceneError, r"'boom' .* singular mass.*BeamGeometricallyExact on NodeRigidBodyRxyz"),
+    (floating_frame_of_a_mesh, SceneError, r"'hull' \(FFRF\).*ObjectFFRFreducedOrder"),
+    (pipe_with_flow, SceneError, r"'pipe' \(ALEANCFCable2D\) needs a mass.*massMatrix on"),
     (disc_without_inertia, SceneError, r"'disc' \(RigidBody2D\) has coordinates without mass.*inertia"),
     (rod_without_inertia_about_its_axis, SceneError, r"\(RigidBodyEP\) has coordinates without mass"),
     (

@@ -12,7 +12,7 @@ from ...arrays import Array, collected
 from ...constraints.motion import differences, motion_of
 from ...items.attach.clamp_to_body import Clamp
 from ...items.attach.shared_node import SameSlope
-from ...items.functions_of_time import is_of_time_alone
+from ...items.functions_of_time import is_of_time_alone, python_function
 from ...multibody.build import FunctionOfTime
 from ...multibody.rows import ACROSS, ALONG, DIFFERENCE, DISTANCE, PARALLEL, ROW
 from ...multibody.sliding import SLIDER, NoSliders, Sliders
@@ -217,7 +217,7 @@ def _of_time(mbs: Any, joint: JointItem, given: Any, parameters: Any) -> Callabl
         raise UnknownItemError(
             f"{joint.name}, whose user function may depend on the state (if not: {SAY_OF_TIME})"
         )
-    return partial(_called, given["function"], mbs, joint.number, parameters)
+    return partial(_called, python_function(given), mbs, joint.number, parameters)
 
 
 def _called(function: Any, mbs: Any, number: int, parameters: Any, t: float) -> Any:
