@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from exudyn_inext.cable.attached import Drag, PointMass
+from exudyn_inext.cable.chain import build_chain
 from exudyn_inext.cable.implicit_bending import ImplicitBending
 from exudyn_inext.cable.linked_cable import cable_system
 from exudyn_inext.cable.many_cables import cable_systems, in_few_chains
@@ -113,3 +114,16 @@ def test_a_cable_without_length_constraints_remains_alone():
     free = random_state(1, 3, 2, MEASURES[0], n_bar=0)
     systems = [cable_system(state.cable, ZETA) for state in (free, free, *states(2, MEASURES[0], number=2))]
     assert [len(parts) for _, parts in in_few_chains(systems)] == [1, 1, 2]
+
+
+def test_what_a_cable_does_not_have_needs_no_code_of_its_own():
+    """Damping, drag and natural curvature are flags in records of one type."""
+    plain = random_state(3, 3, 2, MEASURES[0]).cable
+    section = replace(plain.section, bending_damping=0.1, natural_curvature=0.3)
+    rich = replace(plain, section=section, drag=Drag(1.0, 0.5, (0.0, 1.0)))
+    one, other = build_chain(plain).elements, build_chain(rich).elements
+    assert one.dtype == other.dtype
+    for flag in ("curved", "damped", "dragged"):
+        assert not one[flag].any() and other[flag].all()
+    systems = [cable_system(cable, ZETA) for cable in (plain, replace(rich, drag=None))]
+    assert len(in_few_chains(systems)) == 2  # all cables of a chain are damped, or none
