@@ -5,24 +5,21 @@ import sys
 import threading
 import warnings
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
-from itertools import groupby, islice, tee
+from itertools import tee
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Array, as_slice
-from ..called_system import addresses_of
 from ..checks import require_finite, require_integer
 from ..items.arguments import explicit_settings, simulation_settings
-from ..run.cable_run import CableRun
-from ..run.coupled_run import CoupledRun, Run
-from ..run.members import record_members, stacked
+from ..run.coupled_run import CoupledRun
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import StepChoice, require_stable, warn_of_damping
 from ..run.time_grid import TimeGrid, grid_of_period
@@ -30,8 +27,7 @@ from .console import compile_notice
 from .ensemble_members import Member, all_systems, read_members
 from .reports import EnsembleReport
 
-NUMBERS_IN_A_CHUNK = 4_000_000  # coordinates and load factors that a thread handles at once
-CHUNKS_OF_A_THREAD = 8  # so that threads begin at once and end together
+MOST_WAITING = 8  # members for each thread, which hold memory
 TURN = 1e-4  # of a thread that holds Python's lock [s]; the usual 5 ms cost a tenth of the gain of two cores
 DERIVATIVES = ("coordinates", "velocities", "accelerations")
 OK = "ok"
@@ -46,17 +42,15 @@ def SolveEnsemble(
     derivatives: int = 0,
     threads: int | None = None,
 ) -> dict[str, Any]:
-    """Explicit dynamics of many systems of the same structure, in compiled code on all cores.
+    """Explicit dynamics of many systems with equally many coordinates, in compiled code on all cores.
 
     For parameter sweeps and model-predictive control. Each member moves, bit for bit, as it would with
-    SolveExplicit alone; where no step is given, each takes its own. Numbers may differ between members
-    (sections, lengths, supports, gravity, loads, initial states), the structure must not (dimension, number
-    of elements, curvature measure, number of cables, links and load histories). Exudyn's time loop is not
-    entered: sensors and files are not written, and the systems stay as they are.
+    SolveExplicit alone; where no step is given, each takes its own. Members may differ in all but the number
+    of their coordinates. Exudyn's time loop is not entered: sensors and files are not written, and the
+    systems stay as they are.
 
-    Among bodies, springs and joints, all of which must have compiled forms, and with adaptiveStep, each
-    thread moves one member after the other; accelerations among bodies are those of SolveExplicit within
-    round-off.
+    Bodies, springs and joints among cables must all have compiled forms; accelerations are there those of
+    SolveExplicit within round-off.
 
     Args:
         systems: sequence of assembled mbs, or a function that builds one: f(parameters[i]) -> mbs.
@@ -78,7 +72,7 @@ def SolveEnsemble(
         'massScaling', 'decidedBy' and 'bounds'.
 
     Raises:
-        InputError: no member, members of different structure (it says which differs in what).
+        InputError: no member, or members of different numbers of coordinates (it says which one).
         SceneError: a member contains what is not supported, or items that only Exudyn can evaluate, such as
             user functions that depend on the state.
         StepSizeError: stepSize is above the stability limit of a member.
@@ -168,19 +162,6 @@ class _ShortTurns:
 _SHORT_TURNS = _ShortTurns()
 
 
-@dataclass(frozen=True, eq=False)
-class _Chunk:
-    """Members from number `first`: their runs of cable number `cable`, and these stacked; of one grid."""
-
-    grid: TimeGrid
-    cable: int
-    first: int
-    runs: list[CableRun]
-    loads: Any
-    states: Any
-    watches: Any
-
-
 class _Ensemble:
     """States of all members, while they are computed.
 
@@ -200,146 +181,66 @@ class _Ensemble:
         self.choices: list[StepChoice] = []
         self._findings: list[str] = []
         self._explicit = explicit
-        integrator, self._scheme = explicit.method
-        self._stages = integrator.stages
         self._number, self._derivatives = number, derivatives
 
-    def solve(self, members: Iterator[Member], threads: int, done: Callable[[int], Any]) -> None:
-        """Advance all members, `threads` at the same time; `done` is told how many have got to their end.
+    def solve(self, members: Iterable[Member], threads: int, done: Callable[[int], Any]) -> None:
+        """Advance all members, `threads` at the same time; `done` is told of each that has got to its end.
 
-        The calling thread reads systems and samples loads while the others compute.
+        The calling thread reads systems while the others compute.
         """
         if threads == 1:
-            for chunk in self._chunks(members, threads):
-                done(chunk())
+            for job in self._jobs(members):
+                job()
+                done(1)
             return
-        pending: deque[Future[int]] = deque()
+        pending: deque[Future[None]] = deque()
         with ThreadPoolExecutor(threads) as pool, _SHORT_TURNS:
-            for chunk in self._chunks(members, threads):
-                pending.append(pool.submit(chunk))
-                if len(pending) > 2 * threads:  # the chunks that wait hold memory
-                    done(pending.popleft().result())
+            for job in self._jobs(members):
+                pending.append(pool.submit(job))
+                if len(pending) > MOST_WAITING * threads:
+                    pending.popleft().result()
+                    done(1)
             for future in pending:
-                done(future.result())
+                future.result()
+                done(1)
 
-    def _chunks(self, members: Iterator[Member], threads: int) -> Iterator[Callable[[], int]]:
-        """Functions that advance some members, and return how many have got to their end."""
-        while len(self.choices) < self._number:
-            size = self._size_of_chunk(threads) if self.choices else 1
-            together = list(islice(members, size))
-            if not self.choices:
-                self._allocate(together[0])
-            for grid, alike in groupby(together, key=lambda member: self._grids(member.choice.h)):
-                first, group = len(self.choices), list(alike)
-                self.choices += [member.choice for member in group]
-                for cable in range(len(group[0].runs)):
-                    yield self._job(grid, cable, first, [member.runs[cable] for member in group])
+    def _jobs(self, members: Iterable[Member]) -> Iterator[Callable[[], None]]:
+        """What advances one member after the other."""
+        for number, member in enumerate(members):
+            if not number:
+                self._allocate(member)
+            self.choices.append(member.choice)
+            yield partial(self._advance, number, member)
 
     def _allocate(self, member: Member) -> None:
         """Memory of all members, which are of the same size as the given one."""
         shape = (self._derivatives, self._number, self.grid.loop_steps + 1, member.size)
         self.states = np.full(shape, np.nan)
         self.reference = np.zeros((self._number, member.size))
-        self._good = np.zeros((len(member.runs), self._number), dtype=int)  # intervals before a divergence
-        self._steps = np.zeros((len(member.runs), self._number), dtype=int)
-        self._smallest = np.zeros((len(member.runs), self._number))  # steps [s]
-        outputs = self._derivatives * self.grid.loop_steps * member.size
-        patterns = sum(len(run.loads.pattern) for run in member.runs if isinstance(run, CableRun))
-        factors = self.grid.loop_steps * self.grid.substeps * len(self._stages) * patterns
-        self._numbers_of_a_member = outputs + factors
+        self._good = np.full(self._number, self.grid.loop_steps)  # intervals before a divergence
+        self._steps = np.zeros(self._number, dtype=int)
+        self._smallest = np.full(self._number, np.inf)  # steps [s]
 
-    def _size_of_chunk(self, threads: int) -> int:
-        fair = -(-self._number // (CHUNKS_OF_A_THREAD * threads))
-        return max(1, min(fair, NUMBERS_IN_A_CHUNK // self._numbers_of_a_member))
-
-    def _job(self, grid: TimeGrid, cable: int, first: int, runs: Sequence[Any]) -> Callable[[], int]:
-        """Advances runs of members from number `first` on: all at once, or whole scenes one by one."""
-        if isinstance(runs[0], CableRun) and not self._explicit.adaptiveStep:
-            return partial(self._advance, self._chunk(grid, cable, first, list(runs)))
-        return partial(self._advance_one_by_one, grid, cable, first, runs)
-
-    def _advance_one_by_one(self, grid: TimeGrid, cable: int, first: int, runs: Sequence[Run]) -> int:
-        """As `_advance`, for cables among bodies, and for steps that adapt."""
-        for number, run in enumerate(runs, first):
-            self._start(grid, number, run)
+    def _advance(self, number: int, member: Member) -> None:
+        """Put the states of a member into their places, up to a divergence."""
+        grid = self._grids(member.choice.h)
+        for run in member.runs:
+            run.set_step(grid.h)
+            run.start(grid.start)
+            self.reference[number, run.indices] = run.reference
             history = np.empty((grid.loop_steps + 1, 3, len(run.indices)))
             history[0] = run.state.q - run.reference, run.state.v, run.state.a
             good = run.record(grid, 0, history[1:])
-            if isinstance(run, CoupledRun) and len(self.states) == len(DERIVATIVES):
+            if isinstance(run, CoupledRun) and self._derivatives == len(DERIVATIVES):
                 times = np.array([grid.time(k) for k in range(good + 1)])
                 run.set_accelerations(times, history[: good + 1])
             if run.finding:
                 self._findings.append(f"member {number} of the ensemble: {run.finding}")
-            place = cable, number
-            self._good[place] = good
-            self._steps[place], self._smallest[place] = run.control.steps, run.control.smallest
-            kept = history[: good + 1, : len(self.states)].swapaxes(0, 1)
+            self._good[number] = min(good, self._good[number])
+            self._steps[number] = max(run.control.steps, self._steps[number])
+            self._smallest[number] = min(run.control.smallest, self._smallest[number])
+            kept = history[: good + 1, : self._derivatives].swapaxes(0, 1)
             self.states[:, number, : good + 1][..., as_slice(run.indices)] = kept
-        return self._ended(cable, runs)
-
-    def _ended(self, cable: int, runs: Sequence[Any]) -> int:
-        """How many members have got to their end with these runs: with the last one of their cables."""
-        return len(runs) if cable == len(self._good) - 1 else 0
-
-    def _chunk(self, grid: TimeGrid, cable: int, first: int, runs: list[CableRun]) -> _Chunk:
-        for number, run in enumerate(runs, first):
-            self._start(grid, number, run)
-        piece = runs[0].control.whole_intervals(grid, 0, grid.loop_steps)
-        self._steps[cable, first : first + len(runs)] = piece.steps
-        self._smallest[cable, first : first + len(runs)] = grid.h
-        return _Chunk(
-            grid,
-            cable,
-            first,
-            runs,
-            loads=stacked([run.loads.sample(piece, self._stages) for run in runs]),
-            states=stacked([run.state for run in runs]),
-            watches=stacked([run.watch.watch for run in runs]),
-        )
-
-    def _start(self, grid: TimeGrid, number: int, run: Run) -> None:
-        run.set_step(grid.h)
-        run.start(grid.start)
-        self.reference[number, run.indices] = run.reference
-        first = (run.state.q - run.reference, run.state.v, run.state.a)
-        for states, values in zip(self.states[:, number, 0], first, strict=False):
-            states[run.indices] = values
-
-    def _advance(self, chunk: _Chunk) -> int:
-        """Compute the chunk's states and put them into their places, up to a divergence.
-
-        Returns:
-            See `_ended`.
-        """
-        grid, run = chunk.grid, chunk.runs[0]
-        shape = (len(self.states), len(chunk.runs), grid.loop_steps, len(run.indices))
-        output = np.full(shape, np.nan)
-        systems = addresses_of([run.called for run in chunk.runs])
-        stacks = systems, run.called.functions, chunk.loads, chunk.states
-        good = np.zeros(len(chunk.runs), dtype=int)
-        record_members(self._scheme, *stacks, grid.h, grid.substeps, chunk.watches, output, good)
-        for member in np.flatnonzero(good < grid.loop_steps).tolist():
-            good[member] = self._recorded_alone(chunk, member, output[:, member])
-        for member, run in enumerate(chunk.runs):
-            number, places = chunk.first + member, as_slice(run.indices)
-            output[0, member] -= run.reference
-            self._good[chunk.cable, number] = good[member]
-            self.states[:, number, 1 : good[member] + 1][..., places] = output[:, member, : good[member]]
-        return self._ended(chunk.cable, chunk.runs)
-
-    def _recorded_alone(self, chunk: _Chunk, member: int, output: Array) -> int:
-        """Steps of a member that went wrong are rejected, as in a run of its own; returns its good intervals.
-
-        output: (derivatives, intervals, n_dof) q, v, a.
-        """
-        grid, run, place = chunk.grid, chunk.runs[member], (chunk.cable, chunk.first + member)
-        run.forget()
-        run.resume(grid.start)
-        history = np.empty((grid.loop_steps, 3, len(run.indices)))
-        good = run.advance(grid, 0, history)
-        self._steps[place], self._smallest[place] = run.control.steps, run.control.smallest
-        output[:, :good] = history[:good, : len(output)].swapaxes(0, 1)
-        return good
 
     def results(self) -> dict[str, Any]:
         """What `SolveEnsemble` returns; of several cables, the first divergence ends their member."""
@@ -358,8 +259,8 @@ class _Ensemble:
             "status": [OK if np.isnan(end) else f"diverged before t = {end:.6g} s" for end in ends],
             "divergenceTimes": ends,
             "integrator": explicit.integratorName,
-            "stepSize": self._smallest.min(axis=0),
-            "steps": self._steps.max(axis=0),
+            "stepSize": self._smallest,
+            "steps": self._steps,
             "massScaling": np.array([choice.theta for choice in self.choices]),
             "decidedBy": [self._decided_by(choice) for choice in self.choices],
             "bounds": [choice.bounds for choice in self.choices],
@@ -372,8 +273,7 @@ class _Ensemble:
     def _divergence_times(self) -> Array:
         """(members,) NaN where there was none; later states are made NaN."""
         ends = np.full(self._number, np.nan)
-        good = self._good.min(axis=0)
-        for number in np.flatnonzero(good < self.grid.loop_steps):
-            self.states[:, number, good[number] + 1 :] = np.nan
-            ends[number] = self.grid.time(int(good[number]) + 1)
+        for number in np.flatnonzero(self._good < self.grid.loop_steps):
+            self.states[:, number, self._good[number] + 1 :] = np.nan
+            ends[number] = self.grid.time(int(self._good[number]) + 1)
         return ends

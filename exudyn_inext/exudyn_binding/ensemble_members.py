@@ -1,17 +1,14 @@
-"""The members of an ensemble: systems of the same structure, read one by one, each with its step."""
+"""The members of an ensemble: systems with equally many coordinates, read one by one, each with its step."""
 
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from ..cable.links import all_links
 from ..errors import InextensibleError, InputError, SceneError
 from ..items.functions_of_time import take_word
 from ..native.velocity_level import at_position_level
-from ..run.cable_run import CableRun
 from ..run.coupled_run import Run
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import StepChoice, choose_step
@@ -71,7 +68,7 @@ def read_members(
         h: given step that scales the mass [s]; 0 without it.   explicit: settings.
 
     Raises:
-        InputError: members of different structure.
+        InputError: members of different numbers of coordinates.
         SceneError: a member that is not assembled, or contains what is not supported.
         StepSizeError: the given step is above the stability limit of a member.
     """
@@ -80,7 +77,10 @@ def read_members(
         with _naming(number):
             member = _member(mbs_of(), time, duration, h, explicit)
             first = first or member
-            _require_same_structure(first.runs, member.runs)
+            if member.size != first.size:
+                raise InputError(
+                    f"number of coordinates = {member.size}, that of member 0 is {first.size}: {REMEDY}"
+                )
         yield member
 
 
@@ -111,41 +111,3 @@ def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> Sequen
     if not runs:
         raise SceneError("it has no inextensible cable: add one with CreateInextensibleCable.")
     return runs
-
-
-def _require_same_structure(first: Sequence[Run], others: Sequence[Run]) -> None:
-    cables, own = ([cable for run in runs for cable in run.cable_runs] for runs in (first, others))
-    if len(cables) != len(own):
-        raise InputError(f"number of cables = {len(own)}, that of member 0 is {len(cables)}: {REMEDY}")
-    sizes, own_sizes = ([len(run.indices) for run in runs] for runs in (first, others))
-    if sizes != own_sizes and not all(isinstance(run, CableRun) for run in (*first, *others)):
-        raise InputError(
-            f"numbers of coordinates that move together = {own_sizes}, those of member 0 "
-            f"are {sizes}: {REMEDY}"
-        )
-    for expected, run in zip(cables, own, strict=True):
-        wanted, found = structure(expected), structure(run)
-        for what, value in wanted.items():
-            if found[what] != value:
-                raise InputError(
-                    f"{what} of {run.name} = {found[what]!r}, that of member 0 is {value!r}: {REMEDY}"
-                )
-
-
-def structure(run: CableRun) -> dict[str, Any]:
-    """What decides on the shapes of a cable's arrays and on the compiled code that moves it."""
-    cable = run.scene_cable.cable
-    links = Counter(link.kind for link in all_links(cable))
-    return {
-        "dimension": cable.dimension,
-        "number of elements": cable.number_of_elements,
-        "curvature measure": cable.measure.value,
-        "natural curvature is present": cable.is_naturally_curved,
-        "axial stiffness is present": cable.stretches,
-        "bending damping is present": cable.section.bending_damping != 0.0,
-        "drag is present": cable.drag is not None,
-        "closed": cable.closed,
-        "links": ", ".join(f"{number} {kind}" for kind, number in sorted(links.items())) or "none",
-        "components of load histories and motions": len(run.loads.pattern),
-        "coordinates and anchors of links": len(run.loads.constant),
-    }

@@ -1,12 +1,11 @@
 """The user function that Exudyn's time loop calls in place of Newton's method."""
 
-import struct
 import warnings
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 from operator import length_hint
-from typing import Any, Protocol
+from typing import Any
 
 import exudyn
 import numpy as np
@@ -19,25 +18,12 @@ from ..run.divergence import divergence, listed
 from ..run.kept_state import KeptState
 from ..run.time_grid import TimeGrid
 from .restart import Restarts
-from .sensors import ACCELERATIONS, POSITIONS, VELOCITIES
+from .sensors import ACCELERATIONS, VELOCITIES
 
 LOOK_AHEAD_LIMIT = 1_000_000  # coordinates times steps in a call: some 30 ms, so that Ctrl-C works
 HANDED_OUT = 64  # states that are turned into Python numbers at once
 CALM = 4  # steps without a change, after which several are computed at once
 UNSEEN = 32  # steps at most that are computed ahead where functions may still change something
-
-
-class Changes(Protocol):
-    """What user functions have changed, see `changes.follower.ChangeFollower`."""
-
-    def has_news(self, runs: Sequence[Run], time: float) -> bool: ...
-
-    @property
-    def moves(self) -> bool: ...
-
-    def follow(self, runs: Sequence[Run], time: float, end: float) -> Sequence[Run]: ...
-
-    def require_all_seen(self, runs: Sequence[Run]) -> None: ...
 
 
 class _RememberingErrors:
@@ -71,11 +57,11 @@ class ExplicitTimeLoop:
         runs: Sequence[Run],
         grid: TimeGrid,
         restarts: Restarts,
-        observed: int = ACCELERATIONS,
-        changes: Changes | None = None,
+        observed: int,
+        changes: Any,
     ) -> None:
         self.runs = runs
-        self._changes = changes
+        self.changes = changes
         self.grid = grid
         self.error: Exception | None = None
         self._remembering_errors = _RememberingErrors(self)
@@ -132,39 +118,19 @@ class ExplicitTimeLoop:
 
     def _plain_user_function(self) -> Any:
         self._blocks, self._states = self._blocks_of_states(), iter(())
-        is_watched = self._is_watched
-        next_state = self._next_state if is_watched else chain.from_iterable(self._blocks).__next__
-        set_q, *set_others = self._setters()[: self._observed]
-        reactions, set_reactions = self._reactions, self._data.SetAECoordinates
-
-        def take_step_of_positions(solver: Any, mbs: Any, settings: Any) -> bool:
-            set_q(next_state())
-            return True
+        next_state = self._next_state if self._is_watched else chain.from_iterable(self._blocks).__next__
+        setters, data = self._setters()[: self._observed], self._data
+        besides = (self._reactions, data.SetAECoordinates), (self._remembered, data.SetDataCoordinates)
 
         def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
-            q, *others = next_state()
-            set_q(q)
-            for put, values in zip(set_others, others, strict=True):
+            for put, values in zip(setters, next_state(), strict=True):
                 put(values)
-            if reactions:
-                set_reactions(reactions.popleft())
+            for waiting, put in besides:
+                if waiting:
+                    put(waiting.popleft())
             return True
 
-        return self._with_contacts(take_step if set_others else take_step_of_positions)
-
-    def _with_contacts(self, take_step: Any) -> Any:
-        """The same, where mbs shall have what compiled contacts remember."""
-        remembered, set_data = self._remembered, self._data.SetDataCoordinates
-        if not self._is_watched and all(run.remembered is None for run in self.runs):
-            return take_step
-
-        def take_step_of_contacts(solver: Any, mbs: Any, settings: Any) -> bool:
-            take_step(solver, mbs, settings)
-            if remembered:
-                set_data(remembered.popleft())
-            return True
-
-        return take_step_of_contacts
+        return take_step
 
     def _setters(self) -> list[Any]:
         data = self._data
@@ -172,8 +138,8 @@ class ExplicitTimeLoop:
 
     def finish(self) -> None:
         """After the last step, if there was no error."""
-        if self._changes is not None and self._is_watched:
-            self._changes.require_all_seen(self.runs)
+        if self._is_watched:
+            self.changes.require_all_seen(self.runs)
         self._write_restart()
 
     def cause_of(self, error: Exception, log: Any) -> BaseException:
@@ -246,7 +212,7 @@ class ExplicitTimeLoop:
             run.resume(self.grid.time(first))
 
     def _blocks_of_states(self) -> Iterator[Iterable[Any]]:
-        """Some steps of the loop: after each, q if that is all that is observed, or a list of what is.
+        """Some steps of the loop: after each, a list of what is observed.
 
         DivergenceError instead of a bad one.
         """
@@ -255,12 +221,9 @@ class ExplicitTimeLoop:
             with self._remembering_errors:
                 states, good = self._compute_well()
             self._ahead = (first, states[:good])
-            if self._observed == POSITIONS:  # tuples are cheaper than lists
-                yield struct.iter_unpack(f"{states.shape[2]}d", states[:good, 0].tobytes())
-            else:
-                observed = states[:good, : self._observed]
-                for block in range(0, good, HANDED_OUT):
-                    yield observed[block : block + HANDED_OUT].tolist()
+            observed = states[:good, : self._observed]
+            for block in range(0, good, HANDED_OUT):
+                yield observed[block : block + HANDED_OUT].tolist()
             if good < len(states):
                 self.error = self._divergence(self.grid.time(first + good), self.grid.time(first + good + 1))
                 self._put_back()
@@ -349,7 +312,7 @@ class ExplicitTimeLoop:
     def _intervals(self, step: int) -> int:
         """Number of steps of the loop to compute in one call, after that step."""
         if self._is_watched and (
-            self._calm < CALM or self._moves or not all(run.is_steady for run in self.runs)
+            self._calm < CALM or self.changes.moves or not all(run.is_steady for run in self.runs)
         ):
             return 1
         remaining = min(self.grid.loop_steps - step, self.restarts.steps_until_due(self.grid, step))
@@ -357,10 +320,6 @@ class ExplicitTimeLoop:
             remaining = min(remaining, self._calm // 2, UNSEEN)
         coordinates = sum(len(run.indices) for run in self.runs)
         return max(1, min(remaining, LOOK_AHEAD_LIMIT // (coordinates * self.grid.substeps)))
-
-    @property
-    def _moves(self) -> bool:
-        return self._changes is not None and self._changes.moves
 
     def _present(self, configuration: Any = exudyn.ConfigurationType.Current) -> list[Array]:
         data = self._data
@@ -374,11 +333,11 @@ class ExplicitTimeLoop:
 
     def _follow_changes(self) -> None:
         """A user function may have changed items since the last step: go on with what they are now."""
-        if self._changes is None or not self._changes.has_news(self.runs, self.time):
+        if not self.changes.has_news(self.runs, self.time):
             return
         self._withdraw()
         try:
-            runs = self._changes.follow(self.runs, self.time, self.grid.time(self._computed + 1))
+            runs = self.changes.follow(self.runs, self.time, self.grid.time(self._computed + 1))
         except Exception:
             self._data.SetTime(self.time)
             raise

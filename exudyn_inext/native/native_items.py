@@ -51,6 +51,7 @@ class NativeItems:
     joints: names of the rows.   blocks: their Jacobian by parts.
     native_forces: (n,) what Exudyn's items did to all second order coordinates when last asked [N, Nm].
     varying_forces: (n,) the same, with the weights of cables that change in time.
+    given: (n,) forces on all parts that others have set.
     approach: of joints that were changed before the present step of the time loop, if any was.
     path: memory of the work that they do from one evaluation to the next, see `build_path`; None: not now.
         Of several evaluations in a step, the first one is left out: RK4's second one lies beside it.
@@ -99,6 +100,7 @@ class NativeItems:
         self._bodies = coordinates.slices[len(loads)]
         self._remembers = bool(self._data.DataSize() or mbs.NumberOfGeneralContacts())
         self.native_forces = np.zeros(len(coordinates.indices))
+        self.given = np.zeros(self._dofs[-1].stop)
         self._has_histories = any(of_cable.has_histories for of_cable in loads)
         self.varying_forces = self.native_forces.copy() if self._has_histories else self.native_forces
         self._positions = np.zeros(self._dofs[-1].stop)  # that mbs has at the time self._time
@@ -110,7 +112,10 @@ class NativeItems:
         self._time = np.nan
 
     def forces(self, t: float, q: Array, v: Array) -> Sequence[Array]:
-        """Gravity and motions of the cables, and all that Exudyn's items do to the parts."""
+        """Gravity and motions of the cables, and all that Exudyn's items do to the parts, on each whole.
+
+        It sets masses that depend on q.
+        """
         self.set_state(t, q, v)
         if self.settles:
             self._settle()
@@ -138,15 +143,16 @@ class NativeItems:
             if self._has_histories:
                 self._add_histories(q, given, path)
             result = self._joined(given)
+        total = forces + self.given[: len(forces)]
         for force, dofs in zip(result, self._dofs, strict=False):
-            force[: dofs.stop - dofs.start] += forces[dofs]
-        result.append(forces[self._bodies])
+            force[: dofs.stop - dofs.start] += total[dofs]
+        result.append(total[self._bodies])
         if first:
             result.append(residual[second : second + first])
         return result
 
     def rates_of_states(self, t: float, q: Array, v: Array) -> Array:
-        """See `coupled_system.Items`."""
+        """y' (k,) of the first order states, which are the last ones of v."""
         self.set_state(t, q, v)
         self._solver.ComputeODE1RHS(self._mbs)
         second, first = self._sizes
@@ -203,7 +209,7 @@ class NativeItems:
         return self._values
 
     def constrain(self, t: float, q: Array, v: Array) -> JointTerms:
-        """The joints at (t, q, v)."""
+        """The joints at (t, q, v); their Jacobian goes to `blocks`."""
         self._set_positions(t, q)
         self._rows.update_jacobian(self._mbs, q)
         terms = self._rows.terms(self._mbs, self._values_of_mbs, t, q, v)

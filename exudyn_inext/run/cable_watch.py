@@ -10,6 +10,7 @@ from ..cable.cable import Cable
 from ..cable.links import all_links, motions_of
 from ..integrators.integrator import FACTOR
 from ..scene.model import CableInScene
+from ..system import report_energy
 from .cable_loads import CableLoads
 from .run_watch import RunWatch
 from .watch import (
@@ -57,11 +58,18 @@ class CableWatch(RunWatch):
 
     def open(self, system: Any, external: Array, state: Any) -> None:
         """Begin with a state that the integrator has just started from."""
-        open_account(self.watch, system, external, state, self.round_off)
+        self._report(system, external, state)
+        open_account(self.watch, state, self.round_off)
+
+    def _report(self, system: Any, external: Array, state: Any) -> None:
+        """Of the energy at present."""
+        watch = self.watch
+        report_energy(system, external, state.q, state.v, state.a, watch.force, watch.present_report)
 
     def go_on(self, system: Any, external: Array, state: Any) -> None:
         """With another step, from a state that the integrator has just started from."""
-        go_on(self.watch, system, external, state)
+        self._report(system, external, state)
+        go_on(self.watch, state)
 
     def begin_again(self, system: Any, external: Array, state: Any) -> None:
         """Go on where forces may have jumped, from a state that the integrator has just started from."""

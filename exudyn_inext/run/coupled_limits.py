@@ -10,7 +10,6 @@ import numpy as np
 
 from ..arrays import Array
 from ..integrators.linear_stability import frequency_limit
-from ..scene.closed_contacts import rates_in_contact
 from ..scene.small_vibrations import FastestRates, VibrationTracker, fastest_rates, frequency_of_states
 from ..system import accelerate_and_project
 from .cable_run import CableRun
@@ -115,9 +114,9 @@ class LimitedRun(PacedRun):
         """The rates if all of these contacts close at once; zero where there are none."""
         if self.contacts is None:
             return FastestRates(0.0, 0.0)
-        given, state = (self.mover.given, self.contacts.closed), (self.state.q, self.state.v)
+        state, kept = (self.mover.given, self.state.q, self.state.v), self._fastest[1]
         with self._without_implicit_forces(self._time):
-            return rates_in_contact(*self._system_at(self._time), *given, *state, self._fastest[1])
+            return self.contacts.closed.rates(*self._system_at(self._time), *state, kept)
 
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the present configuration, joints included."""

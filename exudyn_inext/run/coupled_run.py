@@ -315,7 +315,6 @@ class CoupledRun(LimitedRun):
     @property
     def settable_forces(self) -> Array:
         """(n,) forces that act besides those of the items, and may be changed between steps."""
-        assert self.mover.given is not None
         return self.mover.given
 
     def complete(self, times: Array, history: Array, multipliers: Array) -> bool:

@@ -42,8 +42,8 @@ from .watch import (
     check_velocities,
     condemn,
     go_back,
-    go_on_with_report,
-    open_with_report,
+    go_on,
+    open_account,
     verdict_after_work,
 )
 
@@ -156,7 +156,7 @@ class CoupledWatch(RunWatch):
         self._scale = max(1.0, extent)
         size = float(np.abs(forces + self._gravity[: len(forces)]).sum())
         floor = ROUND_OFF * extent * size + sum(run.watch.round_off for run in self._runs)
-        open_with_report(self.watch, state, floor)
+        open_account(self.watch, state, floor)
         places = np.full(len(state.q), OF_PLACES * extent)
         self._resolution = self._kinetic_energy(state, places)
         self._step = 0.0
@@ -187,7 +187,7 @@ class CoupledWatch(RunWatch):
         self._begin_work(t, state)
         self._begin(t, state)
         self._start[:] = self.watch.position[:] = state.q
-        go_on_with_report(self.watch, state)
+        go_on(self.watch, state)
 
     def go_on(self, t: float, state: Any) -> None:
         """With another step, from a state that the integrator has just started from, at t [s]."""
@@ -197,7 +197,7 @@ class CoupledWatch(RunWatch):
         self._begin_work(t, state)
         self._counts[_MOST] = FIRST_STEPS
         self._begin(t, state)
-        go_on_with_report(self.watch, state)
+        go_on(self.watch, state)
 
     @property
     def steps_ahead(self) -> int:

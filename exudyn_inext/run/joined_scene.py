@@ -28,22 +28,6 @@ class OpenContacts:
     dampings: Sequence[str]
 
 
-class Friction(Protocol):
-    """Friction, looked at in a run.   numbers: of the objects with it.   sums: memory of what was seen.
-
-    finding: what is wrong with it; empty if nothing is.
-    """
-
-    numbers: list[int]
-    sums: Array
-
-    @property
-    def finding(self) -> str: ...
-
-    def look(self) -> None:
-        """At the end of a step."""
-
-
 class EvaluatedScene(Protocol):
     """A scene by whom evaluates it: Exudyn, or compiled code.
 
@@ -85,7 +69,8 @@ class JoinedScene(EvaluatedScene, Protocol):
     native_items: forces and joints.   joints: that couple the parts.
     held: coordinates that belong to no part.
     places_of_nodes: first coordinate of each node of cables and bodies, and the dimension of its space.
-    cable_systems: of the cables.   groups: of those that share records.   friction: of it.
+    cable_systems: of the cables.   groups: of those that share records.
+    friction: see `native.friction_check.FrictionCheck`.
     remembered: what contacts remember, if there are any.
     initial_state: q and v (size,) at the start.   bodies_of_variable_mass: how many there are.
     parts_in_one: what evaluates bodies and joints, if it is compiled code.
@@ -116,7 +101,7 @@ class JoinedScene(EvaluatedScene, Protocol):
     def places_of_nodes(self) -> dict[int, tuple[int, int]]: ...
 
     @property
-    def friction(self) -> Friction: ...
+    def friction(self) -> Any: ...
 
     @property
     def remembered(self) -> Elsewhere | None: ...

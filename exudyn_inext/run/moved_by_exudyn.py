@@ -36,7 +36,7 @@ class MovedByExudyn(Mover):
         self, scene: JoinedScene, runs: Sequence[CableRun], state: Any, method: tuple[Integrator, Any]
     ) -> None:
         super().__init__(scene, runs, state, method)
-        self.evaluated, self.elsewhere = scene, scene.remembered
+        self.evaluated, self.elsewhere, self.given = scene, scene.remembered, scene.native_items.given
         self._output = np.zeros((1, 3, scene.size))
 
     @property

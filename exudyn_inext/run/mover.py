@@ -25,13 +25,13 @@ class Mover:
         scene: all of it.   runs: of its cables.   state: of the integrator.   method: it, and its scheme.
 
     system: that takes the steps.   evaluated: the scene, by whom evaluates it.
-    given: (n,) forces besides those of the items, which others may set, or None: there are none.
+    given: (n,) forces besides those of the items, which others may set.
     dofs_in_implicit_contact: first coordinates of the nodes of cables whose contact is damped implicitly.
     asks: which load depends on the state, where compiled code asks its function.
     """
 
     evaluated: EvaluatedScene
-    given: Array | None = None
+    given: Array
     asks = ""
     dofs_in_implicit_contact: np.ndarray = np.zeros(0, int)
 

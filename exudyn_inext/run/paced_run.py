@@ -133,7 +133,7 @@ class PacedRun:
             Number of intervals that went well; later rows of `history` mean nothing.
         """
         good = 0
-        begins = self.watch.looks_at_phase and grid.begins_with(first)
+        begins = self.watch.may_shorten and grid.begins_with(first)
         beginning = self.present_state() if begins else None
         while good < len(history) and not self.gave_up:
             piece = self.control.next(grid, first + good, len(history) - good if self.looks_ahead else 1)
@@ -179,7 +179,7 @@ class PacedRun:
         if is_shortened:
             self.control.shorten(watch.parts)
             if not self.control.may_shorten:
-                watch.ignore_phase()
+                watch.end_shortening()
         elif watch.trouble == ENERGY or not self.control.reject():
             is_shortened = watch.hides_energy and self.control.divisor < SMALLEST_PARTS
             if not is_shortened:

@@ -1,4 +1,4 @@
-"""Bodies and joints in compiled code, where Exudyn evaluates the forces: see `coupled_system.PartsInOne`."""
+"""Cables, bodies and joints as one compiled system, to which Exudyn gives the forces."""
 
 from collections.abc import Sequence
 from functools import cached_property

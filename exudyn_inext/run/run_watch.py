@@ -31,28 +31,27 @@ class RunWatch:
     """A run's account and what it means; whoever knows the run draws it up.
 
     watch: the account.   stretches: whether one of its cables does.
+    may_shorten: whether the nominal step may become shorter, as nobody has given it.
     """
 
     watch: Watch
     stretches: bool
+    may_shorten = False
 
     def limit_phase(self, duration: float, phase: float, mesh: Array, small: float) -> None:
         """Let it find steps that are too long for the motion; arguments: see `Watch`."""
         self.watch = self.watch._replace(duration=duration, phase=phase, mesh=mesh, small=small)
+        self.may_shorten = True
 
-    def ignore_phase(self) -> None:
-        """Let it find no more of these."""
-        self.watch = self.watch._replace(phase=math.inf)
+    def end_shortening(self) -> None:
+        """The nominal step stays as it is."""
+        self.watch, self.may_shorten = self.watch._replace(phase=math.inf), False
 
     def limit_phase_as(self, other: "RunWatch") -> None:
         """As the watch over another run."""
         watch = other.watch
         self.limit_phase(watch.duration, watch.phase, watch.mesh, watch.small)
-
-    @property
-    def looks_at_phase(self) -> bool:
-        """Whether it may find steps too long for the motion."""
-        return self.watch.phase < math.inf
+        self.may_shorten = other.may_shorten
 
     @property
     def trouble(self) -> int:
@@ -69,7 +68,7 @@ class RunWatch:
     @property
     def gain(self) -> float:
         """Energy that the scheme has made so far, times its tolerance; 0 where the step is given."""
-        return float(self.watch.account["error"][NOW]) / self.watch.tolerance if self.looks_at_phase else 0.0
+        return float(self.watch.account["error"][NOW]) / self.watch.tolerance if self.may_shorten else 0.0
 
     @property
     def resolving_step(self) -> float:
@@ -85,7 +84,7 @@ class RunWatch:
         what such a scheme has gained in a violent motion, shorter steps do not take back.
         """
         hidden = self.trouble in (ENERGY, JUMP, NOT_FINITE, UNSTABLE)
-        return (self.stretches or self._gains_energy) and self.looks_at_phase and hidden
+        return (self.stretches or self._gains_energy) and self.may_shorten and hidden
 
     @property
     def _gains_energy(self) -> bool:
@@ -107,7 +106,7 @@ class RunWatch:
         now = self.watch.account[NOW]
         has_turned = now.forces * now.time**2 > BEGINNING**2 * now.speeds
         keeps_mesh = self.watch.mesh[1] == 0.0 or not 0.25 < now.over_mesh < math.inf
-        may_grow = self.looks_at_phase and not self._gains_energy
+        may_grow = self.may_shorten and not self._gains_energy
         return bool(may_grow and has_turned and keeps_mesh and SLOW * now.phase < self.watch.phase)
 
     def expect_double_step(self) -> None:

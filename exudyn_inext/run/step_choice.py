@@ -24,7 +24,6 @@ THETA_AMONG_BODIES = 0.55  # with which bending alone, h w < theta^(-1/2), keeps
 STIFF = 0.5  # share of the step of short waves, up to which tension decides, and bending keeps its bound
 OF_STATES = 0.2  # step times the frequency of first order states, as of oil under pressure
 PHASE = 0.003  # error of the motion at the end of a run [rad]
-ANY_PHASE = 1e100  # that no motion has
 MOST_DURATION = 100.0  # of a run, for that [s]
 MUCH = 10.0  # times that damping may shorten the step without a word
 MANY = 100.0  # times as many outputs as steps, without a word
@@ -154,7 +153,7 @@ def _bounds_and_scaling(
     if explicit.stepSize is not None or explicit.method[0].stabilised or not cables:
         if explicit.stepSize is None and not explicit.adaptiveStep:
             for run in runs:  # steps that gain energy may become shorter, whatever their phase
-                run.watch.limit_phase(min(duration, MOST_DURATION), ANY_PHASE, NO_MESH, 0.0)
+                run.watch.limit_phase(min(duration, MOST_DURATION), math.inf, NO_MESH, 0.0)
         return step_bounds(runs, start, explicit), explicit
     accuracy = min(accurate_step(cable, start) for cable in cables)
     usual = THETA

@@ -224,8 +224,11 @@ def go_back(watch: Watch, state: Any) -> None:
     account[NOW].ahead = watch.least
 
 
-def open_with_report(watch: Watch, state: Any, round_off: float) -> None:
-    """As `open_account`, where `present_report` are set already."""
+def open_account(watch: Watch, state: Any, round_off: float) -> None:
+    """Begin with a state, of which `present_report` is; extremes so far are kept.
+
+    round_off: of its energy [J].
+    """
     kinetic, elastic = watch.present_report[KINETIC], watch.present_report[ELASTIC]
     account = watch.account[NOW : NOW + 1]
     account["start"] = kinetic + elastic
@@ -243,31 +246,14 @@ def open_with_report(watch: Watch, state: Any, round_off: float) -> None:
     keep(watch, state)
 
 
-def open_account(watch: Watch, system: Any, external: Array, state: Any, round_off: float) -> None:
-    """Begin with a state that the integrator has started from; extremes so far are kept.
+def go_on(watch: Watch, state: Any) -> None:
+    """After a change of the step, and so of the mass: the energy is another one, its surplus is not.
 
-    Args:
-        watch: over the run.   system: just started.   external: (n_external,) at the start.
-        state: of the integrator.   round_off: of its energy [J].
+    The `present_report` is of the state.
     """
-    report_energy(system, external, state.q, state.v, state.a, watch.force, watch.present_report)
-    open_with_report(watch, state, round_off)
-
-
-def go_on_with_report(watch: Watch, state: Any) -> None:
-    """As `go_on`, where `present_report` are set already."""
     account, now = watch.account[NOW], watch.present_report
     account.start = now[KINETIC] + now[ELASTIC] - account.work - account.surplus
     keep(watch, state)
-
-
-def go_on(watch: Watch, system: Any, external: Array, state: Any) -> None:
-    """After a change of the step, and so of the mass: the energy is another one, its surplus is not.
-
-    Arguments: see `open_account`.
-    """
-    report_energy(system, external, state.q, state.v, state.a, watch.force, watch.present_report)
-    go_on_with_report(watch, state)
 
 
 @inlined

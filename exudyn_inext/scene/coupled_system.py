@@ -6,7 +6,7 @@ Runs in plain Python: forces come from outside, and each part is one call.
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from ..arrays import Array
 from ..cable.linear_response import improve_damping, leave_to_joints
 from ..called_system import Bound
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
-from .joints import JointBlock, JointSolve, JointTerms
+from .joints import JointSolve, JointTerms
 
 
 class Part(NamedTuple):
@@ -45,70 +45,25 @@ def _resolve(part: Part, has_joints: bool) -> _Resolved:
     return _Resolved(part.dofs, rates, accelerate, correct, improve)
 
 
-class Items(Protocol):
-    """What acts on the parts, and joins them.
-
-    joints: what each row is called, for messages.   blocks: their Jacobian by parts.
-    """
-
-    joints: Sequence[str]
-    blocks: Sequence[JointBlock]
-
-    def forces(self, t: float, q: Array, v: Array) -> Sequence[Array]:
-        """External force on each whole, as its protocols take it; sets masses that depend on q."""
-
-    def constrain(self, t: float, q: Array, v: Array) -> JointTerms:
-        """The joints at (t, q, v); their Jacobian goes to `blocks`."""
-
-    def rates_of_states(self, t: float, q: Array, v: Array) -> Array:
-        """y' (k,) of the first order states, which are the last ones of v."""
-
-    def violations(self, t: float, q: Array) -> Array:
-        """c(q, t) (m,)."""
-
-    def motions(self, t: float) -> Sequence[Array]:
-        """What moves the constraints of each whole, as its `correct_position` takes it."""
-
-
-class PartsInOne(Protocol):
-    """All parts and joints as one compiled system, to which the forces are given.
-
-    Arguments are those of the protocols; t: time [s]; forces: see `Items.forces`.
-    multipliers: nu (m,) of the joints at the last evaluation.   drift: c_t (m,) there.
-    """
-
-    multipliers: Array
-
-    @property
-    def drift(self) -> Array: ...
-
-    def rates(self, t: float, forces: Sequence[Array], *arrays: Array) -> None: ...
-
-    def accelerate(self, t: float, forces: Sequence[Array], *arguments: Any) -> None: ...
-
-    def correct(self, t: float, *arguments: Any) -> float: ...
-
-    def joint_force(self, dofs: slice) -> Array: ...
-
-
 class CoupledSystem:
     """A `system` of the integrators; their external force is the time alone, (1,).
 
+    native_items: what acts on the parts, and joins them, see `native.native_items.NativeItems`.
     zeta: stabilisation rate of the joints [1/s], as of the cables.
     multipliers: nu (m,) of the joints at the last evaluation: M a + C_q^T nu = F.
     drift: c_t (m,) of the joints there.
     parts: cables, bodies, first order states.   wholes: what of them is evaluated at once.
     states: place of the first order states.
-    in_one: evaluates all of them, and the joints, if it is set.
+    in_one: evaluates all of them, and the joints, if it is set: see `run.parts_in_one`.
     """
 
-    in_one: PartsInOne | None = None
+    in_one: Any = None
     states = slice(0, 0)
 
     def __init__(
         self,
         parts: Sequence[Part],
-        native_items: Items,
+        native_items: Any,
         zeta: float,
         wholes: Sequence[Part] | None = None,
     ) -> None:
@@ -134,12 +89,12 @@ class CoupledSystem:
     def joint_force(self, dofs: slice) -> Array:
         """J^T nu on one part, at the last evaluation.   dofs: its place."""
         if self.in_one:
-            return self.in_one.joint_force(dofs)
+            force: Array = self.in_one.joint_force(dofs)
+            return force
         return self.solve.joint_force(self.multipliers, dofs)
 
     def take_in_one(self) -> None:
         """What its last evaluation found of the joints."""
-        assert self.in_one
         self.multipliers, self.drift = self.in_one.multipliers, self.in_one.drift
 
     def accelerate_joined(self, q: Array, acceleration: Array, target: Array) -> Array:
@@ -157,7 +112,7 @@ class CoupledSystem:
 
     def join(self, t: float, q: Array, v: Array) -> JointTerms:
         """Joints at (t, q, v), their Schur complement factorised; the parts are factorised at q."""
-        terms = self.native_items.constrain(t, q, v)
+        terms: JointTerms = self.native_items.constrain(t, q, v)
         self.drift = terms.drift
         self.solve.factorise()
         return terms

@@ -117,7 +117,7 @@ def _blind(watch: Any) -> Any:
     """Opens like that watch, but remembers and judges nothing."""
     return SimpleNamespace(
         open=watch.open,
-        looks_at_phase=False,
+        may_shorten=False,
         is_slow=False,
         gain=0.0,
         path_of_evaluations=None,

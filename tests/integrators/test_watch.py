@@ -44,7 +44,10 @@ class WatchedPendulum:
         self.state.q[:] = cable.reference.ravel()
         self.integrator.start(self.system, self.constant, self.state)
         self.watch = build_watch(self.state, every, TOLERANCE, self.pattern, most=MOST)
-        open_account(self.watch, self.system, self.constant, self.state, 1e-12)
+        report_energy(
+            self.system, self.constant, *self.state[:3], self.watch.force, self.watch.present_report
+        )
+        open_account(self.watch, self.state, 1e-12)
         self.account = self.watch.account[0]
 
     def loads(self, h, steps):
