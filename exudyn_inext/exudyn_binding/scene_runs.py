@@ -16,6 +16,7 @@ from ..native.coupled_scene import CoupledScene
 from ..native.evaluated_scene import CoupledCable
 from ..native.native_items import state_kept, switched_off
 from ..run.cable_run import CableRun, Start
+from ..run.consistent_start import are_kept
 from ..run.coupled_run import CoupledRun, Run
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import USUAL_SCALING, StepSizeBounds, step_bounds
@@ -86,8 +87,11 @@ def runs_of_cables(
     start, states = Start(time, h, explicit), initial_states(mbs, cables)
     scaled = ImplicitBending((explicit.massScaling or 0.0) * h**2)
     systems = cable_systems([one.cable for one in cables], explicit.stabilizationRate, scaled)
-    rows = zip(cables, systems, states, strict=True)
-    return [CableRun(*given, start, explicit.method) for given in rows]
+    is_kept = len(cables) > 1 and are_kept(cables, systems, states)
+    return [
+        CableRun(*given, start, explicit.method, is_kept)
+        for given in zip(cables, systems, states, strict=True)
+    ]
 
 
 def runs_of_scene(

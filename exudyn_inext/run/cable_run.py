@@ -29,6 +29,7 @@ from ..system import accelerate_and_project, report_energy
 from .cable_loads import CableLoads
 from .cable_watch import CableWatch
 from .consistent_start import (
+    NOTHING,
     StartCorrection,
     Violation,
     project,
@@ -101,11 +102,13 @@ class CableRun(PacedRun):
         initial: tuple[Array, Array],
         start: Start,
         method: tuple[Integrator, Any],
+        is_kept: bool = False,
     ) -> None:
         """Begin at `initial`, coordinates and velocities.
 
         Args:
             scene_cable: the cable.   system: its equations.   start: how.   method: integrator and scheme.
+            is_kept: whether the initial state is known to fulfil the constraints.
         """
         require_smooth_motions(scene_cable.moving, start.time)
         cable = scene_cable.cable
@@ -118,7 +121,7 @@ class CableRun(PacedRun):
         self._lag = 0.5 if integrator.has_implicit_damping and cable.section.bending_damping else 0.0
         self._stretches = cable.stretches
         self.system = system
-        violations = self._violations(*initial, start)
+        violations = (NOTHING, NOTHING) if is_kept else self._violations(*initial, start)
         self._tracker = FrequencyTracker(self.system, cable.reference.shape)
         self._looked_after = 0  # steps, at the stability limit
         self._largest_share = 0.0  # of the stability limit, that the step has been

@@ -1,7 +1,9 @@
 """Initial coordinates and velocities of a cable on its constraint manifold."""
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -10,6 +12,7 @@ from ..arrays import Array
 from ..cable.cable import Cable
 from ..cable.index_reduction import CORRECTION
 from ..cable.linked_cable import LinkedCableSystem
+from ..cable.many_cables import in_few_chains
 from ..cable.sparse_forms import mass_of_cable
 from ..called_system import Bound
 from ..constraints import constraints_of_cable
@@ -74,6 +77,9 @@ class Violation:
     row: int = 0
 
 
+NOTHING = Violation(0.0)
+
+
 @dataclass(frozen=True)
 class StartCorrection:
     """How far the projection onto the constraints moved an initial state.
@@ -86,6 +92,24 @@ class StartCorrection:
     velocity: float = 0.0
 
 
+def are_kept(
+    cables: Sequence[CableInScene], systems: Sequence[Any], states: Sequence[tuple[Array, Array]]
+) -> bool:
+    """Whether cables at rest, looked at together, fulfil their constraints; False: look at each.
+
+    systems: of the cables.   states: coordinates and velocities (n, 2, dim) of each.
+    """
+    if any(v.any() for _, v in states) or any(cable.moving for cable in cables):
+        return False
+    rest = zip(cables, states, strict=True)
+    for system, alike in in_few_chains(systems):
+        some = [(one.cable.reference, one.cable.fixed, q) for one, (q, _) in islice(rest, len(alike))]
+        reference, fixed, q = map(np.concatenate, zip(*some, strict=True))
+        if not _is_kept(system, Bound(correct_position, system), reference, fixed, q):
+            return False
+    return True
+
+
 def worst_violations(
     scene_cable: CableInScene, system: Any, q: Array, v: Array, time: float
 ) -> tuple[Violation, Violation]:
@@ -96,7 +120,7 @@ def worst_violations(
     speed = max(1.0, float(np.abs(v).max()))
     cable, none = scene_cable.cable, np.zeros(0)
     correct = Bound(correct_position, system)
-    is_kept = _is_kept(system, correct, cable, q)
+    is_kept = _is_kept(system, correct, cable.reference, cable.fixed, q)
     rests = not (v.any() or scene_cable.moving)  # then no rate can be wrong
     rests = rests or (is_kept and _is_kept_along(system, correct, cable, q, v, speed))
     if rests and is_kept:
@@ -114,9 +138,9 @@ def _worst(what: str, violations: Array) -> Violation:
     return Violation(float(sizes[row]), what, row)
 
 
-def _is_kept(system: Any, correct: Bound, cable: Cable, q: Array) -> bool:
+def _is_kept(system: Any, correct: Bound, reference: Array, fixed: np.ndarray, q: Array) -> bool:
     """Whether a chain without links keeps its constraints, by one compiled look; False: look closer."""
-    if isinstance(system, LinkedCableSystem) or (q - cable.reference)[cable.fixed].any():
+    if isinstance(system, LinkedCableSystem) or (q - reference)[fixed].any():
         return False
     places, memory = q.ravel(), np.zeros(q.size)
     is_finite = bool(np.isfinite(places).all())
