@@ -12,6 +12,7 @@ from tests.moving import move_system
 ZETA, H, STEPS = 100.0, 2e-3, 500
 COEFFICIENTS = {
     *("mass", "free", "ends_group", "stiffness", "tensor", "natural", "damping", "slope_gram"),
+    *("curved", "damped", "dragged", "lag"),
     *("reference_length", "per_length", "drift_correction"),  # of the last, each run starts with zeros
 }
 
