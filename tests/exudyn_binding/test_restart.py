@@ -10,7 +10,7 @@ from pathlib import Path
 import exudyn
 import numpy as np
 import pytest
-from exudyn.itemInterface import MarkerBodyPosition, SphericalJoint
+from exudyn.itemInterface import LoadForceVector, MarkerBodyPosition, SensorBody, SphericalJoint
 from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import AttachToBody, InputError
@@ -37,6 +37,18 @@ def restarting(settings, folder, period=0.1):
     return settings
 
 
+def brake(mbs, body):
+    """A force against the velocity of the body that a sensor reads."""
+    kind = exudyn.OutputVariableType.Velocity
+    velocity = mbs.AddSensor(SensorBody(bodyNumber=body, storeInternal=True, outputVariableType=kind))
+
+    def force(mbs, t, load):
+        return list(-2.0 * mbs.GetSensorValues(velocity))
+
+    marker = mbs.AddMarker(MarkerBodyPosition(bodyNumber=body))
+    mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVectorUserFunction=force))
+
+
 @pytest.fixture
 def build(new_mbs, add_pendulum, add_sensor):
     """(what is in the scene) -> assembled mbs and the sensor of the tip."""
@@ -53,7 +65,7 @@ def build(new_mbs, add_pendulum, add_sensor):
             load_node(mbs, cable["nodes"][3], [1, 0, 0], loadVectorUserFunction=force)
         elif kind == "user functions":
             mbs.SetPostStepUserFunction(lambda mbs, t: True)
-        elif kind == "a body":
+        elif kind in ("a body", "a controller"):
             body = mbs.CreateRigidBody(
                 inertia=InertiaCuboid(1000, [0.05, 0.02, 0.03]),
                 referencePosition=[1.85, 0, 0],
@@ -70,6 +82,8 @@ def build(new_mbs, add_pendulum, add_sensor):
             ends = (mbs.CreateGround(referencePosition=[0, 1, 0]), arm["bodyNumber"])
             markers = [mbs.AddMarker(MarkerBodyPosition(bodyNumber=end)) for end in ends]
             mbs.AddObject(SphericalJoint(markerNumbers=markers))
+            if kind == "a controller":
+                brake(mbs, body["bodyNumber"])
         tip = add_sensor(mbs, cable["nodes"][-1])
         mbs.Assemble()
         return mbs, tip
@@ -78,7 +92,7 @@ def build(new_mbs, add_pendulum, add_sensor):
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
-@pytest.mark.parametrize("kind", ["loads in time", "user functions", "a body"])
+@pytest.mark.parametrize("kind", ["loads in time", "user functions", "a body", "a controller"])
 def test_two_halves_are_the_whole_run_bit_for_bit(build, solve, tmp_path, kind, integrator):
     explicit = {"integrator": integrator, "stepSize": 1e-3}
     whole, tip = build(kind)
