@@ -21,9 +21,9 @@ def damping_rows(axes, nodes, elements, q, k, rows):
     """
     element, left, right = elements[k], nodes[k].free, nodes[k + 1].free
     e, row, memory = local_array(3, 3), local_array(3, 3), local_array(7, 3)
-    number = 0
     if not element.damped:
-        return number
+        return 0
+    number = 0
     differences(axes, q, k, e)
     for g in range(element.damping.shape[0]):
         scale = np.sqrt(element.lag * element.damping[g, 0])

@@ -82,11 +82,11 @@ def _take_off(axes, table, weight, memory, force):
 
 @inlined
 def add_damping_force(axes, table, differences, rates, memory, force):
-    """force -= D int kappa_t . d(kappa)/de dx; nothing where `table` is empty.
+    """force -= D int kappa_t . d(kappa)/de dx.
 
     Args:
         axes: (0, 1) or (0, 1, 2): its length is the space dimension, a compile-time constant.
-        table: (4, 7) `damping_table` with its weights times D, or (0, 7).
+        table: (4, 7) `damping_table` with its weights times D; zeros without damping.
         differences, rates: (3, dim) e = (d, s_left, s_right) [m, -, -] and its time derivative.
         memory: (7, 3) local array.
         force: (3, dim) generalised force on e, added to [N, Nm, Nm].
@@ -160,7 +160,7 @@ def add_curvature_force(axes, table, rates, memory, force):
 
 @inlined
 def curvature_power(axes, table, rates, memory):
-    """D int r_xx,t . r_xx,t dx [W]; 0 where `table` is empty. Arguments: see `add_damping_force`."""
+    """D int r_xx,t . r_xx,t dx [W]. Arguments: see `add_damping_force`."""
     power = 0.0
     for g in range(table.shape[0]):
         _at_point(axes, table[g], 4, rates, memory, V_XX)

@@ -63,11 +63,11 @@ def drag_density(axes, law, slope, relative):
 
 @inlined
 def add_drag_force(axes, table, law, differences, rates, memory, force):
-    """force += int S |r_x| f dx; nothing where `table` is empty.
+    """force += int S |r_x| f dx.
 
     Args:
         axes: as for `drag_density`.
-        table: (4, 8) `drag_table`, or (0, 8).   law: as for `drag_density`.
+        table: (4, 8) `drag_table`.   law: as for `drag_density`.
         differences: (3, dim) e = (d, s_left, s_right) [m, -, -].
         rates: (4, dim) velocities of (r, r_x) left and right [m/s, 1/s].
         memory: (2, 3) local array.

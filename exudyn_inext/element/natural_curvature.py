@@ -40,7 +40,7 @@ def curvature(nodal: Array, xi: Array, length: float) -> Array:
 
 @inlined
 def add_natural_curvature_force(natural, differences, force):
-    """force += EI kappa_0 A (e turned by -90 degrees); nothing where `natural` is empty.
+    """force += EI kappa_0 A (e turned by -90 degrees); nothing where `natural` is empty, as in space.
 
     Args:
         natural: (3, 3) EI kappa_0 times the turning matrix in difference coordinates, or (0, 0).

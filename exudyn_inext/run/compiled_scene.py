@@ -190,6 +190,7 @@ class CompiledScene:
         self._set(system)
         self._energy, self._violation = Prepared(bodies_energy), Prepared(joint_violation)
         self._power = Prepared(power_of_offsets)
+        self._subtract_joint_forces = Prepared(subtract_joint_forces)
         self.forces = system.items.force
         self.multipliers = system.items.joints.multipliers
         self.given = system.items.given
@@ -371,7 +372,7 @@ class CompiledScene:
             external = self.loads.follow(self.loads.at(t), q, v)
             self._accelerate_unscaled(external, q, v, 0.0, a, rate)
             multipliers[k] = system.items.joints.multipliers
-            forces[k] = _joined_forces(system)
+            forces[k] = self._joined_forces(system)
         return multipliers, forces
 
     def _without_scaling(self, cables: Sequence[Cable]) -> SceneSystem:
@@ -385,6 +386,12 @@ class CompiledScene:
         copies.bodies["drift_correction"] = 0.0
         forces = {"connectors": items.connectors, "loads": items.loads}  # may change
         return self.system._replace(cables=own, items=copies._replace(**forces))
+
+    def _joined_forces(self, system: SceneSystem) -> Array:
+        """(n,) what items and joints did at the last evaluation of that system."""
+        total: Array = system.items.force.copy()
+        self._subtract_joint_forces(system.items.joints, total)
+        return total
 
     def accelerate(self, external: Array, q: Array, v: Array, *others: Any) -> None:
         """See `accelerate_and_project`, without the system."""
@@ -416,7 +423,7 @@ class CompiledScene:
         dofs, system, loads = self._cables[cable]
         size = dofs.stop - dofs.start
         force, (a, rate) = loads.at(t).copy(), np.zeros((2, size))
-        force[:size] += _joined_forces(self.system)[dofs]
+        force[:size] += self._joined_forces(self.system)[dofs]
         index_reduced_rates(system, force, q[dofs], v[dofs], a, rate)
         return a
 
@@ -445,12 +452,6 @@ def _with_history(system: SceneSystem, history: Array) -> SceneSystem:
     """The same, with this memory of what contacts remember, (k, D)."""
     contacts = system.items.contacts._replace(history=history)
     return system._replace(items=system.items._replace(contacts=contacts))
-
-
-def _joined_forces(system: SceneSystem) -> Array:
-    total: Array = system.items.force.copy()
-    subtract_joint_forces(system.items.joints, total)
-    return total
 
 
 def _dependent(joints: Joints, names: Sequence[str]) -> RedundantConstraintError:

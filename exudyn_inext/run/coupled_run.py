@@ -216,8 +216,9 @@ class CoupledRun(LimitedRun):
             else:
                 index_reduced_rates(*arguments, a, rest)
         multipliers[:] = native_items.all_multipliers(self._scene.system.multipliers, a)
-        rows = (row[np.newaxis] for row in (state.q, state.v, self._scene.joined_forces(), multipliers))
-        self.mover.put_reactions(np.array([time]), *rows)
+        if any(run.has_reactions for run in self._runs):
+            rows = (row[np.newaxis] for row in (state.q, state.v, self._scene.joined_forces(), multipliers))
+            self.mover.put_reactions(np.array([time]), *rows)
         if self.has_implicit_bending:
             self.resume(time)
         native_items.show(time, state, multipliers)
