@@ -43,6 +43,9 @@ class _Log(ctypes.Structure):
     )
 
 
+_RECORD = np.dtype(_Log)  # found once: NumPy looks at each of the fields
+
+
 @dataclass(frozen=True)
 class StepRule:
     """How long a step may be.
@@ -151,7 +154,7 @@ class StepControl:
         self.follower = follower
         self._rejects = rejects
         self._log: Any = _Log(smallest=math.inf, divisor=1, asked=1, least=1, patience=1)
-        self._memory = np.frombuffer(self._log, _Log)
+        self._memory = np.frombuffer(self._log, _RECORD)
 
     @property
     def said(self) -> str:
