@@ -12,6 +12,7 @@ from ..native.velocity_level import at_position_level
 from ..run.coupled_run import Run
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import StepChoice, choose_step
+from .mbs_state import at_start
 from .scene import read_scene, require_assembled
 from .scene_runs import compiled_runs
 from .time_loop import refuse_step_functions
@@ -106,7 +107,7 @@ def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> Sequen
     require_assembled(mbs)
     take_word(mbs, explicit.dependsOnTimeOnly)
     refuse_step_functions(mbs, "within an ensemble")
-    with at_position_level(mbs, time):
+    with at_start(mbs, time), at_position_level(mbs, time):
         runs = compiled_runs(mbs, read_scene(mbs), time, h, explicit, "SolveEnsemble")
     if not runs:
         raise SceneError("it has no inextensible cable: add one with CreateInextensibleCable.")

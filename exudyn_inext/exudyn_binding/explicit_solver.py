@@ -11,7 +11,6 @@ from ..checks import require_positive
 from ..errors import InputError
 from ..items.arguments import explicit_settings, simulation_settings
 from ..items.functions_of_time import take_word
-from ..native.native_items import state_kept
 from ..native.velocity_level import at_position_level
 from ..run.output_files import require_writable_outputs
 from ..run.settings import ExplicitSettings
@@ -23,6 +22,7 @@ from .changes.limit import StepLimit
 from .changes.log import ChangeLog, listening
 from .console import compile_notice, header_of, initialized
 from .idle_integrator import idle_integrator, nothing
+from .mbs_state import at_start
 from .restart import Restarts
 from .scene import read_scene, require_assembled
 from .scene_runs import RunBuilder, bounds_if_scaled
@@ -174,7 +174,7 @@ class ExplicitSolver(_NativeSolver):
         """Read the scene, and choose the step."""
         log, explicit, start = ChangeLog(mbs), self._given, float(settings.timeIntegration.startTime)
         scaling = explicit.stepSize or 0.0 if explicit.massScaling else 0.0
-        with ExitStack() as stack, compile_notice(settings), state_kept(mbs):
+        with ExitStack() as stack, compile_notice(settings), at_start(mbs, start):
             reader = SteppedReader(mbs, stack.enter_context(at_position_level(mbs, start)))
             scene = read_scene(mbs, reader)
             warn_of_empty_sensors(mbs, sensors, scene.enforcing)

@@ -8,6 +8,7 @@ import exudyn
 import numpy as np
 
 from ..arrays import Array
+from ..native.native_items import state_kept
 from ..run.coupled_run import Run
 
 State = Mapping[str, Array]
@@ -20,6 +21,16 @@ def state_of(mbs: Any, configuration: Any = exudyn.ConfigurationType.Current) ->
     data = mbs.systemData
     parts = [*data.GetSystemState(configuration), data.GetODE2Coordinates_tt(configuration)]
     return {name: np.array(part) for name, part in zip(_PARTS, parts, strict=True)}
+
+
+@contextmanager
+def at_start(mbs: Any, time: float) -> Iterator[None]:
+    """Meanwhile, the current state of mbs is the initial one, at `time` [s]: not that of an earlier run."""
+    data = mbs.systemData
+    with state_kept(mbs):
+        data.SetSystemState(data.GetSystemState(INITIAL), exudyn.ConfigurationType.Current)
+        data.SetTime(time)
+        yield
 
 
 @contextmanager

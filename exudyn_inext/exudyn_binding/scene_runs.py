@@ -14,7 +14,7 @@ from ..items.functions_of_time import functions_at_rest
 from ..items.parameters import Parameter
 from ..native.coupled_scene import CoupledScene
 from ..native.evaluated_scene import CoupledCable
-from ..native.native_items import state_kept, switched_off
+from ..native.native_items import switched_off
 from ..run.cable_run import CableRun, Start
 from ..run.consistent_start import are_kept
 from ..run.coupled_run import CoupledRun, Run
@@ -170,7 +170,7 @@ def compiled_runs(
     """
     if not scene.cables or not needs_coupling(scene):
         return runs_of_cables(mbs, scene.cables, time, h, explicit)
-    with switched_off(mbs, *scene.evaluated_by_kernels), state_kept(mbs):
+    with switched_off(mbs, *scene.evaluated_by_kernels):
         runs: Sequence[Any] = runs_of_scene(mbs, scene, time, h, explicit)
     for run in runs:
         run.leave_mbs(who)

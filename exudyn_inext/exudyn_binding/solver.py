@@ -11,7 +11,6 @@ import exudyn
 from ..errors import SceneError
 from ..items.arguments import explicit_settings, simulation_settings
 from ..items.functions_of_time import functions_at_rest, step_functions, take_word
-from ..native.native_items import state_kept
 from ..native.velocity_level import Drives, at_position_level
 from ..run.loop_clock import LoopClock
 from ..run.output_files import ResumedOutputs, require_writable_outputs
@@ -25,7 +24,7 @@ from .changes.limit import StepLimit
 from .changes.log import ChangeLog, listening
 from .console import compile_notice, header_of, initialized
 from .idle_integrator import changed, idle_integrator, nothing
-from .mbs_state import first_row, initial_state
+from .mbs_state import at_start, first_row, initial_state
 from .reports import ExplicitReport
 from .restart import Restarts
 from .scene import read_scene, require_assembled
@@ -116,9 +115,12 @@ def SolveExplicit(
     require_assembled(mbs)
     refuse_newton_functions(mbs)
     take_word(mbs, explicit.dependsOnTimeOnly)
-    with at_position_level(mbs, float(settings.timeIntegration.startTime)) as drives, ExitStack() as start:
-        start.enter_context(functions_at_rest(mbs))
-        return _solve(mbs, settings, explicit, drives, start)
+    time = float(settings.timeIntegration.startTime)
+    with ExitStack() as start:
+        start.enter_context(at_start(mbs, time))
+        with at_position_level(mbs, time) as drives:
+            start.enter_context(functions_at_rest(mbs))
+            return _solve(mbs, settings, explicit, drives, start)
 
 
 def _solve(
@@ -141,33 +143,32 @@ def _solve(
         scene = read_scene(mbs, reader)
     with ExitStack() as stack:
         stack.enter_context(compile_notice(settings, solver))
-        with state_kept(mbs):
-            outputs = ResumedOutputs(settings, sensors) if restarts.found else None
-            given = None if explicit.stepSize is None else time_grid(mbs, settings, explicit.stepSize)
-            scaling = (restarts.step or given.h) if given and explicit.massScaling else 0.0
-            builder = RunBuilder(mbs, log.changed, explicit, scaling, stack)
-            time, state = (restarts.time, restarts.state) if restarts.changes else (start, None)
-            runs = builder.build(scene, time, state, was_coupled=restarts.was_coupled)
-            log.is_followed = is_watched(mbs, runs)
-            duration = float(settings.timeIntegration.endTime) - start
-            scaled = bounds_if_scaled(mbs, scene, start, given.h if given else 0.0, explicit)
-            choice = choose_step(runs, start, duration, explicit, scaling, scaled)
-            bounds, explicit = choice.bounds, choice.explicit
-            restarts.mass_scaling = explicit.massScaling
-            warn_of_damping(choice, duration)
-            grid = restarts.grid(given or time_grid(mbs, settings, choice.h))
-            warn_of_outputs(choice, duration, grid.loop_steps, settings.timeIntegration.numberOfSteps)
-            builder.take_step(explicit, grid.h)
-            decided_by = choice.decider(grid.substeps, grid.h, "output period")
-            observed = observed_derivatives(settings, sensors, step_functions(mbs))
-            limit = StepLimit(grid.h, bounds.stability_limit, explicit)
-            if restarts.changes:
-                limit.restore(restarts.changes)
-            moves = bool(restarts.changes.get("moves"))
-            changes = ChangeFollower(mbs, scene, reader, log, builder, limit, sensors, moves)
-            restarts.changes_so_far = changes.stored
-            loop = ExplicitTimeLoop(mbs, runs, grid, restarts, observed, changes)
-            loop.step_is_from = decided_by if explicit.stepSize is None else ""
+        outputs = ResumedOutputs(settings, sensors) if restarts.found else None
+        given = None if explicit.stepSize is None else time_grid(mbs, settings, explicit.stepSize)
+        scaling = (restarts.step or given.h) if given and explicit.massScaling else 0.0
+        builder = RunBuilder(mbs, log.changed, explicit, scaling, stack)
+        time, state = (restarts.time, restarts.state) if restarts.changes else (start, None)
+        runs = builder.build(scene, time, state, was_coupled=restarts.was_coupled)
+        log.is_followed = is_watched(mbs, runs)
+        duration = float(settings.timeIntegration.endTime) - start
+        scaled = bounds_if_scaled(mbs, scene, start, given.h if given else 0.0, explicit)
+        choice = choose_step(runs, start, duration, explicit, scaling, scaled)
+        bounds, explicit = choice.bounds, choice.explicit
+        restarts.mass_scaling = explicit.massScaling
+        warn_of_damping(choice, duration)
+        grid = restarts.grid(given or time_grid(mbs, settings, choice.h))
+        warn_of_outputs(choice, duration, grid.loop_steps, settings.timeIntegration.numberOfSteps)
+        builder.take_step(explicit, grid.h)
+        decided_by = choice.decider(grid.substeps, grid.h, "output period")
+        observed = observed_derivatives(settings, sensors, step_functions(mbs))
+        limit = StepLimit(grid.h, bounds.stability_limit, explicit)
+        if restarts.changes:
+            limit.restore(restarts.changes)
+        moves = bool(restarts.changes.get("moves"))
+        changes = ChangeFollower(mbs, scene, reader, log, builder, limit, sensors, moves)
+        restarts.changes_so_far = changes.stored
+        loop = ExplicitTimeLoop(mbs, runs, grid, restarts, observed, changes)
+        loop.step_is_from = decided_by if explicit.stepSize is None else ""
         try:
             shown: AbstractContextManager[None] = nullcontext()
             if restarts.found:

@@ -1,6 +1,7 @@
 """SolveEquilibrium: the stable static equilibrium of a scene with inextensible cables."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
@@ -34,6 +35,7 @@ from ..statics import (
     potentials_of,
 )
 from ..statics.support_forces import support_forces
+from .mbs_state import at_start
 from .reports import StaticReport
 from .scene import initial_state, read_scene, require_assembled
 from .scene_runs import needs_coupling
@@ -150,7 +152,8 @@ def SolveEquilibrium(
         mbs: assembled system.
         simulationSettings: exudyn.SimulationSettings; used are timeIntegration.startTime, at which loads and
             moving supports are taken, and what is written: the equilibrium in the solution file and sensors,
-            at the time staticSolver.loadStepStart + loadStepDuration; None: nothing is written.
+            at the time staticSolver.loadStepStart + loadStepDuration, for which sensors ask user functions of
+            the time; None: nothing is written.
         staticSettings: tolerances and load steps.
 
     Returns:
@@ -178,8 +181,10 @@ def SolveEquilibrium(
     require_assembled(mbs)
     take_word(mbs, static.dependsOnTimeOnly)
     time = require_finite("timeIntegration.startTime", settings.timeIntegration.startTime, "s")
-    with at_position_level(mbs, time):
-        scene = read_scene(mbs)
+    with ExitStack() as stack:
+        with at_start(mbs, time):
+            stack.enter_context(at_position_level(mbs, time))
+            scene = read_scene(mbs)
         if not scene.cables:
             raise SceneError("mbs has no inextensible cable: use mbs.SolveStatic for native items.")
         solve = _solve_scene if needs_coupling(scene) else _solve_cables
@@ -252,7 +257,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         _require_still_fluid(cable)
         _require_known_weight(cable)
         require_reach(cable.cable, time, cable)
-    with state_kept(mbs), switched_off(mbs, *scene.evaluated_by_kernels):
+    with at_start(mbs, time), switched_off(mbs, *scene.evaluated_by_kernels):
         loads = [CableLoads(cable) for cable in unloaded]
         systems = cable_systems([cable.cable for cable in unloaded], 0.0)
         parts = list(map(CoupledCable, unloaded, systems, loads))

@@ -21,6 +21,7 @@ from ..run.step_choice import MOST_DURATION, choose_step, warn_of_damping
 from ..run.stepped_run import SteppedRun
 from ..run.time_grid import TimeGrid, steps_of_interval
 from .console import compile_notice
+from .mbs_state import at_start
 from .scene import read_scene, require_assembled
 from .scene_runs import compiled_runs
 from .time_loop import refuse_step_functions
@@ -92,7 +93,7 @@ class ExplicitStepper:
         refuse_step_functions(mbs, "between the steps of a stepper")
         take_word(mbs, explicit.dependsOnTimeOnly)
         given = steps_of_interval(interval, explicit.stepSize, MOST_STEPS)[1] if explicit.stepSize else 0.0
-        with at_position_level(mbs, start):
+        with at_start(mbs, start), at_position_level(mbs, start):
             runs = compiled_runs(mbs, read_scene(mbs), start, given, explicit, "ExplicitStepper")
         if not runs:
             raise SceneError(

@@ -1,5 +1,6 @@
 """What Exudyn's items do to a scene at rest, for the search for its equilibrium."""
 
+from collections import defaultdict
 from collections.abc import Iterable
 from itertools import pairwise
 from typing import Any
@@ -14,6 +15,7 @@ from ..arrays import Array
 from ..errors import SceneError
 from ..items.arguments import described
 from ..items.attach.inert import is_inert_cable
+from ..items.functions_of_time import is_of_time_alone
 from ..statics.joined_potential import Others
 from .bodies import read_quaternions
 from .circles_in_the_way import CirclesInTheWay
@@ -111,15 +113,17 @@ def _varying(scene: SceneOfExudyn) -> list[np.ndarray]:
             found.append(_places(scene, data.GetObjectLTGODE2(number)))
     for number in range(data.NumberOfLoads()):
         load = mbs.GetLoad(number)
-        if load["loadType"] == "TorqueVector" or load.get("bodyFixed"):
+        function = load.get("loadVectorUserFunction") or load.get("loadUserFunction")
+        follows = function and not is_of_time_alone(mbs, function)
+        if follows or load["loadType"] == "TorqueVector" or load.get("bodyFixed"):
             found.append(_coordinates_of_marker(scene, int(load["markerNumber"])))
     return found
 
 
 def _acts(item: dict[str, Any]) -> bool:
-    """Whether an object is an active connector, or a native cable that resists."""
+    """Whether an object is an active connector, or has stiffness, with or without mass."""
     return bool(item.get("activeConnector")) or (
-        "ANCFCable" in item["objectType"] and not is_inert_cable(item)
+        item["objectType"] in ("GenericODE2", "ANCFCable", "ANCFCable2D") and not is_inert_cable(item)
     )
 
 
@@ -143,7 +147,7 @@ def _places(scene: SceneOfExudyn, coordinates: Iterable[int]) -> np.ndarray:
 
 def _coordinates_of_marker(scene: SceneOfExudyn, number: int) -> np.ndarray:
     marker, data = scene.mbs.GetMarker(number), scene.mbs.systemData
-    if "nodeNumber" in marker:
+    if "nodeNumber" in marker:  # a function may depend on others as well: then the search takes more steps
         own = data.GetNodeLTGODE2(int(marker["nodeNumber"]))
     else:
         own = data.GetObjectLTGODE2(int(marker["bodyNumber"])) if "bodyNumber" in marker else []
@@ -166,20 +170,13 @@ def require_held(scene: SceneOfExudyn, cables_held: list[bool]) -> None:
 
     cables_held: of each cable, whether it has supports.
     """
-    mbs, data = scene.mbs, scene.mbs.systemData
+    mbs = scene.mbs
     if mbs.NumberOfGeneralContacts():
         return
     owners = [(cable.number, set(cable.indices.tolist())) for cable, _, _ in scene.cables]
     owners += [(body.number, set(body.coordinates.tolist())) for body in scene.bodies]
-    owner_of = {place: k for k, (_, places) in enumerate(owners) for place in sorted(places)}
     ties = [{k, len(owners)} for k, is_held in enumerate(cables_held) if is_held]
-    ties += [{owner_of[p], len(owners)} for p in scene.held.places.tolist() if p in owner_of]
-    own = {number for number, _ in owners}
-    for number in range(data.NumberOfObjects()):
-        if number in own or not mbs.GetObject(number).get("activeConnector"):
-            continue
-        met = {owner_of[place] for place in data.GetObjectLTGODE2(number) if place in owner_of}
-        ties.append(met if len(met) > 1 else met | {len(owners)})
+    ties += _ties(scene, [places for _, places in owners])
     pairs = np.array([pair for tie in ties for pair in pairwise(sorted(tie))], dtype=int).reshape(-1, 2)
     size = len(owners) + 1  # the last one is the ground
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (size, size))
@@ -193,10 +190,41 @@ def require_held(scene: SceneOfExudyn, cables_held: list[bool]) -> None:
             )
 
 
+def _ties(scene: SceneOfExudyn, owners: list[set[int]]) -> list[set[int]]:
+    """Numbers of cables and bodies that hold each other; the one after the last is the ground.
+
+    owners: their coordinates, which elements and bodies may share.
+    """
+    mbs, ground, owners_of = scene.mbs, len(owners), defaultdict[int, set[int]](set)
+    for k, places in enumerate(owners):
+        for place in places:
+            owners_of[place].add(k)
+    ties = [owners_of[place] | {ground} for place in scene.held.places.tolist()]
+    objects = set(range(mbs.systemData.NumberOfObjects())) - {cable.number for cable, _, _ in scene.cables}
+    for number in objects:
+        item = mbs.GetObject(number)
+        met = set[int]().union(*(owners_of[place] for place in mbs.systemData.GetObjectLTGODE2(number)))
+        if item.get("activeConnector", len(met) > 1):
+            ties.append(met if len(met) > 1 else met | {ground})
+        if _holds_itself(item):
+            ties.append(met | {ground})
+    return ties
+
+
+def _holds_itself(item: dict[str, Any]) -> bool:
+    """Whether a body may have an equilibrium of its own: by its stiffness, its function, or its joints."""
+    if item["objectType"] == "GenericODE2":
+        return bool(item["forceUserFunction"]) or item["stiffnessMatrix"].Convert2DenseMatrix().any()
+    return item["objectType"] == "KinematicTree"
+
+
 def put_data(mbs: Any, data: Array) -> None:
     """As initial and present data (D,) of mbs."""
     for configuration in (exudyn.ConfigurationType.Initial, exudyn.ConfigurationType.Current):
         mbs.systemData.SetDataCoordinates(data.tolist(), configuration)
+    for number in range(mbs.systemData.NumberOfNodes() if len(data) else 0):
+        if len(places := mbs.systemData.GetNodeLTGData(number)):
+            mbs.SetNodeParameter(number, "initialCoordinates", data[places].tolist())
 
 
 def rest_at(mbs: Any, displacements: Array, multipliers: Array) -> None:
@@ -217,7 +245,12 @@ def rest_at(mbs: Any, displacements: Array, multipliers: Array) -> None:
         data.SetODE2Coordinates_t(rest, configuration)
     for number in range(data.NumberOfNodes()):
         places = np.array(data.GetNodeLTGODE2(number), dtype=int)
-        if len(places) and len(mbs.GetNode(number).get("initialVelocities", [])) == len(places):
-            mbs.SetNodeParameter(number, "initialCoordinates", displacements[places].tolist())
-            mbs.SetNodeParameter(number, "initialVelocities", [0.0] * len(places))
+        own = displacements[places]
+        values = {
+            "initialCoordinates": own,
+            "initialVelocities": 0.0 * own,
+            "initialCoordinates_t": 0.0 * own,
+        }
+        for name in values.keys() & mbs.GetNode(number).keys() if len(places) else ():
+            mbs.SetNodeParameter(number, name, values[name].tolist())
     data.SetAECoordinates((-multipliers).tolist())

@@ -19,7 +19,6 @@ from ..items.arguments import described
 from ..items.functions_of_time import is_of_time_alone, python_function
 from ..items.parameters import Parameter, set_unnoted
 from ..run.settings import SAY_OF_TIME
-from .native_items import state_kept
 
 CELL = 1e-3  # over which a velocity is integrated by one formula [s]
 _POINTS, _WEIGHTS = (x.tolist() for x in np.polynomial.legendre.leggauss(4))
@@ -159,7 +158,7 @@ class Drives:
 
 @contextmanager
 def at_position_level(mbs: Any, time: float) -> Iterator[Drives]:
-    """Meanwhile, constraints at velocity level hold places, from the initial configuration at `time` [s] on.
+    """Meanwhile, constraints at velocity level hold places, from the present state of mbs at `time` [s] on.
 
     Raises:
         SceneError: a velocity may depend on the state.
@@ -171,11 +170,7 @@ def at_position_level(mbs: Any, time: float) -> Iterator[Drives]:
         set_unnoted(mbs, number, "velocityLevel", False)
     found = Drives(mbs, drives)
     try:
-        if drives:
-            with state_kept(mbs):
-                data, initial = mbs.systemData, exudyn.ConfigurationType.Initial
-                data.SetSystemState(data.GetSystemState(initial), exudyn.ConfigurationType.Current)
-                found.start(time)
+        found.start(time)
         yield found
     finally:
         for number, drive in drives.items():

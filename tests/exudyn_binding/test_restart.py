@@ -65,6 +65,15 @@ def build(new_mbs, add_pendulum, add_sensor):
             load_node(mbs, cable["nodes"][3], [1, 0, 0], loadVectorUserFunction=force)
         elif kind == "user functions":
             mbs.SetPostStepUserFunction(lambda mbs, t: True)
+        elif kind == "a load that is set":  # after the last step, too
+            load = load_node(mbs, cable["nodes"][3], [0, 0, 0])
+
+            def follow(mbs, t):
+                place = mbs.GetNodeOutput(cable["nodes"][-1], exudyn.OutputVariableType.Position)
+                mbs.SetLoadParameter(load, "loadVector", list(-0.2 * place))
+                return True
+
+            mbs.SetPostStepUserFunction(follow)
         elif kind in ("a body", "a controller"):
             body = mbs.CreateRigidBody(
                 inertia=InertiaCuboid(1000, [0.05, 0.02, 0.03]),
@@ -92,7 +101,9 @@ def build(new_mbs, add_pendulum, add_sensor):
 
 
 @pytest.mark.parametrize("integrator", INTEGRATORS)
-@pytest.mark.parametrize("kind", ["loads in time", "user functions", "a body", "a controller"])
+@pytest.mark.parametrize(
+    "kind", ["loads in time", "user functions", "a load that is set", "a body", "a controller"]
+)
 def test_two_halves_are_the_whole_run_bit_for_bit(build, solve, tmp_path, kind, integrator):
     explicit = {"integrator": integrator, "stepSize": 1e-3}
     whole, tip = build(kind)

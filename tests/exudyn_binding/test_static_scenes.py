@@ -5,10 +5,12 @@ from itertools import pairwise
 import exudyn
 import numpy as np
 import pytest
+from exudyn.beams import GenerateBeamElementsAlongLine
 from exudyn.itemInterface import (
     CartesianSpringDamper,
     CoordinateConstraint,
     DistanceConstraint,
+    LoadCoordinate,
     LoadForceVector,
     LoadTorqueVector,
     MarkerBodyPosition,
@@ -16,7 +18,10 @@ from exudyn.itemInterface import (
     MarkerNodeCoordinate,
     MarkerNodePosition,
     MarkerNodeRigid,
+    NodeGenericODE2,
     NodePointGround,
+    ObjectANCFCable2D,
+    ObjectGenericODE2,
     RevoluteJoint2D,
     SphericalJoint,
     SpringDamper,
@@ -504,6 +509,90 @@ def test_a_body_that_nothing_holds_is_named_and_nothing_changes():
     with pytest.raises(SceneError, match=r"nothing connects object \d+ .*RigidBody.* to the ground"):
         SolveEquilibrium(builder.mbs)
     assert all((totals(builder.mbs)[n] == at).all() for n, at in before.items())
+
+
+def hung():
+    """A planar cable of 1 m and 0.2 kg that hangs from a pin; its last node."""
+    b = Builder(dimension=2)
+    return b, b.cable([0, 0, 0], [0, -1, 0], elements=4, pinned=["Start"])[-1]
+
+
+def test_elements_that_share_nodes_hold_each_other():
+    """A native cable of EA = 300 N below the cable: it stretches by rho g l^2 / (2 EA)."""
+    b, tip = hung()
+    below = GenerateBeamElementsAlongLine(
+        b.mbs,
+        [0, -1, 0],
+        [0, -1.6, 0],
+        3,
+        ObjectANCFCable2D(massPerLength=0.5, bendingStiffness=0.02, axialStiffness=300),
+        gravity=b.gravity,
+    )
+    b.tie(b.at(tip), b.at(below["nodes"][0]))
+    b.mbs.Assemble()
+    SolveEquilibrium(b.mbs)
+    y = b.mbs.GetNodeOutput(below["nodes"][-1], exudyn.OutputVariableType.Position)[1]
+    assert y == pytest.approx(-1.6 - 0.5 * 9.81 * 0.6**2 / 600, abs=1e-9)
+
+
+def test_a_stiffness_without_mass_ties_a_point_to_a_cable():
+    b, tip = hung()
+    point = b.mbs.CreateMassPoint(
+        mass=0.3, referencePosition=[0, -1.2, 0], gravity=b.gravity, returnDict=True
+    )
+    stiffness = np.zeros((7, 7))  # of the displacements of the tip, and those of the point
+    for i, j in ((0, 4), (1, 5)):
+        stiffness[np.ix_([i, j], [i, j])] = [[40, -40], [-40, 40]]
+    b.mbs.AddObject(ObjectGenericODE2(nodeNumbers=[tip, point["nodeNumber"]], stiffnessMatrix=stiffness))
+    b.mbs.Assemble()
+    SolveEquilibrium(b.mbs)
+    y = b.mbs.GetNodeOutput(point["nodeNumber"], exudyn.OutputVariableType.Position)[1]
+    assert y == pytest.approx(-1.2 - 0.3 * 9.81 / 40, abs=1e-9)
+
+
+def test_a_load_that_follows_the_state_balances_a_cable():
+    """A spring across the tip, as a user function of a load; the chain of 4 elements bends little."""
+    b, tip = hung()
+    kind = exudyn.OutputVariableType.Position
+    marker = b.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=tip, coordinate=0))
+    b.mbs.AddLoad(
+        LoadCoordinate(
+            markerNumber=marker,
+            loadUserFunction=lambda mbs, t, load: 20 * (0.5 - mbs.GetNodeOutput(tip, kind)[0]),
+        )
+    )
+    b.mbs.Assemble()
+    report = SolveEquilibrium(b.mbs)
+    x = b.mbs.GetNodeOutput(tip, kind)[0]
+    twin, end = hung()
+    twin.mbs.AddLoad(LoadForceVector(markerNumber=twin.at(end), loadVector=[20 * (0.5 - x), 0, 0]))
+    twin.mbs.Assemble()
+    SolveEquilibrium(twin.mbs)
+    assert twin.mbs.GetNodeOutput(end, kind)[0] == pytest.approx(x, abs=1e-8)
+    assert report["iterations"] < 50
+
+
+def test_coordinates_of_all_kinds_hold_after_a_new_assembly():
+    b, _ = hung()
+    node = b.mbs.AddNode(
+        NodeGenericODE2(
+            referenceCoordinates=[0],
+            initialCoordinates=[0],
+            initialCoordinates_t=[0],
+            numberOfODE2Coordinates=1,
+        )
+    )
+    b.mbs.AddObject(
+        ObjectGenericODE2(
+            nodeNumbers=[node], massMatrix=np.eye(1), stiffnessMatrix=50 * np.eye(1), forceVector=[5]
+        )
+    )
+    b.mbs.Assemble()
+    SolveEquilibrium(b.mbs)
+    b.mbs.Assemble()
+    initial = exudyn.ConfigurationType.Initial
+    place = b.mbs.GetNodeOutput(node, exudyn.OutputVariableType.Coordinates, configuration=initial)
+    assert float(np.ravel(place)[0]) == pytest.approx(0.1, abs=1e-9)
 
 
 def test_a_body_that_runs_away_leaves_the_mbs_as_it_was():

@@ -70,8 +70,12 @@ class ChangeLog:
         return list(before)
 
     def memory(self) -> dict[str, Any]:
-        """Present values of what has been changed, as JSON has it."""
-        return {"parameters": [[*key, _as_data(key.value(self.mbs))] for key in sorted(self.changed)]}
+        """Present values of what has been changed, and what of it is pending, as JSON has it."""
+        pending = (key for key, x in self._before.items() if not _is_same(x, key.value(self.mbs)))
+        return {
+            "parameters": [[*key, _as_data(key.value(self.mbs))] for key in sorted(self.changed)],
+            "pending": sorted(map(list, pending)),
+        }
 
     def restore(self, memory: Mapping[str, Any]) -> None:
         """Set the parameters of mbs to what they were when a file was written.
@@ -88,6 +92,7 @@ class ChangeLog:
                 )
             self.changed.add(key)
             key.set(self.mbs, value)
+        self._before = {Parameter(*names): None for names in memory["pending"]}
 
     def note(self, method: str, given: Sequence[Any]) -> None:
         """A method of mbs is about to be called.

@@ -1,0 +1,80 @@
+"""A run of an mbs begins at the initial configuration, whatever earlier runs have left in it."""
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.itemInterface import (
+    MarkerBodyRigid,
+    NodeGenericData,
+    SensorBody,
+    SphericalJoint,
+    TorsionalSpringDamper,
+)
+from exudyn.utilities import InertiaCuboid
+
+from exudyn_inext import AddMarkerOnCable, ExplicitSettings, ExplicitSolver, SolveEquilibrium
+from reference_models.model import quiet_settings, silence
+
+
+def solve_by_calls(mbs, settings):
+    solver = ExplicitSolver(ExplicitSettings(stepSize=1e-3))
+    with silence():
+        solver.InitializeSolver(mbs, settings)
+        solver.SolveSteps(mbs, settings)
+        solver.FinalizeSolver(mbs, settings)
+
+
+@pytest.fixture
+def rotor_on_a_cable(mbs, add_pendulum):
+    """mbs, and the sensor of a rotor below the end of a cable, on a spring that counts its turns."""
+    cable = add_pendulum(mbs, dimension=3, groundConstraintsStart=[True] * 3 + [False] * 3)
+    bodies = [
+        mbs.CreateRigidBody(
+            inertia=InertiaCuboid(500, [0.1, 0.06, 0.04]),
+            referencePosition=[1.85, 0, 0],
+            gravity=[0, -9.81, 0],
+            initialAngularVelocity=[spin, 0, 0],
+        )
+        for spin in (0, 90)
+    ]
+    ends = [mbs.AddMarker(MarkerBodyRigid(bodyNumber=k, localPosition=[-0.05, 0, 0])) for k in bodies]
+    mbs.AddObject(SphericalJoint(markerNumbers=[AddMarkerOnCable(mbs, cable, 1.8), ends[0]]))
+    place = {"itemNumbers": bodies, "position": [1.85, 0, 0], "axis": [1, 0, 0]}
+    mbs.CreateRevoluteJoint(**place)
+    turns = mbs.AddNode(NodeGenericData(initialCoordinates=[0.0], numberOfDataCoordinates=1))
+    axis = exudyn.HT(rotation=[[0, 0, 1], [0, 1, 0], [-1, 0, 0]], translation=[0, 0, 0])
+    frames = [mbs.AddMarker(MarkerBodyRigid(bodyNumber=k, localHT=axis)) for k in bodies]
+    mbs.AddObject(TorsionalSpringDamper(markerNumbers=frames, nodeNumber=turns, stiffness=0.01))
+    kind = exudyn.OutputVariableType.AngularVelocity
+    sensor = mbs.AddSensor(SensorBody(bodyNumber=bodies[1], storeInternal=True, outputVariableType=kind))
+    mbs.Assemble()
+    return mbs, sensor
+
+
+@pytest.mark.parametrize("by_calls", [False, True])
+def test_a_second_run_is_the_first_one(rotor_on_a_cable, solve, by_calls):
+    mbs, sensor = rotor_on_a_cable
+    rows = []
+    for _ in range(2):
+        settings = quiet_settings(0.1, 50)
+        if by_calls:
+            solve_by_calls(mbs, settings)
+        else:
+            solve(mbs, settings=settings, stepSize=1e-3)
+        rows.append(np.array(mbs.GetSensorStoredData(sensor)))
+    assert mbs.systemData.GetDataCoordinates()[0] != 0.0
+    np.testing.assert_array_equal(*rows)
+
+
+def test_an_equilibrium_does_not_depend_on_a_run_before_it(rotor_on_a_cable, solve):
+    mbs, _ = rotor_on_a_cable
+    initial = exudyn.ConfigurationType.Initial
+    start = mbs.systemData.GetSystemState(initial)
+    solve(mbs, settings=quiet_settings(0.1, 50), stepSize=1e-3)
+    places = []
+    for _ in range(2):
+        mbs.systemData.SetSystemState(start, initial)
+        with pytest.warns(UserWarning, match="initial velocities"):
+            SolveEquilibrium(mbs)
+        places.append(mbs.systemData.GetODE2Coordinates())
+    np.testing.assert_array_equal(*places)
