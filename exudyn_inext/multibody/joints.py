@@ -397,7 +397,7 @@ def apply_joints(joints, x, refines):
         correct_nodes(joints.nodes, joints.unknowns, x)
 
 
-@kernel
+@inlined
 def power_of_offsets(joints):
     """What joints that move do [W], by the multipliers of the last evaluation."""
     power = 0.0

@@ -16,14 +16,13 @@ from ..errors import OffCableError, RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied
 from ..multibody.cables import Cables, cables_in_a_row, provide_cables
-from ..multibody.joints import Joints, power_of_offsets
+from ..multibody.joints import Joints
 from ..multibody.scene import (
     ALL_BUT_FIRST,
     EACH,
     MODE,
     NOT_COUNTED,
     SceneSystem,
-    bodies_energy,
     energy_of_spins,
     evaluate_states,
     joint_violation,
@@ -33,7 +32,13 @@ from ..multibody.scene import (
 )
 from ..multibody.sliding import BEYOND, PLACE
 from ..scene.joints import NOT_FINITE, dependent_row, not_independent
-from ..system import accelerate_and_project, index_reduced_rates
+from ..system import (
+    ACCELERATION_ENERGY,
+    REPORTED,
+    accelerate_and_project,
+    index_reduced_rates,
+    report_energy,
+)
 from .cable_loads import CableLoads
 from .load_functions import LoadFunctions, StateFunctions
 from .moved_offsets import MovedOffset
@@ -188,8 +193,8 @@ class CompiledScene:
         self._unscaled: SceneSystem | None = None
         self._take_steps = Prepared(take_steps)
         self._set(system)
-        self._energy, self._violation = Prepared(bodies_energy), Prepared(joint_violation)
-        self._power = Prepared(power_of_offsets)
+        self._violation = Prepared(joint_violation)
+        self._memory = np.zeros(len(system.items.force)), np.zeros(REPORTED)
         self._subtract_joint_forces = Prepared(subtract_joint_forces)
         self.forces = system.items.force
         self.multipliers = system.items.joints.multipliers
@@ -198,6 +203,7 @@ class CompiledScene:
     def _set(self, system: SceneSystem) -> None:
         self.system = system
         self._accelerate = Bound(accelerate_and_project, system)
+        self._report = Bound(report_energy, system)
         self._called: Any = None
 
     def provide(self, calls: tuple[Any, ...]) -> None:
@@ -397,9 +403,19 @@ class CompiledScene:
         """See `accelerate_and_project`, without the system."""
         self._accelerate(self.loads.follow(external, q, v), q, v, *others)
 
+    def report_energy(self, t: float, state: Any, energy_report: Array) -> None:
+        """See `EvaluatedScene`."""
+        if len(self.multipliers):
+            for cable, (_, _, loads) in enumerate(self._cables):
+                if len(loads.pattern):  # its own solve knows no joints
+                    self.set_multipliers(cable, t, state.q, state.v)
+        self._report(self.loads.at(t), state.q, state.v, state.a, self._memory[0], energy_report)
+
     def kinetic_energy(self, q: Array, v: Array) -> float:
-        """Of the bodies [J]."""
-        return float(self._energy(self.system.items.bodies, q, v))
+        """See `EvaluatedScene`."""
+        force, energy_report = self._memory
+        self._report(self.loads.constant, q, v, v, force, energy_report)
+        return float(energy_report[ACCELERATION_ENERGY])  # without what bending adds to the mass
 
     def energy_of_spins(self, duration: float) -> float:
         """See `EvaluatedScene`."""
@@ -413,10 +429,6 @@ class CompiledScene:
     def violation(self, t: float, q: Array) -> float:
         """Largest |c| of the joints [m, -]."""
         return float(self._violation(self.system.items, self.loads.of_joints(t), q))
-
-    def power_of_joints(self) -> float:
-        """See `EvaluatedScene`."""
-        return float(self._power(self.system.items.joints))
 
     def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
         """See `JoinedScene.set_multipliers`."""
