@@ -241,7 +241,7 @@ def takes_any_system(*protocols: Any) -> Callable[[Any], Any]:
         def call(system: Any, *arguments: Any) -> Any:
             return compiled(called(system, *protocols), *arguments)
 
-        call.__dict__["py_func"] = function
+        call.__dict__.update(py_func=function, kernel=compiled)
         return call
 
     return decorate

@@ -165,7 +165,7 @@ class SceneOfExudyn(JoinedScene):
     def forces(self) -> Array:
         return self.native_items.varying_forces
 
-    def report_energy(self, t: float, state: Any, energy_report: Array) -> None:
+    def report_energy(self, t: float, state: Any, energy_report: Array, scale: float = np.inf) -> None:
         q, v, a = state.q, state.v, state.a
         if self.joints:
             for cable, (_, _, loads) in enumerate(self.cables):
@@ -180,6 +180,8 @@ class SceneOfExudyn(JoinedScene):
         energy_report[KINETIC] += self._kinetic_energy_of_bodies(q, v)
         energy_report[RESOLVED] += self._kinetic_energy_of_bodies(q, a)
         energy_report[POWER] += float(self.system.multipliers @ self.system.drift)
+        if self.joints and scale < np.inf:
+            energy_report[VIOLATION] = max(energy_report[VIOLATION], self.violation(t, q) / scale)
 
     def kinetic_energy(self, q: Array, v: Array) -> float:
         total = self._kinetic_energy_of_bodies(q, v)

@@ -1,6 +1,6 @@
 """A scene of which all items have compiled forms: many steps in one call."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -35,13 +35,14 @@ from ..scene.joints import NOT_FINITE, dependent_row, not_independent
 from ..system import (
     ACCELERATION_ENERGY,
     REPORTED,
+    VIOLATION,
     accelerate_and_project,
     index_reduced_rates,
     report_energy,
 )
 from .cable_loads import CableLoads
 from .load_functions import LoadFunctions, StateFunctions
-from .moved_offsets import MovedOffset
+from .moved_offsets import MovedOffsets
 
 FEW = 50  # states
 
@@ -51,14 +52,20 @@ ChangedItem = tuple[str, int, str]  # kind, number, name of the parameter
 class SceneLoads:
     """What acts on the cables of a scene, with functions of time behind it; see `CableLoads`.
 
-    functions: of joints.   of_loads: those of loads on bodies and cables. Each has three values.
+    functions: of joints.   moved: offsets of joints that are set between steps.
+    of_loads: functions of loads on bodies and cables. Each has three values.
     """
 
     def __init__(
-        self, loads: Sequence[CableLoads], functions: Sequence[FunctionOfTime], of_loads: LoadFunctions
+        self,
+        loads: Sequence[CableLoads],
+        functions: Sequence[FunctionOfTime],
+        moved: MovedOffsets,
+        of_loads: LoadFunctions,
     ) -> None:
-        self._loads, self._functions, self._of_loads = loads, functions, of_loads
-        number = len(functions) + len(of_loads.numbers)
+        self._loads = [of_cable for of_cable in loads if len(of_cable.pattern)]
+        self._functions, self._moved, self._of_loads = functions, moved, of_loads
+        number = len(functions) + len(moved.joints) + len(of_loads.numbers)
         self._is_given = (np.arange(3) < of_loads.numbers[:, np.newaxis]).ravel()
         parts = [of_cable.constant for of_cable in loads]
         self.constant: Array = np.concatenate([*parts, np.zeros(3 * number)])
@@ -87,26 +94,30 @@ class SceneLoads:
         external = self.constant.copy()
         if len(self.pattern):
             (rows, columns), factors = self._on_cables, self.factors([t])[0]
-            external[columns] += factors[rows] @ self.pattern[rows, columns]
-            external[columns.stop :] += factors[rows.stop :]
+            if rows.stop:
+                external[columns] += factors[rows] @ self.pattern[rows, columns]
+            external[columns.stop :] = factors[rows.stop :]
         return external
 
     @property
     def are_steady(self) -> bool:
         """Whether nothing depends on the time, as long as no offset is set."""
-        offsets = [one for one in self._functions if isinstance(one, MovedOffset) and not one.moves]
-        return 3 * len(offsets) == len(self.pattern)
+        return 3 * len(self._moved.joints) == len(self.pattern) and not self._moved.moves
 
     def factors(self, times: list[float]) -> Array:
         """(T, P) of all that depends on the time."""
-        of_loads = np.zeros((len(times), len(self._is_given)))
-        of_loads[:, self._is_given] = self._of_loads.values(times)
-        columns = [loads.factors(times) for loads in self._loads if len(loads.pattern)]
-        return np.concatenate([*columns, self._of_joints(times), of_loads], axis=1)
+        columns = [*(loads.factors(times) for loads in self._loads), self._of_joints(times)]
+        if len(self._is_given):
+            of_loads = np.zeros((len(times), len(self._is_given)))
+            of_loads[:, self._is_given] = self._of_loads.values(times)
+            columns.append(of_loads)
+        return np.concatenate(columns, axis=1) if len(columns) > 1 else columns[0]
 
     def _of_joints(self, times: list[float]) -> Array:
-        columns = [function.values(times) for function in self._functions]
-        return np.concatenate(columns, axis=1) if columns else np.zeros((len(times), 0))
+        values = self._moved.values(times)
+        if not self._functions:
+            return values
+        return np.concatenate([*(function.values(times) for function in self._functions), values], axis=1)
 
     def of_joints(self, t: float) -> Array:
         """(F,) values of the functions of joints at t [s]."""
@@ -168,7 +179,7 @@ class CompiledScene:
         loads: of the cables, and functions of time.   cables: place, and system of each.
         names: of the rows of joints, for messages.
         read_again: (item, connectors, loads): brings the records of a changed item up to date, if it can.
-        moved: offsets that are set between steps, by the numbers of their joints.
+        moved: offsets that are set between steps.
 
     forces: (n,) what the items did to the coordinates at the last evaluation [N, Nm].
     multipliers: (m,) of the joints there.   given: (n,) forces that others set, besides those of the items.
@@ -182,7 +193,7 @@ class CompiledScene:
         cables: Sequence[tuple[slice, Any, CableLoads]],
         names: Sequence[str],
         read_again: Callable[[ChangedItem, Any, Any], bool],
-        moved: Mapping[int, MovedOffset],
+        moved: MovedOffsets,
     ) -> None:
         self.loads = loads
         self._chains, self._cables = chains, cables
@@ -257,48 +268,44 @@ class CompiledScene:
 
     def take_over(self, item: ChangedItem) -> bool:
         """Whether the changed item is now what it is in Exudyn; joints that are moved are not looked at."""
-        if item[1] in self._moved and item[0] == "Object":
+        if item[0] == "Object" and self.can_move(item[1]):
             return True
         items = self.system.items
         return self._read_again(item, items.connectors, items.loads)
 
     def can_move(self, number: int) -> bool:
         """Whether the offset of a joint may be set between steps."""
-        return number in self._moved
+        return number in self._moved.joints
 
     def approach_joints(self, time: float, end: float, q: Array, tolerance: float) -> bool:
         """Let joints that are violated by more than the tolerance at (time, q) be fulfilled at `end` [s].
 
         Returns whether all of them can be moved.
         """
-        joints = [one.items.joints for one in (self.system, self._unscaled) if one]
-        self.rest()
-        for one in self._moved.values():
-            rest = one.given()
-            for of_system in joints:
-                of_system.rows["rest"][one.row] = rest
+        moved, given = self._moved, self._moved.given
+        for one in (self.system, self._unscaled) if self._unscaled else (self.system,):
+            one.items.joints.rows["rest"][moved.rows] = given
+        moved.rest()
         self.violation(time, q)
-        values = joints[0].value
-        for one in self._moved.values():
-            left = float(values[one.row])
-            one.aim(left if abs(left) > tolerance else 0.0, time, end)
+        values = self.system.items.joints.value
+        left = values[moved.rows]
+        moved.aim(np.where(np.abs(left) > tolerance, left, 0.0), time, end)
         others = values[self._not_moved]
         return not len(others) or not max(others.max(), -others.min()) > tolerance
 
     @cached_property
     def _not_moved(self) -> np.ndarray:
         """Rows of joints whose offset nobody sets between steps."""
-        return np.setdiff1d(np.arange(len(self.multipliers)), [one.row for one in self._moved.values()])
+        return np.setdiff1d(np.arange(len(self.multipliers)), self._moved.rows)
 
     def rest(self) -> None:
         """Joints that have been moved stay where they are."""
-        for one in self._moved.values():
-            one.rest()
+        self._moved.rest()
 
     @property
     def approaches(self) -> bool:
         """Whether joints have moved through the last step."""
-        return any(one.moves for one in self._moved.values())
+        return self._moved.moves
 
     def take(self, steps: Steps, state: Any, work: Array, before: Array) -> None:
         """Take steps.
@@ -403,13 +410,18 @@ class CompiledScene:
         """See `accelerate_and_project`, without the system."""
         self._accelerate(self.loads.follow(external, q, v), q, v, *others)
 
-    def report_energy(self, t: float, state: Any, energy_report: Array) -> None:
+    def report_energy(self, t: float, state: Any, energy_report: Array, scale: float = np.inf) -> None:
         """See `EvaluatedScene`."""
         if len(self.multipliers):
             for cable, (_, _, loads) in enumerate(self._cables):
                 if len(loads.pattern):  # its own solve knows no joints
                     self.set_multipliers(cable, t, state.q, state.v)
-        self._report(self.loads.at(t), state.q, state.v, state.a, self._memory[0], energy_report)
+        external, q = self.loads.at(t), state.q
+        self._report(external, q, state.v, state.a, self._memory[0], energy_report)
+        if len(self.multipliers) and scale < np.inf:
+            functions = external[len(self.system.cable_force) :]
+            violation = self._violation(self.system.items, functions, q) / scale
+            energy_report[VIOLATION] = max(energy_report[VIOLATION], violation)
 
     def kinetic_energy(self, q: Array, v: Array) -> float:
         """See `EvaluatedScene`."""

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..compiled import Prepared
 from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit
 from ..scene.path_work import (
@@ -25,7 +26,7 @@ from ..scene.path_work import (
     follow,
     take_sums,
 )
-from ..system import POWER, VIOLATION
+from ..system import POWER
 from .cable_run import CableRun
 from .joined_scene import EvaluatedScene, JoinedScene
 from .run_watch import RunWatch
@@ -87,13 +88,13 @@ class CoupledWatch(RunWatch):
         scheme: Any,
         energy_tolerance: float,
     ) -> None:
-        self._scene = scene
         self._runs = runs
         self.stretches = any(cable.stretches for run in runs for cable in run.cables)
         self._bodies = scene.system.parts[len(runs)]
         tolerance = LENIENCE * energy_tolerance
         most = VIOLENT * tolerance if integrator.stabilised else np.inf
         self.watch = build_watch(state, STEPS_BETWEEN, tolerance, most=most)
+        self._draw_up = Prepared(verdict_after_work)
         self._gravity = np.zeros(len(state.q))
         self._start = np.zeros(len(state.q))  # coordinates from which the extent of the motion counts
         for run, dofs in zip(runs, scene.map.slices, strict=False):
@@ -252,10 +253,7 @@ class CoupledWatch(RunWatch):
         self._calm = CALM * float(self._last[1])
 
     def _verdict(self, watch: Watch, h: float, t: float, state: Any) -> int:
-        report = self.watch.present_report
-        self._evaluated.report_energy(t, state, report)
-        if self._scene.joints:
-            report[VIOLATION] = max(report[VIOLATION], self._evaluated.violation(t, state.q) / self._scale)
+        self._evaluated.report_energy(t, state, self.watch.present_report, self._scale)
         self._see_extent(state)
         duration, (work, scatter) = t - self._last[0], take_sums(self.path)
         if self.path is not self.path_of_evaluations:
@@ -264,7 +262,7 @@ class CoupledWatch(RunWatch):
         self._changes[:] = 0.0
         watch.account["forces"][NOW] += self._evaluated.energy_of_spins(watch.duration) * duration
         counted = work, scatter, int(self._counts[_STEPS]), duration
-        trouble = int(verdict_after_work(watch, state, self._gravity, *counted))
+        trouble = int(self._draw_up(watch, state, self._gravity, *counted))
         if trouble:
             go_back(watch, state)
         return trouble

@@ -37,10 +37,10 @@ class EvaluatedScene(Protocol):
     @property
     def forces(self) -> Array: ...
 
-    def report_energy(self, t: float, state: Any, energy_report: Array) -> None:
+    def report_energy(self, t: float, state: Any, energy_report: Array, scale: float = np.inf) -> None:
         """Of all but the items' work, as `system.report_energy`; the state at t [s] was evaluated last.
 
-        Violations are those of the cables alone.
+        scale: of violated joints [m, -]; infinite: nobody looks at them.
         """
 
     def kinetic_energy(self, q: Array, v: Array) -> float:

@@ -1,6 +1,6 @@
 """Constraints of cables that are switched on, moved or changed during a run."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -10,6 +10,7 @@ import numpy as np
 from ...arrays import Array
 from ...cable.link import Motion
 from ...items.link_items import read_moving_coordinate
+from ...items.parameters import Parameter
 from ...native.velocity_level import Drives
 from ...scene.links import MovingCoordinate, Rod, in_space
 from ...scene.model import HeldCoordinate
@@ -59,12 +60,13 @@ class _Known(NamedTuple):
     """A constraint as it was read last: the same object, as long as it asks for the same.
 
     asked: what it asks for.   constraint: of a cable; None: it has become a joint.
-    way: along which it moves; None: it is as it was built.
+    way: along which it moves; None: it is as it was built.   markers: that it connects.
     """
 
     asked: Any
     constraint: Constraint | None
     way: _Way | None
+    markers: Sequence[int] = ()
 
 
 _Changed = tuple[Constraint | None, _Way | None]
@@ -101,6 +103,17 @@ class SteppedReader:
             if known.way:
                 known.way.stop()
 
+    def aims(self, changed: Collection[Parameter]) -> bool:
+        """Whether nothing but ends of rods were moved, of cables alone, whose ways now lead there."""
+        markers = {key.number for key in changed if (key.kind, key.name) == ("Marker", "localPosition")}
+        moved = [number for number, known in self._known.items() if markers.intersection(known.markers)]
+        if len(markers) < len(changed) or not all(self._known[number].way for number in moved):
+            return False
+        for number in moved:
+            self(self._mbs, number, self._mbs.GetObject(number))
+        found = {marker for number in moved for marker in self._known[number].markers}
+        return markers <= found and all(self._known[number].way for number in moved)
+
     def memory(self) -> dict[str, Any]:
         """Which constraints have been changed, as plain data."""
         known = sorted(self._known.items())
@@ -127,7 +140,8 @@ class SteppedReader:
             return None
         asked = _asked(found, data)
         if last is None or last.asked != asked:
-            last = self._known[number] = _Known(asked, *self._changed(number, data, found, last))
+            changed = self._changed(number, data, found, last)
+            last = self._known[number] = _Known(asked, *changed, tuple(map(int, data["markerNumbers"])))
         return last.constraint
 
     def _changed(self, number: int, data: dict[str, Any], found: Constraint, last: _Known | None) -> _Changed:

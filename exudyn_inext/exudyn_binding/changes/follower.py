@@ -1,6 +1,6 @@
 """Runs that follow what user functions change between two steps of the time loop."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -121,7 +121,7 @@ class ChangeFollower:
                 "before a run."
             )
 
-    def _act_at_once(self, runs: Sequence[Run], changed: Sequence[Parameter], time: float) -> bool:
+    def _act_at_once(self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float) -> bool:
         """Whether all that has changed are values of loads and springs, which act without anything else."""
         if self.moves or self._jumped or self.limit.is_due(time) or self.limit.grown(self.mbs, changed):
             return False
@@ -135,13 +135,13 @@ class ChangeFollower:
         items = [key for key, it in asked.items() if it]
         return all(run.mover.take_values(items) for run in runs if isinstance(run, CoupledRun))
 
-    def _load_at_once(self, runs: Sequence[CableRun], changed: Sequence[Parameter], time: float) -> bool:
+    def _load_at_once(self, runs: Sequence[CableRun], changed: Mapping[Parameter, Any], time: float) -> bool:
         """As `_act_at_once`, for constant forces on nodes of cables among nothing else."""
         if any(key.kind != "Load" or key.name not in ("load", "loadVector") for key in changed):
             return False
         loaded: dict[int, CableRun] = {}
-        for key in changed:
-            components = np.atleast_1d(np.asarray(key.value(self.mbs), dtype=float))
+        for key, value in changed.items():
+            components = np.atleast_1d(np.asarray(value, dtype=float))
             taken = {id(run): run for run in runs if run.loads.change(key.number, components)}
             if not taken:
                 return False
@@ -152,7 +152,7 @@ class ChangeFollower:
             run.watch.keep(run.state)
         return True
 
-    def _acting(self, runs: Sequence[Run], changed: Sequence[Parameter]) -> list[Parameter]:
+    def _acting(self, runs: Sequence[Run], changed: Collection[Parameter]) -> list[Parameter]:
         return [key for key in changed if self._demand(runs, key) > Demand.NOTHING]
 
     def _demand(self, runs: Sequence[Run], key: Parameter) -> Demand:
@@ -161,7 +161,7 @@ class ChangeFollower:
         return self._demands[key]
 
     def _followed(
-        self, runs: Sequence[Run], changed: Sequence[Parameter], time: float, end: float
+        self, runs: Sequence[Run], changed: Collection[Parameter], time: float, end: float
     ) -> Sequence[Run]:
         asked = max((self._demand(runs, key) for key in changed), default=Demand.EVALUATE)
         if changed:
@@ -178,6 +178,9 @@ class ChangeFollower:
             elif not _have_begun(runs):
                 for run in runs:
                     run.start(time)
+            return runs
+        if _alone(runs) and self.reader.aims(changed):
+            _go_on(runs, time, end, has_changed=True)
             return runs
         self._demands.clear()
         before, scene = self.scene, read_scene(self.mbs, self.reader)
@@ -225,7 +228,7 @@ def _go_on(runs: Sequence[Run], time: float, end: float, has_changed: bool) -> N
     """
     for run in runs:
         if isinstance(run, CableRun):
-            agree(run.system, run.loads.at(time), run.state)
+            agree(run.called, run.loads.at(time), run.state)
         else:
             if has_changed:
                 run.approach(time, end)
