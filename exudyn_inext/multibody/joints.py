@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import inlined, kernel
+from ..compiled import inlined
 from .bodies import respond_body
 from .nodes import (
     Nodes,

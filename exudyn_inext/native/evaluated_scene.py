@@ -191,11 +191,13 @@ class SceneOfExudyn(JoinedScene):
 
     @cached_property
     def _chains(self) -> Sequence["_Chain"]:
-        rest, slices = iter(self.cables), iter(self.map.slices)
-        found = []
+        found: list[_Chain] = []
+        done = 0
         for system, alike in self.groups:
-            loads, dofs = ([next(one) for _ in alike] for one in (rest, slices))
-            found.append(_Chain(slice(dofs[0].start, dofs[-1].stop), [one.loads for one in loads], system))
+            end = done + len(alike)
+            dofs = slice(self.map.slices[done].start, self.map.slices[end - 1].stop)
+            found.append(_Chain(dofs, [cable.loads for cable in self.cables[done:end]], system))
+            done = end
         return found
 
     def _kinetic_energy_of_bodies(self, q: Array, v: Array) -> float:

@@ -18,7 +18,7 @@ from ..cable.frequency import FrequencyTracker, largest_frequency
 from ..cable.implicit_bending import ImplicitBending
 from ..cable.linked_cable import cable_system, memory_of
 from ..cable.support_forces import SupportedCable
-from ..called_system import called
+from ..called_system import called, kernel_behind
 from ..compiled import Prepared
 from ..errors import SceneError
 from ..integrators.integrator import Integrator, remembered
@@ -133,7 +133,7 @@ class CableRun(PacedRun):
         tolerance, gains_energy = start.explicit.energyTolerance, integrator.stabilised
         self.watch = CableWatch(scene_cable, self.loads, self.state, tolerance, gains_energy)
         self._record_watched = Prepared(record_watched)
-        self._start_scheme = Prepared(integrator.start.kernel)
+        self._start_scheme = Prepared(kernel_behind(integrator.start))
         self._rejects = start.explicit.rejectSteps
         self.control = StepControl(rejects=self._rejects)
         self.start_correction = self._project(*violations, start)
@@ -348,11 +348,13 @@ class CableRun(PacedRun):
         self.watch.open(self.called, self.loads.at(time), self.state)
 
     def begin_again(self, time: float) -> None:
-        """As `start`, with axial forces of earlier steps; what has changed the energy is no error."""
+        """As `start`, with supports that have been looked at, and axial forces of earlier steps.
+
+        What has changed the energy is no error.
+        """
         if not self._stretches:
             self.forget()
         self.start_scheme(time)
-        self.require_independence()
         self.watch.begin_again(self.called, self.loads.at(time), self.state)
 
     def memory(self) -> dict[str, Any]:

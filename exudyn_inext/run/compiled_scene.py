@@ -80,6 +80,7 @@ class SceneLoads:
         self._on_cables = slice(row), slice(column)  # of the pattern; each factor after it is an input
         self.of_state = of_loads if isinstance(of_loads, StateFunctions) else None
         self._last = len(self.constant) - len(self._is_given)
+        self._only_moves = 3 * len(moved.joints) == len(self.pattern)
 
     def follow(self, external: Array, q: Array, v: Array) -> Array:
         """`external`, with the functions that depend on the state as they are at (q, v)."""
@@ -92,7 +93,9 @@ class SceneLoads:
     def at(self, t: float) -> Array:
         """(n_external,) at t [s]."""
         external = self.constant.copy()
-        if len(self.pattern):
+        if self._only_moves:
+            external[self._on_cables[1].stop :] = self._moved.at(t)
+        elif len(self.pattern):
             (rows, columns), factors = self._on_cables, self.factors([t])[0]
             if rows.stop:
                 external[columns] += factors[rows] @ self.pattern[rows, columns]
@@ -102,7 +105,7 @@ class SceneLoads:
     @property
     def are_steady(self) -> bool:
         """Whether nothing depends on the time, as long as no offset is set."""
-        return 3 * len(self._moved.joints) == len(self.pattern) and not self._moved.moves
+        return self._only_moves and not self._moved.moves
 
     def factors(self, times: list[float]) -> Array:
         """(T, P) of all that depends on the time."""

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
 from ..compiled import Prepared
 from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit

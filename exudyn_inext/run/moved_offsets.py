@@ -14,7 +14,9 @@ class MovedOffsets:
     moves: whether one of them has moved through the last step.
     """
 
-    def __init__(self, joints: Sequence[int], rows: Sequence[int], given: Sequence[Callable[[], float]]) -> None:
+    def __init__(
+        self, joints: Sequence[int], rows: Sequence[int], given: Sequence[Callable[[], float]]
+    ) -> None:
         """given: offset of each joint as it is set at present [m]."""
         self.joints, self.rows, self._given = joints, np.array(rows, dtype=int), given
         self.rest()

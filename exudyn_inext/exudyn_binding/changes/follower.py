@@ -88,7 +88,7 @@ class ChangeFollower:
         self.limit.notice(self.mbs, changed, time, end)
         self._has_jumped(runs, time)
         self.reader.begin_step(time, end)
-        if self._act_at_once(runs, changed, time):
+        if self._act_at_once(runs, changed, time) or self._moves_at_once(runs, changed, time, end):
             return runs
         with state_kept(self.mbs):
             self.mbs.systemData.SetTime(time)
@@ -137,12 +137,11 @@ class ChangeFollower:
 
     def _load_at_once(self, runs: Sequence[CableRun], changed: Mapping[Parameter, Any], time: float) -> bool:
         """As `_act_at_once`, for constant forces on nodes of cables among nothing else."""
-        if any(key.kind != "Load" or key.name not in ("load", "loadVector") for key in changed):
+        if any(len(run.loads.pattern) for run in runs) or not all(map(_is_force, changed)):
             return False
         loaded: dict[int, CableRun] = {}
         for key, value in changed.items():
-            components = np.atleast_1d(np.asarray(value, dtype=float))
-            taken = {id(run): run for run in runs if run.loads.change(key.number, components)}
+            taken = _with_load(runs, key, value)
             if not taken:
                 return False
             loaded |= taken
@@ -150,6 +149,20 @@ class ChangeFollower:
         for run in loaded.values():
             start_after_jump(run, run.start_scheme, time)
             run.watch.keep(run.state)
+        return True
+
+    def _moves_at_once(
+        self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float, end: float
+    ) -> bool:
+        """Whether supports of cables among nothing else have moved on, and constant forces have changed."""
+        alone, places = _alone(runs), {key: x for key, x in changed.items() if not _is_force(key)}
+        if not alone or not places or not self.reader.aims(places):
+            return False
+        if not all(_with_load(alone, key, x) for key, x in changed.items() if key not in places):
+            return False
+        forget_evaluators(self.sensors)
+        _go_on(alone, time, end, has_changed=True)
+        self.moves = self.reader.moves
         return True
 
     def _acting(self, runs: Sequence[Run], changed: Collection[Parameter]) -> list[Parameter]:
@@ -179,9 +192,6 @@ class ChangeFollower:
                 for run in runs:
                     run.start(time)
             return runs
-        if _alone(runs) and self.reader.aims(changed):
-            _go_on(runs, time, end, has_changed=True)
-            return runs
         self._demands.clear()
         before, scene = self.scene, read_scene(self.mbs, self.reader)
         self.scene = scene
@@ -200,6 +210,16 @@ class ChangeFollower:
 def _alone(runs: Sequence[Run]) -> list[CableRun]:
     """Those of cables among nothing else."""
     return [run for run in runs if isinstance(run, CableRun)]
+
+
+def _is_force(key: Parameter) -> bool:
+    return key.kind == "Load" and key.name in ("load", "loadVector")
+
+
+def _with_load(runs: Sequence[CableRun], key: Parameter, value: Any) -> dict[int, CableRun]:
+    """The runs on which that load acts, with its present value, as a constant force on a node."""
+    components = np.atleast_1d(np.asarray(value, dtype=float))
+    return {id(run): run for run in runs if run.loads.change(key.number, components)}
 
 
 def _have_begun(runs: Sequence[Run]) -> bool:

@@ -168,10 +168,18 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved:
             given = partial(mbs.GetObjectParameter, joint.number, _OFFSETS[data["objectType"]])
             of_moved.append((of_joint[0], joint.number, len(rows), given))
         rows += of_joint
-    for place, (row, *_) in enumerate(of_moved, len(functions)):
-        row.function = 3 * place
-    _, *columns = zip(*of_moved, strict=True) if of_moved else [()] * 4
-    return KnownRows(collected(ROW, rows), functions, MovedOffsets(*columns), _sliders(sliding))
+    moved_offsets = _moved_offsets(of_moved, len(functions))
+    return KnownRows(collected(ROW, rows), functions, moved_offsets, _sliders(sliding))
+
+
+def _moved_offsets(
+    found: Sequence[tuple[Any, int, int, Callable[[], float]]], functions: int
+) -> MovedOffsets:
+    """Of records, numbers, rows and offsets of joints; their values follow those of so many functions."""
+    for place, (record, *_) in enumerate(found, functions):
+        record.function = 3 * place
+    _, numbers, rows, given = zip(*found, strict=True) if found else [()] * 4
+    return MovedOffsets(numbers, rows, given)
 
 
 def _sliders(found: Sequence[tuple[Any, Array]]) -> Any:
