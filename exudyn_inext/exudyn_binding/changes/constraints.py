@@ -26,7 +26,11 @@ class _Way:
 
     A function of the user that gives positions step by step gives no velocities; those of the straight lines
     between them are those that a cable needs.
+
+    moves: whether it moves through this step.
     """
+
+    moves = False
 
     def __init__(self, point: Array) -> None:
         """point: (dim,) where it is [m]."""
@@ -35,19 +39,15 @@ class _Way:
         self._end = 0.0
         self.motion = Motion(self.at, is_pure=False, is_smooth=False)
 
-    @property
-    def moves(self) -> bool:
-        return bool(self._values[1].any())
-
     def aim(self, point: Array, time: float, end: float) -> None:
         """Be at `point` (dim,) [m] at the time `end` [s] of the step from `time` [s]."""
         self._values[1] = (point - self._values[0]) / (end - time)
         self._values[0] = point
-        self._end = end
+        self._end, self.moves = end, any(self._values[1].tolist())
 
     def stop(self) -> None:
         """Stay there."""
-        self._values[1] = 0.0
+        self._values[1], self.moves = 0.0, False
 
     def at(self, t: float) -> Array:
         """(3, dim) p, p_t, p_tt at t [s], within the step or later."""

@@ -180,7 +180,7 @@ def _is_same(x: Any, y: Any) -> bool:
         if type(x) is type(y) and isinstance(x, (float, list)):
             return bool(x == y)
         if isinstance(x, np.ndarray) and isinstance(y, np.ndarray):
-            return x.shape == y.shape and not bool((x != y).any())
+            return x.shape == y.shape and x.tolist() == y.tolist()
         return x is y or bool(np.array_equal(x, y))
     except (TypeError, ValueError):
         return False
