@@ -19,6 +19,7 @@ class MovedOffsets:
     ) -> None:
         """given: offset of each joint as it is set at present [m]."""
         self.joints, self.rows, self._given = joints, np.array(rows, dtype=int), given
+        self._end, self._rest = 0.0, np.zeros(3 * len(rows))
         self.rest()
 
     @property
@@ -28,14 +29,14 @@ class MovedOffsets:
 
     def aim(self, left: Array, time: float, end: float) -> None:
         """So much is left at `time`, and nothing at `end`.   left: (k,) [m].   time, end: [s]."""
-        self.moves, self._end = bool(left.any()), end
+        self.moves, self._end = any(left.tolist()), end
         self._rates, self._steady = np.zeros((2, 3 * len(left)))
         self._rates[::3] = left / (end - time)
         self._steady[1::3] = -self._rates[::3]
 
     def rest(self) -> None:
         """Stay there."""
-        self.aim(np.zeros(len(self.rows)), 0.0, 1.0)
+        self.moves, self._rates, self._steady = False, self._rest, self._rest
 
     def at(self, t: float) -> Array:
         """(3 k,) what is left at t [s], and its derivatives [m, m/s, m/s^2], of one after the other."""
