@@ -9,7 +9,7 @@ import exudyn
 import numpy as np
 
 from ..cable.attached import PointMass
-from ..cable.link import Link, rest
+from ..cable.link import Link, Motion, rest
 from ..constraints.prescribed_motion import prescribed
 from ..errors import SceneError
 from ..items.arguments import described, require_system
@@ -160,7 +160,7 @@ def _take_foreign_constraints(
     """
 
     def is_of_one(constraint: Constraint) -> bool:
-        if isinstance(constraint, MovingCoordinate) and not constraint.motion.is_pure:
+        if isinstance(constraint, MovingCoordinate) and _follows_state(constraint.motion):
             return False
         cables = {cable_of.get(node) for node in constraint.nodes}
         return len(cables) == 1 and None not in cables
@@ -170,10 +170,16 @@ def _take_foreign_constraints(
     return {number: constraints.pop(number) for number in foreign}
 
 
+def _follows_state(motion: Motion) -> bool:
+    """Whether a user function of the state gives it; what is set between steps goes on in between."""
+    return not motion.is_pure and motion.is_smooth
+
+
 def _take_links(contents: Contents, cable_of: dict[int, int]) -> dict[int, Constraint]:
     """Remove rods, and what holds positions in part, if several cables have them; returns them.
 
-    Among other items they are joints: a cable with links of its own shares its records with no other one.
+    Among other items they are joints: a cable with links of its own shares its records with no other one. So
+    is what is set between steps.
     """
     held: defaultdict[int, set[int]] = defaultdict(set)  # coordinates of each node
     for constraint in contents.constraints.values():
@@ -186,9 +192,14 @@ def _take_links(contents: Contents, cable_of: dict[int, int]) -> dict[int, Const
         position = set(range(contents.items[cable_of[constraint.node]].cable.dimension))
         return constraint.coordinate in position and not position <= held[constraint.node]
 
+    def is_set(constraint: Constraint) -> bool:
+        motion = None if isinstance(constraint, HeldCoordinate) else constraint.motion
+        return motion is not None and not motion.is_pure
+
     links = {number: one for number, one in contents.constraints.items() if is_link(one)}
     if len({cable_of[one.nodes[0]] for one in links.values()}) < 2:
-        return {}
+        links = {}
+    links |= {number: one for number, one in contents.constraints.items() if is_set(one)}
     for number in links:
         del contents.constraints[number]
     return links

@@ -21,7 +21,7 @@ from ..called_system import (
 )
 from ..compiled import inlined, protocol
 from ..lowered import COUNT, NUMBERS, numbers_at
-from ..system import accelerate_and_project, correct_position, index_reduced_rates
+from ..system import accelerate_and_project, correct_position, index_reduced_rates, report_energy
 from .nodes import copy_chain
 
 
@@ -40,7 +40,8 @@ class Cables(NamedTuple):
 
 def cables_in_a_row(systems: Sequence[Any], inputs: Sequence[int]) -> Cables:
     """These systems, which are kept as long as the table.   inputs: how much external force each takes."""
-    row = [called(system, accelerate_and_project, correct_position, respond) for system in systems]
+    protocols = accelerate_and_project, correct_position, report_energy, respond
+    row = [called(system, *protocols) for system in systems]
     functions = np.array([one.functions for one in row], np.int64).reshape(len(row), MOST_PROTOCOLS)
     keep_with(functions, row)
     sizes = [system.chain.nodes.size * 2 * len(system.chain.axes) for system in systems]

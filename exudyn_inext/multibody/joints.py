@@ -25,7 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import inlined, kernel
+from ..compiled import inlined
 from .bodies import respond_body
 from .nodes import (
     Nodes,
@@ -397,7 +397,7 @@ def apply_joints(joints, x, refines):
         correct_nodes(joints.nodes, joints.unknowns, x)
 
 
-@kernel
+@inlined
 def power_of_offsets(joints):
     """What joints that move do [W], by the multipliers of the last evaluation."""
     power = 0.0

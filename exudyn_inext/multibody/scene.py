@@ -10,10 +10,21 @@ import numpy as np
 
 from ..arrays import Array
 from ..called_system import has_nothing, implements
-from ..compiled import called_kernel, inlined, kernel, protocol
+from ..compiled import called_kernel, inlined, inlined_kernel, kernel, protocol
 from ..integrators.integrator import LoadHistory, advance, external_force
 from ..scene.path_work import follow
-from ..system import accelerate_and_project, correct_position, index_reduced_rates
+from ..system import (
+    ACCELERATION_ENERGY,
+    ELASTIC,
+    KINETIC,
+    POWER,
+    RESOLVED,
+    VIOLATION,
+    accelerate_and_project,
+    correct_position,
+    index_reduced_rates,
+    report_energy,
+)
 from .bodies import (
     accelerate_body,
     add_lever,
@@ -31,6 +42,7 @@ from .cables import (
     accelerate_cables,
     correct_cables,
     improve_cables,
+    one_chain,
     rates_of_cables,
     respond_with_cables,
 )
@@ -43,6 +55,7 @@ from .joints import (
     factorise_joints,
     keep_multipliers,
     largest_value,
+    power_of_offsets,
     respond_with_bodies,
     set_jacobian,
     set_rates,
@@ -314,7 +327,35 @@ def correct_scene_position(system, external, q, tolerance, learning, correction)
     return worst
 
 
-@kernel
+@implements(report_energy, SceneSystem)
+def report_energy_of_scene(system, external, q, v, a, force, energy_report):
+    """Violations are those of the cables alone; work of the items is counted along the way."""
+    cables, bodies = system.cables, system.items.bodies
+    elastic, power, violation = 0.0, power_of_offsets(system.items.joints), 0.0
+    kinetic, of_acceleration = bodies_energy(bodies, q, v), bodies_energy(bodies, q, a)
+    resolved = of_acceleration
+    for k in range(len(cables.functions)):
+        i, j = cables.dofs[k], cables.dofs[k + 1]
+        given = external[cables.inputs[k] : cables.inputs[k + 1]]
+        report_energy(one_chain(cables, k), given, q[i:j], v[i:j], a[i:j], force[i:j], energy_report)
+        kinetic += energy_report[KINETIC]
+        elastic += energy_report[ELASTIC]
+        power += energy_report[POWER]
+        if not energy_report[VIOLATION] <= violation:  # keeps a NaN
+            violation = energy_report[VIOLATION]
+        of_acceleration += energy_report[ACCELERATION_ENERGY]
+        resolved += energy_report[RESOLVED]
+    for i in range(system.cable_dofs, len(q)):
+        force[i] = 0.0
+    energy_report[KINETIC] = kinetic
+    energy_report[ELASTIC] = elastic
+    energy_report[POWER] = power
+    energy_report[VIOLATION] = violation
+    energy_report[ACCELERATION_ENERGY] = of_acceleration
+    energy_report[RESOLVED] = resolved
+
+
+@inlined_kernel
 def bodies_energy(bodies, q, v):
     """Kinetic energy [J] of velocities v (n,) at q (n,)."""
     total = 0.0

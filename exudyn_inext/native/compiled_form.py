@@ -81,7 +81,7 @@ def compiled_form(
     of_loads = LoadFunctions(numbers.functions)
     if not all(function.is_pure for function in numbers.functions):
         of_loads = StateFunctions(numbers.functions, partial(_bring, scene, known.contacts))
-    acting = SceneLoads(loads, known.functions, of_loads)
+    acting = SceneLoads(loads, known.functions, numbers.moved, of_loads)
     native = scene.system
     still = _held_coordinates(scene.cables)
     cables = cables_of_scene(scene.groups, loads)

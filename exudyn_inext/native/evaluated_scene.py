@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..cable.many_cables import Systems, in_few_chains
+from ..called_system import Bound
 from ..errors import SceneError
 from ..items.functions_of_time import is_of_time_alone, step_functions
 from ..run.cable_loads import CableLoads
@@ -18,7 +19,16 @@ from ..scene.bodies import BodiesSystem, MassBlock
 from ..scene.coupled_system import CoupledSystem, Part
 from ..scene.model import CableInScene, HeldCoordinate
 from ..scene.path_work import build_path
-from ..system import index_reduced_rates
+from ..system import (
+    ACCELERATION_ENERGY,
+    KINETIC,
+    POWER,
+    REPORTED,
+    RESOLVED,
+    VIOLATION,
+    index_reduced_rates,
+    report_energy,
+)
 from .bodies import BodyMasses, SystemMass, read_bodies, read_quaternions, require_mass
 from .contact_rates import open_contacts
 from .coordinates import CoordinateMap, PartCoordinates
@@ -41,6 +51,25 @@ class CoupledCable(NamedTuple):
     cable: CableInScene
     system: Any
     loads: CableLoads
+
+
+class _Chain:
+    """Cables that share records.   dofs: their place.   nothing: external force."""
+
+    def __init__(self, dofs: slice, loads: Sequence[CableLoads], system: Any) -> None:
+        self._dofs, self._loads, self._report = dofs, loads, Bound(report_energy, system)
+        self._force = np.zeros(dofs.stop - dofs.start)
+        self.nothing = np.zeros(sum(len(one.constant) for one in loads))
+
+    def external(self, t: float) -> Array:
+        """As the system takes it, at t [s]."""
+        return np.concatenate([loads.at(t) for loads in self._loads])
+
+    def report(self, external: Array, q: Array, v: Array, a: Array) -> Array:
+        """(6,) see `report_energy`.   q, v, a: (n,) of all parts."""
+        result = np.zeros(REPORTED)
+        self._report(external, *(x[self._dofs] for x in (q, v, a)), self._force, result)
+        return result
 
 
 class SceneOfExudyn(JoinedScene):
@@ -136,9 +165,44 @@ class SceneOfExudyn(JoinedScene):
     def forces(self) -> Array:
         return self.native_items.varying_forces
 
+    def report_energy(self, t: float, state: Any, energy_report: Array, scale: float = np.inf) -> None:
+        q, v, a = state.q, state.v, state.a
+        if self.joints:
+            for cable, (_, _, loads) in enumerate(self.cables):
+                if len(loads.pattern):  # its own solve knows no joints
+                    self.set_multipliers(cable, t, q, v)
+        energy_report[:] = 0.0
+        for one in self._chains:
+            own = one.report(one.external(t), q, v, a)
+            worst = np.maximum(energy_report[VIOLATION], own[VIOLATION])
+            energy_report += own
+            energy_report[VIOLATION] = worst
+        energy_report[KINETIC] += self._kinetic_energy_of_bodies(q, v)
+        energy_report[RESOLVED] += self._kinetic_energy_of_bodies(q, a)
+        energy_report[POWER] += float(self.system.multipliers @ self.system.drift)
+        if self.joints and scale < np.inf:
+            energy_report[VIOLATION] = max(energy_report[VIOLATION], self.violation(t, q) / scale)
+
     def kinetic_energy(self, q: Array, v: Array) -> float:
+        total = self._kinetic_energy_of_bodies(q, v)
+        for one in self._chains:  # the mass alone, without what bending adds to it
+            total += one.report(one.nothing, q, v, v)[ACCELERATION_ENERGY]
+        return total
+
+    @cached_property
+    def _chains(self) -> Sequence["_Chain"]:
+        found: list[_Chain] = []
+        done = 0
+        for system, alike in self.groups:
+            end = done + len(alike)
+            dofs = slice(self.map.slices[done].start, self.map.slices[end - 1].stop)
+            found.append(_Chain(dofs, [cable.loads for cable in self.cables[done:end]], system))
+            done = end
+        return found
+
+    def _kinetic_energy_of_bodies(self, q: Array, v: Array) -> float:
         if self.parts_in_one:
-            return self.parts_in_one.kinetic_energy(q, v)
+            return self.parts_in_one.kinetic_energy_of_bodies(q, v)
         return self.body_system.kinetic_energy(v[self.map.slices[-1]])
 
     def energy_of_spins(self, duration: float) -> float:
@@ -153,9 +217,6 @@ class SceneOfExudyn(JoinedScene):
         if self.parts_in_one:
             return self.parts_in_one.violation(t, q)
         return float(np.abs(self.native_items.violations(t, q)).max())
-
-    def power_of_joints(self) -> float:
-        return float(self.system.multipliers @ self.system.drift)
 
     def memory(self) -> dict[str, Any]:
         """Drift corrections of joints and quaternions, and where joints slide, by names."""

@@ -56,12 +56,12 @@ class CableLoads:
                 self.constant += value * pattern
 
     def change(self, number: int, components: Array) -> bool:
-        """Whether nothing but constant loads acts, of which this one, on a node, now has these components.
+        """Whether this load is a constant one on a node, and now has these components.
 
         number: of the load in its mbs.   components: (m,) [N, Nm].
         """
         for place, (load, patterns) in enumerate(self._steady):
-            if isinstance(load, NodalLoad) and load.number == number and not len(self.pattern):
+            if isinstance(load, NodalLoad) and load.number == number:
                 self._steady[place] = replace(load, constant=components), patterns
                 self.constant[:] = self._alone
                 self._add_steady()
@@ -118,10 +118,11 @@ class CableLoads:
 
     def factors(self, times: list[float]) -> Array:
         """(T, P) of all load histories and motions."""
-        values = self._functions.values(times)
-        _require_none(self._out_of_plane, values)
         columns = [np.array([motion.at(t).ravel() for t in times]) for motion in self._motions]
-        return np.concatenate([values, *columns], axis=1)
+        if self._histories or not self._motions:
+            columns.insert(0, self._functions.values(times))
+            _require_none(self._out_of_plane, columns[0])
+        return np.concatenate(columns, axis=1) if len(columns) > 1 else columns[0]
 
     def jump_of_places(self, time: float, end: float) -> float:
         """Largest way of a support from `time` to `end` [s] [m]."""

@@ -18,7 +18,7 @@ from ..cable.frequency import FrequencyTracker, largest_frequency
 from ..cable.implicit_bending import ImplicitBending
 from ..cable.linked_cable import cable_system, memory_of
 from ..cable.support_forces import SupportedCable
-from ..called_system import called
+from ..called_system import called, kernel_behind
 from ..compiled import Prepared
 from ..errors import SceneError
 from ..integrators.integrator import Integrator, remembered
@@ -133,6 +133,7 @@ class CableRun(PacedRun):
         tolerance, gains_energy = start.explicit.energyTolerance, integrator.stabilised
         self.watch = CableWatch(scene_cable, self.loads, self.state, tolerance, gains_energy)
         self._record_watched = Prepared(record_watched)
+        self._start_scheme = Prepared(kernel_behind(integrator.start))
         self._rejects = start.explicit.rejectSteps
         self.control = StepControl(rejects=self._rejects)
         self.start_correction = self._project(*violations, start)
@@ -172,12 +173,18 @@ class CableRun(PacedRun):
     def adopt(self, system: Any) -> None:
         """The same equations in memory that cables share."""
         self.system, self._tracker = system, FrequencyTracker(system, self.scene_cable.cable.reference.shape)
-        self.__dict__.pop("called", None)
+        for name in ("called", "_corrections"):
+            self.__dict__.pop(name, None)
 
     @cached_property
     def called(self) -> Any:
         """The system, as kernels call it that move and watch it."""
         return called(self.system, *self.integrator.calls, accelerate_and_project, report_energy)
+
+    @cached_property
+    def _corrections(self) -> dict[str, Any]:
+        """See `memory_of`."""
+        return memory_of(self.system)
 
     def follow_frequency(self, rule: StepRule) -> None:
         """Let the steps follow the present stability limit."""
@@ -341,18 +348,20 @@ class CableRun(PacedRun):
         self.watch.open(self.called, self.loads.at(time), self.state)
 
     def begin_again(self, time: float) -> None:
-        """As `start`, with axial forces of earlier steps; what has changed the energy is no error."""
+        """As `start`, with supports that have been looked at, and axial forces of earlier steps.
+
+        What has changed the energy is no error.
+        """
         if not self._stretches:
             self.forget()
         self.start_scheme(time)
-        self.require_independence()
         self.watch.begin_again(self.called, self.loads.at(time), self.state)
 
     def memory(self) -> dict[str, Any]:
         """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
         return {
             "state": remembered(self.state),
-            "drift_correction": memory_of(self.system),
+            "drift_correction": self._corrections,
             "watch": self.watch.memory(),
             "control": self.control.memory() | {"vibration": self._tracker.vibration},
         }
@@ -365,7 +374,7 @@ class CableRun(PacedRun):
 
     def forget(self) -> None:
         """Reset the drift corrections of the constraints."""
-        for drift_correction in memory_of(self.system).values():
+        for drift_correction in self._corrections.values():
             drift_correction[:] = 0.0
 
     def take(self, piece: Piece, history: Array) -> int:
@@ -384,11 +393,11 @@ class CableRun(PacedRun):
 
     def start_scheme(self, time: float) -> None:
         """See `PacedRun.start_scheme`."""
-        memory, external = memory_of(self.system), self.loads.at(time)
-        if remembers_axial_forces(memory):
+        memory, external = self._corrections, self.loads.at(time)
+        if self._stretches and remembers_axial_forces(memory):
             accelerate_again(self.called, external, self.state, self.control.present, [memory])
         else:
-            self.integrator.start(self.called, external, self.state)
+            self._start_scheme(self.called, external, self.state)
 
     def watch_on(self, time: float) -> None:
         """See `PacedRun.watch_on`."""

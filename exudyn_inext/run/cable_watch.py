@@ -84,7 +84,7 @@ class CableWatch(RunWatch):
     @property
     def steps(self) -> int:
         """That have been inspected and found well."""
-        return int(self.watch.account[NOW].steps)
+        return int(self.watch.account["steps"][NOW])
 
     def finding(self, state: Any) -> str:
         """What went wrong, by how much, and where.   state: the last good one."""

@@ -1,6 +1,6 @@
 """A scene of which all items have compiled forms: many steps in one call."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -16,14 +16,13 @@ from ..errors import OffCableError, RedundantConstraintError
 from ..integrators.integrator import NO_WORK, LoadHistory
 from ..multibody.build import FunctionOfTime, copied
 from ..multibody.cables import Cables, cables_in_a_row, provide_cables
-from ..multibody.joints import Joints, power_of_offsets
+from ..multibody.joints import Joints
 from ..multibody.scene import (
     ALL_BUT_FIRST,
     EACH,
     MODE,
     NOT_COUNTED,
     SceneSystem,
-    bodies_energy,
     energy_of_spins,
     evaluate_states,
     joint_violation,
@@ -33,10 +32,17 @@ from ..multibody.scene import (
 )
 from ..multibody.sliding import BEYOND, PLACE
 from ..scene.joints import NOT_FINITE, dependent_row, not_independent
-from ..system import accelerate_and_project, index_reduced_rates
+from ..system import (
+    ACCELERATION_ENERGY,
+    REPORTED,
+    VIOLATION,
+    accelerate_and_project,
+    index_reduced_rates,
+    report_energy,
+)
 from .cable_loads import CableLoads
 from .load_functions import LoadFunctions, StateFunctions
-from .moved_offsets import MovedOffset
+from .moved_offsets import MovedOffsets
 
 FEW = 50  # states
 
@@ -46,14 +52,20 @@ ChangedItem = tuple[str, int, str]  # kind, number, name of the parameter
 class SceneLoads:
     """What acts on the cables of a scene, with functions of time behind it; see `CableLoads`.
 
-    functions: of joints.   of_loads: those of loads on bodies and cables. Each has three values.
+    functions: of joints.   moved: offsets of joints that are set between steps.
+    of_loads: functions of loads on bodies and cables. Each has three values.
     """
 
     def __init__(
-        self, loads: Sequence[CableLoads], functions: Sequence[FunctionOfTime], of_loads: LoadFunctions
+        self,
+        loads: Sequence[CableLoads],
+        functions: Sequence[FunctionOfTime],
+        moved: MovedOffsets,
+        of_loads: LoadFunctions,
     ) -> None:
-        self._loads, self._functions, self._of_loads = loads, functions, of_loads
-        number = len(functions) + len(of_loads.numbers)
+        self._loads = [of_cable for of_cable in loads if len(of_cable.pattern)]
+        self._functions, self._moved, self._of_loads = functions, moved, of_loads
+        number = len(functions) + len(moved.joints) + len(of_loads.numbers)
         self._is_given = (np.arange(3) < of_loads.numbers[:, np.newaxis]).ravel()
         parts = [of_cable.constant for of_cable in loads]
         self.constant: Array = np.concatenate([*parts, np.zeros(3 * number)])
@@ -68,6 +80,7 @@ class SceneLoads:
         self._on_cables = slice(row), slice(column)  # of the pattern; each factor after it is an input
         self.of_state = of_loads if isinstance(of_loads, StateFunctions) else None
         self._last = len(self.constant) - len(self._is_given)
+        self._only_moves = 3 * len(moved.joints) == len(self.pattern)
 
     def follow(self, external: Array, q: Array, v: Array) -> Array:
         """`external`, with the functions that depend on the state as they are at (q, v)."""
@@ -80,28 +93,34 @@ class SceneLoads:
     def at(self, t: float) -> Array:
         """(n_external,) at t [s]."""
         external = self.constant.copy()
-        if len(self.pattern):
+        if self._only_moves:
+            external[self._on_cables[1].stop :] = self._moved.at(t)
+        elif len(self.pattern):
             (rows, columns), factors = self._on_cables, self.factors([t])[0]
-            external[columns] += factors[rows] @ self.pattern[rows, columns]
-            external[columns.stop :] += factors[rows.stop :]
+            if rows.stop:
+                external[columns] += factors[rows] @ self.pattern[rows, columns]
+            external[columns.stop :] = factors[rows.stop :]
         return external
 
     @property
     def are_steady(self) -> bool:
         """Whether nothing depends on the time, as long as no offset is set."""
-        offsets = [one for one in self._functions if isinstance(one, MovedOffset) and not one.moves]
-        return 3 * len(offsets) == len(self.pattern)
+        return self._only_moves and not self._moved.moves
 
     def factors(self, times: list[float]) -> Array:
         """(T, P) of all that depends on the time."""
-        of_loads = np.zeros((len(times), len(self._is_given)))
-        of_loads[:, self._is_given] = self._of_loads.values(times)
-        columns = [loads.factors(times) for loads in self._loads if len(loads.pattern)]
-        return np.concatenate([*columns, self._of_joints(times), of_loads], axis=1)
+        columns = [*(loads.factors(times) for loads in self._loads), self._of_joints(times)]
+        if len(self._is_given):
+            of_loads = np.zeros((len(times), len(self._is_given)))
+            of_loads[:, self._is_given] = self._of_loads.values(times)
+            columns.append(of_loads)
+        return np.concatenate(columns, axis=1) if len(columns) > 1 else columns[0]
 
     def _of_joints(self, times: list[float]) -> Array:
-        columns = [function.values(times) for function in self._functions]
-        return np.concatenate(columns, axis=1) if columns else np.zeros((len(times), 0))
+        values = self._moved.values(times)
+        if not self._functions:
+            return values
+        return np.concatenate([*(function.values(times) for function in self._functions), values], axis=1)
 
     def of_joints(self, t: float) -> Array:
         """(F,) values of the functions of joints at t [s]."""
@@ -163,7 +182,7 @@ class CompiledScene:
         loads: of the cables, and functions of time.   cables: place, and system of each.
         names: of the rows of joints, for messages.
         read_again: (item, connectors, loads): brings the records of a changed item up to date, if it can.
-        moved: offsets that are set between steps, by the numbers of their joints.
+        moved: offsets that are set between steps.
 
     forces: (n,) what the items did to the coordinates at the last evaluation [N, Nm].
     multipliers: (m,) of the joints there.   given: (n,) forces that others set, besides those of the items.
@@ -177,7 +196,7 @@ class CompiledScene:
         cables: Sequence[tuple[slice, Any, CableLoads]],
         names: Sequence[str],
         read_again: Callable[[ChangedItem, Any, Any], bool],
-        moved: Mapping[int, MovedOffset],
+        moved: MovedOffsets,
     ) -> None:
         self.loads = loads
         self._chains, self._cables = chains, cables
@@ -188,8 +207,8 @@ class CompiledScene:
         self._unscaled: SceneSystem | None = None
         self._take_steps = Prepared(take_steps)
         self._set(system)
-        self._energy, self._violation = Prepared(bodies_energy), Prepared(joint_violation)
-        self._power = Prepared(power_of_offsets)
+        self._violation = Prepared(joint_violation)
+        self._memory = np.zeros(len(system.items.force)), np.zeros(REPORTED)
         self._subtract_joint_forces = Prepared(subtract_joint_forces)
         self.forces = system.items.force
         self.multipliers = system.items.joints.multipliers
@@ -198,6 +217,7 @@ class CompiledScene:
     def _set(self, system: SceneSystem) -> None:
         self.system = system
         self._accelerate = Bound(accelerate_and_project, system)
+        self._report = Bound(report_energy, system)
         self._called: Any = None
 
     def provide(self, calls: tuple[Any, ...]) -> None:
@@ -251,48 +271,44 @@ class CompiledScene:
 
     def take_over(self, item: ChangedItem) -> bool:
         """Whether the changed item is now what it is in Exudyn; joints that are moved are not looked at."""
-        if item[1] in self._moved and item[0] == "Object":
+        if item[0] == "Object" and self.can_move(item[1]):
             return True
         items = self.system.items
         return self._read_again(item, items.connectors, items.loads)
 
     def can_move(self, number: int) -> bool:
         """Whether the offset of a joint may be set between steps."""
-        return number in self._moved
+        return number in self._moved.joints
 
     def approach_joints(self, time: float, end: float, q: Array, tolerance: float) -> bool:
         """Let joints that are violated by more than the tolerance at (time, q) be fulfilled at `end` [s].
 
         Returns whether all of them can be moved.
         """
-        joints = [one.items.joints for one in (self.system, self._unscaled) if one]
-        self.rest()
-        for one in self._moved.values():
-            rest = one.given()
-            for of_system in joints:
-                of_system.rows["rest"][one.row] = rest
+        moved, given = self._moved, self._moved.given
+        for one in (self.system, self._unscaled) if self._unscaled else (self.system,):
+            one.items.joints.rows["rest"][moved.rows] = given
+        moved.rest()
         self.violation(time, q)
-        values = joints[0].value
-        for one in self._moved.values():
-            left = float(values[one.row])
-            one.aim(left if abs(left) > tolerance else 0.0, time, end)
+        values = self.system.items.joints.value
+        left = values[moved.rows]
+        moved.aim(np.where(np.abs(left) > tolerance, left, 0.0), time, end)
         others = values[self._not_moved]
         return not len(others) or not max(others.max(), -others.min()) > tolerance
 
     @cached_property
     def _not_moved(self) -> np.ndarray:
         """Rows of joints whose offset nobody sets between steps."""
-        return np.setdiff1d(np.arange(len(self.multipliers)), [one.row for one in self._moved.values()])
+        return np.setdiff1d(np.arange(len(self.multipliers)), self._moved.rows)
 
     def rest(self) -> None:
         """Joints that have been moved stay where they are."""
-        for one in self._moved.values():
-            one.rest()
+        self._moved.rest()
 
     @property
     def approaches(self) -> bool:
         """Whether joints have moved through the last step."""
-        return any(one.moves for one in self._moved.values())
+        return self._moved.moves
 
     def take(self, steps: Steps, state: Any, work: Array, before: Array) -> None:
         """Take steps.
@@ -397,9 +413,24 @@ class CompiledScene:
         """See `accelerate_and_project`, without the system."""
         self._accelerate(self.loads.follow(external, q, v), q, v, *others)
 
+    def report_energy(self, t: float, state: Any, energy_report: Array, scale: float = np.inf) -> None:
+        """See `EvaluatedScene`."""
+        if len(self.multipliers):
+            for cable, (_, _, loads) in enumerate(self._cables):
+                if len(loads.pattern):  # its own solve knows no joints
+                    self.set_multipliers(cable, t, state.q, state.v)
+        external, q = self.loads.at(t), state.q
+        self._report(external, q, state.v, state.a, self._memory[0], energy_report)
+        if len(self.multipliers) and scale < np.inf:
+            functions = external[len(self.system.cable_force) :]
+            violation = self._violation(self.system.items, functions, q) / scale
+            energy_report[VIOLATION] = max(energy_report[VIOLATION], violation)
+
     def kinetic_energy(self, q: Array, v: Array) -> float:
-        """Of the bodies [J]."""
-        return float(self._energy(self.system.items.bodies, q, v))
+        """See `EvaluatedScene`."""
+        force, energy_report = self._memory
+        self._report(self.loads.constant, q, v, v, force, energy_report)
+        return float(energy_report[ACCELERATION_ENERGY])  # without what bending adds to the mass
 
     def energy_of_spins(self, duration: float) -> float:
         """See `EvaluatedScene`."""
@@ -413,10 +444,6 @@ class CompiledScene:
     def violation(self, t: float, q: Array) -> float:
         """Largest |c| of the joints [m, -]."""
         return float(self._violation(self.system.items, self.loads.of_joints(t), q))
-
-    def power_of_joints(self) -> float:
-        """See `EvaluatedScene`."""
-        return float(self._power(self.system.items.joints))
 
     def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
         """See `JoinedScene.set_multipliers`."""

@@ -5,14 +5,13 @@ that depends on the configuration changes the energy, too: the forces of Exudyn 
 to the momentum, of which the kinetic energy takes one half.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ..arrays import Array
-from ..called_system import Bound
+from ..compiled import Prepared
 from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit
 from ..scene.path_work import (
@@ -26,8 +25,7 @@ from ..scene.path_work import (
     follow,
     take_sums,
 )
-from ..system import ACCELERATION_ENERGY, KINETIC, POWER, REPORTED, RESOLVED, VIOLATION, report_energy
-from .cable_loads import CableLoads
+from ..system import POWER
 from .cable_run import CableRun
 from .joined_scene import EvaluatedScene, JoinedScene
 from .run_watch import RunWatch
@@ -61,22 +59,6 @@ GROWTH = 0.1  # of a vibration in a step [-], that is unstable
 _STEPS, _MOST = range(2)
 
 
-class _Together(NamedTuple):
-    """Cables that share records.   dofs: their place.   loads: of each.
-
-    report_energy: of them.   nothing: external force and memory for energies that do not depend on loads.
-    """
-
-    dofs: slice
-    loads: Sequence[CableLoads]
-    report_energy: Callable[..., None]
-    nothing: tuple[Array, Array]
-
-    def external(self, t: float) -> Array:
-        """As the system takes it, at t [s]."""
-        return np.concatenate([loads.at(t) for loads in self.loads])
-
-
 class CoupledWatch(RunWatch):
     """Keeps the account of a coupled scene.
 
@@ -105,14 +87,13 @@ class CoupledWatch(RunWatch):
         scheme: Any,
         energy_tolerance: float,
     ) -> None:
-        self._scene = scene
         self._runs = runs
         self.stretches = any(cable.stretches for run in runs for cable in run.cables)
-        self._together = list(_groups(scene, runs))
         self._bodies = scene.system.parts[len(runs)]
         tolerance = LENIENCE * energy_tolerance
         most = VIOLENT * tolerance if integrator.stabilised else np.inf
         self.watch = build_watch(state, STEPS_BETWEEN, tolerance, most=most)
+        self._draw_up = Prepared(verdict_after_work)
         self._gravity = np.zeros(len(state.q))
         self._start = np.zeros(len(state.q))  # coordinates from which the extent of the motion counts
         for run, dofs in zip(runs, scene.map.slices, strict=False):
@@ -158,7 +139,7 @@ class CoupledWatch(RunWatch):
         floor = ROUND_OFF * extent * size + sum(run.watch.round_off for run in self._runs)
         open_account(self.watch, state, floor)
         places = np.full(len(state.q), OF_PLACES * extent)
-        self._resolution = self._kinetic_energy(state, places)
+        self._resolution = self._evaluated.kinetic_energy(state.q, places)
         self._step = 0.0
         expect_energy(self.path_of_evaluations, self.turned_over, floor, self._energy_tolerance)
 
@@ -171,7 +152,7 @@ class CoupledWatch(RunWatch):
 
     def _begin_work(self, t: float, state: Any) -> Any:
         """Count work from a state on; returns the forces of Exudyn's items in it."""
-        self._set_energy_report(t, state)
+        self._evaluated.report_energy(t, state, self.watch.present_report)
         forces = self._evaluated.forces
         for path in self._paths:
             begin_path(path, state.q, forces)
@@ -239,7 +220,7 @@ class CoupledWatch(RunWatch):
         """
         way, change = state.q - self.before[0], (h / self._limit) ** 2 * (state.a - self.before[1])
         of_way, of_change, of_sum = (
-            self._kinetic_energy(state, velocity) for velocity in (way, change, way + change)
+            self._evaluated.kinetic_energy(state.q, velocity) for velocity in (way, change, way + change)
         )
         product = of_way + of_change - of_sum
         matters = 0.5 * product * (self._limit / h) ** 2 > self._energy_tolerance * self._lacks[SCALE]
@@ -271,10 +252,7 @@ class CoupledWatch(RunWatch):
         self._calm = CALM * float(self._last[1])
 
     def _verdict(self, watch: Watch, h: float, t: float, state: Any) -> int:
-        self._set_energy_report(t, state)
-        if self._scene.joints:
-            report = self.watch.present_report
-            report[VIOLATION] = max(report[VIOLATION], self._evaluated.violation(t, state.q) / self._scale)
+        self._evaluated.report_energy(t, state, self.watch.present_report, self._scale)
         self._see_extent(state)
         duration, (work, scatter) = t - self._last[0], take_sums(self.path)
         if self.path is not self.path_of_evaluations:
@@ -283,53 +261,13 @@ class CoupledWatch(RunWatch):
         self._changes[:] = 0.0
         watch.account["forces"][NOW] += self._evaluated.energy_of_spins(watch.duration) * duration
         counted = work, scatter, int(self._counts[_STEPS]), duration
-        trouble = int(verdict_after_work(watch, state, self._gravity, *counted))
+        trouble = int(self._draw_up(watch, state, self._gravity, *counted))
         if trouble:
             go_back(watch, state)
         return trouble
-
-    def _kinetic_energy(self, state: Any, v: Array) -> float:
-        """Of velocities v (n,) in the present configuration [J]."""
-        energy_report = np.zeros(REPORTED)
-        total = self._evaluated.kinetic_energy(state.q, v)
-        for one in self._together:
-            rates, (external, memory) = v[one.dofs], one.nothing
-            one.report_energy(external, state.q[one.dofs], rates, rates, memory, energy_report)
-            total += energy_report[ACCELERATION_ENERGY]  # the mass alone, without what bending adds to it
-        return total
-
-    def _set_energy_report(self, t: float, state: Any) -> None:
-        """Of cables, bodies, and the power of joints; what violates these is asked for apart."""
-        total = self.watch.present_report
-        total[:] = 0.0
-        if self._scene.joints:
-            for cable, run in enumerate(self._runs):
-                if len(run.loads.pattern):  # its own solve knows no joints
-                    self._evaluated.set_multipliers(cable, t, state.q, state.v)
-        for one in self._together:
-            dofs, given = one.dofs, one.external(t)
-            mine, force = np.zeros(REPORTED), np.zeros(dofs.stop - dofs.start)
-            one.report_energy(given, state.q[dofs], state.v[dofs], state.a[dofs], force, mine)
-            worst = np.maximum(total[VIOLATION], mine[VIOLATION])
-            total += mine
-            total[VIOLATION] = worst
-        total[KINETIC] += self._evaluated.kinetic_energy(state.q, state.v)
-        total[RESOLVED] += self._evaluated.kinetic_energy(state.q, state.a)
-        total[POWER] += self._evaluated.power_of_joints()
 
     def _see_extent(self, state: Any) -> None:
         extent = self.watch.account["extent"]
         way = state.q - self._start
         self._evaluated.leave_out_turns(way)
-        extent[NOW] = max(extent[NOW], self._kinetic_energy(state, way))
-
-
-def _groups(scene: JoinedScene, runs: Sequence[CableRun]) -> Iterator[_Together]:
-    done = 0
-    for system, alike in scene.groups:
-        end = done + len(alike)
-        dofs = slice(scene.map.slices[done].start, scene.map.slices[end - 1].stop)
-        loads, measure = [run.loads for run in runs[done:end]], Bound(report_energy, system)
-        inputs = sum(len(one.constant) for one in loads)
-        yield _Together(dofs, loads, measure, (np.zeros(inputs), np.zeros(dofs.stop - dofs.start)))
-        done = end
+        extent[NOW] = max(extent[NOW], self._evaluated.kinetic_energy(state.q, way))

@@ -37,8 +37,14 @@ class EvaluatedScene(Protocol):
     @property
     def forces(self) -> Array: ...
 
+    def report_energy(self, t: float, state: Any, energy_report: Array, scale: float = np.inf) -> None:
+        """Of all but the items' work, as `system.report_energy`; the state at t [s] was evaluated last.
+
+        scale: of violated joints [m, -]; infinite: nobody looks at them.
+        """
+
     def kinetic_energy(self, q: Array, v: Array) -> float:
-        """Of the bodies, with velocities v (n,) at q (n,), the state of the last evaluation [J]."""
+        """With velocities v (n,) at q (n,), the state of the last evaluation [J]."""
 
     def energy_of_spins(self, duration: float) -> float:
         """What a . M a / 2 lacks where bodies turn in space, at the last evaluation [J/s^2].
@@ -51,9 +57,6 @@ class EvaluatedScene(Protocol):
 
     def violation(self, t: float, q: Array) -> float:
         """Largest violation of a joint [m, -]."""
-
-    def power_of_joints(self) -> float:
-        """Of those that move, at the last evaluation [W]."""
 
     def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
         """Accelerations of a cable, whose system then holds its multipliers.

@@ -7,35 +7,44 @@ import numpy as np
 from ..arrays import Array
 
 
-class MovedOffset:
-    """What an offset differs by, until the end of a step of the time loop, from where it is to be then.
+class MovedOffsets:
+    """What offsets differ by, until the end of a step of the time loop, from where they are to be then.
 
-    row: of the joint.   given: its offset as it is set at present [m].
+    joints: numbers of the k joints.   rows: (k,) of these.
+    moves: whether one of them has moved through the last step.
     """
 
-    def __init__(self, row: int, given: Callable[[], float]) -> None:
-        self.row, self.given = row, given
-        self._left, self._end, self._duration = 0.0, 0.0, 1.0
+    def __init__(
+        self, joints: Sequence[int], rows: Sequence[int], given: Sequence[Callable[[], float]]
+    ) -> None:
+        """given: offset of each joint as it is set at present [m]."""
+        self.joints, self.rows, self._given = joints, np.array(rows, dtype=int), given
+        self._end, self._rest = 0.0, np.zeros(3 * len(rows))
+        self.rest()
 
     @property
-    def moves(self) -> bool:
-        """Whether it has moved through the last step."""
-        return self._left != 0.0
+    def given(self) -> list[float]:
+        """Offsets as they are set at present [m]."""
+        return [one() for one in self._given]
 
-    def aim(self, left: float, time: float, end: float) -> None:
-        """So much is left at `time`, and nothing at `end` [m, s]."""
-        self._left, self._end, self._duration = left, end, end - time
+    def aim(self, left: Array, time: float, end: float) -> None:
+        """So much is left at `time`, and nothing at `end`.   left: (k,) [m].   time, end: [s]."""
+        self.moves, self._end = any(left.tolist()), end
+        self._rates, self._steady = np.zeros((2, 3 * len(left)))
+        self._rates[::3] = left / (end - time)
+        self._steady[1::3] = -self._rates[::3]
 
     def rest(self) -> None:
         """Stay there."""
-        self._left = 0.0
+        self.moves, self._rates, self._steady = False, self._rest, self._rest
+
+    def at(self, t: float) -> Array:
+        """(3 k,) what is left at t [s], and its derivatives [m, m/s, m/s^2], of one after the other."""
+        values: Array = max(self._end - t, 0.0) * self._rates + self._steady
+        return values
 
     def values(self, times: Sequence[float]) -> Array:
-        """(T, 3) what is left, and its derivatives [m, m/s, m/s^2]."""
-        result = np.zeros((len(times), 3))
-        if not self.moves:
-            return result
-        rate = self._left / self._duration
-        result[:, 0] = [rate * max(self._end - t, 0.0) for t in times]
-        result[:, 1] = -rate
-        return result
+        """(T, 3 k) as `at`, at all of them."""
+        if len(times) == 1:
+            return self.at(times[0])[np.newaxis]
+        return np.array([self.at(t) for t in times]).reshape(len(times), len(self._steady))

@@ -94,8 +94,8 @@ class CompiledParts:
         result: Array = -total[dofs]
         return result
 
-    def kinetic_energy(self, q: Array, v: Array) -> float:
-        """Of the bodies [J]."""
+    def kinetic_energy_of_bodies(self, q: Array, v: Array) -> float:
+        """[J], with velocities v (n,) at q (n,)."""
         return float(bodies_energy(self._bodies, q, v))
 
     def energy_of_spins(self, duration: float) -> float:

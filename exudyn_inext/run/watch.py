@@ -251,8 +251,9 @@ def go_on(watch: Watch, state: Any) -> None:
 
     The `present_report` is of the state.
     """
-    account, now = watch.account[NOW], watch.present_report
-    account.start = now[KINETIC] + now[ELASTIC] - account.work - account.surplus
+    account, now = watch.account, watch.present_report
+    energy = now[KINETIC] + now[ELASTIC]
+    account["start"][NOW] = energy - account["work"][NOW] - account["surplus"][NOW]
     keep(watch, state)
 
 

@@ -1,6 +1,6 @@
 """Constraints of cables that are switched on, moved or changed during a run."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -10,6 +10,7 @@ import numpy as np
 from ...arrays import Array
 from ...cable.link import Motion
 from ...items.link_items import read_moving_coordinate
+from ...items.parameters import Parameter
 from ...native.velocity_level import Drives
 from ...scene.links import MovingCoordinate, Rod, in_space
 from ...scene.model import HeldCoordinate
@@ -25,7 +26,11 @@ class _Way:
 
     A function of the user that gives positions step by step gives no velocities; those of the straight lines
     between them are those that a cable needs.
+
+    moves: whether it moves through this step.
     """
+
+    moves = False
 
     def __init__(self, point: Array) -> None:
         """point: (dim,) where it is [m]."""
@@ -34,19 +39,15 @@ class _Way:
         self._end = 0.0
         self.motion = Motion(self.at, is_pure=False, is_smooth=False)
 
-    @property
-    def moves(self) -> bool:
-        return bool(self._values[1].any())
-
     def aim(self, point: Array, time: float, end: float) -> None:
         """Be at `point` (dim,) [m] at the time `end` [s] of the step from `time` [s]."""
         self._values[1] = (point - self._values[0]) / (end - time)
         self._values[0] = point
-        self._end = end
+        self._end, self.moves = end, any(self._values[1].tolist())
 
     def stop(self) -> None:
         """Stay there."""
-        self._values[1] = 0.0
+        self._values[1], self.moves = 0.0, False
 
     def at(self, t: float) -> Array:
         """(3, dim) p, p_t, p_tt at t [s], within the step or later."""
@@ -59,15 +60,18 @@ class _Known(NamedTuple):
     """A constraint as it was read last: the same object, as long as it asks for the same.
 
     asked: what it asks for.   constraint: of a cable; None: it has become a joint.
-    way: along which it moves; None: it is as it was built.
+    way: along which it moves; None: it is as it was built.   markers: that it connects.
+    place: (dim,) of a coordinate with an offset [m].
     """
 
     asked: Any
     constraint: Constraint | None
     way: _Way | None
+    markers: Sequence[int] = ()
+    place: Callable[[float], Array] | None = None
 
 
-_Changed = tuple[Constraint | None, _Way | None]
+_Changed = tuple[Constraint | None, _Way | None, Callable[[float], Array] | None]
 
 
 class SteppedReader:
@@ -101,6 +105,30 @@ class SteppedReader:
             if known.way:
                 known.way.stop()
 
+    def aims(self, changed: Mapping[Parameter, Any]) -> bool:
+        """Whether supports, and ends of rods, of cables alone were moved again, whose ways now lead there.
+
+        changed: parameters, with their values.
+        """
+        return all(self._aims(key, value) for key, value in changed.items())
+
+    def _aims(self, key: Parameter, value: Any) -> bool:
+        if (key.kind, key.name) == ("Object", "offset"):
+            known = self._known.get(key.number)
+            if known is None or known.way is None or known.place is None or self._step is None:
+                return False
+            known.way.aim(known.place(value), *self._step)
+            self._known[key.number] = known._replace(asked=(*known.asked[:-1], float(value)))
+            return True
+        if (key.kind, key.name) != ("Marker", "localPosition"):
+            return False
+        ends = [number for number, known in self._known.items() if key.number in known.markers]
+        if not ends or not all(self._known[number].way for number in ends):
+            return False
+        for number in ends:
+            self(self._mbs, number, self._mbs.GetObject(number))
+        return all(number in self._known and self._known[number].way for number in ends)
+
     def memory(self) -> dict[str, Any]:
         """Which constraints have been changed, as plain data."""
         known = sorted(self._known.items())
@@ -127,16 +155,18 @@ class SteppedReader:
             return None
         asked = _asked(found, data)
         if last is None or last.asked != asked:
-            last = self._known[number] = _Known(asked, *self._changed(number, data, found, last))
+            constraint, way, place = self._changed(number, data, found, last)
+            markers = tuple(map(int, data["markerNumbers"]))
+            last = self._known[number] = _Known(asked, constraint, way, markers, place)
         return last.constraint
 
     def _changed(self, number: int, data: dict[str, Any], found: Constraint, last: _Known | None) -> _Changed:
         """What becomes of a constraint that asks for something else than when it was read last."""
         if isinstance(found, MovingCoordinate) and data["offsetUserFunction"]:
-            return in_space(found, self._reference(found.node).size // 2), None
+            return in_space(found, self._reference(found.node).size // 2), None, None
         if self._step is None:
             if number not in self._restored:
-                return found, None
+                return found, None, None
             last = _Known(_asked(found, data), found, None)
         if isinstance(found, Rod):
             return self._changed_rod(found, last)
@@ -145,27 +175,32 @@ class SteppedReader:
     def _changed_rod(self, rod: Rod, last: _Known | None) -> _Changed:
         """Its end moves, if nothing else has changed."""
         if rod.point is None or last is None or last.asked[:2] != (rod.nodes, rod.length):
-            return rod if self._violation(rod) <= FULFILLED else None, None
+            return rod if self._violation(rod) <= FULFILLED else None, None, None
         dim = self._reference(rod.nodes[0]).size // 2
         way = self._aimed(last, np.array(last.asked[2][:dim]), rod.point[:dim])
-        return replace(rod, motion=way.motion), way
+        return replace(rod, motion=way.motion), way, None
 
     def _changed_coordinate(
         self, number: int, data: dict[str, Any], found: HeldCoordinate | MovingCoordinate, last: _Known | None
     ) -> _Changed:
         """It moves there from where it is."""
         if self._step is not None and found.node not in self.nodes:
-            return found, None
+            return found, None, None
         movable = read_moving_coordinate(self._mbs, number, data | {"offset": 1.0})
         if movable is None:  # a slope, or in an unusual form
             assert isinstance(found, HeldCoordinate)
             violation = abs(self._displacement(found.node)[found.coordinate])
-            return found if violation <= FULFILLED else None, None
+            return found if violation <= FULFILLED else None, None, None
         reference, axis = self._reference(movable.node), movable.axis
         along, offset = np.eye(reference.size // 2)[axis], float(data["offset"])
         present = offset if self._step is None else self._displacement(movable.node)[axis]
-        way = self._aimed(last, (reference[axis] + present) * along, (reference[axis] + offset) * along)
-        return replace(movable, motion=way.motion), way
+
+        def place(offset: float) -> Array:
+            at: Array = (reference[axis] + offset) * along
+            return at
+
+        way = self._aimed(last, place(present), place(offset))
+        return replace(movable, motion=way.motion), way, place
 
     def _aimed(self, last: _Known | None, start: Array, target: Array) -> _Way:
         """The way of a point so far, or from `start`, on to its target (dim,) [m]."""

@@ -1,6 +1,6 @@
 """Runs that follow what user functions change between two steps of the time loop."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -88,7 +88,7 @@ class ChangeFollower:
         self.limit.notice(self.mbs, changed, time, end)
         self._has_jumped(runs, time)
         self.reader.begin_step(time, end)
-        if self._act_at_once(runs, changed, time):
+        if self._act_at_once(runs, changed, time) or self._moves_at_once(runs, changed, time, end):
             return runs
         with state_kept(self.mbs):
             self.mbs.systemData.SetTime(time)
@@ -121,7 +121,7 @@ class ChangeFollower:
                 "before a run."
             )
 
-    def _act_at_once(self, runs: Sequence[Run], changed: Sequence[Parameter], time: float) -> bool:
+    def _act_at_once(self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float) -> bool:
         """Whether all that has changed are values of loads and springs, which act without anything else."""
         if self.moves or self._jumped or self.limit.is_due(time) or self.limit.grown(self.mbs, changed):
             return False
@@ -135,14 +135,13 @@ class ChangeFollower:
         items = [key for key, it in asked.items() if it]
         return all(run.mover.take_values(items) for run in runs if isinstance(run, CoupledRun))
 
-    def _load_at_once(self, runs: Sequence[CableRun], changed: Sequence[Parameter], time: float) -> bool:
+    def _load_at_once(self, runs: Sequence[CableRun], changed: Mapping[Parameter, Any], time: float) -> bool:
         """As `_act_at_once`, for constant forces on nodes of cables among nothing else."""
-        if any(key.kind != "Load" or key.name not in ("load", "loadVector") for key in changed):
+        if any(len(run.loads.pattern) for run in runs) or not all(map(_is_force, changed)):
             return False
         loaded: dict[int, CableRun] = {}
-        for key in changed:
-            components = np.atleast_1d(np.asarray(key.value(self.mbs), dtype=float))
-            taken = {id(run): run for run in runs if run.loads.change(key.number, components)}
+        for key, value in changed.items():
+            taken = _with_load(runs, key, value)
             if not taken:
                 return False
             loaded |= taken
@@ -152,7 +151,21 @@ class ChangeFollower:
             run.watch.keep(run.state)
         return True
 
-    def _acting(self, runs: Sequence[Run], changed: Sequence[Parameter]) -> list[Parameter]:
+    def _moves_at_once(
+        self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float, end: float
+    ) -> bool:
+        """Whether supports of cables among nothing else have moved on, and constant forces have changed."""
+        alone, places = _alone(runs), {key: x for key, x in changed.items() if not _is_force(key)}
+        if not alone or not places or not self.reader.aims(places):
+            return False
+        if not all(_with_load(alone, key, x) for key, x in changed.items() if key not in places):
+            return False
+        forget_evaluators(self.sensors)
+        _go_on(alone, time, end, has_changed=True)
+        self.moves = self.reader.moves
+        return True
+
+    def _acting(self, runs: Sequence[Run], changed: Collection[Parameter]) -> list[Parameter]:
         return [key for key in changed if self._demand(runs, key) > Demand.NOTHING]
 
     def _demand(self, runs: Sequence[Run], key: Parameter) -> Demand:
@@ -161,7 +174,7 @@ class ChangeFollower:
         return self._demands[key]
 
     def _followed(
-        self, runs: Sequence[Run], changed: Sequence[Parameter], time: float, end: float
+        self, runs: Sequence[Run], changed: Collection[Parameter], time: float, end: float
     ) -> Sequence[Run]:
         asked = max((self._demand(runs, key) for key in changed), default=Demand.EVALUATE)
         if changed:
@@ -199,6 +212,16 @@ def _alone(runs: Sequence[Run]) -> list[CableRun]:
     return [run for run in runs if isinstance(run, CableRun)]
 
 
+def _is_force(key: Parameter) -> bool:
+    return key.kind == "Load" and key.name in ("load", "loadVector")
+
+
+def _with_load(runs: Sequence[CableRun], key: Parameter, value: Any) -> dict[int, CableRun]:
+    """The runs on which that load acts, with its present value, as a constant force on a node."""
+    components = np.atleast_1d(np.asarray(value, dtype=float))
+    return {id(run): run for run in runs if run.loads.change(key.number, components)}
+
+
 def _have_begun(runs: Sequence[Run]) -> bool:
     """Whether steps have been taken: what functions set before the first one is there from the beginning."""
     return any(run.control.steps for run in runs)
@@ -225,7 +248,7 @@ def _go_on(runs: Sequence[Run], time: float, end: float, has_changed: bool) -> N
     """
     for run in runs:
         if isinstance(run, CableRun):
-            agree(run.system, run.loads.at(time), run.state)
+            agree(run.called, run.loads.at(time), run.state)
         else:
             if has_changed:
                 run.approach(time, end)

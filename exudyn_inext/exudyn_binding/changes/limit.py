@@ -2,8 +2,9 @@
 
 import math
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -54,11 +55,11 @@ class StepLimit:
         """Whether the limit is to be looked at, as stiffnesses are smaller for a while, at `time` [s]."""
         return time >= self._due
 
-    def notice(self, mbs: Any, changed: Sequence[Parameter], time: float, end: float) -> None:
+    def notice(self, mbs: Any, changed: Collection[Parameter], time: float, end: float) -> None:
         """Which stiffnesses are much smaller from `time` to `end` [s], the next step of the loop."""
         if self.explicit.adaptiveStep or self.explicit.stepSize is not None:
             return
-        for key in self._seen.keys() & set(changed):
+        for key in self._seen.keys() & changed:
             size = _size(mbs, key)
             if size < FALL * self._seen[key]:
                 self._fallen[key] = size
@@ -66,13 +67,13 @@ class StepLimit:
             elif self._fallen.pop(key, None) is not None and not self._fallen:
                 self._due = math.inf
 
-    def grown(self, mbs: Any, changed: Sequence[Parameter]) -> dict[Parameter, float]:
+    def grown(self, mbs: Any, changed: Collection[Parameter]) -> dict[Parameter, float]:
         """Stiffnesses that are much larger than when the limit was looked at, and how large they are."""
         sizes = {key: _size(mbs, key) for key in filter(_is_of_stiffness, changed)}
         return {key: size for key, size in sizes.items() if size > GROWTH * self._seen.get(key, 0.0)}
 
     def follow_stiffness(
-        self, mbs: Any, runs: Sequence[Run], changed: Sequence[Parameter], time: float
+        self, mbs: Any, runs: Sequence[Run], changed: Collection[Parameter], time: float
     ) -> bool:
         """Whether the runs must begin again, as something around them has become much stiffer, or softer.
 
@@ -98,7 +99,7 @@ class StepLimit:
         before: Sequence[Run],
         runs: Sequence[Run],
         time: float,
-        changed: Sequence[Parameter],
+        changed: Collection[Parameter],
     ) -> None:
         """Other runs, which have not begun yet.
 
@@ -122,7 +123,7 @@ class StepLimit:
         bounds: StepSizeBounds,
         last: float,
         time: float,
-        changed: Sequence[Parameter],
+        changed: Collection[Parameter],
     ) -> None:
         self.last = bounds.stability_limit
         if self.explicit.adaptiveStep or (self.explicit.stepSize is None and self._follow(runs, bounds)):
@@ -145,9 +146,11 @@ class StepLimit:
 
 def _size(mbs: Any, key: Parameter) -> float:
     """Largest value of a stiffness or damping."""
-    return float(np.abs(key.value(mbs)).max())
+    value = key.value(mbs)
+    return abs(value) if isinstance(value, float) else float(np.abs(value).max())
 
 
+@cache
 def _is_of_stiffness(key: Parameter) -> bool:
     """Whether the stability limit may follow a parameter: a number of a connector."""
     name = key.name.lower()

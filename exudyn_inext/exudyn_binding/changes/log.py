@@ -46,18 +46,19 @@ class ChangeLog:
         self.mbs = mbs
         self.changed: set[Parameter] = set()
         self.refusal: SceneError = SceneError("")
-        self._before: dict[Parameter, Any] = {}  # values when the log was taken last
+        self._known: dict[Parameter, Any] = {}  # values when the log was taken last
+        self._set: dict[Parameter, Any] = {}  # present values of what has been set since then
 
     @property
     def is_pending(self) -> bool:
         """Whether there is something to take."""
-        if self._before and not self.is_outdated:
-            before = self._before.items()
-            self._before = {key: x for key, x in before if not _is_same(x, key.value(self.mbs))}
-        return bool(self._before) or self.is_outdated or not self.mbs.systemIsConsistent
+        if self._set and not self.is_outdated:
+            present = {key: key.value(self.mbs) for key in self._set}
+            self._set = {key: x for key, x in present.items() if not _is_same(x, self._known[key])}
+        return bool(self._set) or self.is_outdated or not self.mbs.systemIsConsistent
 
-    def take(self) -> list[Parameter]:
-        """What had changed since the last time, when `is_pending` was asked for.
+    def take(self) -> dict[Parameter, Any]:
+        """What had changed since the last time, when `is_pending` was asked for; present values.
 
         Raises:
             SceneError: items were added, removed or modified.
@@ -66,8 +67,9 @@ class ChangeLog:
             self.refuse("other items were found than at the start", "initialise the solver again")
         if not self.mbs.systemIsConsistent:
             self.refuse("items were added, removed or modified", _REMEDY)
-        before, self._before = self._before, {}
-        return list(before)
+        self._known |= self._set
+        changed, self._set = self._set, {}
+        return changed
 
     def memory(self) -> dict[str, Any]:
         """Present values of what has been changed, and what of it is pending, as JSON has it."""
@@ -108,11 +110,12 @@ class ChangeLog:
         key = Parameter(_SETTERS[method], int(number), name)
         if key.name == "name" or key.name.startswith("V"):
             return
-        if key not in self._before:
-            self._before[key] = key.value(self.mbs)
-        if key not in self.changed and not _is_same(self._before[key], value):
+        if key not in self._known:
+            self._known[key] = key.value(self.mbs)
+        if key not in self.changed and not _is_same(self._known[key], value):
             self._require_possible(key)
             self.changed.add(key)
+        self._set[key] = value
 
     def _require_possible(self, key: Parameter) -> None:
         if key.name in _CONNECTIONS or (key.kind, key.name) == ("Node", "referenceCoordinates"):
@@ -182,7 +185,7 @@ def _is_same(x: Any, y: Any) -> bool:
         if type(x) is type(y) and isinstance(x, (float, list)):
             return bool(x == y)
         if isinstance(x, np.ndarray) and isinstance(y, np.ndarray):
-            return x.shape == y.shape and not bool((x != y).any())
+            return x.shape == y.shape and x.tolist() == y.tolist()
         return x is y or bool(np.array_equal(x, y))
     except (TypeError, ValueError):
         return False
@@ -205,7 +208,7 @@ def _noted(name: str) -> Callable[..., Any]:
 
     @wraps(original)
     def call(self: Any, *args: Any, **kwargs: Any) -> Any:
-        given = [*args, *(kwargs[key] for key in names if key in kwargs)]
+        given = [*args, *(kwargs[key] for key in names if key in kwargs)] if kwargs else args
         for log in _logs_of(self) if not names or len(given) == len(names) else ():
             log.note(name, given)
         return original(self, *args, **kwargs)

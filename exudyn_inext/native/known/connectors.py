@@ -21,13 +21,18 @@ class KnownConnector(NamedTuple):
     places: list[Place]
 
     def set(self, parameter: str, value: Any, record: Any) -> None:
-        """One of the VALUES changes, and the record with it."""
+        """One of the VALUES changes, and the record with it, unless it is switched off."""
         self.data[parameter] = value
-        _READERS[self.data["objectType"]](self.data, "", self.places, record)
+        if self.data["activeConnector"]:
+            _READERS[self.data["objectType"]](self.data, "", self.places, record)
 
 
 def read_connector(data: dict[str, Any], number: int, reader: PointReader) -> KnownConnector:
-    """An object; UnknownItemError if it has no compiled form."""
+    """An object; without stiffness and all else if it is switched off.
+
+    Raises:
+        UnknownItemError: it has no compiled form.
+    """
     name = described(data, number)
     if data["objectType"] not in _READERS:
         raise UnknownItemError(name)
@@ -37,51 +42,55 @@ def read_connector(data: dict[str, Any], number: int, reader: PointReader) -> Kn
     record = np.zeros(1, CONNECTOR)[0]
     places = [reader.marker(k) for k in data["markerNumbers"]]
     record.points[:] = [place.point for place in places]
-    _READERS[data["objectType"]](data, name, places, record)
+    of_values = record.copy()
+    _READERS[data["objectType"]](data, name, places, of_values)
+    if data["activeConnector"]:
+        return KnownConnector(of_values, data, places)
+    record["kind"] = CARTESIAN
     return KnownConnector(record, data, places)
 
 
 def _spring(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
-    record.kind = SPRING
-    record.stiffness[0, 0], record.damping[0, 0] = data["stiffness"], data["damping"]
-    record.offset[0], record.rate_offset[0] = data["referenceLength"], data["velocityOffset"]
-    record.force[0] = data["force"]
+    record["kind"] = SPRING
+    record["stiffness"][0, 0], record["damping"][0, 0] = data["stiffness"], data["damping"]
+    record["offset"][0], record["rate_offset"][0] = data["referenceLength"], data["velocityOffset"]
+    record["force"][0] = data["force"]
 
 
 def _cartesian(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
-    record.kind = CARTESIAN
+    record["kind"] = CARTESIAN
     for i in range(3):
-        record.stiffness[i, i], record.damping[i, i] = data["stiffness"][i], data["damping"][i]
-        record.offset[i] = data["offset"][i]
+        record["stiffness"][i, i], record["damping"][i, i] = data["stiffness"][i], data["damping"][i]
+        record["offset"][i] = data["offset"][i]
 
 
 def _coordinate(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
-    record.kind = CARTESIAN
-    record.stiffness[0, 0], record.damping[0, 0] = data["stiffness"], data["damping"]
-    record.offset[0] = data["offset"]
+    record["kind"] = CARTESIAN
+    record["stiffness"][0, 0], record["damping"][0, 0] = data["stiffness"], data["damping"]
+    record["offset"][0] = data["offset"]
 
 
 def _set_frames(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
     if not all(place.has_frame for place in places):
         raise UnknownItemError(f"{name} between markers without frames")
-    record.kind = SIX
+    record["kind"] = SIX
     for k, place in enumerate(places):
-        record.turns[k] = place.turn @ data[f"rotationMarker{k}"]
+        record["turns"][k] = place.turn @ data[f"rotationMarker{k}"]
 
 
 def _rigid_body(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
     if data.get("useIntrinsicFormulation") or data.get("intrinsicFormulation"):
         raise UnknownItemError(f"{name} with the intrinsic formulation")
     _set_frames(data, name, places, record)
-    record.stiffness[:], record.damping[:] = data["stiffness"], data["damping"]
-    record.offset[:] = data["offset"]
+    record["stiffness"][:], record["damping"][:] = data["stiffness"], data["damping"]
+    record["offset"][:] = data["offset"]
 
 
 def _torsional(data: dict[str, Any], name: str, places: list[Place], record: Any) -> None:
     _set_frames(data, name, places, record)
-    record.stiffness[5, 5], record.damping[5, 5] = data["stiffness"], data["damping"]
-    record.offset[5], record.rate_offset[5] = data["offset"], data["velocityOffset"]
-    record.force[5] = data["torque"]
+    record["stiffness"][5, 5], record["damping"][5, 5] = data["stiffness"], data["damping"]
+    record["offset"][5], record["rate_offset"][5] = data["offset"], data["velocityOffset"]
+    record["force"][5] = data["torque"]
 
 
 _READERS: dict[str, Callable[..., None]] = {

@@ -16,7 +16,7 @@ from ...items.functions_of_time import is_of_time_alone, python_function
 from ...multibody.build import FunctionOfTime
 from ...multibody.rows import ACROSS, ALONG, DIFFERENCE, DISTANCE, PARALLEL, ROW
 from ...multibody.sliding import SLIDER, NoSliders, Sliders
-from ...run.moved_offsets import MovedOffset
+from ...run.moved_offsets import MovedOffsets
 from ...run.settings import SAY_OF_TIME
 from ..joint_item import JointItem
 from ..sliding_joints import SlidingJoint
@@ -118,12 +118,13 @@ class PartOfFrame:
 class KnownRows(NamedTuple):
     """Joints.   records: (m,), in their order.   functions: of time, that offsets are.
 
-    moved: offsets that are set between steps, by the numbers of their joints.   sliders: see `Sliders`.
+    moved: offsets that are set between steps; their values follow those of the functions.
+    sliders: see `Sliders`.
     """
 
     records: Any
     functions: Sequence[FunctionOfTime]
-    moved: dict[int, MovedOffset]
+    moved: MovedOffsets
     sliders: Any
 
 
@@ -135,7 +136,7 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved:
     """
     rows: list[Any] = []
     functions: list[FunctionOfTime] = []
-    found_moved: dict[int, MovedOffset] = {}
+    of_moved: list[Any] = []  # records, and what `MovedOffsets` takes
     sliding: list[tuple[Any, Array]] = []
     for joint in joints:
         if isinstance(joint, SlidingJoint):
@@ -163,12 +164,22 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved:
             of_joint[0]["function"], of_joint[0]["rest"] = 3 * len(functions), 0.0
             functions.append(_offset_function(mbs, joint, data))
         elif joint.number in moved and data["objectType"] in _OFFSETS and of_joint:
-            of_joint[0].function, of_joint[0].rest = 3 * len(functions), of_joint[0].offset
+            of_joint[0].rest = of_joint[0].offset
             given = partial(mbs.GetObjectParameter, joint.number, _OFFSETS[data["objectType"]])
-            found_moved[joint.number] = MovedOffset(len(rows), given)
-            functions.append(found_moved[joint.number])
+            of_moved.append((of_joint[0], joint.number, len(rows), given))
         rows += of_joint
-    return KnownRows(collected(ROW, rows), functions, found_moved, _sliders(sliding))
+    moved_offsets = _moved_offsets(of_moved, len(functions))
+    return KnownRows(collected(ROW, rows), functions, moved_offsets, _sliders(sliding))
+
+
+def _moved_offsets(
+    found: Sequence[tuple[Any, int, int, Callable[[], float]]], functions: int
+) -> MovedOffsets:
+    """Of records, numbers, rows and offsets of joints; their values follow those of so many functions."""
+    for place, (record, *_) in enumerate(found, functions):
+        record.function = 3 * place
+    _, numbers, rows, given = zip(*found, strict=True) if found else [()] * 4
+    return MovedOffsets(numbers, rows, given)
 
 
 def _sliders(found: Sequence[tuple[Any, Array]]) -> Any:

@@ -1,6 +1,7 @@
 """All items of a scene but its cables, if each has a compiled form."""
 
-from collections.abc import Callable, Mapping, Sequence, Set
+from collections.abc import Callable, Sequence, Set
+from contextlib import nullcontext, suppress
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from ...multibody.connectors import CONNECTOR
 from ...multibody.loads import LOAD, NONE
 from ...run.compiled_scene import ChangedItem
 from ...run.load_functions import Asked
-from ...run.moved_offsets import MovedOffset
+from ...run.moved_offsets import MovedOffsets
 from ..bodies import Body
 from ..coordinates import CoordinateMap
 from ..friction_check import FrictionCheck
@@ -68,7 +69,8 @@ def read_known_items(
     reader = PointReader(mbs, coordinates, on_cables, records, of_bodies)
     rows, functions, of_moved, sliders = read_rows(mbs, joints, reader, moved)
     done = {*of_bodies, *elsewhere, *(joint.number for joint in joints)}
-    items = KnownNumbers(mbs, reader, 3 * len(functions), of_moved, follows_state)
+    others = 3 * (len(functions) + len(of_moved.joints))
+    items = KnownNumbers(mbs, reader, others, of_moved, follows_state)
     touching = ContactReader(mbs, reader, friction.numbers)
     if has_forces:
         for number in range(mbs.systemData.NumberOfObjects()):
@@ -91,7 +93,7 @@ class KnownNumbers:
     """Connectors and loads as records, by their numbers, so that they can be read again.
 
     connectors, loads: records, in the order in which they were added.   moved: offsets that are set between
-    steps.   functions: those of loads; each has three values, which follow the `others` of functions of time.
+    steps.   functions: those of loads; each has three values, which follow the `others` of joints.
     """
 
     def __init__(
@@ -99,7 +101,7 @@ class KnownNumbers:
         mbs: Any,
         reader: PointReader,
         others: int,
-        moved: Mapping[int, MovedOffset],
+        moved: MovedOffsets,
         follows_state: bool,
     ) -> None:
         self._mbs, self._reader, self._others, self.moved = mbs, reader, others, moved
@@ -114,7 +116,10 @@ class KnownNumbers:
         """A connector, or what does nothing; UnknownItemError if it has no compiled form."""
         data = self._mbs.GetObject(number)
         is_of_cable = is_inert_cable(data) or self._reader.is_mass_on_cable(data)
-        if data["objectType"] != "Ground" and not is_of_cable and data.get("activeConnector", True):
+        if data["objectType"] == "Ground" or is_of_cable:
+            return
+        is_active = data.get("activeConnector", True)
+        with nullcontext() if is_active else suppress(UnknownItemError):  # to be switched on, it may be
             spring = read_connector(data, number, self._reader)
             self._springs[number] = len(self.connectors), spring
             self.connectors.append(spring.record)
@@ -168,9 +173,6 @@ class KnownNumbers:
         if name in VALUES:
             known.set(name, self._mbs.GetObjectParameter(number, name), connectors[place])
             return True
-        data = self._mbs.GetObject(number)
-        if not data.get("activeConnector", True):
-            return False
-        known = read_connector(data, number, self._reader)
+        known = read_connector(self._mbs.GetObject(number), number, self._reader)
         self._springs[number], connectors[place] = (place, known), known.record
         return True
