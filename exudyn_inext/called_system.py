@@ -22,9 +22,9 @@ from .lowered import (
     address_of,
     call_at,
     entry_of,
-    memory_of,
     numbers_at,
     structure_of,
+    words_of,
 )
 from .system import REPORTED, accelerate_and_project, correct_position, index_reduced_rates, report_energy
 
@@ -126,13 +126,7 @@ def _do_nothing(*_arguments):
     pass
 
 
-@kernel
-def _put(system, memory):
-    memory_of(memory.ctypes.data, system)[0] = system
-
-
 _ADDRESSES: dict[Any, int] = {}  # of protocols for structures of systems
-_PUT: dict[Structure, Callable[..., None]] = {}  # entries of `_put`, for each of them
 _TABLES: dict[int, tuple[Any, Structure]] = {}  # references to those of systems, by their identities
 
 
@@ -152,9 +146,7 @@ def _table_of(system: Any) -> tuple[np.ndarray, Structure]:
     structure = structure_of(system)
     table = np.zeros(MOST_PROTOCOLS + -(-structure.size // INTEGER.itemsize), INTEGER)
     functions, memory = table[:MOST_PROTOCOLS], table[MOST_PROTOCOLS:]
-    if structure not in _PUT:
-        _PUT[structure] = entry_of(_put, (system, memory))
-    _PUT[structure](system, memory)
+    memory[:] = list(words_of(system))
     _TABLES[id(system)] = weakref.ref(functions), structure
     weakref.finalize(functions, _forget, id(system), system).atexit = False
     return functions, structure

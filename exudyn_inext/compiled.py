@@ -10,7 +10,8 @@ body of such a loop belongs into a function of its own, or the loop stays.
 """
 
 from collections.abc import Callable
-from functools import singledispatch, wraps
+from functools import cache, singledispatch, wraps
+from types import FunctionType
 from typing import Any, TypeVar, cast
 
 import numba
@@ -112,6 +113,14 @@ def plain(function: _Function) -> _Function:
     return getattr(function, "py_func", function)
 
 
+@cache
+def in_python(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The Python function behind a kernel, which calls those behind others: nothing is compiled."""
+    code, known = plain(function).__code__, plain(function).__globals__
+    others = {name: in_python(known[name]) for name in code.co_names if hasattr(known.get(name), "py_func")}
+    return FunctionType(code, {**known, **others})
+
+
 def inlined(function: _Function) -> _Function:
     """Compile `function` as a part of the kernels that call it; called from Python, it is plain Python."""
     compiled = numba.njit(**_OF_PARTS)(function)
@@ -158,22 +167,14 @@ def optional(field: str, otherwise: Callable[..., Any] = _nothing) -> Callable[[
     """
 
     def decorate(function: _Function) -> _Function:
-        compiled = inlined(function)
-
         def part(axes, nodes, elements, *others):
             chosen = function if elements.dtype[field].shape[0] > 0 else otherwise
             return chosen(axes, nodes, elements, *others)
 
         @overload(part, strict=False, jit_options=_OF_PARTS)
         def choose(axes, nodes, elements, *others):
-            chosen = compiled if elements.dtype.fields[field].type.shape[0] > 0 else otherwise
-            if chosen is _nothing:
-                return _nothing
-
-            def call(axes, nodes, elements, *others):
-                return chosen(axes, nodes, elements, *others)
-
-            return call
+            is_there = elements.dtype.fields[field].type.shape[0] > 0
+            return function if is_there else plain(otherwise)
 
         part.__name__, part.__doc__ = function.__name__, function.__doc__
         return cast(_Function, part)
@@ -195,11 +196,6 @@ def protocol(declaration: _Function) -> Any:
 
     @overload(function, strict=False, jit_options=_OF_PARTS)
     def choose(*arguments):
-        implementation = function.dispatch(getattr(arguments[0], "instance_class", object))
-
-        def call(*arguments):
-            return implementation(*arguments)
-
-        return call
+        return plain(function.dispatch(getattr(arguments[0], "instance_class", object)))
 
     return function

@@ -3,7 +3,8 @@
 Operations that are lowered by hand: `local_array`, small memory on the stack; `set_multiple` and
 `subtract_multiple`, which take four numbers of a row at once, then two, then one: what a processor has no
 such instructions for, the compiler splits. Rows are (n,) arrays without gaps, n known when compiling.
-`call_at` calls a function by its address, which `address_of` compiles, as C does through a pointer.
+`call_at` calls a function by its address, which `address_of` compiles, as C does through a pointer;
+`words_of` lays a value out in memory for it.
 """
 
 import gc
@@ -22,7 +23,7 @@ from numba import typeof
 from numba._dynfunc import make_function
 from numba.core import cgutils, event, types
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
+from numba.core.compiler import Compiler, Flags
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.serialize import dumps
 from numba.core.types.containers import UniTuple
@@ -114,7 +115,45 @@ def _without_collections() -> Iterator[None]:
             gc.enable()
 
 
-class KernelCompiler(Compiler):
+# Passes that change nothing here: there are no closures, no `with`, nothing that Numba inlines as source.
+_NEEDLESS = {
+    *("WithLifting", "InlineClosureLikes", "RewriteDynamicRaises", "MakeFunctionToJitFunction"),
+    *("InlineInlinables", "FindLiterallyCalls", "LiteralUnroll", "LiteralPropagationSubPipelinePass"),
+    *("InlineOverloads", "NopythonRewrites", "DumpParforDiagnostics"),
+}
+
+
+class _Options(Flags):
+    """Options that stay as they are. Numba looks them up for each call, and would compare all of them."""
+
+    def copy(self) -> "_Options":
+        return self
+
+    def __eq__(self, other: object) -> bool:
+        return self is other
+
+    __hash__ = object.__hash__
+
+
+_OPTIONS: dict[str, _Options] = {}  # by what they say
+
+
+class ShortCompiler(Compiler):
+    """Numba's compiler without needless passes."""
+
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
+        self.state.flags = _OPTIONS.setdefault(self.state.flags.summary(), _Options(self.state.flags))
+
+    def define_pipelines(self) -> Any:
+        pipelines = super().define_pipelines()
+        for pipeline in pipelines:
+            pipeline.passes = [one for one in pipeline.passes if one[0].__name__ not in _NEEDLESS]
+            pipeline.finalize()
+        return pipelines
+
+
+class KernelCompiler(ShortCompiler):
     """Compiles into a `KernelLibrary`, which can be stored.
 
     It lets the parts of a new kernel find their constants, as Numba does for a kernel from the cache.
@@ -155,7 +194,7 @@ class CalledLibrary(PartLibrary):
         super().add_ir_module(ir_module)
 
 
-class PartCompiler(Compiler):
+class PartCompiler(ShortCompiler):
     """Compiles into a `PartLibrary`."""
 
     library: ClassVar[type[PartLibrary]] = PartLibrary
@@ -378,17 +417,6 @@ def call_at(_context, address, arguments):
 
 
 @intrinsic
-def memory_of(_context, address, value):
-    """What lies at an address, as an array of values like this one."""
-    kind = CPointer(value)
-
-    def generate(context, builder, _signature, values):
-        return builder.inttoptr(values[0], context.get_value_type(kind))
-
-    return kind(address, value), generate
-
-
-@intrinsic
 def numbers_at(_context, first, size):
     """(size,) numbers, the first of which lies at an address."""
     kind = types.Array(types.float64, 1, "C")
@@ -428,6 +456,19 @@ class Structure:
         """Bytes that a value takes in memory."""
         context = cpu_target.target_context
         return int(context.get_abi_sizeof(context.get_value_type(self.kind)))
+
+
+def words_of(value: Any) -> Iterator[int]:
+    """A value as compiled code holds it in memory, in words of eight bytes, without references to it."""
+    if isinstance(value, tuple):
+        for one in value:
+            yield from words_of(one)
+    elif isinstance(value, np.ndarray):
+        yield from (0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides)
+    elif isinstance(value, float):
+        yield from np.array([value]).view(np.int64).tolist()
+    else:
+        yield int(value)
 
 
 def structure_of(value: Any) -> Structure:

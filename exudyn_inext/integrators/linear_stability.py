@@ -2,7 +2,7 @@
 
 The undamped oscillator q'' = -w^2 q stands for the bending vibrations, the decay c' = -zeta c for the
 constraint stabilisation. The amplification matrix of one step is built column by column by the
-scheme itself, so that a limit is always that of the code that runs.
+scheme itself, in Python: so a limit is always that of the code that runs, and nothing is compiled for it.
 """
 
 import math
@@ -13,7 +13,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..called_system import implements
-from ..compiled import inlined
+from ..compiled import in_python, inlined
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .integrator import Integrator, advance, no_loads
 
@@ -63,16 +63,17 @@ def correct_linear_position(system, external, q, tolerance, learning, correction
 def amplification_matrix(integrator: Integrator, scheme: Any, system: LinearSystem) -> Array:
     """One step h = 1 as a matrix on (q, v, and the history of a multi-step scheme)."""
     loads = no_loads(1, len(integrator.stages))
+    start, take_step = in_python(integrator.start), in_python(advance.dispatch(type(scheme)))
     fields = ["q", "v", *integrator.carries]
     columns = []
     for unit in fields:
         state = integrator.allocate(1, 1)
         getattr(state, unit)[0] = 1.0
         given = [getattr(state, name).copy() for name in fields]
-        integrator.start(system, np.zeros(1), state)
+        start(system, np.zeros(1), state)
         for name, value in zip(fields, given, strict=True):
             getattr(state, name)[:] = value
-        advance(scheme, system, loads, state, 1.0, 1, np.zeros((1, 3, 1)))
+        take_step(scheme, system, loads, state, 1.0, 1, np.zeros((1, 3, 1)))
         columns.append([getattr(state, name)[0] for name in fields])
     return np.array(columns).T
 

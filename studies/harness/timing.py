@@ -206,7 +206,6 @@ def _times_of(task: Task, least_seconds: float) -> int:
 def without_garbage_collection() -> Iterator[None]:
     """Inside, garbage is collected between runs only, of new objects: modules and compilers are a million."""
     was_enabled = gc.isenabled()
-    gc.collect()
     gc.freeze()
     gc.disable()
     try:

@@ -44,13 +44,13 @@ STUDIES = (
         [
             Series(
                 "cost",
-                varied({"elements": (20, 200, 2000)}, chain=tuple(scaling.CHAINS), integrator=INTEGRATORS,
+                varied({"elements": (20, 200)}, chain=tuple(scaling.CHAINS), integrator=INTEGRATORS,
                        elements=LONG),
                 scaling.cost, scaling.steps, ("chain", "integrator"), rounds=(3, 9), least=(5e-3, 5e-2),
             ),
             Series(
                 "memory",
-                varied({"elements": (10_000,), "steps": (5,)}, chain=("2D", "3D"), elements=(100_000,),
+                varied({"elements": (3000,), "steps": (5,)}, chain=("2D", "3D"), elements=(100_000,),
                        steps=(20,)),
                 scaling.memory,
             ),

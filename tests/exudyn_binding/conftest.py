@@ -1,5 +1,6 @@
 """Scenes to start from: fresh systems, the pendulum's cable, quiet runs, contents of a system."""
 
+import gc
 from types import SimpleNamespace
 
 import exudyn
@@ -51,6 +52,15 @@ def solve():
             return SolveExplicit(mbs, settings, ExplicitSettings(**explicit))
 
     return run
+
+
+@pytest.fixture(scope="module")
+def quick_collections():
+    """Garbage is looked for among objects of this module's tests; there are millions of older ones."""
+    gc.collect()
+    gc.freeze()
+    yield
+    gc.unfreeze()
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ from exudyn_inext import CreateCableForceSensor
 
 
 @pytest.mark.parametrize("contents", ["cable", "cable and mass point", "mass point"])
-def test_a_dropped_scene_is_freed(add_pendulum, solve, contents):
+def test_a_dropped_scene_is_freed(add_pendulum, solve, contents, quick_collections):
     def run():
         container = exudyn.SystemContainer()
         mbs = container.AddSystem()

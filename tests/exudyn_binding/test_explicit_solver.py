@@ -25,7 +25,7 @@ INITIAL = exudyn.ConfigurationType.Initial
 
 
 @pytest.fixture(autouse=True)
-def nobody_else_listens():
+def nobody_else_listens(quick_collections):
     """Solvers of earlier tests that were not ended have let go of Exudyn's methods."""
     gc.collect()
 

@@ -255,7 +255,7 @@ def test_the_identity_is_the_same_in_every_process(tmp_path):
     """With functions of all kinds, other hash seeds, and sources that are compiled anew or not."""
     script = PRINT_IDENTITY.format(root=str(ROOT))
     printed = []
-    for seed, cached in (("1", "1"), ("2", ""), ("3", "1")):
+    for seed, cached in (("1", ""), ("2", "1")):
         environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONDONTWRITEBYTECODE": cached}
         environment["PYTHONPYCACHEPREFIX"] = str(tmp_path)
         result = subprocess.run(
@@ -263,7 +263,7 @@ def test_the_identity_is_the_same_in_every_process(tmp_path):
         )
         assert result.returncode == 0, result.stderr
         printed.append(result.stdout)
-    assert printed[0] == printed[1] == printed[2]
+    assert printed[0] == printed[1]
     assert "0x" not in printed[0] and "UserFunction" in printed[0]
 
 

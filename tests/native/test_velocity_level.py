@@ -165,7 +165,7 @@ def test_a_restarted_run_goes_on_bit_for_bit(new_mbs, change, tmp_path):
         scene.mbs.Assemble()
         for end in ends:
             settings = restarting(
-                quiet_settings(end, round(STEPS * end / END), 0.02), tmp_path / str(len(ends))
+                quiet_settings(end, round(STEPS * end / END), 0.1), tmp_path / str(len(ends))
             )
             with silence():
                 report = SolveExplicit(scene.mbs, settings, ExplicitSettings(stepSize=5e-4))
