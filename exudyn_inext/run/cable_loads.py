@@ -88,6 +88,11 @@ class CableLoads:
         return all(load.is_pure for load in self._histories) and all(m.is_pure for m in self._motions)
 
     @property
+    def are_steady(self) -> bool:
+        """Whether nothing depends on the time, as long as nothing is moved that is set between steps."""
+        return not self._histories and not any(motion.is_pure for motion in self._motions)
+
+    @property
     def not_compiled(self) -> str:
         """Among bodies: which weight or motion only Exudyn's side evaluates; empty if none."""
         for load in sorted(self._histories, key=lambda load: load.is_pure):

@@ -283,7 +283,7 @@ class CableRun(PacedRun):
     @property
     def is_steady(self) -> bool:
         """Whether nothing but the state, and values that are set, decides on the next steps."""
-        return not len(self.loads.pattern)
+        return self.loads.are_steady
 
     @property
     def is_scaled(self) -> bool:

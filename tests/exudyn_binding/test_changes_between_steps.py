@@ -221,6 +221,16 @@ def moving_support(model):
     return lambda t: model.set_object(model.supports[0], offset=float(0.1 * t * np.sin(6 * t)))
 
 
+def moving_support_and_force(model):
+    move, pull = moving_support(model), force_on_a_node(model)
+
+    def change(t):
+        move(t)
+        pull(t)
+
+    return change
+
+
 def support_that_steps(model):
     """By 0.2 mm, ten times a second."""
     return lambda t: model.set_object(model.supports[1], offset=2e-4 * int(10 * t + 1e-9))
@@ -359,6 +369,7 @@ ALONE = [
     release,
     release_and_catch,
     moving_support,
+    moving_support_and_force,
     support_that_steps,
     hanger,
     hanger_that_catches,
@@ -402,6 +413,18 @@ def test_a_pre_step_function_changes_the_motion_as_under_the_implicit_solver(kin
     ours = moved(kind, False, dim=dim)
     assert deviation(ours.motion, native_motion(kind, dim)) < 0.01
     assert ours.report["drift"]["energyGain"] < 0.003
+
+
+@pytest.mark.parametrize(
+    "kind", [moving_support, moving_support_and_force, moving_end_of_a_hanger], ids=name_of
+)
+def test_a_cable_whose_supports_move_has_no_joints(kind):
+    assert moved(kind, False, end_time=0.05).report["path"].startswith("cable 'object0': ")
+
+
+def test_compiled_code_goes_on_with_a_spring_that_is_switched():
+    report = moved(spring_that_grabs_beside_a_mass, False, end_time=0.3).report
+    assert "right-hand side of Exudyn" not in report["path"]
 
 
 @pytest.mark.parametrize("kind", [force_on_a_node, release, moving_support, hanger, driven_mass], ids=name_of)

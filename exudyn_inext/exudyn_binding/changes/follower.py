@@ -154,9 +154,9 @@ class ChangeFollower:
     def _moves_at_once(
         self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float, end: float
     ) -> bool:
-        """Whether supports of cables among nothing else have moved on, and constant forces have changed."""
+        """Whether supports of cables among nothing else have moved on, or constant forces have changed."""
         alone, places = _alone(runs), {key: x for key, x in changed.items() if not _is_force(key)}
-        if not alone or not places or not self.reader.aims(places):
+        if not alone or not changed or not self.reader.aims(places):
             return False
         if not all(_with_load(alone, key, x) for key, x in changed.items() if key not in places):
             return False
