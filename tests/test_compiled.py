@@ -50,6 +50,19 @@ def test_processes_that_compile_at_once_do_not_get_each_others_code(process, mon
     assert later(3.0) == 1.5
 
 
+part_of_it = compiled.inlined_kernel(lambda x: x + 1.0)
+
+
+@compiled.kernel
+def whole(x):
+    return 2.0 * part_of_it(x)
+
+
+def test_in_python_nothing_is_compiled():
+    assert compiled.in_python(whole)(3.0) == 8.0
+    assert not whole.signatures and not part_of_it.signatures
+
+
 KNOWN = ExplicitSettings(stepSize=1e-3, dependsOnTimeOnly=True)
 
 
