@@ -6,6 +6,7 @@ the balance of momentum, n_x = rho_A r_tt - f, gives how it varies within. So N(
 element, past point loads and supports.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +22,8 @@ from .attached_forces import attached_variation
 from .axial_energy import mean_section_forces
 from .cable import Cable, CurvatureMeasure
 from .chain import Chain
+
+DERIVATIVES = (shape_functions, first_derivatives, second_derivatives)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,13 +95,10 @@ def section_forces(
     k = np.minimum(np.searchsorted(ends, arc_length - 1e-12 * cable.length), len(ends) - 1)
     length = cable.element_lengths[k]
     xi = np.clip((arc_length - (ends[k] - length)) / length, 0.0, 1.0)
-    nodal = [np.concatenate([of_nodes[:-1], of_nodes[1:]], axis=1)[k] for of_nodes in (state.q, state.v)]
     force = mean[k] + _variation(cable, state.a, density, k, xi)
     force += attached_variation(cable, state, density / cable.section.mass_per_length, k, xi)
-    (position, _), (r_x, v_x), (r_xx, v_xx) = (
-        [np.stack([s(x, h).T @ e for x, h, e in zip(xi, length, at, strict=True)]) for at in nodal]
-        for s in (shape_functions, first_derivatives, second_derivatives)
-    )
+    position, r_x, r_xx = (_within(state.q, k, s(xi, length)) for s in DERIVATIVES)
+    v_x, v_xx = (_within(state.v, k, s(xi, length)) for s in DERIVATIVES[1:])
     tangent = r_x / np.linalg.norm(r_x, axis=1)[:, None]
     tension = np.einsum("mi,mi->m", force, tangent)
     return SectionForces(
@@ -106,31 +106,30 @@ def section_forces(
         position,
         tension,
         force - tension[:, None] * tangent,
-        _bending_moment(cable, (k, xi), np.stack([r_x, r_xx, v_x, v_xx])),
+        _bending_moment(cable, (k, xi), (r_x, r_xx, v_x, v_xx)),
     )
+
+
+def _within(x: Array, k: np.ndarray, shapes: Array) -> Array:
+    """(m, dim) values in elements k (m,), from nodal ones x (n, 2, dim).   shapes: (4, m)."""
+    nodal = np.concatenate([x[:-1], x[1:]], axis=1)[k]
+    return np.einsum("sm,msi->mi", shapes, nodal)
 
 
 def _variation(cable: Cable, a: Array, density: Array, k: np.ndarray, xi: Array) -> Array:
     """(m, dim) n less its weighted mean, from the balance of momentum within element k."""
-    rho = cable.section.mass_per_length
-    nodal = np.concatenate([a[:-1], a[1:]], axis=1)[k]
     points, weights = quadrature(1.0)
     weights = weights * 6.0 * points * (1.0 - points)
-    variation = np.zeros((len(k), cable.dimension))
-    for row, (element, x) in enumerate(zip(k, xi, strict=True)):
-        length = float(cable.element_lengths[element])
-
-        def running(at: Array, length: float = length, row: int = row, f: Array = density[element]) -> Array:
-            shapes = _integrated_shape_functions(np.asarray(at), length)
-            return rho * (nodal[row].T @ shapes) - np.multiply.outer(f, length * np.asarray(at))
-
-        variation[row] = running(np.array([x]))[:, 0] - running(points) @ weights
-    return variation
+    length = cable.element_lengths[k]
+    mean = np.tensordot(_integrated_shape_functions(points[:, None], length), weights, (1, 0))
+    momentum = _within(a, k, _integrated_shape_functions(xi, length) - mean)
+    load = density[k] * (length * (xi - weights @ points))[:, None]
+    return np.asarray(cable.section.mass_per_length * momentum - load)
 
 
-def _integrated_shape_functions(xi: Array, length: float) -> Array:
-    """(4, ...) integral of the shape functions from the left end to xi [m, m^2, m, m^2]."""
-    x = xi
+def _integrated_shape_functions(xi: Array, length: Array) -> Array:
+    """(4, ..., m) integral of the shape functions from the left ends to xi (..., m) [m, m^2, m, m^2]."""
+    x, length = np.broadcast_arrays(xi, length)
     return length * np.stack(
         [
             x - x**3 + x**4 / 2,
@@ -141,22 +140,29 @@ def _integrated_shape_functions(xi: Array, length: float) -> Array:
     )
 
 
-def _bending_moment(cable: Cable, places: tuple[np.ndarray, Array], rates: Array) -> Array:
+def _bending_moment(cable: Cable, places: tuple[np.ndarray, Array], rates: Sequence[Array]) -> Array:
     """(m,) see `SectionForces`.
 
-    places: elements (m,) and where in them (m,).   rates: (4, m, dim) r_x, r_xx, and their rates in time.
+    places: elements (m,) and where in them (m,).   rates: r_x, r_xx, and their rates in time, each (m, dim).
     """
     section, power = cable.section, 2 if cable.stretches else 3  # by the arc length, stretched or not
-    r_x, r_xx, v_x, v_xx = np.pad(rates, ((0, 0), (0, 0), (0, 3 - cable.dimension)))
+    r_x, r_xx, v_x, v_xx = rates
     square = (r_x * r_x).sum(axis=1, keepdims=True)
-    kappa = np.cross(r_x, r_xx) / square ** (power / 2)
-    kappa_t = (np.cross(v_x, r_xx) + np.cross(r_x, v_xx)) / square ** (power / 2)
+    kappa = _cross(r_x, r_xx) / square ** (power / 2)
+    kappa_t = (_cross(v_x, r_xx) + _cross(r_x, v_xx)) / square ** (power / 2)
     kappa_t -= power * (r_x * v_x).sum(axis=1, keepdims=True) / square * kappa
     moment = section.bending_stiffness * kappa + section.bending_damping * kappa_t
     if cable.dimension == 3:
         return np.asarray(np.linalg.norm(moment, axis=1))
     natural = [cable.natural_curvature(k, np.array([x]))[0] for k, x in zip(*places, strict=True)]
-    return np.asarray(moment[:, 2] - section.bending_stiffness * np.array(natural))
+    return np.asarray(moment[:, 0] - section.bending_stiffness * np.array(natural))
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """(m, 3) in space, (m, 1) in the plane."""
+    if a.shape[1] == 2:
+        return a[:, :1] * b[:, 1:] - a[:, 1:] * b[:, :1]
+    return np.cross(a, b)
 
 
 def multiplier_tension(cable: Cable, q: Array, v: Array, nodal: Array, length: Array) -> Array:

@@ -9,12 +9,12 @@ from ..arrays import Array
 _GAUSS_ABSCISSAE, _GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 
-def shape_functions(xi: ArrayLike, length: float) -> Array:
+def shape_functions(xi: ArrayLike, length: float | Array) -> Array:
     """S(xi), Eq. (9), for the coordinates [r, r_x] of the left and then of the right node.
 
     Args:
         xi: (...) abscissa within the element, 0 to 1 [-].
-        length: element length l [m].
+        length: element length l, or one for each xi [m].
 
     Returns:
         (4, ...) weights [-, m, -, m].
@@ -30,7 +30,7 @@ def shape_functions(xi: ArrayLike, length: float) -> Array:
     )
 
 
-def first_derivatives(xi: ArrayLike, length: float) -> Array:
+def first_derivatives(xi: ArrayLike, length: float | Array) -> Array:
     """S_x = dS/dx, Eq. (11). Returns (4, ...) [1/m, -, 1/m, -]."""
     x = np.asarray(xi, dtype=float)
     return np.stack(
@@ -43,7 +43,7 @@ def first_derivatives(xi: ArrayLike, length: float) -> Array:
     )
 
 
-def second_derivatives(xi: ArrayLike, length: float) -> Array:
+def second_derivatives(xi: ArrayLike, length: float | Array) -> Array:
     """S_xx = d2S/dx2, Eq. (11). Returns (4, ...) [1/m^2, 1/m, 1/m^2, 1/m]."""
     x = np.asarray(xi, dtype=float)
     return np.stack(

@@ -1,7 +1,7 @@
 """Tension, shear force and bending moment of a cable of an mbs: as values and as sensors."""
 
-from collections.abc import Sequence
-from functools import cached_property
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from itertools import pairwise
 from numbers import Integral
 from typing import Any
@@ -29,21 +29,73 @@ from ..system import index_reduced_rates
 from .scene import read_scene, require_assembled
 
 
-class CableEvaluator:
-    """Evaluates one cable of an mbs at its present state, apart from any running solver.
+class SceneEvaluator:
+    """Evaluates an mbs at its present state, apart from any running solver.
 
     It holds no mbs, so that a sensor which keeps it does not keep its mbs alive, until it has had to evaluate
     a cable among bodies and joints; see `forget_evaluators`.
     """
 
-    def __init__(self, mbs: Any, number: int) -> None:
+    def __init__(self, mbs: Any) -> None:
         require_assembled(mbs)
-        self._scene = read_scene(mbs)
-        self._place = _place_of(self._scene, number)
-        self._cable = self._scene.cables[self._place]
-        _require_linear_laws(mbs, self._cable)
-        self._system = cable_system(self._cable.cable, 0.0)
+        self.scene = read_scene(mbs)
+        self._loads: dict[int, CableLoads] = {}
+        self._systems: dict[int, Any] = {}
         self._coupled: CoupledScene | None = None
+        self._solved: bytes | None = None  # the state of all parts that has been evaluated last
+
+    def loads(self, place: int) -> CableLoads:
+        """On a cable, by its place in the scene."""
+        if place not in self._loads:
+            self._loads[place] = CableLoads(self.scene.cables[place])
+        return self._loads[place]
+
+    def solve(self, mbs: Any, place: int) -> tuple[Any, Array, Array, Array]:
+        """The system of a cable, which then holds its multipliers, and its q, v, a of the present state."""
+        return (self._solve_among_others if self.scene.foreign else self._solve_alone)(mbs, place)
+
+    def _solve_alone(self, mbs: Any, place: int) -> tuple[Any, Array, Array, Array]:
+        data, cable = mbs.systemData, self.scene.cables[place]
+        if place not in self._systems:
+            self._systems[place] = cable_system(cable.cable, 0.0)
+        system = self._systems[place]
+        q = cable.cable.reference.ravel() + np.asarray(data.GetODE2Coordinates())[cable.indices]
+        v = np.asarray(data.GetODE2Coordinates_t())[cable.indices]
+        a, rate = np.zeros(q.size), np.zeros(q.size)
+        index_reduced_rates(system, self.loads(place).at(data.GetTime()), q, v, a, rate)
+        return system, q, v, a
+
+    def _solve_among_others(self, mbs: Any, place: int) -> tuple[Any, Array, Array, Array]:
+        """With all bodies and joints, evaluated by Exudyn; its state is put back."""
+        self._coupled = coupled = self._coupled or self._coupled_scene(mbs)
+        time, (q, v) = mbs.systemData.GetTime(), coupled.state()
+        state = np.concatenate([[time], q, v]).tobytes()
+        if state != self._solved:
+            with switched_off(mbs, *self.scene.evaluated_by_kernels), state_kept(mbs):
+                coupled.native_items.forget()
+                coupled.solve(time, q, v)
+            self._solved = state
+        dofs = coupled.map.slices[place]
+        return coupled.cable_systems[place], q[dofs], v[dofs], coupled.set_multipliers(place, time, q, v)
+
+    def _coupled_scene(self, mbs: Any) -> CoupledScene:
+        with switched_off(mbs, *self.scene.evaluated_by_kernels), state_kept(mbs):
+            cables = [
+                CoupledCable(
+                    cable.among_others, cable_system(cable.cable, 0.0), CableLoads(cable.among_others)
+                )
+                for cable in self.scene.cables
+            ]
+            return CoupledScene(mbs, cables, self.scene.own_constraints, 0.0)
+
+
+class CableEvaluator:
+    """Evaluates one cable of a scene.   scene: what evaluates all of it."""
+
+    def __init__(self, mbs: Any, number: int, scene: SceneEvaluator) -> None:
+        self._scene, self._place = scene, _place_of(scene.scene, number)
+        self._cable = scene.scene.cables[self._place]
+        _require_linear_laws(mbs, self._cable)
         self._gravity = np.zeros(self._cable.cable.dimension)  # of the state that was solved
 
     def forces(self, state: SolvedState, arc_length: Array) -> SectionForces:
@@ -61,41 +113,37 @@ class CableEvaluator:
 
     def solve(self, mbs: Any) -> SolvedState:
         """The present state of the mbs, with its accelerations and multipliers."""
-        self._gravity = self._loads.gravity_at(mbs.systemData.GetTime())
-        q, v, a = self._solve_among_others(mbs) if self._scene.foreign else self._solve_alone(mbs)
+        self._gravity = self._scene.loads(self._place).gravity_at(mbs.systemData.GetTime())
+        self._system, q, v, a = self._scene.solve(mbs, self._place)
         shape = self._cable.cable.reference.shape
         multiplier = self._system.chain.elements["multiplier"][:, 0].copy()
         return SolvedState(q.reshape(shape), v.reshape(shape), a.reshape(shape), multiplier)
 
-    @cached_property
-    def _loads(self) -> CableLoads:
-        return CableLoads(self._cable)
 
-    def _solve_alone(self, mbs: Any) -> tuple[Array, Array, Array]:
-        data, indices = mbs.systemData, self._cable.indices
-        q = self._cable.cable.reference.ravel() + np.asarray(data.GetODE2Coordinates())[indices]
-        v = np.asarray(data.GetODE2Coordinates_t())[indices]
-        a, rate = np.zeros(q.size), np.zeros(q.size)
-        index_reduced_rates(self._system, self._loads.at(data.GetTime()), q, v, a, rate)
-        return q, v, a
+class _Keeper:
+    """What sensors of section forces keep from one output to the next; those of a run share one."""
 
-    def _solve_among_others(self, mbs: Any) -> tuple[Array, Array, Array]:
-        """With all bodies and joints, evaluated by Exudyn; its state is put back."""
-        with switched_off(mbs, *self._scene.evaluated_by_kernels), state_kept(mbs):
-            coupled = self._coupled = self._coupled or self._coupled_scene(mbs)
-            coupled.native_items.forget()
-            self._system = coupled.cable_systems[self._place]
-            q, v = coupled.state()
-            a = coupled.solve_cable(self._place, mbs.systemData.GetTime(), q, v)
-        dofs = coupled.map.slices[self._place]
-        return q[dofs], v[dofs], a
+    def __init__(self) -> None:
+        self.forget()
 
-    def _coupled_scene(self, mbs: Any) -> CoupledScene:
-        cables = []
-        for cable in self._scene.cables:
-            system = self._system if cable is self._cable else cable_system(cable.cable, 0.0)
-            cables.append(CoupledCable(cable.among_others, system, CableLoads(cable.among_others)))
-        return CoupledScene(mbs, cables, self._scene.own_constraints, 0.0)
+    def forget(self) -> None:
+        self._scene: SceneEvaluator | None = None
+        self._time = np.inf
+        self._cables: dict[int, CableEvaluator] = {}
+        self._asked: set[Any] = set()
+
+    def evaluator(self, mbs: Any, number: int, time: float, who: Any) -> CableEvaluator:
+        """Of a cable; read again if the same sensor asks again: then loads may have changed."""
+        if self._scene is None or time < self._time or (time == self._time and who in self._asked):
+            self.forget()
+            self._scene = SceneEvaluator(mbs)
+        elif time > self._time:
+            self._asked.clear()
+        self._time = time
+        self._asked.add(who)
+        if number not in self._cables:
+            self._cables[number] = CableEvaluator(mbs, number, self._scene)
+        return self._cables[number]
 
 
 def CableForces(mbs: Any, cable: Any, arcLengths: Any = None) -> dict[str, Any]:
@@ -124,7 +172,7 @@ def CableForces(mbs: Any, cable: Any, arcLengths: Any = None) -> dict[str, Any]:
     """
     number, item = require_cable(mbs, cable)
     with at_position_level(mbs, mbs.systemData.GetTime()):
-        evaluator = CableEvaluator(mbs, number)
+        evaluator = CableEvaluator(mbs, number, SceneEvaluator(mbs))
         points, state = _points(arcLengths, item.cable), evaluator.solve(mbs)
     forces = evaluator.forces(state, points)
     return {
@@ -159,18 +207,15 @@ def CreateCableForceSensor(
     is_stored = require_flag("storeInternal", storeInternal)
     if not isinstance(fileName, str):
         raise InputError(f"fileName = {fileName!r}: must be a string; an empty one writes no file.")
-    cache: dict[str, Any] = {"time": np.inf, "evaluator": None}
 
     def cable_force_user_function(mbs, t, sensorNumbers, factors, configuration):
-        if cache["evaluator"] is None or t <= cache["time"]:  # a new run: loads may have changed
-            cache["evaluator"] = CableEvaluator(mbs, number)
-        cache["time"] = t
-        evaluator = cache["evaluator"]
+        this = cable_force_user_function
+        evaluator = this.keeper.evaluator(mbs, number, t, this)
         forces = evaluator.forces(evaluator.solve(mbs), point)
         return [float(forces.tension[0]), float(forces.bending_moment[0])]
 
     cable_force_user_function.onlyLooks = True  # type: ignore[attr-defined]
-    cable_force_user_function.forget = lambda: cache.update(evaluator=None)  # type: ignore[attr-defined]
+    cable_force_user_function.keeper = _Keeper()  # type: ignore[attr-defined]
     return int(
         mbs.AddSensor(
             SensorUserFunction(
@@ -183,11 +228,34 @@ def CreateCableForceSensor(
     )
 
 
+@contextmanager
+def shared_evaluators(sensors: Sequence[Any]) -> Iterator[None]:
+    """Sensors of section forces evaluate a state together; afterwards they have let go of what they keep.
+
+    sensors: data of all.
+    """
+    shared, functions = _Keeper(), _with_keepers(sensors)
+    try:
+        for function in functions:
+            function.keeper = shared
+        yield
+    finally:
+        for function in functions:
+            function.keeper = _Keeper()
+
+
 def forget_evaluators(sensors: Sequence[Any]) -> None:
-    """Sensors of section forces let go of what they keep, when a run has ended.   sensors: data of all."""
-    for data in sensors:
-        if data["sensorType"] == "UserFunction":
-            getattr(data["sensorUserFunction"]["function"], "forget", lambda: None)()
+    """Sensors of section forces let go of what they keep.   sensors: data of all."""
+    for function in _with_keepers(sensors):
+        function.keeper.forget()
+
+
+def _with_keepers(sensors: Sequence[Any]) -> list[Any]:
+    """Functions of sensors of section forces."""
+    functions = (
+        data["sensorUserFunction"]["function"] for data in sensors if data["sensorType"] == "UserFunction"
+    )
+    return [function for function in functions if isinstance(getattr(function, "keeper", None), _Keeper)]
 
 
 def _place_of(scene: Scene, number: int) -> int:

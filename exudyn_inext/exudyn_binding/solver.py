@@ -17,7 +17,7 @@ from ..run.output_files import ResumedOutputs, require_writable_outputs
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import choose_step, warn_of_damping, warn_of_outputs
 from ..run.time_grid import TimeGrid, time_grid
-from .cable_forces import forget_evaluators
+from .cable_forces import shared_evaluators
 from .changes.constraints import SteppedReader
 from .changes.follower import ChangeFollower
 from .changes.limit import StepLimit
@@ -169,20 +169,17 @@ def _solve(
         restarts.changes_so_far = changes.stored
         loop = ExplicitTimeLoop(mbs, runs, grid, restarts, observed, changes)
         loop.step_is_from = decided_by if explicit.stepSize is None else ""
-        try:
-            shown: AbstractContextManager[None] = nullcontext()
-            if restarts.found:
-                shown = initial_state(mbs, restarts.state)
-            elif loop.shows_accelerations:
-                shown = first_row(mbs, runs, start)
-            if outputs is not None:
-                outputs.cut(grid.time(grid.first) + 0.5 * grid.substeps * grid.h)
-            header = header_of(explicit, grid.h, decided_by, grid.substeps)
-            until_steps.close()
-            with shown, listening(log):
-                _run(mbs, solver, settings, loop, outputs, log, header)
-        finally:
-            forget_evaluators(sensors)
+        shown: AbstractContextManager[None] = nullcontext()
+        if restarts.found:
+            shown = initial_state(mbs, restarts.state)
+        elif loop.shows_accelerations:
+            shown = first_row(mbs, runs, start)
+        if outputs is not None:
+            outputs.cut(grid.time(grid.first) + 0.5 * grid.substeps * grid.h)
+        header = header_of(explicit, grid.h, decided_by, grid.substeps)
+        until_steps.close()
+        with shared_evaluators(sensors), shown, listening(log):
+            _run(mbs, solver, settings, loop, outputs, log, header)
     controls = [run.control for run in loop.runs]
     warn_of_findings(loop.runs, explicit.energyTolerance)
     return ExplicitReport(

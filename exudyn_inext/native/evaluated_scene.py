@@ -301,18 +301,17 @@ class SceneOfExudyn(JoinedScene):
         v[number:] = data.GetODE1Coordinates(configuration)
         return q, v
 
-    def solve_cable(self, cable: int, t: float, q: Array, v: Array) -> Array:
+    def solve(self, t: float, q: Array, v: Array) -> None:
+        """Evaluate all parts and joints, before `set_multipliers`.   t: time [s].   q, v: (n,)."""
+        a, rate = np.zeros(len(q)), np.zeros(len(q))
+        index_reduced_rates(self.system, np.array([t]), q, v, a, rate)
+
+    def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
         """Accelerations (n_dof,) of one cable among all others, whose system then holds its multipliers.
 
         Args:
-            cable: which one, in the order of the scene.   t: time [s].   q, v: (n,) of all parts.
+            cable: which one, in the order of the scene.   t, q, v: where all have been evaluated last.
         """
-        a, rate = np.zeros(len(q)), np.zeros(len(q))
-        index_reduced_rates(self.system, np.array([t]), q, v, a, rate)
-        return self.set_multipliers(cable, t, q, v)
-
-    def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
-        """As `solve_cable`, where the scene has been evaluated at (t, q, v)."""
         part, dofs, _ = self.system.parts[cable]
         size = dofs.stop - dofs.start
         a, rate = np.zeros((2, size))

@@ -16,6 +16,7 @@ from ..cable.many_cables import in_few_chains
 from ..cable.sparse_forms import mass_of_cable
 from ..called_system import Bound
 from ..constraints import constraints_of_cable
+from ..constraints.prescribed_motion import KIND as PRESCRIBED
 from ..errors import SceneError
 from ..scene.model import CableInScene
 from ..statics.saddle_point import factorise, solve
@@ -163,8 +164,10 @@ def _is_kept_along(system: Any, correct: Bound, cable: Cable, q: Array, v: Array
 def require_consistent(scene_cable: CableInScene, violation: Violation, tolerance: float) -> None:
     """Raise SceneError, which names the worst constraint and by how much it is violated."""
     if not violation.size <= tolerance:
+        said = found(scene_cable, violation, tolerance)
+        motion = "let the motion begin there (CreatePrescribedMotion takes positions, not displacements), "
         raise SceneError(
-            f"{found(scene_cable, violation, tolerance)}: correct the initial values of its nodes, start "
+            f"{said}: correct the initial values of its nodes, {motion if PRESCRIBED in said else ''}start "
             "from an equilibrium (SolveEquilibrium), or let a larger startTolerance project them."
         )
 

@@ -237,6 +237,16 @@ def test_a_support_that_starts_with_a_jerk_takes_the_cable_along(mbs, add_cable,
     np.testing.assert_allclose(final[:, 0], np.tile([0.5, 0.0], (6, 1)), atol=1e-8)
 
 
+def test_a_displacement_for_a_position_is_refused_with_the_remedy(mbs, add_cable, solve):
+    cable = add_cable(mbs)
+    CreatePrescribedMotion(mbs, cable["nodes"][-1], lambda t: [0.0, 0.1 * t * t])
+    mbs.Assemble()
+    with pytest.raises(
+        SceneError, match=r"by 1.* let the motion begin there .* positions, not displacements"
+    ):
+        solve(mbs, 0.01)
+
+
 def test_velocities_within_the_tolerance_are_projected_in_silence(mbs, add_pendulum, solve):
     cable = add_pendulum(mbs)
     mbs.SetNodeParameter(cable["nodes"][0], "initialVelocities", [0, 1e-4, 0, 0])

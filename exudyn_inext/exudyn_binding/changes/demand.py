@@ -17,6 +17,7 @@ from ...scene.model import CableInScene, Scene
 
 _JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
 _PLACES = ("offset", "distance")
+_FORCES_OF_TREES = ("gravity", "jointForceVector", "jointPositionOffsetVector", "jointVelocityOffsetVector")
 
 
 class Demand(IntEnum):
@@ -56,8 +57,9 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
             return Demand.NOTHING
         moves = is_joint and all(run.mover.can_move(key.number) for run in coupled)
         return Demand.MOVE if moves else Demand.BUILD
-    is_connector = kind.startswith(("Connector", "Contact"))
-    return Demand.EVALUATE if is_connector else Demand.BUILD
+    is_force = kind.startswith(("Connector", "Contact"))
+    is_force |= kind == "KinematicTree" and key.name in _FORCES_OF_TREES
+    return Demand.EVALUATE if is_force else Demand.BUILD
 
 
 def same_cables(one: Scene, other: Scene) -> bool:

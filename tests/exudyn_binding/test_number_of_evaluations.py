@@ -1,0 +1,130 @@
+"""A run asks Exudyn to evaluate its items no more often than the motion needs; user functions are counted."""
+
+import exudyn
+import numpy as np
+from exudyn.itemInterface import (
+    LoadForceVector,
+    MarkerBodyPosition,
+    NodeGenericODE2,
+    ObjectKinematicTree,
+    SpringDamper,
+)
+from exudyn.utilities import InertiaCuboid
+
+from exudyn_inext import AddMarkerOnCable, AttachToBody, CableForces, CreateCableForceSensor
+from reference_models.model import quiet_settings, silence
+
+STEPS = 50  # of Exudyn's loop
+
+
+def driven_arm(mbs, calls):
+    """A link on a hinge with a controller, whose wanted angle is set before each step."""
+    node = mbs.AddNode(
+        NodeGenericODE2(
+            referenceCoordinates=[0.0],
+            initialCoordinates=[0.0],
+            initialCoordinates_t=[0.0],
+            numberOfODE2Coordinates=1,
+        )
+    )
+    link = InertiaCuboid(1000, [0.3, 0.05, 0.05]).Translated([0.15, 0, 0])
+
+    def count(mbs, t, itemNumber, q, q_t):
+        calls.append(t)
+        return [0.0]
+
+    tree = mbs.AddObject(
+        ObjectKinematicTree(
+            nodeNumber=node,
+            jointTypes=[exudyn.JointType.RevoluteZ],
+            linkParents=[-1],
+            jointTransformations=exudyn.Matrix3DList([np.eye(3)]),
+            jointOffsets=exudyn.Vector3DList([[0, 0, 0]]),
+            linkInertiasCOM=exudyn.Matrix3DList([link.InertiaCOM()]),
+            linkCOMs=exudyn.Vector3DList([link.COM()]),
+            linkMasses=[link.Mass()],
+            gravity=[0, -9.81, 0],
+            baseOffset=[0, 0, 0],
+            jointPControlVector=[50.0],
+            jointDControlVector=[2.0],
+            jointPositionOffsetVector=[0.0],
+            jointVelocityOffsetVector=[0.0],
+            forceUserFunction=count,
+        )
+    )
+
+    def drive(mbs, t):
+        mbs.SetObjectParameter(tree, "jointPositionOffsetVector", [np.sin(9 * t)])
+        mbs.SetObjectParameter(tree, "jointVelocityOffsetVector", [9 * np.cos(9 * t)])
+        return True
+
+    mbs.SetPreStepUserFunction(drive)
+    return node
+
+
+def test_the_drive_of_an_arm_acts_without_another_look_at_the_limit_of_the_step(new_mbs, add_pendulum, solve):
+    turned = []
+    for beside_a_cable in (True, False):
+        mbs, calls = new_mbs(), []
+        node = driven_arm(mbs, calls)
+        if beside_a_cable:
+            add_pendulum(mbs, numberOfElements=2)
+        mbs.Assemble()
+        settings = quiet_settings(0.3, 400)
+        if beside_a_cable:
+            report = solve(mbs, settings=settings)
+            assert len(calls) < 10 * report["steps"]
+        else:
+            with silence():
+                mbs.SolveDynamic(settings)
+        turned.append(mbs.GetNodeOutput(node, exudyn.OutputVariableType.Coordinates))
+    assert abs(turned[1]) > 0.1
+    np.testing.assert_allclose(*turned, rtol=0.01)
+
+
+def pulled_cable(mbs, add_pendulum, points, calls):
+    """With a mass at its end, on a spring that Exudyn evaluates; returns cable, and sensors at the points."""
+    cable = add_pendulum(mbs, numberOfElements=4)
+    mass = mbs.CreateMassPoint(referencePosition=[1.8, 0, 0], mass=0.1, gravity=[0, -9.81, 0], create2D=True)
+    AttachToBody(mbs, cable, "end", mass)
+
+    def pull(mbs, t, itemNumber, change, rate, stiffness, damping, force):
+        calls.append(t)
+        return 5.0 * change
+
+    ends = mbs.CreateGround(referencePosition=[1.8, 0.5, 0]), mass
+    markers = [mbs.AddMarker(MarkerBodyPosition(bodyNumber=end)) for end in ends]
+    mbs.AddObject(SpringDamper(markerNumbers=markers, referenceLength=0.5, springForceUserFunction=pull))
+    return cable, [CreateCableForceSensor(mbs, cable, x) for x in points]
+
+
+def test_sensors_of_section_forces_evaluate_a_state_once_for_all(new_mbs, add_pendulum, solve):
+    counted = []
+    for points in ([0.9], [0.1, 0.9, 1.0, 1.7]):
+        mbs, calls = new_mbs(), []
+        cable, sensors = pulled_cable(mbs, add_pendulum, points, calls)
+        mbs.Assemble()
+        solve(mbs, settings=quiet_settings(0.1, STEPS, 0.1 / STEPS))
+        counted.append(len(calls))
+    shown = [mbs.GetSensorValues(sensor)[0] for sensor in sensors]
+    np.testing.assert_allclose(shown, CableForces(mbs, cable, points)["tension"], rtol=1e-9)
+    assert counted[1] < counted[0] + STEPS
+
+
+def test_a_sensor_of_section_forces_follows_what_is_changed_after_a_run(mbs, add_pendulum, solve):
+    cable, sensors = pulled_cable(mbs, add_pendulum, [0.1, 1.7], [])
+    weight = AddMarkerOnCable(mbs, cable, 1.8)
+    load = mbs.AddLoad(LoadForceVector(markerNumber=weight, loadVector=[0, 0, 0]))
+    mbs.Assemble()
+    solve(mbs, settings=quiet_settings(0.1, STEPS))
+    before = evaluated(mbs, sensors[0])
+    mbs.SetLoadParameter(load, "loadVector", [50, 0, 0])
+    after = [evaluated(mbs, sensor) for sensor in sensors]
+    assert after[0] > before + 10
+    np.testing.assert_allclose(after, CableForces(mbs, cable, [0.1, 1.7])["tension"], rtol=1e-9)
+
+
+def evaluated(mbs, sensor):
+    """The tension that it shows of the present state."""
+    function = mbs.GetSensor(sensor)["sensorUserFunction"]["function"]
+    return function(mbs, mbs.systemData.GetTime(), [], [], exudyn.ConfigurationType.Current)[0]
