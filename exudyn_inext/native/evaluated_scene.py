@@ -37,6 +37,7 @@ from .held import HeldCoordinates, holders
 from .joint_items import read_joints
 from .joint_rows import JointRows
 from .native_items import DataCoordinates, NativeItems, evaluator, state_kept
+from .tilted_angles import TiltedAngles
 
 _NONE: Mapping[int, HeldCoordinate] = {}
 
@@ -127,6 +128,7 @@ class SceneOfExudyn(JoinedScene):
         wholes = [*{id(whole): whole for whole in evaluated}.values(), *others]
         self.place_of_bodies = len(wholes) - len(others)
         self.joints: Sequence[Any] = read_joints(mbs, own_constraints.union(self.held.numbers))
+        self.tilted_angles = TiltedAngles(mbs, self.joints, self.map.place)
         self.rows = rows = JointRows(self.joints, quaternions, parts, self.map, masses.held)
         loads = [cable.loads for cable in cables]
         self.native_items = NativeItems(mbs, solver, wholes, self.map, loads, masses, rows, self.held)

@@ -11,11 +11,11 @@ from ..errors import SceneError
 from ..items.arguments import described
 from .joint_item import JACOBIAN, JointItem
 from .sliding_joints import read_sliding_joint
+from .tilted_angles import MOST_TILT
 
 _LINEAR = {"JointSpherical", "ConnectorCoordinate"}
 _WITHOUT_ROTATION = {"Ground", "MassPoint", "MassPoint2D", "Mass1D"}
 _SLIDING = {"JointSliding", "JointSliding2D"}
-MOST_TILT = 0.1  # of the axis of a constrained angle [rad]
 
 
 def read_joints(mbs: Any, elsewhere: Collection[int]) -> list[JointItem]:

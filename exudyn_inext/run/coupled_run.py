@@ -286,6 +286,7 @@ class CoupledRun(LimitedRun):
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges
             good = self.advance(grid, first, history)
         self.mover.end_record(grid, first, history[:good])
+        self._scene.tilted_angles.look(history[:good, 0])
         history[:good, 0] -= self.reference
         return good
 
@@ -416,8 +417,8 @@ class CoupledRun(LimitedRun):
 
     @property
     def finding(self) -> str:  # type: ignore[override]
-        """Whether friction contradicted Coulomb's law."""
-        return self._scene.friction.finding
+        """Whether friction contradicted Coulomb's law, or axes of constrained angles have tilted."""
+        return self._scene.friction.finding or self._scene.tilted_angles.finding
 
     def figures(self) -> dict[str, float]:
         """How well constraints and energy were kept."""

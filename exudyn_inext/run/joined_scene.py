@@ -73,7 +73,7 @@ class JoinedScene(EvaluatedScene, Protocol):
     held: coordinates that belong to no part.
     places_of_nodes: first coordinate of each node of cables and bodies, and the dimension of its space.
     cable_systems: of the cables.   groups: of those that share records.
-    friction: see `native.friction_check.FrictionCheck`.
+    friction: see `native.friction_check.FrictionCheck`.   tilted_angles: see `native.tilted_angles`.
     remembered: what contacts remember, if there are any.
     initial_state: q and v (size,) at the start.   bodies_of_variable_mass: how many there are.
     parts_in_one: what evaluates bodies and joints, if it is compiled code.
@@ -93,6 +93,7 @@ class JoinedScene(EvaluatedScene, Protocol):
     bodies_of_variable_mass: int
     parts_in_one: CompiledParts | None
     path: Array
+    tilted_angles: Any
 
     @property
     def has_steered_joints(self) -> bool: ...

@@ -577,11 +577,23 @@ def change_markers(model):
     model.set_object(model.supports[0], markerNumbers=[0, 0])
 
 
+def change_the_level(model):
+    model.set_object(model.supports[0], velocityLevel=True)
+
+
 def change_the_cable(model):
     model.set_object(model.cable["elements"][0], forceUserFunction=lambda mbs, t, n, q, v: [0] * 36)
 
 
-BEYOND = [add_a_node, add_a_ground, move_a_reference, change_nodes, change_markers, change_the_cable]
+BEYOND = [
+    add_a_node,
+    add_a_ground,
+    move_a_reference,
+    change_nodes,
+    change_markers,
+    change_the_level,
+    change_the_cable,
+]
 
 
 @pytest.mark.parametrize("beside_a_mass", [False, True])

@@ -319,3 +319,20 @@ def test_a_constrained_angle_of_a_tilted_body_is_refused(mbs):
     mbs.Assemble()
     with pytest.raises(SceneError, match=r"whose axis z is tilted by 0\.3 rad .* 0\.1 rad at most"):
         SolveExplicit(mbs, quiet_settings(END, STEPS))
+
+
+@pytest.mark.parametrize("rotations", ["EulerParameters", "Rxyz"])
+def test_a_constrained_angle_that_tilts_during_a_run_is_warned_of(mbs, rotations):
+    """A body that turns about x by 4 rad/s."""
+    body = mbs.CreateRigidBody(
+        inertia=InertiaCuboid(500, [0.2, 0.2, 0.1]),
+        initialAngularVelocity=[4.0, 0.0, 0.0],
+        nodeType=getattr(exudyn.NodeType, f"Rotation{rotations}"),
+        returnDict=True,
+    )
+    angle = MarkerNodeRotationCoordinate(nodeNumber=body["nodeNumber"], rotationCoordinate=2)
+    fixed = MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0)
+    mbs.AddObject(CoordinateConstraint(markerNumbers=[mbs.AddMarker(fixed), mbs.AddMarker(angle)]))
+    mbs.Assemble()
+    with pytest.warns(UserWarning, match=r"whose axis z was tilted by up to 0\.4 rad \(limit 0\.1\)"):
+        SolveExplicit(mbs, quiet_settings(0.1, 100))

@@ -125,6 +125,10 @@ class ChangeLog:
             )
         if key.kind == "Object" and find_cable_item(self.mbs.GetObject(key.number)) is not None:
             self.refuse(f"{key}, an inextensible cable, was to be changed", "use loads and connectors")
+        if key.name == "velocityLevel":
+            self.refuse(
+                f"{key} was to be changed", "set it before the run, and use activeConnector to switch"
+            )
         if not self.is_followed:
             self.refuse(
                 f"{key} was changed while steps are computed ahead",
