@@ -73,7 +73,7 @@ class ChangeLog:
 
     def memory(self) -> dict[str, Any]:
         """Present values of what has been changed, and what of it is pending, as JSON has it."""
-        pending = (key for key, x in self._before.items() if not _is_same(x, key.value(self.mbs)))
+        pending = (key for key in self._set if not _is_same(self._known[key], key.value(self.mbs)))
         return {
             "parameters": [[*key, _as_data(key.value(self.mbs))] for key in sorted(self.changed)],
             "pending": sorted(map(list, pending)),
@@ -94,7 +94,8 @@ class ChangeLog:
                 )
             self.changed.add(key)
             key.set(self.mbs, value)
-        self._before = {Parameter(*names): None for names in memory["pending"]}
+        self._set = {Parameter(*names): None for names in memory["pending"]}
+        self._known = dict(self._set)
 
     def note(self, method: str, given: Sequence[Any]) -> None:
         """A method of mbs is about to be called.
