@@ -165,7 +165,10 @@ def require_consistent(scene_cable: CableInScene, violation: Violation, toleranc
     """Raise SceneError, which names the worst constraint and by how much it is violated."""
     if not violation.size <= tolerance:
         said = found(scene_cable, violation, tolerance)
-        motion = "let the motion begin there (CreatePrescribedMotion takes positions, not displacements), "
+        motion = (
+            "let the motion begin there (CreatePrescribedMotion takes positions, not displacements; an "
+            "offset that functions of an earlier run have left is to be set back), "
+        )
         raise SceneError(
             f"{said}: correct the initial values of its nodes, {motion if PRESCRIBED in said else ''}start "
             "from an equilibrium (SolveEquilibrium), or let a larger startTolerance project them."

@@ -4,15 +4,24 @@ import exudyn
 import numpy as np
 import pytest
 from exudyn.itemInterface import (
+    CoordinateConstraint,
     MarkerBodyRigid,
+    MarkerNodeCoordinate,
     NodeGenericData,
+    NodePointGround,
     SensorBody,
     SphericalJoint,
     TorsionalSpringDamper,
 )
 from exudyn.utilities import InertiaCuboid
 
-from exudyn_inext import AddMarkerOnCable, ExplicitSettings, ExplicitSolver, SolveEquilibrium
+from exudyn_inext import (
+    AddMarkerOnCable,
+    ExplicitSettings,
+    ExplicitSolver,
+    SceneError,
+    SolveEquilibrium,
+)
 from reference_models.model import quiet_settings, silence
 
 
@@ -78,3 +87,21 @@ def test_an_equilibrium_does_not_depend_on_a_run_before_it(rotor_on_a_cable, sol
             SolveEquilibrium(mbs)
         places.append(mbs.systemData.GetODE2Coordinates())
     np.testing.assert_array_equal(*places)
+
+
+def test_an_offset_that_a_run_has_left_is_refused_and_the_remedy_works(mbs, add_cable, solve):
+    nodes = add_cable(mbs)["nodes"]
+    ground = mbs.AddNode(NodePointGround())
+    markers = [
+        mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=0)) for node in (ground, nodes[0])
+    ]
+    support = mbs.AddObject(CoordinateConstraint(markerNumbers=markers))
+    mbs.SetPreStepUserFunction(lambda mbs, t: mbs.SetObjectParameter(support, "offset", 0.5 * t) or True)
+    mbs.Assemble()
+    solve(mbs, 0.1, steps=10)
+    end = mbs.systemData.GetODE2Coordinates()
+    with pytest.raises(SceneError, match=r"node 0 .*by 0\.05 .*offset that .* earlier run .*set back"):
+        solve(mbs, 0.1, steps=10)
+    mbs.SetObjectParameter(support, "offset", 0.0)
+    solve(mbs, 0.1, steps=10)
+    np.testing.assert_array_equal(mbs.systemData.GetODE2Coordinates(), end)
