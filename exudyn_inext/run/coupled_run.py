@@ -417,8 +417,8 @@ class CoupledRun(LimitedRun):
 
     @property
     def finding(self) -> str:  # type: ignore[override]
-        """Whether friction contradicted Coulomb's law, or axes of constrained angles have tilted."""
-        return self._scene.friction.finding or self._scene.tilted_angles.finding
+        """Whether friction contradicted Coulomb's law, and whether axes of constrained angles have tilted."""
+        return " ".join(filter(None, (self._scene.friction.finding, self._scene.tilted_angles.finding)))
 
     def figures(self) -> dict[str, float]:
         """How well constraints and energy were kept."""
