@@ -31,7 +31,7 @@ from .lowered import (
     PartAndKernel,
     PartCompiler,
     entry_of,
-    name_cached_files,
+    set_cache,
 )
 
 _ARITHMETIC = {"error_model": "numpy", "fastmath": FAST_MATH, "nogil": True}
@@ -88,7 +88,7 @@ def _compiled(function: _Function, options: dict[str, Any]) -> _Function:
     finally:
         numba.config.CACHE_DIR = shared_setting
     if CACHE_FOLDER is not None:
-        name_cached_files(compiled)
+        set_cache(compiled)
     return compiled
 
 

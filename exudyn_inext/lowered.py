@@ -25,11 +25,11 @@ from numba.core import cgutils, event, types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, Flags
 from numba.core.registry import CPUDispatcher, cpu_target
+from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
 from numba.core.types.containers import UniTuple
 from numba.core.types.misc import CPointer, unliteral
 from numba.extending import intrinsic, lower_builtin, type_callable
-from numba.np.arrayobj import make_array, populate_array
 
 FAST_MATH = {"contract", "reassoc", "nsz", "arcp"}  # neither nnan nor ninf: divergence must be seen
 WITHOUT_COUNTS = {"_nrt": False}  # of references to arrays: that took a third of a step of a short chain
@@ -44,15 +44,24 @@ _FLAGS = tuple(sorted(FAST_MATH))
 _LANES = (4, 2, 1)
 
 
-def name_cached_files(compiled: Any) -> None:
-    """Store machine code under the name of what it is for.
+def set_cache(compiled: Any) -> None:
+    """Store machine code under the name of what it is for, and load it without what only compiling needs.
 
     Numba counts the files instead: processes that compile at once would take the same number, and later
     ones load code that was compiled for other types. A cache that cannot be written to, as the disk is full
-    or its folder has been removed meanwhile, is no reason to stop.
+    or its folder has been removed meanwhile, is no reason to stop. Before it loads anything, Numba imports
+    all that it can compile, which takes longer than a short run.
     """
-    cache_file = compiled._cache._cache_file
-    cache_file.save = partial(_save, cache_file)
+    cache = compiled._cache
+    cache._cache_file.save = partial(_save, cache._cache_file)
+    cache.load_overload = partial(_load, cache, compiled.targetoptions["_nrt"])
+
+
+def _load(cache: Any, makes_arrays: bool, signature: Any, target: Any) -> Any:
+    if makes_arrays:
+        rtsys.initialize(target)
+    with cache._guard_against_spurious_io_errors():
+        return cache._load_overload(signature, target)
 
 
 def _save(cache_file: Any, key: Any, data: Any) -> None:
@@ -304,7 +313,7 @@ def _pieces(length: int) -> Iterator[tuple[int, int]]:
 
 def _pointer(context: Any, builder: Any, kind: Any, row: Any, first: int, vector: Any) -> Any:
     """To a vector within a row."""
-    data = make_array(kind)(context, builder, row).data
+    data = context.make_array(kind)(context, builder, row).data
     return builder.bitcast(builder.gep(data, [context.get_constant(types.intp, first)]), vector.as_pointer())
 
 
@@ -382,8 +391,8 @@ def _array_on_stack(context, builder, signature, _arguments):
 
     rows, columns = (size.literal_value for size in signature.args)
     memory = ir.ArrayType(ir.DoubleType(), rows * columns)
-    array = make_array(signature.return_type)(context, builder)
-    populate_array(
+    array = context.make_array(signature.return_type)(context, builder)
+    context.populate_array(
         array,
         data=builder.gep(
             cgutils.alloca_once(builder, memory, name="local_array"), [cgutils.intp_t(0), cgutils.intp_t(0)]
@@ -422,10 +431,10 @@ def numbers_at(_context, first, size):
     kind = types.Array(types.float64, 1, "C")
 
     def generate(context, builder, _signature, values):
-        array = make_array(kind)(context, builder)
+        array = context.make_array(kind)(context, builder)
         stride = [context.get_constant(types.intp, NUMBER_BYTES)]
         itemsize = context.get_constant(types.intp, NUMBER_BYTES)
-        populate_array(
+        context.populate_array(
             array, data=values[0], shape=[values[1]], strides=stride, itemsize=itemsize, meminfo=None
         )
         return array._getvalue()
