@@ -27,6 +27,7 @@ from .lowered import (
     WITHOUT_ENTRY,
     CalledPartCompiler,
     CompiledPart,
+    Kernel,
     KernelCompiler,
     PartAndKernel,
     PartCompiler,
@@ -87,6 +88,7 @@ def _compiled(function: _Function, options: dict[str, Any]) -> _Function:
         compiled = numba.njit(cache=CACHE_FOLDER is not None, **options)(function)
     finally:
         numba.config.CACHE_DIR = shared_setting
+    compiled.__class__ = Kernel
     if CACHE_FOLDER is not None:
         set_cache(compiled)
     return compiled

@@ -18,7 +18,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 from llvmlite import ir
-from llvmlite.binding import Linkage
+from llvmlite.binding import Linkage, parse_assembly
 from numba import typeof
 from numba._dynfunc import make_function
 from numba.core import cgutils, event, types
@@ -104,6 +104,8 @@ class KernelLibrary(JITCodeLibrary):
     """Code of a kernel, with copies of its own of all that it contains.
 
     Otherwise kernels would share one of their copies, whichever was loaded first; and these differ in bits.
+    Stored are the machine code and the names of its entries: what Numba stores beside, for others that
+    contain it, takes long to load.
     """
 
     def _optimize_final_module(self) -> None:
@@ -111,6 +113,12 @@ class KernelLibrary(JITCodeLibrary):
             if function.linkage == Linkage.linkonce_odr and not function.is_declaration:
                 function.linkage = Linkage.internal
         super()._optimize_final_module()
+
+    def serialize_using_object_code(self) -> tuple[str, str, tuple[bytes, bytes]]:
+        self._ensure_finalized()
+        entries = (one.name for one in self._final_module.functions if one.linkage == Linkage.external)
+        names = parse_assembly("".join(f'@"{name}" = global i8 0\n' for name in entries))
+        return self.name, "object", (self._get_compiled_object(), names.as_bitcode())
 
 
 @contextmanager
@@ -251,6 +259,14 @@ def _kinds(argument: Any) -> Any:
     if isinstance(argument, np.generic):
         return argument.dtype
     return type(argument)
+
+
+class Kernel(CPUDispatcher):
+    """A compiled function that Python calls, and no other compiled one."""
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        name = self.py_func.__name__
+        raise TypeError(f"{name} is a kernel, which no other can call: compile it as inlined_kernel")
 
 
 class CompiledPart(CPUDispatcher):
