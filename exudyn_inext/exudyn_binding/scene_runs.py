@@ -147,14 +147,17 @@ def coupled_runs(
             joined = CoupledScene(mbs, cables, own, zeta, held, moved)
             return CoupledRun(joined, runs, explicit.method, start, why, end_of_step)
 
+    run: CoupledRun | None = None
     why_not = ""
     if scene.held:  # compiled forms take them as joints
-        with suppress(InextensibleError, UserWarning), warnings.catch_warnings():
-            warnings.simplefilter("error", UserWarning)  # whatever is to be said, the other run says
+        with suppress(InextensibleError), warnings.catch_warnings(record=True) as recorded:
+            warnings.simplefilter("always")  # whether they are shown is decided below
             run = coupled_run({})
-            if run.is_compiled:
-                return [run]
             why_not = run.why_not
+        if run and run.is_compiled:
+            for each in recorded:
+                warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
+            return [run]
     run = coupled_run(scene.held)
     run.why_not = why_not or run.why_not
     return [run]

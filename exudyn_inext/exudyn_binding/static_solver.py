@@ -273,6 +273,10 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         q = equilibrium.q
         reactions = others.reactions(q, equilibrium.multipliers[-len(others.values(q)) or len(q) :])
         data = others.data(q)
+        where = ""
+        if np.isfinite(equilibrium.residual) and not equilibrium.converged:
+            largest = potential.least_balanced(q, equilibrium.multipliers)
+            where = f", largest at {joined.coordinate_name(joined.map.indices[largest])}"
     multipliers = potential.multipliers_of_cables(equilibrium.multipliers)
     for cable, own, dofs in zip(scene.cables, multipliers, joined.map.slices, strict=False):
         _put_reactions(cable, q[dofs].reshape(cable.cable.reference.shape), own, time, reactions)
@@ -283,7 +287,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
     report = _report(scene.cables, of_cables)
     if not equilibrium.converged:
         pairs = zip(scene.cables, of_cables, strict=True)
-        said = _failure("the scene", equilibrium, "maxIterations", pairs, time)
+        said = _failure("the scene", equilibrium, "maxIterations", pairs, time, where)
         raise EquilibriumError(said, StaticReport(report, success=False))
     rest_at(mbs, joined.displacements(q), reactions)
     put_data(mbs, data)
@@ -347,13 +351,14 @@ def _failure(
     more: str,
     cables: Iterable[tuple[CableInScene, Equilibrium]],
     time: float,
+    where: str = "",
 ) -> str:
-    """What went wrong and what helps.   cables: with their last states."""
+    """What went wrong and what helps.   cables: with their last states.   where: forces are not balanced."""
     hints = list(filter(None, (hint(cable, own.q, time) for cable, own in cables)))
     remedy = hints or [f"add supports, start nearer to the equilibrium, or use more {more}"]
     return (
         f"{what}: {equilibrium.message} after {equilibrium.iterations} iterations (unbalanced "
-        f"force {equilibrium.residual:.3g} N, violation of constraints {equilibrium.violation:.3g}, smallest "
-        f"eigenvalue {equilibrium.smallest_eigenvalue:.3g} 1/s^2): {remedy[0]}. mbs is unchanged; the "
-        "error's report has the last state."
+        f"force {equilibrium.residual:.3g} N{where}, violation of constraints {equilibrium.violation:.3g}, "
+        f"smallest eigenvalue {equilibrium.smallest_eigenvalue:.3g} 1/s^2): {remedy[0]}. mbs is unchanged; "
+        "the error's report has the last state."
     )

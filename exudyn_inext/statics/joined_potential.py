@@ -173,6 +173,11 @@ class JoinedPotential(StaticSystem):
     def size(self, force: Array) -> float:
         return float(np.abs(force * self._scale).max(initial=0.0))
 
+    def least_balanced(self, q: Array, multipliers: Array) -> int:
+        """The coordinate with the largest force that multipliers of the constraints leave unbalanced."""
+        unbalanced = self.force(q) - self.jacobian(q).T @ multipliers
+        return int(np.argmax(np.abs(unbalanced * self._scale)))
+
     def _euler_parameters(self, q: Array) -> Array:
         """(Q, 4)"""
         return q[self._others.quaternions] + self._others.references

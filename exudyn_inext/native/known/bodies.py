@@ -50,7 +50,7 @@ def read_body_records(mbs: Any, bodies: Sequence[Body], coordinates: CoordinateM
         _read_body(mbs, body, coordinates, q, records[number : number + 1])
     firsts = set(records["first"].tolist())
     if len(firsts) < len(bodies):
-        raise UnknownItemError("two bodies lie on one node")
+        raise UnknownItemError("two bodies on one node")
     return records[np.argsort(records["rotations"] != 4, kind="stable")]
 
 
@@ -75,7 +75,7 @@ def _read_body(mbs: Any, body: Body, coordinates: CoordinateMap, q: Array, recor
     kind = _COORDINATES[node["nodeType"]]
     places = [coordinates.place(c) for c in body.coordinates.tolist()]
     if places != list(range(places[0], places[0] + sum(kind))) or places[0] < 0:
-        raise UnknownItemError(f"{name} has coordinates that are held")
+        raise UnknownItemError(f"{name}, whose coordinates are held")
     reference = np.asarray(node["referenceCoordinates"], dtype=float)
     record["first"], record["translations"], record["rotations"] = places[0], *kind
     fields = SimpleNamespace(**{name: record[name][0] for name in BODY.names or ()})  # read faster
@@ -96,7 +96,7 @@ def _read_body(mbs: Any, body: Body, coordinates: CoordinateMap, q: Array, recor
         fields.inverse[among] = inverse = np.linalg.inv(own)
         if np.abs(own).sum(axis=0).max() * np.abs(inverse).sum(axis=0).max() < MOST_CONDITION:
             return
-    raise UnknownItemError(f"{name} has no mass in one direction")
+    raise UnknownItemError(f"{name}, which has no mass in one direction")
 
 
 def mass_in_frame(body: Any, mass: Array) -> Array:

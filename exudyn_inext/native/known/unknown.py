@@ -8,6 +8,6 @@ class UnknownItemError(Exception):
 
 
 def require_no_functions(data: dict[str, Any], name: str) -> None:
-    """Raise UnknownItemErrorItemError if an item has a user function."""
+    """Raise UnknownItemError if an item has a user function."""
     if any(isinstance(value, dict) for key, value in data.items() if "UserFunction" in key and key[0] != "V"):
-        raise UnknownItemError(f"{name} has a user function")
+        raise UnknownItemError(f"{name}, which has a user function")
