@@ -10,7 +10,8 @@ from .static_system import StaticSystem
 LANCZOS_STEPS = 60
 BETWEEN = 10  # steps between two looks
 SETTLED = 1e-12  # change of the inverse eigenvalues, relative to the largest one
-ROUND_OFF = 2e-12  # of eigenvalues, relative to the largest one
+ROUND_OFF = 2e-12  # of a stiffness, relative
+OF_FORCES = 1e-9  # of one that is found by differences, relative to the loads [1/m, m]
 SMALL = 0.01  # eigenvalue, in units of the loads' own [-]
 NEGLIGIBLE = 1e-10  # of the inverse eigenvalues: round-off of those that are infinite
 
@@ -61,10 +62,10 @@ def round_off(potential: StaticSystem, q: Array, multipliers: Array) -> float:
     """
     if potential.indifferent == 0.0:
         return 0.0
-    stiffness, mass = potential.hessian(q, multipliers).diagonal(), potential.mass.diagonal()
+    stiffness, mass = abs(potential.hessian(q, multipliers).diagonal()), potential.mass.diagonal()
     moved = mass > 0.0
-    largest = float(abs(stiffness[moved] / mass[moved]).max(initial=0.0))
-    return min(ROUND_OFF * largest, SMALL * potential.shift)
+    errors = ROUND_OFF * stiffness[moved] + OF_FORCES * potential.largest_load
+    return min(float((errors / mass[moved]).max(initial=0.0)), SMALL * potential.shift)
 
 
 def _are_settled(before: Array, values: Array) -> bool:

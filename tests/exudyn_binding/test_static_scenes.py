@@ -654,6 +654,29 @@ def test_round_off_of_a_stiff_sheet_that_is_free_to_turn_is_no_instability():
     np.testing.assert_allclose(ends[0][2], ends[1][2], atol=1e-6)
 
 
+def test_a_body_by_angles_that_is_free_to_turn_below_a_cable_comes_to_rest():
+    """Round-off of the forces, over its small inertia, is no instability."""
+    b = Builder()
+    section = InextensibleCable(massPerLength=0.3, bendingStiffness=2.0)
+    end = np.array([0.9, 0.3, -0.2])
+    pin = {"groundConstraintsStart": [True] * 3 + [False] * 3, "dimension": 3}
+    nodes = CreateInextensibleCable(b.mbs, [0, 0, 0], [*end], 8, section, [0.5, 3, -9.81], **pin)["nodes"]
+    body = b.mbs.CreateRigidBody(
+        inertia=InertiaCuboid(1000, [0.05, 0.08, 0.06]),
+        referencePosition=(end + np.array([0.05, 0.02, 0])).tolist(),
+        gravity=b.gravity,
+        nodeType=exudyn.NodeType.RotationRxyz,
+    )
+    b.tie(b.at(nodes[-1]), b.on(body, [-0.05, -0.02, 0]))
+    ends = [b.at(nodes[4]), b.on(b.ground, [0.6, 0.4, 0.5])]
+    b.mbs.AddObject(SpringDamper(markerNumbers=ends, stiffness=30, referenceLength=0.5))
+    b.mbs.Assemble()
+    assert abs(SolveEquilibrium(b.mbs)["smallestEigenvalue"]) < 1e-3
+    joint = np.array(b.mbs.GetNodeOutput(nodes[-1], exudyn.OutputVariableType.Position))
+    centre = b.mbs.GetObjectOutputBody(body, exudyn.OutputVariableType.Position)
+    np.testing.assert_allclose(centre - joint, [0, 0, -np.hypot(0.05, 0.02)], atol=1e-6)
+
+
 @pytest.mark.parametrize("stiffness", [1e9, 1e10])
 def test_round_off_hides_no_inverted_pendulum(stiffness):
     """Where it is too large to tell, the search refuses."""
