@@ -210,6 +210,7 @@ def _write_equilibrium(mbs: Any, settings: Any, cables: Sequence[int]) -> None:
         mbs.systemData.SetTime(end)
         solver.it.currentTime = end
         solver.FinishStep(mbs, settings)
+        solver.output.finishedSuccessfully = True
         solver.FinalizeSolver(mbs, settings)
 
 
