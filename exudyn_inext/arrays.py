@@ -1,11 +1,14 @@
-"""The array type of all public formulas, that of records, and places in arrays."""
+"""The array types of all public formulas, that of records, and places in arrays."""
 
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+SparseArray: TypeAlias = "scipy.sparse.csr_array"
+"""Modules say `import scipy` alone: parts of it take long to import, and only where they are used first."""
 
 
 def as_slice(indices: NDArray[np.int_]) -> Any:

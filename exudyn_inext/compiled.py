@@ -27,11 +27,12 @@ from .lowered import (
     WITHOUT_ENTRY,
     CalledPartCompiler,
     CompiledPart,
+    Kernel,
     KernelCompiler,
     PartAndKernel,
     PartCompiler,
     entry_of,
-    name_cached_files,
+    set_cache,
 )
 
 _ARITHMETIC = {"error_model": "numpy", "fastmath": FAST_MATH, "nogil": True}
@@ -87,8 +88,9 @@ def _compiled(function: _Function, options: dict[str, Any]) -> _Function:
         compiled = numba.njit(cache=CACHE_FOLDER is not None, **options)(function)
     finally:
         numba.config.CACHE_DIR = shared_setting
+    compiled.__class__ = Kernel
     if CACHE_FOLDER is not None:
-        name_cached_files(compiled)
+        set_cache(compiled)
     return compiled
 
 

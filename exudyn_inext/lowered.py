@@ -18,18 +18,18 @@ from typing import Any, ClassVar
 
 import numpy as np
 from llvmlite import ir
-from llvmlite.binding import Linkage
+from llvmlite.binding import Linkage, parse_assembly
 from numba import typeof
 from numba._dynfunc import make_function
 from numba.core import cgutils, event, types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, Flags
 from numba.core.registry import CPUDispatcher, cpu_target
+from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
 from numba.core.types.containers import UniTuple
 from numba.core.types.misc import CPointer, unliteral
 from numba.extending import intrinsic, lower_builtin, type_callable
-from numba.np.arrayobj import make_array, populate_array
 
 FAST_MATH = {"contract", "reassoc", "nsz", "arcp"}  # neither nnan nor ninf: divergence must be seen
 WITHOUT_COUNTS = {"_nrt": False}  # of references to arrays: that took a third of a step of a short chain
@@ -44,15 +44,24 @@ _FLAGS = tuple(sorted(FAST_MATH))
 _LANES = (4, 2, 1)
 
 
-def name_cached_files(compiled: Any) -> None:
-    """Store machine code under the name of what it is for.
+def set_cache(compiled: Any) -> None:
+    """Store machine code under the name of what it is for, and load it without what only compiling needs.
 
     Numba counts the files instead: processes that compile at once would take the same number, and later
     ones load code that was compiled for other types. A cache that cannot be written to, as the disk is full
-    or its folder has been removed meanwhile, is no reason to stop.
+    or its folder has been removed meanwhile, is no reason to stop. Before it loads anything, Numba imports
+    all that it can compile, which takes longer than a short run.
     """
-    cache_file = compiled._cache._cache_file
-    cache_file.save = partial(_save, cache_file)
+    cache = compiled._cache
+    cache._cache_file.save = partial(_save, cache._cache_file)
+    cache.load_overload = partial(_load, cache, compiled.targetoptions["_nrt"])
+
+
+def _load(cache: Any, makes_arrays: bool, signature: Any, target: Any) -> Any:
+    if makes_arrays:
+        rtsys.initialize(target)
+    with cache._guard_against_spurious_io_errors():
+        return cache._load_overload(signature, target)
 
 
 def _save(cache_file: Any, key: Any, data: Any) -> None:
@@ -95,6 +104,8 @@ class KernelLibrary(JITCodeLibrary):
     """Code of a kernel, with copies of its own of all that it contains.
 
     Otherwise kernels would share one of their copies, whichever was loaded first; and these differ in bits.
+    Stored are the machine code and the names of its entries: what Numba stores beside, for others that
+    contain it, takes long to load.
     """
 
     def _optimize_final_module(self) -> None:
@@ -102,6 +113,12 @@ class KernelLibrary(JITCodeLibrary):
             if function.linkage == Linkage.linkonce_odr and not function.is_declaration:
                 function.linkage = Linkage.internal
         super()._optimize_final_module()
+
+    def serialize_using_object_code(self) -> tuple[str, str, tuple[bytes, bytes]]:
+        self._ensure_finalized()
+        entries = (one.name for one in self._final_module.functions if one.linkage == Linkage.external)
+        names = parse_assembly("".join(f'@"{name}" = global i8 0\n' for name in entries))
+        return self.name, "object", (self._get_compiled_object(), names.as_bitcode())
 
 
 @contextmanager
@@ -244,6 +261,14 @@ def _kinds(argument: Any) -> Any:
     return type(argument)
 
 
+class Kernel(CPUDispatcher):
+    """A compiled function that Python calls, and no other compiled one."""
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        name = self.py_func.__name__
+        raise TypeError(f"{name} is a kernel, which no other can call: compile it as inlined_kernel")
+
+
 class CompiledPart(CPUDispatcher):
     """A compiled function without an entry for Python, where it runs as plain Python.
 
@@ -304,7 +329,7 @@ def _pieces(length: int) -> Iterator[tuple[int, int]]:
 
 def _pointer(context: Any, builder: Any, kind: Any, row: Any, first: int, vector: Any) -> Any:
     """To a vector within a row."""
-    data = make_array(kind)(context, builder, row).data
+    data = context.make_array(kind)(context, builder, row).data
     return builder.bitcast(builder.gep(data, [context.get_constant(types.intp, first)]), vector.as_pointer())
 
 
@@ -382,8 +407,8 @@ def _array_on_stack(context, builder, signature, _arguments):
 
     rows, columns = (size.literal_value for size in signature.args)
     memory = ir.ArrayType(ir.DoubleType(), rows * columns)
-    array = make_array(signature.return_type)(context, builder)
-    populate_array(
+    array = context.make_array(signature.return_type)(context, builder)
+    context.populate_array(
         array,
         data=builder.gep(
             cgutils.alloca_once(builder, memory, name="local_array"), [cgutils.intp_t(0), cgutils.intp_t(0)]
@@ -422,10 +447,10 @@ def numbers_at(_context, first, size):
     kind = types.Array(types.float64, 1, "C")
 
     def generate(context, builder, _signature, values):
-        array = make_array(kind)(context, builder)
+        array = context.make_array(kind)(context, builder)
         stride = [context.get_constant(types.intp, NUMBER_BYTES)]
         itemsize = context.get_constant(types.intp, NUMBER_BYTES)
-        populate_array(
+        context.populate_array(
             array, data=values[0], shape=[values[1]], strides=stride, itemsize=itemsize, meminfo=None
         )
         return array._getvalue()

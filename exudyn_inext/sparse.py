@@ -8,10 +8,9 @@ from copy import copy
 from itertools import accumulate
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array
-from scipy.sparse.linalg import splu
+import scipy
 
-from .arrays import Array
+from .arrays import Array, SparseArray
 
 
 class Pattern:
@@ -22,21 +21,21 @@ class Pattern:
         row, column = np.divmod(place, max(shape[1], 1))
         start = np.searchsorted(row, np.arange(shape[0] + 1))
         places = column.astype(np.int32), start.astype(np.int32)
-        self._matrix = csr_array((np.zeros(len(column)), *places), shape=shape)
+        self._matrix = scipy.sparse.csr_array((np.zeros(len(column)), *places), shape=shape)
 
-    def matrix(self, values: Array) -> csr_array:
+    def matrix(self, values: Array) -> SparseArray:
         """Of entries (E,); zeros among them are kept."""
         result = copy(self._matrix)  # shares the places, which are checked once
         result.data = np.bincount(self._slot, values, len(result.indices)).astype(float, copy=False)
         return result
 
 
-def rows_of(matrix: csr_array) -> np.ndarray:
+def rows_of(matrix: SparseArray) -> np.ndarray:
     """(nnz,) row of each entry."""
     return np.repeat(np.arange(matrix.shape[0], dtype=np.int32), np.diff(matrix.indptr))
 
 
-def block_diagonal(blocks: Sequence[csr_array]) -> csr_array:
+def block_diagonal(blocks: Sequence[SparseArray]) -> SparseArray:
     """Blocks one after the other; a single one that is not empty is the result."""
     blocks = [block for block in blocks if block.shape != (0, 0)]
     if len(blocks) == 1:
@@ -45,7 +44,7 @@ def block_diagonal(blocks: Sequence[csr_array]) -> csr_array:
     return _one_below_another(blocks, ends[:-1], ends[-1])
 
 
-def one_below_another(blocks: Sequence[csr_array]) -> csr_array:
+def one_below_another(blocks: Sequence[SparseArray]) -> SparseArray:
     """The rows of all blocks; a single one that has any is the result."""
     with_rows = [block for block in blocks if block.shape[0]]
     if len(with_rows) == 1:
@@ -53,17 +52,17 @@ def one_below_another(blocks: Sequence[csr_array]) -> csr_array:
     return _one_below_another(blocks, [0] * len(blocks), blocks[0].shape[1])
 
 
-def _one_below_another(blocks: Sequence[csr_array], columns: Sequence[int], width: int) -> csr_array:
+def _one_below_another(blocks: Sequence[SparseArray], columns: Sequence[int], width: int) -> SparseArray:
     """columns: where those of each block begin.   width: number of all."""
     ends = [0, *accumulate(block.nnz for block in blocks)]
     indices = [block.indices + first for block, first in zip(blocks, columns, strict=True)]
     start = [*(block.indptr[:-1] + end for block, end in zip(blocks, ends, strict=False)), ends[-1:]]
     places = np.concatenate(indices).astype(np.int32), np.concatenate(start).astype(np.int32)
     data = np.concatenate([block.data for block in blocks])
-    return csr_array((data, *places), shape=(len(places[1]) - 1, width))
+    return scipy.sparse.csr_array((data, *places), shape=(len(places[1]) - 1, width))
 
 
-def bordered(model: csr_array, jacobian: csr_array) -> tuple[np.ndarray, np.ndarray, Array]:
+def bordered(model: SparseArray, jacobian: SparseArray) -> tuple[np.ndarray, np.ndarray, Array]:
     """Rows, columns and values of the entries of [B J^T; J 0]."""
     of_rows = rows_of(jacobian)
     below = of_rows + np.int32(jacobian.shape[1])
@@ -81,6 +80,8 @@ def order_of(rows: np.ndarray, columns: np.ndarray, number: int) -> np.ndarray:
     places = np.append(rows, own), np.append(columns, own)
     values = np.append(np.full(len(rows), -1.0), np.full(number, 1.0 + len(rows)))
     options = {"SymmetricMode": True}
-    matrix = csc_array((values, places), shape=(number, number))
-    found = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    matrix = scipy.sparse.csc_array((values, places), shape=(number, number))
+    found = scipy.sparse.linalg.splu(
+        matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options
+    )
     return np.asarray(found.perm_c, dtype=np.int64)

@@ -162,6 +162,23 @@ def test_a_kernel_has_copies_of_its_own_of_what_it_contains():
     assert Linkage.linkonce_odr not in linkages and Linkage.external in linkages
 
 
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="nothing is compiled")
+def test_a_kernel_that_another_calls_is_told_how_to_be_compiled():
+    """What is stored of it has nothing that could be part of another."""
+
+    @kernel
+    def half(x):
+        return 0.5 * x
+
+    @kernel
+    def call(x):
+        return half(x)
+
+    assert half(3.0) == 1.5
+    with pytest.raises(TypeError, match=r"half is a kernel, .* inlined_kernel"):
+        call(3.0)
+
+
 def test_only_one_module_takes_something_from_inside_numba():
     package = Path(exudyn_inext.__file__).parent
     inside = ("numba.core", "numba.np", "llvmlite", "_nrt", "._cache", "no_cpython_wrapper")

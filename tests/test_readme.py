@@ -1,11 +1,16 @@
 """What the README prints runs as printed."""
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 README = Path(__file__).parents[1] / "README.md"
+
+# What takes long to import, and only other scenes, or compiling, need.
+NEEDLESS = ["scipy.sparse", "scipy.linalg", "scipy.optimize", "numba.typed.typedlist", "matplotlib"]
 
 
 def test_the_readme_script_runs_and_swings_the_tip_to_where_the_reference_has_it(
@@ -18,6 +23,15 @@ def test_the_readme_script_runs_and_swings_the_tip_to_where_the_reference_has_it
     step, *tip = map(float, re.findall(r"[-+\d.e]+", capsys.readouterr().out))
     assert step == variables["report"]["stepSize"] and variables["report"]["decidedBy"] == "accuracy"
     assert tip == pytest.approx([1.7645, -0.1798, 0.0], abs=1e-3)  # MBDyn limit at 5 s
+
+
+def test_where_kernels_are_in_the_cache_the_script_imports_nothing_needless(tmp_path, monkeypatch):
+    (script,) = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    asked = f"{script}\nimport sys; print([name for name in {NEEDLESS} if name in sys.modules])"
+    exec(script, {})  # compiles what is not in the cache
+    run = subprocess.run([sys.executable, "-c", asked], cwd=tmp_path, capture_output=True, text=True)
+    assert run.stdout.endswith("\n[]\n"), run.stdout + run.stderr
 
 
 def test_the_script_is_short():

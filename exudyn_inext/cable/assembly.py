@@ -1,6 +1,6 @@
 """Forces and constraint terms of the whole chain, element by element."""
 
-from ..compiled import clear, inlined, kernel, optional
+from ..compiled import clear, inlined, inlined_kernel, optional
 from ..element.bending import add_bending_force
 from ..element.bending_damping import add_curvature_force, add_damping_force, add_stretched_damping_force
 from ..element.drag import add_drag_force
@@ -54,7 +54,7 @@ def add_bending(axes, element, e, force):
         add_natural_curvature_force(element.natural, e, force)
 
 
-@kernel
+@inlined_kernel
 def add_elastic_force(chain, q, force):
     """force += Q_el(q), the bending forces of all elements.
 
@@ -72,7 +72,7 @@ def add_elastic_force(chain, q, force):
         add_element_force(chain.axes, element_force, force[k], force[k + 1])
 
 
-@kernel
+@inlined_kernel
 def elastic_energy(chain, q):
     """Bending energy at q (n, 2, dim) less that of all nodes in one point [J].
 

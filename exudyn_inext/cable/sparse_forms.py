@@ -4,9 +4,8 @@ from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
-from scipy.sparse import csr_array
 
-from ..arrays import Array
+from ..arrays import Array, SparseArray
 from ..element.forms import forms_of_mesh
 from ..element.inertia import mass_matrix
 from ..sparse import Pattern
@@ -19,7 +18,7 @@ from .constraint_rows import unconstrained_force
 STEP = 1e-3  # of differences [-]
 
 
-def assembled(forms: Array, nodes: tuple[int, ...], dim: int) -> csr_array:
+def assembled(forms: Array, nodes: tuple[int, ...], dim: int) -> SparseArray:
     """(n_dof, n_dof) matrix of element forms (N, 4, 4) that act alike in every direction.
 
     nodes: numbers of them, of cables that follow each other.
@@ -40,7 +39,7 @@ def _pattern_of_forms(nodes: tuple[int, ...], dim: int) -> Pattern:
     return Pattern(rows, columns, (2 * sum(nodes) * dim, 2 * sum(nodes) * dim))
 
 
-def form_of_cable(cable: Cable, form: Callable[[float], Array]) -> csr_array:
+def form_of_cable(cable: Cable, form: Callable[[float], Array]) -> SparseArray:
     """`assembled` form of all elements of `cable`."""
     return assembled(forms_of_mesh(form, cable.element_lengths), (len(cable.reference),), cable.dimension)
 
@@ -51,12 +50,12 @@ def masses_of_elements(cable: Cable) -> Array:
     return own + mass_of_points(cable.point_masses, cable.element_lengths)
 
 
-def mass_of_cable(cable: Cable) -> csr_array:
+def mass_of_cable(cable: Cable) -> SparseArray:
     """(n_dof, n_dof) mass matrix, point masses included, without mass scaling."""
     return assembled(masses_of_elements(cable), (len(cable.reference),), cable.dimension)
 
 
-def elastic_tangent(chain: Chain, q: Array, nodes: tuple[int, ...] = ()) -> csr_array:
+def elastic_tangent(chain: Chain, q: Array, nodes: tuple[int, ...] = ()) -> SparseArray:
     """-dQ_el/dq (n_dof, n_dof) at q (n, 2, dim); exact: Q_el is cubic in q, long steps do.
 
     nodes: numbers of them, of cables in one chain; (): it is one cable.
@@ -76,7 +75,7 @@ def tangent_of(
     nodes: tuple[int, ...] = (),
     step: float = STEP,
     length: float = 1.0,
-) -> csr_array:
+) -> SparseArray:
     """-dF/dq (n_dof, n_dof) of a smooth force (n, 2, dim) at q, by differences of order four.
 
     nodes: see `elastic_tangent`.   step: of slopes [-], and of positions over a length [m].
@@ -90,7 +89,7 @@ def tangent_of(
     return _matrix_of(apply, nodes or (len(q),), q.shape[2])
 
 
-def damping_tangent(chain: Chain, q: Array) -> csr_array:
+def damping_tangent(chain: Chain, q: Array) -> SparseArray:
     """-dQ_damping/dv (n_dof, n_dof) at q (n, 2, dim); exact: Q_damping is linear in v."""
     rest, force, elastic = np.zeros_like(q), np.zeros_like(q), np.zeros_like(q)
     unconstrained_force(chain, rest, q, rest, elastic)
@@ -102,7 +101,7 @@ def damping_tangent(chain: Chain, q: Array) -> csr_array:
     return _matrix_of(apply, (len(q),), q.shape[2])
 
 
-def _matrix_of(apply: Callable[[Array], Array], nodes: tuple[int, ...], dim: int) -> csr_array:
+def _matrix_of(apply: Callable[[Array], Array], nodes: tuple[int, ...], dim: int) -> SparseArray:
     """Matrix (n_dof, n_dof) of x (n, 2, dim) -> apply(x), where only neighbouring nodes of a cable interact.
 
     Nodes three apart do not: all columns are found with 6 dim products.

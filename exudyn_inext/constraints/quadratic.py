@@ -12,9 +12,8 @@ from itertools import accumulate
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
 
-from ..arrays import Array
+from ..arrays import Array, SparseArray
 from ..cable.link import Motion
 from ..sparse import Pattern
 
@@ -137,7 +136,7 @@ class Constraints:
     def _size(self) -> int:
         return self._nodes * self._dim
 
-    def jacobian(self, q: Array, t: float = 0.0) -> csr_array:
+    def jacobian(self, q: Array, t: float = 0.0) -> SparseArray:
         """c_q (number, n_dof)."""
         pattern, factor, other = self._derivatives
         entries = factor[:, None] * self._vectors(q, self._points_at(t)[0])[other]
@@ -156,7 +155,7 @@ class Constraints:
         factor = np.tile(np.repeat(self._factor[entry] * weights[entry, k, m], self._dim), 2)
         return pattern, factor, np.tile(np.repeat(self._row[entry], self._dim), 2)
 
-    def hessian(self, multipliers: Array) -> csr_array:
+    def hessian(self, multipliers: Array) -> SparseArray:
         """sum_r multipliers_r d2c_r/dq2 (n_dof, n_dof), constant in q."""
         pattern, factor, row = self._second_derivatives
         return pattern.matrix(factor * multipliers[row])

@@ -3,6 +3,7 @@
 The undamped oscillator q'' = -w^2 q stands for the bending vibrations, the decay c' = -zeta c for the
 constraint stabilisation. The amplification matrix of one step is built column by column by the
 scheme itself, in Python: so a limit is always that of the code that runs, and nothing is compiled for it.
+Many systems are moved at once, in rows of numbers in place of each number.
 """
 
 import math
@@ -19,19 +20,19 @@ from .integrator import Integrator, advance, no_loads
 
 GROWTH_TOLERANCE = 1e-9
 _TRIALS = 400
-_BISECTIONS = 40
+_REFINEMENTS = 4
 
 
 class LinearSystem(NamedTuple):
     """q'' = -w^2 q, with velocity and position constraint terms that decay with rate zeta.
 
     squared_frequency: w^2 [1/s^2].   zeta: [1/s]: v' and q' have the terms -zeta v and -zeta q.
-    damping: of the oscillator [1/s].
+    damping: of the oscillator [1/s]. All of them are numbers, or (n,) those of n systems.
     """
 
-    squared_frequency: float
-    zeta: float
-    damping: float = 0.0
+    squared_frequency: Any
+    zeta: Any
+    damping: Any = 0.0
 
 
 @implements(index_reduced_rates, LinearSystem, compiled=inlined)
@@ -41,7 +42,7 @@ def linear_rates(system, external, q, v, acceleration, rate):
         acceleration[i] = (
             external[i] - system.squared_frequency * q[i] - (system.zeta + system.damping) * v[i]
         )
-        rate[i] = v[i] if system.zeta == 0.0 else -system.zeta * q[i]
+        rate[i] = (system.zeta == 0.0) * v[i] - system.zeta * q[i]
 
 
 @implements(accelerate_and_project, LinearSystem, compiled=inlined)
@@ -61,39 +62,41 @@ def correct_linear_position(system, external, q, tolerance, learning, correction
 
 
 def amplification_matrix(integrator: Integrator, scheme: Any, system: LinearSystem) -> Array:
-    """One step h = 1 as a matrix on (q, v, and the history of a multi-step scheme)."""
+    """One step h = 1 as a matrix on (q, v, and the history of a multi-step scheme).
+
+    Returns: (k, k), or (n, k, k) of n systems.
+    """
+    number = max(np.size(value) for value in system)
     loads = no_loads(1, len(integrator.stages))
     start, take_step = in_python(integrator.start), in_python(advance.dispatch(type(scheme)))
     fields = ["q", "v", *integrator.carries]
     columns = []
     for unit in fields:
         state = integrator.allocate(1, 1)
-        getattr(state, unit)[0] = 1.0
+        state = type(state)(*(np.zeros((len(array), number)) for array in state))
+        getattr(state, unit)[:] = 1.0
         given = [getattr(state, name).copy() for name in fields]
         start(system, np.zeros(1), state)
         for name, value in zip(fields, given, strict=True):
             getattr(state, name)[:] = value
-        take_step(scheme, system, loads, state, 1.0, 1, np.zeros((1, 3, 1)))
+        take_step(scheme, system, loads, state, 1.0, 1, np.zeros((1, 3, 1, number)))
         columns.append([getattr(state, name)[0] for name in fields])
-    return np.array(columns).T
+    matrices = np.array(columns).transpose(2, 1, 0)
+    return matrices if any(np.ndim(value) for value in system) else matrices[0]
 
 
 def _first_unstable(integrator: Integrator, scheme: Any, family: Any, largest: float, growth: float) -> float:
-    """The smallest argument of `family` at which a step grows by more than that, by scan and bisection."""
-
-    def is_stable(x: float) -> bool:
-        eigenvalues = np.linalg.eigvals(amplification_matrix(integrator, scheme, family(x)))
-        return bool(np.abs(eigenvalues).max() <= 1.0 + growth)
-
-    trials = np.linspace(0.0, largest, _TRIALS + 1)[1:]
-    unstable = (x for x in trials if not is_stable(x))
-    above = next(unstable, None)
-    if above is None:
-        return largest
-    below = above - largest / _TRIALS
-    for _ in range(_BISECTIONS):
-        middle = 0.5 * (below + above)
-        below, above = (middle, above) if is_stable(middle) else (below, middle)
+    """The smallest argument of `family` at which a step grows by more than that, by ever finer scans."""
+    below, width = 0.0, largest
+    for scan in range(1 + _REFINEMENTS):
+        trials = below + width * np.arange(1, _TRIALS + 1) / _TRIALS
+        eigenvalues = np.linalg.eigvals(amplification_matrix(integrator, scheme, family(trials)))
+        is_unstable = np.abs(eigenvalues).max(axis=1) > 1.0 + growth
+        if scan == 0 and not is_unstable.any():
+            return largest
+        is_unstable[-1] = True
+        width /= _TRIALS
+        below += width * int(is_unstable.argmax())
     return float(below)
 
 

@@ -9,7 +9,7 @@ asinh sigma_0 = artanh(v / L) - u: H. M. Irvine, Cable Structures, MIT Press 198
 """
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from ..arrays import Array
 from ..cable.cable import Cable, CurvatureMeasure, Section
@@ -104,4 +104,4 @@ def _half_span(ratio: float) -> float:
     def excess(u: float) -> float:
         return float(u + np.log(-np.expm1(-2.0 * u) / (2.0 * u)) - np.log(ratio))
 
-    return float(brentq(excess, 1e-9, highest, xtol=1e-15, rtol=1e-14))
+    return float(scipy.optimize.brentq(excess, 1e-9, highest, xtol=1e-15, rtol=1e-14))

@@ -7,10 +7,10 @@ from typing import Any
 
 import exudyn
 import numpy as np
+import scipy
 from exudyn.exudynCPP import ObjectIndex
-from scipy.sparse import coo_array, csr_array
 
-from ..arrays import Array
+from ..arrays import Array, SparseArray
 from ..errors import SceneError
 from ..items.arguments import described
 from ..items.mass_points import mass_of_point, node_of_mass_point
@@ -198,14 +198,14 @@ def _groups(bodies: Sequence[Body]) -> list[list[Body]]:
     return [own for own, _ in groups]
 
 
-def _assembled(bodies: Sequence[Body], size: int) -> csr_array:
+def _assembled(bodies: Sequence[Body], size: int) -> SparseArray:
     """(size, size) masses of the bodies when they were read."""
     rows = [np.repeat(body.coordinates, len(body.coordinates)) for body in bodies]
     columns = [np.tile(body.coordinates, len(body.coordinates)) for body in bodies]
     values = [body.initial_mass.ravel() for body in bodies]
     none = np.zeros(0, int)
     entries = np.concatenate([none, *values]), tuple(np.concatenate([none, *p]) for p in (rows, columns))
-    return csr_array(coo_array(entries, shape=(size, size)))
+    return scipy.sparse.csr_array(scipy.sparse.coo_array(entries, shape=(size, size)))
 
 
 class BodyMasses:

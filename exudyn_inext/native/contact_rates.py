@@ -13,7 +13,7 @@ from typing import Any
 
 import exudyn
 import numpy as np
-from scipy.sparse import csr_array
+import scipy
 
 from ..arrays import Array
 from ..element.shape_functions import first_derivatives, shape_functions
@@ -120,7 +120,9 @@ def _of_others(motion: Any, are_implicit: np.ndarray, implicit: np.ndarray) -> A
     entries = motion.tocoo()
     of_cables = (implicit[:, np.newaxis] + np.arange(4)).ravel()
     is_left_out = are_implicit[entries.row] & np.isin(entries.col, of_cables)
-    return csr_array((entries.data * ~is_left_out, (entries.row, entries.col)), shape=motion.shape)
+    return scipy.sparse.csr_array(
+        (entries.data * ~is_left_out, (entries.row, entries.col)), shape=motion.shape
+    )
 
 
 def _require_finite(contact: _OpenContact) -> None:
@@ -220,7 +222,7 @@ def _below_each_other(blocks: Sequence[tuple[Array, np.ndarray]], size: int) -> 
     ]
     columns = np.concatenate([np.tile(places, len(block)) for block, places in blocks])
     values = np.concatenate([block.ravel() for block, _ in blocks])
-    return csr_array((values, (np.concatenate(rows), columns)), shape=(int(ends[-1]), size))
+    return scipy.sparse.csr_array((values, (np.concatenate(rows), columns)), shape=(int(ends[-1]), size))
 
 
 def _across_and_along(tangents: Array) -> Array:

@@ -8,10 +8,9 @@ from warnings import warn
 
 import exudyn
 import numpy as np
-from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import connected_components
+import scipy
 
-from ..arrays import Array
+from ..arrays import Array, SparseArray
 from ..errors import SceneError
 from ..items.arguments import described
 from ..items.attach.inert import is_inert_cable
@@ -72,7 +71,7 @@ class StaticScene(Others):
             values = values + np.copysign(native_items.beyond(), values)
         return values
 
-    def jacobian(self, q: Array) -> csr_array:
+    def jacobian(self, q: Array) -> SparseArray:
         native_items, size = self._scene.native_items, (len(self._scene.native_items.joints), len(q))
         rows, columns, values = [np.zeros(0, int)], [np.zeros(0, int)], [np.zeros(0)]
         for block in native_items.jacobian(self._time, q) if self._scene.joints else ():
@@ -81,7 +80,7 @@ class StaticScene(Others):
             columns.append(block.dofs.start + at[1])
             values.append(block.jacobian[at])
         places = np.concatenate(rows), np.concatenate(columns)
-        return csr_array((np.concatenate(values), places), size)
+        return scipy.sparse.csr_array((np.concatenate(values), places), size)
 
     def pulls(self, q: Array, nu: Array) -> Array:
         result = np.zeros(len(q))
@@ -179,8 +178,8 @@ def require_held(scene: SceneOfExudyn, cables_held: list[bool]) -> None:
     ties += _ties(scene, [places for _, places in owners])
     pairs = np.array([pair for tie in ties for pair in pairwise(sorted(tie))], dtype=int).reshape(-1, 2)
     size = len(owners) + 1  # the last one is the ground
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (size, size))
-    _, group = connected_components(graph, directed=False)
+    graph = scipy.sparse.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (size, size))
+    _, group = scipy.sparse.csgraph.connected_components(graph, directed=False)
     for k, (number, _) in enumerate(owners):
         if group[k] != group[-1]:
             name = described(mbs.GetObject(number), number)

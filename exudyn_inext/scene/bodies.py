@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array
+import scipy
 
-from ..arrays import Array
+from ..arrays import Array, SparseArray
 from ..compiled import inlined, kernel
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .joints import respond_to_rows
@@ -100,11 +100,13 @@ class BodiesSystem:
         return 0.5 * twice
 
     @property
-    def mass(self) -> csr_array:
+    def mass(self) -> SparseArray:
         """(n, n) at present."""
-        total = csr_array(self._constant_mass)
+        total = scipy.sparse.csr_array(self._constant_mass)
         blocks = [MassBlock(*one) for s in self._stacks for one in zip(s.blocks.dofs, s.mass, strict=True)]
-        return csr_array(total + csr_array(_matrix_of_blocks(total.shape[0], blocks)))
+        return scipy.sparse.csr_array(
+            total + scipy.sparse.csr_array(_matrix_of_blocks(total.shape[0], blocks))
+        )
 
     def begin_changes(self) -> None:
         """Count changes from the masses at present on."""
@@ -206,9 +208,11 @@ def _matrix_of_blocks(size: int, blocks: Sequence[MassBlock]) -> Any:
     rows = [np.repeat(block.dofs, len(block.dofs)) for block in blocks]
     columns = [np.tile(block.dofs, len(block.dofs)) for block in blocks]
     if not blocks:
-        return csr_array((size, size))
+        return scipy.sparse.csr_array((size, size))
     places = (np.concatenate(rows), np.concatenate(columns))
-    return csr_array((np.concatenate([block.mass.ravel() for block in blocks]), places), shape=(size, size))
+    return scipy.sparse.csr_array(
+        (np.concatenate([block.mass.ravel() for block in blocks]), places), shape=(size, size)
+    )
 
 
 @kernel

@@ -3,7 +3,7 @@
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array
+import scipy
 
 from ..arrays import Array
 from .small_vibrations import AddedForces, FastestRates, fastest_rates
@@ -19,7 +19,7 @@ class ClosedContacts:
 
     def __init__(self, motion: Any, damped: Any, stiffness: Array, damping: Array) -> None:
         self._stiffness, self._damping = (
-            csr_array(rows.T @ (values[:, np.newaxis] * rows))
+            scipy.sparse.csr_array(rows.T @ (values[:, np.newaxis] * rows))
             for rows, values in ((motion, stiffness), (damped, damping))
         )
 

@@ -15,9 +15,7 @@ from itertools import groupby, pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import lapack
-from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import reverse_cuthill_mckee
+import scipy
 
 from ..arrays import Array
 from ..cable.linear_response import respond
@@ -140,7 +138,7 @@ class JointSolve:
             respond_now()
         _find_nonzeros(self._rows, self._jacobian)
         _set_schur(self._rows, self._jacobian, self._response, self._schur)
-        self._factor, info = lapack.dpbtrf(self._schur, lower=1)
+        self._factor, info = scipy.linalg.lapack.dpbtrf(self._schur, lower=1)
         squares = self._factor[0] * self._factor[0]
         if info or not (squares > PIVOT_TOLERANCE * self._schur[0]).all():
             raise dependent_row(_dense(self._schur, self._order), self._names)
@@ -162,7 +160,7 @@ class JointSolve:
     def apply(self, x: Array, target: Array) -> Array:
         """x -= A^-1 J^T nu in place, such that J x = target; returns nu (m,)."""
         nu = self.times_jacobian(x) - target
-        nu[self._order], _ = lapack.dpbtrs(self._factor, nu[self._order], lower=1, overwrite_b=1)
+        nu[self._order], _ = scipy.linalg.lapack.dpbtrs(self._factor, nu[self._order], lower=1, overwrite_b=1)
         _subtract_times(self._rows, self._response, nu, x)
         return nu
 
@@ -182,8 +180,15 @@ def order_of_band(row: np.ndarray, owner: np.ndarray, number: int) -> np.ndarray
     """
     if number <= FEW:
         return np.arange(number)
-    meets = coo_array((np.ones(len(row)), (row, owner)), shape=(number, int(owner.max(initial=-1)) + 1))
-    return np.asarray(reverse_cuthill_mckee(csr_array(meets @ meets.T), symmetric_mode=True), dtype=np.int64)
+    meets = scipy.sparse.coo_array(
+        (np.ones(len(row)), (row, owner)), shape=(number, int(owner.max(initial=-1)) + 1)
+    )
+    return np.asarray(
+        scipy.sparse.csgraph.reverse_cuthill_mckee(
+            scipy.sparse.csr_array(meets @ meets.T), symmetric_mode=True
+        ),
+        dtype=np.int64,
+    )
 
 
 def _width_of_band(rows: _Rows) -> int:
@@ -270,7 +275,7 @@ def dependent_row(schur: Array, names: Sequence[str]) -> RedundantConstraintErro
     """What is said where S, of which the lower triangle is set, is not positive definite."""
     if not np.isfinite(schur).all():
         return RedundantConstraintError(NOT_FINITE)
-    factor, info = lapack.dpotrf(schur, lower=1)
+    factor, info = scipy.linalg.lapack.dpotrf(schur, lower=1)
     if info == 0:
         diagonal = factor.diagonal()
         info = int(np.argmin(diagonal * diagonal / schur.diagonal())) + 1

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..arrays import Array
-from ..compiled import inlined, kernel
+from ..compiled import inlined, inlined_kernel, kernel
 
 POSITION, FORCE, WAY, CHANGE, SUMS = range(5)
 WORK, SCATTER, LACK, SCALE, FLOOR, STEPS, BEGINNING = range(7)
@@ -50,7 +50,7 @@ def gather(vector, places, force):
         force[i] = vector[places[i]] if places[i] >= 0 else 0.0
 
 
-@kernel
+@inlined_kernel
 def follow(path, q, force):
     """Count the work of a step to q (n or more,), where the force (n,) acts, by the trapezoidal rule.
 

@@ -13,9 +13,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_array
 
-from ..arrays import Array
+from ..arrays import Array, SparseArray
 from .feasible import cautious, feasible, followed, straight
 from .saddle_point import factorise, solve
 from .stability import round_off, smallest_eigenvalue
@@ -93,7 +92,7 @@ def _step(potential: StaticSystem, q: Array, multipliers: Array) -> _Step:
     return _Step(direction, slope, multipliers, potential.size(force - jacobian.T @ multipliers))
 
 
-def _models(potential: StaticSystem, q: Array, multipliers: Array) -> Iterator[csr_array]:
+def _models(potential: StaticSystem, q: Array, multipliers: Array) -> Iterator[SparseArray]:
     """The Hessian, then what is more and more convex."""
     exact = potential.hessian(q, multipliers)
     yield exact

@@ -3,9 +3,8 @@
 from typing import Protocol
 
 import numpy as np
-from scipy.sparse import csr_array
 
-from ..arrays import Array
+from ..arrays import Array, SparseArray
 from ..sparse import one_below_another
 from .saddle_point import factorise, solve
 from .static_system import StaticSystem
@@ -20,14 +19,14 @@ LEFT = 0.1
 class Constrained(Protocol):
     """What is moved onto its constraints, see `StaticSystem`."""
 
-    metric: csr_array
+    metric: SparseArray
     order: np.ndarray
 
     def turn(self, step: Array) -> float: ...
 
     def values(self, q: Array) -> Array: ...
 
-    def jacobian(self, q: Array) -> csr_array: ...
+    def jacobian(self, q: Array) -> SparseArray: ...
 
 
 class WithStrains:
@@ -45,7 +44,7 @@ class WithStrains:
         """(m + k,)"""
         return np.append(self._potential.values(q), self._potential.strains(q) - self._foreseen)
 
-    def jacobian(self, q: Array) -> csr_array:
+    def jacobian(self, q: Array) -> SparseArray:
         """(m + k, n)"""
         return one_below_another([self._potential.jacobian(q), self._potential.strain_rows(q)])
 

@@ -13,9 +13,9 @@ from itertools import accumulate, pairwise
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from scipy.sparse import csr_array
+import scipy
 
-from ..arrays import Array
+from ..arrays import Array, SparseArray
 from ..sparse import block_diagonal, one_below_another
 from .potential import Potential
 from .saddle_point import order_of_elimination
@@ -79,7 +79,7 @@ class Others(Protocol):
     turning: (k,) places of coordinates that turn bodies.
     """
 
-    mass: csr_array
+    mass: SparseArray
     varying: list[np.ndarray]
     quaternions: np.ndarray
     references: Array
@@ -94,7 +94,7 @@ class Others(Protocol):
     def values(self, q: Array) -> Array:
         """c (m,) of the joints."""
 
-    def jacobian(self, q: Array) -> csr_array:
+    def jacobian(self, q: Array) -> SparseArray:
         """J (m, n)."""
 
     def pulls(self, q: Array, nu: Array) -> Array:
@@ -114,12 +114,14 @@ class JoinedPotential(StaticSystem):
         self._places = [slice(a, b) for a, b in pairwise(ends.tolist())]
         self._bodies = slice(int(ends[-1]), len(start))
         coordinates = self._bodies.stop - self._bodies.start
-        self._no_rows_of_bodies = [csr_array((0, coordinates))] if coordinates else []
+        self._no_rows_of_bodies = [scipy.sparse.csr_array((0, coordinates))] if coordinates else []
         self._number_of_joints = len(others.values(start))
         self._rounds = rounds_of(others.varying, self._bodies.start)
         self.length = max(cable.length for cable in cables)
-        self.mass = block_diagonal([*(cable.mass for cable in cables), csr_array(others.mass)])
-        self.metric = block_diagonal([*(cable.metric for cable in cables), csr_array(others.mass)])
+        self.mass = block_diagonal([*(cable.mass for cable in cables), scipy.sparse.csr_array(others.mass)])
+        self.metric = block_diagonal(
+            [*(cable.metric for cable in cables), scipy.sparse.csr_array(others.mass)]
+        )
         self.order = order_of_elimination(self.metric, self.jacobian(start))
         self._scale = np.ones(len(start))
         for cable, place in zip(cables, self._places, strict=True):
@@ -182,7 +184,7 @@ class JoinedPotential(StaticSystem):
             [*(cable.values(own) for cable, own in self._parts(q)), norms, self._others.values(q)]
         )
 
-    def jacobian(self, q: Array) -> csr_array:
+    def jacobian(self, q: Array) -> SparseArray:
         places, size = self._others.quaternions, len(q)
         of_cables = block_diagonal(
             [*(cable.jacobian(own) for cable, own in self._parts(q)), *self._no_rows_of_bodies]
@@ -190,7 +192,7 @@ class JoinedPotential(StaticSystem):
         found = [of_cables]
         if len(places):
             at = np.repeat(np.arange(len(places)), 4), places.ravel()
-            found.append(csr_array((self._euler_parameters(q).ravel(), at), (len(places), size)))
+            found.append(scipy.sparse.csr_array((self._euler_parameters(q).ravel(), at), (len(places), size)))
         if self._number_of_joints:
             found.append(self._others.jacobian(q))
         return one_below_another(found)
@@ -198,25 +200,25 @@ class JoinedPotential(StaticSystem):
     def strains(self, q: Array) -> Array:
         return np.concatenate([cable.strains(own) for cable, own in self._parts(q)])
 
-    def strain_rows(self, q: Array) -> csr_array:
+    def strain_rows(self, q: Array) -> SparseArray:
         of_cables = (cable.strain_rows(own) for cable, own in self._parts(q))
         return block_diagonal([*of_cables, *self._no_rows_of_bodies])
 
-    def hessian(self, q: Array, multipliers: Array) -> csr_array:
+    def hessian(self, q: Array, multipliers: Array) -> SparseArray:
         """See `StaticSystem`; slightly regular."""
         own = self._multipliers(multipliers)
         blocks = [cable.hessian(at, lam) for (cable, at), lam in zip(self._parts(q), own, strict=True)]
         first = sum(map(len, own))
         rest = len(q) - self._bodies.start
-        total = block_diagonal([*blocks, csr_array((rest, rest))])
+        total = block_diagonal([*blocks, scipy.sparse.csr_array((rest, rest))])
         places = self._others.quaternions
         if len(places):
             of_norms = np.repeat(multipliers[first : first + len(places)], 4)
-            total += csr_array((of_norms, (places.ravel(), places.ravel())), total.shape)
+            total += scipy.sparse.csr_array((of_norms, (places.ravel(), places.ravel())), total.shape)
         total += self._of_others(q, multipliers[first + len(places) :])
-        return csr_array(total + SHARE * self.shift * self.mass)
+        return scipy.sparse.csr_array(total + SHARE * self.shift * self.mass)
 
-    def _of_others(self, q: Array, nu: Array) -> csr_array:
+    def _of_others(self, q: Array, nu: Array) -> SparseArray:
         """Derivatives of G, by central differences; those of forces on bodies along cables by symmetry."""
 
         def out_of_balance(at: Array) -> Array:
@@ -235,7 +237,7 @@ class JoinedPotential(StaticSystem):
         entries, first = np.concatenate(values), self._bodies.start
         above = (rows < first) & (columns >= first)
         places = np.append(rows, columns[above]), np.append(columns, rows[above])
-        found = csr_array((np.append(entries, entries[above]), places), (len(q), len(q)))
+        found = scipy.sparse.csr_array((np.append(entries, entries[above]), places), (len(q), len(q)))
         found.eliminate_zeros()
         return found
 
@@ -247,10 +249,10 @@ class JoinedPotential(StaticSystem):
         """Those of the constraints of cables of one kind, which come first."""
         return _parts_of(multipliers, [cable.constraints.number for cable in self._cables])
 
-    def convex_model(self, multipliers: Array, shift: float) -> csr_array:
+    def convex_model(self, multipliers: Array, shift: float) -> SparseArray:
         own = self._multipliers(multipliers)
         blocks = [cable.convex_model(lam, shift) for cable, lam in zip(self._cables, own, strict=True)]
-        return block_diagonal([*blocks, csr_array(shift * self._others.mass)])
+        return block_diagonal([*blocks, scipy.sparse.csr_array(shift * self._others.mass)])
 
 
 def _parts_of(values: Array, numbers: Sequence[int]) -> list[Array]:

@@ -5,9 +5,9 @@ from functools import cached_property
 from itertools import accumulate, pairwise
 
 import numpy as np
-from scipy.sparse import csr_array
+import scipy
 
-from ..arrays import Array
+from ..arrays import Array, SparseArray
 from ..cable.assembly import add_elastic_force, elastic_energy
 from ..cable.cable import Cable, CurvatureMeasure
 from ..cable.chain import Chain, build_chain
@@ -71,7 +71,7 @@ class Potential(StaticSystem):
         """(N, 1, 1) of the cables' values (C,)."""
         return np.repeat(values, np.subtract(self._nodes, 1))[:, None, None]
 
-    def _assembled(self, forms: Array) -> csr_array:
+    def _assembled(self, forms: Array) -> SparseArray:
         return assembled(forms, self._nodes, self._dim)
 
     @cached_property
@@ -114,7 +114,7 @@ class Potential(StaticSystem):
         """(m,) all constraints."""
         return self.constraints.value(q, self.time)
 
-    def jacobian(self, q: Array) -> csr_array:
+    def jacobian(self, q: Array) -> SparseArray:
         """(m, n_dof) of all constraints."""
         return self.constraints.jacobian(q, self.time)
 
@@ -122,29 +122,29 @@ class Potential(StaticSystem):
         """There are none."""
         return np.zeros(0)
 
-    def strain_rows(self, q: Array) -> csr_array:
+    def strain_rows(self, q: Array) -> SparseArray:
         """There are none."""
-        return csr_array((0, q.size))
+        return scipy.sparse.csr_array((0, q.size))
 
-    def hessian(self, q: Array, multipliers: Array) -> csr_array:
+    def hessian(self, q: Array, multipliers: Array) -> SparseArray:
         """Of the Lagrangian."""
-        return csr_array(self.elastic_tangent(q) + self.constraints.hessian(multipliers))
+        return scipy.sparse.csr_array(self.elastic_tangent(q) + self.constraints.hessian(multipliers))
 
-    def elastic_tangent(self, q: Array) -> csr_array:
+    def elastic_tangent(self, q: Array) -> SparseArray:
         """-dF/dq (n_dof, n_dof)."""
         is_linear = self.cables[0].measure is not CurvatureMeasure.PRODUCT
         return self._tangent_of_linear_forces if is_linear else elastic_tangent(self._chain, q, self._nodes)
 
     @cached_property
-    def _tangent_of_linear_forces(self) -> csr_array:
+    def _tangent_of_linear_forces(self) -> SparseArray:
         return elastic_tangent(self._chain, np.zeros(self.shape), self._nodes)
 
-    def convex_model(self, multipliers: Array, shift: float) -> csr_array:
+    def convex_model(self, multipliers: Array, shift: float) -> SparseArray:
         """Bending stiffness, mean tension of the elements where it pulls, and shift times the mass."""
         gram = forms_of_mesh(slope_gram_matrix, self._lengths)
         tension = np.maximum(self._mean_tension(multipliers), 0.0)
         geometric = self._assembled(tension[:, None, None] * gram)
-        return csr_array(self._stiffness + geometric + shift * self.mass)
+        return scipy.sparse.csr_array(self._stiffness + geometric + shift * self.mass)
 
     def _mean_tension(self, multipliers: Array) -> Array:
         """(N,) [N]: 2 lam of the length constraint, and the nodal multipliers' share."""

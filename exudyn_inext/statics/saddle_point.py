@@ -7,11 +7,9 @@ an order of few filled entries holds for all B and J of a scene.
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg.lapack import dgetrf, dgetrs
-from scipy.sparse import csc_array, csr_array
-from scipy.sparse.linalg import SuperLU, splu
+import scipy
 
-from ..arrays import Array
+from ..arrays import Array, SparseArray
 from ..sparse import bordered, order_of, rows_of
 
 FEW = 120  # unknowns, of which a dense factor costs less
@@ -28,17 +26,17 @@ _OPTIONS: dict[str, Any] = {
 class Factor(NamedTuple):
     """LU of a matrix: a sparse one and the places (n + m,) of its unknowns, or a dense one and its pivots."""
 
-    lu: SuperLU | Array
+    lu: "scipy.sparse.linalg.SuperLU | Array"
     places: np.ndarray
 
 
-def order_of_elimination(model: csr_array, jacobian: csr_array) -> np.ndarray:
+def order_of_elimination(model: SparseArray, jacobian: SparseArray) -> np.ndarray:
     """(n,) the place of each coordinate, for all matrices that have entries where these have some."""
     rows, columns, _ = bordered(model, jacobian)
     return order_of(rows, columns, sum(jacobian.shape))[: len(model.indptr) - 1]
 
 
-def factorise(model: csr_array, jacobian: csr_array, order: np.ndarray | None = None) -> Factor:
+def factorise(model: SparseArray, jacobian: SparseArray, order: np.ndarray | None = None) -> Factor:
     """LU of [B J^T; J 0].
 
     order: (n,) place of each coordinate in the order of elimination; None: as they are.
@@ -53,7 +51,7 @@ def factorise(model: csr_array, jacobian: csr_array, order: np.ndarray | None = 
         dense[:size, :size] = model.toarray()
         dense[size:, :size] = below = jacobian.toarray()
         dense[:size, size:] = below.T
-        lu, pivots, is_singular = dgetrf(dense, overwrite_a=True)
+        lu, pivots, is_singular = scipy.linalg.lapack.dgetrf(dense, overwrite_a=True)
         if is_singular:
             raise RuntimeError("the matrix is singular")
         return Factor(lu, pivots)
@@ -63,17 +61,17 @@ def factorise(model: csr_array, jacobian: csr_array, order: np.ndarray | None = 
     places = np.empty(total, np.int32)
     places[np.argsort(np.append(order, last + 0.5), kind="stable")] = np.arange(total)
     rows, columns, values = bordered(model, jacobian)
-    matrix = csc_array((values, (places[rows], places[columns])), shape=(total, total))
-    return Factor(splu(matrix, **_OPTIONS), places)
+    matrix = scipy.sparse.csc_array((values, (places[rows], places[columns])), shape=(total, total))
+    return Factor(scipy.sparse.linalg.splu(matrix, **_OPTIONS), places)
 
 
 def solve(factor: Factor, force: Array, target: Array) -> tuple[Array, Array]:
     """x and multipliers of [B J^T; J 0] [x; lam] = [force; target], factorised."""
     known = np.concatenate([force, target])
-    if isinstance(factor.lu, SuperLU):
+    if isinstance(factor.lu, scipy.sparse.linalg.SuperLU):
         permuted = np.empty_like(known)
         permuted[factor.places] = known
         solution = factor.lu.solve(permuted)[factor.places]
     else:
-        solution = dgetrs(factor.lu, factor.places, known, overwrite_b=True)[0]
+        solution = scipy.linalg.lapack.dgetrs(factor.lu, factor.places, known, overwrite_b=True)[0]
     return solution[: len(force)], solution[len(force) :]

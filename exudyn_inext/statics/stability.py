@@ -1,7 +1,7 @@
 """Whether an equilibrium is stable: the smallest eigenvalue of the constrained Hessian."""
 
 import numpy as np
-from scipy.linalg import eigh
+import scipy
 
 from ..arrays import Array
 from .saddle_point import factorise, solve
@@ -46,7 +46,7 @@ def smallest_eigenvalue(potential: StaticSystem, q: Array, multipliers: Array) -
         vector, _ = solve(inverse, images[row], zero)
         reduced[row, : row + 1] = images[: row + 1] @ vector
         if row == rows - 1 or row % BETWEEN == BETWEEN - 1:
-            before, (values, vectors) = values, eigh(reduced[: row + 1, : row + 1], lower=True)
+            before, (values, vectors) = values, scipy.linalg.eigh(reduced[: row + 1, : row + 1], lower=True)
             if len(before) and _are_settled(before, values):
                 break
     lowest, highest = (vectors[:, k] @ basis[: len(values)] for k in (0, -1))

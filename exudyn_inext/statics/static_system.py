@@ -3,9 +3,8 @@
 from typing import Protocol
 
 import numpy as np
-from scipy.sparse import csr_array
 
-from ..arrays import Array
+from ..arrays import Array, SparseArray
 
 
 class StaticSystem(Protocol):
@@ -19,8 +18,8 @@ class StaticSystem(Protocol):
     round_off: force that round-off of strains leaves [N].
     """
 
-    mass: csr_array
-    metric: csr_array
+    mass: SparseArray
+    metric: SparseArray
     order: np.ndarray
     length: float
     largest_load: float
@@ -56,17 +55,17 @@ class StaticSystem(Protocol):
     def values(self, q: Array) -> Array:
         """(m,) of the constraints."""
 
-    def jacobian(self, q: Array) -> csr_array:
+    def jacobian(self, q: Array) -> SparseArray:
         """(m, n)"""
 
     def strains(self, q: Array) -> Array:
         """(k,) of cables that stretch, in any measure."""
 
-    def strain_rows(self, q: Array) -> csr_array:
+    def strain_rows(self, q: Array) -> SparseArray:
         """(k, n) derivatives of `strains`."""
 
-    def hessian(self, q: Array, multipliers: Array) -> csr_array:
+    def hessian(self, q: Array, multipliers: Array) -> SparseArray:
         """(n, n) of the Lagrangian."""
 
-    def convex_model(self, multipliers: Array, shift: float) -> csr_array:
+    def convex_model(self, multipliers: Array, shift: float) -> SparseArray:
         """(n, n) positive definite, near to the Hessian."""

@@ -6,9 +6,9 @@ from itertools import groupby
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array
+import scipy
 
-from ..arrays import Array
+from ..arrays import Array, SparseArray
 from ..cable.axial import SHORTEST
 from ..cable.axial_energy import static_energy
 from ..cable.cable import Cable
@@ -78,27 +78,30 @@ class StretchingPotential(Potential):
     def strains(self, q: Array) -> Array:
         return self._strains.value(q)
 
-    def strain_rows(self, q: Array) -> csr_array:
+    def strain_rows(self, q: Array) -> SparseArray:
         return self._strains.jacobian(q)
 
-    def elastic_tangent(self, q: Array) -> csr_array:
+    def elastic_tangent(self, q: Array) -> SparseArray:
         """-dF/dq (n_dof, n_dof)."""
         return tangent_of(self._elastic_force, q, self._nodes, length=self._shortest)
 
-    def convex_model(self, multipliers: Array, shift: float) -> csr_array:
+    def convex_model(self, multipliers: Array, shift: float) -> SparseArray:
         """Bending and axial stiffness, tension where it pulls, and shift times the mass."""
         stiffness, lengths = self._in_elements(self._axial).ravel(), self._lengths
         rows, jacobian = self._strains.rows, self._strains.jacobian(self._present)
         of_lengths, of_slopes = (jacobian[rows[name]] for name in ("length", "nodal inextensibility"))
-        axial = of_lengths.T @ diags_array(stiffness / (4.0 * lengths)) @ of_lengths
+        axial = of_lengths.T @ scipy.sparse.diags_array(stiffness / (4.0 * lengths)) @ of_lengths
         mean = self._axial * self._of_cables(lambda cable: cable.element_lengths.mean())
         free = np.concatenate([~cable.fixed[:, 1] for cable in self.cables])
-        axial = axial + of_slopes.T @ diags_array(np.repeat(mean, self._nodes)[free] / 12.0) @ of_slopes
+        axial = (
+            axial
+            + of_slopes.T @ scipy.sparse.diags_array(np.repeat(mean, self._nodes)[free] / 12.0) @ of_slopes
+        )
         stretch = self._strains.value(self._present)[rows["length"]]
         strain = stretch / (2.0 * lengths) - self._in_elements(self._free_strain).ravel()
         gram = forms_of_mesh(slope_gram_matrix, lengths)
         geometric = self._assembled((stiffness * np.maximum(strain, 0.0))[:, None, None] * gram)
-        return csr_array(self._stiffness + axial + geometric + shift * self.mass)
+        return scipy.sparse.csr_array(self._stiffness + axial + geometric + shift * self.mass)
 
 
 def potential_of(cables: Sequence[Cable], external: Array, time: float) -> Potential:

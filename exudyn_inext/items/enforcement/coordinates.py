@@ -4,9 +4,9 @@ from typing import Any
 
 import exudyn
 import numpy as np
-from scipy.sparse import csr_array, csr_matrix
+import scipy
 
-from ...arrays import Array
+from ...arrays import Array, SparseArray
 from ...cable.cable import Cable
 
 
@@ -47,14 +47,14 @@ class Coordinates:
         rows = self.vector(dense.reshape(n_dof, *self.shape))
         return self.vector(rows.T.reshape(self.size, *self.shape)).T
 
-    def sparse_matrix(self, nodal: csr_array) -> exudyn.MatrixContainer:
+    def sparse_matrix(self, nodal: SparseArray) -> exudyn.MatrixContainer:
         """(n_dof, n_dof) -> (size, size), as `matrix`, in the form that costs Exudyn O(size)."""
         entries = nodal.tocoo()
         places = (entries.row % self.size, entries.col % self.size)
-        return sparse_container(csr_matrix((entries.data, places), shape=(self.size, self.size)))
+        return sparse_container(scipy.sparse.csr_matrix((entries.data, places), shape=(self.size, self.size)))
 
 
-def sparse_container(matrix: csr_matrix) -> exudyn.MatrixContainer:
+def sparse_container(matrix: SparseArray) -> exudyn.MatrixContainer:
     """For Exudyn, whose sparse matrices may not hold zeros."""
     matrix.eliminate_zeros()
     container = exudyn.MatrixContainer()

@@ -19,8 +19,7 @@ from typing import Any, NamedTuple
 
 import exudyn
 import numpy as np
-from scipy.sparse import csc_array
-from scipy.sparse.linalg import splu
+import scipy
 
 from ...arrays import Array
 from ...element.shape_functions import shape_functions
@@ -224,7 +223,7 @@ class _Probe:
         values = np.einsum("ekp,epi->eki", self._elements.weights, vectors).reshape(-1, 8)
         columns = np.repeat(np.arange(len(values)), 8)
         shape = self._size, len(values)
-        return csc_array((values.ravel(), (self._elements.places.ravel(), columns)), shape=shape)
+        return scipy.sparse.csc_array((values.ravel(), (self._elements.places.ravel(), columns)), shape=shape)
 
     def _solve(self, vectors: Array, forces: Array, scale: float = 0.0) -> Array:
         """(e,) factors with which the integrals of vectors (e, p, 2) are the forces (n,) on the cables.
@@ -233,7 +232,10 @@ class _Probe:
         """
         columns, on_cables, places = self._integrals(vectors), np.zeros(self._size), self._elements.places
         on_cables[places] = forces[places]
-        squares, x = splu(csc_array(columns.T @ columns)), np.zeros(len(places))
+        squares, x = (
+            scipy.sparse.linalg.splu(scipy.sparse.csc_array(columns.T @ columns)),
+            np.zeros(len(places)),
+        )
         for _ in range(_PASSES):
             x += squares.solve(columns.T @ (on_cables - columns @ x))
         worst = float(np.abs(columns @ x - on_cables).max(initial=0.0))
