@@ -210,6 +210,7 @@ def _write_equilibrium(mbs: Any, settings: Any, cables: Sequence[int]) -> None:
         mbs.systemData.SetTime(end)
         solver.it.currentTime = end
         solver.FinishStep(mbs, settings)
+        solver.output.finishedSuccessfully = True
         solver.FinalizeSolver(mbs, settings)
 
 
@@ -354,8 +355,12 @@ def _failure(
     where: str = "",
 ) -> str:
     """What went wrong and what helps.   cables: with their last states.   where: forces are not balanced."""
-    hints = list(filter(None, (hint(cable, own.q, time) for cable, own in cables)))
-    remedy = hints or [f"add supports, start nearer to the equilibrium, or use more {more}"]
+    pairs = list(cables)
+    hints = list(filter(None, (hint(cable, own.q, time) for cable, own in pairs)))
+    ways = ["add supports", "start nearer to the equilibrium", f"use more {more}"]
+    if any(not cable.cable.stretches for cable, _ in pairs):
+        ways.append("give the cables their axialStiffness, as inextensible ones side by side are redundant")
+    remedy = hints or [f"{', '.join(ways[:-1])}, or {ways[-1]}"]
     return (
         f"{what}: {equilibrium.message} after {equilibrium.iterations} iterations (unbalanced "
         f"force {equilibrium.residual:.3g} N{where}, violation of constraints {equilibrium.violation:.3g}, "

@@ -216,14 +216,14 @@ class ExplicitStepper:
         run.set_force(number, force)
 
     def WriteToSystem(self) -> None:
-        """Write coordinates, velocities, accelerations, data and the time to the current state of the mbs.
+        """Write the state, forces of joints and supports, and the time to the current state of the mbs.
 
-        Sensors, node outputs and, after mbs.SendRedrawSignal(), the renderer then show it.
+        Sensors, outputs of nodes and objects and, after mbs.SendRedrawSignal(), the renderer then show it.
         """
         data = self._mbs.systemData
-        states = np.zeros((3, data.ODE2Size()))
+        states, reactions = np.zeros((3, data.ODE2Size())), np.zeros(data.AEsize())
         for run in self._runs:
-            run.write(states)
+            run.write(self.time, states, reactions)
         displacements, velocities, accelerations = states.tolist()
         remembered = self._runs[0].run.data[0].tolist() or data.GetDataCoordinates()
         for configuration in _SHOWN:
@@ -231,4 +231,5 @@ class ExplicitStepper:
             data.SetODE2Coordinates(displacements, configuration)
             data.SetODE2Coordinates_t(velocities, configuration)
             data.SetODE2Coordinates_tt(accelerations, configuration)
+            data.SetAECoordinates(reactions.tolist(), configuration)
             data.SetTime(self.time, configuration)

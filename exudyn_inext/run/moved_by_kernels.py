@@ -198,7 +198,8 @@ class MovedByKernels(Mover):
 
     def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
         """See `CableRun.complete`."""
-        contacts = None if self._of_contacts is None else self._of_contacts[-len(times) :]
+        of_record = self._of_contacts if self._recorded else None
+        contacts = None if of_record is None else of_record[-len(times) :]
         history[:, 0] += self._scene.map.reference
         rows, forces = self._form.evaluate(self.cables, times, history, contacts)
         states = zip(rows, times.tolist(), history[:, 0], strict=True)

@@ -71,12 +71,18 @@ class SteppedRun:
         for i in range(dim):
             self._forces[first + i] = self._without[first + i] + force[i]
 
-    def write(self, states: Array) -> None:
-        """Displacements, velocities, accelerations into the system's (3, n_ode2)."""
-        indices, state = self.run.indices, self.run.state
-        states[0, indices] = state.q - self.run.reference
-        states[1, indices] = state.v
-        states[2, indices] = state.a
+    def write(self, time: float, states: Array, reactions: Array) -> None:
+        """The present state, at `time` [s], for the mbs.
+
+        Args:
+            time: of the state.
+            states: (3, n_ode2) output: displacements, velocities, accelerations of the system.
+            reactions: (m,) output: multipliers of its algebraic equations.
+        """
+        run, state = self.run, self.run.state
+        present = np.stack([state.q - run.reference, state.v, state.a])[np.newaxis]
+        run.complete(np.array([time]), present, reactions[np.newaxis])
+        states[:, run.indices] = present[0]
 
 
 def _are_three_numbers(force: Any) -> bool:

@@ -17,10 +17,10 @@ import numpy as np
 from ..arrays import Array, SparseArray
 from .feasible import cautious, feasible, followed, straight
 from .saddle_point import factorise, solve
-from .stability import smallest_eigenvalue
+from .stability import round_off, smallest_eigenvalue
 from .static_system import StaticSystem
 
-LARGEST_EXCURSION = 100.0  # of a coordinate, in lengths of the longest cable: no equilibrium there
+LARGEST_EXCURSION = 100.0  # of a coordinate from its start, in lengths of the longest cable
 RESOLUTION = 1e-10  # gain of energy that round-off hides, relative
 SHIFTS = (1e-4, 1e-3, 0.01, 0.1, 1.0, 10.0)  # of an indefinite Hessian, in units of the loads' own [-]
 ESCAPES = (0.1, 0.01, 1e-3, 1e-4)  # turns of slopes and bodies beside an unstable equilibrium [-]
@@ -136,7 +136,7 @@ def find_equilibrium(potential: StaticSystem, start: Array, options: StaticOptio
     if violation > 1e3 * options.feasibility:
         nothing = np.zeros(0)
         return Equilibrium(q, nothing, False, "the constraints cannot be met", np.inf, violation, 0, np.nan)
-    multipliers = np.zeros(len(potential.values(q)))
+    multipliers, first = np.zeros(len(potential.values(q))), q
     limit = options.tolerance * potential.largest_load
     message, eigenvalue, residual = "", np.nan, np.inf
     iterations = 0
@@ -155,11 +155,12 @@ def find_equilibrium(potential: StaticSystem, start: Array, options: StaticOptio
         if following is None:
             break
         q = following
-        if np.abs(q).max() > LARGEST_EXCURSION * potential.length:
+        if np.abs(q - first).max() > LARGEST_EXCURSION * potential.length:
             message = "it runs away: its loads are not balanced by anything that holds it"
             break
     is_balanced = residual <= max(1e3 * limit, potential.round_off)
-    converged = is_balanced and eigenvalue > potential.indifferent and not message
+    is_stable = eigenvalue > potential.indifferent or eigenvalue > -round_off(potential, q, multipliers)
+    converged = is_balanced and is_stable and not message
     if not converged and not message:
         message = "no stable equilibrium within reach"
     violation = float(np.abs(potential.values(q)).max(initial=0.0))

@@ -10,6 +10,9 @@ from .static_system import StaticSystem
 LANCZOS_STEPS = 60
 BETWEEN = 10  # steps between two looks
 SETTLED = 1e-12  # change of the inverse eigenvalues, relative to the largest one
+ROUND_OFF = 2e-12  # of a stiffness, relative
+OF_FORCES = 1e-9  # of one that is found by differences, relative to the loads [1/m, m]
+SMALL = 0.01  # eigenvalue, in units of the loads' own [-]
 NEGLIGIBLE = 1e-10  # of the inverse eigenvalues: round-off of those that are infinite
 
 
@@ -50,6 +53,19 @@ def smallest_eigenvalue(potential: StaticSystem, q: Array, multipliers: Array) -
     if values[0] < -NEGLIGIBLE * abs(values).max() and lowest @ (hessian @ lowest) < 0.0:
         return float(1.0 / values[0]), lowest
     return float(1.0 / values[-1]), highest
+
+
+def round_off(potential: StaticSystem, q: Array, multipliers: Array) -> float:
+    """By how much an eigenvalue may be off and still be small beside what the loads cause [1/s^2].
+
+    0 for an inextensible cable by itself, whose Hessian contains no differences.
+    """
+    if potential.indifferent == 0.0:
+        return 0.0
+    stiffness, mass = abs(potential.hessian(q, multipliers).diagonal()), potential.mass.diagonal()
+    moved = mass > 0.0
+    errors = ROUND_OFF * stiffness[moved] + OF_FORCES * potential.largest_load
+    return min(float((errors / mass[moved]).max(initial=0.0)), SMALL * potential.shift)
 
 
 def _are_settled(before: Array, values: Array) -> bool:

@@ -1,4 +1,4 @@
-"""What Exudyn prints on an explicit run speaks of explicit steps, and its rates are right."""
+"""What Exudyn prints of explicit runs speaks of explicit steps, with right rates; of statics, of success."""
 
 import re
 import time
@@ -6,7 +6,13 @@ import time
 import exudyn
 import pytest
 
-from exudyn_inext import CreateInextensibleCable, ExplicitSolver, InextensibleCable, SolveExplicit
+from exudyn_inext import (
+    CreateInextensibleCable,
+    ExplicitSolver,
+    InextensibleCable,
+    SolveEquilibrium,
+    SolveExplicit,
+)
 from reference_models.model import quiet_settings
 
 WAIT, STEPS = 0.03, 20  # [s]
@@ -14,12 +20,13 @@ WAIT, STEPS = 0.03, 20  # [s]
 
 @pytest.fixture
 def printed(capfd):
-    """What is printed on a run with that verboseMode, whose pre-step function waits."""
+    """What is printed on a run with that verboseMode, whose pre-step function waits; its cable hangs."""
 
     def run(verbose, wait=0.0, explicit=SolveExplicit):
         mbs = exudyn.SystemContainer().AddSystem()
         section = InextensibleCable(massPerLength=0.1, bendingStiffness=1e-2)
-        CreateInextensibleCable(mbs, [0, 0, 0], [1, 0, 0], 4, section, gravity=[0, -9.81, 0])
+        pin = {"gravity": [0, -9.81, 0], "groundConstraintsStart": [True, True, False, False]}
+        CreateInextensibleCable(mbs, [0, 0, 0], [0, -1, 0], 4, section, **pin)
         mbs.SetPreStepUserFunction(lambda mbs, t: time.sleep(wait) is None)
         mbs.Assemble()
         settings = quiet_settings(0.1, STEPS)
@@ -41,6 +48,11 @@ def test_a_run_speaks_of_explicit_steps(printed):
     assert re.search(r"h = 0\.\d+s \(decided by .*explicit steps in each STEP = \d", said)
     assert f"STEP{STEPS}, t = 0.1s, timeToGo = 0s" in said and "terminated successfully" in said
     assert "implicit" not in said and "Nit/step" not in said
+
+
+def test_an_equilibrium_that_is_written_is_a_success(printed):
+    said = printed(1, explicit=SolveEquilibrium)
+    assert "static solver" in said and "terminated successfully" in said
 
 
 def test_a_driven_solver_speaks_of_explicit_steps(printed):

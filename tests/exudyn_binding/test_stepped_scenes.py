@@ -63,7 +63,8 @@ def solved(mbs, explicit):
 @pytest.mark.parametrize("integrator", ["RATTLE", "Zhai"])
 def test_a_scene_of_bodies_moves_as_under_the_solver_in_any_portions(build, integrator):
     explicit = ExplicitSettings(integrator, stepSize=STEP, massScaling=0.3)
-    expected = solved(build()[0], explicit)
+    run = build()[0]
+    expected = solved(run, explicit)
     mbs, _, _ = build()
     before = mbs.systemData.GetODE2Coordinates()
     stepper = ExplicitStepper(mbs, explicit)
@@ -76,6 +77,8 @@ def test_a_scene_of_bodies_moves_as_under_the_solver_in_any_portions(build, inte
     assert time == pytest.approx(STEPS * STEP) and q.shape == (6, 2, 3)
     stepper.WriteToSystem()
     np.testing.assert_allclose(mbs.systemData.GetODE2Coordinates(), expected, atol=1e-12)
+    forces = [np.array(one.systemData.GetAECoordinates()) for one in (mbs, run)]  # of joints and supports
+    np.testing.assert_allclose(*forces, atol=1e-9 * np.abs(forces[1]).max())
     end = mbs.systemData.GetNodeLTGODE2(5)[:3]
     np.testing.assert_allclose(q[-1, 0] - [1.8, 0, 0], expected[end], atol=1e-12)
 
@@ -131,7 +134,7 @@ def test_contact_moves_as_in_solve_explicit_in_ensembles_too():
     stepper.Step(10)
     stepper.WriteToSystem()
     data = [mbs.systemData for mbs in systems]
-    for read in ("GetODE2Coordinates", "GetODE2Coordinates_t", "GetDataCoordinates"):
+    for read in ("GetAECoordinates", "GetODE2Coordinates", "GetODE2Coordinates_t", "GetDataCoordinates"):
         expected, found = (np.array(getattr(one, read)()) for one in data)
         np.testing.assert_array_equal(found, expected)
     touching = np.array(data[1].GetDataCoordinates(exudyn.ConfigurationType.Initial))

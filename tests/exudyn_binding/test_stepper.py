@@ -68,6 +68,8 @@ def test_any_portions_of_steps_give_the_bits_of_a_run(twin, solve, integrator, p
         stepper.Step(n)
     stepper.WriteToSystem()
     np.testing.assert_array_equal(system_state(stepped.mbs), system_state(run.mbs))
+    supports = [one.mbs.systemData.GetAECoordinates() for one in (stepped, run)]
+    np.testing.assert_array_equal(*supports)
     assert stepped.mbs.systemData.GetTime() == pytest.approx(0.1, rel=1e-12)
 
 
