@@ -7,12 +7,12 @@ from pathlib import Path
 
 from exudyn_inext import InputError
 
-from .harness.store import read_json
 from .harness.study import Study, run
 from .harness.terminal import as_text, terminal_width, text_table
 from .pages.command import add_commands, remake, write_pages
 from .registry import find_studies, find_study
 from .report.command import add_options, report
+from .report.documents import read
 
 MAIN_STUDY = "table1"
 
@@ -56,7 +56,7 @@ def main(arguments: Sequence[str] | None = None, program: str = "python -m studi
         else:
             study = find_study(options.name)
             run(study, options.output, options.quick)
-            print(as_text(read_json(options.output / f"{study.name}.json") or {}, terminal_width()))
+            print(as_text(read(options.output / f"{study.name}.json"), terminal_width()))
             print(f"\nWritten to {options.output}")
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)

@@ -41,7 +41,7 @@ from reference_models.scenes.section import Round, Section
 from reference_models.scenes.shape import Circle, Line, Parabolas
 from reference_models.scenes.support import Clamp, Pin
 
-from .harness import Order, Results, Row, Study, Table, inner
+from .harness import Results, Row, Study, Table, inner
 from .harness.bars import Bar, conclusions
 
 TOLERANCES = (1e-2, 3e-3, 1e-3, 3e-4)  # of the length
@@ -56,9 +56,6 @@ ADVISED = (
     "reasons",
 )  # fmt: skip
 FINE_NATIVE, COARSER_NATIVE = (24, 1.0 / 32.0), (16, 1.0 / 16.0)  # elements, step over sample period
-
-
-# -------------------------------------------------------------------------------------------- scenes
 
 
 _G = (0.0, -9.81, 0.0)
@@ -80,30 +77,23 @@ def _hanging(name: str, section: Section, length: float, end_time: float) -> Sce
 
 
 def _ring() -> Scene:
-    circle = Circle(radius=0.3)
-    drive = Sine(angular_frequency=6.0 * math.pi)
-    return Scene(
+    circle, drive = Circle(radius=0.3), Sine(angular_frequency=6.0 * math.pi)
+    ends = ((0.0, 3.0), (0.5, -3.0))
+    return replace(
+        load_scene("vibrating_ring"),
         name="small ring, pulled",
         cable=Cable(circle.circumference, _WIRE, circle),
-        supports=(),
-        gravity=(0.0, 0.0, 0.0),
         end_time=1.0,
-        observe={"N1": 0.0},
-        loads=(
-            PointForce(at=0.0, force=(3.0, 0.0, 0.0), history=drive),
-            PointForce(at=0.5, force=(-3.0, 0.0, 0.0), history=drive),
-        ),
+        reference=None,
+        loads=tuple(PointForce(at=s, force=(x, 0.0, 0.0), history=drive) for s, x in ends),
     )
 
 
 def _sagging() -> Scene:
-    line = Parabolas(width=2.0, sag=0.3)
-    return Scene(
-        name="rope that drops a weight",
-        cable=Cable(2.12, _ROPE, line, "straight"),
+    return replace(
+        _hanging("rope that drops a weight", _ROPE, 2.12, 2.0),
+        cable=Cable(2.12, _ROPE, Parabolas(width=2.0, sag=0.3), "straight"),
         supports=(Pin(at=0.0), Pin(at=1.0)),
-        gravity=_G,
-        end_time=2.0,
         observe={"middle": 0.5},
         start_loads=(PointForce(at=0.5, force=(0.0, -3.0, 0.0)),),
         starts_from_equilibrium=True,
@@ -113,8 +103,7 @@ def _sagging() -> Scene:
 def validation_scenes() -> list[Scene]:
     """One of each kind; the last one is made of rubber."""
     wire = _hanging("steel wire", _WIRE, 1.0, 1.5)
-    upright = (0.0, -1.0, 0.0)
-    hanging = Cable(0.8, _WIRE, Line(direction=upright))
+    hanging = Cable(0.8, _WIRE, Line(direction=(0.0, -1.0, 0.0)))
     return [
         wire,
         _hanging("soft rope", _ROPE, 0.6, 1.2),
@@ -130,13 +119,10 @@ def validation_scenes() -> list[Scene]:
     ]
 
 
-# ----------------------------------------------------------------------------------------- measuring
-
-
-def measure(order: Order) -> list[Row]:
+def measure(quick: bool) -> list[Row]:
     """One row a piece of advice."""
-    scenes = validation_scenes()[1:3] if order.quick else validation_scenes()
-    tolerances = TOLERANCES[: 2 if order.quick else None]
+    scenes = validation_scenes()[1:3] if quick else validation_scenes()
+    tolerances = TOLERANCES[: 2 if quick else None]
     return [
         row for scene in tqdm(scenes, desc="adviser", unit="scene") for row in _rows_of(scene, tolerances)
     ]

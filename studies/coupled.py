@@ -32,11 +32,11 @@ What is left out
     slacken. Larger nets are tuned over the settings that served the smaller one.
 """
 
-from functools import partial
 from pathlib import Path
 
-from .harness import Order, Results, Row, Study, announce, groups, tables
+from .harness import Results, Row, Study, groups, tables
 from .harness.bars import Bar, conclusions
+from .harness.benchmark import Benchmark, Series, varied
 from .harness.coupled_runs import (
     LARGE_ELEMENTS,
     LARGE_RUNS,
@@ -50,7 +50,7 @@ from .harness.coupled_runs import (
 from .harness.coupled_scenes import SCENES, CoupledScene
 from .harness.process import ask
 from .harness.ratios import DEFAULT, ONE_SETTING, TUNED
-from .harness.tuning import Series, Tuning, compare, draw_fronts, natives, ours
+from .harness.tuning import Steps, Tuning, draw_fronts, natives, ours
 
 BOUNDS = (1e-2, 1e-3)
 LARGE = (10, 22)  # meshes along a side
@@ -63,38 +63,30 @@ WHO = {
 }
 
 
-def measure(order: Order) -> list[Row]:
-    """Rows of candidates, of the best ones, and of large nets."""
-    rows: list[Row] = []
-    for scene in SCENES:
-        if scene.is_quick or not order.quick:
-            announce("coupled", scene.name)
-            rows += TUNING.rows(scene.brief() if order.quick else scene, order.quick)
-    for meshes in (2,) if order.quick else LARGE:
-        rows += [_large(meshes, formulation, 1 if order.quick else LARGE_RUNS) for formulation in SIDES]
-    return rows
-
-
 def _references(scene: CoupledScene) -> tuple[Candidate, Candidate]:
     elements, step = scene.fine
     return Inextensible(elements, step), Native(elements, step, max(scene.axial))
 
 
-def _ours(scene: CoupledScene) -> Series:
+def _ours(scene: CoupledScene) -> Steps:
     """Candidates: one setting for all scenes, and the others."""
     return [[by_rule(scene, n)] for n in scene.meshes] + ours(scene)
 
 
-compared = partial(compare, bounds=BOUNDS, who=WHO)
-TUNING = Tuning(dict(zip(SIDES, (_ours, natives), strict=True)), _references, BOUNDS)
+TUNING = Tuning(SCENES, dict(zip(SIDES, (_ours, natives), strict=True)), _references, BOUNDS, WHO)
+compared = TUNING.compared
 
 
-def _large(meshes: int, formulation: str, runs: int) -> Row:
+def _large(case: Row) -> Row:
     """Start, step and memory, each in a process of its own."""
-    found = dict(ask(large_net, formulation, meshes, runs))
+    meshes, formulation = case["meshes"], case["formulation"]
     cables = 2 * meshes * (meshes + 1)
-    label = f"{cables} cables, {formulation}"
-    return {"kind": "large", "label": label, "cables": cables, "formulation": formulation, **found}
+    found = ask(large_net, formulation, meshes, case["runs"])
+    return {"label": f"{cables} cables, {formulation}", "cables": cables, **found}
+
+
+NETS = varied({"meshes": (2,), "runs": (1,)}, meshes=LARGE, formulation=SIDES, runs=(LARGE_RUNS,))
+MEASURE = Benchmark([TUNING.series, Series("large", NETS, _large)])
 
 
 def conclude(results: Results) -> list[str]:
@@ -141,4 +133,4 @@ TABLES = tables(
     settings=compared,
 )
 QUESTION = "What do scenes of cables, bodies and joints cost, inextensible and native, at equal error?"
-STUDY = Study("coupled", QUESTION, measure, conclude, TABLES, draw, minutes=9)
+STUDY = Study("coupled", QUESTION, MEASURE, conclude, TABLES, draw, minutes=9)

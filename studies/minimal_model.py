@@ -28,13 +28,12 @@ from pathlib import Path
 from typing import Any
 
 from exudyn_inext import Zhai
-from reference_models.inextensible import Inextensible, inextensible_case
+from reference_models.inextensible import Inextensible
 from reference_models.scenes import Scene, load_scene
-from reference_models.trajectory import Case
 
 from .harness import Results, Row, Study, column, groups, number, tables
 from .harness.benchmark import Benchmark, Series
-from .harness.cases import failing_case, unguarded
+from .harness.cases import case_at_limit, unguarded
 from .harness.plot import COLORS, Curve, Panel, chart
 from .harness.reference import ReferenceSolution
 from .harness.timing import OK, measure
@@ -93,7 +92,7 @@ def run_change(case: Row) -> Row:
     """Errors and CPU times of base and variant, run in turn."""
     scene = replace(load_scene(case["scene"]), end_time=case["motion"])
     models = changes_of(scene, case["elements"])
-    cases = [_case(scene, models[BASE], BASE), _case(scene, models[case["label"]], "variant")]
+    cases = [replace(case_at_limit(scene, models[name], PART), label=name) for name in (BASE, case["label"])]
     reference = _reference(case["scene"])
     (first, _), (second, _) = measure(cases, case["repeats"], reference.trajectory)
     return {
@@ -115,23 +114,9 @@ def _ratio(value: float | None, base: float | None) -> float | None:
     return value / base if value is not None and base else None
 
 
-def _case(scene: Scene, model: Inextensible, label: str) -> Case:
-    """At PART of its own stability limit; one that cannot even start fails when it is run."""
-    settings = model.settings
-    try:
-        limit = inextensible_case(replace(scene, end_time=0.01), model).details["stepLimit"]
-        model = replace(model, settings=replace(settings, stepSize=PART * limit))
-        return inextensible_case(scene, model, label)
-    except ArithmeticError as error:
-        return failing_case(label, settings.integratorName, model.elements, error)
-
-
 @lru_cache
 def _reference(name: str) -> ReferenceSolution:
     return reference_of(load_scene(name))
-
-
-# ------------------------------- what may be left out, where, and what that saves: over all scenes
 
 
 HARMLESS = 1.1  # error over that of the base
@@ -181,9 +166,6 @@ def _error(row: Row) -> str:
     base = row.get("baseOutcome", OK)
     said = str(row.get("outcome", row["status"])) if base == OK else f"the base {base}"
     return said.split(". ")[0]
-
-
-# ------------------------------------------------------------------------------------- the study
 
 
 def conclude(results: Results) -> list[str]:

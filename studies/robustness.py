@@ -135,7 +135,8 @@ def _summary(results: Results) -> list[Row]:
     """One row for each kind of scene."""
     rows = []
     for group in groups([row | {"of": (row["kind"], row["partner"])} for row in results.rows], "of").values():
-        errors, seconds = _errors(group), column(group, "cpuSeconds")
+        errors = np.array([row["errorBeforeSnap"] for row in group if "errorBeforeSnap" in row])  # ended
+        seconds = column(group, "cpuSeconds")
         rows.append(
             {
                 "kind": group[0]["kind"],
@@ -151,25 +152,12 @@ def _summary(results: Results) -> list[Row]:
     return rows
 
 
-def _errors(rows: Iterable[Row]) -> np.ndarray:
-    """Of the runs that ended."""
-    return np.array([row["errorBeforeSnap"] for row in rows if "errorBeforeSnap" in row])
-
-
 def _failed(rows: Iterable[Row]) -> list[Row]:
     return [row for row in rows if row["failure"]]
 
 
-ACCURACY = conclusions(
-    Bar(
-        "own",
-        "errorBeforeSnap",
-        "distance to a run with a quarter of the step, before the first snap, over the motion",
-        ACCURATE,
-        noise=1.0,
-        share=SHARE,
-    ),
-)
+DISTANCE = "distance to a run with a quarter of the step, before the first snap, over the motion"
+ACCURACY = conclusions(Bar("own", "errorBeforeSnap", DISTANCE, ACCURATE, noise=1.0, share=SHARE))
 
 
 def conclude(results: Results) -> list[str]:

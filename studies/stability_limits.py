@@ -59,12 +59,9 @@ TABLES = (
 )
 
 
-LINEAR = [kind for kind in MAPS if kind != "spin"]
-
-
 def _linear(results: Results) -> list[Row]:
     """Cables at rest."""
-    return [row for kind in LINEAR for row in results.of_kind(kind)]
+    return [row for kind in MAPS if kind != "spin" for row in results.of_kind(kind)]
 
 
 def _off(row: Row) -> float | None:
@@ -123,12 +120,4 @@ def _curves(rows: Sequence[Row]) -> Iterator[Curve]:
 
 
 QUESTION = "Which step is the largest stable one at the extremes, and which bound rules where?"
-STUDY = Study(
-    "stability_limits",
-    QUESTION,
-    Benchmark(SERIES),
-    conclusions(*BARS),
-    TABLES,
-    draw,
-    minutes=2,
-)
+STUDY = Study("stability_limits", QUESTION, Benchmark(SERIES), conclusions(*BARS), TABLES, draw, minutes=2)

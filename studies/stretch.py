@@ -31,34 +31,29 @@ What is left out
 
 import statistics
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from itertools import product
 from pathlib import Path
 from typing import Any
 
 import exudyn
 import numpy as np
 
-from exudyn_inext import (
-    DivergenceError,
-    ExplicitSettings,
-    ExplicitStepper,
-    SolveExplicit,
-)
+from exudyn_inext import DivergenceError, ExplicitSettings, ExplicitStepper, SolveExplicit
 from reference_models.conventional.native_cables import NativeCables
 from reference_models.model import quiet_settings, silence
 
-from .harness import Order, Results, Row, Study, announce, column, groups, tables
+from .harness import Results, Row, Study, column, groups, tables
 from .harness import stretching_scenes as scenes
 from .harness.bars import Bar, conclusions
+from .harness.benchmark import Benchmark, Series, varied
 from .harness.coupled_runs import Candidate, Inextensible, Native, distance, prepare
 from .harness.coupled_scenes import CoupledScene
 from .harness.plot import Curve, Panel, chart
 from .harness.ratios import DEFAULT, TUNED
-from .harness.timing import Task, sampled, steps_task
-from .harness.tuning import Tuning, compare, draw_fronts, natives, ours
+from .harness.timing import Task, steps_task
+from .harness.tuning import Tuning, draw_fronts, natives, ours
 from .speed.soak import DRIFT, drift_of, long_run
 from .stability.limits import DISTURBANCE, GROWTH, largest_stable_step
 
@@ -68,10 +63,7 @@ SAME, NEAR, DEARER, ENOUGH = 0.01, 0.1, 1.15, 3  # of limits, of distances, of s
 REAL = scenes.SECTION.axial_stiffness
 COARSE = Inextensible(10, 2e-3)
 WITH_STEP = ExplicitSettings("RATTLE", stepSize=2e-3, massScaling=0.3)
-LEAST_SECONDS, DISTURBED_STEPS = 1e-2, 2000  # of a sample [s]; of a disturbed cable
-
-
-# ---------------------------------------------------------------------------- against native cables
+DISTURBED_STEPS, OURS, NATIVES = 2000, 2e-3, 8.5e-3  # of a disturbed cable; limits, nearly [s], [s N^1/2]
 
 
 def _references(scene: CoupledScene) -> tuple[Candidate, Candidate]:
@@ -88,6 +80,7 @@ WHO = {
     "lobatto": (LOBATTO, TUNED),
 }
 TUNING = Tuning(
+    scenes.SCENES,
     {
         "ours": ours,
         FULL: partial(natives, quadratures=("full",)),
@@ -95,11 +88,9 @@ TUNING = Tuning(
     },
     _references,
     BOUNDS,
+    WHO,
 )
-compared = partial(compare, bounds=BOUNDS, who=WHO)
-
-
-# ------------------------------------------------------------------------------- over the stiffness
+compared = TUNING.compared
 
 
 def _system(build: Callable[..., Any], **arguments: Any) -> tuple[Any, Any, Any]:
@@ -111,22 +102,17 @@ def _system(build: Callable[..., Any], **arguments: Any) -> tuple[Any, Any, Any]
     return container, mbs, built
 
 
-def _over_stiffness(stiffnesses: Sequence[float], end_time: float) -> Iterator[Row]:
+def _over_stiffness(case: Row) -> Row:
     """Largest stable steps, and how far the pendulum is from the inextensible one."""
-    scene = replace(scenes.SCENES[0], end_time=end_time)
-    runs = [replace(scene, build=partial(scenes.pendulum, stiffness=k)) for k in (None, *stiffnesses)]
-    rigid, *stretched = (prepare(one, COARSE, end_time)()[1] for one in runs)
-    step = theirs = 1e-3
-    for stiffness, paths in zip(stiffnesses, stretched, strict=True):
-        step = _largest_step(step, stiffness=stiffness)
-        theirs = _largest_step(theirs, addCable=NativeCables(stiffness))
-        row = {"kind": "stiffness", "label": f"EA = {stiffness:g} N", "value": stiffness}
-        yield row | {"found": step, "native": theirs, "distance": distance(paths, rigid)}
-
-
-def _limit(row: Row) -> float:
-    """What stays the same where the motion tends to the inextensible one."""
-    return float(row["distance"] * row["value"])
+    stiffness, scene = case["value"], replace(scenes.SCENES[0], end_time=case["motion"])
+    runs = [replace(scene, build=partial(scenes.pendulum, stiffness=k)) for k in (None, stiffness)]
+    rigid, paths = (prepare(one, COARSE, scene.end_time)()[1] for one in runs)
+    return {
+        "label": f"EA = {stiffness:g} N",
+        "found": _largest_step(OURS, stiffness=stiffness),
+        "native": _largest_step(NATIVES / stiffness**0.5, addCable=NativeCables(stiffness)),
+        "distance": distance(paths, rigid),
+    }
 
 
 def _largest_step(estimate: float, **cable: Any) -> float:
@@ -151,46 +137,43 @@ def _largest_step(estimate: float, **cable: Any) -> float:
     return largest_stable_step(is_stable, estimate)
 
 
-def _long_runs(steps: int) -> Iterator[Row]:
-    """Energy of the pendulum over that many steps."""
-    for stiffness in (2e3, REAL):
-        _kept, mbs, _ = _system(scenes.pendulum, elements=5, stiffness=stiffness)
-        yield {"kind": "run", **long_run(f"EA = {stiffness:.3g} N", mbs, WITH_STEP, steps)}
+def _long_run(case: Row) -> Row:
+    """Energy of the pendulum over many steps."""
+    _kept, mbs, _ = _system(scenes.pendulum, elements=5, stiffness=case["stiffness"])
+    return long_run(f"EA = {case['stiffness']:.3g} N", mbs, WITH_STEP, case["steps"])
 
 
-def _costs(sizes: Sequence[tuple[int, int]], repeats: int) -> Iterator[Row]:
-    """A step with axial stiffness over one without.   sizes: dimension, elements."""
-    tasks = {(*size, k): _steps(*size, k) for size in sizes for k in (None, REAL)}
-    found = sampled(tasks, repeats, LEAST_SECONDS, "steps")
-    for dimension, elements in sizes:
-        rigid, ours = (found[dimension, elements, k].cpu_seconds for k in (None, REAL))
-        yield {
-            "kind": "cost",
-            "label": f"{dimension}D, {elements} elements",
-            "microseconds": 1e6 * statistics.median(ours),
-            "costRatio": statistics.median(one / other for one, other in zip(ours, rigid, strict=True)),
-        }
+def _steps(case: Row) -> dict[Any, Task]:
+    """With axial stiffness and without."""
+    tasks = {}
+    for stiffness in (None, REAL):
+        kept = _system(scenes.pendulum, stiffness=stiffness, **case)
+        stepper = ExplicitStepper(kept[1], replace(WITH_STEP, stepSize=1e-3))
+        tasks[(*case.values(), stiffness)] = steps_task(stepper, kept)
+    return tasks
 
 
-def _steps(dimension: int, elements: int, stiffness: float | None) -> Task:
-    kept = _system(scenes.pendulum, elements=elements, stiffness=stiffness, dimension=dimension)
-    return steps_task(ExplicitStepper(kept[1], replace(WITH_STEP, stepSize=1e-3)), kept)
+def _cost(case: Row, found: Any) -> Row:
+    """A step with axial stiffness over one without."""
+    rigid, ours = (found[(*case.values(), k)].cpu_seconds for k in (None, REAL))
+    return {
+        "label": f"{case['dimension']}D, {case['elements']} elements",
+        "microseconds": 1e6 * statistics.median(ours),
+        "costRatio": statistics.median(one / other for one, other in zip(ours, rigid, strict=True)),
+    }
 
 
-# ------------------------------------------------------------------------------------- the study
-
-
-def measure(order: Order) -> list[Row]:
-    """Rows of all kinds; the timed ones first."""
-    quick = order.quick
-    sizes = [(2, 5)] if quick else list(product((2, 3), (5, 10, 20, 50)))
-    rows = list(_costs(sizes, 2 if quick else 15))
-    for scene in scenes.SCENES[: 1 if quick else None]:
-        announce("stretch", scene.name)
-        rows += TUNING.rows(scene.brief() if quick else scene, quick)
-    announce("stretch", "stiffnesses, long runs")
-    rows += _over_stiffness(STIFFNESSES[2:4] if quick else STIFFNESSES, 0.1 if quick else 1.0)
-    return [*rows, *_long_runs(2000 if quick else 1_000_000)]
+SIZES = varied({"dimension": (2,), "elements": (5,)}, dimension=(2, 3), elements=(5, 10, 20, 50))
+STIFF = varied({"value": STIFFNESSES[2:4], "motion": (0.1,)}, value=STIFFNESSES, motion=(1.0,))
+LONG = varied({"steps": (2000,)}, stiffness=(2e3, REAL), steps=(1_000_000,))
+MEASURE = Benchmark(
+    [
+        Series("cost", SIZES, _cost, _steps, rounds=(2, 15), least=(1e-2, 1e-2)),  # timed, before all others
+        TUNING.series,
+        Series("stiffness", STIFF, _over_stiffness),
+        Series("run", LONG, _long_run),
+    ]
+)
 
 
 def _third(results: Results) -> list[Row]:
@@ -209,7 +192,8 @@ CONCLUSIONS = conclusions(
     Bar("cost", "costRatio", "a step over an inextensible one", DEARER),
     Bar("stiffness", "found", "largest stable step over the least", 1.0 + SAME, over_least=True, noise=1.0),
     Bar("stiffness", "native", "the same of native cables", over_least=True),
-    Bar("stiffness", _limit, "distance to the inextensible motion, times EA, over the least one", 1.0 + NEAR,
+    Bar("stiffness", lambda row: row["distance"] * row["value"],
+        "distance to the inextensible motion, times EA, over the least one", 1.0 + NEAR,
         over_least=True, noise=1.0),
     Bar("run", drift_of, "{}: drift of the mean energy over its range", DRIFT, "label", noise=1.0),
 )  # fmt: skip
@@ -246,4 +230,4 @@ TABLES = tables(
     settings=compared,
 )
 QUESTION = "What do cables that stretch cost, and are they right, from 20 N to 1e7 N?"
-STUDY = Study("stretch", QUESTION, measure, CONCLUSIONS, TABLES, draw, minutes=5)
+STUDY = Study("stretch", QUESTION, MEASURE, CONCLUSIONS, TABLES, draw, minutes=5)

@@ -36,7 +36,6 @@ What is left out
 """
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -81,17 +80,12 @@ def refined(scene: Scene) -> ReferenceSolution:
     )
 
 
-def _loads(scene: Scene) -> dict[str, tuple[Any, ...]]:
-    """That are gone when the motion begins."""
-    return {"without ice": (), "with ice": scene.start_loads}
-
-
 def _statics(results: SceneResults) -> list[Row]:
     """Equilibria without and with ice."""
     scene = results.scene
     (anchor,) = (support.anchor for support in scene.supports if isinstance(support, Hanger))
     rows = []
-    for label, loads in _loads(scene).items():
+    for label, loads in (("without ice", ()), ("with ice", scene.start_loads)):
         forces = equilibrium_forces(replace(scene, start_loads=loads), 20, 401)
         position, arc_length = forces["position"], forces["arcLength"]
         quarter, middle = (np.searchsorted(arc_length, x * scene.cable.length) for x in (0.25, 0.5))

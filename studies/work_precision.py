@@ -50,12 +50,24 @@ from .harness.bars import Bar, conclusions
 from .harness.benchmark import Benchmark, Series
 from .harness.figures import COST_AXES, LOOKS, front_curves
 from .harness.plot import COLORS, Curve, Panel, chart
-from .harness.ratios import BY_NATIVE_SOLVERS, EXPLICIT, IMPLICIT, INEXTENSIBLE, PEER, family_of, is_usable
+from .harness.ratios import (
+    BY_NATIVE_SOLVERS,
+    EXPLICIT,
+    IMPLICIT,
+    INEXTENSIBLE,
+    OPPONENTS,
+    PEER,
+    family_of,
+    front_of,
+    is_usable,
+    members,
+    method_of,
+    read,
+    speed_up,
+)
 from .harness.reference import ReferenceSolution
 from .harness.timing import measure
-from .precision import fronts
 from .precision.cases import LINKED_SCENES, NOT_INSTALLED, cases_of
-from .precision.fronts import OPPONENTS, front_of, members, read, speed_up
 from .table3 import reference_of
 
 SCENES = ("planar_pendulum", "spatial_pendulum", "vibrating_ring", "power_line")
@@ -75,9 +87,6 @@ def make_cases(quick: bool) -> list[Row]:
     ]
 
 
-# ------------------------------------------------------------------------------------------ measuring
-
-
 BOUNDS = (1e-2, 5e-3, 3e-3, 1e-3, 7e-4, 3e-4)  # [m]
 BELOW = "below the reference's uncertainty"
 REPEATS, SLOW_REPEATS, SLOWEST_REPEATS = 5, 3, 1
@@ -86,9 +95,7 @@ SLOW, SLOWEST = 0.3, 3.0  # [s] of CPU time
 
 def repeats_of(seconds: float) -> int:
     """Timed runs of a case whose warm-up took that CPU time [s]."""
-    if seconds > SLOWEST:
-        return SLOWEST_REPEATS
-    return SLOW_REPEATS if seconds > SLOW else REPEATS
+    return SLOWEST_REPEATS if seconds > SLOWEST else SLOW_REPEATS if seconds > SLOW else REPEATS
 
 
 def run_scene(case: Row) -> list[Row]:
@@ -106,8 +113,7 @@ def measured(
 ) -> list[Row]:
     """One row a case; what fails or diverges keeps its row, with its status."""
     found = measure(cases, repeats, reference.trajectory, scene.name, repeats_of)
-    rows = [{"kind": "run", "scene": scene.name} | row for row, _ in found]
-    return [row | {"family": family_of(row)} for row in rows]
+    return [{"kind": "run", "scene": scene.name, **row, "family": family_of(row)} for row, _ in found]
 
 
 def reference_row(scene: Scene, reference: ReferenceSolution) -> Row:
@@ -125,21 +131,17 @@ def reference_row(scene: Scene, reference: ReferenceSolution) -> Row:
 def ratio_rows(scene: str, runs: Sequence[Row], uncertainty: float) -> list[Row]:
     """CPU time of every opponent over that of the inextensible cable, at every error bound."""
     own, rows = front_of(members(runs, INEXTENSIBLE), uncertainty), []
-    for opponent, belongs in OPPONENTS.items():
-        theirs = front_of(filter(belongs, runs), uncertainty)
-        for bound in BOUNDS if any(map(belongs, runs)) else ():
+    for opponent in OPPONENTS:
+        theirs = front_of(some := members(runs, opponent), uncertainty)
+        for bound in BOUNDS if some else ():
             row = {"kind": "speedUp", "scene": scene, "opponent": opponent, "bound": bound, "ratio": None}
             if bound < uncertainty:
                 rows.append(row | {"opponentOutcome": BELOW, "ownOutcome": BELOW})
                 continue
-            slow, quick = read(theirs, bound), read(own, bound)
-            found = {"ratio": speed_up(theirs, own, bound)}
-            found |= {"opponentSeconds": slow.seconds, "ownSeconds": quick.seconds}
-            rows.append(row | found | {"opponentOutcome": slow.what, "ownOutcome": quick.what})
+            for who, its_front in (("opponent", theirs), ("own", own)):
+                row[f"{who}Seconds"], row[f"{who}Outcome"] = read(its_front, bound)
+            rows.append(row | {"ratio": speed_up(theirs, own, bound)})
     return rows
-
-
-# ---------------------------------------------------------------------------------------- conclusions
 
 
 BAR_SCENE, BAR_BOUNDS = "planar_pendulum", (5e-3, 7e-4)
@@ -172,11 +174,9 @@ BARS = conclusions(
 )
 
 
-# ------------------------------------------------------------------------------------------ pictures
-
-
 _MARKERS = "osD^v<>PX*h"
 POINTS = 200
+ENDS = (min, 0), (max, -1)
 _RATIO_AXES = "error [m]", "CPU time over the inextensible cable's [-]"
 
 
@@ -196,14 +196,14 @@ def _draw_scene(reference: Row, runs: Sequence[Row], directory: Path) -> Path:
     scene, unknown = reference["scene"], reference["uncertainty"]
     families = groups([row | {"family": family_of(row)} for row in runs], "family")
     own = [row for family in (INEXTENSIBLE, BY_NATIVE_SOLVERS) for row in families.get(family, [])]
-    methods = dict(sorted(groups([row | {"method": fronts.method_of(row)} for row in own], "method").items()))
+    methods = dict(sorted(groups([row | {"method": method_of(row)} for row in own], "method").items()))
     looks = {name: (COLORS[k % len(COLORS)], _MARKERS[k % len(_MARKERS)]) for k, name in enumerate(methods)}
     panels = []
     for rows, look, title in (
         (families, LOOKS, f"{scene}: all formulations"),
         (methods, looks, "inextensible cables by method"),
     ):
-        curves = front_curves(rows, look, lambda rows: front_of(rows, unknown).rows)
+        curves = front_curves(rows, look, lambda rows: front_of(rows, unknown))
         panels.append(Panel(*COST_AXES, curves, title=title, legend="below", unknown=unknown))
     return chart(directory / f"work_precision_{scene}.png", *panels, width=12.0, height=6.4)
 
@@ -212,14 +212,14 @@ def _ratios(reference: Row, runs: Sequence[Row]) -> Panel:
     """Where both fronts are; ends may leave one by rounding."""
     own = front_of(members(runs, INEXTENSIBLE), reference["uncertainty"])
     curves = []
-    for opponent in fronts.OTHERS:
-        theirs = front_of(filter(fronts.OPPONENTS[opponent], runs), reference["uncertainty"])
-        if not (theirs.rows and own.rows):
+    for opponent in (BY_NATIVE_SOLVERS, IMPLICIT, EXPLICIT, PEER):
+        theirs = front_of(members(runs, opponent), reference["uncertainty"])
+        if not (theirs and own):
             continue
-        largest, least = (choose(theirs.errors[k], own.errors[k]) for choose, k in ((min, 0), (max, -1)))
+        largest, least = (choose(theirs[k]["errorMax"], own[k]["errorMax"]) for choose, k in ENDS)
         if largest > least:
             errors = np.geomspace(largest, least, POINTS)[1:-1]
-            ratios = [fronts.speed_up(theirs, own, float(bound)) for bound in errors]
+            ratios = [speed_up(theirs, own, float(bound)) for bound in errors]
             curves.append(Curve(errors, ratios, opponent, LOOKS[opponent][0], "-"))
     title = reference["scene"] + ("" if curves else ": no fronts overlap")
     return Panel(*_RATIO_AXES, curves, title=title, legend=False, horizontal=(1.0,))

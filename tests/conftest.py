@@ -1,12 +1,16 @@
 """Properties are tried on the same examples in every run, without a time limit; failures are not stored.
 
-CPU clocks jump, as on a machine with neighbours: no test may depend on what something takes.
+CPU clocks jump, as on a machine with neighbours: no test may depend on what something takes. Linear algebra
+has one thread in each process: those of several processes would spin while they wait for each other.
 
 Known answers and faults are recorded as properties of their tests, for the table of `tests.verification`.
 """
 
+import os
 import random
 import time
+
+os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before NumPy is loaded
 
 import pytest
 from hypothesis import settings

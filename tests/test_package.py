@@ -33,10 +33,12 @@ def run(*command, cwd):
     )
 
 
-def test_the_command_runs_its_own_studies_wherever_it_is_called(tmp_path):
+def test_the_command_runs_its_own_studies_wherever_it_is_called_without_modules_of_unix(tmp_path):
+    """As on Windows."""
     (tmp_path / "studies").mkdir()
     (tmp_path / "studies" / "__init__.py").write_text("raise RuntimeError('these are of somebody else')\n")
-    result = run("-m", "exudyn_inext.studies", "list", cwd=tmp_path)
+    unix = ["resource", "fcntl", "pwd", "grp", "termios"]
+    result = run("-c", WITHOUT.format(missing=unix, module="exudyn_inext.studies"), cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     assert re.search("^table1 ", result.stdout, re.MULTILINE)
 
@@ -46,13 +48,6 @@ def test_without_libraries_of_the_studies_the_message_names_the_extra(tmp_path):
     result = run("-c", script, cwd=tmp_path)
     assert (result.returncode, result.stdout) == (2, "")
     assert "need matplotlib and tqdm" in result.stderr and "exudyn_inext[studies]" in result.stderr
-
-
-def test_the_command_lists_studies_without_modules_of_unix(tmp_path):
-    """As on Windows."""
-    unix = ["resource", "fcntl", "pwd", "grp", "termios"]
-    result = run("-c", WITHOUT.format(missing=unix, module="studies"), cwd=tmp_path)
-    assert result.returncode == 0, result.stderr
 
 
 def test_the_lowest_versions_that_are_admitted_are_those_that_are_tried():

@@ -36,13 +36,11 @@ class Bar:
 
     def sentences(self, results: Results) -> Iterator[str]:
         """One for each value of `per`."""
+        figure = self.figure if callable(self.figure) else lambda row: row.get(self.figure)
         rows = results.of_kind(self.rows) if isinstance(self.rows, str) else self.rows(results)
         for name, own in (groups(rows, self.per) if self.per else {"": rows}).items():
-            known = [(value, row) for row in own if (value := self._figure(row)) is not None]
+            known = [(value, row) for row in own if (value := figure(row)) is not None]
             yield f"{self.what.format(name)}: {self._found(known, self.noise if results.quick else 1.0)}."
-
-    def _figure(self, row: Row) -> float | None:
-        return row.get(self.figure) if isinstance(self.figure, str) else self.figure(row)
 
     def _found(self, known: Sequence[tuple[float, Row]], noise: float) -> str:
         """The worst figure, where it is, and the verdict."""

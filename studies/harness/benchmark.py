@@ -9,7 +9,7 @@ from tqdm import tqdm
 
 from .bars import Bar, conclusions
 from .store import Row, plain
-from .study import Order, Study
+from .study import Study
 from .table import tables
 from .timing import OK, Measurement, in_turn, sampled
 
@@ -45,18 +45,18 @@ class Series:
     least: tuple[float, float] | None = None
     rotates: bool = True
 
-    def rows(self, order: Order) -> Iterator[Row]:
+    def rows(self, quick: bool) -> Iterator[Row]:
         """Turn by turn."""
-        cases, name = self.cases(order.quick), f"{order.study}, {self.kind}"
+        cases = self.cases(quick)
         if self.tasks is None:
-            for case in tqdm(cases, desc=name, unit="case"):
+            for case in tqdm(cases, desc=self.kind, unit="case"):
                 yield from rows_of(self.row, {"kind": self.kind, **case})
             return
         turns: dict[tuple[Any, ...], list[Row]] = {}
         for case in cases:
             turns.setdefault(tuple(case[key] for key in self.turn), []).append(case)
         for turn, some in turns.items():
-            found = self._timed(some, not order.quick, " ".join(map(str, (name, *turn))))
+            found = self._timed(some, not quick, " ".join(map(str, (self.kind, *turn))))
             yield from ({"kind": self.kind, **self.row(case, found)} for case in some)
 
     def _timed(self, cases: Sequence[Row], full: bool, name: str) -> Mapping[Any, Measurement]:
@@ -73,8 +73,8 @@ class Benchmark:
 
     series: Sequence[Series]
 
-    def __call__(self, order: Order) -> list[Row]:
-        return [row for one in self.series for row in one.rows(order)]
+    def __call__(self, quick: bool) -> list[Row]:
+        return [row for one in self.series for row in one.rows(quick)]
 
 
 def rows_of(run: Callable[[Row], Row | list[Row]], case: Row) -> list[Row]:

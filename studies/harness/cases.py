@@ -5,18 +5,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
-from exudyn_inext import ExplicitSettings, ExplicitStepper, InextensibleError, Zhai
+from exudyn_inext import ExplicitSettings, InextensibleError, Zhai
 from reference_models.inextensible import Inextensible, build, inextensible_case, label_of
-from reference_models.model import SENSOR_PERIOD, node_index
 from reference_models.scenes import Scene
-from reference_models.trajectory import Array, Case, Run, Trajectory
+from reference_models.trajectory import Case, Run
 
 from . import inner
 from .ratios import DEFAULT, INEXTENSIBLE, ONE_SETTING
 
 PAPER_METHOD = "paper's method at its settings: product, v_n in the predictor"
+BRIEF = 0.01  # [s] of motion, to ask for a limit
 THETA, ZETA, CONSTANT = 0.3, 100.0, 1.4  # of the one setting; C is twice the usual one
 RULE = f"Zhai, theta = {THETA}, zeta = {ZETA:g} 1/s, h by Eq. (37) with C = {CONSTANT}, at most 1/(2 zeta)"
 
@@ -91,6 +89,15 @@ def kept_case(scene: Scene, model: Inextensible) -> Case:
         return failing_case(label, settings.integratorName, model.elements, error, step_size)
 
 
+def case_at_limit(scene: Scene, model: Inextensible, part: float) -> Case:
+    """At that part of its stability limit; one that cannot even start keeps its place, with its status."""
+    probe = kept_case(replace(scene, end_time=BRIEF), model)
+    limit = probe.details.get("stepLimit")
+    if limit is None:
+        return probe
+    return kept_case(scene, replace(model, settings=replace(model.settings, stepSize=part * limit)))
+
+
 def failing_case(
     label: str, integrator: str, elements: int, error: Exception, step_size: float = math.nan
 ) -> Case:
@@ -100,39 +107,3 @@ def failing_case(
         raise error
 
     return Case(label, INEXTENSIBLE, integrator, elements, step_size, 0, prepare)
-
-
-# ------------------------------------------------------------------- without Exudyn's time loop
-
-
-def stepper_case(scene: Scene, elements: int, settings: ExplicitSettings) -> Case:
-    """Moved by an ExplicitStepper: start and steps.   settings: its step divides the sensors' period."""
-    h = float(settings.stepSize or SENSOR_PERIOD)
-    steps = round(SENSOR_PERIOD / h)
-    samples = round(scene.end_time / SENSOR_PERIOD)
-    node = node_index(scene.observe[scene.main_point], elements)
-
-    def prepare() -> Run:
-        stepper = ExplicitStepper(build(scene, elements).mbs, settings)
-        q, _, _ = stepper.State()
-
-        def run() -> Trajectory:
-            stepper.Start()
-            found = [q[node, 0].copy()]
-            for _ in range(samples):
-                stepper.Step(steps)
-                found.append(q[node, 0].copy())
-            return _sampled(np.array(found))
-
-        return run
-
-    label = f"{settings.integratorName}, N = {elements}"
-    details = {"massScaling": settings.massScaling}
-    return Case(label, INEXTENSIBLE, settings.integratorName, elements, h, steps * samples, prepare, details)
-
-
-def _sampled(positions: Array) -> Trajectory:
-    """At the sensors' times.   positions: (n, dim) [m]."""
-    in_space = np.zeros((len(positions), 3))
-    in_space[:, : positions.shape[1]] = positions
-    return Trajectory(SENSOR_PERIOD * np.arange(len(positions)), in_space)

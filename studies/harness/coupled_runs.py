@@ -3,7 +3,7 @@
 import math
 import time
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
@@ -145,7 +145,7 @@ def prepare(scene: CoupledScene, candidate: Candidate, end_time: float) -> Calla
     Times [s] and positions [m] are (T, n, 4).
     """
     container, mbs, parts = _build(scene, candidate)
-    sensors = list(_sensors(mbs, parts, candidate.elements // math.gcd(*scene.meshes)))
+    sensors = _sensors(mbs, parts, candidate.elements // math.gcd(*scene.meshes))
     mbs.Assemble()
     if scene.settles:
         mbs.systemData.SetODE2Coordinates(_equilibrium(scene, candidate.at_rest), INITIAL)
@@ -180,14 +180,13 @@ def _equilibrium(scene: CoupledScene, candidate: Candidate) -> list[float]:
     return list(mbs.systemData.GetODE2Coordinates(INITIAL))
 
 
-def _sensors(mbs: Any, parts: dict[str, Any], stride: int) -> Iterator[Any]:
+def _sensors(mbs: Any, parts: dict[str, Any], stride: int) -> list[Any]:
     """Positions of nodes and bodies."""
     kept = {"storeInternal": True, "outputVariableType": exudyn.OutputVariableType.Position}
-    for cable in parts["cables"]:
-        for node in cable["nodes"][::stride]:
-            yield mbs.AddSensor(SensorNode(nodeNumber=node, **kept))
-    for body in parts["bodies"]:
-        yield mbs.AddSensor(SensorBody(bodyNumber=body, **kept))
+    nodes = [node for cable in parts["cables"] for node in cable["nodes"][::stride]]
+    found = [SensorNode(nodeNumber=node, **kept) for node in nodes]
+    found += [SensorBody(bodyNumber=body, **kept) for body in parts["bodies"]]
+    return [mbs.AddSensor(sensor) for sensor in found]
 
 
 def distance(paths: Array, reference: Array) -> float | None:

@@ -8,11 +8,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
-from exudyn.itemInterface import MarkerBodyPosition, MarkerNodePosition, SphericalJoint
-
 from examples import capstan, crane, drone, net, slider_crank, tethered_bodies
 from examples import overhead_line as line
-from examples.meshes import Net
+from examples.meshes import Net, tie
 from exudyn_inext import CreateInextensibleCable, InextensibleCable
 
 QUICK: dict[str, Any] = {"end_time": 0.06, "steps": (5e-3, 2e-3)}  # [s]
@@ -76,14 +74,9 @@ def _build_net(
     """A cable for each side of a mesh; the corners are held."""
     net = Bowl(meshes, SIDE, 0.0, elements)
     cables, meeting = net.add(mbs, partial(addCable, gravity=GRAVITY), SECTION)
-    ground = mbs.CreateGround()
     for knot, nodes in meeting.items():
-        markers = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in nodes]
-        if knot in net.corners:
-            anchor = MarkerBodyPosition(bodyNumber=ground, localPosition=net.place(knot))
-            mbs.AddObject(SphericalJoint(markerNumbers=[mbs.AddMarker(anchor), markers[0]]))
-        for marker in markers[1:]:
-            mbs.AddObject(SphericalJoint(markerNumbers=[markers[0], marker]))
+        corner = [mbs.CreateGround(referencePosition=net.place(knot))] if knot in net.corners else []
+        tie(mbs, corner, nodes)
     return {"cables": cables, "bodies": []}
 
 

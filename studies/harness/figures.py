@@ -1,24 +1,15 @@
 """The pictures that studies share: curves against the reference, cost and accuracy, convergence."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from reference_models.trajectory import Trajectory
 
 from .plot import COLORS, REFERENCE_COLOR, Curve, Panel, chart
-from .ratios import (
-    BY_NATIVE_SOLVERS,
-    EXPLICIT,
-    IMPLICIT,
-    INEXTENSIBLE,
-    PEER,
-    family_of,
-    front,
-    is_usable,
-)
+from .ratios import BY_NATIVE_SOLVERS, EXPLICIT, IMPLICIT, INEXTENSIBLE, PEER, family_of, front, is_usable
 from .reference import positions_at
 from .store import Row
 from .table import column, groups
@@ -41,9 +32,11 @@ def draw_trajectories(
     path: Path, curves: Mapping[str, Trajectory], reference: Trajectory, components: Sequence[str]
 ) -> Path:
     """The components of a point, by label, over the reference, and the distance to it."""
-    shown, panels = _until(reference, curves), []
+    end, panels = max((curve.times[-1] for curve in curves.values()), default=math.inf), []
+    shown = reference.times <= end + 1e-9
+    times, positions = reference.times[shown], reference.positions[shown]
     for k, component in enumerate(components):
-        lines = [Curve(shown.times, shown.positions[:, k], "reference", REFERENCE_COLOR, "-", THICK)]
+        lines = [Curve(times, positions[:, k], "reference", REFERENCE_COLOR, "-", THICK)]
         for style, (label, curve) in zip(_LINE_STYLES, curves.items(), strict=False):
             lines.append(Curve(curve.times, curve.positions[:, k], label, style=style))
         panels.append(Panel("", component, lines, "plot", legend=False))
@@ -54,13 +47,6 @@ def draw_trajectories(
     panels.append(Panel(TIME, "distance to the reference [m]", distances, "semilogy", least=1e-6))
     rows = len(panels)
     return chart(path, *panels, height=3.0 * rows, rows=rows, columns=1)
-
-
-def _until(reference: Trajectory, curves: Mapping[Any, Trajectory]) -> Trajectory:
-    """The reference, to the end of the longest curve."""
-    end = max((curve.times[-1] for curve in curves.values()), default=reference.times[-1])
-    shown = reference.times <= end + 1e-9
-    return Trajectory(reference.times[shown], reference.positions[shown])
 
 
 def draw_cost_and_accuracy(path: Path, rows: Sequence[Row]) -> Path:

@@ -11,8 +11,7 @@ from exudyn_inext.exudyn_binding.advising.pilot_runs import PilotRuns
 from exudyn_inext.exudyn_binding.scene import initial_states, read_scene
 from exudyn_inext.exudyn_binding.scene_runs import runs_of_cables as cable_runs
 from exudyn_inext.exudyn_binding.scene_runs import runs_of_scene
-from exudyn_inext.integrators import find_integrator
-from exudyn_inext.integrators.integrator import Integrator, LoadHistory, record
+from exudyn_inext.integrators.integrator import LoadHistory, record
 from exudyn_inext.integrators.linear_stability import GROWTH_TOLERANCE, decay_limit, frequency_limit
 from exudyn_inext.native.native_items import switched_off
 from exudyn_inext.run.cable_loads import CableLoads

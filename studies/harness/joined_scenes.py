@@ -51,7 +51,7 @@ def joined_scene(contents: Contents) -> Any:
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     cables = [_cable(mbs, contents, 0.1 * row) for row in range(contents.cables)]
-    nodes = [int(node) for node in cables[0]["nodes"]]
+    nodes = cables[0]["nodes"]
     for add, number in ((_spring, contents.springs), (_point, contents.points), (_body, contents.bodies)):
         for node in nodes[: -1 - number : -1]:
             add(mbs, node)
@@ -84,24 +84,22 @@ def _cable(mbs: Any, contents: Contents, height: float) -> dict[str, Any]:
     )
 
 
-def _spring(mbs: Any, node: int) -> None:
-    ground = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=mbs.CreateGround()))
-    tip = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))
-    mbs.AddObject(items.CartesianSpringDamper(markerNumbers=[ground, tip], stiffness=[1.0, 1.0, 0.0]))
+def _spring(mbs: Any, node: Any) -> None:
+    mbs.CreateCartesianSpringDamper(itemNumbers=[mbs.CreateGround(), node], stiffness=[1.0, 1.0, 0.0])
 
 
-def _tie(mbs: Any, node: int, marker: Any) -> None:
+def _tie(mbs: Any, node: Any, marker: Any) -> None:
     tip = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))
     mbs.AddObject(items.SphericalJoint(markerNumbers=[tip, marker], constrainedAxes=[1, 1, 0]))
 
 
-def _point(mbs: Any, node: int) -> None:
+def _point(mbs: Any, node: Any) -> None:
     x, y = mbs.GetNode(node)["referenceCoordinates"][:2]
     point = mbs.CreateMassPoint(mass=0.01, referencePosition=[x, y, 0.0], gravity=GRAVITY)
     _tie(mbs, node, mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=point)))
 
 
-def _body(mbs: Any, node: int) -> None:
+def _body(mbs: Any, node: Any) -> None:
     x, y = mbs.GetNode(node)["referenceCoordinates"][:2]
     inertia, position = items.InertiaCuboid(80.0, [SIZE] * 3), [x, y - SIZE, 0.0]
     body = mbs.CreateRigidBody(inertia=inertia, referencePosition=position, gravity=GRAVITY)

@@ -22,15 +22,16 @@ _KILO = 1024
 
 
 def long_cable(scene: str, elements: int, steps: int) -> Row:
-    """Memory in bytes, and seconds, of a cable that is built, checked and stepped, for a process of its own.
+    """Memory and time of a cable that is built, checked and stepped, for a process of its own.
 
     Returns:
-        "libraries": before anything is built; "model": with the Exudyn model; "peak": of all;
-        "startSeconds": of making and starting the stepper; "stepSeconds": of one step.
+        "librariesMegabytes": before anything is built; "modelMegabytes": with the Exudyn model;
+        "peakMegabytes": of all; "startSeconds": of making and starting the stepper;
+        "microseconds": of one step of an element.
     """
-    row: Row = {"libraries": peak_memory()}
+    row: Row = {"librariesMegabytes": peak_memory() / 1e6}
     model = build(load_scene(scene), elements)
-    row["model"] = peak_memory()
+    row["modelMegabytes"] = peak_memory() / 1e6
     start = time.perf_counter()
     stepper = ExplicitStepper(model.mbs, ExplicitSettings(stepSize=2e-3, massScaling=0.3))
     stepper.Start()
@@ -38,8 +39,8 @@ def long_cable(scene: str, elements: int, steps: int) -> Row:
     stepper.Step()
     start = time.perf_counter()
     stepper.Step(steps)
-    row["stepSeconds"] = (time.perf_counter() - start) / steps
-    return row | {"peak": peak_memory()}
+    row["microseconds"] = 1e6 * (time.perf_counter() - start) / steps / elements
+    return row | {"peakMegabytes": peak_memory() / 1e6}
 
 
 def peak_memory() -> int:
@@ -60,9 +61,6 @@ def _told(file: str, name: str) -> int:
     """What the system tells of this process [bytes]."""
     lines = Path(f"/proc/self/{file}").read_text(encoding="ascii").splitlines()
     return next(int(line.split()[1]) * _KILO for line in lines if line.startswith(f"{name}:"))
-
-
-# ------------------------------------------------------------------------------------ dropped scenes
 
 
 MANY, FEW = 60, 15  # elements of a cable, moved by kernels and by native solvers: a scene is not negligible

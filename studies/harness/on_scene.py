@@ -15,12 +15,13 @@ from reference_models.inextensible import Inextensible, inextensible_case
 from reference_models.scenes import Scene, load_scene
 from reference_models.trajectory import Case, Trajectory
 
+from .bars import Bar, conclusions
 from .cases import explicit_case, paper_case, untuned_cases
 from .figures import draw_cost_and_accuracy, draw_trajectories
-from .ratios import Ratio, equal_accuracy, front, kind_of, time_ratio
+from .ratios import equal_accuracy, front, kinds_of, time_ratio
 from .reference import ReferenceOf, ReferenceSolution, from_data, interpolation_error
 from .store import Row
-from .study import Order, Results, Study, announce
+from .study import Results, Study, announce
 from .table import Table, groups, number
 from .timing import OK, measure
 
@@ -57,16 +58,22 @@ class OnScene:
     quick_end_time: float = 0.5
     repeats: int = 5
 
-    def __call__(self, order: Order) -> SceneResults:
+    def __call__(self, quick: bool) -> SceneResults:
         scene = self.scene
-        if order.quick:
+        if quick:
             scene = replace(scene, end_time=min(scene.end_time, self.quick_end_time))
-        announce(order.study, "preparing the reference and the cases, finding stable steps")
+        announce(scene.name, "preparing the reference and the cases, finding stable steps")
         reference = self.reference(scene)
-        repeats = QUICK_REPEATS if order.quick else self.repeats
-        cases = self.cases(scene, order.quick)
-        found = measure(cases, repeats, reference.trajectory, order.study, _rounds)
-        if not order.quick:
+        repeats = QUICK_REPEATS if quick else self.repeats
+        cases = self.cases(scene, quick)
+        found = measure(
+            cases,
+            repeats,
+            reference.trajectory,
+            scene.name,
+            lambda seconds: 1 if seconds > LONG else math.inf,
+        )
+        if not quick:
             add_halved(cases, [row for row, _ in found], reference.trajectory)
         interpolation = interpolation_error(reference.trajectory)
         described = {
@@ -77,7 +84,7 @@ class OnScene:
             "interpolationErrorRms": interpolation.rms,
         }
         return SceneResults(
-            quick=order.quick,
+            quick=quick,
             rows=[row for row, _ in found],
             mode=f"quick: {scene.end_time:g} s of motion",
             entries={"paper": self.paper, "reference": described},
@@ -88,17 +95,12 @@ class OnScene:
         )
 
 
-def _rounds(seconds: float) -> float:
-    """How often a run of that CPU time [s] is timed."""
-    return 1 if seconds > LONG else math.inf
-
-
 def add_halved(cases: Sequence[Case], rows: Sequence[Row], reference: Trajectory) -> None:
     """Give rows that may be the cheapest of their kind "errorHalved", with half the step, from a single run.
 
     A row whose error grows then owes it to errors of mesh and step that cancel.
     """
-    kinds = groups([row | {"own": kind_of(row)} for row in rows], "own").values()
+    kinds = groups([row | {"own": kinds_of(row)} for row in rows], "own").values()
     chosen = {row["label"] for kind in kinds for row in front(kind)}
     pairs = zip(cases, rows, strict=True)
     asked = {case.label: (case.halved(), row) for case, row in pairs if case.label in chosen and case.halved}
@@ -135,10 +137,8 @@ ROWS = Table(
 )
 
 
-# ------------------------------------------------------------------------------ tables of the paper
-
-
 EACH_STEP: Newton = "modifiedEachStep"
+OVER = "CPU time over that of the inextensible cable"
 
 
 def of_pendulum(
@@ -200,16 +200,32 @@ class PaperTable:
         """Native explicit integrators at their largest stable steps, which are searched here."""
         return [largest_step_case(scene, *row) for row in self.explicit]
 
-    def ratios(self, results: Results) -> list[Ratio]:
-        """At the paper's settings beside the paper's, then best against best."""
+    def ratios(self, results: Results) -> list[Row]:
+        """At the paper's settings beside the paper's, then best against best; keys: see `equal_accuracy`."""
         seconds, proposed = self.paper.get("cpuSeconds", {}), self.shown[-1]
         rows = {row["label"]: row for row in results.rows}
         found = [
-            Ratio(label, there / seconds[proposed], time_ratio(rows.get(label), rows.get(proposed)))
+            {
+                "what": label,
+                "paper": there / seconds[proposed],
+                "here": time_ratio(rows.get(label), rows.get(proposed)),
+            }
             for label, there in seconds.items()
             if label != proposed
         ]
         return found + equal_accuracy(results.rows, self.bounds)
+
+    def conclude(self, results: Results) -> list[str]:
+        """The strongest native rows of equal accuracy; the paper's settings, beside the paper."""
+        rows = [row | {"label": row["what"]} for row in self.ratios(results)]
+        paper = [row for row in rows if row["paper"]]
+        equal = [] if results.quick else [row for row in rows if not row["paper"]]
+        bars = [
+            Bar(lambda _: paper, "here", f"{{}}: {OVER}, beside the paper's", "paper", "label", is_least=True)
+        ]
+        if equal:  # the few rows of a quick run, for a short motion, decide nothing on the best of their kind
+            bars.insert(0, Bar(lambda _: equal, "here", f"At equal accuracy, {OVER}", 1.0, is_least=True))
+        return conclusions(*bars)(results)
 
     def draw(self, results: SceneResults, directory: Path) -> list[Path]:
         """Cost against accuracy; motion at the paper's settings."""
@@ -226,5 +242,6 @@ class PaperTable:
     ) -> Study:
         """Its rows, what else is shown, its ratios and pictures.   more: of `Study`."""
         measure = OnScene(load_scene(self.scene), self.cases, self.paper, reference)
-        own = {"tables": [ROWS, *tables], "ratios": self.ratios, "pictures": self.draw}
-        return Study(self.name, question, measure, **own, **more)
+        shown = [ROWS, *tables, Table("", "", f"{OVER}: what | paper | here", self.ratios)]
+        own = {"conclusions": self.conclude, "ratios": self.ratios, "pictures": self.draw}
+        return Study(self.name, question, measure, tables=shown, **{**own, **more})

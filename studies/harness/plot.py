@@ -18,12 +18,6 @@ from .store import Row
 from .table import column
 
 
-def name_ticks(axes: Axes, numbers: Sequence[float]) -> None:
-    """Plain numbers where the markers are, instead of powers of ten."""
-    axes.set_xticks(numbers, [f"{number:g}" for number in numbers])
-    axes.set_xticks([], minor=True)
-
-
 @dataclass(frozen=True)
 class Curve:
     """y over x.   style: of line and markers, as for `Axes.plot`; look: further keywords."""
@@ -88,7 +82,8 @@ class Panel:
         if self.least:
             axes.set_ylim(bottom=self.least)
         if self.ticks:
-            name_ticks(axes, self.ticks)
+            axes.set_xticks(self.ticks, [f"{number:g}" for number in self.ticks])  # no powers of ten
+            axes.set_xticks([], minor=True)
         if self.names:
             axes.set_yticks(range(len(self.names)), self.names)
             axes.set_ylim(len(self.names) - 0.5, -0.5)

@@ -3,12 +3,13 @@
 Ratios are native CPU time over the inextensible cable's: at the paper's settings, and best against best.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+import math
+from collections.abc import Iterable, Sequence
+
+import numpy as np
 
 from .store import Row
-from .table import TextTable, at_most, number, timing_noise, verdict_on
+from .table import column
 
 CONVENTIONAL, INEXTENSIBLE = "conventional", "inextensible"
 DEFAULT, ONE_SETTING, TUNED = "default settings", "one setting", "tuned"
@@ -16,34 +17,12 @@ DEFAULT, ONE_SETTING, TUNED = "default settings", "one setting", "tuned"
 OURS = (DEFAULT, ONE_SETTING, TUNED)
 IMPLICIT, EXPLICIT = "native, implicit", "native, explicit"
 BY_NATIVE_SOLVERS, PEER = "inextensible, native solvers", "rigid links (MuJoCo)"
-HEADER = ("CPU time over that of the inextensible cable", "paper", "here")
-
-
-def is_implicit(row: Row) -> bool:
-    return row["integrator"] in ("generalizedAlpha", "trapezoidal")
-
-
-def is_explicit(row: Row) -> bool:
-    return not is_implicit(row)
-
-
-def is_explicit_zhai(row: Row) -> bool:
-    """The paper's scheme."""
-    return bool(row["integrator"].lower() == "zhai")
-
-
-def by_default(belongs: Callable[[Row], bool]) -> Callable[[Row], bool]:
-    """The same with Exudyn's default quadrature of the elastic forces."""
-    return lambda row: belongs(row) and row.get("quadrature", "full") == "full"
-
-
-NATIVES: Mapping[str, Callable[[Row], bool]] = {
-    IMPLICIT: is_implicit,
-    f"{IMPLICIT}, default quadrature": by_default(is_implicit),
-    EXPLICIT: is_explicit,
-    f"{EXPLICIT}, default quadrature": by_default(is_explicit),
-}
+BY_DEFAULT = ", default quadrature"
+"""Of the elastic forces, as Exudyn has it."""
+NATIVES = (IMPLICIT, IMPLICIT + BY_DEFAULT, EXPLICIT, EXPLICIT + BY_DEFAULT)
 """Kinds of native rows that the inextensible cable is compared with."""
+OPPONENTS = (*NATIVES, PEER, BY_NATIVE_SOLVERS)
+"""What the inextensible cable, moved by explicit steps, is compared with."""
 
 
 def family_of(row: Row) -> str:
@@ -52,13 +31,22 @@ def family_of(row: Row) -> str:
     if formulation == INEXTENSIBLE:
         return formulation if row.get("enforcement", "projection") == "projection" else BY_NATIVE_SOLVERS
     if formulation == CONVENTIONAL:
-        return IMPLICIT if is_implicit(row) else EXPLICIT
+        return IMPLICIT if row["integrator"] in ("generalizedAlpha", "trapezoidal") else EXPLICIT
     return PEER
 
 
-def kind_of(row: Row) -> tuple[Any, ...]:
-    """Rows of the same kind compete with each other."""
-    return (row["formulation"], is_explicit(row), row.get("choice"), row.get("quadrature", "full") == "full")
+def kinds_of(row: Row) -> tuple[str, ...]:
+    """Its family; of ours, how it was chosen; of native rows, whether the quadrature is the default one."""
+    family = family_of(row)
+    if family == INEXTENSIBLE:
+        return family, TUNED, row.get("choice", TUNED)
+    is_default = family in NATIVES and row.get("quadrature", "full") == "full"
+    return (family, family + BY_DEFAULT) if is_default else (family,)
+
+
+def members(rows: Iterable[Row], kind: str) -> list[Row]:
+    """The rows of a kind, in their order."""
+    return [row for row in rows if kind in kinds_of(row)]
 
 
 def is_usable(row: Row, error: str = "errorMax") -> bool:
@@ -72,16 +60,9 @@ def cheapest(rows: Iterable[Row], error_bound: float) -> Row | None:
     return min(candidates, key=lambda row: row["cpuSeconds"], default=None)
 
 
-def best(rows: Iterable[Row], bound: float) -> dict[str, Row | None]:
+def best(rows: Sequence[Row], bound: float) -> dict[str, Row | None]:
     """The cheapest rows within the bound [m]: ours, by how they were chosen; native ones."""
-    kinds: dict[str, list[Row]] = {name: [] for name in (*OURS, *NATIVES)}
-    for row in rows:
-        natives = [name for name, belongs in NATIVES.items() if belongs(row)]
-        ours = {TUNED, row.get("choice", TUNED)} & set(OURS)
-        own = {CONVENTIONAL: natives, INEXTENSIBLE: ours}
-        for name in own.get(row["formulation"], ()):
-            kinds[name].append(row)
-    return {name: cheapest(some, bound) for name, some in kinds.items()}
+    return {name: cheapest(members(rows, name), bound) for name in (*OURS, *NATIVES)}
 
 
 def front(rows: Iterable[Row], error: str = "errorMax") -> list[Row]:
@@ -100,60 +81,67 @@ def time_ratio(slow: Row | None, quick: Row | None) -> float | None:
     return float(slow["cpuSeconds"] / quick["cpuSeconds"])
 
 
-@dataclass(frozen=True)
-class Ratio:
-    """CPU time of native cables over that of the inextensible one.
+def equal_accuracy(rows: Sequence[Row], bounds: Sequence[float]) -> list[Row]:
+    """Cheapest native rows of each kind over the cheapest inextensible one.   bounds: of both errors [m].
 
-    what: the native rows.   here: measured; None where one of the times is missing.
-    paper: at the paper's settings, what the paper states; None for rows of equal accuracy.
+    Keys: "what", the native row; "here", the ratio, None where a time is missing; "paper": None.
     """
-
-    what: str
-    paper: float | None
-    here: float | None
-
-
-def equal_accuracy(rows: Sequence[Row], bounds: Sequence[float]) -> list[Ratio]:
-    """Cheapest native rows of each kind over the cheapest inextensible one.   bounds: of both errors [m]."""
     found = []
     for bound in bounds:
         chosen = best(rows, bound)
         for name in NATIVES:
             label = f": {native['label']}" if (native := chosen[name]) else ""
             text = f"cheapest run, {name}, with error <= {bound:g} m{label}"
-            found.append(Ratio(text, None, time_ratio(native, chosen[TUNED])))
+            found.append({"what": text, "paper": None, "here": time_ratio(native, chosen[TUNED])})
     return found
 
 
-def ratio_tables(found: Sequence[Ratio]) -> list[TextTable]:
-    """One table, none without ratios."""
-    lines = [
-        (ratio.what, "" if ratio.paper is None else number(ratio.paper), number(ratio.here))
-        for ratio in found
-    ]
-    return [TextTable("", HEADER, lines)] if found else []
+def method_of(row: Row) -> str:
+    """Integrator of an inextensible row, with what makes a scheme of its own."""
+    if family_of(row) == BY_NATIVE_SOLVERS:
+        return f"{row['enforcement']}, {row['integrator']}"
+    name = row["integrator"] + (" with corrector" if row.get("corrector") else "")
+    return name + (", mass scaling" if row.get("massScaling") else "")
 
 
-def ratio_sentences(found: Sequence[Ratio], quick: bool) -> list[str]:
-    """The strongest native rows of equal accuracy; then the paper's settings, beside the paper.
+READ = "read"
+TOO_LOOSE = "looser than its front"
+NOT_REACHED = "not reached"
+EMPTY = "no rows"
+LEAST_GAIN = 0.05  # of the error
 
-    quick: whether few rows were run, for a short motion: they decide nothing on the best of their kind.
+
+def front_of(rows: Iterable[Row], uncertainty: float) -> list[Row]:
+    """The usable rows that none beats, cheapest first; errors below the uncertainty [m] are raised to it.
+
+    A row that gains less than LEAST_GAIN over a cheaper one is left out: half a step at the same error of the
+    mesh would otherwise make all accuracies beyond it look twice as costly.
     """
-    words = {None: "equal within noise", True: "a smaller gain", False: "a larger gain"}
-    measured = [(ratio.what, ratio.paper, ratio.here) for ratio in found if ratio.here is not None]
-    sentences = [
-        f"{what}: {number(here)} times the CPU time of the inextensible cable, {number(paper)} in the paper "
-        f"({words[at_most(here, paper, timing_noise(quick))]})."
-        for what, paper, here in measured
-        if paper is not None
-    ]
-    tuned = [(here, what) for what, paper, here in measured if paper is None]
-    if quick or not tuned:
-        return sentences
-    closest, what = min(tuned, key=lambda one: one[0])
-    verdict = verdict_on(1.0, closest, 1.0, "is always cheaper", "is NOT always cheaper")
-    equal = (
-        f"At equal accuracy, the inextensible cable {verdict}: the closest of {len(tuned)} comparisons is "
-        f"{number(closest)} ({what})."
-    )
-    return [equal, *sentences]
+    raised = [row | {"errorMax": max(row["errorMax"], uncertainty)} for row in rows if is_usable(row)]
+    kept: list[Row] = []
+    for row in front(raised):
+        if not kept or row["errorMax"] <= (1.0 - LEAST_GAIN) * kept[-1]["errorMax"]:
+            kept.append(row)
+    return kept
+
+
+def read(found: Sequence[Row], bound: float) -> tuple[float | None, str]:
+    """CPU time [s] at an error of `bound` [m], on the line through the neighbours on logarithmic scales.
+
+    None outside of the front; and why.
+    """
+    if not found:
+        return None, EMPTY
+    errors = column(found, "errorMax")
+    if bound > errors[0]:
+        return None, TOO_LOOSE
+    if bound < errors[-1]:
+        return None, NOT_REACHED
+    at = np.interp(-math.log(bound), -np.log(errors), np.log(column(found, "cpuSeconds")))
+    return float(math.exp(at)), READ
+
+
+def speed_up(opponent: Sequence[Row], own: Sequence[Row], bound: float) -> float | None:
+    """CPU time of the opponent over one's own at an error of `bound` [m]; None outside of either front."""
+    (slow, _), (quick, _) = read(opponent, bound), read(own, bound)
+    return None if slow is None or quick is None else slow / quick

@@ -51,9 +51,8 @@ def positions_at(reference: Trajectory, times: Array) -> Array:
 
 def distance_to_reference(trajectory: Trajectory, reference: Trajectory) -> Distance:
     """Distance to the reference at the trajectory's own times."""
-    tolerance = 1e-6
     end = reference.times[-1]
-    if trajectory.times[-1] > end + tolerance:
+    if trajectory.times[-1] > end + 1e-6:
         raise InputError(
             f"the trajectory ends at {trajectory.times[-1]:g} s, the reference at {end:g} s: shorten the run."
         )

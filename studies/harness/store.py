@@ -30,14 +30,6 @@ def prepare_directory(directory: Path) -> Path:
     return directory
 
 
-def read_json(path: Path) -> dict[str, Any] | None:
-    """A JSON document, None if there is none."""
-    try:
-        return dict(json.loads(path.read_text(encoding="utf-8")))
-    except FileNotFoundError:
-        return None
-
-
 def write_json(path: Path, document: Mapping[str, Any]) -> None:
     """Write the document; NaN and infinity become null."""
     write_text(path, json.dumps(plain(document), indent=1, allow_nan=False) + "\n")

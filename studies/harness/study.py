@@ -10,7 +10,6 @@ from typing import Any
 from tqdm import tqdm
 
 from .provenance import commit_of, machine, present_code
-from .ratios import Ratio, ratio_sentences, ratio_tables
 from .store import Row, prepare_directory, write_json, write_text
 from .table import Table, TextTable
 
@@ -20,18 +19,6 @@ KEYS = (
     "study", "question", "quick", "mode", "date", "machine", "versions", "sources", "rows",
     "tables", "notes", "conclusions", "ratios", "pictures",
 )  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Order:
-    """Which study is to be run, and how.
-
-    output: directory.   quick: few, cheap cases.
-    """
-
-    study: str
-    output: Path
-    quick: bool = False
 
 
 @dataclass(frozen=True)
@@ -60,20 +47,21 @@ def nothing(*given: Any) -> list[Any]:
 class Study:
     """A question that one command answers.
 
-    measure: gives rows; a function, or `OnScene` (cases on a scene), or `Benchmark` (series of cases).
+    measure: quick -> rows; a function, `OnScene` (cases on a scene), or `Benchmark` (series of cases).
     tables: how the rows are shown.   conclusions: sentences that are computed from them.
-    pictures: draws into a directory and returns the files.   ratios: of them, a table and sentences are made.
+    pictures: draws into a directory and returns the files.
+    ratios: of CPU times, rows with "what", "paper", "here", for the headline of a report.
     not_in_quick_report: why a quick report on all studies leaves it out; empty if it does not.
     minutes: what a full run took on two cores, with its kernels compiled; 0: not known.
     """
 
     name: str
     question: str
-    measure: Callable[[Order], Any]
+    measure: Callable[[bool], Any]
     conclusions: Callable[[Any], list[str]] = nothing
     tables: Sequence[Table] = ()
     pictures: Callable[[Any, Path], list[Path]] = nothing
-    ratios: Callable[[Any], list[Ratio]] = nothing
+    ratios: Callable[[Any], list[Row]] = nothing
     not_in_quick_report: str = ""
     minutes: float = 0.0
 
@@ -87,7 +75,7 @@ def run(study: Study, output: Path, quick: bool = False) -> str:
     """Measure, write NAME.json, NAME.md and pictures into `output`; return the report."""
     prepare_directory(output)
     announce(study.name, "measuring")
-    results = study.measure(Order(study.name, output, quick))
+    results = study.measure(quick)
     results = results if isinstance(results, Results) else Results(quick, results)
     document = measured(study.name, study.question, results)
     write_json(output / f"{study.name}.json", document)
@@ -116,13 +104,12 @@ def measured(name: str, question: str, results: Results) -> Document:
 
 def concluded(study: Study, results: Results) -> Document:
     """What follows from the rows; tables without rows are left out."""
-    ratios = study.ratios(results)
     tables = [table.text(results) for table in study.tables]
     return {
-        "tables": [vars(table) for table in tables + ratio_tables(ratios) if table.lines],
+        "tables": [vars(table) for table in tables if table.lines],
         "notes": list(results.notes),
-        "conclusions": study.conclusions(results) + ratio_sentences(ratios, results.quick),
-        "ratios": [vars(ratio) for ratio in ratios],
+        "conclusions": study.conclusions(results),
+        "ratios": study.ratios(results),
     }
 
 

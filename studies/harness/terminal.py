@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import zip_longest
 from textwrap import fill, wrap
 from typing import Any
 
@@ -30,24 +31,14 @@ def as_text(document: Mapping[str, Any], width: int) -> str:
 def text_table(header: Sequence[str], lines: Sequence[Sequence[str]], width: int) -> str:
     """Columns beside each other; those that find no place follow below, beside the first column again."""
     columns = [list(column) for column in zip(header, *lines, strict=True)]
-    return "\n\n".join("\n".join(_drawn(*part)) for part in _parts(columns, width))
-
-
-def _parts(columns: Sequence[list[str]], width: int) -> Iterator[tuple[list[list[str]], list[int]]]:
-    """Columns that fit together, with their widths."""
     least = [max(map(_least_width, column)) for column in columns]
-    start = 1
-    while True:
-        end = start
-        while end < len(columns) and sum(least[k] + len(GAP) for k in (0, *range(start, end + 1))) <= width:
-            end += 1
-        end = max(end, min(start + 1, len(columns)))
-        part = [0, *range(start, end)]
-        chosen = [columns[k] for k in part]
-        yield chosen, _widened(chosen, [least[k] for k in part], width)
-        start = end
-        if start >= len(columns):
-            return
+    parts = [[0]]
+    for k in range(1, len(columns)):
+        if len(parts[-1]) > 1 and sum(least[j] + len(GAP) for j in (*parts[-1], k)) - len(GAP) > width:
+            parts.append([0])
+        parts[-1].append(k)
+    drawn = (_drawn([columns[k] for k in part], [least[k] for k in part], width) for part in parts)
+    return "\n\n".join(map("\n".join, drawn))
 
 
 def _least_width(cell: str) -> int:
@@ -65,21 +56,17 @@ def _widened(columns: Sequence[list[str]], widths: list[int], width: int) -> lis
     return widths
 
 
-def _drawn(columns: Sequence[list[str]], widths: Sequence[int]) -> Iterator[str]:
+def _drawn(columns: Sequence[list[str]], least: list[int], width: int) -> Iterator[str]:
     """Lines of text; columns with a number, but for the first one, to the right."""
+    widths = _widened(columns, least, width)
     sides = [str.rjust if k and any(map(_is_number, cells)) else str.ljust for k, cells in enumerate(columns)]
     for number, row in enumerate(zip(*columns, strict=True)):
-        cells = [_wrapped(cell, most) for cell, most in zip(row, widths, strict=True)]
-        for k in range(max(map(len, cells))):
-            texts = (cell[k] if k < len(cell) else "" for cell in cells)
-            placed = (side(text, most) for side, text, most in zip(sides, texts, widths, strict=True))
+        cells = [wrap(cell, w, break_on_hyphens=False) or [""] for cell, w in zip(row, widths, strict=True)]
+        for texts in zip_longest(*cells, fillvalue=""):
+            placed = (side(text, w) for side, text, w in zip(sides, texts, widths, strict=True))
             yield GAP.join(placed).rstrip()
         if number == 0:
             yield GAP.join("-" * most for most in widths)
-
-
-def _wrapped(cell: str, width: int) -> list[str]:
-    return wrap(cell, width, break_on_hyphens=False) or [""]
 
 
 def _is_number(cell: str) -> bool:

@@ -50,10 +50,6 @@ class Measurement:
     def median(self) -> float | None:
         return statistics.median(self.cpu_seconds) if self.cpu_seconds else None
 
-    @property
-    def minimum(self) -> float | None:
-        return min(self.cpu_seconds, default=None)
-
     def run(self) -> None:
         """Prepare, and run once; the first time is the warm-up."""
         self.found = None  # its memory is used again
@@ -97,9 +93,6 @@ def in_turn(
                 progress.update()
             order.rotate(-1 if turns and completed else 0)
     return measurements
-
-
-# ------------------------------------------------------------------------------- cases on a scene
 
 
 def measure(
@@ -154,16 +147,13 @@ def row_of(case: Case, measurement: Measurement, reference: Trajectory) -> Row:
         "stepSize": case.step_size,
         "steps": case.steps,
         "cpuSeconds": measurement.median,
-        "cpuSecondsMin": measurement.minimum,
+        "cpuSecondsMin": min(measurement.cpu_seconds, default=None),
         "repeats": len(measurement.cpu_seconds),
         "errorMax": error.maximum if known else None,
         "errorRms": error.rms if known else None,
         "status": measurement.status,
         **case.details,
     }
-
-
-# ------------------------------------------------------------------------------------ short tasks
 
 
 def steps_task(stepper: ExplicitStepper, kept: Any = None) -> Task:
@@ -197,9 +187,6 @@ def _times_of(task: Task, least_seconds: float) -> int:
         task(times)
         seconds = max(time.process_time() - start, 1e-9)
     return max(1, round(times * least_seconds / seconds))
-
-
-# ---------------------------------------------------------------------------------------- garbage
 
 
 @contextmanager

@@ -18,6 +18,7 @@ from exudyn_inext import InextensibleError
 from exudyn_inext.arrays import Array
 from reference_models.conventional.cable import Quadrature
 
+from .benchmark import Series
 from .coupled_runs import PERIOD, Candidate, Inextensible, Native, distance, prepare
 from .coupled_scenes import CoupledScene
 from .plot import Curve, Panel, chart
@@ -40,9 +41,6 @@ class Attempt:
     candidate: Any
     error: float | None
     seconds: float
-
-    def is_within(self, bound: float) -> bool:
-        return self.error is not None and self.error < bound
 
 
 Try = Callable[[Any], Attempt]
@@ -110,26 +108,24 @@ def _promising(found: Sequence[Attempt], bound: float) -> list[Attempt]:
 
 
 def _cheapest(found: Sequence[Attempt], bound: float) -> list[Attempt]:
-    return sorted((one for one in found if one.is_within(bound)), key=lambda one: one.seconds)
-
-
-# ------------------------------------------------------------------------------- rows of a scene
+    within = (one for one in found if one.error is not None and one.error < bound)
+    return sorted(within, key=lambda one: one.seconds)
 
 
 REPETITIONS = 3
 TICKS = [digit * 10.0**power for power in range(-4, 3) for digit in (1, 3)]  # [s]
 LEAST = 0.1  # of the CPU time of a run, where its start is taken off
 
-Series = list[list[Any]]
+Steps = list[list[Any]]
 
 
-def ours(scene: CoupledScene) -> Series:
+def ours(scene: CoupledScene) -> Steps:
     """Candidates: default settings, and series of steps."""
-    default: Series = [[Inextensible(n, choice=DEFAULT)] for n in scene.meshes]
+    default: Steps = [[Inextensible(n, choice=DEFAULT)] for n in scene.meshes]
     return default + [[Inextensible(n, h) for h in scene.steps] for n in scene.meshes]
 
 
-def natives(scene: CoupledScene, quadratures: Sequence[Quadrature] = ("full", "lobatto")) -> Series:
+def natives(scene: CoupledScene, quadratures: Sequence[Quadrature] = ("full", "lobatto")) -> Steps:
     """Candidates: series of steps."""
     grid = product(scene.meshes, scene.axial, quadratures)
     return [[Native(n, h, axial, quadrature) for h in scene.steps] for n, axial, quadrature in grid]
@@ -141,43 +137,71 @@ class Tuning:
 
     sides: name -> series of candidates.   references: a converged run, and one that says how good it is.
     bounds: of errors, see `distance` [-].
+    who: name of a best run -> side, and TUNED, DEFAULT or ONE_SETTING.
     """
 
-    sides: Mapping[str, Callable[[CoupledScene], Series]]
+    scenes: Sequence[CoupledScene]
+    sides: Mapping[str, Callable[[CoupledScene], Steps]]
     references: Callable[[CoupledScene], tuple[Candidate, Candidate]]
     bounds: Sequence[float]
+    who: Mapping[str, tuple[str, str]]
 
-    def rows(self, scene: CoupledScene, quick: bool = False) -> Iterator[Row]:
+    @property
+    def series(self) -> Series:
+        """One case a scene."""
+        return Series("scene", self._cases, lambda case: list(self.rows(case["scene"], case["quick"])))
+
+    def _cases(self, quick: bool) -> list[Row]:
+        return [{"scene": one.name, "quick": quick} for one in self.scenes if one.is_quick or not quick]
+
+    def rows(self, scene: str, quick: bool = False) -> Iterator[Row]:
         """The reference, candidates, and the best ones of each side within each bound, timed in turn."""
-        run = partial(prepare, scene, end_time=scene.end_time)
-        reference, twin = self.references(scene)
-        attempt = partial(_attempt, scene, run(reference)()[1])
-        yield {
-            "kind": "reference",
-            "label": scene.name,
-            "scene": scene.name,
-            "error": attempt(twin).error,
-        }
+        one = next(other for other in self.scenes if other.name == scene)
+        one = one.brief() if quick else one
+        run = partial(prepare, one, end_time=one.end_time)
+        reference, twin = self.references(one)
+        attempt = partial(_attempt, one, run(reference)()[1])
+        yield {"kind": "reference", "label": scene, "scene": scene, "error": attempt(twin).error}
         tried = {}
-        for side, series in self.sides.items():
-            found = search(series(scene), attempt, self.bounds, side)
-            found += vary(found, attempt, self.bounds, lambda candidate: candidate.variants(scene))
+        for side, steps in self.sides.items():
+            found = search(steps(one), attempt, self.bounds, f"{scene}, {side}")
+            found += vary(found, attempt, self.bounds, lambda candidate: candidate.variants(one))
             tried[side, TUNED] = found
             for choice in (DEFAULT, ONE_SETTING):
-                tried[side, choice] = [one for one in found if _choice(one) == choice]
-            yield from (_row("candidate", scene, side, one) for one in found)
+                tried[side, choice] = [x for x in found if getattr(x.candidate, "choice", TUNED) == choice]
+            yield from (_row("candidate", scene, side, x) for x in found)
         asked = {(bound, *who): (found, bound) for bound in self.bounds for who, found in tried.items()}
         repetitions = 1 if quick else REPETITIONS
         best = choose(asked, run, repetitions)
-        begin = partial(prepare, scene, end_time=PERIOD)
-        starts = choose({name: ([one], math.inf) for name, one in best.items()}, begin, repetitions)
-        for (bound, side, choice), one in best.items():
-            row = _row("best", scene, side, one) | {"bound": bound, "choice": choice}
+        begin = partial(prepare, one, end_time=PERIOD)
+        starts = choose({name: ([x], math.inf) for name, x in best.items()}, begin, repetitions)
+        for (bound, side, choice), x in best.items():
+            row = _row("best", scene, side, x) | {"bound": bound, "choice": choice}
             yield row | {"startSeconds": starts[bound, side, choice].seconds}
 
+    def compared(self, results: Results) -> list[Row]:
+        """Best runs of each scene within each bound, and quotients of their CPU times.
 
-def _choice(one: Attempt) -> str:
-    return getattr(one.candidate, "choice", TUNED)
+        Keys: NAME, NAMEStart [s], NAMEError, NAMESettings, NAME/OTHER, and without their starts NAME//OTHER.
+        """
+        best = {(r["scene"], r["bound"], r["formulation"], r["choice"]): r for r in results.of_kind("best")}
+        rows = []
+        for reference, bound in product(results.of_kind("reference"), self.bounds):
+            found = {name: best.get((reference["scene"], bound, *side)) for name, side in self.who.items()}
+            row = {"scene": reference["scene"], "within": percent(bound), "agreement": reference["error"]}
+            for name, one in found.items():
+                if one:
+                    settings = f"{one.get('elements')} elements, {one.get('settings')}"
+                    row |= {name: one["cpuSeconds"], f"{name}Start": one.get("startSeconds")}
+                    row |= {f"{name}Error": one.get("error"), f"{name}Settings": settings}
+            for name, other in product(found, found):
+                if name in row and other in row:
+                    row[f"{name}/{other}"] = row[name] / row[other]
+                    alone = [row[key] - (row[f"{key}Start"] or math.nan) for key in (name, other)]
+                    if alone[1] > LEAST * row[other]:
+                        row[f"{name}//{other}"] = alone[0] / alone[1]
+            rows.append(row)
+        return rows
 
 
 def _attempt(scene: CoupledScene, reference: Array, candidate: Candidate) -> Attempt:
@@ -191,47 +215,18 @@ def _attempt(scene: CoupledScene, reference: Array, candidate: Candidate) -> Att
     return Attempt(candidate, distance(paths, reference), seconds)
 
 
-def _row(kind: str, scene: CoupledScene, side: str, one: Attempt) -> Row:
+def _row(kind: str, scene: str, side: str, one: Attempt) -> Row:
     candidate = one.candidate
     return {
         "kind": kind,
-        "label": f"{scene.name}, {side}, {candidate.elements} elements, {candidate}",
-        "scene": scene.name,
+        "label": f"{scene}, {side}, {candidate.elements} elements, {candidate}",
+        "scene": scene,
         "formulation": side,
         "elements": candidate.elements,
         "settings": str(candidate),
         "error": one.error,
         "cpuSeconds": one.seconds,
     }
-
-
-def compare(results: Results, bounds: Sequence[float], who: Mapping[str, tuple[str, str]]) -> list[Row]:
-    """Best runs of each scene within each bound, and quotients of their CPU times.
-
-    who: name -> side, and TUNED, DEFAULT or ONE_SETTING.
-    Keys: NAME, NAMEStart [s], NAMEError, NAMESettings, NAME/OTHER, and without their starts NAME//OTHER.
-    """
-    best = {(r["scene"], r["bound"], r["formulation"], r["choice"]): r for r in results.of_kind("best")}
-    rows = []
-    for reference, bound in product(results.of_kind("reference"), bounds):
-        found = {name: best.get((reference["scene"], bound, *side)) for name, side in who.items()}
-        row = {"scene": reference["scene"], "within": percent(bound), "agreement": reference["error"]}
-        for name, one in found.items():
-            if one:
-                row |= {name: one["cpuSeconds"], f"{name}Start": one.get("startSeconds")}
-                row |= {f"{name}Error": one.get("error"), f"{name}Settings": _settings(one)}
-        for name, other in product(found, found):
-            if name in row and other in row:
-                row[f"{name}/{other}"] = row[name] / row[other]
-                alone = [row[key] - (row[f"{key}Start"] or math.nan) for key in (name, other)]
-                if alone[1] > LEAST * row[other]:
-                    row[f"{name}//{other}"] = alone[0] / alone[1]
-        rows.append(row)
-    return rows
-
-
-def _settings(one: Row) -> str:
-    return f"{one.get('elements')} elements, {one.get('settings')}"
 
 
 def draw_fronts(results: Results, path: Path, bounds: Sequence[float]) -> Path:

@@ -3,7 +3,6 @@
 import argparse
 import re
 import shutil
-from collections.abc import Sequence
 from pathlib import Path
 
 from exudyn_inext import InputError
@@ -86,9 +85,3 @@ def filled(text: str, figures: Figures) -> str:
         return f"{start}\n{BLOCKS[name](figures)}\n\n{end}"
 
     return _BLOCK.sub(block, text)
-
-
-def pages_that_differ(root: Path = ROOT, folder: Path = FOLDER) -> Sequence[Path]:
-    """Pages with figures other than those of the results."""
-    found = remade(root, Figures(folder)).items()
-    return [path for path, text in found if text != path.read_text(encoding="utf-8")]

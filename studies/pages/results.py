@@ -11,8 +11,9 @@ from typing import Any
 from exudyn_inext import InputError
 from studies.harness import Row
 from studies.harness.provenance import ROOT, commit_of
-from studies.harness.store import plain, read_json, write_text
+from studies.harness.store import plain, write_text
 from studies.harness.study import KEYS, Document
+from studies.report.documents import read
 
 FOLDER = ROOT / "docs" / "figures"
 FORMAT = 1
@@ -49,28 +50,18 @@ def reduced(documents: Sequence[Document], provisional: str = "") -> Document:
 def _rows(document: Document) -> list[Row]:
     kinds = KINDS.get(document["study"], ())
     chosen = [row for row in document["rows"] if row.get("kind", "") in kinds]
-    return [{key: _rounded(row[key]) for key in row if key in ROW_KEYS} for row in chosen]
-
-
-def _rounded(value: Any) -> Any:
-    return float(f"{value:.4g}") if isinstance(value, float) else value
+    kept = [{key: value for key, value in row.items() if key in ROW_KEYS} for row in chosen]
+    return [{key: float(f"{x:.4g}") if isinstance(x, float) else x for key, x in row.items()} for row in kept]
 
 
 def spread(runs: Sequence[Sequence[Row]]) -> Row | None:
     """How far the times of repeated runs differ, over their median: in the median row, and at most."""
     if len(runs) < 2 or len({len(rows) for rows in runs}) > 1:
         return None
-    found = [
-        [row[key] for row in rows] for key in TIMES for rows in zip(*runs, strict=True) if _all(rows, key)
-    ]
-    shares = [(max(times) - min(times)) / statistics.median(times) for times in found]
-    return (
-        {"runs": len(runs), "median": statistics.median(shares), "largest": max(shares)} if shares else None
-    )
-
-
-def _all(rows: Sequence[Row], key: str) -> bool:
-    return all(key in row for row in rows)
+    found = [[row.get(key) for row in rows] for key in TIMES for rows in zip(*runs, strict=True)]
+    shares = [(max(times) - min(times)) / statistics.median(times) for times in found if None not in times]
+    spread = {"median": statistics.median(shares), "largest": max(shares)} if shares else None
+    return spread and {"runs": len(runs), **spread}
 
 
 def store(document: Document, folder: Path = FOLDER) -> Path:
@@ -114,7 +105,7 @@ class Figures:
 
     @staticmethod
     def _read(path: Path) -> Document:
-        found = read_json(path) or {}
+        found = read(path)
         if found.get("format") != FORMAT:
             raise InputError(
                 f"'{path}' has format {found.get('format')}, these pages need {FORMAT}: "

@@ -15,7 +15,6 @@ from studies.harness.ratios import (
     PEER,
     TUNED,
     best,
-    is_explicit_zhai,
     time_ratio,
 )
 from studies.harness.table import markdown_table, percent
@@ -47,9 +46,6 @@ def cancels(row: Row | None, bound: float) -> bool:
     return row is not None and (row.get("errorHalved") or 0.0) > bound
 
 
-# ----------------------------------------------------------------------------------------- all scenes
-
-
 def headline(figures: Figures) -> str:
     """All scenes, those where native cables win too, at the largest and the smallest error."""
     lines, marked = [], []
@@ -58,12 +54,9 @@ def headline(figures: Figures) -> str:
             chosen = best(figures.rows(name), bound)
             lines.append([f"{scene}; {bound:g} m", *_cells(chosen, bound)])
             marked.append(_neighbours(f"{scene.partition(',')[0]} at {bound:g} m", chosen, bound))
-    lines += [_among_bodies(row) for row in _coupled(figures) if row["within"] == percent(BOUNDS[0])]
-    header = [
-        "scene; error",
-        *(f"{who} [ms]" for who in (IMPLICIT, EXPLICIT)),
-        *(f"{who} [ms]" for who in OURS),
-    ]
+    coupled = [line for line in _among_bodies(figures) if line[0].endswith(f"; {percent(BOUNDS[0])}")]
+    lines += [[case, implicit, "-", *own] for case, implicit, *own in coupled]
+    header = ["scene; error", *(f"{who} [ms]" for who in (IMPLICIT, EXPLICIT, *OURS))]
     notes = [
         f"One setting: {RULE}.",
         f"\\* Errors of mesh and step cancel; with half the step: {'; '.join(filter(None, marked)) or '-'}.",
@@ -89,26 +82,19 @@ def _neighbours(case: str, chosen: Chosen, bound: float) -> str:
     return f"{case}: {', '.join(found)}" if found else ""
 
 
-def _coupled(figures: Figures) -> list[Row]:
-    return compared(Results(False, figures.rows("coupled")))
-
-
-def _among_bodies(row: Row) -> list[str]:
-    ours = [(row.get(key), row.get(f"native/{key}")) for key in ("default", "setting", "ours")]
-    cells = [short(seconds, 1e-3) + (f" ({short(ratio)})" if ratio else "") for seconds, ratio in ours]
-    return [f"{row['scene']}; {row['within']}", short(row.get("native"), 1e-3), "-", *cells]
+def _among_bodies(figures: Figures) -> Iterator[list[str]]:
+    """Scene and bound; native cables; ours."""
+    for row in compared(Results(False, figures.rows("coupled"))):
+        ours = [(row.get(key), row.get(f"native/{key}")) for key in ("default", "setting", "ours")]
+        cells = [short(seconds, 1e-3) + (f" ({short(ratio)})" if ratio else "") for seconds, ratio in ours]
+        yield [f"{row['scene']}; {row['within']}", short(row.get("native"), 1e-3), *cells]
 
 
 def bodies(figures: Figures) -> str:
     """Scenes among bodies, joints and other cables, within both bounds."""
     header = ["scene; error", f"{IMPLICIT} [ms]", *(f"{who} [ms]" for who in OURS)]
-    lines = [
-        [cell for place, cell in enumerate(_among_bodies(row)) if place != 2] for row in _coupled(figures)
-    ]
-    return f"{markdown_table(header, lines)}\n\nOne setting: {RULE}.\n\n{figures.origin('coupled')}"
-
-
-# -------------------------------------------------------------------------- the scenes of the paper
+    table = markdown_table(header, _among_bodies(figures))
+    return f"{table}\n\nOne setting: {RULE}.\n\n{figures.origin('coupled')}"
 
 
 COLUMNS = (
@@ -174,38 +160,20 @@ def paper(figures: Figures) -> str:
         for label in dict.fromkeys([*seconds, *(row["label"] for row in (own, method) if row)]):
             if row := rows.get(label):
                 ratios = [short(time_ratio(row, other)) for other in (method, own)]
-                there = _paper_ratio(seconds, label)
-                lines.append(
-                    [
-                        f"{SCENES[name][0]}: {label}{_python(row)}",
-                        milliseconds(row),
-                        _error(row),
-                        *ratios,
-                        there,
-                    ]
-                )
+                over_method = short(seconds[label] / list(seconds.values())[-1]) if label in seconds else ""
+                run = f"{SCENES[name][0]}: {label}{_python(row)}"
+                error = short(row["errorMax"]) if row.get("errorMax") else row["status"].partition(":")[0]
+                lines.append([run, milliseconds(row), error, *ratios, over_method])
     header = ("run", "CPU [ms]", "error [m]", "over the paper's method", "over ours", "in the paper")
     return f"{markdown_table(header, lines)}\n\n{figures.origin(*COMPARISONS)}"
 
 
-def _error(row: Row) -> str:
-    return short(row["errorMax"]) if row.get("errorMax") else row["status"].partition(":")[0]
-
-
-def _paper_ratio(seconds: dict[str, float], label: str) -> str:
-    """Over the paper's own method, the last one."""
-    return short(seconds[label] / list(seconds.values())[-1]) if label in seconds else ""
-
-
 def _python(row: Row) -> str:
     """Which share of a native Zhai run is Exudyn's; the rest is Python, which drives it."""
-    if not (is_explicit_zhai(row) and row.get("forceSeconds") and row.get("cpuSeconds")):
+    if not (row["integrator"].lower() == "zhai" and row.get("forceSeconds") and row.get("cpuSeconds")):
         return ""
     share = row["forceSeconds"] * row["steps"] / row["cpuSeconds"]
     return f" (driven from Python: {percent(share)} of the time in Exudyn's forces)"
-
-
-# ------------------------------------------------------------------------------------- other tables
 
 
 READ_OFF = (5e-3, 7e-4)  # errors [m]

@@ -1,1 +1,1 @@
-"""Parts of `work_precision`: what is run on each scene, and what is read off the fronts."""
+"""What `work_precision` runs on each scene."""

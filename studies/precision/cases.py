@@ -24,15 +24,9 @@ from reference_models.peers.rigid_links import RigidLinks
 from reference_models.scenes import Scene
 from reference_models.trajectory import Case
 from studies import ring, table1, table2, table3
-from studies.harness.cases import explicit_case, kept_case, unguarded
+from studies.harness.cases import case_at_limit, explicit_case, kept_case, unguarded
 
-TABLES = {
-    "planar_pendulum": table1.TABLE,
-    "spatial_pendulum": table2.TABLE,
-    "vibrating_ring": ring.TABLE,
-    "power_line": table3.TABLE,
-}
-BRIEF = 0.01  # [s] of motion, to ask for a limit
+TABLES = {table.scene: table for table in (table1.TABLE, table2.TABLE, ring.TABLE, table3.TABLE)}
 QUICK = 4  # cases of each kind that a quick run has
 
 
@@ -139,9 +133,6 @@ PLANS = {
 }  # fmt: skip
 
 
-# ------------------------------------------------------------- inextensible, under explicit steps
-
-
 FRACTIONS = (0.95, 0.5)  # of the stability limit
 SCHEMES: dict[str, str | Zhai] = {
     "Zhai": "Zhai",
@@ -166,27 +157,20 @@ def inextensible_cases(scene: Scene) -> Iterator[Case]:
             if theta == EXTRA_THETA and integrator == "RATTLE" and h < COARSE:
                 continue
             zeta = min(plan.zeta, DECAY / h) if integrator == "Zhai" else ExplicitSettings.stabilizationRate
-            yield _kept(scene, elements, unguarded(integrator, h, theta, zeta))
+            model = Inextensible(elements, unguarded(integrator, h, theta, zeta))
+            yield _described(kept_case(scene, model), model)
 
 
 def limited_cases(scene: Scene, elements: int, name: str) -> list[Case]:
     """At fractions of the stability limit."""
-    settings = unguarded(SCHEMES[name], None)
-    probe = _kept(replace(scene, end_time=BRIEF), elements, settings)
-    limit = probe.details.get("stepLimit")
-    if limit is None:
-        return [probe]
-    return [_kept(scene, elements, replace(settings, stepSize=x * limit)) for x in FRACTIONS]
+    model = Inextensible(elements, unguarded(SCHEMES[name], None))
+    return [_described(case_at_limit(scene, model, part), model) for part in FRACTIONS]
 
 
-def _kept(scene: Scene, elements: int, settings: ExplicitSettings) -> Case:
-    """One that diverges, or is refused, keeps its place."""
-    case = kept_case(scene, Inextensible(elements, settings))
-    details = {"massScaling": settings.massScaling, **case.details, "corrector": has_corrector(settings)}
-    return replace(case, details=details)
-
-
-# --------------------------------------------------------------- inextensible, under native solvers
+def _described(case: Case, model: Inextensible) -> Case:
+    """With what its method is told apart by."""
+    own = {"massScaling": model.settings.massScaling, "corrector": has_corrector(model.settings)}
+    return replace(case, details={**own, **case.details})
 
 
 MOST_PENALTIES = 3  # of the meshes: Exudyn factorises the whole mass matrix at every stage
@@ -203,9 +187,6 @@ def enforced_cases(scene: Scene) -> Iterator[Case]:
             yield enforced_case(scene, n, "penaltyMass", Explicit(verlet))
     for n, h in product(plan.enforced, IMPLICIT_STEPS):
         yield enforced_case(scene, n, "algebraic", Implicit(h, "modified", "sparse", 1e-6, 0.8))
-
-
-# ------------------------------------------------------------------------------------ native cables
 
 
 EXPLICIT_FRACTIONS, ZHAI_FRACTIONS = (1.0, 0.5), (0.95, 0.5)  # of the largest stable step
@@ -242,9 +223,6 @@ def _explicit_series(scene: Scene, plan: Plan) -> Iterator[Case]:
         largest = largest_zhai_step(scene, elements, quadrature)
         for fraction in ZHAI_FRACTIONS[: 1 if place else 2]:
             yield zhai_case(scene, elements, fraction * largest, quadrature=quadrature)
-
-
-# ------------------------------------------------------------------------------ rigid links in MuJoCo
 
 
 LINKED_SCENES = ("planar_pendulum", "spatial_pendulum")

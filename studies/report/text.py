@@ -75,7 +75,8 @@ def _findings(documents: Sequence[Document], absent: dict[str, str]) -> Blocks:
     first = [(d, d["conclusions"][0]) for d in documents if d["conclusions"]]
     adverse = [pair for pair in said if ADVERSE.search(pair[1])]
     undecided = sum(UNDECIDED in sentence for _, sentence in said)
-    blocks = [bullets(f"{_link(d['study'])}{_date_of_old(d)}: {sentence}" for d, sentence in first)]
+    dates = {d["study"]: f" ({d['date'][:10]})" if d.get("note") else "" for d in documents}  # of older ones
+    blocks = [bullets(f"{_link(d['study'])}{dates[d['study']]}: {sentence}" for d, sentence in first)]
     if adverse:
         blocks.append(f"Missed, limited or failed ({len(adverse)}):")
         blocks.append(bullets(f"{_link(study)}: {sentence}" for study, sentence in adverse))
@@ -84,11 +85,6 @@ def _findings(documents: Sequence[Document], absent: dict[str, str]) -> Blocks:
     if absent:
         blocks += ["Left out:", bullets(f"{name}: {reason}." for name, reason in absent.items())]
     return blocks
-
-
-def _date_of_old(document: Document) -> str:
-    """The date of results that are not to be taken as the newest ones."""
-    return f" ({document['date'][:10]})" if document.get("note") else ""
 
 
 def _origins(documents: Sequence[Document]) -> Blocks:

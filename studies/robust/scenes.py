@@ -120,11 +120,9 @@ def _add_springs(mbs: Any, rope: Rope, cable: Any, mass: float, random: Any) -> 
     stiffness = float(10.0 ** random.uniform(0.0, 3.0))
     for k, damping in ((rope.elements // 2, 0.0), (rope.elements, 0.01 * stiffness)):
         place = [k / rope.elements * x for x in rope.end]
-        anchor = items.MarkerBodyPosition(bodyNumber=ground, localPosition=place)
-        node = items.MarkerNodePosition(nodeNumber=cable["nodes"][k])
-        markers = [mbs.AddMarker(end) for end in (anchor, node)]
         law = {"stiffness": [stiffness] * 3, "damping": [damping] * 3}
-        mbs.AddObject(items.CartesianSpringDamper(markerNumbers=markers, **law))
+        ends = [ground, cable["nodes"][k]]
+        mbs.CreateCartesianSpringDamper(itemNumbers=ends, localPosition0=place, **law)
 
 
 def _add_circle(mbs: Any, rope: Rope, cable: Any, mass: float, random: Any) -> None:

@@ -47,11 +47,8 @@ def tasks(case: Row) -> dict[Any, Task]:
     settings = ExplicitSettings(case["integrator"], massScaling=0.0)
     limit = ExplicitStepper(model.mbs, settings).bounds.stability_limit
     own = steps_task(ExplicitStepper(model.mbs, settings, stepSize=0.5 * limit))
-    return native_tasks(case["dimension"], case["elements"]) | {_key(case): own}
-
-
-def _key(case: Row) -> tuple[str, str]:
-    return case["integrator"], case["curvatureMeasure"]
+    key = case["integrator"], case["curvatureMeasure"]
+    return native_tasks(case["dimension"], case["elements"]) | {key: own}
 
 
 @lru_cache(1)
@@ -79,7 +76,7 @@ def native_tasks(dim: int, elements: int) -> dict[Any, Task]:
 
 def row(case: Row, found: Any) -> Row:
     """Ratios to the native evaluations."""
-    step = found[_key(case)].median
+    step = found[case["integrator"], case["curvatureMeasure"]].median
     full, lobatto = (found[quadrature].median - found[EMPTY].median for quadrature in QUADRATURES)
     return case | {
         "label": f"{case['dimension']}D, {case['integrator']}, one step",

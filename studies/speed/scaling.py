@@ -25,14 +25,18 @@ What is left out
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from exudyn_inext import ExplicitSettings, ExplicitStepper
 from reference_models.inextensible import build
+from reference_models.model import SENSOR_PERIOD
 from reference_models.scenes import load_scene
+from reference_models.trajectory import Case, Run, Trajectory
 from studies.harness import Row
-from studies.harness.cases import stepper_case
 from studies.harness.inner import element_type, node_type
 from studies.harness.memory import long_cable
 from studies.harness.process import ask
+from studies.harness.ratios import INEXTENSIBLE
 from studies.harness.reference import from_data
 from studies.harness.timing import Prepare, Task, row_of
 
@@ -84,13 +88,7 @@ def cost(case: Row, found: Any) -> Row:
 def memory(case: Row) -> Row:
     """Of a process that builds the pendulum and steps it."""
     found = ask(long_cable, CHAINS[case["chain"]].name, case["elements"], case["steps"])
-    return {
-        "label": f"{case['chain']}, RATTLE",
-        "elements": case["elements"],
-        **{f"{what}Megabytes": found[what] / 1e6 for what in ("libraries", "model", "peak")},
-        "startSeconds": found["startSeconds"],
-        "microseconds": MICRO * found["stepSeconds"] / case["elements"],
-    }
+    return {"label": f"{case['chain']}, RATTLE", **found}
 
 
 def motion(case: Row) -> dict[Any, Prepare]:
@@ -99,9 +97,28 @@ def motion(case: Row) -> dict[Any, Prepare]:
     return {one.label: one.prepare}
 
 
-def _case(case: Row) -> Any:
-    settings = ExplicitSettings(case["integrator"], stepSize=2e-3, massScaling=THETA)
-    return stepper_case(replace(PLANAR, end_time=case["motion"]), case["elements"], settings)
+def _case(case: Row) -> Case:
+    """Start and steps of a stepper; what is timed."""
+    elements, h, samples = case["elements"], 2e-3, round(case["motion"] / SENSOR_PERIOD)
+    settings = ExplicitSettings(case["integrator"], stepSize=h, massScaling=THETA)
+
+    def prepare() -> Run:
+        stepper = ExplicitStepper(build(PLANAR, elements).mbs, settings, interval=SENSOR_PERIOD)
+        tip, positions = stepper.State()[0][-1, 0], np.zeros((samples + 1, 3))
+
+        def run() -> Trajectory:
+            stepper.Start()
+            positions[0, :2] = tip
+            for k in range(samples):
+                stepper.Step()
+                positions[k + 1, :2] = tip
+            return Trajectory(SENSOR_PERIOD * np.arange(samples + 1), positions)
+
+        return run
+
+    steps, label = round(case["motion"] / h), f"{case['integrator']}, N = {elements}"
+    details = {"massScaling": THETA}
+    return Case(label, INEXTENSIBLE, case["integrator"], elements, h, steps, prepare, details)
 
 
 def accuracy(case: Row, found: Any) -> Row:

@@ -109,8 +109,8 @@ def among_bodies(case: Row) -> Ways:
             run.start(0.0)
             run.record(grid, 0, history)
 
-    ways = {WATCHED: take, UNINSPECTED: partial(take, watch=_blind(run.watch))}
-    return {(case["integrator"], way): task for way, task in ways.items()}
+    name, blind = case["integrator"], partial(take, watch=_blind(run.watch))
+    return {(name, WATCHED): take, (name, UNINSPECTED): blind}
 
 
 def _blind(watch: Any) -> Any:

@@ -2,79 +2,55 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from exudyn_inext import ExplicitSettings
 from reference_models.trajectory import Array
 from studies.harness import Row, inner
 from studies.harness.inner import FrequencyTracker, cable_system, index_reduced_rates
 
-from .motion import PORTION, Equilibrium, Method, Motion
-
-# -------------------------------------------------------------------- what the linear theory gives
-
+from .motion import PORTION, Equilibrium, Motion, system_of
 
 RULE_CONSTANT = 0.7  # C of Eq. (37)
 
 
-@dataclass(frozen=True)
-class Prediction:
-    """Bounds of the step [s].
-
-    bending: h w_max at the scheme's limit, tension included.   stabilisation: h zeta at its limit.
-    rule: Eq. (37) with C = 0.7.
-    frequency: w_max without mass scaling [rad/s].   tension_free: the same without loads and spin.
-    """
-
-    bending: float
-    stabilisation: float
-    rule: float
-    frequency: float
-    tension_free: float
-
-    @property
-    def step(self) -> float:
-        """The largest stable one [s]."""
-        return min(self.bending, self.stabilisation)
-
-    @property
-    def ruled_by(self) -> str:
-        """Zeta, or what gives the larger part of w_max^2."""
-        if self.stabilisation < self.bending:
-            return "zeta"
-        return "bending" if self.tension_free**2 > 0.5 * self.frequency**2 else "tension"
-
-
-def predict(start: Equilibrium, method: Method, growth: float = inner.GROWTH_TOLERANCE) -> Prediction:
-    """Bounds for small vibrations about an equilibrium.
+def predict(start: Equilibrium, settings: ExplicitSettings, growth: float = inner.GROWTH_TOLERANCE) -> Row:
+    """Bounds of the step [s] for small vibrations about an equilibrium.
 
     growth: of a step that counts as none [-]; see `frequency_limit`.
+
+    Returns:
+        "largestFrequency": w_max without mass scaling [rad/s]; "predictedBending": h w_max at the scheme's
+        limit, tension included; "predictedZeta": h zeta at its limit; "predicted": the largest stable step;
+        "ruledBy": zeta, or what gives the larger part of w_max^2; "rule": Eq. (37) with C = 0.7.
     """
-    limit = inner.frequency_limit(method.integrator, method.parameters, growth=growth)
-
-    def frequency(h: float) -> float:
-        system = method.system(start.cable, h)
-        return inner.largest_frequency(system, start.inputs, start.q, start.v)
-
-    plain = frequency(0.0)
-    relaxed = inner.largest_frequency(method.system(start.cable, 0.0), 0.0 * start.inputs, start.q)
-    section = start.cable.section
-    bending = limit / plain
-    if method.theta:  # the scaled mass depends on h, and may leave no limit
-        bending = largest_stable_step(lambda h: h * frequency(h) < limit, bending, 1e-4, 1e4)
-    return Prediction(
-        bending,
-        inner.decay_limit(method.integrator, method.parameters) / method.zeta,
-        inner.rule_step(
-            start.element_length, section.mass_per_length, section.bending_stiffness, RULE_CONSTANT
-        ),
-        plain,
-        relaxed,
+    limit, system = (
+        inner.frequency_limit(*settings.method, growth=growth),
+        system_of(start.cable, settings, 0.0),
     )
+    frequency = inner.largest_frequency(system, start.inputs, start.q, start.v)
+    tension_free = inner.largest_frequency(system, 0.0 * start.inputs, start.q)  # and without spin
+    bending = limit / frequency
+    if settings.massScaling:  # the scaled mass depends on h, and may leave no limit
 
+        def is_below(h: float) -> bool:
+            scaled = system_of(start.cable, settings, h)
+            return h * inner.largest_frequency(scaled, start.inputs, start.q, start.v) < limit
 
-# --------------------------------------------- found by running: a small disturbance must not grow
+        bending = largest_stable_step(is_below, bending, 1e-4, 1e4)
+    zeta = inner.decay_limit(*settings.method) / settings.stabilizationRate
+    of_bending = "bending" if tension_free**2 > 0.5 * frequency**2 else "tension"
+    section = start.cable.section.mass_per_length, start.cable.section.bending_stiffness
+    return {
+        "largestFrequency": frequency,
+        "predictedBending": bending,
+        "predictedZeta": zeta,
+        "predicted": min(bending, zeta),
+        "ruledBy": "zeta" if zeta < bending else of_bending,
+        "rule": inner.rule_step(start.element_length, *section, RULE_CONSTANT),
+    }
 
 
 DISTURBANCE = 1e-7  # of slopes [-], of positions over the element length
@@ -129,7 +105,7 @@ def distance(start: Equilibrium) -> Callable[[Array, Array], float]:
     return apart
 
 
-def is_stable_about(start: Equilibrium, method: Method, steps: int) -> Stable:
+def is_stable_about(start: Equilibrium, settings: ExplicitSettings, steps: int) -> Stable:
     """Whether a disturbance of the equilibrium stays within GROWTH over so many steps, as a function of h.
 
     A cable that spins is compared with the same steps of an undisturbed one.
@@ -137,7 +113,7 @@ def is_stable_about(start: Equilibrium, method: Method, steps: int) -> Stable:
     near, apart, is_at_rest = disturbed(start), distance(start), not start.v.any()
 
     def is_stable(h: float) -> bool:
-        motion, twin = Motion(near, method, h), Motion(start, method, h)
+        motion, twin = Motion(near, settings, h), Motion(start, settings, h)
         while motion.steps < steps:
             if not motion.advance(PORTION) or not (is_at_rest or twin.advance(PORTION)):
                 return False
@@ -169,24 +145,19 @@ def largest_stable_step(
     return math.sqrt(low * high)
 
 
-def compare_limits(start: Equilibrium, method: Method, steps: int = STEPS) -> Row:
+def compare_limits(start: Equilibrium, settings: ExplicitSettings, steps: int = STEPS) -> Row:
     """Predicted and bisected limit of the step about an equilibrium, and the rule (37) beside them.
 
     The prediction allows the growth that so many steps do not show: 1000 over all of them.
     """
-    prediction = predict(start, method, growth=math.log(GROWTH) / steps)
-    is_unlimited = math.isinf(prediction.step)
-    estimate = 10.0 / prediction.frequency if is_unlimited else prediction.step
-    found = largest_stable_step(is_stable_about(start, method, steps), estimate)
-    return {
-        "largestFrequency": prediction.frequency,
-        "predictedBending": prediction.bending,
-        "predictedZeta": prediction.stabilisation,
-        "predicted": prediction.step,
+    prediction = predict(start, settings, growth=math.log(GROWTH) / steps)
+    step = prediction["predicted"]
+    is_unlimited = math.isinf(step)
+    estimate = 10.0 / prediction["largestFrequency"] if is_unlimited else step
+    found = largest_stable_step(is_stable_about(start, settings, steps), estimate)
+    return prediction | {
         "found": found,
         "isUnlimited": is_unlimited and math.isinf(found),
-        "ratio": None if is_unlimited else found / prediction.step,
-        "ruledBy": prediction.ruled_by,
-        "rule": prediction.rule,
-        "ruleOverLimit": prediction.rule / found if found else math.inf,
+        "ratio": None if is_unlimited else found / step,
+        "ruleOverLimit": prediction["rule"] / found if found else math.inf,
     }

@@ -8,7 +8,7 @@ from typing import Any
 from studies.harness import Row
 
 from .limits import STEPS, compare_limits
-from .motion import CABLES, GRAVITY, SCHEMES, STIFFNESS, Equilibrium, Method
+from .motion import CABLES, GRAVITY, SCHEMES, STIFFNESS, settings_of
 
 PLAIN = ("Zhai", "RATTLE", "RK4")
 SPIN_STEPS = 500  # few: a scheme that gains energy spins the cable up meanwhile
@@ -142,5 +142,4 @@ MAPS = {
 
 def run_linear(case: Row) -> Row:
     """Predicted and bisected limit."""
-    start: Equilibrium = CABLES[case["cable"]](**case["given"])
-    return compare_limits(start, Method.of(case), case["steps"])
+    return compare_limits(CABLES[case["cable"]](**case["given"]), settings_of(case), case["steps"])

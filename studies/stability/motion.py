@@ -11,6 +11,7 @@ from exudyn_inext import (
     AddPointMass,
     CableShape,
     CreateInextensibleCable,
+    ExplicitSettings,
     InextensibleCable,
     Rattle,
     RungeKutta4,
@@ -126,46 +127,30 @@ def spinning(elements: int, rate: float) -> Equilibrium:
 CABLES = {make.__name__: make for make in (straight, hanging, sagging, coil, ring, spinning)}
 
 
-# ------------------------------------------------------------------------------------------ motion
-
-
 STRETCH_LIMIT = 0.05  # |r_x|^2 - 1 [-] beyond which a run has diverged
 PORTION = 100  # steps
 
-SCHEMES: dict[str, tuple[str, Any]] = {
-    "Zhai": ("Zhai", Zhai()),
-    "Zhai, v_n": ("Zhai", Zhai(projected_rate=False)),
-    "Zhai, corrector, psi = phi = 0": ("Zhai", Zhai(psi=0.0, phi=0.0, corrector=True)),
-    "Zhai, corrector": ("Zhai", Zhai(corrector=True)),
-    "RATTLE": ("RATTLE", Rattle()),
-    "RK4": ("RK4", RungeKutta4()),
+SCHEMES: dict[str, Any] = {
+    "Zhai": Zhai(),
+    "Zhai, v_n": Zhai(projected_rate=False),
+    "Zhai, corrector, psi = phi = 0": Zhai(psi=0.0, phi=0.0, corrector=True),
+    "Zhai, corrector": Zhai(corrector=True),
+    "RATTLE": Rattle(),
+    "RK4": RungeKutta4(),
 }
 
 
-@dataclass(frozen=True)
-class Method:
-    """scheme: one of SCHEMES.   zeta: [1/s].   theta: mass scaling [-]."""
+def settings_of(case: Row) -> ExplicitSettings:
+    """What a case asks for: one of SCHEMES, zeta [1/s], mass scaling theta [-]."""
+    usual = ExplicitSettings.stabilizationRate
+    own = {"stabilizationRate": case.get("zeta", usual), "massScaling": case.get("theta", 0.0)}
+    return ExplicitSettings(SCHEMES[case["scheme"]], **own)
 
-    scheme: str
-    zeta: float = 100.0
-    theta: float = 0.0
 
-    @classmethod
-    def of(cls, case: Row) -> "Method":
-        """What a case asks for."""
-        return cls(case["scheme"], case.get("zeta", cls.zeta), case.get("theta", cls.theta))
-
-    @property
-    def integrator(self) -> inner.Integrator:
-        return inner.find_integrator(SCHEMES[self.scheme][0])
-
-    @property
-    def parameters(self) -> Any:
-        return SCHEMES[self.scheme][1]
-
-    def system(self, cable: inner.Cable, h: float) -> Any:
-        """The index-reduced equations for steps of size h [s]."""
-        return inner.cable_system(cable, self.zeta, inner.ImplicitBending(self.theta * h * h))
+def system_of(cable: inner.Cable, settings: ExplicitSettings, h: float) -> Any:
+    """The index-reduced equations for steps of size h [s]."""
+    scaling = inner.ImplicitBending((settings.massScaling or 0.0) * h * h)
+    return inner.cable_system(cable, settings.stabilizationRate, scaling)
 
 
 class Motion:
@@ -174,11 +159,11 @@ class Motion:
     q, v: (n, 2, dim) present state, views.   steps: taken so far.
     """
 
-    def __init__(self, start: Equilibrium, method: Method, h: float) -> None:
-        self.h, self.steps, self._method = h, 0, method
-        self.system = method.system(start.cable, h)
+    def __init__(self, start: Equilibrium, settings: ExplicitSettings, h: float) -> None:
+        self.h, self.steps, self._method = h, 0, settings.method
+        self.system = system_of(start.cable, settings, h)
         self.external = start.inputs
-        integrator = method.integrator
+        integrator, _ = self._method
         self.state = integrator.allocate(start.q.size, self.external.size)
         self.state.q[:], self.state.v[:] = start.q.ravel(), start.v.ravel()
         if not integrator.stabilised:
@@ -190,17 +175,11 @@ class Motion:
     def advance(self, steps: int) -> bool:
         """Take so many steps; returns whether the state is that of an inextensible cable."""
         pattern = np.zeros((0, self.external.size))
-        factor = np.zeros((steps, len(self._method.integrator.stages), 0))
+        factor = np.zeros((steps, len(self._method[0].stages), 0))
         loads = inner.LoadHistory(self.external, pattern, factor)
         history = np.zeros((1, 3, self.state.q.size))
-        method = self._method
-        system, state = self.system, self.state
-        inner.record(method.integrator, method.parameters, system, loads, state, self.h, steps, history)
+        inner.record(*self._method, self.system, loads, self.state, self.h, steps, history)
         self.steps += steps
-        return self.is_credible
-
-    @property
-    def is_credible(self) -> bool:
         squares = np.einsum("ki,ki->k", self.q[:, 1], self.q[:, 1])
         return bool(np.abs(squares - 1.0).max() < STRETCH_LIMIT)  # a NaN is not
 

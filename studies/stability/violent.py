@@ -6,11 +6,11 @@ from itertools import product
 
 import numpy as np
 
-from reference_models.trajectory import Array
+from exudyn_inext import ExplicitSettings
 from studies.harness import Row, inner
 
 from .limits import predict
-from .motion import GRAVITY, LENGTH, Equilibrium, Invariants, Method, Motion, straight
+from .motion import GRAVITY, LENGTH, Equilibrium, Invariants, Motion, settings_of, straight, system_of
 
 SPEEDS = (1.0, 3.0, 10.0, 30.0, 100.0)  # [m/s]
 METHODS = (
@@ -21,6 +21,7 @@ METHODS = (
     ("RK4", 100.0),
     ("RATTLE", 100.0),
 )
+RATTLE = ExplicitSettings("RATTLE", massScaling=0.0)
 ELEMENTS, DURATION = 10, 1.0  # [-], [s]
 STEPS_A_FACTOR = 4  # tried steps within a factor of two
 HALVINGS = 6
@@ -36,7 +37,7 @@ def thrown(speed: float) -> Equilibrium:
     v[:, 0, 1] = speed * np.sin(3.0 * np.pi * x / LENGTH)
     v[:, 1, 1] = speed * 3.0 * np.pi / LENGTH * np.cos(3.0 * np.pi * x / LENGTH)
     q, velocity = start.q.ravel().copy(), v.ravel()
-    inner.settle(Method("RATTLE").system(start.cable, 0.0), start.external.ravel(), q, velocity)
+    inner.settle(system_of(start.cable, RATTLE, 0.0), start.external.ravel(), q, velocity)
     return replace(start, q=q.reshape(v.shape), v=velocity.reshape(v.shape))
 
 
@@ -57,15 +58,16 @@ def violent_cases(quick: bool) -> list[Row]:
 
 def run_violent(case: Row) -> Row:
     """The largest step that lasts, beside the limit at rest and that of the motion's own w_max."""
-    start, method = thrown(case["value"]), Method.of(case)
-    at_rest = predict(straight(ELEMENTS), method).step
-    limit = inner.frequency_limit(method.integrator, method.parameters)
+    start, settings = thrown(case["value"]), settings_of(case)
+    prediction = predict(straight(ELEMENTS), settings)
+    at_rest = prediction["predicted"]
+    limit = inner.frequency_limit(*settings.method)
     frequency = _largest_in_motion(start, at_rest / FINE, case["duration"])
-    in_motion = min(limit / frequency, predict(straight(ELEMENTS), method).stabilisation)
+    in_motion = min(limit / frequency, prediction["predictedZeta"])
     lasting = 0.0
     for k in range(-HALVINGS * STEPS_A_FACTOR, 1):
         h = at_rest * 2.0 ** (k / STEPS_A_FACTOR)
-        if not _lasts(start, method, h, case["duration"]):
+        if not _lasts(start, settings, h, case["duration"]):
             break
         lasting = h
     return {
@@ -80,8 +82,7 @@ def run_violent(case: Row) -> Row:
 
 def _largest_in_motion(start: Equilibrium, h: float, duration: float) -> float:
     """Largest w_max [rad/s] on the way of RATTLE with small steps."""
-    method = Method("RATTLE")
-    motion, system = Motion(start, method, h), method.system(start.cable, 0.0)
+    motion, system = Motion(start, RATTLE, h), system_of(start.cable, RATTLE, 0.0)
     samples = 100
     found = [inner.largest_frequency(system, start.inputs, start.q, start.v)]
     while motion.steps * h < duration and motion.advance(max(1, round(duration / h / samples))):
@@ -89,12 +90,11 @@ def _largest_in_motion(start: Equilibrium, h: float, duration: float) -> float:
     return max(w for w in found if math.isfinite(w))
 
 
-def _lasts(start: Equilibrium, method: Method, h: float, duration: float) -> bool:
+def _lasts(start: Equilibrium, settings: ExplicitSettings, h: float, duration: float) -> bool:
     """Whether the run stays on the constraints and keeps its energy."""
-    motion, invariants = Motion(start, method, h), Invariants(start.cable, start.external)
-    energy, scale = invariants.energy(start.q, start.v), invariants.kinetic(start.v)
-    weight: Array = np.abs(start.external[:, 0]).sum(axis=0)
-    scale += float(weight.sum()) * LENGTH
+    motion, invariants = Motion(start, settings, h), Invariants(start.cable, start.external)
+    energy, weight = invariants.energy(start.q, start.v), float(np.abs(start.external[:, 0]).sum())
+    scale = invariants.kinetic(start.v) + weight * LENGTH
     while motion.steps * h < duration:
         if not motion.advance(50):
             return False

@@ -12,7 +12,7 @@ from studies.harness.bars import Bar
 from studies.harness.benchmark import Series, benchmark, varied
 from studies.harness.memory import KINDS
 from studies.harness.ratios import DEFAULT, ONE_SETTING, TUNED
-from studies.harness.study import KEYS, Order, Results, Study
+from studies.harness.study import KEYS, Results, Study
 from studies.harness.table import Table
 from studies.harness.timing import Measurement, sampled
 from studies.registry import find_study
@@ -135,7 +135,7 @@ def speed_of(case):
     return {"label": f"task {case['n']}", "speed": case["n"], "bar": 2.5}
 
 
-def test_an_entry_says_what_varies_what_is_timed_together_and_which_bars_are_kept(tmp_path):
+def test_an_entry_says_what_varies_what_is_timed_together_and_which_bars_are_kept():
     order = []
     series = Series(
         "speed",
@@ -150,7 +150,7 @@ def test_an_entry_says_what_varies_what_is_timed_together_and_which_bars_are_kep
         Bar("speed", "speed", "{}: least", per="rounds", is_least=True),
     ]
     study = benchmark("tiny", "?", [series], bars, "speed: Speeds:\n    what: label | speed")
-    rows = study.measure(Order("tiny", tmp_path))
+    rows = study.measure(False)
     assert [row["speed"] for row in rows] == [1, 2, 3] * 2 and all(row["rounds"] == 2 for row in rows)
     assert [turn for turn, _ in order] == ["a"] * 9 + ["b"] * 9
     assert order[:9] == [("a", n) for n in (1, 2, 3, 1, 2, 3, 2, 3, 1)]
@@ -159,7 +159,7 @@ def test_an_entry_says_what_varies_what_is_timed_together_and_which_bars_are_kep
         "2: least: at least 1.00 (task 1).",
     ]
     assert "undecided" in study.conclusions(Results(True, rows))[0]
-    assert [row["rounds"] for row in study.measure(Order("tiny", tmp_path, quick=True))] == [1, 1]
+    assert [row["rounds"] for row in study.measure(True)] == [1, 1]
 
 
 def test_every_benchmark_shows_each_kind_of_its_rows():
@@ -189,7 +189,7 @@ def test_a_benchmark_runs_from_the_command_line(monkeypatch, tmp_path, capsys):
     tiny = Study(
         name="tiny",
         question="How fast is nothing?",
-        measure=lambda order: [{"kind": "speed", "label": "nothing", "time": 0.5}],
+        measure=lambda quick: [{"kind": "speed", "label": "nothing", "time": 0.5}],
         tables=(Table("speed", "Speeds:", "what: label | t [s]: time"),),
         conclusions=lambda figures: [f"{len(figures.of_kind('speed'))} speed"],
     )

@@ -16,7 +16,7 @@ from studies.harness.cases import step_by_rule
 from studies.harness.on_scene import add_halved
 from studies.harness.provenance import ROOT
 from studies.harness.ratios import DEFAULT
-from studies.pages.command import PAGES, REPORT, pages_that_differ, remake, write_pages
+from studies.pages.command import PAGES, REPORT, remade, remake, write_pages
 from studies.pages.results import FOLDER, Figures, reduced, store
 from studies.pages.tables import comparison, noise, paper
 from tests.studies.documents import document, row
@@ -32,6 +32,11 @@ def copy(tmp_path):
         (tmp_path / REPORT.parent / picture.name).touch()
     shutil.copytree(FOLDER, tmp_path / "docs/figures")
     return tmp_path, tmp_path / "docs/figures"
+
+
+def pages_that_differ(root=ROOT, folder=FOLDER):
+    """With figures other than those of the results."""
+    return [path for path, text in remade(root, Figures(folder)).items() if text != path.read_text()]
 
 
 def edit(path, **entries):

@@ -1,7 +1,6 @@
 """The study of random scenes at default settings."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import exudyn
 import numpy as np
@@ -11,7 +10,7 @@ from exudyn_inext import SolveExplicit
 from reference_models.model import quiet_settings, silence
 from studies import robustness
 from studies.harness.benchmark import Benchmark
-from studies.harness.study import Order, Results
+from studies.harness.study import Results
 from studies.robust.scenes import MIXED, NATIVE, build, lone_rope, mixed_rope, moved
 
 
@@ -23,7 +22,7 @@ def rows():
         replace(own, cases=lambda quick: cases[:2] + cases[8:10]),
         replace(native, cases=lambda quick: cases[:1]),
     ]
-    return Benchmark(few)(Order("robustness", Path()))
+    return Benchmark(few)(False)
 
 
 def test_rows_say_what_became_of_each_scene(rows):

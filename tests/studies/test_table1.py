@@ -2,9 +2,8 @@
 
 import pytest
 
-from studies.harness.ratios import ratio_sentences, ratio_tables
 from studies.harness.study import Results
-from studies.table1 import PAPER_EXPLICIT, PAPER_IMPLICIT, PAPER_PROPOSED, TABLE
+from studies.table1 import PAPER_EXPLICIT, PAPER_IMPLICIT, PAPER_PROPOSED, STUDY
 from tests.studies.rows import row
 
 ROWS = [
@@ -20,8 +19,7 @@ ROWS = [
 
 
 def conclusion_lines(rows):
-    (table,) = ratio_tables(TABLE.ratios(Results(False, rows)))
-    return table.markdown.splitlines()[2:]
+    return STUDY.tables[-1].text(Results(False, rows)).markdown.splitlines()[2:]
 
 
 @pytest.mark.parametrize(
@@ -46,20 +44,22 @@ def test_ratios_without_an_inextensible_row_are_left_open():
 def sentences(quick, **seconds):
     """Of ROWS, some of which took other times [s]."""
     rows = [row | {"cpuSeconds": seconds.get(row["label"], row["cpuSeconds"])} for row in ROWS]
-    return ratio_sentences(TABLE.ratios(Results(quick, rows)), quick)
+    return STUDY.conclusions(Results(quick, rows))
 
 
 def test_sentences_say_the_closest_comparison_of_equal_accuracy_and_stand_beside_the_paper():
     equal, implicit, explicit = sentences(False)
-    assert "is always cheaper" in equal and "3.50" in equal and implicit.endswith("(a larger gain).")
-    assert "178 in the paper" in explicit
-    assert "is NOT always cheaper" in sentences(False, tuned=0.003)[0]
+    assert "At equal accuracy" in equal and "3.50" in equal and equal.endswith("the bar of 1 is kept.")
+    assert implicit.endswith("the bar of 2.425 is kept.") and "the bar of 177.8" in explicit
+    assert "the bar of 1 is MISSED" in sentences(False, tuned=0.003)[0]
 
 
 def test_the_few_rows_of_a_quick_run_decide_nothing_on_equal_accuracy():
     assert not any("equal accuracy" in sentence for sentence in sentences(True, tuned=0.003))
 
 
-@pytest.mark.parametrize(("seconds", "found"), [(0.6, "equal within noise"), (1.5, "a larger gain")])
+@pytest.mark.parametrize(
+    ("seconds", "found"), [(0.6, "undecided within noise"), (1.5, "kept"), (0.1, "MISSED")]
+)
 def test_a_quick_ratio_near_that_of_the_paper_is_neither_larger_nor_smaller(seconds, found):
-    assert sentences(True, **{PAPER_EXPLICIT: seconds})[1].endswith(f"({found}).")
+    assert sentences(True, **{PAPER_EXPLICIT: seconds})[1].endswith(f"is {found}.")

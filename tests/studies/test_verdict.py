@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from studies.harness.table import QUICK_NOISE, UNDECIDED, at_most, timing_noise, verdict
+from studies.harness.table import UNDECIDED, at_most, verdict
 
 
 @pytest.mark.parametrize(
@@ -16,7 +16,3 @@ from studies.harness.table import QUICK_NOISE, UNDECIDED, at_most, timing_noise,
 )  # fmt: skip
 def test_only_what_noise_cannot_turn_is_decided(value, noise, found):
     assert verdict(at_most(value, 0.5, noise)) == found
-
-
-def test_full_runs_are_taken_as_measured():
-    assert timing_noise(False) == 1.0 and timing_noise(True) == QUICK_NOISE > 1.0
