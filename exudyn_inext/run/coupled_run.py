@@ -143,6 +143,7 @@ class CoupledRun(LimitedRun):
 
     def _leave_kernels(self, why: str) -> None:
         method = self.integrator, self.scheme
+        self._scene.read_masses_again()
         self._move_by(MovedByExudyn(self._scene, self._runs, self.state, method))
         self.why_not = why
 
