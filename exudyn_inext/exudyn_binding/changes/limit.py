@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+import exudyn
 import numpy as np
 
 from ...errors import StepSizeError
@@ -146,8 +147,13 @@ class StepLimit:
 
 def _size(mbs: Any, key: Parameter) -> float:
     """Largest value of a stiffness or damping; of a mass or inertia, the inverse of the smallest one."""
-    sizes = np.abs(key.value(mbs))
-    return float(1.0 / sizes[sizes > 0.0].min(initial=np.inf) if _is_of_mass(key) else sizes.max())
+    value = key.value(mbs)
+    if _is_of_mass(key):
+        sizes = np.abs(np.atleast_1d(value))
+        return float(1.0 / sizes[sizes > 0.0].min(initial=np.inf))
+    if isinstance(value, exudyn.MatrixContainer):
+        value = value.Convert2DenseMatrix()
+    return abs(value) if isinstance(value, float) else float(np.abs(value).max(initial=0.0))
 
 
 @cache

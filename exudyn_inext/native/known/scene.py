@@ -189,10 +189,14 @@ class KnownNumbers:
         return is_known and self._reader.number_of_points == before
 
     def _weigh_again(self, number: int, memories: Sequence[Items]) -> bool:
-        mass = mass_of_parameters(self._mbs.GetObject(number))
+        mass, loads = mass_of_parameters(self._mbs.GetObject(number)), memories[0].loads
         for memory in memories:
             set_mass(memory.bodies[self._bodies[number]], mass)
-        return all(self._load_again(("Load", load, ""), memories[0].loads) for load in self._weights(number))
+        for load in self._weights(number):
+            place, known = self._forces[load]
+            self._forces[load] = place, known._replace(scale=mass[0, 0])
+            self._load_again(("Load", load, "loadVector"), loads)
+        return True
 
     def _load_again(self, item: ChangedItem, loads: Any) -> bool:
         _, number, name = item
