@@ -64,6 +64,7 @@ class SceneLoads:
         moved: MovedOffsets,
         of_loads: LoadFunctions,
     ) -> None:
+        self._of_cables = loads
         self._loads = [of_cable for of_cable in loads if len(of_cable.pattern)]
         self._functions, self._moved, self._of_loads = functions, moved, of_loads
         number = len(functions) + len(moved.joints) + len(of_loads.numbers)
@@ -82,6 +83,11 @@ class SceneLoads:
         self.of_state = of_loads if isinstance(of_loads, StateFunctions) else None
         self._last = len(self.constant) - len(self._is_given)
         self._only_moves = 3 * len(moved.joints) == len(self.pattern)
+
+    def take_constants(self) -> None:
+        """Constant loads on cables, which have been changed."""
+        constants = [of_cable.constant for of_cable in self._of_cables]
+        self.constant[: sum(map(len, constants))] = np.concatenate(constants)
 
     def follow(self, external: Array, q: Array, v: Array) -> Array:
         """`external`, with the functions that depend on the state as they are at (q, v)."""

@@ -132,6 +132,11 @@ class MovedByKernels(Mover):
     def take_values(self, changed: Sequence[ChangedItem]) -> bool:
         return all(map(self._form.take_over, changed))
 
+    def take_constants(self) -> None:
+        """Constant loads on cables, which have been changed."""
+        self._form.loads.take_constants()
+        self._scene.native_items.take_constants()
+
     def require_same_items(self, time: float) -> None:
         self._form.rest()
         with self._form.explicit_contact():

@@ -23,13 +23,17 @@ _FORCES_OF_TREES = ("gravity", "jointForceVector", "jointPositionOffsetVector", 
 
 
 class Demand(IntEnum):
-    """Nothing; an evaluation; joints that move, or other masses; the scene read again; runs built again."""
+    """Nothing; an evaluation; joints that move, or other masses; weights; the scene read; runs built again.
+
+    WEIGH: kernels of cables evaluate these weights, which are read with the scene.
+    """
 
     NOTHING = 0
     EVALUATE = 1
     MOVE = 2
-    READ = 3
-    BUILD = 4
+    WEIGH = 3
+    READ = 4
+    BUILD = 5
 
 
 def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) -> Demand:
@@ -46,7 +50,7 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
     if not coupled:
         return Demand.READ
     if key.kind == "Load":
-        return Demand.READ if _is_weight_of_cable(mbs, key.number) else Demand.EVALUATE
+        return Demand.WEIGH if _is_weight_of_cable(mbs, key.number) else Demand.EVALUATE
     kind = "" if key.kind == "Marker" else mbs.GetObject(key.number)["objectType"]
     if kind in ("", "Ground"):
         return _demand_of_place(mbs, coupled, own, key)
