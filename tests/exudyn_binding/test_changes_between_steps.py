@@ -20,6 +20,7 @@ from exudyn.itemInterface import (
     NodeGenericODE1,
     NodePointGround,
     ObjectGenericODE1,
+    ObjectGenericODE2,
     SensorNode,
     SensorUserFunction,
     SphericalJoint,
@@ -123,6 +124,11 @@ class Model:
         )
         self.watch(body["nodeNumber"])
         return body["nodeNumber"], body["bodyNumber"]
+
+    def tied(self, stiffness):
+        """Diagonal of a matrix of one node of the cable: stiffness of its place, none of its slope [N/m]."""
+        dim = len(self.supports)
+        return [stiffness] * dim + [0.0] * dim
 
     def set_object(self, number, **parameters):
         for name, value in parameters.items():
@@ -351,6 +357,14 @@ def mass_that_grows(model):
     return lambda t: model.set_object(body, mass=0.05 if t < 0.3 else 0.2)
 
 
+def matrix_that_is_set(model):
+    """The stiffness of an object that ties the tip to where it is."""
+    tie = model.mbs.AddObject(
+        ObjectGenericODE2(nodeNumbers=[model.nodes[-1]], stiffnessMatrix=np.diag(model.tied(5.0)))
+    )
+    return lambda t: model.set_object(tie, stiffnessMatrix=np.diag(model.tied(20.0 if t > 0.2 else 5.0)))
+
+
 def feedback_of_a_sensor(model):
     load, sensor = model.force(model.nodes[-1]), model.sensors[0]
 
@@ -384,6 +398,7 @@ AMONG_OTHERS = [
     spring_and_force,
     driven_mass,
     mass_that_grows,
+    matrix_that_is_set,
 ]
 KINDS = [*ALONE, *AMONG_OTHERS]
 
@@ -543,7 +558,19 @@ def by_a_point_mass(model):
     return lambda t: AddPointMass(model.mbs, model.cable, 0.9, 0.01) if abs(t - 0.1) < 1e-9 else None
 
 
-@pytest.mark.parametrize("kind", [by_a_bound_load, by_a_bound_support, by_a_point_mass], ids=name_of)
+def by_a_bound_mass(model):
+    """It has no weight, which would be another force."""
+    body = model.mbs.CreateMassPoint(mass=0.05, referencePosition=TIP, returnDict=True)
+    ties = [model.at(model.nodes[-1]), model.at(body["nodeNumber"])]
+    model.mbs.AddObject(SphericalJoint(markerNumbers=ties))
+    setter = model.mbs.SetObjectParameter
+    return lambda t: setter(body["bodyNumber"], "mass", 0.05 if t < 0.1 else 0.2)
+
+
+WITHOUT_NOTICE = [by_a_bound_load, by_a_bound_support, by_a_bound_mass, by_a_point_mass]
+
+
+@pytest.mark.parametrize("kind", WITHOUT_NOTICE, ids=name_of)
 def test_changes_without_notice_are_not_silent(kind):
     with pytest.raises(SceneError, match="changed during the run without its notice"):
         moved(kind, False, end_time=0.2, step=1e-3)
