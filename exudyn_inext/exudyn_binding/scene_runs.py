@@ -11,7 +11,7 @@ from ..cable.many_cables import cable_systems
 from ..checks import LARGEST
 from ..errors import InextensibleError, InputError, SceneError
 from ..items.functions_of_time import functions_at_rest
-from ..items.parameters import Parameter
+from ..items.parameters import Parameter, markers_placed_by, objects_at
 from ..native.coupled_scene import CoupledScene
 from ..native.evaluated_scene import CoupledCable
 from ..native.native_items import switched_off
@@ -70,6 +70,9 @@ class RunBuilder:
             self.stack.enter_context(switched_off(self.mbs, *scene.evaluated_by_kernels))
             self._is_switched_off = True
         changed = {key.number for key in self.changed if key.kind == "Object"}
+        for key in self.changed:
+            for marker in markers_placed_by(self.mbs, key) or ():
+                changed.update(objects_at(self.mbs, marker))
         held = {number: held for number, held in scene.held.items() if number not in changed}
         scene, explicit = replace(scene, held=held), self.explicit
         runs = coupled_runs if was_coupled else runs_of_scene

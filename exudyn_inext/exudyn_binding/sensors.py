@@ -48,6 +48,22 @@ def observed_derivatives(settings: Any, sensors: Sequence[Any], functions: Seque
     return needed
 
 
+class OutputTimes:
+    """When somebody looks at accelerations and forces, who does not look at each step: as files are written.
+
+    Args: see `observed_derivatives`.
+    """
+
+    def __init__(self, sensors: Sequence[Any], functions: Sequence[Any]) -> None:
+        derivatives = max(map(_derivatives_of, sensors), default=POSITIONS)
+        self._are_all = any(map(may_look_at_forces, functions)) or derivatives == ACCELERATIONS
+
+    def include(self, time: float, step: float, solver: Any) -> bool:
+        """Whether a step of the loop, of that length, may be one that ends at `time` [s]."""
+        to_be_written = solver.output.lastSolutionWritten  # Exudyn keeps the next time there
+        return self._are_all or time > to_be_written - 0.5 * step
+
+
 def _derivatives_of(sensor: dict[str, Any]) -> int:
     if sensor["sensorType"] not in _OF_POINTS:
         return ACCELERATIONS  # whatever it may look at

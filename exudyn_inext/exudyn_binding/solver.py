@@ -29,7 +29,7 @@ from .reports import ExplicitReport
 from .restart import Restarts
 from .scene import read_scene, require_assembled
 from .scene_runs import RunBuilder, bounds_if_scaled
-from .sensors import observed_derivatives, warn_of_empty_sensors
+from .sensors import OutputTimes, observed_derivatives, warn_of_empty_sensors
 from .time_loop import (
     ExplicitTimeLoop,
     is_watched,
@@ -160,14 +160,15 @@ def _solve(
         warn_of_outputs(choice, duration, grid.loop_steps, settings.timeIntegration.numberOfSteps)
         builder.take_step(explicit, grid.h)
         decided_by = choice.decider(grid.substeps, grid.h, "output period")
-        observed = observed_derivatives(settings, sensors, step_functions(mbs))
+        looking = sensors, step_functions(mbs)
         limit = StepLimit(grid.h, bounds.stability_limit, explicit)
         if restarts.changes:
             limit.restore(restarts.changes)
         moves = bool(restarts.changes.get("moves"))
         changes = ChangeFollower(mbs, scene, reader, log, builder, limit, sensors, moves)
         restarts.changes_so_far = changes.stored
-        loop = ExplicitTimeLoop(mbs, runs, grid, restarts, observed, changes)
+        loop = ExplicitTimeLoop(mbs, runs, grid, restarts, observed_derivatives(settings, *looking), changes)
+        loop.output_times = OutputTimes(*looking)
         loop.step_is_from = decided_by if explicit.stepSize is None else ""
         shown: AbstractContextManager[None] = nullcontext()
         if restarts.found:

@@ -18,7 +18,7 @@ from ..run.divergence import divergence, listed
 from ..run.kept_state import KeptState
 from ..run.time_grid import TimeGrid
 from .restart import Restarts
-from .sensors import ACCELERATIONS, VELOCITIES
+from .sensors import ACCELERATIONS, VELOCITIES, OutputTimes
 
 LOOK_AHEAD_LIMIT = 1_000_000  # coordinates times steps in a call: some 30 ms, so that Ctrl-C works
 HANDED_OUT = 64  # states that are turned into Python numbers at once
@@ -50,6 +50,7 @@ class ExplicitTimeLoop:
     """
 
     step_is_from = ""  # what decided on the step, if the user did not
+    output_times: OutputTimes | None = None  # None: somebody may look at each step
 
     def __init__(
         self,
@@ -69,7 +70,7 @@ class ExplicitTimeLoop:
         self._is_watched = is_watched(mbs, runs)
         self._written = self._present(exudyn.ConfigurationType.Initial)
         self._observed = max(observed, VELOCITIES) if self._is_watched else observed
-        self._shows_forces = observed == ACCELERATIONS
+        self._shows_forces = self._sees_forces = observed == ACCELERATIONS
         self.restarts = restarts
         self._places = [as_slice(run.indices) for run in runs]
         self._computed = grid.first  # steps of the loop
@@ -170,10 +171,20 @@ class ExplicitTimeLoop:
             with self._remembering_errors:
                 self._take_over_changes()
                 self._follow_changes()
+            self._shows_forces = self._sees_forces and self._is_output(solver)
             plain(solver, mbs, settings)
             return True
 
         return take_step
+
+    def _is_output(self, solver: Any) -> bool:
+        """Whether somebody looks at accelerations and forces after the next steps that are computed."""
+        follows_state = not all(run.looks_ahead or run.is_steady for run in self.runs)
+        is_last = self._computed + 1 >= self.grid.loop_steps
+        if self.output_times is None or follows_state or is_last or self._intervals(self._computed) > 1:
+            return True
+        step = self.grid.substeps * self.grid.h
+        return self.output_times.include(self.grid.time(self._computed + 1), step, solver)
 
     def _next_state(self) -> Any:
         """As `_blocks_of_states` gives it, and remembered as what mbs then holds."""

@@ -32,6 +32,23 @@ class Parameter(NamedTuple):
         METHODS[f"Set{self.kind}Parameter"](mbs, self.number, self.name, value)
 
 
+def markers_placed_by(mbs: Any, key: Parameter) -> list[int] | None:
+    """Markers that a parameter of a marker or a ground gives another place; None: it does something else."""
+    if key.kind == "Marker":
+        return [key.number] if key.name == "localPosition" else None
+    if (key.kind, key.name) != ("Object", "referencePosition"):
+        return None
+    markers = range(mbs.systemData.NumberOfMarkers())
+    return [number for number in markers if int(mbs.GetMarker(number).get("bodyNumber", -1)) == key.number]
+
+
+def objects_at(mbs: Any, marker: int) -> list[int]:
+    """Numbers of the objects that act on a marker, as far as they are switched on."""
+    objects = ((number, mbs.GetObject(number)) for number in range(mbs.systemData.NumberOfObjects()))
+    found = ((number, data) for number, data in objects if marker in map(int, data.get("markerNumbers", ())))
+    return [number for number, data in found if data.get("activeConnector", True)]
+
+
 def set_unnoted(mbs: Any, number: int, name: str, value: Any) -> None:
     """Set a parameter of an object for the package's own use."""
     Parameter("Object", number, name).set(mbs, value)

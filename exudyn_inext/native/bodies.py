@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import exudyn
@@ -232,6 +232,7 @@ class BodyMasses:
         self._total = total
         groups = _groups(bodies)
         constant = [group for group in groups if all(body.has_constant_mass for body in group)]
+        self._constant_groups = constant
         variable = [group for group in groups if not all(body.has_constant_mass for body in group)]
         self.held = np.zeros(0, int)
         if holdable:
@@ -259,6 +260,19 @@ class BodyMasses:
             require_mass(mbs, self.coordinates[_without_mass(dofs, masses)])
         variables = [stack.blocks for stack in self._stacks]
         self.system = BodiesSystem(len(self.coordinates), blocks, variables, zeta)
+
+    def read_again(self) -> None:
+        """Constant masses, which may have been changed since."""
+        self._total.forget()
+        self.system.set_constant(
+            [
+                self._block([replace(body, initial_mass=self._present_mass(body)) for body in group])
+                for group in self._constant_groups
+            ]
+        )
+
+    def _present_mass(self, body: Body) -> Array:
+        return _mass_of_object(self._mbs, body.number, body.coordinates, self._total)[0]
 
     @property
     def number_of_variable(self) -> int:

@@ -93,7 +93,7 @@ def compiled_form(
         raise UnknownItemError("bodies that share coordinates")
     own = [(place, c.system, c.loads) for place, c in zip(places, scene.cables, strict=True)]
     joints = scene.native_items.joints
-    form = CompiledScene(system, chains, acting, own, joints, numbers.read_again, numbers.moved)
+    form = CompiledScene(system, chains, acting, own, joints, numbers)
     require_agreement(scene, form, t, q, v, has_forces)
     return form
 

@@ -47,6 +47,7 @@ class CoupledScene(SceneOfExudyn):
                 return
             form = parts.form
         self._take_parts(None)  # Exudyn's side is the other one
+        self.read_masses_again()
         try:
             with state_kept(self.mbs):
                 require_agreement(self, form, t, q, v, has_forces)

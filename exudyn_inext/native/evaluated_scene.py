@@ -112,7 +112,7 @@ class SceneOfExudyn(JoinedScene):
         self.bodies = bodies = read_bodies(mbs, [part.cable.number for part in cables], on_cables, total)
         quaternions = read_quaternions(mbs)
         by_place = holders(mbs, held)
-        masses = BodyMasses(mbs, bodies, quaternions, zeta, total, by_place)
+        self._masses = masses = BodyMasses(mbs, bodies, quaternions, zeta, total, by_place)
         self.held = HeldCoordinates(mbs, masses, [by_place[place] for place in masses.held.tolist()], held)
         places = [PartCoordinates(one.indices, one.cable.reference.ravel()) for one, _, _ in cables]
         places.append(PartCoordinates(masses.coordinates, np.zeros(len(masses.coordinates))))
@@ -229,6 +229,9 @@ class SceneOfExudyn(JoinedScene):
         """Reset the drift corrections of joints and quaternions."""
         self.system.drift_correction[:] = 0.0
         self.body_system.forget()
+
+    def read_masses_again(self) -> None:
+        self._masses.read_again()
 
     def _first_order_states(self) -> list[Part]:
         """y of y' = f as velocities of unit masses: every scheme then integrates them as it does v."""

@@ -90,8 +90,7 @@ class NativeItems:
         self._cables = list(coordinates.slices[: len(loads)])
         self._dofs = [part.dofs for part in wholes]
         self._of_wholes = [_those_within(part.dofs, self._cables) for part in wholes]
-        is_steady = not any(len(of_cable.pattern) for of_cable in loads)
-        self._steady = self._joined([of_cable.constant for of_cable in loads]) if is_steady else None
+        self.take_constants()
         self._masses = masses
         self._rows = rows
         self._held = held
@@ -158,6 +157,11 @@ class NativeItems:
         second, first = self._sizes
         result: Array = self._solver.GetSystemResidual()[second : second + first]
         return result
+
+    def take_constants(self) -> None:
+        """Constant loads on cables, which may have been changed."""
+        is_steady = not any(len(of_cable.pattern) for of_cable in self._loads)
+        self._steady = self._joined([of_cable.constant for of_cable in self._loads]) if is_steady else None
 
     def _joined(self, given: Sequence[Array]) -> list[Array]:
         """Copies for each whole: of one cable with its motions, of several, which have none, side by side.

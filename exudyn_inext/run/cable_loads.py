@@ -82,6 +82,11 @@ class CableLoads:
                 total += load.gravity(self._components_at(load, time), shape)
         return total
 
+    def take_constants(self, other: "CableLoads") -> None:
+        """Have the values of other loads, which have no user functions and differ in nothing else."""
+        self._loads, self._steady = other._loads, other._steady
+        self._alone[:], self.constant[:] = other._alone, other.constant
+
     @property
     def known_ahead(self) -> bool:
         """Whether nothing but the time decides on loads and motions."""

@@ -1,9 +1,9 @@
 """A scene of which all items have compiled forms: many steps in one call."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from ..multibody.scene import (
     EACH,
     MODE,
     NOT_COUNTED,
+    Items,
     SceneSystem,
     energy_of_spins,
     evaluate_states,
@@ -63,6 +64,7 @@ class SceneLoads:
         moved: MovedOffsets,
         of_loads: LoadFunctions,
     ) -> None:
+        self._of_cables = loads
         self._loads = [of_cable for of_cable in loads if len(of_cable.pattern)]
         self._functions, self._moved, self._of_loads = functions, moved, of_loads
         number = len(functions) + len(moved.joints) + len(of_loads.numbers)
@@ -81,6 +83,11 @@ class SceneLoads:
         self.of_state = of_loads if isinstance(of_loads, StateFunctions) else None
         self._last = len(self.constant) - len(self._is_given)
         self._only_moves = 3 * len(moved.joints) == len(self.pattern)
+
+    def take_constants(self) -> None:
+        """Constant loads on cables, which have been changed."""
+        constants = [of_cable.constant for of_cable in self._of_cables]
+        self.constant[: sum(map(len, constants))] = np.concatenate(constants)
 
     def follow(self, external: Array, q: Array, v: Array) -> Array:
         """`external`, with the functions that depend on the state as they are at (q, v)."""
@@ -174,6 +181,27 @@ class RememberedByContacts:
         self._data[:] = copy
 
 
+class ChangeableItems(Protocol):
+    """Items of a scene by their numbers, with records that may be brought up to date.
+
+    moved: offsets that are set between steps.
+    """
+
+    moved: MovedOffsets
+
+    def read_again(self, item: ChangedItem, memories: Sequence[Items]) -> bool:
+        """Bring records of a changed item up to date; False if they cannot be.
+
+        memories: of all systems that have them.
+        """
+
+    def can_weigh(self, number: int) -> bool:
+        """See `Mover.can_weigh`."""
+
+    def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
+        """See `Mover.joints_to_move`."""
+
+
 class CompiledScene:
     """The compiled system of a scene, and its loads; `scene` is the same one, evaluated by Exudyn.
 
@@ -181,8 +209,7 @@ class CompiledScene:
         system: of all.   chains: of its cables, see `in_few_chains`.
         loads: of the cables, and functions of time.   cables: place, and system of each.
         names: of the rows of joints, for messages.
-        read_again: (item, connectors, loads): brings the records of a changed item up to date, if it can.
-        moved: offsets that are set between steps.
+        numbers: of items that may be changed.
 
     forces: (n,) what the items did to the coordinates at the last evaluation [N, Nm].
     multipliers: (m,) of the joints there.   given: (n,) forces that others set, besides those of the items.
@@ -195,13 +222,12 @@ class CompiledScene:
         loads: SceneLoads,
         cables: Sequence[tuple[slice, Any, CableLoads]],
         names: Sequence[str],
-        read_again: Callable[[ChangedItem, Any, Any], bool],
-        moved: MovedOffsets,
+        numbers: ChangeableItems,
     ) -> None:
         self.loads = loads
         self._chains, self._cables = chains, cables
         self._names = names
-        self._read_again, self._moved = read_again, moved
+        self.numbers, self._moved = numbers, numbers.moved
         rotations = system.items.bodies["rotations"]
         self._has_spins, self._has_angles = bool((rotations > 1).any()), bool((rotations == 3).any())
         self._unscaled: SceneSystem | None = None
@@ -273,8 +299,7 @@ class CompiledScene:
         """Whether the changed item is now what it is in Exudyn; joints that are moved are not looked at."""
         if item[0] == "Object" and self.can_move(item[1]):
             return True
-        items = self.system.items
-        return self._read_again(item, items.connectors, items.loads)
+        return self.numbers.read_again(item, [system.items for system in self._systems])
 
     def can_move(self, number: int) -> bool:
         """Whether the offset of a joint may be set between steps."""
@@ -286,7 +311,7 @@ class CompiledScene:
         Returns whether all of them can be moved.
         """
         moved, given = self._moved, self._moved.given
-        for one in (self.system, self._unscaled) if self._unscaled else (self.system,):
+        for one in self._systems:
             one.items.joints.rows["rest"][moved.rows] = given
         moved.rest()
         self.violation(time, q)
@@ -295,6 +320,11 @@ class CompiledScene:
         moved.aim(np.where(np.abs(left) > tolerance, left, 0.0), time, end)
         others = values[self._not_moved]
         return not len(others) or not max(others.max(), -others.min()) > tolerance
+
+    @property
+    def _systems(self) -> Sequence[SceneSystem]:
+        """With the cables' mass scaled, and as it is."""
+        return (self.system, self._unscaled) if self._unscaled else (self.system,)
 
     @cached_property
     def _not_moved(self) -> np.ndarray:

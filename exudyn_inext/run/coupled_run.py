@@ -1,6 +1,7 @@
 """Cables, bodies and joints of a scene, moved together: one right-hand side call for each evaluation."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -11,7 +12,9 @@ from ..cable.cable import Cable
 from ..cable.linked_cable import memory_of
 from ..errors import DivergenceError, OffCableError, RedundantConstraintError, SceneError
 from ..integrators.integrator import Integrator, remembered
+from ..scene.model import CableInScene
 from ..system import accelerate_and_project, index_reduced_rates
+from .cable_loads import CableLoads
 from .cable_run import CableRun, Start
 from .compiled_scene import ChangedItem
 from .consistent_start import StartCorrection, agree
@@ -143,6 +146,7 @@ class CoupledRun(LimitedRun):
 
     def _leave_kernels(self, why: str) -> None:
         method = self.integrator, self.scheme
+        self._scene.read_masses_again()
         self._move_by(MovedByExudyn(self._scene, self._runs, self.state, method))
         self.why_not = why
 
@@ -173,6 +177,20 @@ class CoupledRun(LimitedRun):
             self.watch.evaluate_by(self._scene)
             self._scene.native_items.forget()
             self.mover.begin_by(self.integrator.resume, time)
+
+    def take_weights(self, cables: Sequence[CableInScene]) -> bool:
+        """Whether compiled code goes on with constant weights that have been changed.   cables: of now."""
+        loads = [CableLoads(cable.among_others) for cable in cables]
+        if not isinstance(self.mover, MovedByKernels) or any(
+            new.has_histories or run.loads.has_histories for run, new in zip(self._runs, loads, strict=True)
+        ):
+            return False
+        for run, cable, new in zip(self._runs, cables, loads, strict=True):
+            run.loads.take_constants(new)
+            run.scene_cable = replace(run.scene_cable, loads=cable.among_others.loads)
+        self.mover.take_constants()
+        self.watch.take_constants()
+        return True
 
     def scale_mass(self, theta: float, h: float) -> None:
         """See `CableRun.scale_mass`."""

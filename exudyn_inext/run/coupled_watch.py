@@ -96,8 +96,8 @@ class CoupledWatch(RunWatch):
         self._draw_up = Prepared(verdict_after_work)
         self._gravity = np.zeros(len(state.q))
         self._start = np.zeros(len(state.q))  # coordinates from which the extent of the motion counts
-        for run, dofs in zip(runs, scene.map.slices, strict=False):
-            self._gravity[dofs] = run.loads.constant[: dofs.stop - dofs.start]
+        self._places = scene.map.slices
+        self.take_constants()
         self._energy_tolerance = energy_tolerance
         self._limit = frequency_limit(integrator, scheme, growth=GROWTH)
         self.before = np.zeros((2, len(state.q)))  # q and a at the start of the last step
@@ -122,6 +122,11 @@ class CoupledWatch(RunWatch):
         self._last = np.zeros(2)  # inspection: its time [s], and the square of the velocities then
         self._calm = 0.0  # largest square of velocities that calls for no other one
         self._counts = np.zeros(2, int)  # see _STEPS
+
+    def take_constants(self) -> None:
+        """Constant loads on cables, which have been changed."""
+        for run, dofs in zip(self._runs, self._places, strict=False):
+            self._gravity[dofs] = run.loads.constant[: dofs.stop - dofs.start]
 
     def evaluate_by(self, evaluated: EvaluatedScene) -> None:
         """Ask this form of the scene from now on."""

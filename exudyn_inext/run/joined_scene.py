@@ -140,6 +140,9 @@ class JoinedScene(EvaluatedScene, Protocol):
     def compile_parts(self, t: float, q: Array, v: Array) -> None:
         """Let compiled code evaluate bodies and joints where it can; Exudyn evaluates the forces."""
 
+    def read_masses_again(self) -> None:
+        """Bodies may have other masses than when they were read, where Exudyn evaluates them."""
+
     def leave_compiled_parts(self) -> None:
         """Let Exudyn evaluate bodies and joints, too."""
 

@@ -1,6 +1,6 @@
 """What both ways to move a coupled scene share: by compiled kernels, or with evaluations of Exudyn."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from typing import Any
 
@@ -62,6 +62,17 @@ class Mover:
     def has_jumped(self, time: float) -> bool:
         """Whether functions of the user have moved joints at once, before the step from `time` [s]."""
         return False
+
+    def can_weigh(self, number: int) -> bool:
+        """Whether a body may get another mass between steps."""
+        return False
+
+    def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
+        """Those that have to be built as moved ones before these markers may get other places.
+
+        objects: that act on the markers.   None: others act there, too, or they are markers of other kinds.
+        """
+        return None
 
     def begin_by(self, function: Callable[..., None], time: float) -> None:
         """Begin with a function of the integrator, of (system, external, state)."""

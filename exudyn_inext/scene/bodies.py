@@ -66,7 +66,7 @@ class BodiesSystem:
 
     Args:
         size: number of coordinates.
-        constant: blocks that never change, inverted once.
+        constant: blocks whose masses do not depend on the configuration, inverted once.
         variable: blocks whose masses `set_masses` gives at each evaluation.
         zeta: stabilisation rate of unit quaternions [1/s].
     """
@@ -79,10 +79,15 @@ class BodiesSystem:
         zeta: float = 0.0,
     ) -> None:
         self._stacks = [_Stack(blocks) for blocks in variable]
-        self._constant = _matrix_of_blocks(size, [_inverse(block) for block in constant])
-        self._constant_mass = _matrix_of_blocks(size, constant)
+        self._size = size
+        self.set_constant(constant)
         self.zeta = zeta
         self.has_quaternions = any((blocks.quaternion >= 0).any() for blocks in variable)
+
+    def set_constant(self, blocks: Sequence[MassBlock]) -> None:
+        """Blocks whose masses do not depend on the configuration."""
+        self._constant = _matrix_of_blocks(self._size, [_inverse(block) for block in blocks])
+        self._constant_mass = _matrix_of_blocks(self._size, blocks)
 
     def set_masses(self, stack: int, masses: Array, q: Array) -> None:
         """Masses (B, k, k), overwritten, of the variable blocks of one size in the configuration q (n,)."""

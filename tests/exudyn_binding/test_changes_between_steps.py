@@ -20,6 +20,7 @@ from exudyn.itemInterface import (
     NodeGenericODE1,
     NodePointGround,
     ObjectGenericODE1,
+    ObjectGenericODE2,
     SensorNode,
     SensorUserFunction,
     SphericalJoint,
@@ -351,6 +352,19 @@ def mass_that_grows(model):
     return lambda t: model.set_object(body, mass=0.05 if t < 0.3 else 0.2)
 
 
+def matrix_that_is_set(model):
+    """The stiffness of an object that ties the tip to where it is."""
+    tie = model.mbs.AddObject(
+        ObjectGenericODE2(nodeNumbers=[model.nodes[-1]], stiffnessMatrix=np.diag([5.0, 5.0, 0.0, 0.0]))
+    )
+
+    def change(t):
+        stiffness = 50.0 if t > 0.02 else 5.0
+        model.set_object(tie, stiffnessMatrix=np.diag([stiffness, stiffness, 0.0, 0.0]))
+
+    return change
+
+
 def feedback_of_a_sensor(model):
     load, sensor = model.force(model.nodes[-1]), model.sensors[0]
 
@@ -529,6 +543,11 @@ def test_what_is_changed_and_changed_back_within_a_step_changes_no_bit():
     np.testing.assert_array_equal(swinging(blink)[0].motion, swinging()[0].motion)
 
 
+def test_a_matrix_of_a_generic_object_acts_at_once():
+    ours, native = (moved(matrix_that_is_set, is_native, end_time=0.1) for is_native in (False, True))
+    assert deviation(ours.motion, native.motion) < 0.01
+
+
 def by_a_bound_load(model):
     load, setter = model.force(model.nodes[-1]), model.mbs.SetLoadParameter
     return lambda t: setter(load, "loadVector", [t, 0, 0])
@@ -543,7 +562,19 @@ def by_a_point_mass(model):
     return lambda t: AddPointMass(model.mbs, model.cable, 0.9, 0.01) if abs(t - 0.1) < 1e-9 else None
 
 
-@pytest.mark.parametrize("kind", [by_a_bound_load, by_a_bound_support, by_a_point_mass], ids=name_of)
+def by_a_bound_mass(model):
+    """It has no weight, which would be another force."""
+    body = model.mbs.CreateMassPoint(mass=0.05, referencePosition=TIP, returnDict=True)
+    ties = [model.at(model.nodes[-1]), model.at(body["nodeNumber"])]
+    model.mbs.AddObject(SphericalJoint(markerNumbers=ties))
+    setter = model.mbs.SetObjectParameter
+    return lambda t: setter(body["bodyNumber"], "mass", 0.05 if t < 0.1 else 0.2)
+
+
+WITHOUT_NOTICE = [by_a_bound_load, by_a_bound_support, by_a_bound_mass, by_a_point_mass]
+
+
+@pytest.mark.parametrize("kind", WITHOUT_NOTICE, ids=name_of)
 def test_changes_without_notice_are_not_silent(kind):
     with pytest.raises(SceneError, match="changed during the run without its notice"):
         moved(kind, False, end_time=0.2, step=1e-3)

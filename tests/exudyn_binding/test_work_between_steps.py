@@ -2,20 +2,34 @@
 
 import numpy as np
 import pytest
-from exudyn.itemInterface import SphericalJoint
+from exudyn.itemInterface import (
+    DistanceConstraint,
+    GenericJoint,
+    MarkerBodyPosition,
+    MarkerBodyRigid,
+    MarkerNodeRigid,
+    SphericalJoint,
+    SpringDamper,
+)
+from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import DivergenceError
 from exudyn_inext.compiled import Prepared
 from exudyn_inext.exudyn_binding import time_loop
+from exudyn_inext.exudyn_binding.scene_runs import RunBuilder
+from exudyn_inext.exudyn_binding.sensors import OutputTimes
 from exudyn_inext.lowered import _kinds
 from exudyn_inext.run.cable_run import CableRun
 from exudyn_inext.run.kept_state import KeptState
+from reference_models.model import quiet_settings
 from tests.exudyn_binding.test_changes_between_steps import (
+    TIP,
     Model,
     deviation,
     driven_mass,
     force_on_a_node,
     moved,
+    moving_end_of_a_hanger,
     moving_support,
     name_of,
     release,
@@ -29,11 +43,78 @@ def winch_beside_a_mass(model):
     return winch(model)
 
 
-@pytest.mark.parametrize("kind", [driven_mass, moving_support, winch, winch_beside_a_mass], ids=name_of)
-def test_joints_that_are_moved_stay_in_compiled_code(kind):
-    ours, native = (moved(kind, is_native, end_time=0.3) for is_native in (False, True))
+def moving_end_beside_a_mass(model):
+    model.mass_point([0, 1, 0])
+    return moving_end_of_a_hanger(model)
+
+
+def body_at_the_tip(model):
+    """(node, object) of a rigid body, which a joint ties to the cable."""
+    inertia = InertiaCuboid(500, [0.04, 0.05, 0.06]).Translated([0.02, 0, 0])
+    body = model.mbs.CreateRigidBody(
+        inertia=inertia, referencePosition=TIP, gravity=[0, -9.81, 0], returnDict=True
+    )
+    model.watch(body["nodeNumber"])
+    ties = [model.at(model.nodes[-1]), model.at(body["nodeNumber"])]
+    model.mbs.AddObject(SphericalJoint(markerNumbers=ties))
+    return body["nodeNumber"], body["bodyNumber"]
+
+
+def ground_that_moves(model):
+    """A body slides on it, and a spring is tied to it."""
+    node, _ = body_at_the_tip(model)
+    ground = model.mbs.CreateGround(referencePosition=TIP)
+    markers = [
+        model.mbs.AddMarker(MarkerBodyRigid(bodyNumber=ground)),
+        model.mbs.AddMarker(MarkerNodeRigid(nodeNumber=node)),
+    ]
+    model.mbs.AddObject(GenericJoint(markerNumbers=markers, constrainedAxes=[0, 1, 0, 0, 0, 0]))
+    above = model.mbs.AddMarker(MarkerBodyPosition(bodyNumber=ground, localPosition=[0.2, 0.5, 0]))
+    ends = [above, model.at(model.nodes[4])]
+    model.mbs.AddObject(SpringDamper(markerNumbers=ends, referenceLength=1.0, stiffness=5.0))
+    return lambda t: model.set_object(ground, referencePosition=[1.8, 0.6 * t**2, 0])
+
+
+def marker_that_moves_on_a_body(model):
+    _, body = body_at_the_tip(model)
+    marker = model.mbs.AddMarker(MarkerBodyPosition(bodyNumber=body))
+    ends = [model.at_point([1.8, 0.5, 0]), marker]
+    model.mbs.AddObject(DistanceConstraint(markerNumbers=ends, distance=0.5))
+    return lambda t: model.mbs.SetMarkerParameter(marker, "localPosition", [0.05 * t, 0.1 * t**2, 0])
+
+
+def body_that_gets_heavier(model):
+    _, body = body_at_the_tip(model)
+    inertia = np.array(model.mbs.GetObjectParameter(body, "inertia"))
+
+    def change(t):
+        model.set_object(body, mass=0.06 * (1 + 4 * t), inertia=inertia * (1 + 9 * t))
+        model.mbs.SetLoadParameter(weight, "loadVector", [0, -9.81, 2 * t])
+
+    weight = model.mbs.systemData.NumberOfLoads() - 1
+    return change
+
+
+STAY_COMPILED = [
+    driven_mass,
+    moving_support,
+    winch,
+    winch_beside_a_mass,
+    moving_end_beside_a_mass,
+    ground_that_moves,
+    marker_that_moves_on_a_body,
+    body_that_gets_heavier,
+]
+
+
+@pytest.mark.parametrize("kind", STAY_COMPILED, ids=name_of)
+def test_joints_that_are_moved_and_masses_stay_in_compiled_code(kind, monkeypatch):
+    builds, build = [], RunBuilder.build
+    monkeypatch.setattr(RunBuilder, "build", lambda *given, **more: builds.append(1) or build(*given, **more))
+    ours, native = (moved(kind, is_native, end_time=0.2) for is_native in (False, True))
     assert "Exudyn evaluates" not in ours.report["path"]
     assert deviation(ours.motion, native.motion) < 0.003
+    assert len(builds) <= 2
 
 
 def stop_that_is_set_before_it_acts(model):
@@ -183,3 +264,47 @@ def test_a_state_is_kept_whatever_the_gaps_between_its_numbers():
     records["b"] = 6.0
     kept.restore()
     assert (records["b"] == 5.0).all()
+
+
+def load_that_is_set(model):
+    load = model.force(model.nodes[-1])
+    return lambda mbs, t: mbs.SetLoadParameter(load, "loadVector", [np.sin(9 * t), 0, 0]) or True
+
+
+def support_that_is_set(model):
+    support = model.supports[0]
+    return lambda mbs, t: mbs.SetObjectParameter(support, "offset", float(0.1 * np.sin(9 * t))) or True
+
+
+def support_that_is_set_beside_a_mass(model):
+    model.mass_point([0, 1, 0])
+    return support_that_is_set(model)
+
+
+SEEN_TO_SET = [load_that_is_set, support_that_is_set, support_that_is_set_beside_a_mass]  # and to do no more
+
+
+def written_rows(kind, folder, period, monkeypatch, each_step=False):
+    """Of the solution file, and how often reactions of supports were solved for."""
+    calls, put = [], CableRun.put_reactions
+    monkeypatch.setattr(CableRun, "put_reactions", lambda *given: calls.append(1) or put(*given))
+    monkeypatch.setattr(OutputTimes, "include", lambda *_: True) if each_step else None
+    model = Model(False)
+    model.mbs.SetPreStepUserFunction(kind(model))
+    model.mbs.Assemble()
+    settings = quiet_settings(0.05, 50, 0.01)
+    settings.solution.file.write, settings.solution.file.writePeriod = True, period
+    settings.solution.file.name = str(folder / f"rows{each_step}")
+    model.run_again(settings)
+    monkeypatch.undo()
+    (path,) = folder.glob(f"rows{each_step}*")
+    return np.loadtxt(path, comments="#", delimiter=","), len(calls)
+
+
+@pytest.mark.parametrize("kind", SEEN_TO_SET, ids=name_of)
+@pytest.mark.parametrize("period", [0.01, 0.007])
+def test_forces_are_solved_for_where_they_are_written_alone(kind, period, tmp_path, monkeypatch):
+    found, few = written_rows(kind, tmp_path, period, monkeypatch)
+    wanted, many = written_rows(kind, tmp_path, period, monkeypatch, each_step=True)
+    np.testing.assert_array_equal(found, wanted)
+    assert few < 10 < 50 <= many

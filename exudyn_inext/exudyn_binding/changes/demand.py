@@ -10,24 +10,30 @@ import numpy as np
 from exudyn.exudynCPP import ObjectIndex
 
 from ...cable.link import Motion
-from ...items.parameters import Parameter
+from ...items.attach.inert import is_inert_cable
+from ...items.parameters import Parameter, markers_placed_by, objects_at
 from ...loads.weight import ElementWeight
 from ...run.coupled_run import CoupledRun, Run
 from ...scene.model import CableInScene, Scene
 
 _JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
 _PLACES = ("offset", "distance")
+_MASSES = ("mass", "physicsMass", "inertia", "physicsInertia")
 _FORCES_OF_TREES = ("gravity", "jointForceVector", "jointPositionOffsetVector", "jointVelocityOffsetVector")
 
 
 class Demand(IntEnum):
-    """Nothing; an evaluation by Exudyn; joints that move; the scene read again; runs built again."""
+    """Nothing; an evaluation; joints that move, or other masses; weights; the scene read; runs built again.
+
+    WEIGH: kernels of cables evaluate these weights, which are read with the scene.
+    """
 
     NOTHING = 0
     EVALUATE = 1
     MOVE = 2
-    READ = 3
-    BUILD = 4
+    WEIGH = 3
+    READ = 4
+    BUILD = 5
 
 
 def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) -> Demand:
@@ -41,14 +47,15 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
     if key.kind == "Node":
         return Demand.NOTHING  # initial values
     coupled = [run for run in runs if isinstance(run, CoupledRun)]
-    if not coupled or key.kind == "Marker":
+    if not coupled:
         return Demand.READ
     if key.kind == "Load":
-        is_weight = mbs.GetLoad(key.number)["loadType"] == "MassProportional"
-        return Demand.READ if is_weight else Demand.EVALUATE
-    kind = mbs.GetObject(key.number)["objectType"]
-    if kind == "Ground":
-        return Demand.READ
+        return Demand.WEIGH if _is_weight_of_cable(mbs, key.number) else Demand.EVALUATE
+    kind = "" if key.kind == "Marker" else mbs.GetObject(key.number)["objectType"]
+    if kind in ("", "Ground"):
+        return _demand_of_place(mbs, coupled, own, key)
+    if key.name in _MASSES and all(run.mover.can_weigh(key.number) for run in coupled):
+        return Demand.MOVE
     if _JACOBIAN in mbs.ComputeItem(ObjectIndex(key.number)):
         is_joint = key.name in _PLACES and not any(run.holds(key.number) for run in coupled)
         if is_joint and key.number in own:
@@ -60,6 +67,27 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
     is_force = kind.startswith(("Connector", "Contact"))
     is_force |= kind == "KinematicTree" and key.name in _FORCES_OF_TREES
     return Demand.EVALUATE if is_force else Demand.BUILD
+
+
+def _is_weight_of_cable(mbs: Any, number: int) -> bool:
+    """Whether kernels of cables evaluate a load: a weight on a companion."""
+    load = mbs.GetLoad(number)
+    if load["loadType"] != "MassProportional":
+        return False
+    return is_inert_cable(mbs.GetObject(int(mbs.GetMarkerParameter(load["markerNumber"], "bodyNumber"))))
+
+
+def _demand_of_place(mbs: Any, coupled: Sequence[CoupledRun], own: Collection[int], key: Parameter) -> Demand:
+    """Of a marker, or a ground, that is moved: joints there have to be built as such that are."""
+    markers = markers_placed_by(mbs, key)
+    if markers is None:
+        return Demand.READ
+    users = {number for marker in markers for number in objects_at(mbs, marker)}
+    others = users.difference(own)
+    missing = [run.mover.joints_to_move(markers, others) for run in coupled]
+    if None in missing:
+        return Demand.READ
+    return Demand.BUILD if users != others or any(missing) else Demand.MOVE
 
 
 def same_cables(one: Scene, other: Scene) -> bool:

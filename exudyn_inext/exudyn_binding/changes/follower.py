@@ -166,7 +166,7 @@ class ChangeFollower:
         return True
 
     def _acting(self, runs: Sequence[Run], changed: Collection[Parameter]) -> list[Parameter]:
-        return [key for key in changed if self._demand(runs, key) > Demand.NOTHING]
+        return [key for key in changed if Demand.NOTHING < self._demand(runs, key) < Demand.WEIGH]
 
     def _demand(self, runs: Sequence[Run], key: Parameter) -> Demand:
         if key not in self._demands:
@@ -182,8 +182,8 @@ class ChangeFollower:
             items = self._acting(runs, changed)
             for run in runs:
                 if isinstance(run, CoupledRun) and asked < Demand.BUILD:
-                    run.take_over(items, asked <= Demand.MOVE, time)
-        if asked < Demand.READ:
+                    run.take_over(items, asked <= Demand.WEIGH, time)
+        if asked < Demand.WEIGH:
             is_stiffer = self.limit.follow_stiffness(self.mbs, runs, changed, time)
             has_moved = self._jumped or asked == Demand.MOVE
             if self.moves or is_stiffer or has_moved:
@@ -234,7 +234,8 @@ def _take_loads(runs: Sequence[Run], scene: Scene) -> bool:
         if not np.array_equal(loads.pattern, run.loads.pattern):
             return False
         run.loads, run.scene_cable = loads, cable
-    return all(same_weights(run, scene) for run in runs if isinstance(run, CoupledRun))
+    coupled = [run for run in runs if isinstance(run, CoupledRun)]
+    return all(same_weights(run, scene) or run.take_weights(scene.cables) for run in coupled)
 
 
 def _go_on(runs: Sequence[Run], time: float, end: float, has_changed: bool) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
+import exudyn
 import numpy as np
 
 from ...errors import StepSizeError
@@ -69,7 +70,7 @@ class StepLimit:
 
     def grown(self, mbs: Any, changed: Collection[Parameter]) -> dict[Parameter, float]:
         """Stiffnesses that are much larger than when the limit was looked at, and how large they are."""
-        sizes = {key: _size(mbs, key) for key in filter(_is_of_stiffness, changed)}
+        sizes = {key: _size(mbs, key) for key in filter(_bounds_the_step, changed)}
         return {key: size for key, size in sizes.items() if size > GROWTH * self._seen.get(key, 0.0)}
 
     def follow_stiffness(
@@ -145,17 +146,26 @@ class StepLimit:
 
 
 def _size(mbs: Any, key: Parameter) -> float:
-    """Largest value of a stiffness or damping."""
+    """Largest value of a stiffness or damping; of a mass or inertia, the inverse of the smallest one."""
     value = key.value(mbs)
-    return abs(value) if isinstance(value, float) else float(np.abs(value).max())
+    if _is_of_mass(key):
+        sizes = np.abs(np.atleast_1d(value))
+        return float(1.0 / sizes[sizes > 0.0].min(initial=np.inf))
+    if isinstance(value, exudyn.MatrixContainer):
+        value = value.Convert2DenseMatrix()
+    return abs(value) if isinstance(value, float) else float(np.abs(value).max(initial=0.0))
 
 
 @cache
-def _is_of_stiffness(key: Parameter) -> bool:
-    """Whether the stability limit may follow a parameter: a number of a connector."""
+def _bounds_the_step(key: Parameter) -> bool:
+    """Whether the stability limit may follow a parameter: a number of a connector, or a mass."""
     name = key.name.lower()
     is_named_so = name == "activeconnector" or "stiffness" in name or "damping" in name
-    return key.kind == "Object" and is_named_so
+    return key.kind == "Object" and (is_named_so or _is_of_mass(key))
+
+
+def _is_of_mass(key: Parameter) -> bool:
+    return key.name.lower().removeprefix("physics") in ("mass", "inertia")
 
 
 def _pass_on_steps(before: Sequence[Run], runs: Sequence[Run]) -> None:

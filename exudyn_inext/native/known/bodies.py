@@ -84,19 +84,41 @@ def _read_body(mbs: Any, body: Body, coordinates: CoordinateMap, q: Array, recor
     fields.orientation[:] = np.eye(3)
     fields.rates[2, 0] = fields.inverse_rates[0, 2] = 1.0  # in the plane
     place_body(fields, q)
-    free = _FREE[kind]
     if not (body.has_constant_mass or body.tells_mass):
         raise UnknownItemError(f"{name}, of which Exudyn does not tell the mass")
     mass = body.initial_mass if body.has_constant_mass else body.mass(mbs)
-    fields.mass[:] = mass_in_frame(fields, mass)
-    rows = np.array(free)[:, None]
+    if not set_mass(fields, mass_in_frame(fields, mass)):
+        raise UnknownItemError(f"{name}, which has no mass in one direction")
+
+
+def set_mass(body: Any, mass: Array) -> bool:
+    """Give a record this mass (6, 6); returns whether that resists in all directions."""
+    body.mass[:] = mass
+    rows = np.array(_FREE[int(body.translations), int(body.rotations)])[:, None]
     among = rows, rows.T
-    own = fields.mass[among]
+    own = mass[among]
     with suppress(np.linalg.LinAlgError):
-        fields.inverse[among] = inverse = np.linalg.inv(own)
-        if np.abs(own).sum(axis=0).max() * np.abs(inverse).sum(axis=0).max() < MOST_CONDITION:
-            return
-    raise UnknownItemError(f"{name}, which has no mass in one direction")
+        body.inverse[among] = inverse = np.linalg.inv(own)
+        return bool(np.abs(own).sum(axis=0).max() * np.abs(inverse).sum(axis=0).max() < MOST_CONDITION)
+    return False
+
+
+def mass_of_parameters(data: dict[str, Any]) -> Array:
+    """(6, 6) mass matrix, in its frame, of a mass point or rigid body, from the parameters of the object."""
+    given = {name.removeprefix("physics").lower(): value for name, value in data.items()}
+    mass, total, in_plane = np.zeros((6, 6)), given["mass"], data["objectType"].endswith("2D")
+    mass[range(3 - in_plane), range(3 - in_plane)] = total
+    if "inertia" not in given:
+        return mass
+    x, y, z = np.append(total * np.asarray(given["centerofmass"]), 0.0)[:3]
+    lever = np.array([[0, z, -y], [-z, 0, x], [y, -x, 0]])
+    mass[:3, 3:], mass[3:, :3] = lever, lever.T
+    if in_plane:
+        mass[5, 5] = given["inertia"]
+    else:
+        xx, yy, zz, yz, xz, xy = given["inertia"]
+        mass[3:, 3:] = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    return mass
 
 
 def mass_in_frame(body: Any, mass: Array) -> Array:

@@ -28,6 +28,7 @@ _OFFSET_FUNCTIONS = ("offsetUserFunction", "offsetUserFunction_t")
 _ROW = np.zeros(1, ROW)[0]
 _ROW["factor"], _ROW["entry"], _ROW["function"], _ROW["turning"] = 1.0, -1, -1, -1
 _OFFSETS = {"ConnectorCoordinate": "offset", "ConnectorDistance": "distance"}
+_MOVED = (DIFFERENCE, ALONG, DISTANCE)  # kinds of rows that have offsets
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,12 +120,14 @@ class KnownRows(NamedTuple):
     """Joints.   records: (m,), in their order.   functions: of time, that offsets are.
 
     moved: offsets that are set between steps; their values follow those of the functions.
+    movable: numbers of joints whose offsets may be.
     sliders: see `Sliders`.
     """
 
     records: Any
     functions: Sequence[FunctionOfTime]
     moved: MovedOffsets
+    movable: Set[int]
     sliders: Any
 
 
@@ -136,7 +139,7 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved:
     """
     rows: list[Any] = []
     functions: list[FunctionOfTime] = []
-    of_moved: list[Any] = []  # records, and what `MovedOffsets` takes
+    offsets: list[_Offset] = []  # that may be moved
     sliding: list[tuple[Any, Array]] = []
     for joint in joints:
         if isinstance(joint, SlidingJoint):
@@ -163,21 +166,34 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved:
         elif data.get("offsetUserFunction"):
             of_joint[0]["function"], of_joint[0]["rest"] = 3 * len(functions), 0.0
             functions.append(_offset_function(mbs, joint, data))
-        elif joint.number in moved and data["objectType"] in _OFFSETS and of_joint:
-            of_joint[0].rest = of_joint[0].offset
-            given = partial(mbs.GetObjectParameter, joint.number, _OFFSETS[data["objectType"]])
-            of_moved.append((of_joint[0], joint.number, len(rows), given))
+        else:
+            offsets += _offsets(mbs, joint.number, data["objectType"], of_joint, len(rows))
         rows += of_joint
-    moved_offsets = _moved_offsets(of_moved, len(functions))
-    return KnownRows(collected(ROW, rows), functions, moved_offsets, _sliders(sliding))
+    of_moved = _moved_offsets([one for one in offsets if one.joint in moved], len(functions))
+    movable = {one.joint for one in offsets}
+    return KnownRows(collected(ROW, rows), functions, of_moved, movable, _sliders(sliding))
 
 
-def _moved_offsets(
-    found: Sequence[tuple[Any, int, int, Callable[[], float]]], functions: int
-) -> MovedOffsets:
-    """Of records, numbers, rows and offsets of joints; their values follow those of so many functions."""
-    for place, (record, *_) in enumerate(found, functions):
-        record.function = 3 * place
+class _Offset(NamedTuple):
+    """Of a row of a joint.   record, row: of the row, and its number.   given: as it is set at present."""
+
+    record: Any
+    joint: int
+    row: int
+    given: Callable[[], float]
+
+
+def _offsets(mbs: Any, number: int, kind: str, records: Sequence[Any], first: int) -> list[_Offset]:
+    """Of the rows of a joint that have any.   first: number of its first row."""
+    given = partial(mbs.GetObjectParameter, number, _OFFSETS[kind]) if kind in _OFFSETS else float
+    rows = enumerate(records, first)
+    return [_Offset(record, number, row, given) for row, record in rows if record["kind"] in _MOVED]
+
+
+def _moved_offsets(found: Sequence[_Offset], functions: int) -> MovedOffsets:
+    """Of these; their values follow those of so many functions."""
+    for place, one in enumerate(found, functions):
+        one.record.function, one.record.rest = 3 * place, one.record.offset
     _, numbers, rows, given = zip(*found, strict=True) if found else [()] * 4
     return MovedOffsets(numbers, rows, given)
 

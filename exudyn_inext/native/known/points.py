@@ -95,12 +95,26 @@ class PointReader:
         point["x"][0], point["orientation"][:] = position, orientation
         return self._add(point, has_frame=has_frame)
 
+    def is_placeable(self, number: int) -> bool:
+        """Whether `place_again` may be asked for a marker, or nothing depends on it."""
+        known = self._known.get(number)
+        return known is None or self._points[known.point]["kind"] in (FIXED, ON_BODY)
+
+    def place_again(self, number: int, points: Any) -> None:
+        """A marker on the ground or a body has another place.   points: records that a system holds now."""
+        if number not in self._known:
+            return
+        data, point = self._mbs.GetMarker(number), points[self._known[number].point]
+        if point["kind"] == ON_BODY:
+            point["local"][:] = data["localPosition"]
+        else:
+            point["x"][0] = _place_on_ground(self._mbs.GetObject(data["bodyNumber"]), data["localPosition"])
+
     def _on_object(self, number: int, local: Array, has_frame: bool, turn: Array) -> Place:
         data = self._mbs.GetObject(number)
         if data["objectType"] == "Ground":
             orientation = np.asarray(data["referenceRotation"], dtype=float)
-            position = np.asarray(data["referencePosition"]) + orientation @ local
-            place = self.fixed(position, orientation, has_frame)
+            place = self.fixed(_place_on_ground(data, local), orientation, has_frame)
             return place._replace(turn=turn)
         if number in self._of_bodies:
             return self.on_body(self._of_bodies[number], local, has_frame)._replace(turn=turn)
@@ -259,6 +273,12 @@ class PointReader:
         point = _new(ANGLE, first + int(record["translations"]), int(record["rotations"]))
         point["body"], point["axis"] = body, axis
         return self._add(point)
+
+
+def _place_on_ground(ground: dict[str, Any], local: Any) -> Array:
+    """(3,) of a point `local` (3,) in the frame of an object."""
+    place: Array = ground["referencePosition"] + np.asarray(ground["referenceRotation"]) @ local
+    return place
 
 
 def _new(kind: int, first: int = 0, width: int = 0) -> Any:

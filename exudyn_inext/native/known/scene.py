@@ -1,6 +1,6 @@
 """All items of a scene but its cables, if each has a compiled form."""
 
-from collections.abc import Callable, Sequence, Set
+from collections.abc import Callable, Collection, Sequence, Set
 from contextlib import nullcontext, suppress
 from typing import Any
 
@@ -8,9 +8,11 @@ import numpy as np
 
 from ...arrays import Array, collected
 from ...items.attach.inert import is_inert_cable
+from ...items.parameters import Parameter, markers_placed_by
 from ...multibody.build import KnownItems
 from ...multibody.connectors import CONNECTOR
 from ...multibody.loads import LOAD, NONE
+from ...multibody.scene import Items
 from ...run.compiled_scene import ChangedItem
 from ...run.load_functions import Asked
 from ...run.moved_offsets import MovedOffsets
@@ -18,7 +20,7 @@ from ..bodies import Body
 from ..coordinates import CoordinateMap
 from ..friction_check import FrictionCheck
 from ..joint_item import JointItem
-from .bodies import first_order_records, read_body_records
+from .bodies import first_order_records, mass_of_parameters, read_body_records, set_mass
 from .connectors import VALUES, KnownConnector, read_connector
 from .contacts import ContactReader
 from .general_contacts import read_general_contacts
@@ -26,6 +28,8 @@ from .joints import read_rows
 from .loads import KnownLoad, read_load
 from .points import PointReader
 from .unknown import UnknownItemError
+
+_WEIGHT = "MassProportional"  # load
 
 
 def read_known_items(
@@ -67,10 +71,10 @@ def read_known_items(
     if states:
         records = np.append(records, first_order_records(len(coordinates.indices), states))
     reader = PointReader(mbs, coordinates, on_cables, records, of_bodies)
-    rows, functions, of_moved, sliders = read_rows(mbs, joints, reader, moved)
+    rows, functions, of_moved, movable, sliders = read_rows(mbs, joints, reader, moved)
     done = {*of_bodies, *elsewhere, *(joint.number for joint in joints)}
     others = 3 * (len(functions) + len(of_moved.joints))
-    items = KnownNumbers(mbs, reader, others, of_moved, follows_state)
+    items = KnownNumbers(mbs, reader, others, of_moved, movable, of_bodies, follows_state)
     touching = ContactReader(mbs, reader, friction.numbers)
     if has_forces:
         for number in range(mbs.systemData.NumberOfObjects()):
@@ -90,10 +94,11 @@ def read_known_items(
 
 
 class KnownNumbers:
-    """Connectors and loads as records, by their numbers, so that they can be read again.
+    """Items as records, by their numbers, so that they can be read again; see `ChangeableItems`.
 
-    connectors, loads: records, in the order in which they were added.   moved: offsets that are set between
-    steps.   functions: those of loads; each has three values, which follow the `others` of joints.
+    connectors, loads: records, in the order in which they were added.   moved, movable: see `KnownRows`.
+    bodies: number of the record of each body, by that of the object.
+    functions: those of loads; each has three values, which follow the `others` of joints.
     """
 
     def __init__(
@@ -102,9 +107,12 @@ class KnownNumbers:
         reader: PointReader,
         others: int,
         moved: MovedOffsets,
+        movable: Set[int],
+        bodies: dict[int, int],
         follows_state: bool,
     ) -> None:
         self._mbs, self._reader, self._others, self.moved = mbs, reader, others, moved
+        self._movable, self._bodies = movable, bodies
         self._follows_state = follows_state
         self.connectors: list[Any] = []
         self.loads: list[Any] = []
@@ -135,12 +143,40 @@ class KnownNumbers:
         self._forces[number] = len(self.loads), read
         self.loads.append(read.record)
 
-    def read_again(self, item: ChangedItem, connectors: Any, loads: Any) -> bool:
-        """Bring the records of an item, 'Object' or 'Load', up to date; False if they cannot be.
+    def can_weigh(self, number: int) -> bool:
+        """See `Mover.can_weigh`: the mass must be that of the parameters, and no function its weight."""
+        data = self._mbs.GetObject(number)
+        if number not in self._bodies or data["objectType"].endswith("1D"):
+            return False
+        return all(self._forces[load][1].function is None for load in self._weights(number))
 
-        connectors, loads: records that a system holds now.
-        """
+    def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
+        """See `Mover.joints_to_move`."""
+        joints = set(objects) - self._springs.keys()
+        can = joints <= self._movable and all(map(self._reader.is_placeable, markers))
+        if not can or self._mbs.NumberOfGeneralContacts():
+            return None
+        return joints.difference(self.moved.joints)
+
+    def _weights(self, number: int) -> list[int]:
+        """Loads that are proportional to the mass of a body."""
+        given = ((load, self._mbs.GetLoad(load)) for load in self._forces)
+        of_masses = [(load, data["markerNumber"]) for load, data in given if data["loadType"] == _WEIGHT]
+        get = self._mbs.GetMarkerParameter
+        return [load for load, marker in of_masses if int(get(marker, "bodyNumber")) == number]
+
+    def read_again(self, item: ChangedItem, memories: Sequence[Items]) -> bool:
+        """See `ChangeableItems`; connectors and loads are the same ones in all memories."""
         kind, number, _ = item
+        connectors, loads = memories[0].connectors, memories[0].loads
+        if kind == "Object" and number in self._bodies:
+            return self._weigh_again(number, memories)
+        markers = markers_placed_by(self._mbs, Parameter(*item))
+        if markers is not None:
+            for marker in markers:
+                for memory in memories:
+                    self._reader.place_again(marker, memory.points)
+            return True
         if number not in (self._forces if kind == "Load" else self._springs):
             return False
         before = self._reader.number_of_points
@@ -151,6 +187,16 @@ class KnownNumbers:
         except UnknownItemError:
             return False
         return is_known and self._reader.number_of_points == before
+
+    def _weigh_again(self, number: int, memories: Sequence[Items]) -> bool:
+        mass, loads = mass_of_parameters(self._mbs.GetObject(number)), memories[0].loads
+        for memory in memories:
+            set_mass(memory.bodies[self._bodies[number]], mass)
+        for load in self._weights(number):
+            place, known = self._forces[load]
+            self._forces[load] = place, known._replace(scale=mass[0, 0])
+            self._load_again(("Load", load, "loadVector"), loads)
+        return True
 
     def _load_again(self, item: ChangedItem, loads: Any) -> bool:
         _, number, name = item
