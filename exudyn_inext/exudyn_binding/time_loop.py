@@ -23,6 +23,8 @@ from .sensors import ACCELERATIONS, VELOCITIES
 LOOK_AHEAD_LIMIT = 1_000_000  # coordinates times steps in a call: some 30 ms, so that Ctrl-C works
 HANDED_OUT = 64  # states that are turned into Python numbers at once
 CALM = 4  # steps without a change, after which several are computed at once
+COARSEST = 8.0  # times the step that resolves axial vibrations, with which a run begins again at most
+FINER = 4.0  # times shorter steps, if that was too long
 UNSEEN = 32  # steps at most that are computed ahead where functions may still change something
 
 
@@ -243,7 +245,12 @@ class ExplicitTimeLoop:
         if self.step_is_from:
             chosen = f"The automatic step of this run was {self.grid.h:.4g} s, decided by {self.step_is_from}"
             left = f"{chosen}: a stepSize has to be smaller. {left}"
-        return divergence(list(filter(None, verdicts)), time, left)
+        error = divergence(list(filter(None, verdicts)), time, left)
+        hiding = [run.watch.resolving_step for run in self.runs if run.gave_up and run.watch.hides_energy]
+        resolving = max(hiding, default=0.0)
+        if self.grid.h > resolving > 0.0:
+            error.shorter_step = min(COARSEST * resolving, self.grid.h / FINER)
+        return error
 
     def _compute_well(self) -> tuple[Array, int]:
         """As `_compute_ahead`; what goes wrong there is tried again after one step, which functions see."""
@@ -344,7 +351,7 @@ class ExplicitTimeLoop:
         if runs is not self.runs:
             self.runs, self._places = runs, [as_slice(run.indices) for run in runs]
             self._kept.clear()
-
+    
     def _take_over_changes(self) -> None:
         """A user function may have set coordinates since the last step: restart from them."""
         present = self._present()
