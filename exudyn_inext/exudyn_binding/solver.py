@@ -12,6 +12,7 @@ import exudyn
 from ..errors import DivergenceError, SceneError
 from ..items.arguments import explicit_settings, simulation_settings
 from ..items.functions_of_time import functions_at_rest, step_functions, take_word
+from ..native.native_items import state_kept
 from ..native.velocity_level import Drives, at_position_level
 from ..run.loop_clock import LoopClock
 from ..run.output_files import ResumedOutputs, require_writable_outputs
@@ -31,6 +32,7 @@ from .restart import Restarts
 from .scene import read_scene, require_assembled
 from .scene_runs import RunBuilder, bounds_if_scaled
 from .sensors import observed_derivatives, warn_of_empty_sensors
+from .stretch_check import warn_of_worst
 from .time_loop import (
     ExplicitTimeLoop,
     is_watched,
@@ -213,6 +215,8 @@ def _solve(
         until_steps.close()
         with shared_evaluators(sensors), shown, listening(log):
             _run(mbs, solver, settings, loop, outputs, log, header)
+        with state_kept(mbs):
+            warn_of_worst([one for check in loop.stretch_checks for one in check.findings()])
     controls = [run.control for run in loop.runs]
     warn_of_findings(loop.runs, explicit.energyTolerance)
     return ExplicitReport(
