@@ -35,7 +35,12 @@ class RedundantConstraintError(InextensibleError, ArithmeticError):
 
 
 class DivergenceError(InextensibleError, ArithmeticError):
-    """The run left the finite numbers, or its constraints, or gained energy; mbs has the last good state."""
+    """The run left the finite numbers, or its constraints, or gained energy; mbs has the last good state.
+
+    shorter_step: that may go well where axial vibrations seem to be the cause [s]; 0: not known.
+    """
+
+    shorter_step = 0.0
 
 
 class OffCableError(InextensibleError, ArithmeticError):

@@ -174,12 +174,18 @@ def multiplier_tension(cable: Cable, q: Array, v: Array, nodal: Array, length: A
     Args:
         q, v: (n, 2, dim).   nodal: (n,) multipliers of Eq. (18) [N m].   length: (N,) of Eq. (19) [N].
     """
+    return constraint_tension(cable, nodal, length) + _bending_tension(cable, q, v)
+
+
+def constraint_tension(cable: Cable, nodal: Array, length: Array) -> Array:
+    """The share of the multipliers in that; see `multiplier_tension`."""
     share = nodal.copy()
     if not cable.closed:
         share[[0, -1]] *= 2.0
     else:
         share[[0, -1]] = share[0] + share[-1]
-    return 2.0 * length + (share[1:] + share[:-1]) / cable.element_lengths + _bending_tension(cable, q, v)
+    result: Array = 2.0 * length + (share[1:] + share[:-1]) / cable.element_lengths
+    return result
 
 
 def _bending_tension(cable: Cable, q: Array, v: Array) -> Array:

@@ -1,5 +1,6 @@
 """SolveExplicit: an explicit integrator inside Exudyn's own time loop."""
 
+import math
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from dataclasses import replace
@@ -8,9 +9,10 @@ from typing import Any
 
 import exudyn
 
-from ..errors import SceneError
+from ..errors import DivergenceError, SceneError
 from ..items.arguments import explicit_settings, simulation_settings
 from ..items.functions_of_time import functions_at_rest, step_functions, take_word
+from ..native.native_items import state_kept
 from ..native.velocity_level import Drives, at_position_level
 from ..run.loop_clock import LoopClock
 from ..run.output_files import ResumedOutputs, require_writable_outputs
@@ -30,6 +32,7 @@ from .restart import Restarts
 from .scene import read_scene, require_assembled
 from .scene_runs import RunBuilder, bounds_if_scaled
 from .sensors import OutputTimes, observed_derivatives, warn_of_empty_sensors
+from .stretch_check import warn_of_worst
 from .time_loop import (
     ExplicitTimeLoop,
     is_watched,
@@ -53,7 +56,9 @@ def SolveExplicit(
 
     Steps that go wrong (constraints that cannot be solved for, an energy that jumps, numbers that are not
     finite) are rejected: the run goes on from the state before them with smaller ones, which grow again. It
-    ends only where no step is small enough. An energy that grows slowly is warned of, see
+    ends only where no step is small enough. Where axial vibrations are the cause, and the step is automatic,
+    it begins again from the start, with shorter steps; without pre- or post-step user functions, which cannot
+    be undone. An energy that grows slowly is warned of, see
     ExplicitSettings.energyTolerance. The stability limit is that of the initial state, as if contacts of
     cables with circles that are open were closed.
 
@@ -115,18 +120,46 @@ def SolveExplicit(
     require_assembled(mbs)
     refuse_newton_functions(mbs)
     take_word(mbs, explicit.dependsOnTimeOnly)
+    longest = math.inf
+    while True:
+        try:
+            return _solve_from_start(mbs, settings, explicit, longest)
+        except DivergenceError as error:
+            longest = error.shorter_step
+            if not (longest and _may_begin_again(mbs, settings, explicit)):
+                raise
+
+
+def _may_begin_again(mbs: Any, settings: Any, explicit: ExplicitSettings) -> bool:
+    """Whether a run with an automatic step can be undone, as nothing that saw its steps goes on from them."""
+    solution = settings.solution
+    goes_on = solution.sensors.append or solution.file.append or solution.restart.continueIfAvailable
+    is_given = explicit.stepSize is not None or explicit.adaptiveStep
+    return not (is_given or goes_on or step_functions(mbs))
+
+
+def _solve_from_start(mbs: Any, settings: Any, explicit: ExplicitSettings, longest: float) -> dict[str, Any]:
+    """Arguments: see `_solve`."""
     time = float(settings.timeIntegration.startTime)
     with ExitStack() as start:
         start.enter_context(at_start(mbs, time))
         with at_position_level(mbs, time) as drives:
             start.enter_context(functions_at_rest(mbs))
-            return _solve(mbs, settings, explicit, drives, start)
+            return _solve(mbs, settings, explicit, drives, start, longest)
 
 
 def _solve(
-    mbs: Any, settings: Any, explicit: ExplicitSettings, drives: Drives, until_steps: ExitStack
+    mbs: Any,
+    settings: Any,
+    explicit: ExplicitSettings,
+    drives: Drives,
+    until_steps: ExitStack,
+    longest: float,
 ) -> dict[str, Any]:
-    """Arguments: see `SolveExplicit`.   until_steps: what lasts until the first step, closed there."""
+    """Arguments: see `SolveExplicit`.
+
+    until_steps: what lasts until the first step, closed there.   longest: that an automatic step may be [s].
+    """
     log, reader = ChangeLog(mbs), SteppedReader(mbs, drives)
     solver = exudyn.MainSolverImplicitSecondOrder()
     scene = read_scene(mbs, reader)
@@ -153,6 +186,8 @@ def _solve(
         duration = float(settings.timeIntegration.endTime) - start
         scaled = bounds_if_scaled(mbs, scene, start, given.h if given else 0.0, explicit)
         choice = choose_step(runs, start, duration, explicit, scaling, scaled)
+        if choice.h > longest:
+            choice = replace(choice, h=longest, decided_by="axial vibrations")
         bounds, explicit = choice.bounds, choice.explicit
         restarts.mass_scaling = explicit.massScaling
         warn_of_damping(choice, duration)
@@ -181,6 +216,8 @@ def _solve(
         until_steps.close()
         with shared_evaluators(sensors), shown, listening(log):
             _run(mbs, solver, settings, loop, outputs, log, header)
+        with state_kept(mbs):
+            warn_of_worst([one for check in loop.stretch_checks for one in check.findings()])
     controls = [run.control for run in loop.runs]
     warn_of_findings(loop.runs, explicit.energyTolerance)
     return ExplicitReport(

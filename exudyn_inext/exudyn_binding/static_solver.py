@@ -1,9 +1,8 @@
 """SolveEquilibrium: the stable static equilibrium of a scene with inextensible cables."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from itertools import combinations
 from typing import Any
 
 import exudyn
@@ -14,7 +13,6 @@ from ..cable.axial import SHORTEST
 from ..cable.cable import Cable
 from ..cable.many_cables import cable_systems
 from ..checks import require_finite, require_functions, require_integer, require_positive
-from ..constraints.prescribed_motion import KIND
 from ..errors import EquilibriumError, InputError, SceneError
 from ..items.arguments import settings_of, simulation_settings
 from ..items.functions_of_time import take_word
@@ -39,6 +37,8 @@ from .mbs_state import at_start
 from .reports import StaticReport
 from .scene import initial_state, read_scene, require_assembled
 from .scene_runs import needs_coupling
+from .spans import spans_of
+from .stretch_check import stretch_of, warn_of_worst
 
 REACH_TOLERANCE = 1e-9
 TAUT = 1.0 - 1e-6  # distance of supports over the reach of the cable between them
@@ -67,14 +67,7 @@ def hint(scene_cable: CableInScene, q: Array, time: float) -> str:
 
 def _taut(cable: Cable, time: float) -> tuple[int, ...]:
     """Nodes whose supports are as far apart as the cable between them reaches."""
-    return next((nodes for nodes, distance, reach in _spans(cable, time) if distance > TAUT * reach), ())
-
-
-def _spans(cable: Cable, time: float) -> Iterator[tuple[tuple[int, int], float, float]]:
-    """Two nodes that are held, the distance of their supports, and how far they reach [m]."""
-    arc = np.append(0.0, np.cumsum(cable.element_lengths))
-    for (a, here, slack_a), (b, there, slack_b) in combinations(_held_points(cable, time), 2):
-        yield (a, b), float(np.linalg.norm(there - here)), abs(arc[b] - arc[a]) + slack_a + slack_b
+    return next((nodes for nodes, distance, reach in spans_of(cable, time) if distance > TAUT * reach), ())
 
 
 def require_reach(cable: Cable, time: float, scene_cable: CableInScene) -> None:
@@ -82,25 +75,13 @@ def require_reach(cable: Cable, time: float, scene_cable: CableInScene) -> None:
     if cable.stretches:
         return
     names = scene_cable.item.node_names
-    for (a, b), distance, reach in _spans(cable, time):
+    for (a, b), distance, reach in spans_of(cable, time):
         if distance > reach * (1.0 + REACH_TOLERANCE):
             raise SceneError(
                 f"the supports of nodes {names[a]} and {names[b]} of cable '{scene_cable.name}' are "
                 f"{distance:.9g} m apart, but the cable between them reaches {reach:.9g} m only: lengthen "
                 "the cable, move the supports together, or give it its axialStiffness."
             )
-
-
-def _held_points(cable: Cable, time: float) -> list[tuple[int, Array, float]]:
-    """(node, point, how far the node may be from it) of pins, clamps, moving supports and hangers."""
-    nodes = np.flatnonzero(cable.fixed[:, 0])
-    points = [(int(k), cable.reference[k, 0], 0.0) for k in nodes if not (cable.closed and k == nodes[-1])]
-    for node in {link.nodes[0] for link in cable.links if link.kind == KIND}:
-        held = [link for link in cable.links if link.kind == KIND and link.nodes == (node,)]
-        if len(held) == cable.dimension:
-            points.append((node, sum(link.normal * link.anchor.at(time)[0] for link in held), 0.0))
-    hangers = [link for link in cable.links if len(link.nodes) == 1 and np.isfinite(link.length)]
-    return points + [(link.nodes[0], link.anchor.at(time)[0], link.length) for link in hangers]
 
 
 MOST_ITERATIONS = 1_000_000
@@ -229,6 +210,7 @@ def _solve_cables(mbs: Any, scene: Scene, time: float, static: StaticSettings) -
         displacements[cable.indices] = (equilibrium.q - cable.cable.reference).ravel()
         _put_reactions(cable, equilibrium.q, equilibrium.multipliers, time, reactions)
     rest_at(mbs, displacements, reactions)
+    _warn_of_stretch(cables, [one.q for one in found], [one.multipliers for one in found], time)
     return report
 
 
@@ -279,8 +261,6 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
             largest = potential.least_balanced(q, equilibrium.multipliers)
             where = f", largest at {joined.coordinate_name(joined.map.indices[largest])}"
     multipliers = potential.multipliers_of_cables(equilibrium.multipliers)
-    for cable, own, dofs in zip(scene.cables, multipliers, joined.map.slices, strict=False):
-        _put_reactions(cable, q[dofs].reshape(cable.cable.reference.shape), own, time, reactions)
     of_cables = [
         replace(equilibrium, q=q[dofs].reshape(cable.cable.reference.shape))
         for cable, dofs in zip(scene.cables, joined.map.slices, strict=False)
@@ -290,6 +270,9 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         pairs = zip(scene.cables, of_cables, strict=True)
         said = _failure("the scene", equilibrium, "maxIterations", pairs, time, where)
         raise EquilibriumError(said, StaticReport(report, success=False))
+    for k, own in enumerate(multipliers):
+        _put_reactions(scene.cables[k], of_cables[k].q, own, time, reactions)
+    _warn_of_stretch(unloaded, [one.q for one in of_cables], multipliers, time)
     rest_at(mbs, joined.displacements(q), reactions)
     put_data(mbs, data)
     return report
@@ -300,6 +283,19 @@ def _put_reactions(cable: CableInScene, q: Array, multipliers: Array, time: floa
     if cable.reactions and len(multipliers):
         forces = support_forces(cable.cable, q, multipliers, time)
         put_reactions(cable.reactions, forces, reactions[np.newaxis])
+
+
+def _warn_of_stretch(
+    cables: Sequence[CableInScene], states: Sequence[Array], multipliers: Sequence[Array], time: float
+) -> None:
+    """Where templates tell an axial stiffness that was left out, and matters.   states: (n, 2, dim)."""
+    said = []
+    for cable, q, own in zip(cables, states, multipliers, strict=False):
+        if cable.item.leaves_stretch_out:
+            potential = potential_of([cable.cable], np.zeros(q.size), time)
+            largest = float(np.abs(potential.mean_tension(own)).max())
+            said.append(stretch_of(cable, (largest, largest), q[np.newaxis, :, 0], time))
+    warn_of_worst(said)
 
 
 def _require_still_fluid(scene_cable: CableInScene) -> None:

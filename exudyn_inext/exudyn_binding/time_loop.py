@@ -19,10 +19,13 @@ from ..run.kept_state import KeptState
 from ..run.time_grid import TimeGrid
 from .restart import Restarts
 from .sensors import ACCELERATIONS, VELOCITIES, OutputTimes
+from .stretch_check import StretchCheck
 
 LOOK_AHEAD_LIMIT = 1_000_000  # coordinates times steps in a call: some 30 ms, so that Ctrl-C works
 HANDED_OUT = 64  # states that are turned into Python numbers at once
 CALM = 4  # steps without a change, after which several are computed at once
+COARSEST = 8.0  # times the step that resolves axial vibrations, with which a run begins again at most
+FINER = 4.0  # times shorter steps, if that was too long
 UNSEEN = 32  # steps at most that are computed ahead where functions may still change something
 
 
@@ -82,6 +85,7 @@ class ExplicitTimeLoop:
         self._states: Iterator[Any] = iter(())  # of a block, where functions may make it void
         self._kept: list[KeptState] = []  # of the runs, before the block
         self._calm = 0  # steps since something was changed
+        self.stretch_checks = list(map(StretchCheck, runs))
         for run in runs:
             run.set_step(grid.h)
             run.start(grid.start)
@@ -254,7 +258,12 @@ class ExplicitTimeLoop:
         if self.step_is_from:
             chosen = f"The automatic step of this run was {self.grid.h:.4g} s, decided by {self.step_is_from}"
             left = f"{chosen}: a stepSize has to be smaller. {left}"
-        return divergence(list(filter(None, verdicts)), time, left)
+        error = divergence(list(filter(None, verdicts)), time, left)
+        hiding = [run.watch.resolving_step for run in self.runs if run.gave_up and run.watch.hides_energy]
+        resolving = max(hiding, default=0.0)
+        if self.grid.h > resolving > 0.0:
+            error.shorter_step = min(COARSEST * resolving, self.grid.h / FINER)
+        return error
 
     def _compute_well(self) -> tuple[Array, int]:
         """As `_compute_ahead`; what goes wrong there is tried again after one step, which functions see."""
@@ -287,9 +296,10 @@ class ExplicitTimeLoop:
         states = np.zeros((intervals, 3, len(self._written[0])))
         reactions = np.zeros((intervals if self._shows_forces else 1, self._data.AEsize()))
         good, are_set = intervals, False
-        for run, places in zip(self.runs, self._places, strict=True):
+        for run, places, check in zip(self.runs, self._places, self.stretch_checks, strict=True):
             history = np.empty((intervals, 3, len(run.indices)))
             good = min(good, run.record(self.grid, self._computed, history))
+            check.keep(self.grid, self._computed, history[:good])
             if good and not run.completes and (self._shows_forces or takes_last_step):
                 time = self.grid.time(self._computed + 1)
                 history[0, 2] = run.accelerations(time, reactions[0])
@@ -355,6 +365,7 @@ class ExplicitTimeLoop:
         if runs is not self.runs:
             self.runs, self._places = runs, [as_slice(run.indices) for run in runs]
             self._kept.clear()
+            self.stretch_checks = list(map(StretchCheck, runs))
 
     def _take_over_changes(self) -> None:
         """A user function may have set coordinates since the last step: restart from them."""

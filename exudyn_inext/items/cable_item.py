@@ -29,7 +29,7 @@ from .cable_data import carrying_graphics, find_cable_item, remember_nodes
 from .enforcement import find_enforcement
 from .enforcement.protocol import Enforcement
 from .shape import CableShape, CheckedShape, check_shape
-from .template import InextensibleCable
+from .template import InextensibleCable, stiffness_left_out
 
 SOUND = 5000.0  # sqrt(E / rho) of steel, aluminium and glass [m/s]
 AIR = 1.0  # [kg/m^3]
@@ -178,6 +178,7 @@ def CreateInextensibleCable(
     functions = user_forces_of(beamTemplate, template, dim)
     warn_of_units(cable)
     item, made = _add_items(mbs, cable, checked.v[:, :, :dim], gravity_vector[:dim], held, way, shared)
+    item.left_out = stiffness_left_out(beamTemplate, template)
     add_user_forces(mbs, item, template, functions)
     return made
 

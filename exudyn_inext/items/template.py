@@ -157,6 +157,13 @@ class InextensibleCable:
         return require_integer(name, number, 0, number_of_elements, ", the number of elements")
 
 
+def stiffness_left_out(given: Any, template: InextensibleCable) -> float | None:
+    """Axial stiffness of a native template that `template` leaves out [N]; None: there is none."""
+    stiffness = None if given is template else _native_value(given, "axialStiffness")
+    is_number = isinstance(stiffness, Number) and stiffness > 0.0  # type: ignore[operator]
+    return float(stiffness) if is_number and template.axialStiffness is None else None  # type: ignore
+
+
 def _native_value(template: Any, name: str) -> Any:
     """A property of a native template, also by its name of older versions (`physicsMassPerLength`)."""
     older = getattr(template, f"physics{name[0].upper()}{name[1:]}", None)

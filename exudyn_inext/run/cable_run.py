@@ -14,9 +14,10 @@ from ..cable.attached_forces import drag_rate
 from ..cable.axial_stiffness import frozen
 from ..cable.cable import Cable
 from ..cable.chain import set_mass
-from ..cable.frequency import FrequencyTracker, largest_frequency
+from ..cable.frequency import FrequencyTracker, largest_frequency, nodal_multipliers_of
 from ..cable.implicit_bending import ImplicitBending
 from ..cable.linked_cable import cable_system, memory_of
+from ..cable.section_forces import constraint_tension
 from ..cable.support_forces import SupportedCable
 from ..called_system import called, kernel_behind
 from ..compiled import Prepared
@@ -437,6 +438,23 @@ class CableRun(PacedRun):
         history[:good, 0] -= self.reference
         self._look_at_limit()
         return good
+
+    def tensions(self, time: float, displacements: Array, velocities: Array) -> list[Array]:
+        """(N,) mean of each element in a state of this run, which then is the present one [N].
+
+        Args:
+            time: of the state [s].   displacements, velocities: (n_dof,).
+        """
+        self.state.q[:], self.state.v[:] = displacements + self.reference, velocities
+        self.forget()
+        self._start_scheme(self.called, self.loads.at(time), self.state)
+        return [self.tension(self.state.a)]
+
+    def tension(self, a: Array) -> Array:
+        """(N,) mean of each element by the multipliers of the last evaluation, which gave a (n_dof,) [N]."""
+        cable, length = self.scene_cable.cable, self.system.chain.elements["multiplier"][:, 0]
+        nodal = nodal_multipliers_of(self.system, a.reshape(cable.reference.shape))
+        return constraint_tension(cable, nodal, length)
 
     def figures(self) -> dict[str, float]:
         """How well constraints and energy were kept, and the step within its stability limit."""

@@ -14,6 +14,7 @@ from ..system import report_energy
 from .cable_loads import CableLoads
 from .run_watch import RunWatch
 from .watch import (
+    FAILED,
     LEAST_STEPS,
     NOW,
     SMALL,
@@ -26,6 +27,7 @@ from .watch import (
 )
 
 ROUND_OFF = 1e3 * np.finfo(float).eps
+FIRST_STEPS = 1  # before the first inspection
 SUDDEN = 2.0  # times its strain at rest under a load is that of a cable whose load begins at once
 
 
@@ -51,8 +53,8 @@ class CableWatch(RunWatch):
         self.round_off = _round_off(cable, loads.constant) + _of_small_stretch(cable, loads.constant)
         moves = not all(motion.rests for motion in motions_of(all_links(cable)))
         is_damped = bool(cable.section.bending_damping or cable.section.axial_damping)
-        has_power = moves or is_damped or cable.drag is not None
-        every = STEPS_WITH_POWER if has_power else STEPS_BETWEEN
+        self._has_power = moves or is_damped or cable.drag is not None
+        every = STEPS_WITH_POWER if self._has_power else STEPS_BETWEEN
         most = VIOLENT * energy_tolerance if gains_energy else np.inf
         self.watch = build_watch(state, every, energy_tolerance, loads.pattern, LEAST_STEPS, most)
 
@@ -60,6 +62,8 @@ class CableWatch(RunWatch):
         """Begin with a state that the integrator has just started from."""
         self._report(system, external, state)
         open_account(self.watch, state, self.round_off)
+        if self._has_power:  # it may set in at once, where supports begin to move
+            self.watch.account["ahead"][NOW] = FIRST_STEPS
 
     def _report(self, system: Any, external: Array, state: Any) -> None:
         """Of the energy at present."""
@@ -80,6 +84,9 @@ class CableWatch(RunWatch):
         """Return to this state after steps that go wrong: it begins with other forces than the one before."""
         for kept, now in zip(self.watch.kept, state, strict=True):
             kept[:] = now
+
+    def _shorten_interval(self) -> bool:
+        return bool(self.watch.account["ahead"][FAILED] > LEAST_STEPS)
 
     @property
     def steps(self) -> int:

@@ -242,6 +242,16 @@ class CoupledRun(LimitedRun):
         native_items.show(time, state, multipliers)
         return a[: len(self.indices)]
 
+    def tensions(self, time: float, displacements: Array, velocities: Array) -> list[Array]:
+        """See `CableRun.tensions`; of all cables."""
+        number, (q, v) = len(displacements), (self.state.q, self.state.v)
+        q[:number], v[:number] = displacements + self.reference, velocities
+        self._forget()
+        self._scene.native_items.forget()
+        self.mover.begin_by(self.integrator.start, time)
+        found = enumerate(self._runs)
+        return [run.tension(self.mover.evaluated.set_multipliers(k, time, q, v)) for k, run in found]
+
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; see `CableRun.start`."""
         self._forget()

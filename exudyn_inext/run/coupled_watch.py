@@ -213,6 +213,11 @@ class CoupledWatch(RunWatch):
         self._begin(t, state)
         return not trouble
 
+    def _shorten_interval(self) -> bool:
+        was_close = bool(self._counts[_MOST] <= FIRST_STEPS)
+        self._counts[_MOST] = FIRST_STEPS
+        return not was_close
+
     def look(self, state: Any) -> None:
         """Remember the state before the last step that is taken now."""
         self.before[0], self.before[1] = state.q, state.a

@@ -171,10 +171,15 @@ class PacedRun:
     def reject(self, time: float) -> bool:
         """After steps that went wrong, in the state before them, at `time` [s]: take smaller ones.
 
+        Where the watch has looked too seldom, the same ones again.
+
         Returns:
             Whether all that follow are smaller.
         """
         watch: RunWatch = self.watch
+        if watch.look_closer():
+            self.resume(time)
+            return False
         is_shortened = watch.trouble == TOO_FAST or (watch.hides_energy and self._may_hide)
         if is_shortened:
             self.control.shorten(watch.parts)

@@ -86,6 +86,19 @@ class RunWatch:
         hidden = self.trouble in (ENERGY, JUMP, NOT_FINITE, UNSTABLE)
         return (self.stretches or self._gains_energy) and self.may_shorten and hidden
 
+    def look_closer(self) -> bool:
+        """Whether it may have looked too seldom at steps that went wrong, and looks more often from now on.
+
+        The work of damping, drag and moving supports is that of their power at inspections: what happens
+        between two of them may look as if the energy jumped.
+        """
+        may_have = self.trouble == JUMP and self.watch.account["largest_power"][FAILED] > 0.0
+        return bool(may_have and self._shorten_interval())
+
+    def _shorten_interval(self) -> bool:
+        """Make the next inspection come sooner than the last one did; returns whether that is possible."""
+        raise NotImplementedError
+
     @property
     def _gains_energy(self) -> bool:
         """Whether the scheme does, by itself."""

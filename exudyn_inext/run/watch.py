@@ -279,7 +279,7 @@ def _look_ahead(watch, duration):
     account.slope = slope
     account.largest_power = max(account.largest_power, abs(power))
     if bend > BENT * account.largest_power:
-        account.ahead = max(watch.least, account.ahead // 2)
+        account.ahead = max(min(watch.least, account.ahead), account.ahead // 2)
     elif bend <= STRAIGHT * account.largest_power:
         account.ahead = min(watch.every, 2 * account.ahead)
 

@@ -27,6 +27,7 @@ class CableItem:
     enforcement: name of the way in which native solvers enforce inextensibility.
     held: (n, 2, dim) coordinates that the ground holds without a constraint object of the mbs.
     shared: nodes of other cables whose position and slope these nodes have, by their numbers.
+    left_out: axial stiffness of the native template of a cable that does not stretch [N]; None: not known.
     """
 
     cable: Cable
@@ -35,6 +36,12 @@ class CableItem:
     enforcement: str
     held: np.ndarray
     shared: Mapping[int, int] = field(default_factory=dict)
+    left_out: float | None = None
+
+    @property
+    def leaves_stretch_out(self) -> bool:
+        """Whether it does not stretch, but its template does."""
+        return self.left_out is not None and not self.cable.stretches
 
     @property
     def given_nodes(self) -> tuple[int, ...]:

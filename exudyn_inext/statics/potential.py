@@ -142,11 +142,11 @@ class Potential(StaticSystem):
     def convex_model(self, multipliers: Array, shift: float) -> SparseArray:
         """Bending stiffness, mean tension of the elements where it pulls, and shift times the mass."""
         gram = forms_of_mesh(slope_gram_matrix, self._lengths)
-        tension = np.maximum(self._mean_tension(multipliers), 0.0)
+        tension = np.maximum(self.mean_tension(multipliers), 0.0)
         geometric = self._assembled(tension[:, None, None] * gram)
         return scipy.sparse.csr_array(self._stiffness + geometric + shift * self.mass)
 
-    def _mean_tension(self, multipliers: Array) -> Array:
+    def mean_tension(self, multipliers: Array) -> Array:
         """(N,) [N]: 2 lam of the length constraint, and the nodal multipliers' share."""
         rows, tension = self.constraints.rows, np.zeros(len(self._lengths))
         if "length" in rows:

@@ -24,9 +24,11 @@ from exudyn.utilities import (
 )
 
 from exudyn_inext import (
+    CableDrag,
     CreateInextensibleCable,
     ExplicitSettings,
     InextensibleCable,
+    SetCableDrag,
     SolveExplicit,
 )
 from reference_models.model import quiet_settings
@@ -209,6 +211,28 @@ def test_a_run_that_a_jerk_spoils_begins_again_with_shorter_steps(build, end, mo
     assert report["rejections"] == 0 and report["steps"] < most
     extent = np.linalg.norm(native - native[0], axis=1).max()
     assert np.linalg.norm(path - native, axis=1).max() < 0.01 * extent
+
+
+def test_work_that_is_missed_between_two_looks_at_the_energy_does_not_shorten_the_steps():
+    """A riser of 60 t in water, whose top heaves by 3 m: axial waves make the power of its top jump."""
+    mbs, frequency = exudyn.SystemContainer().AddSystem(), 2.0 * np.pi / 10.0
+    riser = InextensibleCable(200.0, 1e5, bendingDamping=1e4, axialStiffness=1e9)
+    cable = CreateInextensibleCable(mbs, [0, 0, 0], [0, -300, 0], 40, riser, gravity=[0, -8.3, 0])
+    SetCableDrag(mbs, cable, CableDrag(1.2, 0.01, diameter=0.3, fluidDensity=1025.0))
+    markers = [mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))]
+    for axis in range(2):
+        top = MarkerNodeCoordinate(nodeNumber=cable["nodes"][0], coordinate=axis)
+        markers.append(mbs.AddMarker(top))
+    mbs.AddObject(CoordinateConstraint(markerNumbers=markers[:2]))
+    heave = CoordinateConstraint(
+        markerNumbers=[markers[0], markers[2]],
+        offsetUserFunction=lambda mbs, t, item, offset: 1.5 * (1.0 - math.cos(frequency * t)),
+    )
+    mbs.AddObject(heave)
+    mbs.Assemble()
+    report = SolveExplicit(mbs, quiet_settings(8.0, 16, 0.5))
+    assert report["steps"] < 1.1 * 8.0 / report["bounds"].accuracy
+    assert report["drift"]["energyGain"] == 0.0
 
 
 def test_joints_pull_with_the_momentum_that_they_give_to_a_body_on_a_damped_cable():

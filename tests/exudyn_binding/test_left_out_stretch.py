@@ -1,0 +1,161 @@
+"""Cables of native templates, taken as inextensible, whose stretch matters."""
+
+from itertools import pairwise
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.itemInterface import (
+    CoordinateConstraint,
+    CoordinateSpringDamper,
+    LoadCoordinate,
+    LoadMassProportional,
+    MarkerBodyMass,
+    MarkerNodeCoordinate,
+    MarkerNodePosition,
+    NodePoint2DSlope1,
+    NodePointGround,
+    ObjectANCFCable2D,
+    SphericalJoint,
+)
+
+from exudyn_inext import (
+    CableShape,
+    CreateInextensibleCable,
+    DivergenceError,
+    ExplicitSettings,
+    SolveEquilibrium,
+    SolveExplicit,
+)
+from reference_models.model import quiet_settings
+
+GRAVITY, PINNED = [0, -9.81, 0], [True, True, False, False]
+ROPE = {"massPerLength": 1.0, "bendingStiffness": 1.0}
+LENGTH, ELEMENTS, LOAD = 30.0, 8, 500.0
+
+
+def _on(mbs, node, coordinate):
+    return mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
+
+
+def _load(mbs, node):
+    mbs.AddLoad(LoadCoordinate(markerNumber=_on(mbs, node, 1), load=-LOAD))
+
+
+def cable_car(stiffness, span, **given):
+    """A rope between two pins, with a load in the middle; and its nodes."""
+    mbs = exudyn.SystemContainer().AddSystem()
+    nodes = CreateInextensibleCable(
+        mbs,
+        beamTemplate=ObjectANCFCable2D(**ROPE, axialStiffness=stiffness),
+        shape=CableShape.Catenary([0, 0, 0], [span, 0, 0], LENGTH, ELEMENTS),
+        gravity=GRAVITY,
+        groundConstraintsStart=PINNED,
+        groundConstraintsEnd=PINNED,
+        **given,
+    )["nodes"]
+    _load(mbs, nodes[ELEMENTS // 2])
+    mbs.Assemble()
+    return mbs, nodes
+
+
+def native_cable_car(stiffness, span):
+    """The same of native elements."""
+    twin, nodes = cable_car(stiffness, span)
+    places = [twin.GetNodeParameter(node, "referenceCoordinates") for node in nodes]
+    mbs = exudyn.SystemContainer().AddSystem()
+    nodes = [mbs.AddNode(NodePoint2DSlope1(referenceCoordinates=place)) for place in places]
+    for pair in pairwise(nodes):
+        element = {"length": LENGTH / ELEMENTS, "nodeNumbers": list(pair), "axialStiffness": stiffness}
+        body = mbs.AddObject(ObjectANCFCable2D(**ROPE, **element))
+        mass = mbs.AddMarker(MarkerBodyMass(bodyNumber=body))
+        mbs.AddLoad(LoadMassProportional(markerNumber=mass, loadVector=GRAVITY))
+    ground = _on(mbs, mbs.AddNode(NodePointGround()), 0)
+    for node in (nodes[0], nodes[-1]):
+        for axis in (0, 1):
+            mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, _on(mbs, node, axis)]))
+    _load(mbs, nodes[ELEMENTS // 2])
+    mbs.Assemble()
+    return mbs, nodes
+
+
+def sag(mbs, nodes):
+    return -mbs.GetNodeOutput(nodes[ELEMENTS // 2], exudyn.OutputVariableType.Position)[1]
+
+
+def test_a_taut_rope_that_sags_by_its_stretch_is_warned_of_until_the_remedy_is_followed():
+    """A strain of 1.2 % lowers the load by 0.92 m."""
+    mbs, nodes = cable_car(1e6, 29.99)
+    said = (
+        r"template has axialStiffness = 1e\+06 N: .* of its extent \(limit 0\.5%\)\. Give .*extensible=True"
+    )
+    with pytest.warns(UserWarning, match=said):
+        SolveEquilibrium(mbs)
+    stiff = sag(mbs, nodes)
+    mbs, nodes = cable_car(1e6, 29.99, extensible=True)
+    SolveEquilibrium(mbs)
+    native, of_native = native_cable_car(1e6, 29.99)
+    native.SolveStatic(quiet_settings(1.0, 1))
+    assert sag(mbs, nodes) == pytest.approx(sag(native, of_native), rel=2e-3)
+    assert sag(mbs, nodes) - stiff > 0.9
+
+
+@pytest.mark.parametrize(("stiffness", "span"), [(1e8, 29.99), (1e6, 24.0), (0.0, 29.99)])
+def test_nothing_is_said_where_stretch_does_not_matter_or_is_not_known(stiffness, span):
+    """Of 30 m, it moves the load by 57 mm and 13 mm; a stiffness of zero is that of no rope."""
+    SolveEquilibrium(cable_car(stiffness, span)[0])
+
+
+def hammer(stiffness, **given):
+    """A mass of 3 kg on a rope of 2 m, which falls against a wall: a spring with a user function."""
+    mbs = exudyn.SystemContainer().AddSystem()
+    nodes = CreateInextensibleCable(
+        mbs,
+        [0, 0, 0],
+        [2, 0, 0],
+        ELEMENTS,
+        ObjectANCFCable2D(massPerLength=0.1, bendingStiffness=0.01, axialStiffness=stiffness),
+        gravity=GRAVITY,
+        groundConstraintsStart=PINNED,
+        **given,
+    )["nodes"]
+    mass = mbs.CreateMassPoint(
+        referencePosition=[2, 0, 0], mass=3.0, gravity=GRAVITY, create2D=True, returnDict=True
+    )["nodeNumber"]
+    ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in (nodes[-1], mass)]
+    mbs.AddObject(SphericalJoint(markerNumbers=ends, constrainedAxes=[1, 1, 0]))
+    pair = [_on(mbs, mbs.AddNode(NodePointGround()), 0), _on(mbs, mass, 0)]
+
+    def push(mbs, t, item, u, v, stiffness, damping, offset):
+        return stiffness * min(u + 2.0, 0.0)
+
+    spring = CoordinateSpringDamper(markerNumbers=pair, stiffness=1e5, springForceUserFunction=push)
+    mbs.AddObject(spring)
+    mbs.Assemble()
+    return mbs, mass
+
+
+def test_a_run_in_which_stretch_matters_is_warned_of():
+    mbs, _ = hammer(1e4)
+    with pytest.warns(UserWarning, match=r"axialStiffness = 10000 N: .* a strain of 0\.0"):
+        SolveExplicit(mbs, quiet_settings(1.0, 100))
+
+
+def test_a_run_that_a_blow_spoils_begins_again_where_a_user_function_is_asked_in_each_step():
+    """It ended in a DivergenceError; steps eight times shorter are compared with."""
+    ends, reports = [], []
+    for step in (None, 1e-4):
+        mbs, mass = hammer(1e4, extensible=True)
+        explicit = ExplicitSettings(stepSize=step)
+        reports.append(SolveExplicit(mbs, quiet_settings(1.0, 100), explicit))
+        ends.append(mbs.GetNodeOutput(mass, exudyn.OutputVariableType.Position))
+    assert reports[0]["decidedBy"] == "axial vibrations"
+    assert reports[0]["steps"] < 2000
+    assert np.abs(ends[0] - ends[1]).max() < 0.01
+
+
+def test_a_run_does_not_begin_again_where_a_step_function_has_seen_it():
+    mbs, _ = hammer(1e4, extensible=True)
+    mbs.SetPreStepUserFunction(lambda mbs, t: True)
+    with pytest.raises(DivergenceError, match="axial vibrations, which the steps did not resolve"):
+        SolveExplicit(mbs, quiet_settings(1.0, 100))
