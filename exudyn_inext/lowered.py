@@ -265,6 +265,11 @@ class Kernel(CPUDispatcher):
     """A compiled function that Python calls, and no other compiled one."""
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Numba asks for it where it compiles a call.
+
+        Raises:
+            TypeError: always, with the remedy.
+        """
         name = self.py_func.__name__
         raise TypeError(f"{name} is a kernel, which no other can call: compile it as inlined_kernel")
 

@@ -62,7 +62,7 @@ class CableWatch(RunWatch):
         """Begin with a state that the integrator has just started from."""
         self._report(system, external, state)
         open_account(self.watch, state, self.round_off)
-        if self._has_power:  # it may set in at once, where supports begin to move
+        if self._has_power and self.stretches:  # it may set in at once, where supports begin to move
             self.watch.account["ahead"][NOW] = FIRST_STEPS
 
     def _report(self, system: Any, external: Array, state: Any) -> None:

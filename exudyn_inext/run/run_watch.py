@@ -89,10 +89,11 @@ class RunWatch:
     def look_closer(self) -> bool:
         """Whether it may have looked too seldom at steps that went wrong, and looks more often from now on.
 
-        The work of damping, drag and moving supports is that of their power at inspections: what happens
-        between two of them may look as if the energy jumped.
+        The work of damping, drag and moving supports is that of their power at inspections: what axial waves
+        change between two of them may look as if the energy jumped.
         """
-        may_have = self.trouble == JUMP and self.watch.account["largest_power"][FAILED] > 0.0
+        waves = self.stretches and self.watch.account["largest_power"][FAILED] > 0.0
+        may_have = waves and self.trouble == JUMP
         return bool(may_have and self._shorten_interval())
 
     def _shorten_interval(self) -> bool:
