@@ -214,8 +214,9 @@ class CoupledWatch(RunWatch):
         return not trouble
 
     def _shorten_interval(self) -> bool:
-        was_close = bool(self._counts[_MOST] <= FIRST_STEPS)
-        self._counts[_MOST] = FIRST_STEPS
+        soon = int(self._counts[_STEPS]) + FIRST_STEPS
+        was_close = bool(self._counts[_MOST] <= soon)
+        self._counts[_MOST] = soon
         return not was_close
 
     def look(self, state: Any) -> None:
