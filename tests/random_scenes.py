@@ -34,12 +34,14 @@ class RandomScene:
     """One to four cables that hang from the ground or from each other, with what hangs on them.
 
     seed: of all choices.   native: whether the cables are.   elements: of each.
+    stretches: whether they do; native ones always do.
     sensors: of positions at all ends and bodies.
     """
 
     seed: int
     native: bool = False
     elements: int = 8
+    stretches: bool = False
     sensors: list = field(default_factory=list)
 
     def __post_init__(self):
@@ -79,7 +81,8 @@ class RandomScene:
         line["gravity"] = self.gravity
         if not hangs:
             line["groundConstraintsStart"] = [True] * self.dimension + [False] * self.dimension
-        nodes, _ = either_cable(self.mbs, self.native, self.dimension, SECTION, AXIAL, **line)
+        section = SECTION | ({"axialStiffness": AXIAL} if self.stretches else {})
+        nodes, _ = either_cable(self.mbs, self.native, self.dimension, section, AXIAL, **line)
         first, last = nodes[0], nodes[-1]
         if hangs:
             self._tie(marker, self.mbs.AddMarker(MarkerNodePosition(nodeNumber=first)))

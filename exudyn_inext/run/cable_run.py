@@ -40,7 +40,7 @@ from .consistent_start import (
 from .divergence import GIVEN_UP, explanation
 from .jump import accelerate_again, remembers_axial_forces
 from .paced_run import PacedRun
-from .redundancy import element_masses, require_independent
+from .redundancy import PULLED, element_masses, is_held_straight, require_independent
 from .settings import SAY_OF_TIME, ExplicitSettings
 from .step_control import ROUND_OFF, FrequencyFollower, Piece, StepControl, StepRule
 from .time_grid import TimeGrid
@@ -488,6 +488,11 @@ class CableRun(PacedRun):
             self.integrator, self.trouble, taken, limit, self.is_scaled
         )
         return f"{self.name}: {self.watch.finding(self.state)}{tried}. {said}"
+
+    def straight_cables(self) -> list[str]:
+        """See `PacedRun.straight_cables`."""
+        is_straight = is_held_straight(self.scene_cable.cable, self.state.q, (), PULLED)
+        return [self.name] if is_straight else []
 
     def jump_of_places(self, time: float, end: float) -> float:
         """See `PacedRun.jump_of_places`."""

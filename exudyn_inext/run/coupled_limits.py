@@ -17,6 +17,7 @@ from .divergence import explanation, listed
 from .joined_scene import JoinedScene, OpenContacts
 from .mover import Mover, together
 from .paced_run import PacedRun
+from .redundancy import PULLED, held_straight, pulled_straight
 from .step_control import FrequencyFollower, StepControl, StepRule
 
 STEPS_BETWEEN_LOOKS = 128  # at the frequency, which costs as much as some 10 evaluations
@@ -146,12 +147,17 @@ class LimitedRun(PacedRun):
         if not self.gave_up:
             return ""
         if self._unsolvable:
-            return f"{self.name}: {self._unsolvable} If the motion before that is wrong, reduce stepSize."
+            smaller = "If the motion before that is wrong, reduce stepSize."
+            return f"{self.name}: {self._unsolvable} {pulled_straight(self.straight_cables()) or smaller}"
         limit, scaled = self._limit_now(time), any(run.is_scaled for run in self._runs)
         said = self.known_cause(time) or explanation(
             self.integrator, self.trouble, self.control.present, limit, scaled
         )
         return f"{self.name}: {self.watch.found}; {self._place}; {self.control.said}. {said}"
+
+    def straight_cables(self) -> list[str]:
+        """See `PacedRun.straight_cables`."""
+        return held_straight(self._runs, self._scene, self.state.q, PULLED)
 
     def jump_of_places(self, time: float, end: float) -> float:
         """See `PacedRun.jump_of_places`."""

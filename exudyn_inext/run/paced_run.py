@@ -8,6 +8,7 @@ import numpy as np
 from ..arrays import Array
 from ..integrators.integrator import Integrator
 from .kept_state import Elsewhere, KeptState
+from .redundancy import pulled_straight
 from .run_watch import RunWatch
 from .step_control import PIECE, ROUND_OFF, Piece, StepControl
 from .time_grid import TimeGrid
@@ -89,7 +90,11 @@ class PacedRun:
                 "Likely cause: axial vibrations, which the steps did not resolve, hid energy that smaller "
                 f"ones set free: take stepSize = {step:.2g}, which resolves them from the start."
             )
-        return ""
+        return pulled_straight(self.straight_cables())
+
+    def straight_cables(self) -> list[str]:
+        """Names of cables that something has pulled straight, see `held_straight`."""
+        raise NotImplementedError
 
     @property
     def remedy(self) -> str:

@@ -18,6 +18,7 @@ from .divergence import listed
 
 PIVOT_TOLERANCE = 1e-10
 STRAIGHT = 1e-9  # share of its length that a straight cable's ends may lack
+PULLED = 1e-3  # and those of one that something pulls straight, in the last good state
 
 
 def element_masses(cable: Cable, implicit: ImplicitBending) -> Array:
@@ -87,25 +88,25 @@ def require_mobile_points(system: CoupledSystem, cables: Sequence[Cable]) -> Non
                 raise not_independent(names[block.rows[found[0]]])
 
 
-def held_straight(runs: Sequence[Any], scene: Any, q: Array) -> list[str]:
+def held_straight(runs: Sequence[Any], scene: Any, q: Array, lacking: float = STRAIGHT) -> list[str]:
     """Names of straight cables that cannot stretch, and have supports, links or joints at both ends.
 
     Args:
         runs: of the cables.   scene: see `JoinedScene`; its joints have been evaluated.
-        q: (n,) coordinates of all parts.
+        q: (n,) coordinates of all parts.   lacking: share of its length that the ends of a cable may lack.
     """
     names, blocks = [], scene.native_items.blocks
     for run, dofs in zip(runs, scene.map.slices, strict=False):
         jacobians = [block.jacobian for block in blocks if block.dofs == dofs]
-        if _is_held_straight(run.scene_cable.cable, q[dofs], jacobians):
+        if is_held_straight(run.scene_cable.cable, q[dofs], jacobians, lacking):
             names.append(run.name)
     return names
 
 
-def _is_held_straight(cable: Cable, q: Array, jacobians: Iterable[Array]) -> bool:
-    """q: (n_dof,) coordinates of the cable.   jacobians: (rows, n_dof) of joints by them."""
+def is_held_straight(cable: Cable, q: Array, jacobians: Iterable[Array], lacking: float) -> bool:
+    """q: (n_dof,) coordinates of the cable.   jacobians: (rows, n_dof) of joints by them; see above."""
     places = q.reshape(cable.reference.shape)[:, 0]
-    is_straight = np.linalg.norm(places[-1] - places[0]) >= (1.0 - STRAIGHT) * cable.length
+    is_straight = np.linalg.norm(places[-1] - places[0]) >= (1.0 - lacking) * cable.length
     if cable.stretches or not is_straight:
         return False
     held: np.ndarray = np.array(cable.fixed[:, 0], dtype=bool)
@@ -114,6 +115,16 @@ def _is_held_straight(cable: Cable, q: Array, jacobians: Iterable[Array]) -> boo
         by_nodes = jacobian.reshape(-1, *cable.reference.shape)
         held |= by_nodes[:, :, 0].any(axis=(0, 2))
     return bool(held[0] and held[-1])
+
+
+def pulled_straight(names: Sequence[str]) -> str:
+    """Likely cause of a failure, and what helps; empty if there are no such cables, see `held_straight`."""
+    if not names:
+        return ""
+    return (
+        f"Likely cause: {listed(names)} cannot stretch, and is pulled straight: keep what holds its ends "
+        "within its length, or give it its axialStiffness."
+    )
 
 
 def with_straight_cables(

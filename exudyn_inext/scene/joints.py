@@ -267,7 +267,7 @@ def _dense(band: Array, order: np.ndarray) -> Array:
 
 NOT_FINITE = (
     "the Jacobian of the joints is not finite: the run has diverged, or a joint is singular in the present "
-    "configuration; reduce stepSize."
+    "configuration."
 )
 
 

@@ -10,6 +10,7 @@ from tests.random_scenes import PERIOD, RandomScene
 
 END, LOOP_STEPS = 0.4, 200  # [s]; pre-step functions are called as often
 SEEDS = (0, 1, 2, 4, 6, 9, 14, 16, 23, 24, 27)  # of which natives converge within seconds
+PULLED_STRAIGHT = 6008  # by a drive: energy jumps there, and steps are taken again
 
 
 def native_paths(seed):
@@ -24,9 +25,9 @@ def native_paths(seed):
     return scene.paths()
 
 
-@pytest.mark.parametrize("seed", SEEDS)
-def test_it_moves_as_its_native_twin(seed):
-    scene, expected = RandomScene(seed), native_paths(seed)
+@pytest.mark.parametrize(("seed", "stretches"), [*((seed, False) for seed in SEEDS), (PULLED_STRAIGHT, True)])
+def test_it_moves_as_its_native_twin(seed, stretches):
+    scene, expected = RandomScene(seed, stretches=stretches), native_paths(seed)
     with silence():
         SolveExplicit(scene.mbs, quiet_settings(END, LOOP_STEPS, PERIOD))
     distances = np.linalg.norm(scene.paths() - expected, axis=2)
