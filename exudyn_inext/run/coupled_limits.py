@@ -17,7 +17,7 @@ from .divergence import explanation, listed
 from .joined_scene import JoinedScene, OpenContacts
 from .mover import Mover, together
 from .paced_run import PacedRun
-from .redundancy import PULLED, held_straight, pulled_straight
+from .redundancy import PULLED, held_straight
 from .step_control import FrequencyFollower, StepControl, StepRule
 
 STEPS_BETWEEN_LOOKS = 128  # at the frequency, which costs as much as some 10 evaluations
@@ -37,7 +37,6 @@ class LimitedRun(PacedRun):
     _runs: Sequence[CableRun]
     _why: str  # Exudyn may have to
     _time: float  # of the state whose rates are known [s]
-    _rejects: bool
     _fastest: Array  # (2, 2, n) found by searches so far, see `fastest_rates`: as it is, and in contact
     frequency_of_states = 0.0
     _unsolvable = ""  # what was said of joints that could not be solved for
@@ -148,7 +147,8 @@ class LimitedRun(PacedRun):
             return ""
         if self._unsolvable:
             smaller = "If the motion before that is wrong, reduce stepSize."
-            return f"{self.name}: {self._unsolvable} {pulled_straight(self.straight_cables()) or smaller}"
+            parts = filter(None, (self._unsolvable, self._straightness, smaller))
+            return f"{self.name}: {' '.join(parts)}"
         limit, scaled = self._limit_now(time), any(run.is_scaled for run in self._runs)
         said = self.known_cause(time) or explanation(
             self.integrator, self.trouble, self.control.present, limit, scaled

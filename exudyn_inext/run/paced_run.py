@@ -38,6 +38,7 @@ class PacedRun:
     scheme: Any
     state: Any
     control: StepControl
+    _rejects: bool  # see `ExplicitSettings.rejectSteps`
     watch: Any
     looks_ahead = False
     gave_up = False
@@ -90,7 +91,12 @@ class PacedRun:
                 "Likely cause: axial vibrations, which the steps did not resolve, hid energy that smaller "
                 f"ones set free: take stepSize = {step:.2g}, which resolves them from the start."
             )
-        return pulled_straight(self.straight_cables())
+        return self._straightness
+
+    @property
+    def _straightness(self) -> str:
+        """Said of cables that something has pulled straight, where smaller steps have been tried."""
+        return pulled_straight(self.straight_cables()) if self._rejects else ""
 
     def straight_cables(self) -> list[str]:
         """Names of cables that something has pulled straight, see `held_straight`."""
