@@ -27,6 +27,11 @@ class Parameter(NamedTuple):
         value = METHODS[f"Get{self.kind}Parameter"](mbs, self.number, self.name)
         return value.get("function", value) if isinstance(value, dict) else value
 
+    @property
+    def is_mass(self) -> bool:
+        """Whether it is the mass or the inertia of a body, under whichever name."""
+        return self.kind == "Object" and self.name.removeprefix("physics").lower() in ("mass", "inertia")
+
     def set(self, mbs: Any, value: Any) -> None:
         """Set it, unnoted."""
         METHODS[f"Set{self.kind}Parameter"](mbs, self.number, self.name, value)

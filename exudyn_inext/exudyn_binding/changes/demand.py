@@ -18,7 +18,6 @@ from ...scene.model import CableInScene, Scene
 
 _JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
 _PLACES = ("offset", "distance")
-_MASSES = ("mass", "physicsMass", "inertia", "physicsInertia")
 _FORCES_OF_TREES = ("gravity", "jointForceVector", "jointPositionOffsetVector", "jointVelocityOffsetVector")
 
 
@@ -54,7 +53,7 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
     kind = "" if key.kind == "Marker" else mbs.GetObject(key.number)["objectType"]
     if kind in ("", "Ground"):
         return _demand_of_place(mbs, coupled, own, key)
-    if key.name in _MASSES and all(run.mover.can_weigh(key.number) for run in coupled):
+    if key.is_mass and all(run.mover.can_weigh(key.number) for run in coupled):
         return Demand.MOVE
     if _JACOBIAN in mbs.ComputeItem(ObjectIndex(key.number)):
         is_joint = key.name in _PLACES and not any(run.holds(key.number) for run in coupled)

@@ -148,7 +148,7 @@ class StepLimit:
 def _size(mbs: Any, key: Parameter) -> float:
     """Largest value of a stiffness or damping; of a mass or inertia, the inverse of the smallest one."""
     value = key.value(mbs)
-    if _is_of_mass(key):
+    if key.is_mass:
         sizes = np.abs(np.atleast_1d(value))
         return float(1.0 / sizes[sizes > 0.0].min(initial=np.inf))
     if isinstance(value, exudyn.MatrixContainer):
@@ -161,11 +161,7 @@ def _bounds_the_step(key: Parameter) -> bool:
     """Whether the stability limit may follow a parameter: a number of a connector, or a mass."""
     name = key.name.lower()
     is_named_so = name == "activeconnector" or "stiffness" in name or "damping" in name
-    return key.kind == "Object" and (is_named_so or _is_of_mass(key))
-
-
-def _is_of_mass(key: Parameter) -> bool:
-    return key.name.lower().removeprefix("physics") in ("mass", "inertia")
+    return key.kind == "Object" and (is_named_so or key.is_mass)
 
 
 def _pass_on_steps(before: Sequence[Run], runs: Sequence[Run]) -> None:

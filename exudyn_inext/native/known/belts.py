@@ -232,10 +232,8 @@ class _Probe:
         """
         columns, on_cables, places = self._integrals(vectors), np.zeros(self._size), self._elements.places
         on_cables[places] = forces[places]
-        squares, x = (
-            scipy.sparse.linalg.splu(scipy.sparse.csc_array(columns.T @ columns)),
-            np.zeros(len(places)),
-        )
+        squares = scipy.sparse.linalg.splu(scipy.sparse.csc_array(columns.T @ columns))
+        x = np.zeros(len(places))
         for _ in range(_PASSES):
             x += squares.solve(columns.T @ (on_cables - columns @ x))
         worst = float(np.abs(columns @ x - on_cables).max(initial=0.0))

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Sequence, Set
 from contextlib import nullcontext, suppress
+from functools import cache, cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -113,6 +114,7 @@ class KnownNumbers:
     ) -> None:
         self._mbs, self._reader, self._others, self.moved = mbs, reader, others, moved
         self._movable, self._bodies = movable, bodies
+        self._markers_placed_by = cache(partial(markers_placed_by, mbs))
         self._follows_state = follows_state
         self.connectors: list[Any] = []
         self.loads: list[Any] = []
@@ -148,7 +150,7 @@ class KnownNumbers:
         data = self._mbs.GetObject(number)
         if number not in self._bodies or data["objectType"].endswith("1D"):
             return False
-        return all(self._forces[load][1].function is None for load in self._weights(number))
+        return all(self._forces[load][1].function is None for load in self._weights.get(number, ()))
 
     def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
         """See `Mover.joints_to_move`."""
@@ -158,12 +160,16 @@ class KnownNumbers:
             return None
         return joints.difference(self.moved.joints)
 
-    def _weights(self, number: int) -> list[int]:
-        """Loads that are proportional to the mass of a body."""
-        given = ((load, self._mbs.GetLoad(load)) for load in self._forces)
-        of_masses = [(load, data["markerNumber"]) for load, data in given if data["loadType"] == _WEIGHT]
-        get = self._mbs.GetMarkerParameter
-        return [load for load, marker in of_masses if int(get(marker, "bodyNumber")) == number]
+    @cached_property
+    def _weights(self) -> dict[int, list[int]]:
+        """Loads that are proportional to the mass of a body, by the number of its object."""
+        weights: dict[int, list[int]] = {}
+        for load in self._forces:
+            data = self._mbs.GetLoad(load)
+            if data["loadType"] == _WEIGHT:
+                body = int(self._mbs.GetMarkerParameter(data["markerNumber"], "bodyNumber"))
+                weights.setdefault(body, []).append(load)
+        return weights
 
     def read_again(self, item: ChangedItem, memories: Sequence[Items]) -> bool:
         """See `ChangeableItems`; connectors and loads are the same ones in all memories."""
@@ -171,7 +177,7 @@ class KnownNumbers:
         connectors, loads = memories[0].connectors, memories[0].loads
         if kind == "Object" and number in self._bodies:
             return self._weigh_again(number, memories)
-        markers = markers_placed_by(self._mbs, Parameter(*item))
+        markers = self._markers_placed_by(Parameter(*item))
         if markers is not None:
             for marker in markers:
                 for memory in memories:
@@ -192,7 +198,7 @@ class KnownNumbers:
         mass, loads = mass_of_parameters(self._mbs.GetObject(number)), memories[0].loads
         for memory in memories:
             set_mass(memory.bodies[self._bodies[number]], mass)
-        for load in self._weights(number):
+        for load in self._weights.get(number, ()):
             place, known = self._forces[load]
             self._forces[load] = place, known._replace(scale=mass[0, 0])
             self._load_again(("Load", load, "loadVector"), loads)
