@@ -81,12 +81,10 @@ def conclusions(*bars: Bar) -> Callable[[Results], list[str]]:
 
 def name_of(row: Row) -> str:
     """Which row it is; what its label says is not repeated."""
-    known = {
-        key: row[key] for key in ("label", "scene", "elements", "value", "bound") if row.get(key) is not None
-    }
-    if known.get("scene", "") in known.get("label", ""):
-        known.pop("scene", None)
+    keys = ("label", "scene", "elements", "value", "bound")
+    known = {key: row[key] for key in keys if row.get(key) is not None}
     if "elements" in known:
         known["elements"] = f"N = {known['elements']}" * ("N = " not in known.get("label", ""))
-    texts = (f"{one:g}" if isinstance(one, float) else str(one) for one in known.values())
-    return ", ".join(filter(None, dict.fromkeys([*texts, row.get("curvatureMeasure")])))
+    texts = [f"{one:g}" if isinstance(one, float) else str(one) for one in known.values()]
+    said = [text for i, text in enumerate(texts) if not i or text not in texts[0]]
+    return ", ".join(filter(None, [*said, row.get("curvatureMeasure")]))

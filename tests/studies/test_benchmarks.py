@@ -78,11 +78,12 @@ def test_stretch_compares_both_quadratures_and_finds_one_step_for_all_stiffnesse
 
 @pytest.mark.parametrize(("third", "verdict"), [(21.0, "kept"), (19.0, "MISSED"), (None, "MISSED")])
 def test_stretch_keeps_its_bars_on_three_scenes(third, verdict, monkeypatch):
-    rows = [{"within": "0.1 %", "full/ours": ratio} for ratio in (30.0, 25.0, 1.0)]
-    rows.append({"within": "0.1 %", **({"full/ours": third} if third else {})})
+    ratios = {"pendulum": 30.0, "string": 25.0, "bungee": 0.5}
+    rows = [{"scene": name, "within": "0.1 %", "full/ours": ratio} for name, ratio in ratios.items()]
+    rows.append({"scene": "line", "within": "0.1 %", **({"full/ours": third} if third else {})})
     monkeypatch.setattr(stretch, "compared", lambda results: rows)
     sentence, *_ = stretch.STUDY.conclusions(Results(False, []))
-    assert sentence.endswith(f"the bar of 20 is {verdict}.")
+    assert sentence.endswith(f"the bar of 20 is {verdict}.") and "bungee 0.500" in sentence
 
 
 def test_scene_cost_takes_each_path_and_names_it(run_quick):
