@@ -184,10 +184,8 @@ def _third(results: Results) -> list[Row]:
         for within, own in groups(compared(results), "within").items():
             ratios = {row["scene"]: row.get(f"{name}/ours", 0.0) for row in own}
             third = sorted(ratios.values())[-ENOUGH] if len(ratios) >= ENOUGH else None
-            label = ", ".join(f"{scene} {number(ratio)}" for scene, ratio in ratios.items())
-            rows.append(
-                {"label": label, "sides": f"{WHO[name][0]}, within {within}", "bar": bar, "ratio": third}
-            )
+            row = {"label": ", ".join(f"{scene} {number(one)}" for scene, one in ratios.items()), "bar": bar}
+            rows.append(row | {"sides": f"{WHO[name][0]}, within {within}", "ratio": third})
     return rows
 
 
