@@ -40,22 +40,25 @@ class Bar:
         rows = results.of_kind(self.rows) if isinstance(self.rows, str) else self.rows(results)
         for name, own in (groups(rows, self.per) if self.per else {"": rows}).items():
             known = [(value, row) for row in own if (value := figure(row)) is not None]
-            yield f"{self.what.format(name)}: {self._found(known, self.noise if results.quick else 1.0)}."
+            noise = self.noise if results.quick else 1.0
+            yield f"{self.what.format(name)}: {self._found(known, noise, name)}."
 
-    def _found(self, known: Sequence[tuple[float, Row]], noise: float) -> str:
-        """The worst figure, where it is, and the verdict."""
+    def _found(self, known: Sequence[tuple[float, Row]], noise: float, name: str) -> str:
+        """The worst figure, where it is if the `name` of the rows does not say it, and the verdict."""
         if not known:
             return "not measured"
         unit = min(value for value, _ in known) if self.over_least else 1.0
         value, row = (min if self.is_least else max)(known, key=lambda one: one[0])
-        found = f"at {'least' if self.is_least else 'most'} {number(value / unit)} ({name_of(row)})"
+        where = name_of(row)
+        found = f"at {'least' if self.is_least else 'most'} {number(value / unit)}"
+        found += f" ({where})" if where != name else ""
         if self.bar is None:
             return found
         kept = [self._keeps(one / unit, other, noise) for one, other in known]
         missed, open_ = kept.count(False), kept.count(None)
         allowed = math.floor((1.0 - self.share) * len(kept) + 1e-9)
         is_kept = False if missed > allowed else None if missed + open_ > allowed else True
-        words = CONTROL_WORDS if name_of(row).startswith(CONTROL) else ("kept", "MISSED")
+        words = CONTROL_WORDS if where.startswith(CONTROL) else ("kept", "MISSED")
         said = f"{found}; the bar of {self._bar(row):.4g} is {verdict(is_kept, *words)}"
         by = f" by {missed} of {len(kept)}" if missed and len(kept) > 1 else ""
         return said + (", missed" if is_kept and by else "") + by

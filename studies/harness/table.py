@@ -81,9 +81,7 @@ def percent(share: float) -> str:
 
 def cell(value: Any) -> str:
     """A text as it is, a number to three digits."""
-    if isinstance(value, float):
-        return number(value)
-    return "-" if value is None else str(value)
+    return number(value) if value is None or isinstance(value, float) else str(value)
 
 
 def groups(rows: Iterable[Row], key: str) -> dict[Any, list[Row]]:
@@ -113,6 +111,4 @@ def at_most(value: float, bar: float, noise: float = 1.0) -> bool | None:
 
 def verdict(is_kept: bool | None, kept: str = "kept", missed: str = "MISSED") -> str:
     """The words for it."""
-    if is_kept is None:
-        return UNDECIDED
-    return kept if is_kept else missed
+    return {None: UNDECIDED, True: kept, False: missed}[is_kept]
