@@ -29,6 +29,17 @@ from .lowered import (
 from .system import REPORTED, accelerate_and_project, correct_position, index_reduced_rates, report_energy
 
 MOST_PROTOCOLS = 10
+PLACES = (  # in tables; compiled code holds them: they must not depend on what is imported first
+    "index_reduced_rates",
+    "accelerate_and_project",
+    "correct_position",
+    "report_energy",
+    "respond",
+    "improve_damping",
+    "apply_stiffness",
+    "show_matrix",
+    "add_contact",
+)
 INTEGER = np.dtype(np.int64)
 
 
@@ -64,8 +75,9 @@ def by_address(protocol: Any, *kinds: Any) -> Callable[[Any], int]:
     """
 
     def register(function: Any) -> int:
-        _ENTRIES[protocol] = _Entry(len(_ENTRIES), c_function(function), kinds)
-        return _ENTRIES[protocol].place
+        place = PLACES.index(protocol.__name__)
+        _ENTRIES[protocol] = _Entry(place, c_function(function), kinds)
+        return place
 
     return register
 

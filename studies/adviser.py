@@ -130,10 +130,8 @@ def measure(quick: bool) -> list[Row]:
 
 def _rows_of(scene: Scene, tolerances: Sequence[float]) -> Iterator[Row]:
     native = builder(scene, partial(build_native, quadrature="lobatto"))
-    runs, stretching = (
-        inner.PilotRuns(builder(scene, build), native, scene.end_time, SENSOR_PERIOD) for _ in range(2)
-    )
-    stretching.let_stretch(scene.cable.section.axial_stiffness)
+    runs = inner.PilotRuns(builder(scene, build), native, scene.end_time, SENSOR_PERIOD)
+    stretching = runs.stretching(scene.cable.section.axial_stiffness)
     reference_of = lru_cache(partial(_reference, runs))
     asked = (("measured", AdviceSettings()), ("few meshes", FEW))
     for share, (what, settings) in product(tolerances, asked):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from exudyn_inext import called_system
 from exudyn_inext.cable.linear_response import add_link_stiffness, constrained_inverse, respond
 from exudyn_inext.errors import InputError
 from exudyn_inext.integrators import find_integrator
@@ -26,6 +27,14 @@ PROTOCOLS = {
 def test_a_system_of_another_type_is_refused(protocol):
     with pytest.raises(NotImplementedError, match=f"no {protocol.__name__} for str"):
         protocol("no system", *[np.zeros(1)] * PROTOCOLS[protocol])
+
+
+def test_places_of_addresses_do_not_depend_on_what_is_imported_first(monkeypatch):
+    """Kernels in the cache contain them; with others, frequencies were no numbers."""
+    before = {protocol: entry.place for protocol, entry in called_system._ENTRIES.items()}
+    monkeypatch.setattr(called_system, "_ENTRIES", {})
+    for protocol, place in reversed(before.items()):
+        assert called_system.by_address(protocol)(lambda: 0.0) == place
 
 
 def test_an_unknown_integrator_is_refused_with_those_that_there_are():

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 from .pilot import Pilot
-from .stretch import Tension, axial_period
 from .survey import Search
 
 
@@ -42,25 +41,14 @@ def candidate_sentence(candidates: Sequence[Pilot], best: Pilot | None, toleranc
     return f"{said}, {cheapest.seconds / best.seconds:.2g} times the best explicit one."
 
 
-def stretch_sentence(
-    tensions: Sequence[Tension], axial_stiffness: float, error: float, tolerance: float
-) -> str:
-    """Whether inextensibility is the right model.   tensions: of the cables."""
-    largest = max(tension.largest for tension in tensions)
-    period = max(axial_period(tension, axial_stiffness) for tension in tensions)
-    said = (
-        f"The tension reaches {largest:.2g} N, a strain of {largest / axial_stiffness:.1e}; stretch moves "
-        f"the observed point by some {error:.1g}, "
-    )
-    if error > tolerance:
-        return said + (
-            "more than the tolerance: the inextensible model is the wrong one here, give the cables "
-            f"axialStiffness = {axial_stiffness:g}."
-        )
+def stretch_sentence(axial_stiffness: float, moved: float, tolerance: float, matters: bool) -> str:
+    """Whether inextensibility is the right model.   moved: what is observed, by stretch."""
+    judged, verdict = "within", ""
+    if matters:
+        judged, verdict = "too much for", ": the inextensible model is the wrong one here"
     return (
-        said
-        + f"within the tolerance. Loads that change within the axial period of {period:.1g} s would need "
-        "axialStiffness, and steps that resolve it."
+        f"With axialStiffness = {axial_stiffness:g} N, what is observed differs by {moved:.2g}, {judged} the "
+        f"tolerance of {tolerance:g}{verdict}."
     )
 
 

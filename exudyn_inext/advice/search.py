@@ -28,7 +28,7 @@ HIGHEST_ORDER = 4.0  # that an extrapolation relies on
 
 def try_families(problem: Problem, search: Search) -> None:
     """Try all families that could be cheaper than the best so far, cheapest first."""
-    if search.uncertainty > search.tolerance:
+    if search.uncertainty + search.left_out > search.tolerance:
         return
     waiting = list(dict.fromkeys(_candidates(problem, search)))  # without duplicates, in a fixed order
     while waiting:
@@ -60,7 +60,7 @@ def extrapolated(problem: Problem, search: Search, tolerance: float) -> Choice |
     The step keeps its share of the limit, which falls with N^2.
     """
     last = search.finest.choice
-    ratio = max(1.0, (SAFETY * search.uncertainty / tolerance) ** (1.0 / _order(search)))
+    ratio = max(1.0, (SAFETY * search.uncertainty / (tolerance - search.left_out)) ** (1.0 / _order(search)))
     if ratio > FINEST_EXTRAPOLATION:
         return None
     elements = _buildable(problem, math.ceil(last.elements * ratio))
@@ -83,7 +83,8 @@ def _buildable(problem: Problem, least: int) -> int | None:
 
 def expected_error(search: Search, choice: Choice) -> float:
     """Of the extrapolated choice."""
-    return search.uncertainty * (search.finest.choice.elements / choice.elements) ** _order(search)
+    ratio = search.finest.choice.elements / choice.elements
+    return search.left_out + search.uncertainty * ratio ** _order(search)
 
 
 def _order(search: Search) -> float:

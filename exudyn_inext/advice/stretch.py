@@ -13,14 +13,13 @@ from ..arrays import Array
 class Tension:
     """Of one cable in the inextensible motion.   rms, largest: over time, of the largest along it [N].
 
-    length: of the cable [m].   mass_per_length: rho_A [kg/m].
+    length: of the cable [m].
     spans: distances of supports, and how far the cable between them reaches [m].
     """
 
     rms: float
     largest: float
     length: float
-    mass_per_length: float
     spans: Sequence[tuple[float, float]] = ()
 
 
@@ -33,27 +32,17 @@ def sag_by_stretch(strain: float, distance: float, reach: float) -> float:
     return math.sqrt(0.375 * reach) * (math.sqrt(slack + strain * reach) - math.sqrt(slack))
 
 
-def stretch_error(tensions: Sequence[Tension], axial_stiffness: float, values: Array) -> float:
-    """Estimate of what stretch moves the observed point by [m].
+def stretch_error(tension: Tension, axial_stiffness: float, values: Array) -> float:
+    """Estimate of what stretch moves a point of a cable by [m].
 
     The largest strain e lengthens the cable by e L, and lowers a taut one between supports by more. A motion
     along a path s, which a longer cable traverses more slowly (frequencies fall by e / 2), lags behind by
-    e s / 2, with the root mean square of e. Of several cables the one that gives most counts.
+    e s / 2, with the root mean square of e.
 
     Args:
-        tensions: of the cables.   axial_stiffness: EA [N].   values: (T, m) positions [m].
+        tension: of the cable.   axial_stiffness: EA [N].   values: (T, m) positions of the point [m].
     """
     path = float(np.linalg.norm(np.diff(values, axis=0), axis=1).sum())
-    return max(_moved(one, axial_stiffness, path) for one in tensions)
-
-
-def _moved(tension: Tension, axial_stiffness: float, path: float) -> float:
-    """By the stretch of one cable [m]; see `stretch_error`."""
     strain = tension.largest / axial_stiffness
     sags = [sag_by_stretch(strain, *span) for span in tension.spans]
     return max([strain * tension.length, *sags]) + 0.5 * path * tension.rms / axial_stiffness
-
-
-def axial_period(tension: Tension, axial_stiffness: float) -> float:
-    """Of the first axial vibration of a cable that is held at one end, 4 L sqrt(rho_A / EA) [s]."""
-    return float(4.0 * tension.length * np.sqrt(tension.mass_per_length / axial_stiffness))

@@ -62,6 +62,7 @@ class Search:
     tolerance: in units of what is observed.
     meshes: pilots of one integrator on finer and finer meshes; the last one is the reference.
     order: observed.   uncertainty: error of the last mesh.   tried: all pilots.
+    stretching: the finest mesh once more, with axial stiffness that all others leave out.
     """
 
     tolerance: float
@@ -69,6 +70,7 @@ class Search:
     order: float
     uncertainty: float
     tried: list[Pilot] = field(default_factory=list)
+    stretching: Pilot | None = None
 
     @property
     def finest(self) -> Pilot:
@@ -87,8 +89,24 @@ class Search:
     def compare_with_finest(self, pilot: Pilot) -> None:
         """Add a pilot, compared with the finest solution."""
         if pilot.works:
-            pilot.error = self.uncertainty + pilot.distance(self.finest)
+            pilot.error = self.uncertainty + self._distance(pilot)
         self.tried.append(pilot)
+
+    def _distance(self, pilot: Pilot) -> float:
+        if self.stretching and pilot.choice.is_conventional:
+            return pilot.distance(self.stretching)
+        return self.left_out + pilot.distance(self.finest)
+
+    @property
+    def left_out(self) -> float:
+        """What stretch moves, where the cables have none."""
+        return self.stretching.distance(self.finest) if self.stretching else 0.0
+
+    def leave_out(self, stretching: Pilot) -> None:
+        """Let all errors contain what stretch moves.   stretching: see above."""
+        self.stretching = stretching
+        for pilot in self.tried:
+            pilot.error += self.left_out
 
 
 def survey_meshes(problem: Problem, tolerance: float, numbers: Sequence[int], budget: float) -> Search:

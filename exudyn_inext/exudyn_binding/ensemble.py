@@ -19,6 +19,7 @@ import numpy as np
 from ..arrays import Array, as_slice
 from ..checks import require_finite, require_integer
 from ..items.arguments import explicit_settings, simulation_settings
+from ..run.cable_run import CableRun
 from ..run.coupled_run import CoupledRun
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import StepChoice, require_stable, warn_of_damping
@@ -26,6 +27,7 @@ from ..run.time_grid import TimeGrid, grid_of_period
 from .console import compile_notice
 from .ensemble_members import Member, all_systems, read_members
 from .reports import EnsembleReport
+from .stretch_check import StretchCheck, warn_of_worst
 
 MOST_WAITING = 8  # members for each thread, which hold memory
 TURN = 1e-4  # of a thread that holds Python's lock [s]; the usual 5 ms cost a tenth of the gain of two cores
@@ -180,6 +182,7 @@ class _Ensemble:
         self._grids, self.grid = grids, grids(smallest)
         self.choices: list[StepChoice] = []
         self._findings: list[str] = []
+        self._stretch: list[tuple[float, str]] = []
         self._explicit = explicit
         self._number, self._derivatives = number, derivatives
 
@@ -214,9 +217,9 @@ class _Ensemble:
 
     def _allocate(self, member: Member) -> None:
         """Memory of all members, which are of the same size as the given one."""
-        shape = (self._derivatives, self._number, self.grid.loop_steps + 1, member.size)
-        self.states = np.full(shape, np.nan)
-        self.reference = np.zeros((self._number, member.size))
+        size = len(member.reference)
+        self.states = np.full((self._derivatives, self._number, self.grid.loop_steps + 1, size), np.nan)
+        self.reference = np.zeros((self._number, size))
         self._good = np.full(self._number, self.grid.loop_steps)  # intervals before a divergence
         self._steps = np.zeros(self._number, dtype=int)
         self._smallest = np.full(self._number, np.inf)  # steps [s]
@@ -224,10 +227,10 @@ class _Ensemble:
     def _advance(self, number: int, member: Member) -> None:
         """Put the states of a member into their places, up to a divergence."""
         grid = self._grids(member.choice.h)
+        self.reference[number] = member.reference
         for run in member.runs:
             run.set_step(grid.h)
             run.start(grid.start)
-            self.reference[number, run.indices] = run.reference
             history = np.empty((grid.loop_steps + 1, 3, len(run.indices)))
             history[0] = run.state.q - run.reference, run.state.v, run.state.a
             good = run.record(grid, 0, history[1:])
@@ -241,6 +244,10 @@ class _Ensemble:
             self._smallest[number] = min(run.control.smallest, self._smallest[number])
             kept = history[: good + 1, : self._derivatives].swapaxes(0, 1)
             self.states[:, number, : good + 1][..., as_slice(run.indices)] = kept
+            if number == 0 and isinstance(run, CableRun):  # the others ask Exudyn, which threads share
+                check = StretchCheck(run)
+                check.keep(grid, 0, history[1 : good + 1])
+                self._stretch += check.findings()
 
     def results(self) -> dict[str, Any]:
         """What `SolveEnsemble` returns; of several cables, the first divergence ends their member."""
@@ -250,6 +257,7 @@ class _Ensemble:
         require_stable(self.choices[worst].bounds_of_member(worst), explicit, taken)  # warns of it
         for finding in self._findings[:1]:
             warnings.warn(finding, stacklevel=3)
+        warn_of_worst(self._stretch)
         ends = self._divergence_times()
         return {
             "success": bool(np.isnan(ends).all()),

@@ -6,6 +6,10 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+import exudyn
+import numpy as np
+
+from ..arrays import Array
 from ..errors import InextensibleError, InputError, SceneError
 from ..items.functions_of_time import take_word
 from ..native.velocity_level import at_position_level
@@ -24,12 +28,12 @@ REMEDY = "members must not differ in it; put the others into an ensemble of thei
 class Member:
     """One system of an ensemble.
 
-    runs: one for each cable, or one for cables among bodies.   size: number of coordinates of the mbs.
+    runs: one for each cable, or one for cables among bodies.   reference: (n,) coordinates of the mbs.
     choice: of its step.
     """
 
     runs: Sequence[Run]
-    size: int
+    reference: Array
     choice: StepChoice
 
 
@@ -78,17 +82,17 @@ def read_members(
         with _naming(number):
             member = _member(mbs_of(), time, duration, h, explicit)
             first = first or member
-            if member.size != first.size:
-                raise InputError(
-                    f"number of coordinates = {member.size}, that of member 0 is {first.size}: {REMEDY}"
-                )
+            size, wanted = len(member.reference), len(first.reference)
+            if size != wanted:
+                raise InputError(f"number of coordinates = {size}, that of member 0 is {wanted}: {REMEDY}")
         yield member
 
 
 def _member(mbs: Any, time: float, duration: float, h: float, explicit: ExplicitSettings) -> Member:
     runs = _runs(mbs, time, h, explicit)
     choice = choose_step(runs, time, duration, explicit, h, is_told=not explicit.allowUnstableStep)
-    return Member(runs, mbs.systemData.ODE2Size(), choice)
+    reference = mbs.systemData.GetODE2Coordinates(exudyn.ConfigurationType.Reference)
+    return Member(runs, np.asarray(reference), choice)
 
 
 @contextmanager

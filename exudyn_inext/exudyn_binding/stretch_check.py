@@ -84,8 +84,8 @@ def stretch_of(
     spans = [(distance, reach) for _, distance, reach in spans_of(model, time)]
     paths = np.linalg.norm(np.diff(positions, axis=0), axis=2).sum(axis=0)
     farthest = positions[:, int(np.argmax(paths))]
-    of_cable = Tension(*tension, model.length, model.section.mass_per_length, spans)
-    moved = stretch_error([of_cable], stiffness, farthest)
+    of_cable = Tension(*tension, model.length, spans)
+    moved = stretch_error(of_cable, stiffness, farthest)
     extent = float(np.linalg.norm(np.ptp(positions.reshape(-1, model.dimension), axis=0)))
     share, largest = moved / max(extent, SMALLEST), of_cable.largest
     return share, (

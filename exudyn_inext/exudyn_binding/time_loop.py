@@ -257,7 +257,8 @@ class ExplicitTimeLoop:
         left = f"mbs holds the last good output, that of t = {last_good:.6g} s."
         if self.step_is_from:
             chosen = f"The automatic step of this run was {self.grid.h:.4g} s, decided by {self.step_is_from}"
-            left = f"{chosen}: a stepSize has to be smaller. {left}"
+            is_known = any(run.known_cause(last_good) for run in self.runs if run.gave_up)
+            left = f"{chosen}. {left}" if is_known else f"{chosen}: a stepSize has to be smaller. {left}"
         error = divergence(list(filter(None, verdicts)), time, left)
         hiding = [run.watch.resolving_step for run in self.runs if run.gave_up and run.watch.hides_energy]
         resolving = max(hiding, default=0.0)

@@ -10,7 +10,13 @@ import numpy as np
 
 from ..arrays import Array
 from ..integrators.linear_stability import frequency_limit
-from ..scene.small_vibrations import FastestRates, VibrationTracker, fastest_rates, frequency_of_states
+from ..scene.small_vibrations import (
+    FastestRates,
+    VibrationTracker,
+    decay_of_states,
+    fastest_rates,
+    frequency_of_states,
+)
 from ..system import accelerate_and_project
 from .cable_run import CableRun
 from .divergence import explanation, listed
@@ -75,9 +81,7 @@ class LimitedRun(PacedRun):
             scene = *self._system_at(time), self.state.q, self.state.v
             states = self._scene.system.states
             rates = fastest_rates(*scene, self._fastest[0], states=states)
-            self.frequency_of_states = (
-                frequency_of_states(*scene, states) if states.stop > states.start else 0.0
-            )
+            self.frequency_of_states = frequency_of_states(*scene, states) if self.has_states else 0.0
             return rates._replace(frequency=math.hypot(rates.frequency, self.frequency_of_states))
 
     def _system_at(self, time: float) -> tuple[Any, Array]:
@@ -137,9 +141,20 @@ class LimitedRun(PacedRun):
         """w_max [rad/s] about the present state, of which the integrator then knows again."""
         assert self._tracker is not None
         with self._without_implicit_forces(time):
-            found = self._tracker.frequency(*self._system_at(time), self.state.q, self.state.v)
+            scene = *self._system_at(time), self.state.q, self.state.v
+            found = self._tracker.frequency(*scene)
+            if self.has_states:
+                states = self._scene.system.states
+                rates = frequency_of_states(*scene, states), decay_of_states(*scene, states)
+                found = math.hypot(found, *rates)
         self.resume(time)
         return found
+
+    @property
+    def has_states(self) -> bool:
+        """Whether there are states of first order, as of oil, whose rates change by far during a run."""
+        states = self._scene.system.states
+        return bool(states.stop > states.start)
 
     def verdict(self, time: float, h: float) -> str:
         """What went wrong in the last steps; see `CableRun.verdict`."""

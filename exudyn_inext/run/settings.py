@@ -61,7 +61,8 @@ class ExplicitSettings:
         adaptiveStep: between two outputs, take as many equal steps as the present largest frequency of
             cables, bodies and springs asks for, so that a cable that straightens or is pulled tight, and a
             spring that stiffens, stay within their stability limit; stepSize is then an upper bound, and so
-            is the limit with all contacts closed that are open at the start. Not with a massScaling.
+            is the limit with all contacts closed that are open at the start. Not with a massScaling. Beside
+            first order states, such as pressures of oil, automatic steps do so by themselves.
         rejectSteps: take steps that go wrong again, with a quarter of the step and less, from the state
             before them. False: they end the run, as in studies of stability limits.
         energyTolerance: energy that a run may have beyond the work done on it, as a share of the energy of

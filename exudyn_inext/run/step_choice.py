@@ -120,6 +120,9 @@ def choose_step(
     Raises:
         StepSizeError: the given step is above the stability limit.
     """
+    is_automatic = explicit.stepSize is None and not explicit.massScaling
+    if is_automatic and any(run.has_states for run in runs if isinstance(run, CoupledRun)):
+        explicit = replace(explicit, adaptiveStep=True)
     bounds, explicit = _bounds_and_scaling(runs, start, duration, explicit)
     follow_frequencies(runs, bounds, explicit)
     if explicit.stepSize is None:

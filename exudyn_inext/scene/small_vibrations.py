@@ -27,6 +27,7 @@ FRESH = 0.1  # share of others beside what was the fastest, one of which may hav
 MOST_STEPS = 400  # of the iteration
 ROUND_OFF = 1e-12
 NO_STATES = slice(0, 0)
+OF_LARGEST_STATE = 0.01  # within which decays of first order states are looked for
 OVERDAMPED = 1e3  # damping over the frequency, beyond which a motion is a decay
 
 
@@ -82,22 +83,39 @@ def fastest_rates(
     return FastestRates(float(np.maximum(frequency, rate / OVERDAMPED)), rate)  # keeps a NaN
 
 
-def frequency_of_states(system: Any, external: Array, q: Array, v: Array, states: slice) -> float:
-    """Largest frequency [rad/s] of first order states that push on velocities, and are changed by them.
-
-    As of oil under pressure: with v' = B y and y' = C v it is the root of the largest eigenvalue of -C B.
-    states: their place in v.   Other arguments: see `fastest_rates`.
-    """
-    evaluate, number = Bound(accelerate_and_project, system), states.stop - states.start
+def _by_velocities(system: Any, external: Array, q: Array, v: Array) -> Callable[[Array, float], Array]:
+    """(x, step) -> change of all accelerations along x (n,), by a central difference with that step."""
+    evaluate = Bound(accelerate_and_project, system)
 
     def rates(v: Array) -> Array:
         result = np.zeros((2, len(v)))
         evaluate(external, q, v, 0.0, result[0], result[1])
         return result[0]
 
-    def change(x: Array, step: float) -> Array:
-        return np.asarray(rates(v + step * x) - rates(v - step * x)) / (2.0 * step)
+    return lambda x, step: np.asarray(rates(v + step * x) - rates(v - step * x)) / (2.0 * step)
 
+
+def decay_of_states(system: Any, external: Array, q: Array, v: Array, states: slice) -> float:
+    """Fastest decay [1/s] of first order states by themselves, as of oil that flows through a valve.
+
+    Within a hundredth of the largest state: at the pressure of its tank, flow has no rate.
+    Arguments: see `frequency_of_states`.
+    """
+    change, step = _by_velocities(system, external, q, v), OF_LARGEST_STATE * float(np.abs(v[states]).max())
+    if not step > 0.0:
+        return 0.0
+    places = range(states.start, states.stop)
+    columns = [change(np.eye(1, len(v), place)[0], step)[states] for place in places]
+    return float(-np.linalg.eigvals(columns).real.min()) if np.isfinite(columns).all() else math.nan
+
+
+def frequency_of_states(system: Any, external: Array, q: Array, v: Array, states: slice) -> float:
+    """Largest frequency [rad/s] of first order states that push on velocities, and are changed by them.
+
+    As of oil under pressure: with v' = B y and y' = C v it is the root of the largest eigenvalue of -C B.
+    states: their place in v.   Other arguments: see `fastest_rates`.
+    """
+    change, number = _by_velocities(system, external, q, v), states.stop - states.start
     product = np.zeros((number, number))
     for column, place in enumerate(range(states.start, states.stop)):
         push = change(np.eye(1, len(v), place)[0], STEP * max(1.0, abs(v[place])))

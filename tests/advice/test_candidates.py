@@ -2,7 +2,7 @@
 
 import pytest
 
-from exudyn_inext.advice.candidates import climb
+from exudyn_inext.advice.candidates import FEWEST_STEPS, climb, coarsen
 from exudyn_inext.advice.pilot import CONVENTIONAL
 from exudyn_inext.advice.survey import survey_meshes
 from tests.advice.analytic import Analytic
@@ -40,3 +40,15 @@ def test_beside_inextensible_runs_their_finest_one_judges(problem):
         survey.compare_with_finest(pilot)
         true = problem.error(pilot.choice)
         assert true <= pilot.error <= true + 2.0 * survey.uncertainty + 1e-12
+
+
+@pytest.mark.parametrize(("step_error", "factors"), [(1e-6, (2, 4)), (0.015, (2,)), (1.0, ())])
+def test_steps_grow_as_long_as_they_are_accurate_enough(step_error, factors):
+    problem = Analytic(mesh=1e-4, step=step_error)
+    survey = survey_meshes(problem, 1e-5, NUMBERS, 20.0)
+    (first,) = climb(problem, NUMBERS, 0.0)
+    survey.compare_with_finest(first)
+    pilots = coarsen(problem, survey, first)
+    assert [pilot.choice.step_size / problem.period for pilot in pilots] == pytest.approx(factors)
+    assert all(pilot.error <= survey.tolerance for pilot in pilots[:-1])
+    assert not pilots or pilots[-1].choice.step_size <= problem.end_time / FEWEST_STEPS

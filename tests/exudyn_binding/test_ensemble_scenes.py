@@ -78,6 +78,9 @@ def test_every_member_moves_as_it_does_alone(build, explicit):
         assert result["stepSize"][number] == report["stepSize"]
         assert result["steps"][number] == report["steps"]
     assert np.abs(np.diff(result["coordinates"], axis=0)).max() > 1e-6
+    mbs = build_member(0.03)
+    reference = mbs.systemData.GetODE2Coordinates(exudyn.ConfigurationType.Reference)  # of bodies, too
+    np.testing.assert_array_equal(result["referenceCoordinates"][0], reference)
 
 
 def test_threads_change_no_bit_and_builders_may_return_the_same_system():

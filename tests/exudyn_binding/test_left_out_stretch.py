@@ -24,6 +24,7 @@ from exudyn_inext import (
     CreateInextensibleCable,
     DivergenceError,
     ExplicitSettings,
+    SolveEnsemble,
     SolveEquilibrium,
     SolveExplicit,
 )
@@ -139,6 +140,11 @@ def test_a_run_in_which_stretch_matters_is_warned_of():
     mbs, _ = hammer(1e4)
     with pytest.warns(UserWarning, match=r"axialStiffness = 10000 N: .* a strain of 0\.0"):
         SolveExplicit(mbs, quiet_settings(1.0, 100))
+
+
+def test_an_ensemble_warns_of_its_first_member():
+    with pytest.warns(UserWarning, match=r"axialStiffness = 1e\+06 N: .* of its extent"):
+        SolveEnsemble([cable_car(1e6, 29.99)[0]], quiet_settings(0.05, 10))
 
 
 def test_a_run_that_a_blow_spoils_begins_again_where_a_user_function_is_asked_in_each_step():

@@ -249,6 +249,22 @@ def test_first_order_states_are_integrated_with_the_scheme(mbs, add_pendulum, so
     assert np.log2(errors[0] / errors[1]) == pytest.approx(INTEGRATORS[integrator].order, abs=0.3)
 
 
+def test_steps_follow_first_order_states_whose_decay_gets_faster(mbs, add_pendulum, solve):
+    """As that of oil in a chamber that shrinks: y oscillated about its rest, without a word."""
+    add_pendulum(mbs)
+    node = mbs.AddNode(
+        NodeGenericODE1(referenceCoordinates=[0], initialCoordinates=[1.5], numberOfODE1Coordinates=1)
+    )
+
+    def rate(mbs, t, item, y):
+        return [-(300.0 + 1500.0 * t) * np.tanh(y[0] - 1.0)]
+
+    mbs.AddObject(ObjectGenericODE1(nodeNumbers=[node], rhsUserFunction=rate))
+    mbs.Assemble()
+    solve(mbs, 1.0)
+    assert mbs.systemData.GetODE1Coordinates() == pytest.approx([1.0], abs=1e-3)
+
+
 def test_a_joint_that_follows_the_time_moves_a_cable_as_a_prescribed_motion_does(
     new_mbs, add_cable, add_sensor, solve
 ):

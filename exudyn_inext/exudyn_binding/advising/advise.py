@@ -11,12 +11,11 @@ from ...advice.advice import (
     cost_sentence,
     stretch_sentence,
 )
-from ...advice.candidates import LENIENCE, climb
+from ...advice.candidates import LENIENCE, climb, coarsen
 from ...advice.cost import predicted_seconds
-from ...advice.pilot import EXTENSIBLE, Pilot
+from ...advice.pilot import EXTENSIBLE, Choice, Pilot
 from ...advice.search import expected_error, extrapolated, most_accurate, try_families
-from ...advice.stretch import stretch_error
-from ...advice.survey import Search, survey_meshes
+from ...advice.survey import INTEGRATOR, SHARE_OF_TOLERANCE, Search, survey_meshes
 from ...checks import require_functions, require_integer, require_positive
 from ...errors import InputError
 from ...items.arguments import settings_of
@@ -150,18 +149,18 @@ class _Session:
         self._search = self._survey()
 
     def _survey(self) -> Search:
-        """All explicit runs of the present formulation."""
+        """Explicit runs of the present formulation on finer and finer meshes."""
         settings = self._settings
         search = survey_meshes(
             self._problem, self._tolerance, settings.numbersOfElements, settings.pilotBudget
         )
-        try_families(self._problem, search)
         self._reasons.append(convergence_sentence(search))
         return search
 
     def result(self) -> dict[str, Any]:
         """See `Advise`."""
         self._add_stretch()
+        try_families(self._problem, self._search)
         self._add_candidates()
         advised = self._search.best
         if advised is None:
@@ -200,21 +199,25 @@ class _Session:
         )
 
     def _add_stretch(self) -> None:
-        """If stretch moves the sensor by more than the tolerance: survey cables that stretch as well."""
+        """The finest run once more, of cables that stretch; if that matters, survey these as well."""
         stiffness, rigid = self._settings.axialStiffness, self._search
         if stiffness is None or self._problem.formulation == EXTENSIBLE:
             return
-        tensions = self._problem.tensions(rigid.meshes[0].choice)
-        error = stretch_error(tensions, stiffness, rigid.finest.values)
-        self._reasons.append(stretch_sentence(tensions, stiffness, error, self._tolerance))
-        if error <= self._tolerance:
+        stretching, elements = self._problem.stretching(stiffness), rigid.finest.choice.elements
+        step = min(rigid.finest.choice.step_size, stretching.step_limit(elements, INTEGRATOR))
+        pilot = stretching.run(Choice(EXTENSIBLE, INTEGRATOR, elements, step))
+        if pilot.failure:
+            self._reasons.append(f"What stretch moves is not known: {pilot.failure}")
             return
-        for pilot in rigid.tried:
-            pilot.error += error
-        self._problem.let_stretch(stiffness)
-        self._search = self._survey()
-        self._search.tried += rigid.tried
-        self._reasons.append(cost_sentence(rigid, self._search))
+        rigid.leave_out(pilot)
+        moved = rigid.left_out
+        matters = moved > (1.0 - SHARE_OF_TOLERANCE) * self._tolerance  # the mesh has its share of it
+        self._reasons.append(stretch_sentence(stiffness, moved, self._tolerance, matters))
+        if matters:
+            self._problem = stretching
+            self._search = self._survey()
+            self._search.tried += rigid.tried
+            self._reasons.append(cost_sentence(rigid, self._search))
 
     def _add_candidates(self) -> None:
         """Conventional runs, among what was tried."""
@@ -226,6 +229,8 @@ class _Session:
         candidates = climb(self._problem, [pilot.choice.elements for pilot in search.meshes], most)
         for pilot in candidates:
             search.compare_with_finest(pilot)
+        good = [pilot for pilot in candidates if pilot in search.good]
+        candidates += coarsen(self._problem, search, good[0]) if good else []
         if candidates:
             self._reasons.append(candidate_sentence(candidates, best, self._tolerance))
 

@@ -3,22 +3,20 @@
 import time
 import warnings
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import replace
-from itertools import pairwise
 from typing import Any
 
 import exudyn
 import numpy as np
 
 from ...advice.pilot import CONVENTIONAL, EXTENSIBLE, INEXTENSIBLE, Choice, Pilot
-from ...advice.stretch import Tension
 from ...arrays import Array
 from ...cable.cable import CurvatureMeasure
 from ...errors import DivergenceError, InputError, SceneError, StepSizeError
 from ...items.arguments import sensor_number
 from ...items.functions_of_time import take_word
 from ...run.settings import ExplicitSettings
-from ..cable_forces import CableForces
 from ..console import quiet_settings, silence
 from ..scene import read_scene, require_assembled
 from ..solver import SolveExplicit
@@ -26,8 +24,6 @@ from ..solver import SolveExplicit
 Build = Callable[[int], Any]
 """Number of elements -> (mbs, sensorNumber)."""
 
-LOOKS_AT_TENSION = 40
-POINTS = 21  # along each cable
 REPEATS_BELOW = 0.2  # [s] of CPU time: shorter runs are taken twice, the shorter time counts
 NEWTON_TOLERANCE = 1e-5
 DENSE = 8  # elements up to which a dense solve is quicker
@@ -62,10 +58,11 @@ class PilotRuns:
         self.dimension = 0
         self.length_constraints: dict[int, int] = {}  # n_bar of a cable, by its number of elements
 
-    def let_stretch(self, axial_stiffness: float) -> None:
-        """Give cables that have none this axial stiffness [N], whatever `build` says, from now on."""
-        self._axial_stiffness = axial_stiffness
-        self._limits.clear()
+    def stretching(self, axial_stiffness: float) -> "PilotRuns":
+        """The same scene; cables that have none get this axial stiffness [N], whatever `build` says."""
+        found = copy(self)
+        found._axial_stiffness, found._limits = axial_stiffness, {}
+        return found
 
     def _scene(self, elements: int) -> tuple[Any, int]:
         """What `build` returns; with axial stiffness if it is to have it."""
@@ -167,33 +164,6 @@ class PilotRuns:
             dependsOnTimeOnly=self._of_time_only,
         )
 
-    def tensions(self, choice: Choice) -> list[Tension]:
-        """Largest one along each cable, or compression, at some times of a run."""
-        mbs, _ = self._scene(choice.elements)
-        cables = read_scene(mbs).cables
-        times, found = np.linspace(0.0, self.end_time, LOOKS_AT_TENSION + 1), []
-        for start, end in pairwise(times):
-            settings = _settings(float(end), float(end - start))
-            settings.timeIntegration.startTime = float(start)
-            SolveExplicit(mbs, settings, self.explicit_settings(choice))
-            _go_on_from_here(mbs)
-            found.append([float(np.abs(_tension(mbs, cable.number)).max()) for cable in cables])
-        return [
-            Tension(
-                rms=float(np.sqrt(np.mean(np.square(of_cable)))),
-                largest=float(max(of_cable)),
-                length=cable.cable.length,
-                mass_per_length=cable.cable.section.mass_per_length,
-            )
-            for cable, of_cable in zip(cables, np.transpose(found), strict=True)
-        ]
-
-
-def _tension(mbs: Any, cable: int) -> Array:
-    """(POINTS,) along a cable [N]."""
-    found: Array = CableForces(mbs, cable, POINTS)["tension"]
-    return found
-
 
 def _failed(choice: Choice, seconds: float, why: str) -> Pilot:
     return Pilot(choice, np.zeros((0, 1)), seconds, 0, why)
@@ -218,12 +188,3 @@ def _built(name: str, build: Build | None, elements: int) -> tuple[Any, int]:
 def _settings(end_time: float, step: float) -> Any:
     """Quiet, one of Exudyn's steps a sample.   step: [s]."""
     return quiet_settings(end_time, max(1, round(end_time / step)), step)
-
-
-def _go_on_from_here(mbs: Any) -> None:
-    """The next run begins with the state of mbs."""
-    data, initial = mbs.systemData, exudyn.ConfigurationType.Initial
-    data.SetODE2Coordinates(data.GetODE2Coordinates(), initial)
-    data.SetODE2Coordinates_t(data.GetODE2Coordinates_t(), initial)
-    data.SetODE1Coordinates(data.GetODE1Coordinates(), initial)
-    data.SetDataCoordinates(data.GetDataCoordinates(), initial)
