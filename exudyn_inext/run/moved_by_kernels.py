@@ -133,9 +133,8 @@ class MovedByKernels(Mover):
         return all(map(self._form.take_over, changed))
 
     def take_constants(self) -> None:
-        """Constant loads on cables, which have been changed."""
         self._form.loads.take_constants()
-        self._scene.native_items.take_constants()
+        super().take_constants()
 
     def require_same_items(self, time: float) -> None:
         self._form.rest()

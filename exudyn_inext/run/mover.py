@@ -83,6 +83,10 @@ class Mover:
         """The system, for single evaluations."""
         return self.system
 
+    def take_constants(self) -> None:
+        """Constant loads on cables, which have been changed."""
+        self._scene.native_items.take_constants()
+
     def set_step(self, h: float) -> None:
         """Prepare the cables, and contact with them, for steps of h [s]."""
         for run in self._runs:

@@ -12,9 +12,8 @@ from exudyn.exudynCPP import ObjectIndex
 from ...cable.link import Motion
 from ...items.attach.inert import is_inert_cable
 from ...items.parameters import Parameter, markers_placed_by, objects_at
-from ...loads.weight import ElementWeight
 from ...run.coupled_run import CoupledRun, Run
-from ...scene.model import CableInScene, Scene
+from ...scene.model import Scene
 
 _JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
 _PLACES = ("offset", "distance")
@@ -93,17 +92,6 @@ def same_cables(one: Scene, other: Scene) -> bool:
     """Whether cables, their supports and links are of the same structure."""
     cables = ([cable.cable for cable in scene.cables] for scene in (one, other))
     return one.own_constraints == other.own_constraints and _same(*cables)
-
-
-def same_weights(run: CoupledRun, scene: Scene) -> bool:
-    """Whether the loads that the kernels of cables among others evaluate are those of the scene."""
-    known = [_weights(part.scene_cable) for part in run.cable_runs]
-    return _same(known, [_weights(cable) for cable in scene.cables])
-
-
-def _weights(cable: CableInScene) -> list[Any]:
-    weights = [load for load in cable.loads if isinstance(load, ElementWeight)]
-    return [(one.elements, one.constant, one.history and one.history.function) for one in weights]
 
 
 def _same(one: Any, other: Any) -> bool:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ...arrays import Array
 from ...errors import SceneError
 from ...items.parameters import Parameter
 from ...native.native_items import state_kept
@@ -21,7 +22,7 @@ from ..scene import read_scene
 from ..scene_runs import RunBuilder
 from ..time_loop import worst_figures
 from .constraints import SteppedReader
-from .demand import Demand, demand, same_cables, same_weights
+from .demand import Demand, demand, same_cables
 from .limit import StepLimit
 from .log import ChangeLog
 
@@ -129,24 +130,24 @@ class ChangeFollower:
         if alone:
             return self._load_at_once(alone, changed, time)
         asked = {key: self._demand(runs, key) for key in changed}
-        if not _have_begun(runs) or max(asked.values(), default=Demand.NOTHING) > Demand.EVALUATE:
+        weights = {key: changed[key] for key, it in asked.items() if it == Demand.WEIGH and _is_force(key)}
+        items = [key for key, it in asked.items() if it and key not in weights]
+        if not _have_begun(runs) or any(asked[key] > Demand.EVALUATE for key in items):
             return False
         forget_evaluators(self.sensors)
-        items = [key for key, it in asked.items() if it]
-        return all(run.mover.take_values(items) for run in runs if isinstance(run, CoupledRun))
+        return _weigh(runs, weights) and all(
+            run.mover.take_values(items) for run in runs if isinstance(run, CoupledRun)
+        )
 
     def _load_at_once(self, runs: Sequence[CableRun], changed: Mapping[Parameter, Any], time: float) -> bool:
-        """As `_act_at_once`, for constant forces on nodes of cables among nothing else."""
+        """As `_act_at_once`, for constant forces on nodes, and weights, of cables among nothing else."""
         if any(len(run.loads.pattern) for run in runs) or not all(map(_is_force, changed)):
             return False
-        loaded: dict[int, CableRun] = {}
-        for key, value in changed.items():
-            taken = _with_load(runs, key, value)
-            if not taken:
-                return False
-            loaded |= taken
+        loaded = _loaded(runs, changed)
+        if loaded is None:
+            return False
         forget_evaluators(self.sensors)
-        for run in loaded.values():
+        for run in loaded:
             start_after_jump(run, run.start_scheme, time)
             run.watch.keep(run.state)
         return True
@@ -158,7 +159,7 @@ class ChangeFollower:
         alone, places = _alone(runs), {key: x for key, x in changed.items() if not _is_force(key)}
         if not alone or not changed or not self.reader.aims(places):
             return False
-        if not all(_with_load(alone, key, x) for key, x in changed.items() if key not in places):
+        if _loaded(alone, {key: x for key, x in changed.items() if key not in places}) is None:
             return False
         forget_evaluators(self.sensors)
         _go_on(alone, time, end, has_changed=True)
@@ -216,10 +217,24 @@ def _is_force(key: Parameter) -> bool:
     return key.kind == "Load" and key.name in ("load", "loadVector")
 
 
-def _with_load(runs: Sequence[CableRun], key: Parameter, value: Any) -> dict[int, CableRun]:
-    """The runs on which that load acts, with its present value, as a constant force on a node."""
-    components = np.atleast_1d(np.asarray(value, dtype=float))
-    return {id(run): run for run in runs if run.loads.change(key.number, components)}
+def _loaded(runs: Sequence[CableRun], changed: Mapping[Parameter, Any]) -> list[CableRun] | None:
+    """Runs that have taken the values of loads; None if some are no constant loads on these cables."""
+    values = _components(changed)
+    taken = [(run, run.loads.change(values)) for run in runs]
+    is_complete = set[int]().union(*(found for _, found in taken)) == values.keys()
+    return [run for run, found in taken if found] if is_complete else None
+
+
+def _weigh(runs: Sequence[Run], weights: Mapping[Parameter, Any]) -> bool:
+    """Whether these are constant weights of cables among others, and act now."""
+    values = _components(weights)
+    coupled = [run for run in runs if isinstance(run, CoupledRun)] if weights else []
+    return all(run.set_weights(values) == values.keys() for run in coupled)
+
+
+def _components(changed: Mapping[Parameter, Any]) -> dict[int, Array]:
+    """(m,) of loads that have been set, by their numbers."""
+    return {key.number: np.atleast_1d(np.asarray(value, dtype=float)) for key, value in changed.items()}
 
 
 def _have_begun(runs: Sequence[Run]) -> bool:
@@ -234,8 +249,7 @@ def _take_loads(runs: Sequence[Run], scene: Scene) -> bool:
         if not np.array_equal(loads.pattern, run.loads.pattern):
             return False
         run.loads, run.scene_cable = loads, cable
-    coupled = [run for run in runs if isinstance(run, CoupledRun)]
-    return all(same_weights(run, scene) or run.take_weights(scene.cables) for run in coupled)
+    return all(run.take_weights(scene.cables) for run in runs if isinstance(run, CoupledRun))
 
 
 def _go_on(runs: Sequence[Run], time: float, end: float, has_changed: bool) -> None:
