@@ -123,8 +123,8 @@ class MovedByKernels(Mover):
     def can_move(self, number: int) -> bool:
         return self._form.can_move(number)
 
-    def can_weigh(self, number: int) -> bool:
-        return self._form.numbers.can_weigh(number)
+    def can_weigh(self, item: ChangedItem) -> bool:
+        return self._form.numbers.can_weigh(item)
 
     def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
         return self._form.numbers.joints_to_move(markers, objects)

@@ -11,6 +11,7 @@ from ..cable.cable import Cable
 from ..compiled import plain
 from ..integrators.integrator import Integrator
 from .cable_run import CableRun
+from .compiled_scene import ChangedItem
 from .joined_scene import EvaluatedScene, JoinedScene
 
 FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
@@ -63,8 +64,8 @@ class Mover:
         """Whether functions of the user have moved joints at once, before the step from `time` [s]."""
         return False
 
-    def can_weigh(self, number: int) -> bool:
-        """Whether a body may get another mass between steps."""
+    def can_weigh(self, item: ChangedItem) -> bool:
+        """Whether a body may get that mass, inertia or centre of mass between steps."""
         return False
 
     def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:

@@ -12,13 +12,15 @@ from exudyn.itemInterface import (
     MarkerBodyRigid,
     MarkerNodeRigid,
     MassPoint2D,
+    NodeRigidBody2D,
+    RigidBody2D,
     SensorObject,
     SphericalJoint,
     SpringDamper,
 )
 from exudyn.utilities import InertiaCuboid
 
-from exudyn_inext import CreateCompanionCables, DivergenceError
+from exudyn_inext import CreateCompanionCables, DivergenceError, SceneError
 from exudyn_inext.compiled import Prepared
 from exudyn_inext.exudyn_binding import time_loop
 from exudyn_inext.exudyn_binding.changes import follower
@@ -101,6 +103,20 @@ def body_that_gets_heavier(model):
     return change
 
 
+def centre_of_mass_that_moves(model):
+    """Of a planar body that turns about the tip; its weight goes with it."""
+    mbs, node = model.mbs, NodeRigidBody2D(referenceCoordinates=[1.9, 0, 0], initialVelocities=[0, 0.8, 8])
+    number = mbs.AddNode(node)
+    body = mbs.AddObject(RigidBody2D(nodeNumber=number, mass=0.3, inertia=8e-3))
+    marker = mbs.AddMarker(MarkerBodyMass(bodyNumber=body))
+    mbs.AddLoad(LoadMassProportional(markerNumber=marker, loadVector=[0, -9.81, 0]))
+    end = mbs.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=[-0.1, 0, 0]))
+    markers = [model.at(model.nodes[-1]), end]
+    mbs.AddObject(SphericalJoint(markerNumbers=markers, constrainedAxes=[1, 1, 0]))
+    model.watch(number)
+    return lambda t: model.set_object(body, centerOfMass=[0.08 * np.sin(9 * t), 0.05 * np.sin(6 * t)])
+
+
 STAY_COMPILED = [
     driven_mass,
     moving_support,
@@ -110,6 +126,7 @@ STAY_COMPILED = [
     ground_that_moves,
     marker_that_moves_on_a_body,
     body_that_gets_heavier,
+    centre_of_mass_that_moves,
 ]
 
 
@@ -121,6 +138,16 @@ def test_joints_that_are_moved_and_masses_stay_in_compiled_code(kind, monkeypatc
     assert "Exudyn evaluates" not in ours.report["path"]
     assert deviation(ours.motion, native.motion) < 0.003
     assert len(builds) <= 2
+
+
+def test_a_mass_that_is_set_to_nothing_is_refused_by_name():
+    model = Model(False)
+    _, body = model.mass_point([1.8, -0.4, 0])
+    model.mbs.SetPreStepUserFunction(
+        lambda mbs, t: mbs.SetObjectParameter(body, "mass", 0.05 * (t < 0.01)) or True
+    )
+    with pytest.raises(SceneError, match=r"\(MassPoint\) was given a mass that is none"):
+        model.run(0.02, 1e-3)
 
 
 def weight_that_swings(model):

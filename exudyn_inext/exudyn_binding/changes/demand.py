@@ -21,17 +21,18 @@ _FORCES_OF_TREES = ("gravity", "jointForceVector", "jointPositionOffsetVector", 
 
 
 class Demand(IntEnum):
-    """Nothing; an evaluation; joints that move, or other masses; weights; the scene read; runs built again.
+    """Nothing; an evaluation; one with other masses; joints that move; weights; a scene; other runs.
 
     WEIGH: kernels of cables evaluate these weights, which are read with the scene.
     """
 
     NOTHING = 0
     EVALUATE = 1
-    MOVE = 2
-    WEIGH = 3
-    READ = 4
-    BUILD = 5
+    BEGIN = 2
+    MOVE = 3
+    WEIGH = 4
+    READ = 5
+    BUILD = 6
 
 
 def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) -> Demand:
@@ -52,8 +53,8 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
     kind = "" if key.kind == "Marker" else mbs.GetObject(key.number)["objectType"]
     if kind in ("", "Ground"):
         return _demand_of_place(mbs, coupled, own, key)
-    if key.is_mass and all(run.mover.can_weigh(key.number) for run in coupled):
-        return Demand.MOVE
+    if key.is_mass and all(run.mover.can_weigh(key) for run in coupled):
+        return Demand.BEGIN
     if _JACOBIAN in mbs.ComputeItem(ObjectIndex(key.number)):
         is_joint = key.name in _PLACES and not any(run.holds(key.number) for run in coupled)
         if is_joint and key.number in own:

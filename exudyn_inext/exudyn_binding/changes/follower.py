@@ -123,7 +123,7 @@ class ChangeFollower:
             )
 
     def _act_at_once(self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float) -> bool:
-        """Whether all that has changed are values of loads and springs, which act without anything else."""
+        """Whether all that has changed are values of loads, springs and masses, which act now."""
         if self.moves or self._jumped or self.limit.is_due(time) or self.limit.grown(self.mbs, changed):
             return False
         alone = _alone(runs)
@@ -132,12 +132,16 @@ class ChangeFollower:
         asked = {key: self._demand(runs, key) for key in changed}
         weights = {key: changed[key] for key, it in asked.items() if it == Demand.WEIGH and _is_force(key)}
         items = [key for key, it in asked.items() if it and key not in weights]
-        if not _have_begun(runs) or any(asked[key] > Demand.EVALUATE for key in items):
+        if not _have_begun(runs) or any(asked[key] > Demand.BEGIN for key in items):
             return False
         forget_evaluators(self.sensors)
-        return _weigh(runs, weights) and all(
-            run.mover.take_values(items) for run in runs if isinstance(run, CoupledRun)
-        )
+        coupled = [run for run in runs if isinstance(run, CoupledRun)]
+        if not (_weigh(coupled, weights) and all(run.mover.take_values(items) for run in coupled)):
+            return False
+        if Demand.BEGIN in asked.values():
+            for run in coupled:
+                start_after_jump(run, run.begin_again, time)
+        return True
 
     def _load_at_once(self, runs: Sequence[CableRun], changed: Mapping[Parameter, Any], time: float) -> bool:
         """As `_act_at_once`, for constant forces on nodes, and weights, of cables among nothing else."""
@@ -187,7 +191,7 @@ class ChangeFollower:
         if asked < Demand.WEIGH:
             is_stiffer = self.limit.follow_stiffness(self.mbs, runs, changed, time)
             has_moved = self._jumped or asked == Demand.MOVE
-            if self.moves or is_stiffer or has_moved:
+            if self.moves or is_stiffer or has_moved or asked == Demand.BEGIN:
                 _go_on(runs, time, end, has_moved)
             elif not _have_begun(runs):
                 for run in runs:
@@ -225,11 +229,10 @@ def _loaded(runs: Sequence[CableRun], changed: Mapping[Parameter, Any]) -> list[
     return [run for run, found in taken if found] if is_complete else None
 
 
-def _weigh(runs: Sequence[Run], weights: Mapping[Parameter, Any]) -> bool:
+def _weigh(runs: Sequence[CoupledRun], weights: Mapping[Parameter, Any]) -> bool:
     """Whether these are constant weights of cables among others, and act now."""
     values = _components(weights)
-    coupled = [run for run in runs if isinstance(run, CoupledRun)] if weights else []
-    return all(run.set_weights(values) == values.keys() for run in coupled)
+    return not weights or all(run.set_weights(values) == values.keys() for run in runs)
 
 
 def _components(changed: Mapping[Parameter, Any]) -> dict[int, Array]:
