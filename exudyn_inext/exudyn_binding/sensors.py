@@ -5,9 +5,10 @@ from collections.abc import Collection, Sequence
 from typing import Any
 
 import exudyn
+import numpy as np
 
 from ..items.attach.inert import is_inert_cable
-from ..items.functions_that_look import may_look_at_forces
+from ..items.functions_that_look import Look
 
 POSITIONS, VELOCITIES, ACCELERATIONS = 1, 2, 3
 
@@ -25,43 +26,46 @@ _OF_POSITIONS = {
 _OF_POINTS = {"Node", "Body", "Marker", "SuperElement"}
 _OF_VELOCITIES = {_Type.Velocity, _Type.Coordinates_t, _Type.AngularVelocity}
 _SECTION_FORCES = {_Type.ForceLocal, _Type.TorqueLocal}
+_LAST_WRITTEN = "lastSolutionWritten", "lastSensorsWritten"  # Exudyn keeps the next times there
 _CONSTRAINT_FORCES = {_Type.Force, _Type.ForceLocal}
 
 
-def observed_derivatives(settings: Any, sensors: Sequence[Any], functions: Sequence[Any] = ()) -> int:
+def observed_derivatives(settings: Any, sensors: Sequence[Any], look: Look = Look.NOTHING) -> int:
     """How many of coordinates, velocities, accelerations are needed at each step, the first ones always.
 
     Args:
         settings: exudyn.SimulationSettings, whose solution file decides.
         sensors: data of all sensors, which decide, too.
-        functions: of the user, called between steps; they may look at any sensor.
+        look: of functions of the user that are called between steps.
     """
-    if any(map(may_look_at_forces, functions)):
+    if look == Look.ANYTHING:
         return ACCELERATIONS
     needed = POSITIONS
     if settings.solution.file.write:
         export = settings.solution.file.export
         needed = VELOCITIES if export.velocities else needed
         needed = ACCELERATIONS if export.accelerations else needed
-    if settings.solution.sensors.active or functions:
+    if settings.solution.sensors.active or look >= Look.SENSORS:
         needed = max([needed, *map(_derivatives_of, sensors)])
     return needed
 
 
 class OutputTimes:
-    """When somebody looks at accelerations and forces, who does not look at each step: as files are written.
+    """When somebody looks at accelerations and forces, who does not look at each step: files and sensors.
 
     Args: see `observed_derivatives`.
     """
 
-    def __init__(self, sensors: Sequence[Any], functions: Sequence[Any]) -> None:
-        derivatives = max(map(_derivatives_of, sensors), default=POSITIONS)
-        self._are_all = any(map(may_look_at_forces, functions)) or derivatives == ACCELERATIONS
+    def __init__(self, settings: Any, sensors: Sequence[Any], look: Look) -> None:
+        are_sensed = max(map(_derivatives_of, sensors), default=POSITIONS) == ACCELERATIONS
+        self._are_all = look == Look.ANYTHING or (look == Look.SENSORS and are_sensed)
+        written = settings.solution.file.write, settings.solution.sensors.active and are_sensed
+        self._written = [name for name, is_written in zip(_LAST_WRITTEN, written, strict=True) if is_written]
 
     def include(self, time: float, step: float, solver: Any) -> bool:
         """Whether a step of the loop, of that length, may be one that ends at `time` [s]."""
-        to_be_written = solver.output.lastSolutionWritten  # Exudyn keeps the next time there
-        return self._are_all or time > to_be_written - 0.5 * step
+        to_be_written = [getattr(solver.output, name) for name in self._written]
+        return self._are_all or time > min(to_be_written, default=np.inf) - 0.5 * step
 
 
 def _derivatives_of(sensor: dict[str, Any]) -> int:

@@ -12,6 +12,7 @@ import exudyn
 from ..errors import DivergenceError, SceneError
 from ..items.arguments import explicit_settings, simulation_settings
 from ..items.functions_of_time import functions_at_rest, step_functions, take_word
+from ..items.functions_that_look import look_of_step_functions
 from ..native.native_items import state_kept
 from ..native.velocity_level import Drives, at_position_level
 from ..run.loop_clock import LoopClock
@@ -195,14 +196,14 @@ def _solve(
         warn_of_outputs(choice, duration, grid.loop_steps, settings.timeIntegration.numberOfSteps)
         builder.take_step(explicit, grid.h)
         decided_by = choice.decider(grid.substeps, grid.h, "output period")
-        looking = sensors, step_functions(mbs)
+        looking = settings, sensors, look_of_step_functions(mbs)
         limit = StepLimit(grid.h, bounds.stability_limit, explicit)
         if restarts.changes:
             limit.restore(restarts.changes)
         moves = bool(restarts.changes.get("moves"))
         changes = ChangeFollower(mbs, scene, reader, log, builder, limit, sensors, moves)
         restarts.changes_so_far = changes.stored
-        loop = ExplicitTimeLoop(mbs, runs, grid, restarts, observed_derivatives(settings, *looking), changes)
+        loop = ExplicitTimeLoop(mbs, runs, grid, restarts, observed_derivatives(*looking), changes)
         loop.output_times = OutputTimes(*looking)
         loop.step_is_from = decided_by if explicit.stepSize is None else ""
         shown: AbstractContextManager[None] = nullcontext()

@@ -45,7 +45,7 @@ def read_weight(mbs: Any, number: int, data: dict[str, Any], elements: Elements)
         return None
     value, user_function = data["loadVector"], data["loadVectorUserFunction"]
     constant, history, is_pure = course_of(mbs, user_function, value)
-    return ElementWeight(element[0], (element[1],), constant, history, is_pure)
+    return ElementWeight(element[0], (element[1],), constant, history, is_pure, number)
 
 
 def _require_mass(number: int, load: dict[str, Any], body: dict[str, Any]) -> None:
@@ -63,12 +63,13 @@ def _require_mass(number: int, load: dict[str, Any], body: dict[str, Any]) -> No
 
 
 def put_together(weights: Sequence[ElementWeight]) -> list[ElementWeight]:
-    """One weight for all elements of a cable with the same vector and user function."""
+    """One weight for all elements of a cable with the same user function and vector; others stay."""
     alike: dict[Any, list[ElementWeight]] = {}
     for weight in weights:
-        function = weight.history and weight.history.function
-        alike.setdefault((weight.cable, id(function), tuple(weight.constant)), []).append(weight)
-    return [
+        if weight.history is not None:
+            key = weight.cable, id(weight.history.function), tuple(weight.constant)
+            alike.setdefault(key, []).append(weight)
+    return [weight for weight in weights if weight.history is None] + [
         replace(same[0], elements=tuple(k for weight in same for k in weight.elements))
         for same in alike.values()
     ]

@@ -93,7 +93,7 @@ def _is_steered(function: FunctionType, steering: Sequence[Any], depth: int = 0)
         if not isinstance(other, FunctionType) or depth >= DEEPEST:
             continue
         shared = _shared(other)
-        looked = [_looked_at(code) for code in _all_codes(other.__code__)]
+        looked = [_looked_at(code) for code in all_codes(other.__code__)]
         if any(found.stores or found.is_open for found in looked) and any(id(one) in own for one in shared):
             return True
         if _is_steered(function, [one for one in shared if isinstance(one, FunctionType)], depth + 1):
@@ -221,7 +221,7 @@ class _Functions:
         if around is None:
             return None
         called: list[FunctionType] = []
-        for code in _all_codes(function.__code__):
+        for code in all_codes(function.__code__):
             of_module, looked = self._of_module(code, function.__globals__), _looked_at(code)
             if of_module is None:
                 return None
@@ -282,17 +282,17 @@ def _stored_in(module: dict[str, Any]) -> set[str]:
     for value in list(module.values()):
         members = list(vars(value).values()) if isinstance(value, type) else [value]
         functions = [one for one in members if isinstance(one, FunctionType) and one.__globals__ is module]
-        for found in (_looked_at(code) for one in functions for code in _all_codes(one.__code__)):
+        for found in (_looked_at(code) for one in functions for code in all_codes(one.__code__)):
             read = found.outer if found.stores else ()
             names |= found.assigned | {name for name in read if isinstance(module.get(name), _CONTAINERS)}
     return names
 
 
 @lru_cache(maxsize=256)
-def _all_codes(code: CodeType) -> tuple[CodeType, ...]:
+def all_codes(code: CodeType) -> tuple[CodeType, ...]:
     """The code, and what is defined within it."""
     inner = [const for const in code.co_consts if isinstance(const, CodeType)]
-    return code, *(found for const in inner for found in _all_codes(const))
+    return code, *(found for const in inner for found in all_codes(const))
 
 
 def _is_pure_value(name: str, value: Any) -> bool:

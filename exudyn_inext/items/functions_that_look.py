@@ -1,12 +1,25 @@
-"""Step functions of the user, and whether they may look at accelerations, or at forces of constraints."""
+"""Step functions of the user, and at what they may look: at accelerations and forces of constraints, too."""
 
-from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
+import dis
+from abc import ABCMeta
+from collections.abc import Iterator
+from enum import IntEnum
+from functools import cached_property, partial
+from types import (
+    BuiltinFunctionType,
+    CodeType,
+    FunctionType,
+    MemberDescriptorType,
+    MethodType,
+    ModuleType,
+    SimpleNamespace,
+)
 from typing import Any
 
 import exudyn
 import numpy as np
 
-from .functions_of_time import DEEPEST, known_to, package_of
+from .functions_of_time import all_codes, known_to, package_of, step_functions
 
 _TRUSTED = {"builtins", "numpy", "math", "exudyn"}
 _NAMES = """
@@ -15,62 +28,163 @@ _NAMES = """
     systemData GetTime GetODE2Coordinates GetODE2Coordinates_t SetODE2Coordinates SetODE2Coordinates_t
     GetSensorValues GetNodeOutput GetObjectOutputBody OutputVariableType
     Position Displacement Velocity Rotation AngularVelocity Coordinates Coordinates_t
-    append extend tolist copy T dot sum min max items values keys get
+    append extend tolist copy T dot sum min max items values keys get variables __class__
 """  # of mbs, of what it gives, and of lists and arrays
 _OF_MBS = set(_NAMES.split())
 _TYPES = {
     getattr(exudyn.OutputVariableType, name) for name in _OF_MBS if hasattr(exudyn.OutputVariableType, name)
 }
 _OPEN = {"getattr", "eval", "exec", "vars", "globals", "locals", "__import__", "compile", "open", "input"}
-_DATA = (int, float, complex, str, bool, type(None), np.ndarray, np.generic, list, tuple, dict, set)
+_DATA = {int, float, complex, str, bool, type(None), type(NotImplemented)}
+_OF_DATACLASSES = {"dataclasses", "reprlib"}  # modules of what these classes show themselves by
+_GLOBAL = {"LOAD_GLOBAL", "LOAD_NAME"}
+_IMMUTABLE, _BY_CLASS = 1 << 8, 1 << 9  # flags of types: of C code, and of a class statement if not
 
 
-def may_look_at_forces(function: Any) -> bool:
-    """Whether a function f(mbs, t) may, as far as its code shows; sensors are not looked into.
+class Look(IntEnum):
+    """At nothing; at places and velocities; at sensors, too; at anything, as accelerations and forces."""
 
-    It does not if it reads nothing but data, numbers of items, functions of NumPy and math and of its own
-    kind, and takes only what is known of mbs; all else may be anything.
+    NOTHING = 0
+    MOTION = 1
+    SENSORS = 2
+    ANYTHING = 3
+
+
+def look_of_step_functions(mbs: Any) -> Look:
+    """At what functions may look that are called between steps."""
+    return max((look_of(function, mbs) for function in step_functions(mbs)), default=Look.NOTHING)
+
+
+def look_of(function: Any, mbs: Any) -> Look:
+    """At what a function f(mbs, t) may look, as far as its code shows.
+
+    That is not anything if it reads only data, numbers of items, functions of NumPy and math and of its own
+    kind, and takes only what is known of mbs. Methods, `functools.partial`, and objects that are called are
+    looked into, and of objects all attributes that this code names.
     """
-    return not isinstance(function, FunctionType) or not _is_known(function, 0)
+    reached = _Reached(mbs)
+    if not (reached.is_known(function) and reached.has_known_names()):
+        return Look.ANYTHING
+    return Look.SENSORS if "GetSensorValues" in reached.names else Look.MOTION
 
 
-def _is_known(function: FunctionType, depth: int) -> bool:
-    outer = known_to(function)
-    given = [*(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values()]
-    if outer is None or not all(_is_known_value(value, depth) for value in given):
-        return False
-    return _is_known_code(function.__code__, outer, depth)
+class _Reached:
+    """What a function of the user reaches: by variables of its code, and by attributes of objects.
 
+    names: of the attributes that its code takes.
+    """
 
-def _is_known_code(code: CodeType, outer: dict[str, Any], depth: int) -> bool:
-    modules = [value for value in map(outer.get, code.co_names) if isinstance(value, ModuleType)]
-    members = {name for module in modules if module is not exudyn for name in dir(module)}
-    for name in (*code.co_names, *code.co_freevars):
-        if name in outer:
-            if name in _OPEN or not _is_known_value(outer[name], depth):
-                return False
-        elif name not in _OF_MBS and name not in members and name in code.co_names:
+    def __init__(self, mbs: Any) -> None:
+        self.names: set[str] = set()
+        self._seen: dict[int, Any] = {}  # by their addresses, which they keep
+        self._objects: list[Any] = [SimpleNamespace(variables=mbs.variables)]  # and those of the user
+        self._members: set[str] = set()  # of modules and objects
+        self._of_exudyn = {*dir(mbs), *dir(mbs.systemData)}
+
+    def has_known_names(self) -> bool:
+        """Whether code takes only known attributes, which are known themselves."""
+        done = set[tuple[int, str]]()
+        while ahead := {(k, name) for k in range(len(self._objects)) for name in self.names} - done:
+            for k, name in ahead:
+                values = list(_attributes(self._objects[k], name))
+                if not all(map(self.is_known, values)):
+                    return False
+                if values:
+                    self._members.add(name)
+            done |= ahead
+        others = {name for name in self._members - self._of_exudyn if not name.startswith("__")}
+        return self.names <= _OF_MBS | others
+
+    def is_known(self, value: Any) -> bool:
+        """Whether a value is, as far as it does not depend on attributes."""
+        if id(value) in self._seen:
+            return True
+        self._seen[id(value)] = value
+        parts = _parts(value)
+        if parts is not None:
+            return all(map(self.is_known, parts))
+        if isinstance(value, FunctionType):
+            return package_of(value) == "numpy" or self._is_known_function(value)
+        if isinstance(value, ModuleType):
+            self._members |= set() if value is exudyn else set(dir(value))
+            return package_of(value) in _TRUSTED
+        if _is_of_user(type(value)):
+            self._objects.append(value)
+            return all(map(self.is_known, _called_unnamed(type(value))))
+        if package_of(type(value)) == "exudyn" and not isinstance(value, exudyn.OutputVariableType):
+            self._of_exudyn.update(dir(value))
+        return _is_plain(value)
+
+    def _is_known_function(self, function: FunctionType) -> bool:
+        outer = known_to(function)
+        given = [*(function.__defaults__ or ()), *(function.__kwdefaults__ or {}).values()]
+        if outer is None or not all(map(self.is_known, given)):
             return False
-    inner = [const for const in code.co_consts if isinstance(const, CodeType)]
-    return all(_is_known_code(one, outer, depth) for one in inner)
+        return all(self._is_known_code(code, outer) for code in all_codes(function.__code__))
+
+    def _is_known_code(self, code: CodeType, outer: dict[str, Any]) -> bool:
+        named = [i for i in dis.get_instructions(code) if i.opcode in dis.hasname]
+        self.names.update(i.argval for i in named if i.opname not in _GLOBAL)
+        read = {i.argval for i in named if i.opname in _GLOBAL}.union(code.co_freevars) & outer.keys()
+        return not read & _OPEN and all(self.is_known(outer[name]) for name in read)
 
 
-def _is_known_value(value: Any, depth: int) -> bool:
-    if isinstance(value, ModuleType):
-        return package_of(value) in _TRUSTED
-    if isinstance(value, FunctionType):
-        return package_of(value) == "numpy" or (depth < DEEPEST and _is_known(value, depth + 1))
-    if isinstance(value, list | tuple | set):
-        return all(_is_known_value(one, depth) for one in value)
-    if isinstance(value, dict):
-        return all(_is_known_value(one, depth) for one in value.values())
+def _parts(value: Any) -> list[Any] | None:
+    """What a container or a function that is made of another one consists of; None: it is something else."""
+    if isinstance(value, MethodType):
+        return [value.__func__, value.__self__]
+    if isinstance(value, partial):
+        return [value.func, value.args, value.keywords]
+    if isinstance(value, property):
+        return [value.fget, value.fset]
+    if isinstance(value, cached_property):
+        return [value.func]
+    if isinstance(value, staticmethod | classmethod):
+        return [value.__func__]
+    if type(value) in (list, tuple, set):
+        return list(value)
+    return list(value.values()) if type(value) is dict else None
+
+
+def _is_of_user(kind: type) -> bool:
+    """Whether a class, and those that it is derived from, are written in Python."""
+    if kind is SimpleNamespace:
+        return True
+    return kind is not object and all(
+        type(base) in (type, ABCMeta) and base.__flags__ & _BY_CLASS and not base.__flags__ & _IMMUTABLE
+        for base in kind.__mro__[:-1]
+    )
+
+
+def _called_unnamed(kind: type) -> Iterator[Any]:
+    """Methods of a class that are called without their names: by operators, calls, loops."""
+    for base in kind.__mro__[:-1]:
+        for name, value in vars(base).items():
+            is_function = name.startswith("__") and name != "__init__" and isinstance(value, FunctionType)
+            if is_function and value.__globals__["__name__"] not in _OF_DATACLASSES:
+                yield value
+
+
+def _attributes(owner: Any, name: str) -> Iterator[Any]:
+    """What that attribute of an object is, of itself and of its classes."""
+    own = getattr(owner, "__dict__", {})
+    if name in own:
+        yield own[name]
+    for base in type(owner).__mro__[:-1]:
+        if name in vars(base):
+            value = vars(base)[name]
+            yield getattr(owner, name, None) if isinstance(value, MemberDescriptorType) else value
+
+
+def _is_plain(value: Any) -> bool:
+    """Whether a value is data, a type, an item of Exudyn, or a function of Python or NumPy in C."""
     if isinstance(value, exudyn.OutputVariableType):
         return value in _TYPES
     if isinstance(value, type):
         return package_of(value) in _TRUSTED
     is_built_in = isinstance(value, BuiltinFunctionType | np.ufunc) and not _is_bound(value)
     is_of_exudyn = package_of(type(value)) == "exudyn" and not callable(value)
-    return is_built_in or is_of_exudyn or isinstance(value, _DATA)
+    return is_built_in or is_of_exudyn or type(value) in _DATA or isinstance(value, np.generic | np.ndarray)
 
 
 def _is_bound(value: Any) -> bool:

@@ -20,7 +20,7 @@ def read_load(mbs: Any, number: int, data: dict[str, Any]) -> NodalLoad | None:
         coordinates: tuple[int, ...] = (0, 1, 2)
         value, user_function = data["loadVector"], data["loadVectorUserFunction"]
     elif kinds == ("MassProportional", "BodyMass"):
-        return _weight_of_mass_point(mbs, data, mbs.GetObject(marker["bodyNumber"]))
+        return _weight_of_mass_point(mbs, number, data, mbs.GetObject(marker["bodyNumber"]))
     elif kinds == ("Coordinate", "NodeCoordinate"):
         coordinates = (int(marker["coordinate"]),)
         value, user_function = data["load"], data["loadUserFunction"]
@@ -30,17 +30,19 @@ def read_load(mbs: Any, number: int, data: dict[str, Any]) -> NodalLoad | None:
     return NodalLoad(int(marker["nodeNumber"]), coordinates, *course, number)
 
 
-def _weight_of_mass_point(mbs: Any, data: dict[str, Any], body: dict[str, Any]) -> NodalLoad | None:
+def _weight_of_mass_point(
+    mbs: Any, number: int, data: dict[str, Any], body: dict[str, Any]
+) -> NodalLoad | None:
     """A force on the node of a mass point, or None if the body is something else.
 
-    It has no number: whoever sets its vector sets no force.   data: of a LoadMassProportional.
+    number, data: of a LoadMassProportional.
     """
     node = node_of_mass_point(body)
     if node < 0:
         return None
     mass = mass_of_point(body)
     gravity, history, is_pure = course_of(mbs, data["loadVectorUserFunction"], data["loadVector"], mass)
-    return NodalLoad(node, (0, 1, 2), mass * gravity, history, is_pure)
+    return NodalLoad(node, (0, 1, 2), mass * gravity, history, is_pure, number, mass)
 
 
 def course_of(

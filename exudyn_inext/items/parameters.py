@@ -12,6 +12,9 @@ METHODS = {
 }
 
 
+_CENTRE = "centerofmass"
+
+
 class Parameter(NamedTuple):
     """A parameter of an item.   kind: Load, Object, ...   number: of the item."""
 
@@ -29,8 +32,17 @@ class Parameter(NamedTuple):
 
     @property
     def is_mass(self) -> bool:
-        """Whether it is the mass or the inertia of a body, under whichever name."""
-        return self.kind == "Object" and self.name.removeprefix("physics").lower() in ("mass", "inertia")
+        """Whether it is the mass, its centre, or the inertia of a body, under whichever name."""
+        return self.kind == "Object" and self._plain_name in ("mass", "inertia", _CENTRE)
+
+    @property
+    def is_centre(self) -> bool:
+        """Whether it is the centre of mass of a body."""
+        return self.kind == "Object" and self._plain_name == _CENTRE
+
+    @property
+    def _plain_name(self) -> str:
+        return self.name.removeprefix("physics").lower()
 
     def set(self, mbs: Any, value: Any) -> None:
         """Set it, unnoted."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..cable.cable import Cable
+from ..errors import SceneError
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +30,7 @@ class NodalLoad:
     constant: (m,) components [N, Nm].
     history: its user function, or None if the load is constant.
     is_pure: whether that one depends on the time alone, so that it may be asked ahead of time.
-    number: of the load in its mbs.
+    number: of the load in its mbs.   scale: of what is set there.
     """
 
     node: int
@@ -38,6 +39,7 @@ class NodalLoad:
     history: LoadFunction | None
     is_pure: bool = False
     number: int = -1
+    scale: float = 1.0
 
     unit: ClassVar[str] = "N"
 
@@ -61,3 +63,11 @@ class NodalLoad:
             if self.is_in_space(component, dim):
                 forces[component, nodes.index(self.node) * 2 * dim + coordinate] = 1.0
         return forces
+
+
+def out_of_plane(load: Any, value: float) -> SceneError:
+    """What is said of a load, nodal or a weight, whose z component a planar cable does not take."""
+    return SceneError(
+        f"load on {load.place} has the z component {value:g} {load.unit}, but its cable is planar: create "
+        "the cable with dimension=3."
+    )

@@ -1,6 +1,6 @@
 """Gravity of some elements of a cable: constant, or a function of time."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -9,7 +9,7 @@ import numpy as np
 from ..arrays import Array
 from ..cable.cable import Cable
 from .gravity import gravity_force
-from .nodal import LoadFunction
+from .nodal import LoadFunction, out_of_plane
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,7 +17,7 @@ class ElementWeight:
     """Gravity of some elements of a cable.
 
     cable: number of its object.   elements: which ones; one that is named twice has it twice.
-    constant: (3,) gravity acceleration [m/s^2].   history, is_pure: see `NodalLoad`.
+    constant: (3,) gravity acceleration [m/s^2].   history, is_pure, number: see `NodalLoad`.
     """
 
     cable: int
@@ -25,6 +25,7 @@ class ElementWeight:
     constant: Array
     history: LoadFunction | None
     is_pure: bool
+    number: int
 
     unit: ClassVar[str] = "m/s^2"
 
@@ -53,3 +54,41 @@ class ElementWeight:
         shape = cable.number_of_elements, cable.dimension
         forces = [gravity_force(cable, self.gravity(unit, shape)) for unit in np.eye(3)]
         return np.reshape(forces, (3, cable.reference.size))
+
+
+class ConstantWeights:
+    """Gravity of the elements of a cable: its own, and constant loads, which may be set by their numbers."""
+
+    def __init__(self, cable: Cable, gravity: Array, weights: Sequence[ElementWeight]) -> None:
+        """gravity: (dim,) its own [m/s^2].   weights: of one element each."""
+        self._cable, self._own = cable, np.tile(gravity, (cable.number_of_elements, 1))
+        self._weights = weights
+        self._rows = {weight.number: row for row, weight in enumerate(weights)}
+        self._elements = np.array([weight.elements[0] for weight in weights], dtype=int)
+        self._vectors = np.array([weight.constant for weight in weights]).reshape(-1, 3)
+
+    def change(self, values: Mapping[int, Array]) -> set[int]:
+        """Set loads to (3,) [m/s^2], by their numbers; returns those that are weights of this cable."""
+        found = self._rows.keys() & values
+        for number in found:
+            self._vectors[self._rows[number]] = values[number]
+        return found
+
+    @property
+    def gravity(self) -> Array:
+        """(N, dim) acceleration of each element [m/s^2].
+
+        Raises:
+            SceneError: a weight has a component out of the plane of its cable.
+        """
+        result, dim = self._own.copy(), self._cable.dimension
+        if self._vectors[:, dim:].any():
+            row = np.flatnonzero(self._vectors[:, dim])[0]
+            raise out_of_plane(self._weights[row], self._vectors[row, dim])
+        np.add.at(result, self._elements, self._vectors[:, :dim])
+        return result
+
+    @property
+    def force(self) -> Array:
+        """(n_dof,) generalised force [N, Nm]; raises as `gravity`."""
+        return gravity_force(self._cable, self.gravity).ravel()

@@ -1,6 +1,6 @@
 """The external force of one cable: gravity, constant forces, and sampled histories; and its motions."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,11 +8,9 @@ import numpy as np
 from ..arrays import Array
 from ..cable.link import Motion
 from ..cable.links import all_links, motions_of
-from ..errors import SceneError
 from ..integrators.integrator import LoadHistory
-from ..loads.gravity import gravity_force
-from ..loads.nodal import NodalLoad
-from ..loads.weight import ElementWeight
+from ..loads.nodal import NodalLoad, out_of_plane
+from ..loads.weight import ConstantWeights, ElementWeight
 from ..scene.model import CableInScene, CableLoad
 from .load_functions import Asked, LoadFunctions
 from .settings import SAY_OF_TIME
@@ -35,15 +33,17 @@ class CableLoads:
         self._dimension = cable.cable.dimension
         self._item = cable.item
         motions = motions_of(all_links(cable.cable))
-        force = gravity_force(cable.cable, cable.item.gravity).ravel()
+        steady = [load for load in cable.loads if load.history is None]
+        weights = [load for load in steady if isinstance(load, ElementWeight)]
+        self._weights = ConstantWeights(cable.cable, cable.item.gravity, weights)
+        force = self._weights.force
         self.constant = np.concatenate([force, *(_at_rest(motion, self._dimension) for motion in motions)])
         self._motions = [motion for motion in motions if not motion.rests]
-        self._loads = cable.loads
         self._histories = [load for load in cable.loads if load.history is not None]
         self._functions = LoadFunctions([_asked(load) for load in self._histories])
         self._out_of_plane = self._columns_out_of_plane(self._histories)
-        self._steady = [(load, self._patterns(load)) for load in cable.loads if load.history is None]
-        self._alone = self.constant.copy()  # without loads
+        self._steady = [(load, self._patterns(load)) for load in steady if isinstance(load, NodalLoad)]
+        self._alone = self.constant.copy()  # without loads on nodes
         self._add_steady()
         rows = [row for load in self._histories for row in self._patterns(load)]
         if self._motions:
@@ -55,18 +55,23 @@ class CableLoads:
             for pattern, value in zip(patterns, self._components_at(load, 0.0), strict=True):
                 self.constant += value * pattern
 
-    def change(self, number: int, components: Array) -> bool:
-        """Whether this load is a constant one on a node, and now has these components.
+    def change(self, values: Mapping[int, Array]) -> set[int]:
+        """Give constant loads other components; returns which of them act on this cable.
 
-        number: of the load in its mbs.   components: (m,) [N, Nm].
+        values: (m,) as they are set [N, Nm; of a weight m/s^2], by numbers of loads in the mbs.
         """
+        found = self._weights.change(values)
+        if found:
+            force = self._weights.force
+            self._alone[: len(force)] = force
         for place, (load, patterns) in enumerate(self._steady):
-            if isinstance(load, NodalLoad) and load.number == number:
-                self._steady[place] = replace(load, constant=components), patterns
-                self.constant[:] = self._alone
-                self._add_steady()
-                return True
-        return False
+            if load.number in values:
+                self._steady[place] = replace(load, constant=load.scale * values[load.number]), patterns
+                found.add(load.number)
+        if found:
+            self.constant[:] = self._alone
+            self._add_steady()
+        return found
 
     @property
     def has_histories(self) -> bool:
@@ -75,16 +80,23 @@ class CableLoads:
 
     def gravity_at(self, time: float) -> Array:
         """(N, dim) gravity acceleration of each element at `time` [m/s^2]."""
-        shape = self._item.cable.number_of_elements, self._dimension
-        total = np.tile(self._item.gravity, (shape[0], 1))
-        for load in self._loads:
+        total = self._weights.gravity
+        for load in self._histories:
             if isinstance(load, ElementWeight):
-                total += load.gravity(self._components_at(load, time), shape)
+                total += load.gravity(self._components_at(load, time), total.shape)
         return total
 
+    def has_functions_of(self, other: "CableLoads") -> bool:
+        """Whether the same user functions are given the same values, and act as in other loads."""
+        own, others = (
+            [(id(load.history and load.history.function), load.constant.tolist()) for load in one._histories]
+            for one in (self, other)
+        )
+        return own == others and np.array_equal(self.pattern, other.pattern)
+
     def take_constants(self, other: "CableLoads") -> None:
-        """Have the values of other loads, which have no user functions and differ in nothing else."""
-        self._loads, self._steady = other._loads, other._steady
+        """Have the values of other loads, which have the same functions; see `has_functions_of`."""
+        self._weights, self._steady = other._weights, other._steady
         self._alone[:], self.constant[:] = other._alone, other.constant
 
     @property
@@ -177,13 +189,9 @@ def _asked(load: CableLoad) -> Asked:
     return Asked(load.history, len(load.constant), f"the load on {load.place}", load.is_pure)
 
 
-def _require_none(out_of_plane: Sequence[tuple[int, CableLoad]], values: Array) -> None:
+def _require_none(columns: Sequence[tuple[int, CableLoad]], values: Array) -> None:
     """SceneError if there is a force out of a cable's plane.   values: (T, m) of all components."""
-    for place, load in out_of_plane:
+    for place, load in columns:
         column = values[:, place]
         if column.any():
-            value = column[np.flatnonzero(column)[0]]
-            raise SceneError(
-                f"load on {load.place} has the z component {value:g} {load.unit}, but its cable is "
-                "planar: create the cable with dimension=3."
-            )
+            raise out_of_plane(load, column[np.flatnonzero(column)[0]])

@@ -195,7 +195,7 @@ class ChangeableItems(Protocol):
         memories: of all systems that have them.
         """
 
-    def can_weigh(self, number: int) -> bool:
+    def can_weigh(self, item: ChangedItem) -> bool:
         """See `Mover.can_weigh`."""
 
     def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:

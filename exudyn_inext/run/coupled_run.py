@@ -1,7 +1,6 @@
 """Cables, bodies and joints of a scene, moved together: one right-hand side call for each evaluation."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -179,18 +178,28 @@ class CoupledRun(LimitedRun):
             self.mover.begin_by(self.integrator.resume, time)
 
     def take_weights(self, cables: Sequence[CableInScene]) -> bool:
-        """Whether compiled code goes on with constant weights that have been changed.   cables: of now."""
+        """Whether the run goes on with the present weights of cables, if no functions are new."""
         loads = [CableLoads(cable.among_others) for cable in cables]
-        if not isinstance(self.mover, MovedByKernels) or any(
-            new.has_histories or run.loads.has_histories for run, new in zip(self._runs, loads, strict=True)
-        ):
+        if not all(run.loads.has_functions_of(new) for run, new in zip(self._runs, loads, strict=True)):
             return False
-        for run, cable, new in zip(self._runs, cables, loads, strict=True):
+        for run, new in zip(self._runs, loads, strict=True):
             run.loads.take_constants(new)
-            run.scene_cable = replace(run.scene_cable, loads=cable.among_others.loads)
-        self.mover.take_constants()
-        self.watch.take_constants()
+        self._take_constants()
         return True
+
+    def set_weights(self, values: Mapping[int, Array]) -> set[int]:
+        """Let constant weights of cables be these from now on; returns which of them there are.
+
+        values: (3,) [m/s^2], by numbers of loads.
+        """
+        found = set[int]().union(*(run.loads.change(values) for run in self._runs))
+        self._take_constants()
+        return found
+
+    def _take_constants(self) -> None:
+        """Constant loads on cables, which have been changed."""
+        self.mover.take_constants()
+        self.watch.take_constants(self.state.q)
 
     def scale_mass(self, theta: float, h: float) -> None:
         """See `CableRun.scale_mass`."""

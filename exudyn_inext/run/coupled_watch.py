@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Array
 from ..compiled import Prepared
 from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit
@@ -97,7 +98,7 @@ class CoupledWatch(RunWatch):
         self._gravity = np.zeros(len(state.q))
         self._start = np.zeros(len(state.q))  # coordinates from which the extent of the motion counts
         self._places = scene.map.slices
-        self.take_constants()
+        self.take_constants(state.q)
         self._energy_tolerance = energy_tolerance
         self._limit = frequency_limit(integrator, scheme, growth=GROWTH)
         self.before = np.zeros((2, len(state.q)))  # q and a at the start of the last step
@@ -123,10 +124,12 @@ class CoupledWatch(RunWatch):
         self._calm = 0.0  # largest square of velocities that calls for no other one
         self._counts = np.zeros(2, int)  # see _STEPS
 
-    def take_constants(self) -> None:
-        """Constant loads on cables, which have been changed."""
+    def take_constants(self, q: Array) -> None:
+        """Constant loads on cables, changed at q (n,), up to which those before have done work."""
+        before = self._gravity.copy()
         for run, dofs in zip(self._runs, self._places, strict=False):
             self._gravity[dofs] = run.loads.constant[: dofs.stop - dofs.start]
+        self.watch.account["work"][NOW] += (before - self._gravity) @ (q - self.watch.position)
 
     def evaluate_by(self, evaluated: EvaluatedScene) -> None:
         """Ask this form of the scene from now on."""

@@ -123,8 +123,8 @@ class MovedByKernels(Mover):
     def can_move(self, number: int) -> bool:
         return self._form.can_move(number)
 
-    def can_weigh(self, number: int) -> bool:
-        return self._form.numbers.can_weigh(number)
+    def can_weigh(self, item: ChangedItem) -> bool:
+        return self._form.numbers.can_weigh(item)
 
     def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
         return self._form.numbers.joints_to_move(markers, objects)
@@ -133,9 +133,8 @@ class MovedByKernels(Mover):
         return all(map(self._form.take_over, changed))
 
     def take_constants(self) -> None:
-        """Constant loads on cables, which have been changed."""
         self._form.loads.take_constants()
-        self._scene.native_items.take_constants()
+        super().take_constants()
 
     def require_same_items(self, time: float) -> None:
         self._form.rest()

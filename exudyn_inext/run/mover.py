@@ -11,6 +11,7 @@ from ..cable.cable import Cable
 from ..compiled import plain
 from ..integrators.integrator import Integrator
 from .cable_run import CableRun
+from .compiled_scene import ChangedItem
 from .joined_scene import EvaluatedScene, JoinedScene
 
 FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
@@ -63,8 +64,8 @@ class Mover:
         """Whether functions of the user have moved joints at once, before the step from `time` [s]."""
         return False
 
-    def can_weigh(self, number: int) -> bool:
-        """Whether a body may get another mass between steps."""
+    def can_weigh(self, item: ChangedItem) -> bool:
+        """Whether a body may get that mass, inertia or centre of mass between steps."""
         return False
 
     def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
@@ -82,6 +83,10 @@ class Mover:
     def _quick_system(self) -> Any:
         """The system, for single evaluations."""
         return self.system
+
+    def take_constants(self) -> None:
+        """Constant loads on cables, which have been changed."""
+        self._scene.native_items.take_constants()
 
     def set_step(self, h: float) -> None:
         """Prepare the cables, and contact with them, for steps of h [s]."""

@@ -2,20 +2,28 @@
 
 import numpy as np
 import pytest
+from exudyn import OutputVariableType
 from exudyn.itemInterface import (
     DistanceConstraint,
     GenericJoint,
+    LoadMassProportional,
+    MarkerBodyMass,
     MarkerBodyPosition,
     MarkerBodyRigid,
     MarkerNodeRigid,
+    MassPoint2D,
+    NodeRigidBody2D,
+    RigidBody2D,
+    SensorObject,
     SphericalJoint,
     SpringDamper,
 )
 from exudyn.utilities import InertiaCuboid
 
-from exudyn_inext import DivergenceError
+from exudyn_inext import CreateCompanionCables, DivergenceError, SceneError
 from exudyn_inext.compiled import Prepared
 from exudyn_inext.exudyn_binding import time_loop
+from exudyn_inext.exudyn_binding.changes import follower
 from exudyn_inext.exudyn_binding.scene_runs import RunBuilder
 from exudyn_inext.exudyn_binding.sensors import OutputTimes
 from exudyn_inext.lowered import _kinds
@@ -95,6 +103,20 @@ def body_that_gets_heavier(model):
     return change
 
 
+def centre_of_mass_that_moves(model):
+    """Of a planar body that turns about the tip; its weight goes with it."""
+    mbs, node = model.mbs, NodeRigidBody2D(referenceCoordinates=[1.9, 0, 0], initialVelocities=[0, 0.8, 8])
+    number = mbs.AddNode(node)
+    body = mbs.AddObject(RigidBody2D(nodeNumber=number, mass=0.3, inertia=8e-3))
+    marker = mbs.AddMarker(MarkerBodyMass(bodyNumber=body))
+    mbs.AddLoad(LoadMassProportional(markerNumber=marker, loadVector=[0, -9.81, 0]))
+    end = mbs.AddMarker(MarkerBodyPosition(bodyNumber=body, localPosition=[-0.1, 0, 0]))
+    markers = [model.at(model.nodes[-1]), end]
+    mbs.AddObject(SphericalJoint(markerNumbers=markers, constrainedAxes=[1, 1, 0]))
+    model.watch(number)
+    return lambda t: model.set_object(body, centerOfMass=[0.08 * np.sin(9 * t), 0.05 * np.sin(6 * t)])
+
+
 STAY_COMPILED = [
     driven_mass,
     moving_support,
@@ -104,6 +126,7 @@ STAY_COMPILED = [
     ground_that_moves,
     marker_that_moves_on_a_body,
     body_that_gets_heavier,
+    centre_of_mass_that_moves,
 ]
 
 
@@ -115,6 +138,57 @@ def test_joints_that_are_moved_and_masses_stay_in_compiled_code(kind, monkeypatc
     assert "Exudyn evaluates" not in ours.report["path"]
     assert deviation(ours.motion, native.motion) < 0.003
     assert len(builds) <= 2
+
+
+def test_a_mass_that_is_set_to_nothing_is_refused_by_name():
+    model = Model(False)
+    _, body = model.mass_point([1.8, -0.4, 0])
+    model.mbs.SetPreStepUserFunction(
+        lambda mbs, t: mbs.SetObjectParameter(body, "mass", 0.05 * (t < 0.01)) or True
+    )
+    with pytest.raises(SceneError, match=r"\(MassPoint\) was given a mass that is none"):
+        model.run(0.02, 1e-3)
+
+
+def weight_that_swings(model):
+    """Of a cable, and of a mass point that is part of it, by their numbers."""
+    mbs = model.mbs
+    if model.native:
+        bodies = [
+            k for k in range(mbs.systemData.NumberOfObjects()) if "ANCF" in mbs.GetObject(k)["objectType"]
+        ]
+    else:
+        bodies = CreateCompanionCables(mbs, model.cable)
+    bodies.append(mbs.AddObject(MassPoint2D(nodeNumber=model.nodes[-1], mass=0.03)))
+    markers = [mbs.AddMarker(MarkerBodyMass(bodyNumber=body)) for body in bodies]
+    loads = [mbs.AddLoad(LoadMassProportional(markerNumber=m, loadVector=[0, 0, 0])) for m in markers]
+
+    def change(t):
+        for number, load in enumerate(loads):
+            mbs.SetLoadParameter(load, "loadVector", [9 * np.sin(9 * t), 3 * (number % 2), 0])
+
+    return change
+
+
+def weight_that_swings_beside_a_mass(model):
+    model.mass_point([0, 1, 0])
+    return weight_that_swings(model)
+
+
+def run_with_weights(kind, native):
+    model = Model(native, ancf=native)
+    change = kind(model)
+    model.mbs.SetPreStepUserFunction(lambda mbs, t: change(t) or True)
+    model.run(0.2, 1e-3)
+    return model.motion
+
+
+@pytest.mark.parametrize("kind", [weight_that_swings, weight_that_swings_beside_a_mass], ids=name_of)
+def test_weights_that_are_set_act_at_once_as_on_a_stiff_native_cable(kind, monkeypatch):
+    reads, read = [], follower.read_scene
+    monkeypatch.setattr(follower, "read_scene", lambda *given: reads.append(1) or read(*given))
+    assert deviation(run_with_weights(kind, False), run_with_weights(kind, True)) < 0.01
+    assert len(reads) <= 3
 
 
 def stop_that_is_set_before_it_acts(model):
@@ -285,26 +359,32 @@ SEEN_TO_SET = [load_that_is_set, support_that_is_set, support_that_is_set_beside
 
 
 def written_rows(kind, folder, period, monkeypatch, each_step=False):
-    """Of the solution file, and how often reactions of supports were solved for."""
+    """Of the solution file, and of a sensor, and how often reactions of supports were solved for."""
     calls, put = [], CableRun.put_reactions
     monkeypatch.setattr(CableRun, "put_reactions", lambda *given: calls.append(1) or put(*given))
     monkeypatch.setattr(OutputTimes, "include", lambda *_: True) if each_step else None
     model = Model(False)
     model.mbs.SetPreStepUserFunction(kind(model))
+    force = SensorObject(
+        objectNumber=model.supports[1], storeInternal=True, outputVariableType=OutputVariableType.Force
+    )
+    sensor = model.mbs.AddSensor(force)
     model.mbs.Assemble()
-    settings = quiet_settings(0.05, 50, 0.01)
+    settings = quiet_settings(0.05, 50, 0.013)
     settings.solution.file.write, settings.solution.file.writePeriod = True, period
     settings.solution.file.name = str(folder / f"rows{each_step}")
     model.run_again(settings)
     monkeypatch.undo()
     (path,) = folder.glob(f"rows{each_step}*")
-    return np.loadtxt(path, comments="#", delimiter=","), len(calls)
+    rows = np.loadtxt(path, comments="#", delimiter=","), np.array(model.mbs.GetSensorStoredData(sensor))
+    return rows, len(calls)
 
 
 @pytest.mark.parametrize("kind", SEEN_TO_SET, ids=name_of)
 @pytest.mark.parametrize("period", [0.01, 0.007])
-def test_forces_are_solved_for_where_they_are_written_alone(kind, period, tmp_path, monkeypatch):
+def test_forces_are_solved_for_where_they_are_written_or_sensed_alone(kind, period, tmp_path, monkeypatch):
     found, few = written_rows(kind, tmp_path, period, monkeypatch)
     wanted, many = written_rows(kind, tmp_path, period, monkeypatch, each_step=True)
-    np.testing.assert_array_equal(found, wanted)
-    assert few < 10 < 50 <= many
+    for rows, wanted_rows in zip(found, wanted, strict=True):
+        np.testing.assert_array_equal(rows, wanted_rows)
+    assert len(found[1]) < 6 and few < 15 < 50 <= many

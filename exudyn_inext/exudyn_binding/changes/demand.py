@@ -12,9 +12,8 @@ from exudyn.exudynCPP import ObjectIndex
 from ...cable.link import Motion
 from ...items.attach.inert import is_inert_cable
 from ...items.parameters import Parameter, markers_placed_by, objects_at
-from ...loads.weight import ElementWeight
 from ...run.coupled_run import CoupledRun, Run
-from ...scene.model import CableInScene, Scene
+from ...scene.model import Scene
 
 _JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
 _PLACES = ("offset", "distance")
@@ -22,17 +21,18 @@ _FORCES_OF_TREES = ("gravity", "jointForceVector", "jointPositionOffsetVector", 
 
 
 class Demand(IntEnum):
-    """Nothing; an evaluation; joints that move, or other masses; weights; the scene read; runs built again.
+    """Nothing; an evaluation; one with other masses; joints that move; weights; a scene; other runs.
 
     WEIGH: kernels of cables evaluate these weights, which are read with the scene.
     """
 
     NOTHING = 0
     EVALUATE = 1
-    MOVE = 2
-    WEIGH = 3
-    READ = 4
-    BUILD = 5
+    BEGIN = 2
+    MOVE = 3
+    WEIGH = 4
+    READ = 5
+    BUILD = 6
 
 
 def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) -> Demand:
@@ -53,8 +53,8 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
     kind = "" if key.kind == "Marker" else mbs.GetObject(key.number)["objectType"]
     if kind in ("", "Ground"):
         return _demand_of_place(mbs, coupled, own, key)
-    if key.is_mass and all(run.mover.can_weigh(key.number) for run in coupled):
-        return Demand.MOVE
+    if key.is_mass and all(run.mover.can_weigh(key) for run in coupled):
+        return Demand.BEGIN
     if _JACOBIAN in mbs.ComputeItem(ObjectIndex(key.number)):
         is_joint = key.name in _PLACES and not any(run.holds(key.number) for run in coupled)
         if is_joint and key.number in own:
@@ -93,17 +93,6 @@ def same_cables(one: Scene, other: Scene) -> bool:
     """Whether cables, their supports and links are of the same structure."""
     cables = ([cable.cable for cable in scene.cables] for scene in (one, other))
     return one.own_constraints == other.own_constraints and _same(*cables)
-
-
-def same_weights(run: CoupledRun, scene: Scene) -> bool:
-    """Whether the loads that the kernels of cables among others evaluate are those of the scene."""
-    known = [_weights(part.scene_cable) for part in run.cable_runs]
-    return _same(known, [_weights(cable) for cable in scene.cables])
-
-
-def _weights(cable: CableInScene) -> list[Any]:
-    weights = [load for load in cable.loads if isinstance(load, ElementWeight)]
-    return [(one.elements, one.constant, one.history and one.history.function) for one in weights]
 
 
 def _same(one: Any, other: Any) -> bool:

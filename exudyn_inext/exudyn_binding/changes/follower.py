@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from ...arrays import Array
 from ...errors import SceneError
 from ...items.parameters import Parameter
 from ...native.native_items import state_kept
@@ -21,7 +22,7 @@ from ..scene import read_scene
 from ..scene_runs import RunBuilder
 from ..time_loop import worst_figures
 from .constraints import SteppedReader
-from .demand import Demand, demand, same_cables, same_weights
+from .demand import Demand, demand, same_cables
 from .limit import StepLimit
 from .log import ChangeLog
 
@@ -122,31 +123,35 @@ class ChangeFollower:
             )
 
     def _act_at_once(self, runs: Sequence[Run], changed: Mapping[Parameter, Any], time: float) -> bool:
-        """Whether all that has changed are values of loads and springs, which act without anything else."""
+        """Whether all that has changed are values of loads, springs and masses, which act now."""
         if self.moves or self._jumped or self.limit.is_due(time) or self.limit.grown(self.mbs, changed):
             return False
         alone = _alone(runs)
         if alone:
             return self._load_at_once(alone, changed, time)
         asked = {key: self._demand(runs, key) for key in changed}
-        if not _have_begun(runs) or max(asked.values(), default=Demand.NOTHING) > Demand.EVALUATE:
+        weights = {key: changed[key] for key, it in asked.items() if it == Demand.WEIGH and _is_force(key)}
+        items = [key for key, it in asked.items() if it and key not in weights]
+        if not _have_begun(runs) or any(asked[key] > Demand.BEGIN for key in items):
             return False
         forget_evaluators(self.sensors)
-        items = [key for key, it in asked.items() if it]
-        return all(run.mover.take_values(items) for run in runs if isinstance(run, CoupledRun))
+        coupled = [run for run in runs if isinstance(run, CoupledRun)]
+        if not (_weigh(coupled, weights) and all(run.mover.take_values(items) for run in coupled)):
+            return False
+        if Demand.BEGIN in asked.values():
+            for run in coupled:
+                start_after_jump(run, run.begin_again, time)
+        return True
 
     def _load_at_once(self, runs: Sequence[CableRun], changed: Mapping[Parameter, Any], time: float) -> bool:
-        """As `_act_at_once`, for constant forces on nodes of cables among nothing else."""
+        """As `_act_at_once`, for constant forces on nodes, and weights, of cables among nothing else."""
         if any(len(run.loads.pattern) for run in runs) or not all(map(_is_force, changed)):
             return False
-        loaded: dict[int, CableRun] = {}
-        for key, value in changed.items():
-            taken = _with_load(runs, key, value)
-            if not taken:
-                return False
-            loaded |= taken
+        loaded = _loaded(runs, changed)
+        if loaded is None:
+            return False
         forget_evaluators(self.sensors)
-        for run in loaded.values():
+        for run in loaded:
             start_after_jump(run, run.start_scheme, time)
             run.watch.keep(run.state)
         return True
@@ -158,7 +163,7 @@ class ChangeFollower:
         alone, places = _alone(runs), {key: x for key, x in changed.items() if not _is_force(key)}
         if not alone or not changed or not self.reader.aims(places):
             return False
-        if not all(_with_load(alone, key, x) for key, x in changed.items() if key not in places):
+        if _loaded(alone, {key: x for key, x in changed.items() if key not in places}) is None:
             return False
         forget_evaluators(self.sensors)
         _go_on(alone, time, end, has_changed=True)
@@ -186,7 +191,7 @@ class ChangeFollower:
         if asked < Demand.WEIGH:
             is_stiffer = self.limit.follow_stiffness(self.mbs, runs, changed, time)
             has_moved = self._jumped or asked == Demand.MOVE
-            if self.moves or is_stiffer or has_moved:
+            if self.moves or is_stiffer or has_moved or asked == Demand.BEGIN:
                 _go_on(runs, time, end, has_moved)
             elif not _have_begun(runs):
                 for run in runs:
@@ -216,10 +221,23 @@ def _is_force(key: Parameter) -> bool:
     return key.kind == "Load" and key.name in ("load", "loadVector")
 
 
-def _with_load(runs: Sequence[CableRun], key: Parameter, value: Any) -> dict[int, CableRun]:
-    """The runs on which that load acts, with its present value, as a constant force on a node."""
-    components = np.atleast_1d(np.asarray(value, dtype=float))
-    return {id(run): run for run in runs if run.loads.change(key.number, components)}
+def _loaded(runs: Sequence[CableRun], changed: Mapping[Parameter, Any]) -> list[CableRun] | None:
+    """Runs that have taken the values of loads; None if some are no constant loads on these cables."""
+    values = _components(changed)
+    taken = [(run, run.loads.change(values)) for run in runs]
+    is_complete = set[int]().union(*(found for _, found in taken)) == values.keys()
+    return [run for run, found in taken if found] if is_complete else None
+
+
+def _weigh(runs: Sequence[CoupledRun], weights: Mapping[Parameter, Any]) -> bool:
+    """Whether these are constant weights of cables among others, and act now."""
+    values = _components(weights)
+    return not weights or all(run.set_weights(values) == values.keys() for run in runs)
+
+
+def _components(changed: Mapping[Parameter, Any]) -> dict[int, Array]:
+    """(m,) of loads that have been set, by their numbers."""
+    return {key.number: np.atleast_1d(np.asarray(value, dtype=float)) for key, value in changed.items()}
 
 
 def _have_begun(runs: Sequence[Run]) -> bool:
@@ -234,8 +252,7 @@ def _take_loads(runs: Sequence[Run], scene: Scene) -> bool:
         if not np.array_equal(loads.pattern, run.loads.pattern):
             return False
         run.loads, run.scene_cable = loads, cable
-    coupled = [run for run in runs if isinstance(run, CoupledRun)]
-    return all(same_weights(run, scene) or run.take_weights(scene.cables) for run in coupled)
+    return all(run.take_weights(scene.cables) for run in runs if isinstance(run, CoupledRun))
 
 
 def _go_on(runs: Sequence[Run], time: float, end: float, has_changed: bool) -> None:

@@ -146,11 +146,11 @@ class StepLimit:
 
 
 def _size(mbs: Any, key: Parameter) -> float:
-    """Largest value of a stiffness or damping; of a mass or inertia, the inverse of the smallest one."""
+    """Largest value of a stiffness, damping or lever; of masses, the inverse of the smallest one."""
     value = key.value(mbs)
-    if key.is_mass:
-        sizes = np.abs(np.atleast_1d(value))
-        return float(1.0 / sizes[sizes > 0.0].min(initial=np.inf))
+    if key.is_mass and not key.is_centre:
+        sizes = [abs(x) for x in np.ravel(value).tolist() if x]
+        return 1.0 / min(sizes, default=np.inf)
     if isinstance(value, exudyn.MatrixContainer):
         value = value.Convert2DenseMatrix()
     return abs(value) if isinstance(value, float) else float(np.abs(value).max(initial=0.0))

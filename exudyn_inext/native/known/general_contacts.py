@@ -9,8 +9,7 @@ import numpy as np
 
 from ...arrays import collected
 from ...element.shape_functions import shape_functions
-from ...items.functions_of_time import step_functions
-from ...items.functions_that_look import may_look_at_forces
+from ...items.functions_that_look import Look, look_of_step_functions
 from ...multibody.general_contacts import ELEMENT, PAIR, GeneralContacts, general_contacts
 from .belts import Touching, elements_of
 from .points import PointReader
@@ -44,7 +43,7 @@ def read_general_contacts(
     for name in ("ancfCableUseExactMethod", "keepContactWhilePenetrating"):
         if getattr(contact, name, False):
             raise UnknownItemError(f"GeneralContact with {name} = True")
-    if any(map(may_look_at_forces, step_functions(mbs))):  # or call anything of the contact
+    if look_of_step_functions(mbs) == Look.ANYTHING:  # or call anything of the contact
         raise UnknownItemError("GeneralContact, which a pre- or post-step user function may change")
     return _records(mbs, contact, elements_of(mbs, contact, evaluate), reader)
 

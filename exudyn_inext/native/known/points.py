@@ -50,6 +50,7 @@ class PointReader:
         self._of_nodes = {int(body["first"]): number for number, body in enumerate(bodies)}
         self._points: list[Any] = []
         self._known: dict[int, Place] = {}
+        self._centres: dict[int, list[int]] = {}  # points at the centre of mass of a body
         self._nodes: dict[int, tuple[list[int], dict[str, Any]]] = {}
 
     @property
@@ -149,9 +150,18 @@ class PointReader:
             if self.is_mass_on_cable(data := self._mbs.GetObject(number)):
                 return self._on_node(node_of_mass_point(data), has_frame=False)
             raise UnknownItemError(f"a marker on the mass of object {number}")
-        mass = self._bodies[self._of_bodies[number]].mass
-        local = np.array([mass[1, 5], -mass[0, 5], mass[0, 4]]) / mass[0, 0]
-        return self.on_body(self._of_bodies[number], local, has_frame=False)
+        place = self.on_body(self._of_bodies[number], _centre(self._bodies[self._of_bodies[number]]), False)
+        self._centres.setdefault(number, []).append(place.point)
+        return place
+
+    def has_lever(self, number: int) -> bool:
+        """Whether the centre of mass of a body was beside its node when it was read."""
+        return bool(_centre(self._bodies[self._of_bodies[number]]).any())
+
+    def centre_again(self, number: int, points: Any, body: Any) -> None:
+        """A body has another mass.   points: records that a system holds now.   body: record of it there."""
+        for point in self._centres.get(number, ()):
+            points["local"][point] = _centre(body)
 
     def is_on_cable(self, number: int) -> bool:
         """Whether a marker lies on a companion of a cable."""
@@ -279,6 +289,12 @@ def _place_on_ground(ground: dict[str, Any], local: Any) -> Array:
     """(3,) of a point `local` (3,) in the frame of an object."""
     place: Array = ground["referencePosition"] + np.asarray(ground["referenceRotation"]) @ local
     return place
+
+
+def _centre(body: Any) -> Array:
+    """(3,) of the mass of a record, in its frame [m]."""
+    mass = body["mass"]
+    return np.array([mass[1, 5], -mass[0, 5], mass[0, 4]]) / mass[0, 0]
 
 
 def _new(kind: int, first: int = 0, width: int = 0) -> Any:

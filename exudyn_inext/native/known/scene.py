@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Array, collected
+from ...errors import SceneError
+from ...items.arguments import described
 from ...items.attach.inert import is_inert_cable
 from ...items.parameters import Parameter, markers_placed_by
 from ...multibody.build import KnownItems
@@ -145,10 +147,16 @@ class KnownNumbers:
         self._forces[number] = len(self.loads), read
         self.loads.append(read.record)
 
-    def can_weigh(self, number: int) -> bool:
-        """See `Mover.can_weigh`: the mass must be that of the parameters, and no function its weight."""
-        data = self._mbs.GetObject(number)
+    def can_weigh(self, item: ChangedItem) -> bool:
+        """See `Mover.can_weigh`: the mass must be that of the parameters, and no function its weight.
+
+        That of a planar body becomes one that depends on its angle if its centre leaves the node.
+        """
+        number, data = item[1], self._mbs.GetObject(item[1])
         if number not in self._bodies or data["objectType"].endswith("1D"):
+            return False
+        is_planar = data["objectType"].endswith("2D")
+        if Parameter(*item).is_centre and is_planar and not self._reader.has_lever(number):
             return False
         return all(self._forces[load][1].function is None for load in self._weights.get(number, ()))
 
@@ -197,7 +205,13 @@ class KnownNumbers:
     def _weigh_again(self, number: int, memories: Sequence[Items]) -> bool:
         mass, loads = mass_of_parameters(self._mbs.GetObject(number)), memories[0].loads
         for memory in memories:
-            set_mass(memory.bodies[self._bodies[number]], mass)
+            body = memory.bodies[self._bodies[number]]
+            if not set_mass(body, mass):
+                raise SceneError(
+                    f"{described(self._mbs.GetObject(number), number)} was given a mass that is none in some "
+                    "direction, in which explicit steps have nothing to accelerate: set a small one."
+                )
+            self._reader.centre_again(number, memory.points, body)
         for load in self._weights.get(number, ()):
             place, known = self._forces[load]
             self._forces[load] = place, known._replace(scale=mass[0, 0])
