@@ -116,13 +116,8 @@ def _products(nodes: tuple[int, ...], dim: int) -> tuple[list[Array], list[np.nd
     """The vectors of `_matrix_of`, nodes that their images have, and the places of these."""
     number = sum(nodes)
     cable = np.append(np.repeat(np.arange(len(nodes)), nodes), -1)
-    numbers, directions, exist, rows, columns = (
-        np.arange(2 * number * dim).reshape(-1, 2, dim),
-        [],
-        [],
-        [],
-        [],
-    )
+    numbers = np.arange(2 * number * dim).reshape(-1, 2, dim)
+    directions, exist, rows, columns = [], [], [], []
     for colour, kind, axis in np.ndindex(3, 2, dim):
         direction = np.zeros(numbers.shape)
         direction[colour::3, kind, axis] = 1.0
