@@ -58,10 +58,15 @@ def set_cache(compiled: Any) -> None:
 
 
 def _load(cache: Any, makes_arrays: bool, signature: Any, target: Any) -> Any:
-    if makes_arrays:
+    if makes_arrays or _hold_text(signature):  # which is counted where it is handed over
         rtsys.initialize(target)
     with cache._guard_against_spurious_io_errors():
         return cache._load_overload(signature, target)
+
+
+def _hold_text(kinds: Any) -> bool:
+    """Whether values of these types, or what is in them, are text."""
+    return any(kind == types.unicode_type or _hold_text(getattr(kind, "types", ())) for kind in kinds)
 
 
 def _save(cache_file: Any, key: Any, data: Any) -> None:

@@ -121,3 +121,26 @@ def test_where_nothing_can_be_written_a_warning_says_so(install, use, tmp_path):
     folder, warned = use(installed, XDG_CACHE_HOME=mine, LOCALAPPDATA=mine, HOME=mine)
     assert folder == "None"
     assert "each process compiles them anew" in warned and "Set NUMBA_CACHE_DIR" in warned
+
+
+RUN = """
+import exudyn
+from exudyn_inext import *
+mbs = exudyn.SystemContainer().AddSystem()
+section = InextensibleCable(massPerLength=0.03, bendingStiffness=0.08)
+CreateInextensibleCable(mbs, [0, 0, 0], [1, 0, 0], 4, section, gravity=[0, -9.81, 0])
+mbs.Assemble()
+settings = exudyn.SimulationSettings()
+settings.timeIntegration.endTime = 0.01
+settings.solution.file.write = False
+print(SolveExplicit(mbs, settings, ExplicitSettings(integrator={name!r}))["success"])
+"""
+
+
+@pytest.mark.skipif(bool(os.environ.get("NUMBA_DISABLE_JIT")), reason="nothing is kept")
+def test_kernels_that_take_text_run_from_the_cache():
+    """As those of RK4, whose scheme has a name: the second process only loads them."""
+    for _ in range(2):
+        command = [sys.executable, "-c", RUN.format(name="RK4")]
+        result = subprocess.run(command, capture_output=True, text=True, timeout=300)
+        assert result.returncode == 0 and "True" in result.stdout, result.stderr

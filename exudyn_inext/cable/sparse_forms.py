@@ -13,7 +13,7 @@ from .assembly import add_elastic_force
 from .attached import mass_of_points
 from .cable import Cable
 from .chain import Chain
-from .constraint_rows import unconstrained_force
+from .index_reduction import force_in_motion
 
 STEP = 1e-3  # of differences [-]
 
@@ -92,10 +92,10 @@ def tangent_of(
 def damping_tangent(chain: Chain, q: Array) -> SparseArray:
     """-dQ_damping/dv (n_dof, n_dof) at q (n, 2, dim); exact: Q_damping is linear in v."""
     rest, force, elastic = np.zeros_like(q), np.zeros_like(q), np.zeros_like(q)
-    unconstrained_force(chain, rest, q, rest, elastic)
+    force_in_motion(chain, rest, q, rest, elastic)
 
     def apply(x: Array) -> Array:
-        unconstrained_force(chain, rest, q, x, force)
+        force_in_motion(chain, rest, q, x, force)
         return elastic - force
 
     return _matrix_of(apply, (len(q),), q.shape[2])
@@ -116,13 +116,8 @@ def _products(nodes: tuple[int, ...], dim: int) -> tuple[list[Array], list[np.nd
     """The vectors of `_matrix_of`, nodes that their images have, and the places of these."""
     number = sum(nodes)
     cable = np.append(np.repeat(np.arange(len(nodes)), nodes), -1)
-    numbers, directions, exist, rows, columns = (
-        np.arange(2 * number * dim).reshape(-1, 2, dim),
-        [],
-        [],
-        [],
-        [],
-    )
+    numbers = np.arange(2 * number * dim).reshape(-1, 2, dim)
+    directions, exist, rows, columns = [], [], [], []
     for colour, kind, axis in np.ndindex(3, 2, dim):
         direction = np.zeros(numbers.shape)
         direction[colour::3, kind, axis] = 1.0

@@ -11,15 +11,10 @@ import numpy as np
 
 from ..arrays import Array
 from ..errors import InextensibleError, InputError, SceneError
-from ..items.functions_of_time import take_word
-from ..native.velocity_level import at_position_level
 from ..run.coupled_run import Run
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import StepChoice, choose_step
-from .mbs_state import at_start
-from .scene import read_scene, require_assembled
 from .scene_runs import compiled_runs
-from .time_loop import refuse_step_functions
 
 REMEDY = "members must not differ in it; put the others into an ensemble of their own."
 
@@ -108,11 +103,7 @@ def _naming(number: int) -> Iterator[None]:
 def _runs(mbs: Any, time: float, h: float, explicit: ExplicitSettings) -> Sequence[Run]:
     if not hasattr(mbs, "systemIsConsistent"):
         raise InputError(f"{mbs!r} is no system of Exudyn (mbs): a builder must return it.")
-    require_assembled(mbs)
-    take_word(mbs, explicit.dependsOnTimeOnly)
-    refuse_step_functions(mbs, "within an ensemble")
-    with at_start(mbs, time), at_position_level(mbs, time):
-        runs = compiled_runs(mbs, read_scene(mbs), time, h, explicit, "SolveEnsemble")
+    runs = compiled_runs(mbs, time, h, explicit, "SolveEnsemble", "within an ensemble")
     if not runs:
         raise SceneError("it has no inextensible cable: add one with CreateInextensibleCable.")
     return runs

@@ -369,13 +369,8 @@ def _supports(
     return fixed, links
 
 
-def initial_state(mbs: Any, scene_cable: CableInScene) -> tuple[np.ndarray, np.ndarray]:
-    """Total coordinates and velocities (n, 2, dim) of the initial configuration."""
-    return initial_states(mbs, [scene_cable])[0]
-
-
 def initial_states(mbs: Any, cables: Iterable[CableInScene]) -> list[tuple[np.ndarray, np.ndarray]]:
-    """As `initial_state`, of each of these cables."""
+    """Total coordinates and velocities (n, 2, dim) of each cable in the initial configuration."""
     configuration = exudyn.ConfigurationType.Initial
     all_q = np.asarray(mbs.systemData.GetODE2Coordinates(configuration))
     all_v = np.array(mbs.systemData.GetODE2Coordinates_t(configuration))

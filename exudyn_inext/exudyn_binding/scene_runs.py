@@ -10,19 +10,21 @@ from ..cable.implicit_bending import ImplicitBending
 from ..cable.many_cables import cable_systems
 from ..checks import LARGEST
 from ..errors import InextensibleError, InputError, SceneError
-from ..items.functions_of_time import functions_at_rest
+from ..items.functions_of_time import functions_at_rest, take_word
 from ..items.parameters import Parameter, markers_placed_by, objects_at
 from ..native.coupled_scene import CoupledScene
 from ..native.evaluated_scene import CoupledCable
 from ..native.native_items import switched_off
+from ..native.velocity_level import at_position_level
 from ..run.cable_run import CableRun, Start
 from ..run.consistent_start import are_kept
 from ..run.coupled_run import CoupledRun, Run
 from ..run.settings import ExplicitSettings
 from ..run.step_choice import USUAL_SCALING, StepSizeBounds, step_bounds
 from ..scene.model import CableInScene, HeldCoordinate, Scene
-from .mbs_state import State, initial_state
-from .scene import initial_states
+from .mbs_state import State, at_start, initial_state
+from .scene import initial_states, read_scene, require_assembled
+from .time_loop import refuse_step_functions
 
 
 def needs_coupling(scene: Scene) -> bool:
@@ -167,20 +169,27 @@ def coupled_runs(
 
 
 def compiled_runs(
-    mbs: Any, scene: Scene, time: float, h: float, explicit: ExplicitSettings, who: str
+    mbs: Any, time: float, h: float, explicit: ExplicitSettings, who: str, where: str
 ) -> Sequence[Run]:
-    """As `runs_of_scene`, of runs that do without mbs from then on; it stays as it was.   who: asks.
+    """As `runs_of_scene`, of runs that do without mbs from then on; it stays as it was.
+
+    who: asks.   where: step functions would not be called.
 
     Raises:
-        SceneError: Exudyn has to evaluate items of the scene.
+        SceneError: Exudyn has to evaluate items of the scene, or there are step functions.
     """
-    if not scene.cables or not needs_coupling(scene):
-        return runs_of_cables(mbs, scene.cables, time, h, explicit)
-    with switched_off(mbs, *scene.evaluated_by_kernels):
-        runs: Sequence[Any] = runs_of_scene(mbs, scene, time, h, explicit)
-    for run in runs:
-        run.leave_mbs(who)
-    return runs
+    require_assembled(mbs)
+    refuse_step_functions(mbs, where)
+    take_word(mbs, explicit.dependsOnTimeOnly)
+    with at_start(mbs, time), at_position_level(mbs, time):
+        scene = read_scene(mbs)
+        if not scene.cables or not needs_coupling(scene):
+            return runs_of_cables(mbs, scene.cables, time, h, explicit)
+        with switched_off(mbs, *scene.evaluated_by_kernels):
+            runs: Sequence[Any] = runs_of_scene(mbs, scene, time, h, explicit)
+        for run in runs:
+            run.leave_mbs(who)
+        return runs
 
 
 def bounds_if_scaled(

@@ -35,7 +35,7 @@ from ..statics import (
 from ..statics.support_forces import support_forces
 from .mbs_state import at_start
 from .reports import StaticReport
-from .scene import initial_state, read_scene, require_assembled
+from .scene import initial_states, read_scene, require_assembled
 from .scene_runs import needs_coupling
 from .spans import spans_of
 from .stretch_check import stretch_of, warn_of_worst
@@ -220,7 +220,7 @@ def _solve_cable(mbs: Any, scene_cable: CableInScene, time: float, static: Stati
     require_reach(cable, time, scene_cable)
     external = CableLoads(scene_cable).at(time)[: cable.reference.size]
     options = StaticOptions(static.tolerance, static.maxIterations)
-    q, _ = initial_state(mbs, scene_cable)
+    ((q, _),) = initial_states(mbs, [scene_cable])
     for step in range(1, static.loadSteps + 1):
         potential = potential_of([cable], external * step / static.loadSteps, time)
         equilibrium = find_equilibrium(potential, q, options)

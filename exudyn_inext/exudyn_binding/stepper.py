@@ -12,8 +12,6 @@ from ..arrays import Array
 from ..checks import require_finite, require_integer, require_positive
 from ..errors import InputError, SceneError
 from ..items.arguments import explicit_settings, node_number
-from ..items.functions_of_time import take_word
-from ..native.velocity_level import at_position_level
 from ..run.coupled_run import CoupledRun
 from ..run.divergence import divergence
 from ..run.settings import ExplicitSettings
@@ -21,10 +19,7 @@ from ..run.step_choice import MOST_DURATION, choose_step, warn_of_damping
 from ..run.stepped_run import SteppedRun
 from ..run.time_grid import TimeGrid, steps_of_interval
 from .console import compile_notice
-from .mbs_state import at_start
-from .scene import read_scene, require_assembled
 from .scene_runs import compiled_runs
-from .time_loop import refuse_step_functions
 
 MOST_STEPS = 1_000_000_000  # in one call
 _SHOWN = (exudyn.ConfigurationType.Current, exudyn.ConfigurationType.Visualization)
@@ -89,12 +84,9 @@ class ExplicitStepper:
         start = require_finite("startTime", startTime, "s")
         interval = None if interval is None else require_positive("interval", interval)
         duration = require_positive("duration", duration)
-        require_assembled(mbs)
-        refuse_step_functions(mbs, "between the steps of a stepper")
-        take_word(mbs, explicit.dependsOnTimeOnly)
         given = steps_of_interval(interval, explicit.stepSize, MOST_STEPS)[1] if explicit.stepSize else 0.0
-        with at_start(mbs, start), at_position_level(mbs, start):
-            runs = compiled_runs(mbs, read_scene(mbs), start, given, explicit, "ExplicitStepper")
+        where = "between the steps of a stepper"
+        runs = compiled_runs(mbs, start, given, explicit, "ExplicitStepper", where)
         if not runs:
             raise SceneError(
                 "mbs has no inextensible cable to step: add one with CreateInextensibleCable, or use "

@@ -411,12 +411,7 @@ def worst_figures(runs: Sequence[Any]) -> dict[str, float]:
 
 def is_watched(mbs: Any, runs: Sequence[Run]) -> bool:
     """Whether functions of the user, between steps of Exudyn's loop, may see or change something."""
-    return has_functions(mbs) or not all(run.looks_ahead for run in runs)
-
-
-def has_functions(mbs: Any) -> bool:
-    """Whether the user has functions that are called before or after each step of Exudyn's loop."""
-    return bool(step_functions(mbs))
+    return bool(step_functions(mbs)) or not all(run.looks_ahead for run in runs)
 
 
 def refuse_newton_functions(mbs: Any) -> None:
@@ -432,7 +427,7 @@ def refuse_newton_functions(mbs: Any) -> None:
 def refuse_step_functions(mbs: Any, where: str) -> None:
     """Raise SceneError if the user has such functions.   where: they would not be called."""
     refuse_newton_functions(mbs)
-    if has_functions(mbs):
+    if step_functions(mbs):
         raise SceneError(
             f"it has a pre- or post-step user function, which is not called {where}: remove it, or use "
             "SolveExplicit."

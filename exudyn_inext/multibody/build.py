@@ -1,8 +1,8 @@
 """From the records of a scene's items to its system."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -13,12 +13,8 @@ from .cables import Cables, provide_cables, provide_damping, show_matrix
 from .implicit_contacts import add_contact, mark_implicit
 from .scene import Items, SceneSystem
 
-
-class FunctionOfTime(Protocol):
-    """Three numbers that depend on the time alone."""
-
-    def values(self, times: Sequence[float]) -> Array:
-        """(T, 3) at these times [s]."""
+FunctionOfTime = Callable[[Sequence[float]], Array]
+"""Times (T,) [s] -> (T, 3) numbers that depend on the time alone."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -59,21 +59,7 @@ def compiled_form(
     on_cables = places[-1].stop if places else 0
     q, v = _with_unit_quaternions(scene.rows, np.array([[q, v]]))[0]
     scene.native_items.set_state(t, q, v)
-    elsewhere = scene.elsewhere.union(part.cable.number for part in scene.cables)
-    known, numbers = read_known_items(
-        scene.mbs,
-        scene.bodies,
-        scene.joints,
-        scene.map,
-        on_cables,
-        elsewhere,
-        q,
-        has_forces,
-        follows_state,
-        scene.moved,
-        scene.friction,
-        scene.native_items.evaluate,
-    )
+    known, numbers = read_known_items(scene, q, has_forces, follows_state)
     scene.native_items.forget()
     if len(known.rows) != len(scene.system.drift_correction):
         raise UnknownItemError("equations of joints")

@@ -80,7 +80,7 @@ def open_contacts(
 
     Args:
         mbs: assembled.   coordinates: of the coupled parts.   size: number of coordinates of all parts.
-        implicit: see `JoinedScene.open_contacts`.
+        implicit: see `SceneOfExudyn.open_contacts`.
     """
     data, reference = mbs.systemData, exudyn.ConfigurationType.Reference
     gaps = np.array(data.GetDataCoordinates())
@@ -113,7 +113,7 @@ def open_contacts(
 def _of_others(motion: Any, are_implicit: np.ndarray, implicit: np.ndarray) -> Any:
     """The motions (m, n) without those of cables in the rows whose damping is implicit.
 
-    implicit: see `JoinedScene.open_contacts`.
+    implicit: see `SceneOfExudyn.open_contacts`.
     """
     if not are_implicit.any():
         return motion

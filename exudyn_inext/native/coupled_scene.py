@@ -16,6 +16,10 @@ class CoupledScene(SceneOfExudyn):
     """A scene that Exudyn evaluates, of which compiled code takes over what it knows."""
 
     def compiled(self, t: float, q: Array, v: Array, follows_state: bool) -> tuple[CompiledScene | None, str]:
+        """The same scene in compiled code, or None and why there is none; (q, v) is a state at t [s].
+
+        follows_state: whether functions of loads may depend on the state.
+        """
         try:
             with state_kept(self.mbs):
                 settle_general_contact(self, t, q, v)  # which acts from the start, whoever evaluates it
@@ -26,6 +30,7 @@ class CoupledScene(SceneOfExudyn):
             self.native_items.forget()
 
     def compile_parts(self, t: float, q: Array, v: Array) -> None:
+        """Let compiled code evaluate bodies and joints where it can; Exudyn evaluates the forces."""
         if not (len(self.joints) or len(self.bodies)):
             return
         with suppress(UnknownItemError), state_kept(self.mbs):
@@ -37,10 +42,14 @@ class CoupledScene(SceneOfExudyn):
         self.native_items.subtract_inertia = parts.subtract_inertia if parts else None
 
     def leave_compiled_parts(self) -> None:
+        """Let Exudyn evaluate bodies and joints, too."""
         self._take_parts(None)
 
     def require_agreement(self, form: CompiledScene | None, t: float, q: Array, v: Array) -> None:
-        """See `JoinedScene`: SceneError if that form is another scene by now."""
+        """Raise SceneError if that form is another scene by now; (q, v) is a state at t [s].
+
+        form: None: that of the bodies and joints alone, if there is one.
+        """
         parts, has_forces = self.parts_in_one, form is not None
         if form is None:
             if parts is None:

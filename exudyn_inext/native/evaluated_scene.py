@@ -13,7 +13,7 @@ from ..called_system import Bound
 from ..errors import SceneError
 from ..items.functions_of_time import is_of_time_alone, step_functions
 from ..run.cable_loads import CableLoads
-from ..run.joined_scene import JoinedScene, OpenContacts
+from ..run.joined_scene import EvaluatedScene, OpenContacts
 from ..run.parts_in_one import CompiledParts
 from ..scene.bodies import BodiesSystem, MassBlock
 from ..scene.coupled_system import CoupledSystem, Part
@@ -73,11 +73,16 @@ class _Chain:
         return result
 
 
-class SceneOfExudyn(JoinedScene):
-    """The parts of a scene, as Exudyn evaluates them; attributes that all scenes have: see `JoinedScene`.
+class SceneOfExudyn(EvaluatedScene):
+    """The parts of a scene in one order, cables, bodies, first order states, as Exudyn evaluates them.
 
-    rows: of the joints.   body_system: the equations of all bodies.
-    place_of_bodies: among what is evaluated at once.
+    system: all of it.   map: places of the coordinates.   size: how many, with first order states.
+    native_items: forces and joints.   joints: that couple the parts.   rows: of them.
+    held: coordinates that belong to no part.   body_system: the equations of all bodies.
+    place_of_bodies: among what is evaluated at once.   bodies_of_variable_mass: how many there are.
+    cable_systems: of the cables.   groups: of those that share records.
+    parts_in_one: what evaluates bodies and joints, if it is compiled code.
+    path: memory of the work of the forces at evaluations, see `build_path`.
     """
 
     parts_in_one: CompiledParts | None = None
@@ -209,15 +214,15 @@ class SceneOfExudyn(JoinedScene):
 
     def energy_of_spins(self, duration: float) -> float:
         """See `EvaluatedScene`; not known of bodies that Exudyn evaluates."""
-        return self.parts_in_one.energy_of_spins(duration) if self.parts_in_one else 0.0
+        return self.parts_in_one.form.energy_of_spins(duration) if self.parts_in_one else 0.0
 
     def leave_out_turns(self, way: Array) -> None:
         if self.parts_in_one:
-            self.parts_in_one.leave_out_turns(way)
+            self.parts_in_one.form.leave_out_turns(way)
 
     def violation(self, t: float, q: Array) -> float:
         if self.parts_in_one:
-            return self.parts_in_one.violation(t, q)
+            return self.parts_in_one.form.violation(t, q)
         return float(np.abs(self.native_items.violations(t, q)).max())
 
     def memory(self) -> dict[str, Any]:
@@ -231,6 +236,7 @@ class SceneOfExudyn(JoinedScene):
         self.body_system.forget()
 
     def read_masses_again(self) -> None:
+        """Bodies may have other masses than when they were read."""
         self._masses.read_again()
 
     def _first_order_states(self) -> list[Part]:
@@ -244,6 +250,7 @@ class SceneOfExudyn(JoinedScene):
 
     @cached_property
     def has_steered_joints(self) -> bool:
+        """Whether functions of the user move joints by what they change between steps."""
         given = (self.mbs.GetObject(joint.number).get("offsetUserFunction") for joint in self.joints)
         return bool(step_functions(self.mbs)) and not all(is_of_time_alone(self.mbs, f) for f in given if f)
 
@@ -260,6 +267,11 @@ class SceneOfExudyn(JoinedScene):
     def open_contacts(
         self, t: float, q: Array, v: Array, data: Array | None, implicit: np.ndarray
     ) -> OpenContacts | None:
+        """Contacts that are open in a state, if there are any.
+
+        data: (D,) of them; None: mbs knows.   implicit: first coordinates of the nodes of cables on which
+            damping of contact is implicit; what it does to other parts counts where contact is closed, too.
+        """
         if not self.mbs.systemData.DataSize():
             return None
         with state_kept(self.mbs):
@@ -332,7 +344,7 @@ class SceneOfExudyn(JoinedScene):
         return result
 
     def joined_forces(self) -> Array:
-        """See `EvaluatedScene`; those on first order states are none."""
+        """(n,) of items and joints, when accelerations were asked for last; first order states have none."""
         result = np.zeros(self.size)
         for dofs in self.map.slices:
             result[dofs] = self._joined_forces_on(dofs)

@@ -363,7 +363,7 @@ def evaluator(mbs: Any) -> Any:
 
 
 class DataCoordinates:
-    """What contact and friction remember in an mbs, see `run.kept_state.Elsewhere`."""
+    """What contact and friction remember in an mbs, see `run.kept_state.KeptState`."""
 
     _CONFIGURATIONS = (_CURRENT, _START_OF_STEP)
 

@@ -15,7 +15,6 @@ from ..errors import SceneError
 from ..items.arguments import described
 from ..items.attach.inert import is_inert_cable
 from ..items.functions_of_time import is_of_time_alone
-from ..statics.joined_potential import Others
 from .bodies import read_quaternions
 from .circles_in_the_way import CirclesInTheWay
 from .evaluated_scene import SceneOfExudyn
@@ -24,11 +23,16 @@ _ROTATIONS = {"RigidBody2D": 2, "Point2DSlope1": 2, "PointSlope1": 3, "PointSlop
 """Where the rotations, or slopes, of a node begin."""
 
 
-class StaticScene(Others):
-    """All that a scene has besides its cables, as Exudyn evaluates it.
+class StaticScene:
+    """All that a scene has besides its cables, as Exudyn evaluates it; coordinates are those of the scene.
 
     Args:
         scene: evaluated by Exudyn.   t: at which loads and joints are taken [s].
+
+    mass: (b, b) of the bodies, whose coordinates come last.
+    varying: coordinates that forces or Jacobians depend on, item by item.
+    quaternions: (Q, 4) places of Euler parameters.   references: (Q, 4) added to these.
+    turning: (k,) places of coordinates that turn bodies.
     """
 
     def __init__(self, scene: SceneOfExudyn, t: float) -> None:
@@ -50,6 +54,7 @@ class StaticScene(Others):
         self._circles = CirclesInTheWay(mbs)
 
     def force(self, q: Array) -> Array:
+        """F (n,) of all items but the cables, and of these items on the cables, at rest."""
         self._scene.native_items.forces(self._time, q, self._rest)
         return self._scene.native_items.native_forces.copy()
 
@@ -63,6 +68,7 @@ class StaticScene(Others):
         return self._circles.present()
 
     def values(self, q: Array) -> Array:
+        """c (m,) of the joints."""
         if not self._scene.joints:
             return np.zeros(0)
         native_items = self._scene.native_items
@@ -72,6 +78,7 @@ class StaticScene(Others):
         return values
 
     def jacobian(self, q: Array) -> SparseArray:
+        """J (m, n)."""
         native_items, size = self._scene.native_items, (len(self._scene.native_items.joints), len(q))
         rows, columns, values = [np.zeros(0, int)], [np.zeros(0, int)], [np.zeros(0)]
         for block in native_items.jacobian(self._time, q) if self._scene.joints else ():
@@ -83,6 +90,7 @@ class StaticScene(Others):
         return scipy.sparse.csr_array((np.concatenate(values), places), size)
 
     def pulls(self, q: Array, nu: Array) -> Array:
+        """J^T nu (n,)."""
         result = np.zeros(len(q))
         for block in self._scene.native_items.jacobian(self._time, q) if self._scene.joints else ():
             result[block.dofs] += block.jacobian.T @ nu[block.rows]

@@ -1,9 +1,9 @@
 """A scene of which all items have compiled forms: many steps in one call."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,6 @@ from ..multibody.scene import (
     EACH,
     MODE,
     NOT_COUNTED,
-    Items,
     SceneSystem,
     energy_of_spins,
     evaluate_states,
@@ -127,7 +126,7 @@ class SceneLoads:
         values = self._moved.values(times)
         if not self._functions:
             return values
-        return np.concatenate([*(function.values(times) for function in self._functions), values], axis=1)
+        return np.concatenate([*(function(times) for function in self._functions), values], axis=1)
 
     def of_joints(self, t: float) -> Array:
         """(F,) values of the functions of joints at t [s]."""
@@ -165,43 +164,6 @@ class Steps(NamedTuple):
     in_interval: int
 
 
-class RememberedByContacts:
-    """What contacts of a compiled scene remember, see `kept_state.Elsewhere`; restart files have that of mbs.
-
-    data: see `Contacts`.
-    """
-
-    def __init__(self, data: Array) -> None:
-        self._data = data
-
-    def present(self) -> Array:
-        return self._data.copy()
-
-    def put_back(self, copy: Array) -> None:
-        self._data[:] = copy
-
-
-class ChangeableItems(Protocol):
-    """Items of a scene by their numbers, with records that may be brought up to date.
-
-    moved: offsets that are set between steps.
-    """
-
-    moved: MovedOffsets
-
-    def read_again(self, item: ChangedItem, memories: Sequence[Items]) -> bool:
-        """Bring records of a changed item up to date; False if they cannot be.
-
-        memories: of all systems that have them.
-        """
-
-    def can_weigh(self, item: ChangedItem) -> bool:
-        """See `Mover.can_weigh`."""
-
-    def joints_to_move(self, markers: Collection[int], objects: Collection[int]) -> set[int] | None:
-        """See `Mover.joints_to_move`."""
-
-
 class CompiledScene:
     """The compiled system of a scene, and its loads; `scene` is the same one, evaluated by Exudyn.
 
@@ -209,7 +171,7 @@ class CompiledScene:
         system: of all.   chains: of its cables, see `in_few_chains`.
         loads: of the cables, and functions of time.   cables: place, and system of each.
         names: of the rows of joints, for messages.
-        numbers: of items that may be changed.
+        numbers: of items that may be changed, see `native.known.scene.KnownNumbers`.
 
     forces: (n,) what the items did to the coordinates at the last evaluation [N, Nm].
     multipliers: (m,) of the joints there.   given: (n,) forces that others set, besides those of the items.
@@ -222,7 +184,7 @@ class CompiledScene:
         loads: SceneLoads,
         cables: Sequence[tuple[slice, Any, CableLoads]],
         names: Sequence[str],
-        numbers: ChangeableItems,
+        numbers: Any,
     ) -> None:
         self.loads = loads
         self._chains, self._cables = chains, cables
@@ -299,7 +261,7 @@ class CompiledScene:
         """Whether the changed item is now what it is in Exudyn; joints that are moved are not looked at."""
         if item[0] == "Object" and self.can_move(item[1]):
             return True
-        return self.numbers.read_again(item, [system.items for system in self._systems])
+        return bool(self.numbers.read_again(item, [system.items for system in self._systems]))
 
     def can_move(self, number: int) -> bool:
         """Whether the offset of a joint may be set between steps."""
@@ -476,7 +438,7 @@ class CompiledScene:
         return float(self._violation(self.system.items, self.loads.of_joints(t), q))
 
     def set_multipliers(self, cable: int, t: float, q: Array, v: Array) -> Array:
-        """See `JoinedScene.set_multipliers`."""
+        """See `EvaluatedScene`."""
         dofs, system, loads = self._cables[cable]
         size = dofs.stop - dofs.start
         force, (a, rate) = loads.at(t).copy(), np.zeros((2, size))

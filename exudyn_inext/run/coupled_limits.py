@@ -20,7 +20,7 @@ from ..scene.small_vibrations import (
 from ..system import accelerate_and_project
 from .cable_run import CableRun
 from .divergence import explanation, listed
-from .joined_scene import JoinedScene, OpenContacts
+from .joined_scene import OpenContacts
 from .mover import Mover, together
 from .paced_run import PacedRun
 from .redundancy import PULLED, held_straight
@@ -39,7 +39,7 @@ class LimitedRun(PacedRun):
     mover: Mover
     why_not: str
     indices: np.ndarray
-    _scene: JoinedScene
+    _scene: Any
     _runs: Sequence[CableRun]
     _why: str  # Exudyn may have to
     _time: float  # of the state whose rates are known [s]

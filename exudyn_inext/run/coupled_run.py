@@ -19,7 +19,6 @@ from .compiled_scene import ChangedItem
 from .consistent_start import StartCorrection, agree
 from .coupled_limits import LimitedRun
 from .coupled_watch import LENIENCE, CoupledWatch
-from .joined_scene import JoinedScene
 from .jump import accelerate_again, remembers_axial_forces
 from .kept_state import KeptState
 from .moved_by_exudyn import MovedByExudyn
@@ -49,7 +48,7 @@ class CoupledRun(LimitedRun):
 
     def __init__(
         self,
-        scene: JoinedScene,
+        scene: Any,
         cable_runs: Sequence[CableRun],
         method: tuple[Integrator, Any],
         start: Start,

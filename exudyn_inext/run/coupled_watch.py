@@ -28,7 +28,7 @@ from ..scene.path_work import (
 )
 from ..system import POWER
 from .cable_run import CableRun
-from .joined_scene import EvaluatedScene, JoinedScene
+from .joined_scene import EvaluatedScene
 from .run_watch import RunWatch
 from .watch import (
     LACK_OF_WORK,
@@ -81,7 +81,7 @@ class CoupledWatch(RunWatch):
     def __init__(
         self,
         evaluated: EvaluatedScene,
-        scene: JoinedScene,
+        scene: Any,
         runs: Sequence[CableRun],
         state: Any,
         integrator: Integrator,

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -10,25 +10,15 @@ from ..compiled import kernel
 from ..lowered import copy_memory
 
 
-class Elsewhere(Protocol):
-    """State that lies in no array of a run."""
-
-    def present(self) -> Any:
-        """A copy of it."""
-
-    def put_back(self, copy: Any) -> None:
-        """Set it to what `present` gave."""
-
-
 class KeptState:
     """Copies of all that the next steps depend on, as it is now, and as `keep` finds it later.
 
     Args:
         memory: nested dicts of arrays, which stay the same arrays.
-        elsewhere: what else belongs to the state.
+        elsewhere: state that lies in no array: `present` copies it, `put_back` sets it to a copy; or None.
     """
 
-    def __init__(self, memory: Mapping[str, Any], elsewhere: Elsewhere | None = None) -> None:
+    def __init__(self, memory: Mapping[str, Any], elsewhere: Any = None) -> None:
         arrays = list(_arrays(memory))
         self._copy_of(arrays, np.array([part for array in arrays for part in _parts(array)], np.int64))
         self._elsewhere = elsewhere

@@ -13,7 +13,6 @@ from .compiled_scene import ChangedItem
 from .consistent_start import StartCorrection
 from .coupled_start import consistent_start
 from .coupled_watch import CoupledWatch
-from .joined_scene import JoinedScene
 from .mover import FULFILLED, JUMP, Mover
 from .paced_run import PacedRun
 from .step_control import Piece
@@ -25,7 +24,7 @@ class MovedByExudyn(Mover):
 
     looks_ahead: whether many steps are one call.   is_steady: see `CableRun.is_steady`.
     evaluated: the scene, by whom evaluates it.
-    elsewhere, data, remembered: see `PacedRun`.
+    data, remembered: see `PacedRun`.
     """
 
     looks_ahead = is_steady = False
@@ -33,7 +32,7 @@ class MovedByExudyn(Mover):
     data = PacedRun.data
 
     def __init__(
-        self, scene: JoinedScene, runs: Sequence[CableRun], state: Any, method: tuple[Integrator, Any]
+        self, scene: Any, runs: Sequence[CableRun], state: Any, method: tuple[Integrator, Any]
     ) -> None:
         super().__init__(scene, runs, state, method)
         self.evaluated, self.elsewhere, self.given = scene, scene.remembered, scene.native_items.given

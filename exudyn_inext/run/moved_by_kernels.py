@@ -10,11 +10,10 @@ from ..arrays import Array
 from ..errors import SceneError
 from ..integrators.integrator import Integrator
 from .cable_run import CableRun
-from .compiled_scene import ChangedItem, CompiledScene, RememberedByContacts, Steps
+from .compiled_scene import ChangedItem, CompiledScene, Steps
 from .consistent_start import StartCorrection
 from .coupled_start import compiled_start, consistent_start
 from .coupled_watch import CoupledWatch
-from .joined_scene import JoinedScene
 from .mover import FULFILLED, Mover
 from .redundancy import held_straight
 from .step_control import Piece
@@ -32,7 +31,7 @@ class MovedByKernels(Mover):
     def __init__(
         self,
         form: CompiledScene,
-        scene: JoinedScene,
+        scene: Any,
         runs: Sequence[CableRun],
         state: Any,
         method: tuple[Integrator, Any],
@@ -43,7 +42,6 @@ class MovedByKernels(Mover):
         if form.loads.of_state:
             self.asks = form.loads.of_state.name
         self.given, self.data = form.given, form.contacts.data
-        self.elsewhere = RememberedByContacts(self.data)
         if self._may_damp_contact:
             self.dofs_in_implicit_contact = form.dofs_in_implicit_contact
         self._end_of_step = 0.0  # until which joints are moved [s]

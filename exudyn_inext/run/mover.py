@@ -12,7 +12,7 @@ from ..compiled import plain
 from ..integrators.integrator import Integrator
 from .cable_run import CableRun
 from .compiled_scene import ChangedItem
-from .joined_scene import EvaluatedScene, JoinedScene
+from .joined_scene import EvaluatedScene
 
 FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
 
@@ -29,15 +29,17 @@ class Mover:
     given: (n,) forces besides those of the items, which others may set.
     dofs_in_implicit_contact: first coordinates of the nodes of cables whose contact is damped implicitly.
     asks: which load depends on the state, where compiled code asks its function.
+    elsewhere: see `PacedRun`.
     """
 
     evaluated: EvaluatedScene
     given: Array
     asks = ""
+    elsewhere: Any = None
     dofs_in_implicit_contact: np.ndarray = np.zeros(0, int)
 
     def __init__(
-        self, scene: JoinedScene, runs: Sequence[CableRun], state: Any, method: tuple[Integrator, Any]
+        self, scene: Any, runs: Sequence[CableRun], state: Any, method: tuple[Integrator, Any]
     ) -> None:
         self._scene, self._runs, self._state = scene, runs, state
         self._integrator, self._scheme = method

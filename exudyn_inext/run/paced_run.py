@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..integrators.integrator import Integrator
-from .kept_state import Elsewhere, KeptState
+from .kept_state import KeptState
 from .redundancy import pulled_straight
 from .run_watch import RunWatch
 from .step_control import PIECE, ROUND_OFF, Piece, StepControl
@@ -27,7 +27,7 @@ class PacedRun:
     trouble: what the integrator said of the last steps that went wrong.
     looks_ahead: whether several steps of the time loop can be computed at once.
     completes: whether `complete` finds accelerations; otherwise `accelerations` does.
-    elsewhere: what of the state lies in no array of the run.
+    elsewhere: what of the state lies in no array of the run, see `KeptState`.
     remembered: (k, D) by contacts after the intervals of the last `record`; None: mbs knows, or there are
         none.
     data: (2, D) what contacts in compiled code remember, now and from the start of the step.
@@ -44,7 +44,7 @@ class PacedRun:
     gave_up = False
     trouble = ""
     finding = ""
-    elsewhere: Elsewhere | None = None
+    elsewhere: Any = None
     remembered: Array | None = None
     data: Array = np.zeros((2, 0))
 
@@ -71,7 +71,7 @@ class PacedRun:
 
     def present_state(self) -> KeptState:
         """All that the next steps depend on, as it is now."""
-        return KeptState(self.memory(), self.elsewhere)
+        return KeptState(self.memory() | {"contacts": self.data}, self.elsewhere)
 
     def jump_of_places(self, time: float, end: float) -> float:
         """By how much supports or joints leave the present state from `time` to `end` [s] [m, -]."""

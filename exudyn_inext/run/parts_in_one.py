@@ -8,13 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..called_system import Bound
-from ..multibody.scene import (
-    bodies_energy,
-    energy_of_spins,
-    leave_out_turns,
-    subtract_inertia_forces,
-    subtract_joint_forces,
-)
+from ..multibody.scene import bodies_energy, subtract_inertia_forces, subtract_joint_forces
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .compiled_scene import CompiledScene
 
@@ -97,15 +91,3 @@ class CompiledParts:
     def kinetic_energy_of_bodies(self, q: Array, v: Array) -> float:
         """[J], with velocities v (n,) at q (n,)."""
         return float(bodies_energy(self._bodies, q, v))
-
-    def energy_of_spins(self, duration: float) -> float:
-        """See `EvaluatedScene`."""
-        return energy_of_spins(self._bodies, duration)
-
-    def leave_out_turns(self, way: Array) -> None:
-        """See `EvaluatedScene`."""
-        leave_out_turns(self._bodies, way)
-
-    def violation(self, t: float, q: Array) -> float:
-        """Largest |c| of the joints [m, -]."""
-        return self.form.violation(t, q)

@@ -92,7 +92,7 @@ def held_straight(runs: Sequence[Any], scene: Any, q: Array, lacking: float = ST
     """Names of straight cables that cannot stretch, and have supports, links or joints at both ends.
 
     Args:
-        runs: of the cables.   scene: see `JoinedScene`; its joints have been evaluated.
+        runs: of the cables.   scene: see `native.evaluated_scene`; its joints have been evaluated.
         q: (n,) coordinates of all parts.   lacking: share of its length that the ends of a cable may lack.
     """
     names, blocks = [], scene.native_items.blocks

@@ -10,7 +10,6 @@ from ..arrays import Array
 from ..checks import LARGEST
 from ..errors import InputError
 from .coupled_run import Run
-from .kept_state import KeptState
 from .time_grid import TimeGrid
 
 _SEQUENCES = (Sequence, np.ndarray)
@@ -32,7 +31,7 @@ class SteppedRun:
         ]
         self._forces = run.settable_forces
         self._without = self._forces.copy()
-        self._initial = KeptState(run.memory(), run.elsewhere)
+        self._initial = run.present_state()
         self._data_before = run.data.copy()
         self._present, self._before = (np.zeros((1, 3, len(run.indices))) for _ in range(2))
 

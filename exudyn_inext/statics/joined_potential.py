@@ -10,7 +10,7 @@ over those coordinates on which it depends.
 
 from collections.abc import Iterable, Sequence
 from itertools import accumulate, pairwise
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -70,45 +70,15 @@ SHARE = 1e-9  # of the usual shift, by which all Hessians are made regular: bodi
 INDIFFERENT = -1e-6  # eigenvalue, relative to the usual shift
 
 
-class Others(Protocol):
-    """All but the cables, and the joints; coordinates are those of the scene, cables first.
-
-    mass: (b, b) of the bodies, whose coordinates come last.
-    varying: coordinates that F or J depend on, item by item.
-    quaternions: (Q, 4) places of Euler parameters.   references: (Q, 4) added to these.
-    turning: (k,) places of coordinates that turn bodies.
-    """
-
-    mass: SparseArray
-    varying: list[np.ndarray]
-    quaternions: np.ndarray
-    references: Array
-    turning: np.ndarray
-
-    def force(self, q: Array) -> Array:
-        """F (n,) of all items but the cables, and of these items on the cables, at rest."""
-
-    def is_blocked(self, q: Array, trial: Array) -> bool:
-        """See `StaticSystem`."""
-
-    def values(self, q: Array) -> Array:
-        """c (m,) of the joints."""
-
-    def jacobian(self, q: Array) -> SparseArray:
-        """J (m, n)."""
-
-    def pulls(self, q: Array, nu: Array) -> Array:
-        """J^T nu (n,)."""
-
-
 class JoinedPotential(StaticSystem):
     """Of a scene; states are (n,).
 
     Args:
-        cables: of the scene, in their order.   others: all other items.   start: (n,) where it begins.
+        cables: of the scene, in their order.   others: all other items, see `native.static_scene`.
+        start: (n,) where it begins.
     """
 
-    def __init__(self, cables: Sequence[Potential], others: Others, start: Array) -> None:
+    def __init__(self, cables: Sequence[Potential], others: Any, start: Array) -> None:
         self._cables, self._others = cables, others
         ends = np.cumsum([0, *(cable.scale.size for cable in cables)])
         self._places = [slice(a, b) for a, b in pairwise(ends.tolist())]

@@ -5,8 +5,7 @@ from typing import Any
 from ...errors import InputError
 from .algebraic import Algebraic
 from .penalty_mass import PenaltyMass
-from .projection import Projection
-from .protocol import Enforcement
+from .protocol import Enforcement, Projection
 
 ENFORCEMENTS: dict[str, type[Enforcement]] = {way.name: way for way in (Algebraic, PenaltyMass, Projection)}
 

@@ -10,6 +10,7 @@ import numpy as np
 from ...arrays import collected
 from ...element.shape_functions import shape_functions
 from ...items.functions_that_look import Look, look_of_step_functions
+from ...items.on_ground import point_on_ground
 from ...multibody.general_contacts import ELEMENT, PAIR, GeneralContacts, general_contacts
 from .belts import Touching, elements_of
 from .points import PointReader
@@ -123,19 +124,15 @@ def _held_by(mbs: Any, data: dict[str, Any], node: int) -> set[int]:
     """Which coordinates of a node a connector holds, if it is a constraint that does so."""
     if data["objectType"] == "JointRevolute2D":
         ground, other = (mbs.GetMarker(one) for one in data["markerNumbers"])
-        return {0, 1} if _is_ground(mbs, ground) and int(other.get("nodeNumber", -1)) == node else set()
+        is_held = point_on_ground(mbs, ground) is not None and int(other.get("nodeNumber", -1)) == node
+        return {0, 1} if is_held else set()
     if data["objectType"] != "ConnectorCoordinate" or data["velocityLevel"]:
         return set()
     ground, other = (mbs.GetMarker(one) for one in data["markerNumbers"])
     are_coordinates = ground["markerType"] == other["markerType"] == "NodeCoordinate"
-    if isinstance(data["offsetUserFunction"], dict) or not (are_coordinates and _is_ground(mbs, ground)):
+    if isinstance(data["offsetUserFunction"], dict) or not (
+        are_coordinates and point_on_ground(mbs, ground) is not None
+    ):
         return set()
     is_held = int(other["nodeNumber"]) == node and data["factor1"] != 0.0
     return {int(other["coordinate"])} if is_held else set()
-
-
-def _is_ground(mbs: Any, marker: dict[str, Any]) -> bool:
-    """Whether a marker lies on the ground."""
-    if "bodyNumber" in marker:
-        return bool(mbs.GetObject(int(marker["bodyNumber"]))["objectType"] == "Ground")
-    return "Ground" in str(mbs.GetNode(marker["nodeNumber"])["nodeType"])

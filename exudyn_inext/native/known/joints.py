@@ -69,17 +69,6 @@ class _Joint:
         return 3 * function if self.is_moved else -1
 
 
-@dataclass(frozen=True, eq=False)
-class OffsetFunction:
-    """An offset that is a function of time.   at: t [s] -> (3, 1) with its derivatives."""
-
-    at: Callable[[float], Array]
-
-    def values(self, times: Sequence[float]) -> Array:
-        """(T, 3) at these times [s]."""
-        return np.array([self.at(t)[:, 0] for t in times]).reshape(-1, 3)
-
-
 class TurnedFrame:
     """What the offsets of a GenericJoint are: distances o, and angles a that turn the first marker's axes.
 
@@ -98,22 +87,14 @@ class TurnedFrame:
             self._known = list(times), np.array([differences(self._at, t) for t in times]).reshape(-1, 3, 12)
         return self._known[1]
 
+    def part(self, which: int, times: Sequence[float]) -> Array:
+        """(T, 3) of one of the numbers, 0 to 11."""
+        return self.values(times)[:, :, which]
+
     def _at(self, t: float) -> Array:
         offsets = np.asarray(self._offsets(t), dtype=float)
         turned = self._axes @ RotXYZ2RotationMatrix(offsets[3:])
         return np.concatenate([offsets[:3], turned.T.ravel()])
-
-
-@dataclass(frozen=True, eq=False)
-class PartOfFrame:
-    """One of the numbers of a frame that turns.   which: 0 to 11."""
-
-    frame: TurnedFrame
-    which: int
-
-    def values(self, times: Sequence[float]) -> Array:
-        """(T, 3) at these times [s]."""
-        return self.frame.values(times)[:, :, self.which]
 
 
 class KnownRows(NamedTuple):
@@ -162,7 +143,7 @@ def read_rows(mbs: Any, joints: Sequence[JointItem], reader: PointReader, moved:
                 row["function"] += 3 * len(functions) * (row["function"] >= 0)
                 row["turning"] += 3 * len(functions) * (row["turning"] >= 0)
             frame = _turned_frame(mbs, joint, data, reader)
-            functions += [PartOfFrame(frame, k) for k in range(12)]
+            functions += [partial(frame.part, k) for k in range(12)]
         elif data.get("offsetUserFunction"):
             of_joint[0]["function"], of_joint[0]["rest"] = 3 * len(functions), 0.0
             functions.append(_offset_function(mbs, joint, data))
@@ -224,10 +205,15 @@ def _sliding(joint: SlidingJoint, reader: PointReader) -> tuple[list[Any], Any]:
     return [both.along(0, normal) for normal in range(1, dim)], slider
 
 
-def _offset_function(mbs: Any, joint: JointItem, data: dict[str, Any]) -> OffsetFunction:
+def _offset_function(mbs: Any, joint: JointItem, data: dict[str, Any]) -> FunctionOfTime:
     value, rate = (_of_time(mbs, joint, data[key], float(data["offset"])) for key in _OFFSET_FUNCTIONS)
     assert value is not None
-    return OffsetFunction(motion_of(value, rate).at)
+    return partial(_offsets_at, motion_of(value, rate).at)
+
+
+def _offsets_at(at: Callable[[float], Array], times: Sequence[float]) -> Array:
+    """(T, 3) with their derivatives.   at: t [s] -> (3, 1)."""
+    return np.array([at(t)[:, 0] for t in times]).reshape(-1, 3)
 
 
 def _turned_frame(mbs: Any, joint: JointItem, data: dict[str, Any], reader: PointReader) -> TurnedFrame:
@@ -342,7 +328,7 @@ def _same_slope(same: SameSlope, reader: PointReader) -> list[Any]:
 
 
 def _clamp(clamp: Clamp, reader: PointReader) -> list[Any]:
-    body, slope = reader.body_of_node(clamp.body_node), reader.slope(clamp.node)
+    body, slope = reader.on_node(clamp.body_node, has_frame=True), reader.slope(clamp.node)
     joint = _Joint((body, slope), np.zeros((2, 3, 3)))
     rows = []
     for across in clamp.across:

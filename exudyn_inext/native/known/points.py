@@ -77,7 +77,7 @@ class PointReader:
             local = np.asarray(data["localPosition"], dtype=float)
             return self._on_object(int(data["bodyNumber"]), local, kind == "BodyRigid", turn)
         if kind in ("NodePosition", "NodeRigid"):
-            return self._on_node(int(data["nodeNumber"]), kind == "NodeRigid")
+            return self.on_node(int(data["nodeNumber"]), kind == "NodeRigid")
         if kind == "NodeCoordinate":
             return self.coordinate(int(data["nodeNumber"]), int(data["coordinate"]))
         if kind == "NodeRotationCoordinate":
@@ -120,7 +120,7 @@ class PointReader:
         if number in self._of_bodies:
             return self.on_body(self._of_bodies[number], local, has_frame)._replace(turn=turn)
         if self.is_mass_on_cable(data):
-            return self._on_node(node_of_mass_point(data), has_frame)
+            return self.on_node(node_of_mass_point(data), has_frame)
         if is_inert_cable(data) and not local[2]:
             return self._on_element(data, local, has_frame)._replace(turn=turn)
         raise UnknownItemError(f"a marker on {described(data, number)}")
@@ -148,7 +148,7 @@ class PointReader:
         """That of a body, from its mass matrix, or of a mass point; UnknownItemError of other objects."""
         if number not in self._of_bodies:
             if self.is_mass_on_cable(data := self._mbs.GetObject(number)):
-                return self._on_node(node_of_mass_point(data), has_frame=False)
+                return self.on_node(node_of_mass_point(data), has_frame=False)
             raise UnknownItemError(f"a marker on the mass of object {number}")
         place = self.on_body(self._of_bodies[number], _centre(self._bodies[self._of_bodies[number]]), False)
         self._centres.setdefault(number, []).append(place.point)
@@ -179,7 +179,8 @@ class PointReader:
             self._nodes[number] = self._mbs.systemData.GetNodeLTGODE2(number), self._mbs.GetNode(number)
         return self._nodes[number]
 
-    def _on_node(self, number: int, has_frame: bool) -> Place:
+    def on_node(self, number: int, has_frame: bool) -> Place:
+        """A point of a cable, or the body on a node, with a frame or without."""
         places, node = self._of_node(number)
         if not len(places):
             return self.fixed(np.asarray(node["referenceCoordinates"], dtype=float), has_frame=has_frame)
@@ -199,10 +200,6 @@ class PointReader:
         """Whether an object is a mass point on a node of a cable."""
         node = node_of_mass_point(data)
         return node >= 0 and 0 <= self._coordinates.place(self._of_node(node)[0][0]) < self._on_cables
-
-    def body_of_node(self, number: int) -> Place:
-        """The body on a node, with its frame."""
-        return self._on_node(number, has_frame=True)
 
     def slope(self, number: int) -> Place:
         """The slope of a cable's node; UnknownItemError on another one."""

@@ -1,6 +1,6 @@
 """All items of a scene but its cables, if each has a compiled form."""
 
-from collections.abc import Callable, Collection, Sequence, Set
+from collections.abc import Collection, Sequence, Set
 from contextlib import nullcontext, suppress
 from functools import cache, cached_property, partial
 from typing import Any
@@ -19,10 +19,7 @@ from ...multibody.scene import Items
 from ...run.compiled_scene import ChangedItem
 from ...run.load_functions import Asked
 from ...run.moved_offsets import MovedOffsets
-from ..bodies import Body
-from ..coordinates import CoordinateMap
-from ..friction_check import FrictionCheck
-from ..joint_item import JointItem
+from ..evaluated_scene import SceneOfExudyn
 from .bodies import first_order_records, mass_of_parameters, read_body_records, set_mass
 from .connectors import VALUES, KnownConnector, read_connector
 from .contacts import ContactReader
@@ -36,34 +33,19 @@ _WEIGHT = "MassProportional"  # load
 
 
 def read_known_items(
-    mbs: Any,
-    bodies: Sequence[Body],
-    joints: Sequence[JointItem],
-    coordinates: CoordinateMap,
-    on_cables: int,
-    elsewhere: frozenset[int],
-    q: Array,
-    has_forces: bool,
-    follows_state: bool,
-    moved: Set[int],
-    friction: FrictionCheck,
-    evaluate: Callable[[], None],
+    scene: SceneOfExudyn, q: Array, has_forces: bool, follows_state: bool
 ) -> tuple[KnownItems, "KnownNumbers"]:
     """Read all items but the cables; and by their numbers, those that may be read again.
 
     Args:
-        mbs: in the configuration q (n,).   bodies: all objects with mass but the cables.
-        joints: all constraints, in the order of their rows.
-        coordinates: of the scene; those on cables are the first `on_cables` ones.
-        elsewhere: objects that belong to the cables.
+        scene: whose mbs is in the configuration q (n,).
         has_forces: whether springs, contacts and loads are read, and there are no states of first order.
         follows_state: whether functions of loads may depend on the state.
-        moved: constraints that are, between steps.   friction: that is looked at.
-        evaluate: see `belts.elements_of`.
 
     Raises:
         UnknownItemError: an item has no compiled form.
     """
+    mbs, bodies, coordinates, moved = scene.mbs, scene.bodies, scene.map, scene.moved
     states = mbs.systemData.ODE1Size()
     if has_forces and states:
         raise UnknownItemError("states of first order")
@@ -73,12 +55,13 @@ def read_known_items(
     of_bodies = {body.number: order[first] for body, first in zip(bodies, firsts, strict=True)}
     if states:
         records = np.append(records, first_order_records(len(coordinates.indices), states))
-    reader = PointReader(mbs, coordinates, on_cables, records, of_bodies)
-    rows, functions, of_moved, movable, sliders = read_rows(mbs, joints, reader, moved)
-    done = {*of_bodies, *elsewhere, *(joint.number for joint in joints)}
+    reader = PointReader(mbs, coordinates, coordinates.slices[-1].start, records, of_bodies)
+    rows, functions, of_moved, movable, sliders = read_rows(mbs, scene.joints, reader, moved)
+    of_cables = (part.cable.number for part in scene.cables)
+    done = {*of_bodies, *scene.elsewhere, *of_cables, *(joint.number for joint in scene.joints)}
     others = 3 * (len(functions) + len(of_moved.joints))
     items = KnownNumbers(mbs, reader, others, of_moved, movable, of_bodies, follows_state)
-    touching = ContactReader(mbs, reader, friction.numbers)
+    touching = ContactReader(mbs, reader, scene.friction.numbers)
     if has_forces:
         for number in range(mbs.systemData.NumberOfObjects()):
             if number not in done and not touching.adds(number):
@@ -86,7 +69,8 @@ def read_known_items(
         for number in range(mbs.systemData.NumberOfLoads()):
             items.add_load(number)
     springs, loads = collected(CONNECTOR, items.connectors), collected(LOAD, items.loads)
-    contacts = touching.contacts(friction.sums)
+    contacts = touching.contacts(scene.friction.sums)
+    evaluate = scene.native_items.evaluate
     general = read_general_contacts(mbs, reader, moved, evaluate) if has_forces else None
     if general is not None:
         if len(contacts.records):
@@ -97,7 +81,7 @@ def read_known_items(
 
 
 class KnownNumbers:
-    """Items as records, by their numbers, so that they can be read again; see `ChangeableItems`.
+    """Items as records, by their numbers, so that they can be read again.
 
     connectors, loads: records, in the order in which they were added.   moved, movable: see `KnownRows`.
     bodies: number of the record of each body, by that of the object.
@@ -180,7 +164,10 @@ class KnownNumbers:
         return weights
 
     def read_again(self, item: ChangedItem, memories: Sequence[Items]) -> bool:
-        """See `ChangeableItems`; connectors and loads are the same ones in all memories."""
+        """Bring records of a changed item up to date; False if they cannot be.
+
+        memories: of all systems that have them; connectors and loads are the same ones in all of them.
+        """
         kind, number, _ = item
         connectors, loads = memories[0].connectors, memories[0].loads
         if kind == "Object" and number in self._bodies:
