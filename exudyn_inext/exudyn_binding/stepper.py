@@ -12,6 +12,8 @@ from ..arrays import Array
 from ..checks import require_finite, require_integer, require_positive
 from ..errors import InputError, SceneError
 from ..items.arguments import explicit_settings, node_number
+from ..native.native_items import state_kept
+from ..run.cable_run import Start
 from ..run.coupled_run import CoupledRun
 from ..run.divergence import divergence
 from ..run.settings import ExplicitSettings
@@ -99,7 +101,8 @@ class ExplicitStepper:
         self.decidedBy = choice.decider(self._substeps, self.stepSize, "interval")
         self.interval = self._substeps * self.stepSize
         self.startCorrections = [run.start_correction for run in runs]
-        self._mbs = mbs
+        self._mbs, self._explicit = mbs, choice.explicit
+        self._initial = self._initial_state()
         self._start_time = start
         self._runs = [SteppedRun(run) for run in runs]
         self._cables = [cable for run in self._runs for cable in run.cables]
@@ -114,17 +117,29 @@ class ExplicitStepper:
         return self._start_time + self._taken * self.stepSize
 
     def Start(self) -> None:
-        """Begin, or begin anew, from the initial configuration, with the forces that are set.
+        """Begin, or begin anew, from the initial configuration as it is now, with the forces that are set.
+
+        Parameters of the mbs are those that it had when the stepper was made.
 
         Raises:
+            SceneError: the initial configuration has been changed and violates constraints.
             RedundantConstraintError: constraints that depend on each other.
         """
         self._taken = 0
         self._is_ready = False
-        with compile_notice():
+        initial = self._initial_state()
+        with compile_notice(), state_kept(self._mbs):
             for run in self._runs:
                 run.start(self._start_time, self.stepSize)
+                if not all(map(np.array_equal, initial, self._initial)):
+                    run.start_from(*initial, Start(self._start_time, self.stepSize, self._explicit))
         self._is_ready = True
+
+    def _initial_state(self) -> tuple[Array, Array, Array]:
+        """Displacements, velocities and data coordinates of the mbs."""
+        data, initial = self._mbs.systemData, exudyn.ConfigurationType.Initial
+        q, v = data.GetODE2Coordinates(initial), data.GetODE2Coordinates_t(initial)
+        return np.array(q), np.array(v), np.array(data.GetDataCoordinates(initial))
 
     def Step(self, n: int = 1) -> None:
         """Move on by n intervals, or by n steps where no interval was given.

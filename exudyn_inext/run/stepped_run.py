@@ -9,6 +9,7 @@ import numpy as np
 from ..arrays import Array
 from ..checks import LARGEST
 from ..errors import InputError
+from .cable_run import Start
 from .coupled_run import Run
 from .time_grid import TimeGrid
 
@@ -42,6 +43,20 @@ class SteppedRun:
         run.gave_up = False
         run.set_step(h)
         run.start(time)
+        self._present[0] = state.q, state.v, state.a
+
+    def start_from(self, q: Array, v: Array, data: Array, start: Start) -> None:
+        """As `start`, in another state.   q, v, data: coordinates of the mbs, displacements [m, -].
+
+        Raises:
+            SceneError: they violate a constraint by more than the tolerance.
+        """
+        run, state = self.run, self.run.state
+        state.q[:], state.v[:] = q[run.indices] + run.reference, v[run.indices]
+        if run.data.size:
+            run.data[:] = data
+        run.make_consistent(start)
+        run.start(start.time)
         self._present[0] = state.q, state.v, state.a
 
     def step(self, grid: TimeGrid) -> bool:

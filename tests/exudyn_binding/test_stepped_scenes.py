@@ -142,3 +142,19 @@ def test_contact_moves_as_in_solve_explicit_in_ensembles_too():
     member = SolveEnsemble(systems[1:], quiet_settings(end, 10), slide, derivatives=2)
     for name, read in (("coordinates", "GetODE2Coordinates"), ("accelerations", "GetODE2Coordinates_tt")):
         np.testing.assert_array_equal(member[name][0, -1], getattr(data[0], read)())
+
+
+def test_start_begins_from_the_initial_configuration_as_it_is_then(build):
+    """As for episodes of a controller; that of the time when the stepper was made was taken."""
+    explicit = ExplicitSettings(stepSize=STEP)
+    mbs, _, _ = build()
+    stepper = ExplicitStepper(mbs, explicit)
+    solved(mbs, explicit)
+    data = mbs.systemData
+    data.SetSystemState(data.GetSystemState(), exudyn.ConfigurationType.Initial)
+    found = []
+    for one in (stepper, ExplicitStepper(mbs, explicit)):
+        one.Start()
+        one.Step(20)
+        found.append(one.State()[0].copy())
+    np.testing.assert_allclose(*found, atol=1e-9)
