@@ -10,7 +10,7 @@ from ..arrays import Array
 from ..called_system import Bound
 from ..multibody.scene import (
     bodies_energy,
-    energy_of_spins,
+    energies_of_spins,
     leave_out_turns,
     subtract_inertia_forces,
     subtract_joint_forces,
@@ -98,9 +98,9 @@ class CompiledParts:
         """[J], with velocities v (n,) at q (n,)."""
         return float(bodies_energy(self._bodies, q, v))
 
-    def energy_of_spins(self, duration: float) -> float:
+    def energies_of_spins(self, duration: float) -> Array:
         """See `EvaluatedScene`."""
-        return energy_of_spins(self._bodies, duration)
+        return energies_of_spins(self._bodies, duration, len(self._items.force))
 
     def leave_out_turns(self, way: Array) -> None:
         """See `EvaluatedScene`."""
