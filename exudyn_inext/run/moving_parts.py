@@ -33,7 +33,7 @@ class MovingParts:
 
     def _energies(self, v: Array) -> Array:
         """(P,) v . M v / 2 of v (n,)."""
-        return np.bincount(self._part, self._masses * v * v)
+        return np.asarray(np.bincount(self._part, self._masses * v * v), dtype=float)
 
     def see(self, way: Array) -> None:
         """A way x - x_0 (n,), which may be the farthest one so far."""

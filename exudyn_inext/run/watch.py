@@ -15,6 +15,9 @@ error above 1 rad counts by its cube root: in a mixture of waves, v is that of s
 smaller, and min(1, (w / w_1)^3) <= w / w_1, where w_1 is the frequency that makes 1 rad. As long as a motion
 goes one way, |v| t near X, its extent grows faster than errors of small waves: it is not judged yet.
 
+Of a scene, each cable and each body is judged by itself, see `moving_parts`: a light one has no share in the
+energy of the others. What an account says of the motion is then that of the part with the largest error.
+
 Where bending carries the waves of a cable, its mesh has a phase error, too. A step whose error is no larger
 is short enough, whatever their frequency: both errors grow with the fourth power of the wave number.
 
