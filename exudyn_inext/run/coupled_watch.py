@@ -10,6 +10,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import scipy.sparse
 
 from ..arrays import Array
 from ..cable.sparse_forms import mass_of_cable
@@ -295,13 +296,14 @@ class CoupledWatch(RunWatch):
 
     def _moving_parts(self, size: int) -> MovingParts:
         """Each cable and each body; first order states are no motion."""
-        part, masses, bodies = np.arange(size), np.zeros(size), self._bodies.dofs
+        part, bodies = np.arange(size), self._bodies
         cables = [run.scene_cable.cable for run in self._runs]
         for cable, dofs in zip(cables, self._places, strict=False):
-            part[dofs], masses[dofs] = dofs.start, mass_of_cable(cable).diagonal()
-        part[bodies] = bodies.start + self._bodies.system.bodies
-        masses[bodies] = self._bodies.system.mass.diagonal()
-        return MovingParts(part, masses, max((cable.length for cable in cables), default=0.0))
+            part[dofs] = dofs.start
+        part[bodies.dofs] = bodies.dofs.start + bodies.system.bodies
+        mass = scipy.sparse.block_diag([*map(mass_of_cable, cables), bodies.system.mass], format="csr")
+        mass.resize(size, size)
+        return MovingParts(part, mass, max((cable.length for cable in cables), default=0.0))
 
     def _see_extent(self, state: Any) -> None:
         way = state.q - self._start

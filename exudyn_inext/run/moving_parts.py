@@ -1,13 +1,12 @@
 """How fast each cable and each body of a scene moves.
 
 A light part has no share in the energy of a scene with heavy ones, but it may be what somebody looks at: the
-step must resolve the motion of each part, see `watch`. Its error is relative to its own way. Masses are those
-of the coordinates alone: of a part, only mean squares over its coordinates are compared.
+step must resolve the motion of each part, see `watch`. Its error is relative to its own way.
 """
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import Array, SparseArray
 from .watch import OF_EXTENT, SMALL
 
 MOTION = ("forces", "speeds", "time", "extent")  # of each part, see `Watch`
@@ -19,21 +18,21 @@ class MovingParts:
 
     Args:
         part: (n,) a number for each coordinate, the same for those of one part.
-        masses: (n,) of the coordinates at the start.
+        mass: (n, n) at the start.
         length: of the longest cable [m]: of it, an error of `SMALL` counts for nothing.
 
     motion: (4, P) so far, see `MOTION`.
     """
 
-    def __init__(self, part: np.ndarray, masses: Array, length: float) -> None:
+    def __init__(self, part: np.ndarray, mass: SparseArray, length: float) -> None:
         numbers, self._part = np.unique(part, return_inverse=True)
-        self._masses = 0.5 * masses
+        self._mass = mass
         self.motion = np.zeros((len(MOTION), len(numbers)))
-        self._least = self._energies(np.full(len(masses), SMALL * length))
+        self._least = self._energies(np.full(len(part), SMALL * length))
 
     def _energies(self, v: Array) -> Array:
         """(P,) v . M v / 2 of v (n,)."""
-        return np.asarray(np.bincount(self._part, self._masses * v * v), dtype=float)
+        return np.asarray(np.bincount(self._part, 0.5 * v * (self._mass @ v)), dtype=float)
 
     def see(self, way: Array) -> None:
         """A way x - x_0 (n,), which may be the farthest one so far."""

@@ -153,7 +153,7 @@ def test_light_parts_are_resolved_beside_heavy_ones(new_mbs, add_cable, solve, k
     mbs.AddObject(SphericalJoint(**joint))
     start = {"initialVelocity": [0, 0.0 if kick else speed, 0]}
     light = mbs.CreateMassPoint(mass=mass, referencePosition=[3, 0, 0], create2D=True, **start)
-    spring = {"stiffness": [stiffness, stiffness, 0], "bodyNumbers": [mbs.CreateGround(), light]}
+    spring = {"stiffness": [stiffness, stiffness, 0], "itemNumbers": [mbs.CreateGround(), light]}
     mbs.CreateCartesianSpringDamper(**spring, localPosition0=[3, 0, 0])
     marker, width = mbs.AddMarker(MarkerBodyPosition(bodyNumber=light)), 0.02
     turn = 2.0 * np.pi / width
