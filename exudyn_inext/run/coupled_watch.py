@@ -10,7 +10,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import scipy.sparse
+import scipy
 
 from ..arrays import Array
 from ..cable.sparse_forms import mass_of_cable
@@ -298,7 +298,7 @@ class CoupledWatch(RunWatch):
         """Each cable and each body; first order states are no motion."""
         part, bodies = np.arange(size), self._bodies
         cables = [run.scene_cable.cable for run in self._runs]
-        for cable, dofs in zip(cables, self._places, strict=False):
+        for dofs in self._places[: len(cables)]:
             part[dofs] = dofs.start
         part[bodies.dofs] = bodies.dofs.start + bodies.system.bodies
         mass = scipy.sparse.block_diag([*map(mass_of_cable, cables), bodies.system.mass], format="csr")
