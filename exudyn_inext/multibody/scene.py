@@ -366,21 +366,24 @@ def bodies_energy(bodies, q, v):
     return 0.5 * total
 
 
-def energy_of_spins(bodies, duration):
-    """Sum of w^2 w . J w / 2 [J/s^2]: what a . M a / 2 of coordinates lacks where bodies turn in space.
+def energies_of_spins(bodies, duration, size):
+    """(size,) w^2 w . J w / 2 [J/s^2]: what a . M a / 2 of coordinates lacks where bodies turn in space.
 
     A spin counts the less, the more often a body turns round in a run: its angle at the end hardly matters.
 
-    bodies: (k,) records, with the spins w of the last evaluation; in the plane, angles add up.
+    bodies: (k,) records, with the spins w of the last evaluation; in the plane, angles add up. Their numbers
+        stand at their first coordinates.
     duration: of the run [s].
     """
+    energies = np.zeros(size)
     turning = bodies[bodies["rotations"] > 1]
     if not len(turning):
-        return 0.0
+        return energies
     spin, inertia = turning["spin"], turning["mass"][:, 3:, 3:]
     squared = np.einsum("bi,bi->b", spin, spin)
     counted = squared / np.maximum(1.0, np.sqrt(squared) * duration / TURNED)
-    return 0.5 * float(counted @ np.einsum("bi,bij,bj->b", spin, inertia, spin))
+    energies[turning["first"]] = 0.5 * counted * np.einsum("bi,bij,bj->b", spin, inertia, spin)
+    return energies
 
 
 def leave_out_turns(bodies, way):

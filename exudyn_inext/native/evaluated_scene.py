@@ -212,9 +212,10 @@ class SceneOfExudyn(EvaluatedScene):
             return self.parts_in_one.kinetic_energy_of_bodies(q, v)
         return self.body_system.kinetic_energy(v[self.map.slices[-1]])
 
-    def energy_of_spins(self, duration: float) -> float:
+    def energies_of_spins(self, duration: float) -> Array:
         """See `EvaluatedScene`; not known of bodies that Exudyn evaluates."""
-        return self.parts_in_one.form.energy_of_spins(duration) if self.parts_in_one else 0.0
+        parts = self.parts_in_one
+        return parts.form.energies_of_spins(duration) if parts else np.zeros(self.size)
 
     def leave_out_turns(self, way: Array) -> None:
         if self.parts_in_one:

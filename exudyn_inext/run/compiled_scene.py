@@ -23,7 +23,7 @@ from ..multibody.scene import (
     MODE,
     NOT_COUNTED,
     SceneSystem,
-    energy_of_spins,
+    energies_of_spins,
     evaluate_states,
     joint_violation,
     leave_out_turns,
@@ -191,7 +191,7 @@ class CompiledScene:
         self._names = names
         self.numbers, self._moved = numbers, numbers.moved
         rotations = system.items.bodies["rotations"]
-        self._has_spins, self._has_angles = bool((rotations > 1).any()), bool((rotations == 3).any())
+        self._has_angles = bool((rotations == 3).any())
         self._unscaled: SceneSystem | None = None
         self._take_steps = Prepared(take_steps)
         self._set(system)
@@ -424,9 +424,9 @@ class CompiledScene:
         self._report(self.loads.constant, q, v, v, force, energy_report)
         return float(energy_report[ACCELERATION_ENERGY])  # without what bending adds to the mass
 
-    def energy_of_spins(self, duration: float) -> float:
+    def energies_of_spins(self, duration: float) -> Array:
         """See `EvaluatedScene`."""
-        return energy_of_spins(self.system.items.bodies, duration) if self._has_spins else 0.0
+        return energies_of_spins(self.system.items.bodies, duration, len(self.system.items.force))
 
     def leave_out_turns(self, way: Array) -> None:
         """See `EvaluatedScene`."""

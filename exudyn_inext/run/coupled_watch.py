@@ -10,8 +10,10 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import scipy
 
 from ..arrays import Array
+from ..cable.sparse_forms import mass_of_cable
 from ..compiled import Prepared
 from ..integrators.integrator import Integrator
 from ..integrators.linear_stability import frequency_limit
@@ -29,6 +31,7 @@ from ..scene.path_work import (
 from ..system import POWER
 from .cable_run import CableRun
 from .joined_scene import EvaluatedScene
+from .moving_parts import MOTION, MovingParts
 from .run_watch import RunWatch
 from .watch import (
     LACK_OF_WORK,
@@ -98,6 +101,7 @@ class CoupledWatch(RunWatch):
         self._gravity = np.zeros(len(state.q))
         self._start = np.zeros(len(state.q))  # coordinates from which the extent of the motion counts
         self._places = scene.map.slices
+        self._parts = self._moving_parts(len(state.q))
         self.take_constants(state.q)
         self._energy_tolerance = energy_tolerance
         self._limit = frequency_limit(integrator, scheme, growth=GROWTH)
@@ -146,6 +150,7 @@ class CoupledWatch(RunWatch):
         size = float(np.abs(forces + self._gravity[: len(forces)]).sum())
         floor = ROUND_OFF * extent * size + sum(run.watch.round_off for run in self._runs)
         open_account(self.watch, state, floor)
+        self._parts.motion[:] = 0.0
         places = np.full(len(state.q), OF_PLACES * extent)
         self._resolution = self._evaluated.kinetic_energy(state.q, places)
         self._step = 0.0
@@ -252,7 +257,8 @@ class CoupledWatch(RunWatch):
         """Arrays that the next inspections depend on, by names."""
         path = {"path": self.path, "lacks": self.path_of_evaluations, "changes": self._changes}
         masses = {"masses": self._bodies.system.masses_before(), "start": self._start}
-        return super().memory() | path | masses | {"last": self._last, "steps": self._counts}
+        motion = {"motion": self._parts.motion, "last": self._last, "steps": self._counts}
+        return super().memory() | path | masses | motion
 
     def resume(self) -> None:
         """Go on with the memory that has been set."""
@@ -273,15 +279,35 @@ class CoupledWatch(RunWatch):
             take_sums(self.path_of_evaluations)
         work += 0.5 * float(self._changes[0]) / h**2
         self._changes[:] = 0.0
-        watch.account["forces"][NOW] += self._evaluated.energy_of_spins(watch.duration) * duration
+        motion = self._count_motion(watch, h, state, duration)
         counted = work, scatter, int(self._counts[_STEPS]), duration
         trouble = int(self._draw_up(watch, state, self._gravity, *counted))
         if trouble:
             go_back(watch, state)
+        else:
+            self._parts.motion[:] = motion
         return trouble
 
+    def _count_motion(self, watch: Watch, h: float, state: Any, duration: float) -> Array:
+        """Of all parts, see `MovingParts`; that of the fastest one is judged."""
+        spins = self._evaluated.energies_of_spins(watch.duration)
+        motion = self._parts.going_on(state.a, state.v, spins, duration)
+        for name, value in zip(MOTION, self._parts.fastest(motion, h), strict=True):
+            watch.account[name][NOW] = value
+        return motion
+
+    def _moving_parts(self, size: int) -> MovingParts:
+        """Each cable and each body; first order states are no motion."""
+        part, bodies = np.arange(size), self._bodies
+        cables = [run.scene_cable.cable for run in self._runs]
+        for dofs in self._places[: len(cables)]:
+            part[dofs] = dofs.start
+        part[bodies.dofs] = bodies.dofs.start + bodies.system.bodies
+        mass = scipy.sparse.block_diag([*map(mass_of_cable, cables), bodies.system.mass], format="csr")
+        mass.resize(size, size)
+        return MovingParts(part, mass, max((cable.length for cable in cables), default=0.0))
+
     def _see_extent(self, state: Any) -> None:
-        extent = self.watch.account["extent"]
         way = state.q - self._start
         self._evaluated.leave_out_turns(way)
-        extent[NOW] = max(extent[NOW], self._evaluated.kinetic_energy(state.q, way))
+        self._parts.see(way)

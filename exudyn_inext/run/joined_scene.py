@@ -41,8 +41,8 @@ class EvaluatedScene(Protocol):
     def kinetic_energy(self, q: Array, v: Array) -> float:
         """With velocities v (n,) at q (n,), the state of the last evaluation [J]."""
 
-    def energy_of_spins(self, duration: float) -> float:
-        """What a . M a / 2 lacks where bodies turn in space, at the last evaluation [J/s^2].
+    def energies_of_spins(self, duration: float) -> Array:
+        """(size,) what a . M a / 2 lacks where bodies turn in space, at the last evaluation [J/s^2].
 
         duration: of the run [s].
         """

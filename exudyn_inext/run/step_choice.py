@@ -169,7 +169,7 @@ def _bounds_and_scaling(
     explicit = replace(explicit, massScaling=theta)
     for run in runs:
         mesh = resolution_of_mesh(run, start, theta)
-        run.watch.limit_phase(min(duration, MOST_DURATION), _phase(theta), mesh, small_error(run.cables))
+        run.watch.limit_phase(min(duration, MOST_DURATION), _phase(theta), mesh, small_error(run))
     for _ in range(MOST_TRIALS):
         for run in runs if theta else []:
             run.scale_mass(theta, step)

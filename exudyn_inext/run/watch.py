@@ -15,6 +15,9 @@ error above 1 rad counts by its cube root: in a mixture of waves, v is that of s
 smaller, and min(1, (w / w_1)^3) <= w / w_1, where w_1 is the frequency that makes 1 rad. As long as a motion
 goes one way, |v| t near X, its extent grows faster than errors of small waves: it is not judged yet.
 
+Of a scene, each cable and each body is judged by itself, see `moving_parts`: a light one has no share in the
+energy of the others. What an account says of the motion is then that of the part with the largest error.
+
 Where bending carries the waves of a cable, its mesh has a phase error, too. A step whose error is no larger
 is short enough, whatever their frequency: both errors grow with the fourth power of the wave number.
 
@@ -47,6 +50,7 @@ BEGINNING = 10.0  # phase [rad] of the motion before which its frequency is not 
 LONG = 30.0  # and, but for an inextensible cable alone, before which waves of a sudden start have not passed
 RETURNED = 3.0  # |v| t over the extent of a motion that has come back
 SMALL = 1e-5  # error of places, over the length of the cable, that counts for nothing
+OF_EXTENT = 0.01  # of a part among others, that its error is compared with
 MOST_PHASE = 2.0  # error of a vibration's place, over its amplitude
 WAITING = 0.25  # share of the run after which neither counts any more
 SHARE_OF_EXTENT = 0.3  # so that a phase error of 0.003 is one of 1 % of the extent
@@ -337,14 +341,21 @@ def _errors_of_waves(mesh, squared, h_squared):
 
 
 @inlined
-def _is_too_fast(watch, steps, duration):
-    """Whether the motion so far is too fast for the step; what rests before it begins is no part of it."""
+def _count_motion(watch, duration):
+    """What rests before the motion begins is no part of it."""
     account, now = watch.account[NOW], watch.present_report
-    if not account.largest_kinetic > MOTION * account.round_off:
+    if max(account.largest_kinetic, now[KINETIC]) > MOTION * account.round_off:
+        account.time += duration
+        account.forces += now[RESOLVED] * duration
+        account.speeds += now[KINETIC] * duration
+
+
+@inlined
+def _is_too_fast(watch, steps, duration):
+    """Whether the motion so far is too fast for the step."""
+    account = watch.account[NOW]
+    if not account.speeds > 0.0:
         return False
-    account.time += duration
-    account.forces += now[RESOLVED] * duration
-    account.speeds += now[KINETIC] * duration
     squared = account.forces / account.speeds
     turned = np.sqrt(squared) * account.time
     of_step, of_mesh = _errors_of_waves(watch.mesh, squared, (duration / steps) ** 2)
@@ -467,6 +478,7 @@ def record_watched(scheme, system, loads, state, h, steps, history, watch):
         advance(scheme, system, part, state, h, of_interval, history[first:last])
         report_energy(system, state.external, state.q, state.v, state.a, watch.force, watch.present_report)
         _add_work_of_loads(watch, loads.constant, state.q)
+        _count_motion(watch, number * h)
         if _verdict(watch, state, number, number * h) != ALL_IS_WELL:
             return first
         done += number

@@ -69,6 +69,8 @@ class BodiesSystem:
         constant: blocks whose masses do not depend on the configuration, inverted once.
         variable: blocks whose masses `set_masses` gives at each evaluation.
         zeta: stabilisation rate of unit quaternions [1/s].
+
+    bodies: (n,) first coordinate of the body of each coordinate.
     """
 
     def __init__(
@@ -81,6 +83,9 @@ class BodiesSystem:
         self._stacks = [_Stack(blocks) for blocks in variable]
         self._size = size
         self.set_constant(constant)
+        self.bodies = np.arange(size)
+        for dofs in (*(block.dofs[None] for block in constant), *(blocks.dofs for blocks in variable)):
+            self.bodies[dofs] = dofs.min(axis=1, keepdims=True)
         self.zeta = zeta
         self.has_quaternions = any((blocks.quaternion >= 0).any() for blocks in variable)
 

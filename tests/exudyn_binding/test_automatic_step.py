@@ -141,6 +141,44 @@ def test_vibrations_of_cables_among_bodies_are_resolved(weighed_cantilever):
     assert report["decidedBy"] == "accuracy" and report["stepSize"] > 5.0 * report["bounds"].rule
 
 
+@pytest.mark.parametrize("kick", [0.0, 0.5])  # when the light mass begins to move [s]
+def test_light_parts_are_resolved_beside_heavy_ones(new_mbs, add_cable, solve, kick):
+    """A light mass on a spring, beside a heavy pendulum, in whose energy it has no share."""
+    mbs, mass, stiffness, rate, speed = new_mbs(), 0.01, 100.0, 100.0, 5.0
+    line = {"positionEnd": [1, -1, 0], "numberOfElements": 4, "groundConstraintsStart": PINNED}
+    cable = add_cable(mbs, beamTemplate=InextensibleCable(massPerLength=1.0, bendingStiffness=0.4), **line)
+    heavy = mbs.CreateMassPoint(mass=20, referencePosition=[1, -1, 0], gravity=[0, -9.81, 0])
+    ends = [MarkerNodePosition(nodeNumber=cable["nodes"][-1]), MarkerBodyPosition(bodyNumber=heavy)]
+    joint = {"markerNumbers": [mbs.AddMarker(end) for end in ends], "constrainedAxes": [1, 1, 0]}
+    mbs.AddObject(SphericalJoint(**joint))
+    start = {"initialVelocity": [0, 0.0 if kick else speed, 0]}
+    light = mbs.CreateMassPoint(mass=mass, referencePosition=[3, 0, 0], create2D=True, **start)
+    spring = {"stiffness": [stiffness, stiffness, 0], "itemNumbers": [mbs.CreateGround(), light]}
+    mbs.CreateCartesianSpringDamper(**spring, localPosition0=[3, 0, 0])
+    marker, width = mbs.AddMarker(MarkerBodyPosition(bodyNumber=light)), 0.02
+    turn = 2.0 * np.pi / width
+
+    def push(mbs, t, load):
+        inside = kick <= t < kick + width
+        return [0, mass * speed / width * (1.0 - np.cos(turn * (t - kick))) if inside else 0.0, 0]
+
+    if kick:
+        mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVectorUserFunction=push))
+    place = exudyn.OutputVariableType.Position
+    sensor = mbs.AddSensor(SensorBody(bodyNumber=light, storeInternal=True, outputVariableType=place))
+    mbs.Assemble()
+    solve(mbs, settings=quiet_settings(END, 1, PERIOD))
+    times, _, heights, _ = np.asarray(mbs.GetSensorStoredData(sensor)).T
+    expected = speed / rate * np.sin(rate * times)
+    if kick:
+        since = [np.maximum(times - kick - begin, 0.0) for begin in (0.0, width)]
+        waves = [(np.cos(turn * t) - np.cos(rate * t)) / (rate**2 - turn**2) for t in since]
+        steps = [(1.0 - np.cos(rate * t)) / rate**2 for t in since]
+        expected = speed / width * (steps[0] - waves[0] - steps[1] + waves[1])
+    error = np.sqrt(((heights - expected) ** 2).mean()) / np.abs(expected).max()
+    assert error < 0.01
+
+
 def test_strains_at_the_start_do_not_shorten_the_step(weighed_cantilever):
     """They make axial waves, which steps need not resolve."""
 
