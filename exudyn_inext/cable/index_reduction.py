@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from ..called_system import implements
-from ..compiled import inlined, kernel
+from ..compiled import inlined, kernel, protocol
 from ..system import (
     ACCELERATION_ENERGY,
     ELASTIC,
@@ -11,9 +11,7 @@ from ..system import (
     POWER,
     RESOLVED,
     VIOLATION,
-    accelerate_and_project,
     correct_position,
-    index_reduced_rates,
     report_energy,
 )
 from .assembly import (
@@ -22,8 +20,6 @@ from .assembly import (
     VALUE,
     add_damping,
     add_drag,
-    add_lagging_damping,
-    improves_alone,
     lag_of,
     leave_targets,
 )
@@ -79,22 +75,48 @@ def force_in_motion(chain, external, q, v, force):
         free_force(axes, nodes, elements, k, ACCELERATION, force[k])
 
 
-@inlined
-def assemble_and_factorise(axes, nodes, elements, external, q, v, lead, a, set_targets, parameter):
-    """All of Eq. (29) but the links; arguments: see `assemble_forces`."""
-    assemble_forces(axes, nodes, elements, external, q, v, lead, a, set_targets, parameter)
-    factorise_chain(axes, nodes, elements, q)
+@protocol
+def assemble_and_factorise(system, external, q, v, lead, a, set_targets, parameter):
+    """All of Eq. (29) at (q, v) into the records of a cable; arguments: see `assemble_forces`, (n_dof,) each.
 
-
-@inlined
-def _improve_damping(axes, nodes, elements, q, acceleration):
-    """One more solve for the damping that is in the matrix on the left, but not in the cable: order 2.
-
-    acceleration: (n, 2, dim), of a solve that took all of it.
+    external: with the motions of links behind it.
     """
-    if improves_alone(elements):
-        add_lagging_damping(axes, nodes, elements, q, acceleration, ACCELERATION)
-        solve_column(axes, nodes, elements, ACCELERATION, acceleration)
+
+
+@protocol
+def solve_one(system, column, x):
+    """x (n, 2, dim): the solution for one column of Eq. (29), of a system that is factorised."""
+
+
+@protocol
+def solve_both(system, x, y):
+    """The same for both columns at once.   x, y: (n, 2, dim) for v' and for q' - v."""
+
+
+@inlined
+def factorise_at(chain, external, q, v, lead, a, set_targets, parameter):
+    """See `assemble_and_factorise`; of the chain alone.   external: (n_dof,)."""
+    axes, nodes, elements = chain.axes, chain.nodes, chain.elements
+    shape = (len(nodes), 2, len(axes))
+    force, known = external.reshape(shape), q.reshape(shape)
+    rates, lacking = v.reshape(shape), a.reshape(shape)
+    assemble_forces(axes, nodes, elements, force, known, rates, lead, lacking, set_targets, parameter)
+    factorise_chain(axes, nodes, elements, known)
+
+
+@implements(assemble_and_factorise, CableSystem)
+def assemble_and_factorise_cable(system, external, q, v, lead, a, set_targets, parameter):
+    factorise_at(system.chain, external, q, v, lead, a, set_targets, parameter)
+
+
+@implements(solve_one, CableSystem)
+def solve_one_of_cable(system, column, x):
+    solve_column(system.chain.axes, system.chain.nodes, system.chain.elements, column, x)
+
+
+@implements(solve_both, CableSystem)
+def solve_both_of_cable(system, x, y):
+    solve_both_columns(system.chain.axes, system.chain.nodes, system.chain.elements, x, y)
 
 
 @inlined
@@ -103,33 +125,6 @@ def set_stabilised_targets(zeta, record):
     terms = record.constraint
     record.target[ACCELERATION] = terms[GAMMA] - zeta * terms[RATE]
     record.target[CORRECTION] = -zeta * terms[VALUE] - terms[RATE]
-
-
-@implements(index_reduced_rates, CableSystem)
-def cable_rates(system, external, q, v, acceleration, rate):
-    """Eq. (30) with one factorisation for both columns. Arguments: see `index_reduced_rates`.
-
-    q' is found as v plus a correction, M (q' - v) + C_q^T mu = 0: its force is zero.
-    """
-    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
-    shape = (len(nodes), 2, len(axes))
-    known = v.reshape(shape)
-    assemble_and_factorise(
-        axes,
-        nodes,
-        elements,
-        external.reshape(shape),
-        q.reshape(shape),
-        known,
-        0.0,
-        acceleration.reshape(shape),
-        set_stabilised_targets,
-        system.zeta,
-    )
-    solve_both_columns(axes, nodes, elements, acceleration.reshape(shape), rate.reshape(shape))
-    _improve_damping(axes, nodes, elements, q.reshape(shape), acceleration.reshape(shape))
-    for i in range(len(v)):
-        rate[i] += v[i]
 
 
 @inlined
@@ -146,29 +141,6 @@ def set_correction_target(learning, record):
     violation = record.constraint[VALUE]
     record.target[CORRECTION] = -violation
     record.drift_correction -= learning * violation
-
-
-@implements(accelerate_and_project, CableSystem)
-def accelerate_and_project_cable(system, external, q, v, duration, acceleration, end_velocity):
-    """One factorisation for both columns. Arguments: see `accelerate_and_project`."""
-    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
-    shape = (len(nodes), 2, len(axes))
-    assemble_and_factorise(
-        axes,
-        nodes,
-        elements,
-        external.reshape(shape),
-        q.reshape(shape),
-        v.reshape(shape),
-        duration,
-        acceleration.reshape(shape),
-        set_projection_targets,
-        duration,
-    )
-    solve_both_columns(axes, nodes, elements, acceleration.reshape(shape), end_velocity.reshape(shape))
-    _improve_damping(axes, nodes, elements, q.reshape(shape), acceleration.reshape(shape))
-    for i in range(len(v)):
-        end_velocity[i] += v[i] + duration * acceleration[i]
 
 
 @implements(correct_position, CableSystem)

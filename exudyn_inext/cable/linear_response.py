@@ -7,9 +7,8 @@ from ..compiled import inlined, protocol
 from ..lowered import COUNT, NUMBERS, numbers_at
 from .assembly import add_lagging_damping
 from .chain import Chain
-from .index_reduction import ACCELERATION, CableSystem
-from .linked_cable import LinkedCableSystem, solve_linked_column
-from .saddle_point import solve_column
+from .index_reduction import ACCELERATION, CableSystem, solve_one
+from .linked_cable import LinkedCableSystem
 
 
 @protocol
@@ -94,43 +93,36 @@ def _set_right_hand_side(axes, nodes, elements, share, force):
         elements[k].target[ACCELERATION] = 0.0
 
 
-@inlined
-def _hold_links(links):
+@protocol
+def _hold_links(system):
+    """Targets of zero for the links of a system."""
+
+
+has_nothing(CableSystem, _hold_links)
+
+
+@implements(_hold_links, LinkedCableSystem)
+def _hold_all_links(system):
+    links = system.link_system.links
     for r in range(len(links)):
         links[r].target[ACCELERATION] = 0.0
 
 
-@implements(constrained_inverse, CableSystem)
+@implements(constrained_inverse, CableSystem, LinkedCableSystem)
 def constrained_inverse_of_cable(system, force, x):
-    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
-    _set_right_hand_side(axes, nodes, elements, 1.0, force)
-    solve_column(axes, nodes, elements, ACCELERATION, x)
-
-
-@implements(constrained_inverse, LinkedCableSystem)
-def constrained_inverse_of_linked_cable(system, force, x):
     _set_right_hand_side(system.chain.axes, system.chain.nodes, system.chain.elements, 1.0, force)
-    _hold_links(system.link_system.links)
-    solve_linked_column(system, ACCELERATION, x)
+    _hold_links(system)
+    solve_one(system, ACCELERATION, x)
 
 
-@implements(improve_damping, CableSystem)
+@implements(improve_damping, CableSystem, LinkedCableSystem)
 def improve_damping_of_cable(system, q, x):
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
     shape = (len(nodes), 2, len(axes))
     _set_right_hand_side(axes, nodes, elements, 0.0, x.reshape(shape))
     add_lagging_damping(axes, nodes, elements, q.reshape(shape), x.reshape(shape), ACCELERATION)
-    solve_column(axes, nodes, elements, ACCELERATION, x.reshape(shape))
-
-
-@implements(improve_damping, LinkedCableSystem)
-def improve_damping_of_linked_cable(system, q, x):
-    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
-    shape = (len(nodes), 2, len(axes))
-    _set_right_hand_side(axes, nodes, elements, 0.0, x.reshape(shape))
-    add_lagging_damping(axes, nodes, elements, q.reshape(shape), x.reshape(shape), ACCELERATION)
-    _hold_links(system.link_system.links)
-    solve_linked_column(system, ACCELERATION, x.reshape(shape))
+    _hold_links(system)
+    solve_one(system, ACCELERATION, x.reshape(shape))
 
 
 @implements(respond, CableSystem)

@@ -27,10 +27,13 @@ from .index_reduction import (
     CORRECTION,
     CableSystem,
     assemble_and_factorise,
+    factorise_at,
     report_energy_of_chain,
     set_correction_target,
     set_projection_targets,
     set_stabilised_targets,
+    solve_both,
+    solve_one,
 )
 from .links import (
     LinkSystem,
@@ -89,17 +92,13 @@ def _shape_of_motions(axes, external, n_dof):
     return (len(external) - n_dof) // (3 * len(axes)), 3, len(axes)
 
 
-@inlined
-def _assemble(axes, nodes, elements, link_system, external, q, v, lead, a, set_targets, parameter):
-    """All of Eq. (29), links included, factorised. Arguments: see `assemble_and_factorise`."""
-    shape = (len(nodes), 2, len(axes))
-    n_dof = q.size
+@implements(assemble_and_factorise, LinkedCableSystem)
+def assemble_and_factorise_linked(system, external, q, v, lead, a, set_targets, parameter):
+    chain, link_system = system.chain, system.link_system
+    factorise_at(chain, external[: q.size], q, v, lead, a, set_targets, parameter)
+    axes, nodes, shape = chain.axes, chain.nodes, (len(chain.nodes), 2, len(chain.axes))
+    motions = external[q.size :].reshape(_shape_of_motions(axes, external, q.size))
     known, rates = q.reshape(shape), v.reshape(shape)
-    force = external[:n_dof].reshape(shape)
-    assemble_and_factorise(
-        axes, nodes, elements, force, known, rates, lead, a.reshape(shape), set_targets, parameter
-    )
-    motions = external[n_dof:].reshape(_shape_of_motions(axes, external, n_dof))
     assemble_links(axes, nodes, link_system.links, known, rates, motions, set_targets, parameter)
     factorise_links(axes, nodes, link_system)
 
@@ -128,63 +127,53 @@ def _expand(system, column, x):
     _join_ends(system.closed, x)
 
 
-@inlined
-def solve_linked_column(system, column, x):
-    """`saddle_point.solve_column` with links, for a system that is factorised."""
+@implements(solve_one, LinkedCableSystem)
+def solve_one_of_linked_cable(system, column, x):
     _substitute(system, (column,), column)
     _expand(system, column, x)
 
 
-@inlined
-def _solve_both_linked_columns(system, x, y):
-    """The same for both columns at once.   x, y: (n, 2, dim) solutions for columns 0 and 1."""
+@implements(solve_both, LinkedCableSystem)
+def solve_both_of_linked_cable(system, x, y):
     _substitute(system, (ACCELERATION, CORRECTION), ACCELERATION)
     _expand(system, ACCELERATION, x)
     _expand(system, CORRECTION, y)
 
 
 @inlined
-def _improve_damping(axes, nodes, elements, system, q, acceleration):
-    """As `index_reduction._improve_damping`, with links."""
-    if improves_alone(elements):
-        add_lagging_damping(axes, nodes, elements, q, acceleration, ACCELERATION)
-        solve_linked_column(system, ACCELERATION, acceleration)
+def _solve(system, q, acceleration, change):
+    """Both columns, and one more solve for damping that is in the matrix, but not in the cable: order 2.
 
-
-@implements(index_reduced_rates, LinkedCableSystem)
-def linked_rates(system, external, q, v, acceleration, rate):
-    """Eq. (30). Arguments: see `index_reduced_rates`."""
+    change: (n_dof,) output q' - v.
+    """
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
-    link_system = system.link_system
     shape = (len(nodes), 2, len(axes))
+    solve_both(system, acceleration.reshape(shape), change.reshape(shape))
+    if improves_alone(elements):
+        found = acceleration.reshape(shape)
+        add_lagging_damping(axes, nodes, elements, q.reshape(shape), found, ACCELERATION)
+        solve_one(system, ACCELERATION, found)
+
+
+@implements(index_reduced_rates, CableSystem, LinkedCableSystem)
+def cable_rates(system, external, q, v, acceleration, rate):
+    """Eq. (30) with one factorisation for both columns. Arguments: see `index_reduced_rates`.
+
+    q' is found as v plus a correction, M (q' - v) + C_q^T mu = 0: its force is zero.
+    """
     targets = set_stabilised_targets
-    _assemble(axes, nodes, elements, link_system, external, q, v, 0.0, acceleration, targets, system.zeta)
-    _solve_both_linked_columns(system, acceleration.reshape(shape), rate.reshape(shape))
-    _improve_damping(axes, nodes, elements, system, q.reshape(shape), acceleration.reshape(shape))
+    assemble_and_factorise(system, external, q, v, 0.0, acceleration, targets, system.zeta)
+    _solve(system, q, acceleration, rate)
     for i in range(len(v)):
         rate[i] += v[i]
 
 
-@implements(accelerate_and_project, LinkedCableSystem)
-def accelerate_and_project_linked(system, external, q, v, duration, acceleration, end_velocity):
-    axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
-    link_system = system.link_system
-    shape = (len(nodes), 2, len(axes))
-    _assemble(
-        axes,
-        nodes,
-        elements,
-        link_system,
-        external,
-        q,
-        v,
-        duration,
-        acceleration,
-        set_projection_targets,
-        duration,
-    )
-    _solve_both_linked_columns(system, acceleration.reshape(shape), end_velocity.reshape(shape))
-    _improve_damping(axes, nodes, elements, system, q.reshape(shape), acceleration.reshape(shape))
+@implements(accelerate_and_project, CableSystem, LinkedCableSystem)
+def accelerate_and_project_cable(system, external, q, v, duration, acceleration, end_velocity):
+    """One factorisation for both columns. Arguments: see `accelerate_and_project`."""
+    targets = set_projection_targets
+    assemble_and_factorise(system, external, q, v, duration, acceleration, targets, duration)
+    _solve(system, q, acceleration, end_velocity)
     for i in range(len(v)):
         end_velocity[i] += v[i] + duration * acceleration[i]
 
@@ -200,7 +189,7 @@ def correct_linked_position(system, external, q, tolerance, learning, correction
     of_links = set_link_violations(axes, links, known, motions, set_correction_target, learning)
     worst = max(worst, of_links)
     if not worst < tolerance:
-        solve_linked_column(system, CORRECTION, correction.reshape(shape))
+        solve_one(system, CORRECTION, correction.reshape(shape))
     return worst
 
 
