@@ -11,6 +11,7 @@ from .axial import ACCELERATION, assemble_chain, mean_stretch, stored_energy
 from .axial_stiffness import FORCE
 from .cable import Cable
 from .chain import Chain
+from .index_reduction import assemble_forces
 from .saddle_point import free_force
 
 
@@ -27,6 +28,15 @@ def static_energy(chain, q, force):
     for k in range(len(nodes)):
         free_force(axes, nodes, elements, k, ACCELERATION, force[k])
     return energy
+
+
+@kernel
+def force_in_motion(chain, external, q, v, force):
+    """force (n, 2, dim) of all but inertia at (q, v) [N, Nm].   external: (n, 2, dim)."""
+    axes, nodes, elements = chain.axes, chain.nodes, chain.elements
+    assemble_forces(axes, nodes, elements, external, q, v, 0.0, v, leave_targets, 0.0)
+    for k in range(len(nodes)):
+        free_force(axes, nodes, elements, k, ACCELERATION, force[k])
 
 
 @kernel

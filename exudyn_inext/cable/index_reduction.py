@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from ..called_system import implements
-from ..compiled import inlined, kernel, protocol
+from ..compiled import inlined, protocol
 from ..system import (
     ACCELERATION_ENERGY,
     ELASTIC,
@@ -21,7 +21,6 @@ from .assembly import (
     add_damping,
     add_drag,
     lag_of,
-    leave_targets,
 )
 from .axial import (
     aim_at_positions,
@@ -34,7 +33,7 @@ from .axial import (
 )
 from .chain import Chain
 from .energy import dissipative_power, kinetic_energy, lagging_energy
-from .saddle_point import free_force, solve_both_columns, solve_column
+from .saddle_point import solve_both_columns, solve_column
 
 ACCELERATION, CORRECTION = 0, 1  # columns of Eq. (29): v' with lam, and q' - v with mu
 
@@ -59,20 +58,6 @@ def assemble_forces(axes, nodes, elements, external, q, v, lead, a, set_targets,
     assemble_chain(axes, nodes, elements, external, q, v, lead, set_targets, parameter)
     add_damping(axes, nodes, elements, q, v, lead - lag_of(elements), a, ACCELERATION)
     add_drag(axes, nodes, elements, q, v, lead, a, ACCELERATION)
-
-
-@kernel
-def force_in_motion(chain, external, q, v, force):
-    """force (n, 2, dim) of all but inertia and constraints at (q, v) [N, Nm].
-
-    Args:
-        chain: of a cable without supports; its axial forces, if it has any, are explicit.
-        external: (n, 2, dim).   q, v: (n, 2, dim).
-    """
-    axes, nodes, elements = chain.axes, chain.nodes, chain.elements
-    assemble_forces(axes, nodes, elements, external, q, v, 0.0, v, leave_targets, 0.0)
-    for k in range(len(nodes)):
-        free_force(axes, nodes, elements, k, ACCELERATION, force[k])
 
 
 @protocol

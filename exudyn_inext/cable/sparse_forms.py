@@ -13,7 +13,7 @@ from .assembly import add_elastic_force
 from .attached import mass_of_points
 from .cable import Cable
 from .chain import Chain
-from .index_reduction import force_in_motion
+from .constraint_rows import unconstrained_force
 
 STEP = 1e-3  # of differences [-]
 
@@ -92,10 +92,10 @@ def tangent_of(
 def damping_tangent(chain: Chain, q: Array) -> SparseArray:
     """-dQ_damping/dv (n_dof, n_dof) at q (n, 2, dim); exact: Q_damping is linear in v."""
     rest, force, elastic = np.zeros_like(q), np.zeros_like(q), np.zeros_like(q)
-    force_in_motion(chain, rest, q, rest, elastic)
+    unconstrained_force(chain, rest, q, rest, elastic)
 
     def apply(x: Array) -> Array:
-        force_in_motion(chain, rest, q, x, force)
+        unconstrained_force(chain, rest, q, x, force)
         return elastic - force
 
     return _matrix_of(apply, (len(q),), q.shape[2])

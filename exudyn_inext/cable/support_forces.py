@@ -9,9 +9,10 @@ import numpy as np
 from ..arrays import Array
 from ..called_system import Bound
 from ..system import accelerate_and_project
+from .axial_energy import force_in_motion
 from .cable import Cable
 from .chain import build_chain
-from .index_reduction import ACCELERATION, force_in_motion
+from .index_reduction import ACCELERATION
 from .linked_cable import LinkedCableSystem, cable_system
 from .records import link_type
 from .saddle_point import apply_mass

@@ -5,7 +5,7 @@ import pytest
 
 from exudyn_inext.cable.assembly import elastic_energy
 from exudyn_inext.cable.chain import build_chain
-from exudyn_inext.cable.index_reduction import force_in_motion
+from exudyn_inext.cable.constraint_rows import unconstrained_force
 from exudyn_inext.cable.sparse_forms import damping_tangent, elastic_tangent, form_of_cable
 from tests.cables import (
     DIMENSIONS,
@@ -55,8 +55,8 @@ def test_damping_tangent_gives_the_damping_force(dim, measure):
     state = with_section(random_state(61, 5, dim, measure), bending_damping=0.3)
     chain, rest = build_chain(state.cable), np.zeros_like(state.q)
     moving, still = np.zeros_like(state.q), np.zeros_like(state.q)
-    force_in_motion(chain, rest, state.q, state.v, moving)
-    force_in_motion(chain, rest, state.q, rest, still)
+    unconstrained_force(chain, rest, state.q, state.v, moving)
+    unconstrained_force(chain, rest, state.q, rest, still)
     found = damping_tangent(chain, state.q) @ state.v.ravel()
     assert np.abs(found).max() > 0.0
     assert relative_error(found, (still - moving).ravel()) < 1e-11

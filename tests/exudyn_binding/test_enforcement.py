@@ -330,8 +330,8 @@ def test_full_newton_asks_an_algebraic_cable_no_more_often_for_more_elements(
 ):
     """Its Jacobian is known, and need not be found by differences in all coordinates."""
     asked = []
-    force = algebraic.force_in_motion
-    monkeypatch.setattr(algebraic, "force_in_motion", lambda *a: asked.append(1) or force(*a))
+    force = algebraic.unconstrained_force
+    monkeypatch.setattr(algebraic, "unconstrained_force", lambda *a: asked.append(1) or force(*a))
     counts, tips = [], []
     for elements, modified in ((8, False), (24, False), (24, True)):
         mbs = new_mbs()

@@ -117,6 +117,11 @@ _RULES = [
         _lines(("LANCZOS_STEPS = 40", "LANCZOS_STEPS = 41"), ("** 2 * 1.6", "** 3 * 1.6")),
     ),
     Rule(
+        "the last node of a ring has no penalties of its own",
+        "cable/penalty_mass.py",
+        _lines(("of_elements[0]) if closed", "of_elements[1]) if closed")),
+    ),
+    Rule(
         "memory that is larger than needed, or empty in any case",
         "cable/records.py",
         _lines(

@@ -21,8 +21,8 @@ from ...cable.constraint_rows import (
     build_rows,
     constraint_jacobian,
     constraint_values,
+    unconstrained_force,
 )
-from ...cable.index_reduction import force_in_motion
 from ...cable.sparse_forms import damping_tangent, elastic_tangent, form_of_cable
 from ...element.inertia import mass_matrix
 from ...errors import RedundantConstraintError
@@ -158,7 +158,7 @@ def _forces_of_user_functions(cable: Cable, chain: Chain, external: Array) -> di
     force = np.zeros(coordinates.shape)
 
     def cable_force_user_function(mbs, t, itemNumber, q, q_t):
-        force_in_motion(chain, external, coordinates.total(q), coordinates.nodal(q_t), force)
+        unconstrained_force(chain, external, coordinates.total(q), coordinates.nodal(q_t), force)
         return coordinates.vector(force)
 
     def cable_jacobian_user_function(mbs, t, itemNumber, q, q_t, fODE2, fODE2_t):
@@ -178,7 +178,7 @@ def _constraint_user_functions(rows: ConstraintRows, item: CableItem) -> tuple[A
     """User functions of constraint and Jacobian; they get coordinates with reference values."""
     coordinates = Coordinates(item.cable)
     checks = StartOfRun(refuse_weights(item), refuse_redundant_supports(item, rows))
-    values = np.zeros((3, rows.number))
+    values = np.zeros((2, rows.number))
     gradients = np.zeros((rows.number, *coordinates.shape))
 
     def inextensibility_user_function(mbs, t, itemNumber, q, q_t, velocityLevel):

@@ -7,9 +7,13 @@ import pytest
 
 from exudyn_inext.cable.cable import CurvatureMeasure
 from exudyn_inext.cable.chain import build_chain
-from exudyn_inext.cable.constraint_rows import build_rows, constraint_jacobian, constraint_values
-from exudyn_inext.cable.index_reduction import force_in_motion
-from exudyn_inext.items.enforcement.penalty_mass import PenalisedCable
+from exudyn_inext.cable.constraint_rows import (
+    build_rows,
+    constraint_jacobian,
+    constraint_values,
+    unconstrained_force,
+)
+from exudyn_inext.cable.penalty_mass import build_penalty_system, penalty_force, penalty_mass
 from tests.cables import (
     bending_force,
     damping_force,
@@ -57,11 +61,14 @@ def exact_acceleration(state):
 def penalty_acceleration(state, penalty):
     """(n_dof,) of (M + k J^T J) a = F + k J^T (gamma - 2 z C' - z^2 C)."""
     cable, held = split(state.cable)
-    system, size = PenalisedCable(cable, held, penalty, Z), state.q.size
-    force, mass = system.force(state.external, state.q, state.v), system.mass(state.q)
+    system = build_penalty_system(cable, held, penalty, Z)
+    force, mass = np.zeros(state.q.shape), np.zeros(state.q.shape * 2)
+    penalty_force(system, state.external, state.q, state.v, force)
+    penalty_mass(system, state.q, mass)
+    size = state.q.size
     own = size - 2 * cable.dimension * cable.closed
     repeated = np.eye(own)[np.arange(size) % own]  # coordinates that belong to the same node twice
-    matrix, right = repeated.T @ mass @ repeated, repeated.T @ force.ravel()
+    matrix, right = repeated.T @ mass.reshape(size, size) @ repeated, repeated.T @ force.ravel()
     return repeated @ refined_solve(matrix, right[:, None])[:, 0]
 
 
@@ -92,7 +99,9 @@ def test_the_acceleration_tends_to_the_exact_one_as_the_penalty_grows(dim, measu
 def test_the_mass_is_symmetric_and_larger_than_that_without_penalty(dim, measure):
     state = random_state(1, 4, dim, measure, None, "pinned")
     cable, held = split(state.cable)
-    added = PenalisedCable(cable, held, 10.0, Z).mass(state.q) - dense_mass(cable)
+    mass = np.zeros(state.q.shape * 2)
+    penalty_mass(build_penalty_system(cable, held, 10.0, Z), state.q, mass)
+    added = mass.reshape(state.q.size, -1) - dense_mass(cable)
     np.testing.assert_allclose(added, added.T, atol=1e-12)
     eigenvalues = np.linalg.eigvalsh(added)
     assert eigenvalues[0] > -1e-12
@@ -106,12 +115,12 @@ def test_rows_are_the_constraints_of_the_cable(dim, measure, n_bar):
     state = random_state(8, 5, dim, measure, n_bar, "pinned")
     cable, held = split(state.cable)
     rows = build_rows(cable, held)
-    values, jacobian = np.zeros((3, rows.number)), np.zeros((rows.number, *state.q.shape))
+    values, jacobian = np.zeros((2, rows.number)), np.zeros((rows.number, *state.q.shape))
     constraint_values(rows, state.q, state.v, values)
     constraint_jacobian(rows, state.q, jacobian)
     c = dense_constraints(cable, state.q, state.v)
     own = np.r_[c.rows["nodal inextensibility"], c.rows.get("length", slice(0, 0))]
-    np.testing.assert_allclose(values, [c.value[own], c.rate[own], c.gamma[own]], atol=1e-13)
+    np.testing.assert_allclose(values, [c.value[own], c.rate[own]], atol=1e-13)
     np.testing.assert_allclose(jacobian.reshape(rows.number, -1), c.jacobian[own], atol=1e-13)
 
 
@@ -127,7 +136,7 @@ def test_the_unconstrained_force_is_that_of_load_bending_and_damping(damping):
     state = with_section(random_state(9, 3, *PLANAR), bending_damping=damping)
     force = np.zeros(state.q.shape)
     cable, _ = split(state.cable)
-    force_in_motion(build_chain(cable), state.external, state.q, state.v, force)
+    unconstrained_force(build_chain(cable), state.external, state.q, state.v, force)
     expected = state.external + bending_force(cable, state.q) + damping_force(cable, state.q, state.v)
     np.testing.assert_allclose(force, expected, rtol=1e-9, atol=1e-9)
 
@@ -141,13 +150,14 @@ def test_penalties_are_relative_to_the_elements_masses(closed):
     held = np.zeros((4, 2, 2), dtype=bool)
     held[1] = [[True, False], [True, True]]
     held[3] = [[True, True], [False, True]]
-    system = PenalisedCable(cable, held, 10.0, 5.0)
-    np.testing.assert_allclose(system.weights[-2:], 30.0 * np.array([1.5, 4.0]))
+    system = build_penalty_system(cable, held, 10.0, 5.0)
+    np.testing.assert_allclose(system.length, 30.0 * np.array([1.5, 1.5, 4.0]))
     ends = (32.5, 32.5) if closed else (1.0, 64.0)
     of_slopes = 30.0 * np.array([ends[0], 4.5, 36.0, ends[1]])
-    np.testing.assert_allclose(system.weights[:-2], of_slopes[[0, 2] if closed else [0, 2, 3]])
+    np.testing.assert_allclose(system.nodal, of_slopes * [1.0, 0.0, 1.0, 0.0 if closed else 1.0])
     of_last = 0.0 if closed else 1.0
     expected = np.zeros((4, 2, 2))
     expected[1] = [[30.0 * 1.5, 0.0], [30.0 * 4.5, 30.0 * 4.5]]
     expected[3] = [[of_last * 120.0, of_last * 120.0], [0.0, of_last * of_slopes[3]]]
     np.testing.assert_allclose(system.held, expected)
+    assert system.z == 5.0
