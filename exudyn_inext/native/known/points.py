@@ -180,7 +180,7 @@ class PointReader:
         return self._nodes[number]
 
     def on_node(self, number: int, has_frame: bool) -> Place:
-        """A point of a cable, or the body on a node, with a frame or without."""
+        """A point of a cable, or the body on a node, with a frame or without; UnknownItemError on others."""
         places, node = self._of_node(number)
         if not len(places):
             return self.fixed(np.asarray(node["referenceCoordinates"], dtype=float), has_frame=has_frame)
