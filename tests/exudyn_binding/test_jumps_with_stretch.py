@@ -307,14 +307,14 @@ def test_the_step_that_an_error_advises_is_one_that_runs():
     """Steps cannot begin again where step functions have been called."""
 
     def heavy():
-        rope = Rope([2, 0, 0], NYLON)
+        rope = Rope([2, 0, 0], NYLON | {"axialStiffness": 2e5})
         node = rope.mbs.CreateMassPoint(
-            mass=5.0, referencePosition=[2, 0, 0], create2D=True, gravity=GRAVITY, returnDict=True
+            mass=1.0, referencePosition=[2, 0, 0], create2D=True, gravity=GRAVITY, returnDict=True
         )
         body = rope.mbs.AddMarker(MarkerBodyPosition(bodyNumber=node["bodyNumber"]))
         pair = [body, rope.marker(rope.nodes[-1])]
         rope.mbs.AddObject(SphericalJoint(markerNumbers=pair, constrainedAxes=[1, 1, 0]))
-        changes = {"stiffness": 1e5, "damping": 1e2}
+        changes = {"stiffness": 1e4}
         height = rope.marker(node["nodeNumber"], 1)
         pair = [rope.marker(rope.mbs.AddNode(NodePointGround()), 0), height]
         spring = rope.mbs.AddObject(
