@@ -31,7 +31,7 @@ from .items.attach.properties import AddPointMass, CableDrag, SetCableDrag
 from .items.cable_item import CreateInextensibleCable
 from .items.enforcement.algebraic import Algebraic
 from .items.enforcement.penalty_mass import PenaltyMass
-from .items.enforcement.protocol import Projection
+from .items.enforcement.projection import Projection
 from .items.explicit_traps import WarnOfExplicitTraps
 from .items.prescribed_motion import CreatePrescribedMotion
 from .items.shape import CableShape

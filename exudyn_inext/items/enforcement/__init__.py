@@ -5,7 +5,8 @@ from typing import Any
 from ...errors import InputError
 from .algebraic import Algebraic
 from .penalty_mass import PenaltyMass
-from .protocol import Enforcement, Projection
+from .projection import Projection
+from .protocol import Enforcement
 
 ENFORCEMENTS: dict[str, type[Enforcement]] = {way.name: way for way in (Algebraic, PenaltyMass, Projection)}
 
