@@ -128,10 +128,11 @@ class ExplicitStepper:
         self._taken = 0
         self._is_ready = False
         initial = self._initial_state()
+        is_same = all(map(np.array_equal, initial, self._initial))
         with compile_notice(), state_kept(self._mbs):
             for run in self._runs:
                 run.start(self._start_time, self.stepSize)
-                if not all(map(np.array_equal, initial, self._initial)):
+                if not is_same:
                     run.start_from(*initial, Start(self._start_time, self.stepSize, self._explicit))
         self._is_ready = True
 

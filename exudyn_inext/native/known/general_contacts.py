@@ -130,9 +130,8 @@ def _held_by(mbs: Any, data: dict[str, Any], node: int) -> set[int]:
         return set()
     ground, other = (mbs.GetMarker(one) for one in data["markerNumbers"])
     are_coordinates = ground["markerType"] == other["markerType"] == "NodeCoordinate"
-    if isinstance(data["offsetUserFunction"], dict) or not (
-        are_coordinates and point_on_ground(mbs, ground) is not None
-    ):
+    is_driven = isinstance(data["offsetUserFunction"], dict)
+    if is_driven or not are_coordinates or point_on_ground(mbs, ground) is None:
         return set()
     is_held = int(other["nodeNumber"]) == node and data["factor1"] != 0.0
     return {int(other["coordinate"])} if is_held else set()
