@@ -58,8 +58,9 @@ def SolveExplicit(
     Steps that go wrong (constraints that cannot be solved for, an energy that jumps, numbers that are not
     finite) are rejected: the run goes on from the state before them with smaller ones, which grow again. It
     ends only where no step is small enough. Where axial vibrations are the cause, and the step is automatic,
-    it begins again from the start, with shorter steps; without pre- or post-step user functions, which cannot
-    be undone. An energy that grows slowly is warned of, see
+    it begins again from the start, with shorter steps. Pre- and post-step user functions cannot be undone:
+    beside cables that stretch, steps are taken once without them, to find how long they may be: at the start
+    and after changes that follow on steps without any. An energy that grows slowly is warned of, see
     ExplicitSettings.energyTolerance. The stability limit is that of the initial state, as if contacts of
     cables with circles that are open were closed.
 

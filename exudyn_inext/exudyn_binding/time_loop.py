@@ -85,6 +85,7 @@ class ExplicitTimeLoop:
         self._states: Iterator[Any] = iter(())  # of a block, where functions may make it void
         self._kept: list[KeptState] = []  # of the runs, before the block
         self._calm = 0  # steps since something was changed
+        self._is_changed = grid.first == 0  # before the step that is computed next
         self.stretch_checks = list(map(StretchCheck, runs))
         for run in runs:
             run.set_step(grid.h)
@@ -209,7 +210,7 @@ class ExplicitTimeLoop:
     def _withdraw(self) -> None:
         """Let the runs be in the state that was handed out last: something has been changed there."""
         first, taken = self._ahead[0], self._taken
-        self._calm = 0
+        self._calm, self._is_changed = 0, True
         if taken < self._computed:
             self._states = iter(())
             self._return_to(first)
@@ -268,6 +269,7 @@ class ExplicitTimeLoop:
 
     def _compute_well(self) -> tuple[Array, int]:
         """As `_compute_ahead`; what goes wrong there is tried again after one step, which functions see."""
+        self._rehearse()
         self._write_restart()
         first, intervals = self._computed, self._intervals(self._computed)
         if not self._is_watched or intervals == 1:
@@ -279,6 +281,14 @@ class ExplicitTimeLoop:
         self._calm = 0
         self._return_to(first)
         return self._compute_ahead(1)
+
+    def _rehearse(self) -> None:
+        """After changes, if functions see the steps, which then cannot be undone."""
+        is_due, self._is_changed = self._is_changed and self._is_watched, False
+        most = 0 if self.changes.moves else self.restarts.steps_until_due(self.grid, self._computed)
+        for run in self.runs if is_due else ():
+            limit = LOOK_AHEAD_LIMIT // (len(run.indices) * self.grid.substeps)
+            run.rehearse(self.grid, self._computed, min(most, limit))
 
     def _keep(self) -> None:
         """What runs return to if steps turn out to be void."""

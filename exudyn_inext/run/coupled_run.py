@@ -313,7 +313,7 @@ class CoupledRun(LimitedRun):
         self._scene.native_items.forget()
         self.mover.look(time)
         self.mover.begin_by(self.integrator.resume, time)
-        self.watch.resume()
+        self.watch.resume(self.control.present)
 
     def record(self, grid: TimeGrid, first: int, history: Array) -> int:
         """See `CableRun.record`; where Exudyn evaluates its items, mbs is left in the state at the end."""

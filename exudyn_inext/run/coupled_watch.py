@@ -260,8 +260,9 @@ class CoupledWatch(RunWatch):
         motion = {"motion": self._parts.motion, "last": self._last, "steps": self._counts}
         return super().memory() | path | masses | motion
 
-    def resume(self) -> None:
-        """Go on with the memory that has been set."""
+    def resume(self, h: float) -> None:
+        """Go on with the memory that has been set, after steps of h [s]."""
+        self._step = h
         self._calm = CALM * float(self._last[1])
 
     def _begin(self, t: float, state: Any) -> None:

@@ -16,6 +16,7 @@ from .watch import ENERGY, TOO_FAST
 
 FASTEST = 1e3  # speed of supports and joints, beyond which they jump [m/s]
 HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are smaller for a while only
+LEAST_REHEARSED = 4  # intervals of the loop
 SMALLEST_PARTS = 256  # and up to which all are, where no smaller ones for a while go well
 
 
@@ -23,6 +24,7 @@ class PacedRun:
     """What a cable and a coupled scene have in common; see `step_control`.
 
     integrator, scheme: of the run.   state: of the integrator.   control: of the steps.
+    indices: (n_dof,) places of the coordinates in the system vector.
     watch: `RunWatch`, which finds steps that went wrong.   gave_up: whether there are no smaller ones.
     trouble: what the integrator said of the last steps that went wrong.
     looks_ahead: whether several steps of the time loop can be computed at once.
@@ -38,10 +40,12 @@ class PacedRun:
     scheme: Any
     state: Any
     control: StepControl
+    indices: Any
     _rejects: bool  # see `ExplicitSettings.rejectSteps`
     watch: Any
     looks_ahead = False
     gave_up = False
+    _may_begin_again = False  # from wherever `advance` begins
     trouble = ""
     finding = ""
     elsewhere: Any = None
@@ -144,7 +148,7 @@ class PacedRun:
             Number of intervals that went well; later rows of `history` mean nothing.
         """
         good = 0
-        begins = self.watch.may_shorten and grid.begins_with(first)
+        begins = self.watch.may_shorten and (self._may_begin_again or grid.begins_with(first))
         beginning = self.present_state() if begins else None
         while good < len(history) and not self.gave_up:
             piece = self.control.next(grid, first + good, len(history) - good if self.looks_ahead else 1)
@@ -166,6 +170,37 @@ class PacedRun:
                 self._begin_again(beginning, grid.time(first))
                 good = 0
         return good
+
+    def record(self, grid: TimeGrid, first: int, history: Array) -> int:
+        """As `advance`, but displacements from the reference."""
+        raise NotImplementedError
+
+    def rehearse(self, grid: TimeGrid, first: int, most: int) -> None:
+        """Shorten the steps of cables that stretch as a run does that may begin again.
+
+        Steps that were too long leave axial vibrations behind that shorter ones do not mend. So they are
+        taken once without the functions that see them, and undone: from the beginning as far as may be, and
+        after a change for as long as nothing had been changed before.
+
+        Args:
+            grid: of the run.   first: interval of the loop that begins.   most: of them.
+        """
+        before, self.control.changed = self.control.changed, first
+        intervals = min(first - before, most) if first else most
+        if intervals < LEAST_REHEARSED or not self._is_rehearsed:
+            return
+        beginning, self._may_begin_again = self.present_state(), True
+        good = self.record(grid, first, np.empty((intervals, 3, len(self.indices))))
+        self._may_begin_again = self.gave_up = False
+        if good == intervals:
+            self._begin_again(beginning, grid.time(first))
+        else:
+            beginning.restore()
+            self.resume(grid.time(first))
+
+    @property
+    def _is_rehearsed(self) -> bool:
+        return bool(self.looks_ahead and self.watch.stretches and self.watch.may_shorten)
 
     def change_step(self, h: float, time: float) -> None:
         """Prepare for steps of h [s] from the present state, at `time` [s]."""

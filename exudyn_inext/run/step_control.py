@@ -39,7 +39,7 @@ class _Log(ctypes.Structure):
             for name in ("frequency", "first", "present", "smallest", "offset", "gain")
         ),
         *((name, ctypes.c_int64) for name in ("divisor", "asked", "least", "beginnings", "quarters")),
-        *((name, ctypes.c_int64) for name in ("calm", "patience", "rejections", "steps")),
+        *((name, ctypes.c_int64) for name in ("calm", "patience", "rejections", "steps", "changed")),
     )
 
 
@@ -139,6 +139,7 @@ class StepControl:
     present: step that the system is prepared for [s].   offset: of the present state in its interval [s].
     divisor: what the nominal step is divided by, `least` at least; the motion `asked` for as much or less.
     beginnings: how often the run has begun again.
+    changed: interval of the loop before which functions have changed something last.
     """
 
     smallest: float = _logged("smallest")
@@ -149,6 +150,7 @@ class StepControl:
     divisor: int = _logged("divisor")
     least: int = _logged("least")
     beginnings: int = _logged("beginnings")
+    changed: int = _logged("changed")
 
     def __init__(self, follower: FrequencyFollower | None = None, rejects: bool = True) -> None:
         self.follower = follower
