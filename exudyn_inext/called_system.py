@@ -155,10 +155,9 @@ def _table_of(system: Any) -> tuple[np.ndarray, Structure]:
     if id(system) in _TABLES:
         reference, structure = _TABLES[id(system)]
         return reference(), structure
-    structure = structure_of(system)
-    table = np.zeros(MOST_PROTOCOLS + -(-structure.size // INTEGER.itemsize), INTEGER)
-    functions, memory = table[:MOST_PROTOCOLS], table[MOST_PROTOCOLS:]
-    memory[:] = list(words_of(system))
+    structure, words = structure_of(system), words_of(system)
+    assert len(words) == -(-structure.size // INTEGER.itemsize)
+    functions = np.array([0] * MOST_PROTOCOLS + words, INTEGER)[:MOST_PROTOCOLS]
     _TABLES[id(system)] = weakref.ref(functions), structure
     weakref.finalize(functions, _forget, id(system), system).atexit = False
     return functions, structure

@@ -493,17 +493,13 @@ class Structure:
         return int(context.get_abi_sizeof(context.get_value_type(self.kind)))
 
 
-def words_of(value: Any) -> Iterator[int]:
+def words_of(value: Any) -> list[int]:
     """A value as compiled code holds it in memory, in words of eight bytes, without references to it."""
+    if isinstance(value, np.ndarray):
+        return [0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides]
     if isinstance(value, tuple):
-        for one in value:
-            yield from words_of(one)
-    elif isinstance(value, np.ndarray):
-        yield from (0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides)
-    elif isinstance(value, float):
-        yield from np.array([value]).view(np.int64).tolist()
-    else:
-        yield int(value)
+        return [word for one in value for word in words_of(one)]
+    return np.array([value]).view(np.int64).tolist() if isinstance(value, float) else [int(value)]
 
 
 def structure_of(value: Any) -> Structure:
