@@ -14,19 +14,19 @@ import numpy as np
 
 from .compiled import c_function, inlined, inlined_kernel, kernel
 from .lowered import (
-    COUNT,
-    NUMBERS,
     REAL,
+    VECTOR,
     CompiledPart,
     Structure,
     address_of,
     call_at,
     entry_of,
-    numbers_at,
+    number_of,
     structure_of,
+    taken_apart,
     words_of,
 )
-from .system import REPORTED, accelerate_and_project, correct_position, index_reduced_rates, report_energy
+from .system import accelerate_and_project, correct_position, index_reduced_rates, report_energy
 
 MOST_PROTOCOLS = 10
 PLACES = (  # in tables; compiled code holds them: they must not depend on what is imported first
@@ -57,7 +57,7 @@ class Called(NamedTuple):
 class _Entry(NamedTuple):
     """How a protocol is called by address.
 
-    place: in `Called.functions`.   function: of the address of a system, and of what `kinds` says.
+    place: in `Called.functions`.   function: see `address_of`.   kinds: types of its arguments.
     """
 
     place: int
@@ -68,18 +68,18 @@ class _Entry(NamedTuple):
 _ENTRIES: dict[Any, _Entry] = {}
 
 
-def by_address(protocol: Any, *kinds: Any) -> Callable[[Any], int]:
-    """Let a protocol be called by address, through the decorated function; gives its place in the table.
+def by_address(protocol: Any, *kinds: Any) -> int:
+    """Let a protocol be called by address; gives its place in the table.
 
-    kinds: types of its arguments, but for the first one, `system`: an array with one system.
+    kinds: types of its arguments, but for the first one, `system`.
     """
 
-    def register(function: Any) -> int:
-        place = PLACES.index(protocol.__name__)
-        _ENTRIES[protocol] = _Entry(place, c_function(function), kinds)
-        return place
+    def function(system, given):
+        return number_of(protocol(system[0], *taken_apart(given)))
 
-    return register
+    place = PLACES.index(protocol.__name__)
+    _ENTRIES[protocol] = _Entry(place, c_function(function), kinds)
+    return place
 
 
 def calls(protocol: Any) -> Callable[[Any], Any]:
@@ -155,10 +155,9 @@ def _table_of(system: Any) -> tuple[np.ndarray, Structure]:
     if id(system) in _TABLES:
         reference, structure = _TABLES[id(system)]
         return reference(), structure
-    structure = structure_of(system)
-    table = np.zeros(MOST_PROTOCOLS + -(-structure.size // INTEGER.itemsize), INTEGER)
-    functions, memory = table[:MOST_PROTOCOLS], table[MOST_PROTOCOLS:]
-    memory[:] = list(words_of(system))
+    structure, words = structure_of(system), words_of(system)
+    assert len(words) == -(-structure.size // INTEGER.itemsize)
+    functions = np.array([0] * MOST_PROTOCOLS + words, INTEGER)[:MOST_PROTOCOLS]
     _TABLES[id(system)] = weakref.ref(functions), structure
     weakref.finalize(functions, _forget, id(system), system).atexit = False
     return functions, structure
@@ -257,98 +256,36 @@ def kernel_behind(function: Any) -> Any:
 
 
 @inlined
-def call_protocol(system, place, arguments, output):
-    """What the function of a protocol returns; if there is none, `output` is no number any more."""
+def call_protocol(system, place, arguments):
+    """What the function of a protocol returns; if there is none, the last argument is no number any more."""
     address = system.functions[place]
     if address == 0:
-        output[0] = np.nan
+        arguments[-1][0] = np.nan
         return np.nan
-    return call_at(address, (system.address, *arguments))
+    return call_at(address, system.address, arguments)
 
 
-_EVALUATION = COUNT, COUNT, NUMBERS, NUMBERS, NUMBERS
-
-
-@by_address(index_reduced_rates, *_EVALUATION, NUMBERS, NUMBERS)
-def RATES(system, size, inputs, external, q, v, acceleration, rate):
-    index_reduced_rates(
-        system[0],
-        numbers_at(external, inputs),
-        numbers_at(q, size),
-        numbers_at(v, size),
-        numbers_at(acceleration, size),
-        numbers_at(rate, size),
-    )
-    return 0.0
+RATES = by_address(index_reduced_rates, *[VECTOR] * 5)
+ACCELERATION = by_address(accelerate_and_project, VECTOR, VECTOR, VECTOR, REAL, VECTOR, VECTOR)
+CORRECTION = by_address(correct_position, VECTOR, VECTOR, REAL, REAL, VECTOR)
+REPORT_ENERGY = by_address(report_energy, *[VECTOR] * 6)
 
 
 @calls(index_reduced_rates)
 def rates_of_called(system, external, q, v, acceleration, rate):
-    state = len(q), len(external), external.ctypes.data, q.ctypes.data, v.ctypes.data
-    call_protocol(system, RATES, (*state, acceleration.ctypes.data, rate.ctypes.data), acceleration)
-
-
-@by_address(accelerate_and_project, *_EVALUATION, REAL, NUMBERS, NUMBERS)
-def ACCELERATION(system, size, inputs, external, q, v, duration, acceleration, end_velocity):
-    accelerate_and_project(
-        system[0],
-        numbers_at(external, inputs),
-        numbers_at(q, size),
-        numbers_at(v, size),
-        duration,
-        numbers_at(acceleration, size),
-        numbers_at(end_velocity, size),
-    )
-    return 0.0
+    call_protocol(system, RATES, (external, q, v, acceleration, rate))
 
 
 @calls(accelerate_and_project)
 def accelerate_called(system, external, q, v, duration, acceleration, end_velocity):
-    state = len(q), len(external), external.ctypes.data, q.ctypes.data, v.ctypes.data
-    outputs = acceleration.ctypes.data, end_velocity.ctypes.data
-    call_protocol(system, ACCELERATION, (*state, duration, *outputs), acceleration)
-
-
-@by_address(correct_position, COUNT, COUNT, NUMBERS, NUMBERS, REAL, REAL, NUMBERS)
-def CORRECTION(system, size, inputs, external, q, tolerance, learning, correction):
-    return correct_position(
-        system[0],
-        numbers_at(external, inputs),
-        numbers_at(q, size),
-        tolerance,
-        learning,
-        numbers_at(correction, size),
-    )
+    call_protocol(system, ACCELERATION, (external, q, v, duration, acceleration, end_velocity))
 
 
 @calls(correct_position)
 def correct_called(system, external, q, tolerance, learning, correction):
-    places = len(q), len(external), external.ctypes.data, q.ctypes.data
-    return call_protocol(
-        system, CORRECTION, (*places, tolerance, learning, correction.ctypes.data), correction
-    )
-
-
-@by_address(report_energy, *_EVALUATION, NUMBERS, NUMBERS, NUMBERS)
-def REPORT_ENERGY(system, size, inputs, external, q, v, a, force, energy_report):
-    report_energy(
-        system[0],
-        numbers_at(external, inputs),
-        numbers_at(q, size),
-        numbers_at(v, size),
-        numbers_at(a, size),
-        numbers_at(force, size),
-        numbers_at(energy_report, REPORTED),
-    )
-    return 0.0
+    return call_protocol(system, CORRECTION, (external, q, tolerance, learning, correction))
 
 
 @calls(report_energy)
 def report_energy_called(system, external, q, v, a, force, energy_report):
-    state = len(q), len(external), external.ctypes.data, q.ctypes.data, v.ctypes.data
-    call_protocol(
-        system,
-        REPORT_ENERGY,
-        (*state, a.ctypes.data, force.ctypes.data, energy_report.ctypes.data),
-        energy_report,
-    )
+    call_protocol(system, REPORT_ENERGY, (external, q, v, a, force, energy_report))

@@ -27,7 +27,7 @@ from numba.core.compiler import Compiler, Flags
 from numba.core.registry import CPUDispatcher, cpu_target
 from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
-from numba.core.types.containers import UniTuple
+from numba.core.types.containers import BaseTuple, UniTuple
 from numba.core.types.misc import CPointer, unliteral
 from numba.extending import intrinsic, lower_builtin, type_callable
 
@@ -431,47 +431,82 @@ def _array_on_stack(context, builder, signature, _arguments):
     return array._getvalue()
 
 
-COUNT, REAL, NUMBERS = types.intp, types.float64, CPointer(types.float64)
-"""Types of what functions that are called by address take: how many, one number, the first of several."""
+COUNT, REAL, VECTOR = types.intp, types.float64, types.Array(types.float64, 1, "C")
+"""Types of arguments of functions that are called by address."""
+
+
+def _handed_over(kinds: Any) -> Any:
+    """The type of all arguments together: of a vector its first number's address, and how many there are."""
+    of_vector = CPointer(types.float64), types.intp
+    parts = [of_vector if isinstance(kind, types.Array) else (unliteral(kind),) for kind in kinds]
+    return BaseTuple.from_types([one for part in parts for one in part])
 
 
 @intrinsic
-def call_at(_context, address, arguments):
-    """The number that a function returns, which lies at an address.
+def call_at(_context, address, system, arguments):
+    """The number that a function returns, which lies at an address, see `address_of`.
 
-    arguments: tuple of numbers and addresses of arrays, as the function was compiled for, see `address_of`.
+    system: address of the first argument.   arguments: tuple of the others, numbers and vectors.
     """
+    kind = _handed_over(arguments.types)
 
     def generate(context, builder, _signature, values):
-        kinds = [context.get_value_type(kind) for kind in arguments.types]
-        function = ir.FunctionType(ir.DoubleType(), kinds).as_pointer()
-        taken = [builder.extract_value(values[1], place) for place in range(len(kinds))]
-        return builder.call(builder.inttoptr(values[0], function), taken)
+        given = []
+        for place, own in enumerate(arguments.types):
+            value = builder.extract_value(values[2], place)
+            array = context.make_array(own)(context, builder, value) if isinstance(own, types.Array) else None
+            given += [value] if array is None else [array.data, array.nitems]
+        whole = context.make_tuple(builder, kind, given)
+        function = ir.FunctionType(ir.DoubleType(), [cgutils.voidptr_t, whole.type]).as_pointer()
+        first = builder.inttoptr(values[1], cgutils.voidptr_t)
+        return builder.call(builder.inttoptr(values[0], function), [first, whole])
 
-    return types.float64(address, arguments), generate
+    return types.float64(address, system, arguments), generate
 
 
 @intrinsic
-def numbers_at(_context, first, size):
-    """(size,) numbers, the first of which lies at an address."""
-    kind = types.Array(types.float64, 1, "C")
+def taken_apart(_context, given):
+    """The tuple of arguments that `call_at` has handed over."""
+    rest = iter(given.types)
+    kinds = [VECTOR if isinstance(kind, CPointer) and next(rest) else kind for kind in rest]
+    result = BaseTuple.from_types(kinds)
 
     def generate(context, builder, _signature, values):
-        array = context.make_array(kind)(context, builder)
-        stride = [context.get_constant(types.intp, NUMBER_BYTES)]
-        itemsize = context.get_constant(types.intp, NUMBER_BYTES)
-        context.populate_array(
-            array, data=values[0], shape=[values[1]], strides=stride, itemsize=itemsize, meminfo=None
-        )
-        return array._getvalue()
+        parts = (builder.extract_value(values[0], place) for place in range(len(given.types)))
+        arguments = []
+        for kind in kinds:
+            value = next(parts)
+            if kind == VECTOR:
+                array, size = context.make_array(kind)(context, builder), next(parts)
+                stride = context.get_constant(types.intp, NUMBER_BYTES)
+                places = {"shape": [size], "strides": [stride], "itemsize": stride}
+                context.populate_array(array, data=value, meminfo=None, **places)
+                value = array._getvalue()
+            arguments.append(value)
+        return context.make_tuple(builder, result, arguments)
 
-    return kind(first, size), generate
+    return result(given), generate
 
 
-def address_of(function: Any, *kinds: Any) -> int:
-    """Address of the machine code of a kernel for arguments of these types."""
-    function.compile(kinds)
-    compiled = function.overloads[kinds]
+@intrinsic
+def number_of(_context, returned):
+    """What a function has returned, or 0 if that is nothing."""
+    is_nothing = isinstance(returned, types.NoneType)
+
+    def generate(context, _builder, _signature, values):
+        return context.get_constant(types.float64, 0.0) if is_nothing else values[0]
+
+    return types.float64(returned), generate
+
+
+def address_of(function: Any, system: Any, *kinds: Any) -> int:
+    """Address of the machine code of f(system, given), `given` as `call_at` hands arguments over.
+
+    system: type of it.   kinds: types of the arguments.
+    """
+    signature = system, _handed_over(kinds)
+    function.compile(signature)
+    compiled = function.overloads[signature]
     return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name))
 
 
@@ -493,17 +528,13 @@ class Structure:
         return int(context.get_abi_sizeof(context.get_value_type(self.kind)))
 
 
-def words_of(value: Any) -> Iterator[int]:
+def words_of(value: Any) -> list[int]:
     """A value as compiled code holds it in memory, in words of eight bytes, without references to it."""
+    if isinstance(value, np.ndarray):
+        return [0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides]
     if isinstance(value, tuple):
-        for one in value:
-            yield from words_of(one)
-    elif isinstance(value, np.ndarray):
-        yield from (0, 0, value.size, value.itemsize, value.ctypes.data, *value.shape, *value.strides)
-    elif isinstance(value, float):
-        yield from np.array([value]).view(np.int64).tolist()
-    else:
-        yield int(value)
+        return [word for one in value for word in words_of(one)]
+    return np.array([value]).view(np.int64).tolist() if isinstance(value, float) else [int(value)]
 
 
 def structure_of(value: Any) -> Structure:

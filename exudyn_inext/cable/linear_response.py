@@ -4,7 +4,7 @@ from typing import Any
 
 from ..called_system import by_address, call_protocol, calls, has_nothing, implements
 from ..compiled import inlined, protocol
-from ..lowered import COUNT, NUMBERS, numbers_at
+from ..lowered import COUNT, VECTOR
 from .assembly import add_lagging_damping
 from .chain import Chain
 from .index_reduction import ACCELERATION, CableSystem, solve_one
@@ -31,16 +31,12 @@ def respond(system, first, force, response):
     """
 
 
-@by_address(respond, COUNT, COUNT, NUMBERS, NUMBERS)
-def RESPONSE(system, first, size, force, response):
-    respond(system[0], first, numbers_at(force, size), numbers_at(response, size))
-    return 0.0
+RESPONSE = by_address(respond, COUNT, VECTOR, VECTOR)
 
 
 @calls(respond)
 def respond_called(system, first, force, response):
-    outputs = force.ctypes.data, response.ctypes.data
-    call_protocol(system, RESPONSE, (first, len(force), *outputs), response)
+    call_protocol(system, RESPONSE, (first, force, response))
 
 
 @protocol
@@ -56,15 +52,12 @@ def improve_damping(system, q, x):
     """
 
 
-@by_address(improve_damping, COUNT, NUMBERS, NUMBERS)
-def DAMPING(system, size, q, x):
-    improve_damping(system[0], numbers_at(q, size), numbers_at(x, size))
-    return 0.0
+DAMPING = by_address(improve_damping, VECTOR, VECTOR)
 
 
 @calls(improve_damping)
 def improve_damping_called(system, q, x):
-    call_protocol(system, DAMPING, (len(q), q.ctypes.data, x.ctypes.data), x)
+    call_protocol(system, DAMPING, (q, x))
 
 
 def leave_to_joints(system: Any, joined: bool) -> bool:

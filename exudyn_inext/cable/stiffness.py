@@ -3,7 +3,7 @@
 from ..called_system import by_address, call_protocol, calls, implements
 from ..compiled import called_kernel, inlined, protocol
 from ..element.inextensibility import length_gradient
-from ..lowered import COUNT, NUMBERS, local_array, numbers_at
+from ..lowered import VECTOR, local_array
 from .assembly import add_elastic_force, add_element_force, differences
 from .index_reduction import CableSystem
 from .linear_response import add_link_stiffness
@@ -37,27 +37,12 @@ def apply_stiffness(system, nodal, length, links, q, x, memory, y):
     """
 
 
-@by_address(apply_stiffness, COUNT, COUNT, COUNT, COUNT, *[NUMBERS] * 7)
-def STIFFNESS(system, nodes, elements, m, size, nodal, length, links, q, x, memory, y):
-    apply_stiffness(
-        system[0],
-        numbers_at(nodal, nodes),
-        numbers_at(length, elements),
-        numbers_at(links, m),
-        numbers_at(q, size),
-        numbers_at(x, size),
-        numbers_at(memory, 2 * size),
-        numbers_at(y, size),
-    )
-    return 0.0
+STIFFNESS = by_address(apply_stiffness, *[VECTOR] * 7)
 
 
 @calls(apply_stiffness)
 def apply_stiffness_of_called(system, nodal, length, links, q, x, memory, y):
-    sizes = len(nodal), len(length), len(links), len(q)
-    multipliers = nodal.ctypes.data, length.ctypes.data, links.ctypes.data
-    vectors = q.ctypes.data, x.ctypes.data, memory.ctypes.data, y.ctypes.data
-    call_protocol(system, STIFFNESS, (*sizes, *multipliers, *vectors), y)
+    call_protocol(system, STIFFNESS, (nodal, length, links, q, x, memory, y))
 
 
 @inlined

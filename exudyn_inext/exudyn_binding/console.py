@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from typing import Any
 
 import exudyn
@@ -60,15 +60,9 @@ def quiet_settings(end_time: float, steps: int, period: float) -> Any:
     return settings
 
 
-@contextmanager
-def silence() -> Iterator[None]:
+def silence() -> AbstractContextManager[None]:
     """Keep Exudyn's notes and failure reports off the console; errors still come as exceptions."""
-    before = exudyn.config.printToConsole
-    exudyn.config.printToConsole = False
-    try:
-        yield
-    finally:
-        exudyn.config.printToConsole = before
+    return changed([(exudyn.config, "printToConsole", False)])
 
 
 _OF_NEWTON = 2 | 4 | 8  # flags of stepInformation: iterations and Jacobians, of which there are none

@@ -20,7 +20,7 @@ class Integrator:
     stages: abscissae within a step, in steps, at which loads are needed; 1.0 is its end.
     evaluations: scheme -> number of evaluations of the accelerations in a step; the last one is at its end.
     scheme: NamedTuple type of its parameters, with defaults.
-    allocate: (n_dof, n_external) -> state (NamedTuple of arrays with fields q, v, a, external at least).
+    state: NamedTuple type of its arrays, with fields q, v, a, external at least.
     start: (system, external, state): sets all but q and v of the state; external (n_dof,).
     calls: protocols of `system` that `advance` calls.
     carries: fields of the state that a step needs besides q and v, and does not compute from them.
@@ -38,7 +38,7 @@ class Integrator:
     stages: tuple[float, ...]
     evaluations: Callable[[Any], int]
     scheme: type[Any]
-    allocate: Callable[[int, int], Any]
+    state: type[Any]
     start: Callable[..., None]
     calls: tuple[Any, ...]
     carries: tuple[str, ...] = ()
@@ -48,6 +48,11 @@ class Integrator:
     resume: Callable[..., None] = lambda system, external, state: None
     checked: Callable[[Any], Any] = lambda scheme: scheme
     trouble: Callable[[Any, Any], str] = lambda scheme, state: ""
+
+    def allocate(self, n_dof: int, n_external: int) -> Any:
+        """A state of zeros: `external` (n_external,), the `residual` of iterations (1,), others (n_dof,)."""
+        sizes = {"external": n_external, "residual": 1}
+        return self.state(*[np.zeros(sizes.get(field, n_dof)) for field in self.state._fields])
 
 
 NO_WORK = np.zeros((0, 5))
@@ -135,15 +140,6 @@ def external_force(loads, step, stage, external):
         if factor[step, stage, p] != 0.0:  # as those of most loads that pass by
             for i in range(len(external)):
                 external[i] += factor[step, stage, p] * pattern[p, i]
-
-
-def allocate_state(state_type: Any, n_dof: int, n_external: int) -> Any:
-    """A state of that NamedTuple type, all zero: `external` (n_external,), the others (n_dof,).
-
-    A scheme that iterates keeps its `residual` (1,).
-    """
-    sizes = {"external": n_external, "residual": 1}
-    return state_type(*[np.zeros(sizes.get(field, n_dof)) for field in state_type._fields])
 
 
 def remembered(state: Any) -> dict[str, Array]:

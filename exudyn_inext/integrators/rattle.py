@@ -20,7 +20,7 @@ from ..called_system import implements, takes_any_system
 from ..checks import require_integer, require_positive
 from ..compiled import inlined_kernel
 from ..system import accelerate_and_project, correct_position
-from .integrator import Integrator, advance, allocate_state, external_force, store
+from .integrator import Integrator, advance, external_force, store
 
 MOST_ITERATIONS = 1_000_000
 
@@ -57,11 +57,6 @@ class RattleState(NamedTuple):
     external: Array
     correction: Array
     residual: Array
-
-
-def allocate(n_dof: int, n_external: int) -> RattleState:
-    """State with all arrays zero: external (n_external,), the others (n_dof,)."""
-    return allocate_state(RattleState, n_dof, n_external)
 
 
 @takes_any_system(accelerate_and_project)
@@ -135,7 +130,7 @@ INTEGRATOR = Integrator(
     stages=(1.0,),
     evaluations=lambda scheme: 1,
     scheme=Rattle,
-    allocate=allocate,
+    state=RattleState,
     start=start,
     calls=(accelerate_and_project, correct_position),
     carries=("a",),

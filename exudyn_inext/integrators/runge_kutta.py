@@ -11,7 +11,7 @@ from ..called_system import implements, takes_any_system
 from ..checks import require_choice
 from ..compiled import inlined_kernel
 from ..system import index_reduced_rates
-from .integrator import Integrator, advance, allocate_state, external_force, store
+from .integrator import Integrator, advance, external_force, store
 
 WEIGHTS = (1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0)
 ABSCISSAE = (0.5, 0.5, 1.0, 1.0)  # where the evaluation after each stage takes place
@@ -41,11 +41,6 @@ class RungeKuttaState(NamedTuple):
     v_stage: Array
     q_sum: Array
     v_sum: Array
-
-
-def allocate(n_dof: int, n_external: int) -> RungeKuttaState:
-    """State with all arrays zero: external (n_external,), the others (n_dof,)."""
-    return allocate_state(RungeKuttaState, n_dof, n_external)
 
 
 @takes_any_system(index_reduced_rates)
@@ -87,7 +82,7 @@ INTEGRATOR = Integrator(
     stages=(0.5, 1.0),
     evaluations=lambda scheme: 4,
     scheme=RungeKutta4,
-    allocate=allocate,
+    state=RungeKuttaState,
     start=start,
     calls=(index_reduced_rates,),
     checked=checked,

@@ -17,7 +17,7 @@ from ..called_system import implements, takes_any_system
 from ..checks import require_finite, require_flag
 from ..compiled import inlined_kernel
 from ..system import index_reduced_rates
-from .integrator import Integrator, advance, allocate_state, external_force, store
+from .integrator import Integrator, advance, external_force, store
 
 
 class Zhai(NamedTuple):
@@ -58,11 +58,6 @@ class ZhaiState(NamedTuple):
     external: Array
     q_start: Array
     v_start: Array
-
-
-def allocate(n_dof: int, n_external: int) -> ZhaiState:
-    """State with all arrays zero: external (n_external,), the others (n_dof,)."""
-    return allocate_state(ZhaiState, n_dof, n_external)
 
 
 @takes_any_system(index_reduced_rates)
@@ -119,7 +114,7 @@ INTEGRATOR = Integrator(
     stages=(1.0,),
     evaluations=lambda scheme: 1 + scheme.corrector,
     scheme=Zhai,
-    allocate=allocate,
+    state=ZhaiState,
     start=start,
     calls=(index_reduced_rates,),
     carries=("a_previous",),

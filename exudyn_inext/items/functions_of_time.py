@@ -12,6 +12,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from ..run.fingerprint import all_codes
 from ..run.settings import SAY_OF_TIME
 
 _TRUSTED = {"numpy", "math", "cmath", "scipy"}
@@ -286,13 +287,6 @@ def _stored_in(module: dict[str, Any]) -> set[str]:
             read = found.outer if found.stores else ()
             names |= found.assigned | {name for name in read if isinstance(module.get(name), _CONTAINERS)}
     return names
-
-
-@lru_cache(maxsize=256)
-def all_codes(code: CodeType) -> tuple[CodeType, ...]:
-    """The code, and what is defined within it."""
-    inner = [const for const in code.co_consts if isinstance(const, CodeType)]
-    return code, *(found for const in inner for found in all_codes(const))
 
 
 def _is_pure_value(name: str, value: Any) -> bool:

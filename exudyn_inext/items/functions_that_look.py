@@ -19,7 +19,8 @@ from typing import Any
 import exudyn
 import numpy as np
 
-from .functions_of_time import all_codes, known_to, package_of, step_functions
+from ..run.fingerprint import all_codes
+from .functions_of_time import known_to, package_of, step_functions
 
 _TRUSTED = {"builtins", "numpy", "math", "exudyn"}
 _NAMES = """

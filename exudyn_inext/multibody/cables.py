@@ -20,7 +20,7 @@ from ..called_system import (
     provide,
 )
 from ..compiled import inlined, protocol
-from ..lowered import COUNT, NUMBERS, numbers_at
+from ..lowered import COUNT, VECTOR
 from ..system import accelerate_and_project, correct_position, index_reduced_rates, report_energy
 from .nodes import copy_chain
 
@@ -170,23 +170,12 @@ def show_matrix(system, first, block, basis, free):
     """
 
 
-@by_address(show_matrix, COUNT, COUNT, NUMBERS, NUMBERS, NUMBERS)
-def MATRIX(system, first, number, block, basis, free):
-    dim = len(system[0].chain.axes)
-    show_matrix(
-        system[0],
-        first,
-        numbers_at(block, number * 8 * dim * dim),
-        numbers_at(basis, number * dim * (dim - 1)),
-        numbers_at(free, 2 * number),
-    )
-    return 0.0
+MATRIX = by_address(show_matrix, COUNT, VECTOR, VECTOR, VECTOR)
 
 
 @calls(show_matrix)
 def show_matrix_of_called(system, first, block, basis, free):
-    outputs = block.ctypes.data, basis.ctypes.data, free.ctypes.data
-    call_protocol(system, MATRIX, (first, len(free) // 2, *outputs), block)
+    call_protocol(system, MATRIX, (first, block, basis, free))
 
 
 @implements(show_matrix, CableSystem)

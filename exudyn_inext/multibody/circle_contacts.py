@@ -119,9 +119,9 @@ has_nothing(NoContacts, add_contacts, finish_contacts, recall_contacts)
 
 
 @inlined
-def _combine(contact, weights, x, i):
-    """Component i of the weighted sum of coordinates x (n,)."""
-    one, other = contact.nodes[0], contact.nodes[1]
+def combine(nodes, weights, x, i):
+    """Component i of the weighted sum of coordinates x (n,) of an element's nodes."""
+    one, other = nodes[0], nodes[1]
     left = weights[0] * x[one + i] + weights[1] * x[one + 2 + i]
     return left + weights[2] * x[other + i] + weights[3] * x[other + 2 + i]
 
@@ -132,9 +132,9 @@ def _place_ends(contact, ends, q):
     for e in range(len(ends)):
         end = ends[e]
         for i in range(2):
-            end.x[0, i] = _combine(contact, end.weights[0], q, i)
+            end.x[0, i] = combine(contact.nodes, end.weights[0], q, i)
         if contact.height != 0.0:
-            x, y = _combine(contact, end.weights[1], q, 0), _combine(contact, end.weights[1], q, 1)
+            x, y = combine(contact.nodes, end.weights[1], q, 0), combine(contact.nodes, end.weights[1], q, 1)
             raised = contact.height / np.sqrt(x * x + y * y)
             end.slope[0], end.slope[1] = x, y
             end.x[0, 0] -= raised * y
@@ -147,9 +147,9 @@ def _move_ends(contact, ends, v, order):
     for e in range(len(ends)):
         end = ends[e]
         for i in range(2):
-            end.x[order, i] = _combine(contact, end.weights[0], v, i)
+            end.x[order, i] = combine(contact.nodes, end.weights[0], v, i)
         if contact.height != 0.0:
-            u, w = _combine(contact, end.weights[1], v, 0), _combine(contact, end.weights[1], v, 1)
+            u, w = combine(contact.nodes, end.weights[1], v, 0), combine(contact.nodes, end.weights[1], v, 1)
             x, y = end.slope[0], end.slope[1]
             square = x * x + y * y
             turning = contact.height * (x * w - y * u) / (square * np.sqrt(square))

@@ -31,7 +31,7 @@ from ..called_system import has_nothing, implements
 from ..compiled import inlined
 from ..lowered import local_array
 from .cables import one_chain, provides
-from .circle_contacts import add_contacts, finish_contacts, recall_contacts
+from .circle_contacts import add_contacts, combine, finish_contacts, recall_contacts
 from .implicit_contacts import (
     AGAIN,
     CONTACT,
@@ -130,21 +130,13 @@ def general_contacts(records: Any, elements: Any, weights: Array) -> GeneralCont
 
 
 @inlined
-def _combine(nodes, weights, x, i):
-    """Component i of the weighted sum of coordinates x (n,)."""
-    one, other = nodes[0], nodes[1]
-    left = weights[0] * x[one + i] + weights[1] * x[one + 2 + i]
-    return left + weights[2] * x[other + i] + weights[3] * x[other + 2 + i]
-
-
-@inlined
 def _place_ends(element, ends, q):
     """Positions, and the box around them."""
     box = element.box
     for e in range(len(ends)):
         end = ends[e]
         for i in range(2):
-            x = _combine(element.nodes, end.weights, q, i)
+            x = combine(element.nodes, end.weights, q, i)
             end.x[0, i] = x
             box[0, i] = x if e == 0 else min(box[0, i], x)
             box[1, i] = x if e == 0 else max(box[1, i], x)
@@ -154,7 +146,7 @@ def _place_ends(element, ends, q):
 def _move_ends(element, ends, v):
     for e in range(len(ends)):
         for i in range(2):
-            ends[e].x[1, i] = _combine(element.nodes, ends[e].weights, v, i)
+            ends[e].x[1, i] = combine(element.nodes, ends[e].weights, v, i)
 
 
 @inlined
@@ -228,7 +220,7 @@ def _pull(pair, point, circle, normal, along, force):
 @inlined
 def _acceleration(pair, point, a, axis):
     """B a along n or t."""
-    u, w = _combine(pair.nodes, point.weights, a, 0), _combine(pair.nodes, point.weights, a, 1)
+    u, w = combine(pair.nodes, point.weights, a, 0), combine(pair.nodes, point.weights, a, 1)
     n = point.normal
     return u * n[0] + w * n[1] if axis == 0 else w * n[0] - u * n[1]
 

@@ -24,7 +24,7 @@ from ..cable.index_reduction import CableSystem
 from ..cable.linked_cable import LinkedCableSystem
 from ..called_system import by_address, call_protocol, calls, has_nothing, implements
 from ..compiled import inlined, optional, protocol
-from ..lowered import COUNT, NUMBERS, REAL, local_array, numbers_at
+from ..lowered import COUNT, REAL, VECTOR, local_array
 from .cables import Cables, one_chain, provides
 from .circle_contacts import NOW, Contacts, NoContacts, add_end, pull_by_masses
 
@@ -57,15 +57,12 @@ def add_contact(system, element, mass, row):
     """
 
 
-@by_address(add_contact, COUNT, REAL, NUMBERS)
-def CONTACT(system, element, mass, row):
-    add_contact(system[0], element, mass, numbers_at(row, 8))
-    return 0.0
+CONTACT = by_address(add_contact, COUNT, REAL, VECTOR)
 
 
 @calls(add_contact)
 def add_contact_of_called(system, element, mass, row):
-    call_protocol(system, CONTACT, (element, mass, row.ctypes.data), row)
+    call_protocol(system, CONTACT, (element, mass, row))
 
 
 @optional("contact")

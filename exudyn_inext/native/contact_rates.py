@@ -18,8 +18,7 @@ import scipy
 from ..arrays import Array
 from ..element.shape_functions import first_derivatives, shape_functions
 from ..errors import SceneError
-from ..run.joined_scene import OpenContacts
-from ..scene.closed_contacts import ClosedContacts
+from ..scene.open_contacts import OpenContacts
 from .coordinates import CoordinateMap
 from .native_items import state_kept
 
@@ -106,8 +105,8 @@ def open_contacts(
     stiffness *= np.repeat(np.concatenate([contact.is_open for contact in found]), 2)
     motion = _below_each_other(blocks, size)
     are_implicit = np.repeat([contact.is_implicit for contact in found], [2 * one.segments for one in found])
-    closed = ClosedContacts(motion, _of_others(motion, are_implicit, implicit), stiffness, damping)
-    return OpenContacts(closed, _name(found), STIFFNESSES, DAMPINGS)
+    damped, said = _of_others(motion, are_implicit, implicit), (_name(found), STIFFNESSES, DAMPINGS)
+    return OpenContacts(motion, damped, stiffness, damping, *said)
 
 
 def _of_others(motion: Any, are_implicit: np.ndarray, implicit: np.ndarray) -> Any:

@@ -13,11 +13,12 @@ from ..called_system import Bound
 from ..errors import SceneError
 from ..items.functions_of_time import is_of_time_alone, step_functions
 from ..run.cable_loads import CableLoads
-from ..run.joined_scene import EvaluatedScene, OpenContacts
+from ..run.joined_scene import EvaluatedScene
 from ..run.parts_in_one import CompiledParts
 from ..scene.bodies import BodiesSystem, MassBlock
 from ..scene.coupled_system import CoupledSystem, Part
 from ..scene.model import CableInScene, HeldCoordinate
+from ..scene.open_contacts import OpenContacts
 from ..scene.path_work import build_path
 from ..system import (
     ACCELERATION_ENERGY,

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -41,8 +41,10 @@ from ..system import (
     report_energy,
 )
 from .cable_loads import CableLoads
+from .coupled_watch import CoupledWatch
 from .load_functions import LoadFunctions, StateFunctions
 from .moved_offsets import MovedOffsets
+from .step_control import Piece
 
 FEW = 50  # states
 
@@ -145,23 +147,6 @@ def cables_of_scene(groups: Sequence[Systems], loads: Sequence[CableLoads]) -> C
     rest = iter(loads)
     inputs = [sum(len(next(rest).constant) for _ in alike) for _, alike in groups]
     return cables_in_a_row([system for system, _ in groups], inputs)
-
-
-class Steps(NamedTuple):
-    """Steps of h [s] by a scheme.   times: (steps, stages) of their evaluations [s].
-
-    have_one_evaluation: each of them.   done: number of steps in the history before.
-    history: (intervals, 3, n) output: total coordinates, velocities, accelerations at the ends of intervals.
-    in_interval: steps in one of these.
-    """
-
-    scheme: Any
-    h: float
-    times: Array
-    have_one_evaluation: bool
-    done: int
-    history: Array
-    in_interval: int
 
 
 class CompiledScene:
@@ -302,23 +287,27 @@ class CompiledScene:
         """Whether joints have moved through the last step."""
         return self._moved.moves
 
-    def take(self, steps: Steps, state: Any, work: Array, before: Array) -> None:
-        """Take steps.
-
-        Args:
-            steps: which.   state: of the integrator.   work: memory of that of whole steps.
-            before: (2, n) output: q and a before the last step.
+    def take(
+        self,
+        scheme: Any,
+        piece: Piece,
+        times: Array,
+        done: int,
+        history: Array,
+        state: Any,
+        watch: CoupledWatch,
+    ) -> None:
+        """Take steps of a piece by a scheme, see `MovedByExudyn.take`.   state: of the integrator.
 
         Raises:
             RedundantConstraintError: names a joint that depends on others.
         """
-        counting, loads = self.system.items.counting, self.loads.sample(steps.times)
-        counting[MODE] = EACH if steps.have_one_evaluation else ALL_BUT_FIRST
-        where = steps.done, steps.in_interval, steps.history
+        items = self.system.items
+        items.counting[MODE] = EACH if watch.has_one_evaluation else ALL_BUT_FIRST
         self._called = self._called or called(self.system, *self._calls)
-        given = self._called, self.system.items, loads, state
-        self._take_steps(steps.scheme, *given, steps.h, *where, work, before)
-        counting[MODE] = NOT_COUNTED
+        given, where = self.loads.sample(times), (piece.h, done, piece.in_interval, history)
+        self._take_steps(scheme, self._called, items, given, state, *where, watch.path, watch.before)
+        items.counting[MODE] = NOT_COUNTED
         self.require_independence()
         self._require_on_cables()
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..integrators.linear_stability import frequency_limit
+from ..scene.open_contacts import OpenContacts
 from ..scene.small_vibrations import (
     FastestRates,
     VibrationTracker,
@@ -20,7 +21,6 @@ from ..scene.small_vibrations import (
 from ..system import accelerate_and_project
 from .cable_run import CableRun
 from .divergence import explanation, listed
-from .joined_scene import OpenContacts
 from .mover import Mover, together
 from .paced_run import PacedRun
 from .redundancy import PULLED, held_straight
@@ -120,7 +120,7 @@ class LimitedRun(PacedRun):
             return FastestRates(0.0, 0.0)
         state, kept = (self.mover.given, self.state.q, self.state.v), self._fastest[1]
         with self._without_implicit_forces(self._time):
-            return self.contacts.closed.rates(*self._system_at(self._time), *state, kept)
+            return self.contacts.rates(*self._system_at(self._time), *state, kept)
 
     def largest_frequency(self, time: float) -> float:
         """w_max [rad/s] of small vibrations about the present configuration, joints included."""

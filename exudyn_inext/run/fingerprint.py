@@ -52,15 +52,15 @@ def strings_in(function: Callable[..., Any]) -> set[str]:
     """String constants in the code of a function."""
     inner = getattr(function, "func", getattr(function, "__func__", function))
     code = getattr(inner, "__code__", None) or getattr(type(inner).__call__, "__code__", None)
-    return set(_strings(code)) if code else set()
+    constants = [constant for one in all_codes(code) for constant in one.co_consts] if code else []
+    return {constant for constant in constants if isinstance(constant, str)}
 
 
-def _strings(code: CodeType) -> Iterator[str]:
-    for constant in code.co_consts:
-        if isinstance(constant, str):
-            yield constant
-        elif isinstance(constant, CodeType):
-            yield from _strings(constant)
+@lru_cache(maxsize=256)
+def all_codes(code: CodeType) -> tuple[CodeType, ...]:
+    """The code, and what is defined within it."""
+    inner = [const for const in code.co_consts if isinstance(const, CodeType)]
+    return code, *(found for const in inner for found in all_codes(const))
 
 
 def hash_of(*values: Any) -> str:
@@ -165,7 +165,7 @@ def _parts_of_function(function: FunctionType) -> _Parts:
     used |= (function.__kwdefaults__ or {}) | vars(function)
     if _is_installed(code.co_filename):
         return [_full_name(function)], used
-    return [code], used | dict(_globals(function, code))
+    return [code], used | dict(chain.from_iterable(_globals(function, one) for one in all_codes(code)))
 
 
 def _parts_of_instance(value: Any) -> _Parts:
@@ -216,9 +216,6 @@ def _globals(function: FunctionType, code: CodeType) -> Iterator[tuple[str, Any]
         if isinstance(value, ModuleType) and not _is_of_installed(value):
             read = [attribute for attribute in code.co_names if attribute in vars(value)]
             yield from ((f"{name}.{attribute}", vars(value)[attribute]) for attribute in read)
-    for constant in code.co_consts:
-        if isinstance(constant, CodeType):
-            yield from _globals(function, constant)
 
 
 def _is_of_installed(value: Any) -> bool:

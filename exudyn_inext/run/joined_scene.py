@@ -1,26 +1,10 @@
 """What a run needs to know of cables, bodies and joints that move together, whoever evaluates them."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
 
 from ..arrays import Array
-from ..scene.closed_contacts import ClosedContacts
-
-
-@dataclass(frozen=True, eq=False)
-class OpenContacts:
-    """All contacts that are open.   closed: what they do if they close.   name: of them, for messages.
-
-    stiffnesses, dampings: which parameters set them.
-    """
-
-    closed: ClosedContacts
-    name: str
-    stiffnesses: Sequence[str]
-    dampings: Sequence[str]
 
 
 class EvaluatedScene(Protocol):

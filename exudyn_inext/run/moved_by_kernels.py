@@ -10,7 +10,7 @@ from ..arrays import Array
 from ..errors import SceneError
 from ..integrators.integrator import Integrator
 from .cable_run import CableRun
-from .compiled_scene import ChangedItem, CompiledScene, Steps
+from .compiled_scene import ChangedItem, CompiledScene
 from .consistent_start import StartCorrection
 from .coupled_start import compiled_start, consistent_start
 from .coupled_watch import CoupledWatch
@@ -182,9 +182,7 @@ class MovedByKernels(Mover):
             if of_state:
                 way = state.v + 0.5 * h * state.a
                 of_state.look(state.q + h * way, state.v + h * state.a, float(own[0, -1]))
-            where = done + first, history, piece.in_interval
-            steps = Steps(self._scheme, h, own, watch.has_one_evaluation, *where)
-            self._form.take(steps, state, watch.path, watch.before)
+            self._form.take(self._scheme, piece, own, done + first, history, state, watch)
         self._scene.system.multipliers = self._form.multipliers
 
     def finish_piece(self, history: Array) -> None:

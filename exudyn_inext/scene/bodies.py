@@ -27,38 +27,23 @@ class MassBlock:
     mass: Array
 
 
-@dataclass(frozen=True, eq=False)
 class VariableBlocks:
-    """B blocks of one size whose masses change with the configuration.
+    """B blocks of one size whose masses change with the configuration; their solve Z F + w b has p . a = b.
 
-    dofs: (B, k).
-    quaternion: (B,) first of the four Euler parameters in the block, or -1.
-    reference: (B, 4) what their coordinates are displacements from.
-    """
-
-    dofs: np.ndarray
-    quaternion: np.ndarray
-    reference: Array
-
-
-class _Stack:
-    """Variable blocks and their solve: Z F + w b has p . a = b.
+    Args:
+        dofs: (B, k).   quaternion: (B,) first of the four Euler parameters in the block, or -1.
+        reference: (B, 4) what their coordinates are displacements from.
 
     mass: (B, k, k) M now.   mass_before: (B, k, k) when its change was counted last.
     normal: (B, k) dc/dq.   inverse: (B, k, k) Z.   lever: (B, k) w.   target: (B,) b.
     drift_correction: (B,) what b lacked in the last step of a position-level scheme.
     """
 
-    def __init__(self, blocks: VariableBlocks) -> None:
-        number, size = blocks.dofs.shape
-        self.blocks = blocks
-        self.mass = np.zeros((number, size, size))
-        self.mass_before = np.zeros((number, size, size))
-        self.normal = np.zeros((number, size))
-        self.inverse = np.zeros((number, size, size))
-        self.lever = np.zeros((number, size))
-        self.target = np.zeros(number)
-        self.drift_correction = np.zeros(number)
+    def __init__(self, dofs: np.ndarray, quaternion: np.ndarray, reference: Array) -> None:
+        self.dofs, self.quaternion, self.reference = dofs, quaternion, reference
+        self.mass, self.mass_before, self.inverse = np.zeros((3, *dofs.shape, dofs.shape[1]))
+        self.normal, self.lever = np.zeros((2, *dofs.shape))
+        self.target, self.drift_correction = np.zeros((2, len(dofs)))
 
 
 class BodiesSystem:
@@ -80,7 +65,7 @@ class BodiesSystem:
         variable: Sequence[VariableBlocks] = (),
         zeta: float = 0.0,
     ) -> None:
-        self._stacks = [_Stack(blocks) for blocks in variable]
+        self._variable = variable
         self._size = size
         self.set_constant(constant)
         self.bodies = np.arange(size)
@@ -96,16 +81,16 @@ class BodiesSystem:
 
     def set_masses(self, stack: int, masses: Array, q: Array) -> None:
         """Masses (B, k, k), overwritten, of the variable blocks of one size in the configuration q (n,)."""
-        s = self._stacks[stack]
+        s = self._variable[stack]
         s.mass[:] = masses
-        _set_normals(s.blocks.dofs, s.blocks.quaternion, s.blocks.reference, q, s.normal)
+        _set_normals(s.dofs, s.quaternion, s.reference, q, s.normal)
         _invert(masses, s.normal, s.inverse, s.lever)
 
     def kinetic_energy(self, v: Array) -> float:
         """v . M v / 2 [J] with the masses at present.   v: (n,)."""
         twice = float(v @ (self._constant_mass @ v))
-        for s in self._stacks:
-            rates = v[s.blocks.dofs]
+        for s in self._variable:
+            rates = v[s.dofs]
             twice += float(np.einsum("bi,bij,bj->", rates, s.mass, rates))
         return 0.5 * twice
 
@@ -113,14 +98,14 @@ class BodiesSystem:
     def mass(self) -> SparseArray:
         """(n, n) at present."""
         total = scipy.sparse.csr_array(self._constant_mass)
-        blocks = [MassBlock(*one) for s in self._stacks for one in zip(s.blocks.dofs, s.mass, strict=True)]
+        blocks = [MassBlock(*one) for s in self._variable for one in zip(s.dofs, s.mass, strict=True)]
         return scipy.sparse.csr_array(
             total + scipy.sparse.csr_array(_matrix_of_blocks(total.shape[0], blocks))
         )
 
     def begin_changes(self) -> None:
         """Count changes from the masses at present on."""
-        for s in self._stacks:
+        for s in self._variable:
             s.mass_before[:] = s.mass
 
     def count_changes(self, way: Array, total: Array) -> None:
@@ -128,37 +113,37 @@ class BodiesSystem:
 
         way: (n,) of the bodies meanwhile.
         """
-        for s in self._stacks:
-            _count_changes(s.blocks.dofs, s.mass, s.mass_before, way, total)
+        for s in self._variable:
+            _count_changes(s.dofs, s.mass, s.mass_before, way, total)
 
     def masses_before(self) -> dict[str, Array]:
         """(B, k, k) since when changes are counted, for each size of blocks."""
-        return {str(number): s.mass_before for number, s in enumerate(self._stacks)}
+        return {str(number): s.mass_before for number, s in enumerate(self._variable)}
 
     def solve(self, force: Array) -> Array:
         """Z F + w b with the targets b that are set.   force: (n,) [N, Nm]."""
         result: Array = self._constant @ force
-        for s in self._stacks:
-            _apply(s.blocks.dofs, s.inverse, s.lever, s.target, force[np.newaxis], result[np.newaxis])
+        for s in self._variable:
+            _apply(s.dofs, s.inverse, s.lever, s.target, force[np.newaxis], result[np.newaxis])
         return result
 
     def responses(self, forces: Array) -> Array:
         """Z F for rows F of forces (rows, n)."""
         result = np.ascontiguousarray((self._constant @ forces.T).T)
-        for s in self._stacks:
-            _apply(s.blocks.dofs, s.inverse, s.lever, np.zeros_like(s.target), forces, result)
+        for s in self._variable:
+            _apply(s.dofs, s.inverse, s.lever, np.zeros_like(s.target), forces, result)
         return result
 
     def levered(self, size: int) -> Array:
         """w b (n,): what the targets alone ask for."""
         result = np.zeros(size)
-        for s in self._stacks:
-            _lever(s.blocks.dofs, s.lever, s.target, result)
+        for s in self._variable:
+            _lever(s.dofs, s.lever, s.target, result)
         return result
 
     def memory(self) -> dict[str, Array]:
         """What earlier steps taught: (B,) for each size of blocks."""
-        return {str(number): s.drift_correction for number, s in enumerate(self._stacks)}
+        return {str(number): s.drift_correction for number, s in enumerate(self._variable)}
 
     def share_drift_correction(self, first: np.ndarray, memory: Array) -> bool:
         """Keep what steps teach in this memory (B,) of bodies whose coordinates begin there.
@@ -166,8 +151,8 @@ class BodiesSystem:
         Returns:
             False if the first of them are not the quaternions, one block each.
         """
-        stacks = [s for s in self._stacks if (s.blocks.quaternion >= 0).any()]
-        wanted = [s.blocks.dofs[:, 0] for s in stacks]
+        stacks = [s for s in self._variable if (s.quaternion >= 0).any()]
+        wanted = [s.dofs[:, 0] for s in stacks]
         number = sum(map(len, wanted))
         if not np.array_equal(np.concatenate([np.zeros(0), *wanted]), first[:number]):
             return False
@@ -185,21 +170,20 @@ class BodiesSystem:
 
     def aim_at_accelerations(self, v: Array, zeta: float) -> None:
         """b = -v . v - zeta p . v: Eq. (27) of unit quaternions, and what earlier steps taught."""
-        for s in self._stacks:
-            _aim_at_accelerations(s.blocks.dofs, s.blocks.quaternion, s.normal, v, zeta, s.target)
+        for s in self._variable:
+            _aim_at_accelerations(s.dofs, s.quaternion, s.normal, v, zeta, s.target)
             s.target += s.drift_correction
 
     def aim_at_velocities(self, v: Array, zeta: float) -> None:
         """b = -zeta c - p . v leads to the manifold; zeta = 0 to that of the velocities."""
-        for s in self._stacks:
-            _aim_at_velocities(s.blocks.dofs, s.normal, v, zeta, s.target)
+        for s in self._variable:
+            _aim_at_velocities(s.dofs, s.normal, v, zeta, s.target)
 
     def violation(self, q: Array, learning: float) -> float:
         """Largest |c|; b = -c, which also teaches the next steps."""
         worst = 0.0
-        for s in self._stacks:
-            blocks = s.blocks
-            _aim_at_positions(blocks.dofs, blocks.quaternion, blocks.reference, q, s.target)
+        for s in self._variable:
+            _aim_at_positions(s.dofs, s.quaternion, s.reference, q, s.target)
             worst = float(np.maximum(worst, np.abs(s.target).max()))  # unlike max, keeps a NaN
             s.drift_correction += learning * s.target
         return worst

@@ -1,7 +1,5 @@
 """States on the constraint manifold near given ones, which may be far from it."""
 
-from typing import Protocol
-
 import numpy as np
 
 from ..arrays import Array, SparseArray
@@ -14,19 +12,6 @@ PROJECTIONS = 100
 FEW = 15  # after a step, which may be shortened
 SMALLEST_STEP = 1e-6
 LEFT = 0.1
-
-
-class Constrained(Protocol):
-    """What is moved onto its constraints, see `StaticSystem`."""
-
-    metric: SparseArray
-    order: np.ndarray
-
-    def turn(self, step: Array) -> float: ...
-
-    def values(self, q: Array) -> Array: ...
-
-    def jacobian(self, q: Array) -> SparseArray: ...
 
 
 class WithStrains:
@@ -64,7 +49,7 @@ def straight(potential: StaticSystem, q: Array, step: Array, tolerance: float) -
 
 
 def feasible(
-    potential: Constrained, q: Array, tolerance: float, most: int = PROJECTIONS
+    potential: StaticSystem | WithStrains, q: Array, tolerance: float, most: int = PROJECTIONS
 ) -> tuple[Array, float]:
     """q moved onto the constraints, and what is left of their largest violation.
 
@@ -101,6 +86,6 @@ def _square(values: Array) -> float:
     return float(np.square(values).sum())
 
 
-def cautious(potential: Constrained, step: Array) -> float:
+def cautious(potential: StaticSystem | WithStrains, step: Array) -> float:
     """How much of a step turns no slope and no body by more than `LARGEST_TURN`."""
     return min(1.0, LARGEST_TURN / max(potential.turn(step), 1e-300))

@@ -11,7 +11,7 @@ from exudyn_inext.cable.cable import CurvatureMeasure
 from exudyn_inext.cable.linked_cable import cable_system
 from exudyn_inext.compiled import OPTIONS, plain
 from exudyn_inext.integrators.integrator import no_loads
-from exudyn_inext.integrators.rattle import Rattle, advance_rattle, allocate
+from exudyn_inext.integrators.rattle import INTEGRATOR, Rattle, advance_rattle
 from tests.cables import DIMENSIONS, MEASURES, planar_pendulum
 
 
@@ -20,7 +20,7 @@ def machine_independent_code(dim: int, measure: CurvatureMeasure) -> str:
     """Optimised LLVM code of the steps of a cable with RATTLE."""
     cable, _ = planar_pendulum(5, dim, measure=measure)
     size = cable.reference.size
-    state = allocate(size, size)
+    state = INTEGRATOR.allocate(size, size)
     state.q[:] = cable.reference.ravel()
     advance = numba.njit(**OPTIONS)(plain(advance_rattle))
     advance(Rattle(), cable_system(cable, 0.0), no_loads(size, 1), state, 1e-6, 1, np.zeros((1, 3, size)))

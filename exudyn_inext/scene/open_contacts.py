@@ -1,0 +1,49 @@
+"""Springs and dashpots that do not act yet: contacts that are open now, as if they were closed."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import scipy
+
+from ..arrays import Array
+from .small_vibrations import AddedForces, FastestRates, fastest_rates
+
+
+class OpenContacts:
+    """All contacts that are open: if they close, linear forces -B^T k B (q - q_0) - C^T d C v.
+
+    Args:
+        motion: B (m, n), sparse: relative displacements of contact points from coordinates.
+        damped: C (m, n), the same without what is damped implicitly.
+        stiffness: k (m,) [N/m].   damping: d (m,) [N s/m].
+
+    name: of them, for messages.   stiffnesses, dampings: which parameters set them.
+    """
+
+    def __init__(
+        self,
+        motion: Any,
+        damped: Any,
+        stiffness: Array,
+        damping: Array,
+        name: str,
+        stiffnesses: Sequence[str],
+        dampings: Sequence[str],
+    ) -> None:
+        self.name, self.stiffnesses, self.dampings = name, stiffnesses, dampings
+        self._stiffness, self._damping = (
+            scipy.sparse.csr_array(rows.T @ (values[:, np.newaxis] * rows))
+            for rows, values in ((motion, stiffness), (damped, damping))
+        )
+
+    def rates(
+        self, system: Any, external: Array, given: Array, q: Array, v: Array, kept: Array
+    ) -> FastestRates:
+        """As `fastest_rates`, if all of them close.   given: (n,) other forces, which the system takes."""
+        before = given.copy()
+        try:
+            added = AddedForces(given, self._stiffness.__matmul__, self._damping.__matmul__)
+            return fastest_rates(system, external, q, v, kept, added)
+        finally:
+            given[:] = before
