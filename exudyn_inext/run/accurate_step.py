@@ -3,10 +3,9 @@
 A transverse wave of the speed c, which the tension gives it, takes 20 steps to pass an element: the error in
 time is then near that of the mesh. c^2 is the tension over rho_A that weight, loads and inertia can cause at
 most, and twice the energy by mass that the motion starts with. The first vibration of the bent cable is
-resolved, unless steady loads turn it as a rod that they hardly bend, and among bodies all bending waves that
-the mesh resolves. How fast the motion really is, the watch finds out, see `watch`: then the step becomes
-shorter, down to one whose error in bending waves is that of the mesh, and where cables stretch, one in which
-axial waves pass a share of an element.
+resolved in any case, and among bodies all bending waves that the mesh resolves. How fast the motion really
+is, the watch finds out, see `watch`: then the step becomes shorter, down to one whose error in bending waves
+is that of the mesh, and where cables stretch, one in which axial waves pass a share of an element.
 """
 
 import math
@@ -38,13 +37,7 @@ def accurate_step(run: CableRun, time: float) -> float:
     section = cable.section
     bends = math.sqrt(section.mass_per_length / section.bending_stiffness) * cable.length**2
     of_drag = BY_DRAG / run.drag_rate if run.drag_rate > 0.0 else math.inf
-    is_bent = (speed * bends / cable.length) ** 2 > SMALL or not (_turns(cable) and run.loads.are_steady)
-    return min(of_waves, FIRST_VIBRATION * bends if is_bent else math.inf, of_drag)
-
-
-def _turns(cable: Cable) -> bool:
-    """Whether a cable can move without being bent."""
-    return not (cable.links or cable.fixed[:, 1].any() or cable.fixed[:, 0].sum() > 1)
+    return min(of_waves, FIRST_VIBRATION * bends, of_drag)
 
 
 def step_of_short_waves(run: CableRun) -> float:
