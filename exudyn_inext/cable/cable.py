@@ -129,5 +129,6 @@ def reference_lengths(reference: Array, element_lengths: Array) -> Array:
         (N,) [m]; equals the element length where the interpolation has unit slope everywhere.
     """
     nodal = np.concatenate([reference[:-1], reference[1:]], axis=1)
+    nodal[:, [0, 2]] -= reference[:-1, :1]  # squares of places far from the origin would be round-off
     gram = forms_of_mesh(slope_gram_matrix, element_lengths)
     return np.einsum("eai,eab,ebi->e", nodal, gram, nodal)

@@ -22,16 +22,15 @@ STEEPEST = 1e-6  # horizontal distance over the length of a cable that is not st
 ROUND_OFF = 1e-11  # of lengths of elements over that of the cable, or 1 m if that is more
 
 
-def hanging_curve(start: Array, end: Array, length: float, up: Array, at: Array) -> tuple[Array, Array]:
-    """Positions (n, 3) [m] and tangents (n, 3) at arc lengths `at` (n,) [m].
+def hanging_curve(span: Array, length: float, up: Array, at: Array) -> tuple[Array, Array]:
+    """Positions (n, 3) from the start on [m] and tangents (n, 3) at arc lengths `at` (n,) [m].
 
     Args:
-        start, end: (3,) [m].   length: of the cable [m].   up: (3,) unit vector against the gravity.
+        span: (3,) from start to end [m].   length: of the cable [m].   up: (3,) unit vector, against gravity.
 
     Raises:
         InputError: a cable that is too short, or hangs between points one above the other.
     """
-    span = end - start
     distance, height = float(np.linalg.norm(span)), float(span @ up)
     if length < distance:
         raise InputError(
@@ -40,7 +39,7 @@ def hanging_curve(start: Array, end: Array, length: float, up: Array, at: Array)
             f"and referenceAxialStrain = {length / distance - 1.0:.3g}."
         )
     if length <= (1.0 + NEARLY_STRAIGHT) * distance:
-        return start + at[:, np.newaxis] / length * span, np.tile(span / distance, (len(at), 1))
+        return at[:, np.newaxis] / length * span, np.tile(span / distance, (len(at), 1))
     along = span - height * up
     h = float(np.linalg.norm(along))
     if h < STEEPEST * length:
@@ -59,7 +58,7 @@ def hanging_curve(start: Array, end: Array, length: float, up: Array, at: Array)
     positions, tangents = (
         np.outer(one, along / h) + np.outer(other, up) for one, other in ((x, y), (flat, steep))
     )
-    return start + positions, tangents
+    return positions, tangents
 
 
 def of_constant_length(q: Array, length: float) -> Array:

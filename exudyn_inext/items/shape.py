@@ -157,9 +157,9 @@ class CableShape:
         if not down.any():
             raise InputError(f"gravity = {down.tolist()}: give the direction in which the cable hangs.")
         at = np.linspace(0.0, size, number + 1)
-        curve = hanging_curve(start, end, size, -down / np.linalg.norm(down), at)
+        curve = hanging_curve(end - start, size, -down / np.linalg.norm(down), at)
         q = of_constant_length(np.stack(curve, axis=1), size)
-        return CableShape(q[:, 0], q[:, 1], size / number, lengthReference="straight")
+        return CableShape(start + q[:, 0], q[:, 1], size / number, lengthReference="straight")
 
 
 @dataclass(frozen=True, eq=False)

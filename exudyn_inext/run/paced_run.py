@@ -112,7 +112,7 @@ class PacedRun:
         step = self.watch.resolving_step
         if self.integrator.stabilised:
             return "take integrator='RATTLE', or a smaller stepSize"
-        if step > 0.0:
+        if 0.0 < step < self.control.present * self.control.divisor:  # with which it began
             return f"take stepSize = {step:.2g}, which resolves axial vibrations"
         return "take a smaller stepSize"
 

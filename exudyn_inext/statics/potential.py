@@ -19,6 +19,7 @@ from ..element.forms import forms_of_mesh
 from ..element.inextensibility import slope_gram_matrix
 from .static_system import StaticSystem
 
+ROUND_OFF = 10.0 * np.finfo(float).eps  # of places far from the origin, in strains and directions
 BOW = 0.3  # slope at the ends of the sag that a taut start is given [-]
 
 
@@ -58,6 +59,9 @@ class Potential(StaticSystem):
         self.inertia = float((density * self._of_length**2).max())
         self.largest_load = float(self._largest_loads.max())
         self.shift = self.largest_load / self.inertia
+        extent = max(float(np.abs(cable.reference[:, 0]).max()) for cable in cables)
+        self._of_places = ROUND_OFF * max(0.0, extent - self.length) / float(self._lengths.min())
+        self.round_off = self._of_places * float(np.abs(self._external[:, 0]).sum())
 
     @staticmethod
     def _build_chain(cable: Cable) -> Chain:

@@ -15,7 +15,7 @@ class StaticSystem(Protocol):
     mass: (n, n).   metric: (n, n) by which the way back to the constraints is the shortest one.
     order: (n,) place of each coordinate in the order of elimination.
     indifferent: eigenvalue, at most 0, above which an equilibrium counts as stable [1/s^2].
-    round_off: force that round-off of strains leaves [N].
+    round_off: force that round-off of strains leaves [N], also of places far from the origin.
     """
 
     mass: SparseArray

@@ -35,7 +35,7 @@ class StretchingPotential(Potential):
         self._strains = constraints_of_cables(rigid, kinds)
         self._present = np.concatenate([cable.reference for cable in cables])
         self._shortest = float(self._lengths.min())
-        self.round_off = ROUND_OFF * float(self._axial.max())
+        self.round_off += (ROUND_OFF + self._of_places) * float(self._axial.max())
         noise = 0.1 * self.round_off / (STEP * self._shortest)  # of a stiffness by differences [N/m]
         density = self._of_cables(lambda cable: cable.section.mass_per_length)
         self.indifferent = -noise / (float(density.min()) * self._shortest)

@@ -17,6 +17,7 @@ from exudyn.itemInterface import (
 
 from exudyn_inext import (
     CableShape,
+    CreateInextensibleCable,
     CreatePrescribedMotion,
     EquilibriumError,
     InextensibleCable,
@@ -78,6 +79,24 @@ def test_run_from_the_equilibrium_stays_at_rest(mbs, add_hanging, drift, coordin
     assert report["violation"] < 1e-10
     assert report["smallestEigenvalue"] > 0.0
     assert drift(mbs, nodes) < 1e-8
+
+
+@pytest.mark.parametrize("axial_stiffness", [None, 5e7])
+def test_a_line_in_coordinates_of_a_map_comes_to_rest_as_beside_the_origin(mbs, axial_stiffness):
+    def rest(place):
+        shape = CableShape.Catenary(place, np.add(place, [280, 100, 20]), 320.0, 20, gravity=[0, 0, -1])
+        section = InextensibleCable(1.5, 500.0, axialStiffness=axial_stiffness)
+        pinned = {f"groundConstraints{end}": [True] * 3 + [False] * 3 for end in ("Start", "End")}
+        nodes = CreateInextensibleCable(
+            mbs, beamTemplate=section, shape=shape, gravity=[0, 0, -9.81], **pinned
+        )["nodes"]
+        mbs.Assemble()
+        SolveEquilibrium(mbs)
+        found = mbs.GetNodeOutput(nodes[10], exudyn.OutputVariableType.Position) - place
+        mbs.Reset()
+        return found
+
+    np.testing.assert_allclose(rest(np.array([4e5, 5.3e6, 100.0])), rest(np.zeros(3)), atol=1e-7)
 
 
 def test_result_survives_a_new_assembly(mbs, add_hanging, coordinates, drift):

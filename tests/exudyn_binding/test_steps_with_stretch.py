@@ -255,3 +255,14 @@ def test_joints_pull_with_the_momentum_that_they_give_to_a_body_on_a_damped_cabl
     pulls, speeds = (np.array(mbs.GetSensorStoredData(one))[:, 1:] for one in (pull, sensor))
     given = speeds[-1] - speeds[0] - 0.3 * gravity
     np.testing.assert_allclose(-np.trapezoid(pulls, dx=period, axis=0), given, atol=1e-3 * given.max())
+
+
+def test_whoever_is_warned_of_energy_is_told_of_smaller_steps_than_were_taken():
+    """Strong axial damping, whose work is known less well, at steps that resolve axial waves."""
+    mbs = exudyn.SystemContainer().AddSystem()
+    template = InextensibleCable(0.05, 1e-3, axialStiffness=4.0, axialDamping=100.0)
+    cable(mbs, False, template, 10, **HANGING, groundConstraintsStart=PINNED)
+    mbs.Assemble()
+    with pytest.warns(UserWarning, match=r"energyTolerance 0\.30%\): take a smaller stepSize"):
+        report = SolveExplicit(mbs, quiet_settings(1.0, 200))
+    SolveExplicit(mbs, quiet_settings(1.0, 200), ExplicitSettings(stepSize=0.5 * report["stepSize"]))

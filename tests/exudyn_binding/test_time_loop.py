@@ -142,6 +142,17 @@ def test_looking_ahead_changes_no_bit(twin, solve):
     np.testing.assert_array_equal(state(ahead.mbs), state(watched.mbs))
 
 
+def test_a_run_far_from_the_origin_is_that_beside_it(new_mbs, add_pendulum, solve):
+    def tip(place):
+        mbs = new_mbs()
+        node = add_pendulum(mbs, positionStart=place, positionEnd=np.add(place, [1.8, 0, 0]))["nodes"][-1]
+        mbs.Assemble()
+        solve(mbs, 0.5)
+        return mbs.GetNodeOutput(node, exudyn.OutputVariableType.Position) - place
+
+    np.testing.assert_allclose(tip(np.array([1e5, -1e5, 0.0])), tip(np.zeros(3)), atol=1e-8)
+
+
 def test_a_second_run_of_the_same_system_repeats_every_bit(twin, solve):
     built = twin()
     solve(built.mbs, 0.3)

@@ -35,9 +35,9 @@ def test_it_joins_both_ends_and_bends_under_its_weight(case):
     """dsigma/ds is constant: so is the horizontal tension, and the vertical one carries the weight."""
     start, end, length, gravity = CASES[case]
     up = -np.array(gravity) / np.linalg.norm(gravity)
-    ends = np.array(start, dtype=float), np.array(end, dtype=float)
-    positions, slopes = hanging_curve(*ends, length, up, np.linspace(0.0, length, 41))
-    np.testing.assert_allclose(positions[[0, -1]], ends, atol=1e-9 * length)
+    ends = np.array([start, end], dtype=float)
+    positions, slopes = hanging_curve(ends[1] - ends[0], length, up, np.linspace(0.0, length, 41))
+    np.testing.assert_allclose(positions[[0, -1]], ends - ends[0], atol=1e-9 * length)
     vertical = slopes @ up
     horizontal = np.linalg.norm(slopes - np.outer(vertical, up), axis=1)
     sigma = vertical / horizontal
@@ -74,10 +74,19 @@ def test_nodes_converge_to_the_catenary():
     start, end, length, gravity = CASES["level"]
     at = {number: np.linspace(0.0, length, number + 1) for number in (10, 20)}
     ends, up = [np.array(end, dtype=float) for end in (start, end)], np.array([0.0, 1.0, 0.0])
-    curves = {n: hanging_curve(*ends, length, up, at[n])[0] for n in at}
+    curves = {n: hanging_curve(ends[1] - ends[0], length, up, at[n])[0] for n in at}
     shapes = {n: CableShape.Catenary(start, end, length, n, gravity).positions for n in at}
     errors = [np.abs(shapes[n] - curves[n]).max() for n in at]
     assert 0.0 < 8.0 * errors[1] < errors[0] < 1e-4
+
+
+def test_it_hangs_far_from_the_origin_as_beside_it():
+    """As in coordinates of a map."""
+    far = np.array([4e5, 5.3e6, 0.0])
+    beside = CableShape.Catenary([0, 0], [1, 0.2], 1.3, 12)
+    shape = CableShape.Catenary(far, np.add(far, [1, 0.2, 0]), 1.3, 12)
+    np.testing.assert_allclose(shape.positions - far, beside.positions, atol=1e-8)
+    np.testing.assert_allclose(shape.slopes, beside.slopes, atol=1e-8)
 
 
 def test_a_straight_one_is_a_line():
