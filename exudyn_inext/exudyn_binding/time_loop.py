@@ -12,7 +12,8 @@ import numpy as np
 
 from ..arrays import Array, as_slice
 from ..errors import DivergenceError, SceneError
-from ..items.functions_of_time import step_functions
+from ..items.functions_of_time import has_sensor_functions, step_functions
+from ..native.compiled_form import active_general_contacts
 from ..run.coupled_run import Run
 from ..run.divergence import divergence, listed
 from ..run.kept_state import KeptState
@@ -71,6 +72,7 @@ class ExplicitTimeLoop:
         self._remembering_errors = _RememberingErrors(self)
         self._data = mbs.systemData
         self._is_watched = is_watched(mbs, runs)
+        self._contacts = contacts_in_view(mbs, runs) if self._is_watched or has_sensor_functions(mbs) else []
         self._written = self._present(exudyn.ConfigurationType.Initial)
         self._observed = max(observed, VELOCITIES) if self._is_watched else observed
         self._shows_forces = self._sees_forces = observed == ACCELERATIONS
@@ -134,6 +136,8 @@ class ExplicitTimeLoop:
             for waiting, put in besides:
                 if waiting:
                     put(waiting.popleft())
+            for contact in self._contacts:
+                contact.UpdateContacts(mbs)
             return True
 
         return take_step
@@ -422,6 +426,11 @@ def worst_figures(runs: Sequence[Any]) -> dict[str, float]:
 def is_watched(mbs: Any, runs: Sequence[Run]) -> bool:
     """Whether functions of the user, between steps of Exudyn's loop, may see or change something."""
     return bool(step_functions(mbs)) or not all(run.looks_ahead for run in runs)
+
+
+def contacts_in_view(mbs: Any, runs: Sequence[Run]) -> list[Any]:
+    """GeneralContacts that Exudyn does not evaluate, whose distances functions of the user may look at."""
+    return active_general_contacts(mbs) if all(run.completes for run in runs) else []
 
 
 def refuse_newton_functions(mbs: Any) -> None:

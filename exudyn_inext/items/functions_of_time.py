@@ -132,7 +132,7 @@ def _attribute_of(function: Any) -> bool | None:
     return declared is True
 
 
-def _has_sensor_functions(mbs: Any) -> bool:
+def has_sensor_functions(mbs: Any) -> bool:
     """Whether sensors call functions of the user; those that only look say so by an attribute."""
     sensors = (mbs.GetSensor(k) for k in range(mbs.systemData.NumberOfSensors()))
     functions = [
@@ -198,7 +198,7 @@ class _Functions:
     @cached_property
     def is_of_sensors(self) -> bool:
         """Whether functions of sensors may change what others read."""
-        return _has_sensor_functions(self._mbs)
+        return has_sensor_functions(self._mbs)
 
     def is_pure(self, function: FunctionType) -> bool:
         """Whether it, and what it calls, read only data and such functions, and store nothing outside."""

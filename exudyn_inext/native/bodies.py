@@ -14,6 +14,7 @@ from ..arrays import Array, SparseArray
 from ..errors import SceneError
 from ..items.arguments import described
 from ..items.mass_points import mass_of_point, node_of_mass_point
+from ..items.parameters import Parameter
 from ..scene.bodies import BodiesSystem, MassBlock, VariableBlocks
 
 _MASS = exudyn.ComputeItemType.MassMatrix
@@ -228,7 +229,7 @@ class BodyMasses:
         total: SystemMass,
         holdable: Collection[int] = (),
     ) -> None:
-        self._mbs = mbs
+        self._mbs, self._bodies = mbs, bodies
         self._total = total
         groups = _groups(bodies)
         constant = [group for group in groups if all(body.has_constant_mass for body in group)]
@@ -252,24 +253,41 @@ class BodyMasses:
             by_size.setdefault(len(dofs), []).append((group, dofs))
         self._stacks = [self._stack(alike, quaternions) for _, alike in sorted(by_size.items())]
         blocks = [block for block in map(self._block, constant) if len(block.dofs)]
-        initial = np.array(mbs.systemData.GetODE2Coordinates(exudyn.ConfigurationType.Initial))
-        alike = [(block.dofs[np.newaxis], block.mass[np.newaxis]) for block in blocks]
-        for stack in self._stacks:
-            alike.append((stack.blocks.dofs, self._masses_with_normals(stack, initial[self.coordinates])))
-        for dofs, masses in alike:
-            require_mass(mbs, self.coordinates[_without_mass(dofs, masses)])
+        self._require_mass(blocks, is_initial=True)
         variables = [stack.blocks for stack in self._stacks]
         self.system = BodiesSystem(len(self.coordinates), blocks, variables, zeta)
 
     def read_again(self) -> None:
         """Constant masses, which may have been changed since."""
         self._total.forget()
-        self.system.set_constant(
-            [
-                self._block([replace(body, initial_mass=self._present_mass(body)) for body in group])
-                for group in self._constant_groups
-            ]
-        )
+        groups = [
+            [replace(body, initial_mass=self._present_mass(body)) for body in group]
+            for group in self._constant_groups
+        ]
+        blocks = list(map(self._block, groups))
+        self._require_mass(blocks, is_initial=False)
+        self.system.set_constant(blocks)
+
+    def can_weigh(self, key: Parameter) -> bool:
+        """Whether a mass may be read again: that of a planar body varies once its centre leaves the node."""
+        body = next((one for one in self._bodies if one.number == key.number), None)
+        if body is None or not key.is_mass or len(self.held):
+            return False
+        return not (body.has_constant_mass and key.is_centre)
+
+    def _require_mass(self, blocks: Sequence[MassBlock], is_initial: bool) -> None:
+        """Raise SceneError if something has no mass, when it was read or at present.
+
+        blocks: of constant mass.
+        """
+        kind = exudyn.ConfigurationType
+        q = np.array(self._mbs.systemData.GetODE2Coordinates(kind.Initial if is_initial else kind.Current))
+        alike = [(block.dofs[np.newaxis], block.mass[np.newaxis]) for block in blocks if len(block.dofs)]
+        for stack in self._stacks:
+            masses = self._masses(stack, is_initial)
+            alike.append((stack.blocks.dofs, _with_normals(stack.blocks, masses, q[self.coordinates])))
+        for dofs, masses in alike:
+            require_mass(self._mbs, self.coordinates[_without_mass(dofs, masses)])
 
     def _present_mass(self, body: Body) -> Array:
         return _mass_of_object(self._mbs, body.number, body.coordinates, self._total)[0]
@@ -327,16 +345,6 @@ class BodyMasses:
                 mass[places] += body.initial_mass if initial else body.mass(self._mbs)
         return masses
 
-    def _masses_with_normals(self, stack: _Stack, q: Array) -> Array:
-        """(B, k, k) initial masses, with one along each quaternion, too."""
-        blocks = stack.blocks
-        masses = self._masses(stack, initial=True)
-        for b in np.flatnonzero(blocks.quaternion >= 0):
-            own = np.s_[blocks.quaternion[b] : blocks.quaternion[b] + 4]
-            p = blocks.reference[b] + q[blocks.dofs[b, own]]
-            masses[b, own, own] += np.outer(p, p) * np.trace(masses[b, own, own])
-        return masses
-
     def _block(self, group: Sequence[Body]) -> MassBlock:
         """Initial mass of the coordinates of a group that are not held."""
         dofs = self._dofs_of(group)
@@ -349,6 +357,15 @@ class BodyMasses:
             places = np.searchsorted(dofs, self._local(own))
             total[places[:, None], places] += mass
         return MassBlock(dofs, total)
+
+
+def _with_normals(blocks: VariableBlocks, masses: Array, q: Array) -> Array:
+    """Masses (B, k, k), to which one along each quaternion is added, in place."""
+    for b in np.flatnonzero(blocks.quaternion >= 0):
+        own = np.s_[blocks.quaternion[b] : blocks.quaternion[b] + 4]
+        p = blocks.reference[b] + q[blocks.dofs[b, own]]
+        masses[b, own, own] += np.outer(p, p) * np.trace(masses[b, own, own])
+    return masses
 
 
 def require_mass(mbs: Any, without: np.ndarray) -> None:

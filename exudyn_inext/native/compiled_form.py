@@ -85,11 +85,13 @@ def compiled_form(
 
 
 def _bring(scene: SceneOfExudyn, contacts: Any, t: float, q: Array, v: Array) -> None:
-    """Bring mbs to a state, with what these contacts remember."""
+    """Bring mbs to a state, with what these contacts remember, and distances of a GeneralContact there."""
     scene.native_items.forget()
     if contacts.data.shape[1]:
         scene.mbs.systemData.SetDataCoordinates(contacts.data[0].tolist())
     scene.native_items.set_state(t, q, v)
+    for contact in active_general_contacts(scene.mbs):
+        contact.UpdateContacts(scene.mbs)
 
 
 def _held_coordinates(cables: Sequence[CoupledCable]) -> np.ndarray:
@@ -140,6 +142,12 @@ def settle_general_contact(scene: SceneOfExudyn, t: float, q: Array, v: Array) -
     """Let a GeneralContact act as it does at (t, q, v), whoever has looked at another state."""
     if scene.mbs.NumberOfGeneralContacts():
         scene.native_items.settled(t, q, v)
+
+
+def active_general_contacts(mbs: Any) -> list[Any]:
+    """Those of mbs that are switched on."""
+    contacts = map(mbs.GetGeneralContact, range(mbs.NumberOfGeneralContacts()))
+    return [contact for contact in contacts if contact.isActive]
 
 
 def _states(scene: SceneOfExudyn, q: Array, v: Array) -> Array:

@@ -44,6 +44,7 @@ class CoupledScene(SceneOfExudyn):
     def leave_compiled_parts(self) -> None:
         """Let Exudyn evaluate bodies and joints, too."""
         self._take_parts(None)
+        self.read_masses_again()
 
     def require_agreement(self, form: CompiledScene | None, t: float, q: Array, v: Array) -> None:
         """Raise SceneError if that form is another scene by now; (q, v) is a state at t [s].

@@ -12,6 +12,7 @@ from ..cable.many_cables import Systems, in_few_chains
 from ..called_system import Bound
 from ..errors import SceneError
 from ..items.functions_of_time import is_of_time_alone, step_functions
+from ..items.parameters import Parameter
 from ..run.cable_loads import CableLoads
 from ..run.joined_scene import EvaluatedScene
 from ..run.parts_in_one import CompiledParts
@@ -240,6 +241,11 @@ class SceneOfExudyn(EvaluatedScene):
     def read_masses_again(self) -> None:
         """Bodies may have other masses than when they were read."""
         self._masses.read_again()
+        self.native_items.forget()
+
+    def can_weigh(self, item: tuple[str, int, str]) -> bool:
+        """See `Mover.can_weigh`, where Exudyn evaluates bodies."""
+        return self._masses.can_weigh(Parameter(*item))
 
     def _first_order_states(self) -> list[Part]:
         """y of y' = f as velocities of unit masses: every scheme then integrates them as it does v."""

@@ -164,13 +164,15 @@ class CoupledRun(LimitedRun):
     def take_over(self, changed: Sequence[ChangedItem], is_simple: bool, time: float) -> None:
         """Go on from the present state, at `time` [s], with items that were changed.
 
-        is_simple: whether they are loads, springs, and joints that are moved, only.
+        is_simple: whether they are loads, springs, masses, and joints that are moved, only.
         """
+        if is_simple and self.mover.take_values(changed):
+            return
         if not self._by_kernels:
-            if not is_simple and self._scene.parts_in_one:
+            if self._scene.parts_in_one:
                 self._scene.leave_compiled_parts()
                 self.mover.begin_by(self.integrator.resume, time)
-        elif not is_simple or not self.mover.take_values(changed):
+        else:
             self._leave_kernels(CHANGED)
             self.watch.evaluate_by(self._scene)
             self._scene.native_items.forget()

@@ -81,9 +81,16 @@ class MovedByExudyn(Mover):
         """Whether the offset of a joint may be set between steps."""
         return True
 
+    def can_weigh(self, item: ChangedItem) -> bool:
+        parts = self._scene.parts_in_one
+        return parts.form.numbers.can_weigh(item) if parts else self._scene.can_weigh(item)
+
     def take_values(self, changed: Sequence[ChangedItem]) -> bool:
-        """Whether loads and springs that were changed act now; otherwise some may."""
-        return True
+        """Whether loads, springs and masses that were changed act now; otherwise some may."""
+        parts, masses = self._scene.parts_in_one, [key for key in changed if self.can_weigh(key)]
+        if masses and not parts:
+            self._scene.read_masses_again()
+        return not parts or all(map(parts.form.take_over, masses))
 
     def require_same_items(self, time: float) -> None:
         """Raise SceneError if Exudyn's items are not those that have moved the scene."""

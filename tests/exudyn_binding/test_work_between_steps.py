@@ -4,15 +4,21 @@ import numpy as np
 import pytest
 from exudyn import OutputVariableType
 from exudyn.itemInterface import (
+    CoordinateSpringDamperExt,
     DistanceConstraint,
     GenericJoint,
+    HydraulicActuatorSimple,
     LoadMassProportional,
     MarkerBodyMass,
     MarkerBodyPosition,
     MarkerBodyRigid,
+    MarkerNodeCoordinate,
     MarkerNodeRigid,
     MassPoint2D,
+    NodeGenericODE1,
+    NodePoint,
     NodeRigidBody2D,
+    ObjectGenericODE2,
     RigidBody2D,
     SensorObject,
     SphericalJoint,
@@ -140,13 +146,72 @@ def test_joints_that_are_moved_and_masses_stay_in_compiled_code(kind, monkeypatc
     assert len(builds) <= 2
 
 
-def test_a_mass_that_is_set_to_nothing_is_refused_by_name():
+def heavier_where_exudyn_gives_the_forces(model):
+    tip = model.mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=model.nodes[-1], coordinate=1))
+    model.mbs.AddObject(CoordinateSpringDamperExt(markerNumbers=[model.ground, tip], stiffness=2.0))
+    return body_that_gets_heavier(model)
+
+
+def heavier_where_exudyn_evaluates_all(model):
+    node = model.mbs.AddNode(NodePoint(referenceCoordinates=[0, 1, 0], initialCoordinates=[0.1, 0, 0]))
+    model.mbs.AddObject(
+        ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.eye(3), stiffnessMatrix=10 * np.eye(3))
+    )
+    return body_that_gets_heavier(model)
+
+
+def valve(model):
+    """Of a cylinder that lifts a mass."""
+    node, _ = model.mass_point([1.8, -0.4, 0], mass=2.0)
+    oil = NodeGenericODE1(
+        referenceCoordinates=[0, 0], initialCoordinates=[1e5, 1e5], numberOfODE1Coordinates=2
+    )
+    cylinder = HydraulicActuatorSimple(
+        markerNumbers=[model.at_point([1.8, -1.4, 0]), model.at(node)],
+        nodeNumbers=[model.mbs.AddNode(oil)],
+        offsetLength=0.6,
+        strokeLength=0.8,
+        chamberCrossSection0=2e-4,
+        chamberCrossSection1=2e-4,
+        hoseVolume0=1e-3,
+        hoseVolume1=1e-3,
+        actuatorDamping=100,
+        oilBulkModulus=1e8,
+        nominalFlow=1e-7,
+        systemPressure=5e5,
+    )
+    number = model.mbs.AddObject(cylinder)
+    return lambda t: model.set_object(number, valveOpening0=np.sin(9 * t), valveOpening1=-np.sin(9 * t))
+
+
+EVALUATED = [
+    heavier_where_exudyn_gives_the_forces,
+    heavier_where_exudyn_evaluates_all,
+    valve,
+]
+
+
+@pytest.mark.parametrize("kind", EVALUATED, ids=name_of)
+def test_masses_and_valves_change_without_another_scene_where_exudyn_evaluates(kind, monkeypatch):
+    builds, build = [], RunBuilder.build
+    monkeypatch.setattr(RunBuilder, "build", lambda *given, **more: builds.append(1) or build(*given, **more))
+    ours, native = (moved(kind, is_native, end_time=0.2) for is_native in (False, True))
+    assert "Exudyn evaluates" in ours.report["path"]
+    assert deviation(ours.motion, native.motion) < 0.003
+    assert len(builds) <= 2
+
+
+@pytest.mark.parametrize("is_compiled", [True, False])
+def test_a_mass_that_is_set_to_nothing_is_refused_by_name(is_compiled):
     model = Model(False)
+    if not is_compiled:
+        heavier_where_exudyn_evaluates_all(model)
     _, body = model.mass_point([1.8, -0.4, 0])
     model.mbs.SetPreStepUserFunction(
         lambda mbs, t: mbs.SetObjectParameter(body, "mass", 0.05 * (t < 0.01)) or True
     )
-    with pytest.raises(SceneError, match=r"\(MassPoint\) was given a mass that is none"):
+    said = r"\(MassPoint\) was given a mass that is none" if is_compiled else r"\(Point\) has .* without mass"
+    with pytest.raises(SceneError, match=said):
         model.run(0.02, 1e-3)
 
 

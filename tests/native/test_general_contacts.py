@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
-from exudyn import SimulationSettings
+from exudyn import SimulationSettings, SystemContainer
 from exudyn.itemInterface import (
     CoordinateConstraint,
+    LoadForceVector,
+    MarkerBodyPosition,
     MarkerNodeCoordinate,
     MarkerNodeRigid,
     NodePoint2DSlope1,
@@ -14,10 +16,12 @@ from exudyn.itemInterface import (
     ObjectRigidBody2D,
 )
 
+from exudyn_inext import CreateInextensibleCable, InextensibleCable, SolveExplicit
 from exudyn_inext.native.known.belts import elements_of
 from exudyn_inext.native.known.general_contacts import read_general_contacts, spheres_may_meet
 from exudyn_inext.native.known.unknown import UnknownItemError
 from exudyn_inext.native.native_items import evaluator
+from reference_models.model import quiet_settings
 
 RADIUS = 0.2  # [m]
 OF_SPHERE = ("radius", "contactStiffness", "contactDamping", "frictionMaterialIndex")
@@ -172,3 +176,45 @@ def test_a_step_function_that_knows_the_contact_keeps_it_with_exudyn(new_mbs, re
     getattr(mbs, register)(let_go)
     with pytest.raises(UnknownItemError, match="user function may change"):
         read_general_contacts(mbs, None, frozenset(), evaluate)
+
+
+def controlled_by_distance(by_steps, is_native=False):
+    """(k, 2) height of a falling ball that a force holds back by what a distance sensor shows, and that."""
+    mbs = SystemContainer().AddSystem()
+    line = {"positionStart": [0, 0, 0], "positionEnd": [1, 0, 0], "numberOfElements": 4}
+    enforcement = "algebraic" if is_native else "projection"
+    CreateInextensibleCable(mbs, **line, beamTemplate=InextensibleCable(0.3, 0.05), enforcement=enforcement)
+    ball = mbs.CreateMassPoint(referencePosition=[1, 1, 0], mass=1.0, gravity=[0, -9.81, 0])
+    marker = mbs.AddMarker(MarkerBodyPosition(bodyNumber=ball))
+    contact = mbs.AddGeneralContact()
+    contact.SetFrictionPairings(np.zeros((1, 1)))
+    contact.SetSearchTreeCellSize(numberOfCells=[4, 4, 1])
+    contact.AddSphereWithMarker(marker, 0.1, contactStiffness=1e3, contactDamping=1, frictionMaterialIndex=0)
+    given = {"positionOrMarker": [1, -5, 0], "dirSensor": [0, 1, 0], "maxDistance": 10}
+    distance = mbs.CreateDistanceSensor(0, **given, storeInternal=True, addGraphicsObject=False)
+
+    def force(mbs, t, load):
+        return [0, 50 * (5.6 - mbs.GetSensorValues(distance)), 0]
+
+    if by_steps:
+        load = mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=[0, 0, 0]))
+        mbs.SetPreStepUserFunction(
+            lambda mbs, t: mbs.SetLoadParameter(load, "loadVector", force(mbs, t, 0)) or True
+        )
+    else:
+        mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=[0, 0, 0], loadVectorUserFunction=force))
+    mbs.Assemble()
+    settings = quiet_settings(0.3, 300)
+    if is_native:
+        mbs.SolveDynamic(settings)
+    else:
+        assert "Exudyn evaluates" not in SolveExplicit(mbs, settings)["path"]
+    return np.array(mbs.GetSensorStoredData(distance))[:, 1]
+
+
+@pytest.mark.parametrize("by_steps", [False, True])
+def test_a_controller_sees_the_present_distances_of_a_general_contact(by_steps):
+    """They stayed what they were at the start where compiled code moves the scene."""
+    ours, native = (controlled_by_distance(by_steps, is_native) for is_native in (False, True))
+    assert np.ptp(native) > 0.1
+    assert np.abs(ours - native).max() < 0.005 * np.ptp(native)

@@ -50,7 +50,8 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
         return Demand.READ
     if key.kind == "Load":
         return Demand.WEIGH if _is_weight_of_cable(mbs, key.number) else Demand.EVALUATE
-    kind = "" if key.kind == "Marker" else mbs.GetObject(key.number)["objectType"]
+    data = {} if key.kind == "Marker" else mbs.GetObject(key.number)
+    kind = data.get("objectType", "")
     if kind in ("", "Ground"):
         return _demand_of_place(mbs, coupled, own, key)
     if key.is_mass and all(run.mover.can_weigh(key) for run in coupled):
@@ -63,7 +64,7 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
             return Demand.NOTHING
         moves = is_joint and all(run.mover.can_move(key.number) for run in coupled)
         return Demand.MOVE if moves else Demand.BUILD
-    is_force = kind.startswith(("Connector", "Contact"))
+    is_force = "markerNumbers" in data  # of a connector, or contact
     is_force |= kind == "KinematicTree" and key.name in _FORCES_OF_TREES
     return Demand.EVALUATE if is_force else Demand.BUILD
 

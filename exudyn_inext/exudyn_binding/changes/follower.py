@@ -188,6 +188,7 @@ class ChangeFollower:
             for run in runs:
                 if isinstance(run, CoupledRun) and asked < Demand.BUILD:
                     run.take_over(items, asked <= Demand.WEIGH, time)
+            self._demands.clear()  # others may evaluate the runs now
         if asked < Demand.WEIGH:
             is_stiffer = self.limit.follow_stiffness(self.mbs, runs, changed, time)
             has_moved = self._jumped or asked == Demand.MOVE

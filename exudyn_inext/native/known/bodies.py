@@ -1,7 +1,6 @@
 """Mass points, rigid bodies, and masses with one coordinate, as records."""
 
 from collections.abc import Sequence
-from contextlib import suppress
 from types import SimpleNamespace
 from typing import Any
 
@@ -97,10 +96,11 @@ def set_mass(body: Any, mass: Array) -> bool:
     rows = np.array(_FREE[int(body.translations), int(body.rotations)])[:, None]
     among = rows, rows.T
     own = mass[among]
-    with suppress(np.linalg.LinAlgError):
-        body.inverse[among] = inverse = np.linalg.inv(own)
-        return bool(np.abs(own).sum(axis=0).max() * np.abs(inverse).sum(axis=0).max() < MOST_CONDITION)
-    return False
+    sizes = np.linalg.eigvalsh(own)
+    if not sizes[-1] < MOST_CONDITION * sizes[0]:
+        return False
+    body.inverse[among] = np.linalg.inv(own)
+    return True
 
 
 def mass_of_parameters(data: dict[str, Any]) -> Array:

@@ -136,8 +136,11 @@ class KnownNumbers:
 
         That of a planar body becomes one that depends on its angle if its centre leaves the node.
         """
-        number, data = item[1], self._mbs.GetObject(item[1])
-        if number not in self._bodies or data["objectType"].endswith("1D"):
+        number = item[1]
+        if number not in self._bodies or not Parameter(*item).is_mass:
+            return False
+        data = self._mbs.GetObject(number)
+        if data["objectType"].endswith("1D"):
             return False
         is_planar = data["objectType"].endswith("2D")
         if Parameter(*item).is_centre and is_planar and not self._reader.has_lever(number):
@@ -195,8 +198,9 @@ class KnownNumbers:
             body = memory.bodies[self._bodies[number]]
             if not set_mass(body, mass):
                 raise SceneError(
-                    f"{described(self._mbs.GetObject(number), number)} was given a mass that is none in some "
-                    "direction, in which explicit steps have nothing to accelerate: set a small one."
+                    f"{described(self._mbs.GetObject(number), number)} was given a mass that is none or "
+                    "negative in some direction, in which explicit steps have nothing to accelerate: set a "
+                    "small one. Inertia is that about the node, at least mass * distance^2 of the centre."
                 )
             self._reader.centre_again(number, memory.points, body)
         for load in self._weights.get(number, ()):
