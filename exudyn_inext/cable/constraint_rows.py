@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..compiled import inlined, kernel
+from ..compiled import inlined, inlined_kernel, kernel
 from ..element.inextensibility import contract, length_gradient, nodal_constraint, nodal_rate
 from ..lowered import local_array
 from .assembly import differences, leave_targets, set_gradient
@@ -50,16 +50,7 @@ def set_length_gradients(axes, nodes, elements, q):
         set_gradient(axes, nodes[k].free, nodes[k + 1].free, gradient, elements[k].gradient)
 
 
-@inlined
-def copy_force(axes, nodes, force):
-    """force (n, 2, dim) = that of the records."""
-    for k in range(len(nodes)):
-        for i in range(len(axes)):
-            force[k, 0, i] = nodes[k].force[0, 0, i]
-            force[k, 1, i] = nodes[k].force[0, 1, i]
-
-
-@kernel
+@inlined_kernel
 def unconstrained_force(chain, external, q, v, force):
     """force = Q_ext + Q_el(q) + Q_damping(q, v), without any constraint.
 
@@ -71,7 +62,10 @@ def unconstrained_force(chain, external, q, v, force):
     """
     axes, nodes, elements = chain.axes, chain.nodes, chain.elements
     assemble_forces(axes, nodes, elements, external, q, v, 0.0, v, leave_targets, 0.0)
-    copy_force(axes, nodes, force)
+    for k in range(len(nodes)):
+        for i in range(len(axes)):
+            force[k, 0, i] = nodes[k].force[0, 0, i]
+            force[k, 1, i] = nodes[k].force[0, 1, i]
 
 
 @kernel

@@ -15,11 +15,10 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import counting_kernel, inlined, kernel
 from ..element.inertia import mass_matrix
-from .assembly import GAMMA, RATE, VALUE, leave_targets
+from .assembly import GAMMA, RATE, VALUE
 from .cable import Cable
 from .chain import Chain, build_chain
-from .constraint_rows import add_gradient, copy_force, set_length_gradients
-from .index_reduction import assemble_forces
+from .constraint_rows import add_gradient, set_length_gradients, unconstrained_force
 from .sparse_forms import form_of_cable
 
 
@@ -107,8 +106,7 @@ def penalty_force(system, external, q, v, force):
         force: (n, 2, dim) output [N, Nm].
     """
     axes, nodes, elements = system.chain.axes, system.chain.nodes, system.chain.elements
-    assemble_forces(axes, nodes, elements, external, q, v, 0.0, v, leave_targets, 0.0)
-    copy_force(axes, nodes, force)
+    unconstrained_force(system.chain, external, q, v, force)
     z = system.z
     for k in range(len(nodes)):
         push = system.nodal[k] * _demand(nodes[k].constraint, z)

@@ -178,17 +178,25 @@ class ChangeFollower:
             self._demands[key] = demand(self.mbs, runs, self.scene.own_constraints, key)
         return self._demands[key]
 
+    def _take_over(
+        self, runs: Sequence[Run], changed: Collection[Parameter], is_simple: bool, time: float
+    ) -> None:
+        """Arguments: see `CoupledRun.take_over`; whoever evaluates a run then may demand something else."""
+        items, ways = self._acting(runs, changed), [run.evaluated_by for run in runs]
+        for run in runs:
+            if isinstance(run, CoupledRun):
+                run.take_over(items, is_simple, time)
+        if ways != [run.evaluated_by for run in runs]:
+            self._demands.clear()
+
     def _followed(
         self, runs: Sequence[Run], changed: Collection[Parameter], time: float, end: float
     ) -> Sequence[Run]:
         asked = max((self._demand(runs, key) for key in changed), default=Demand.EVALUATE)
         if changed:
             forget_evaluators(self.sensors)
-            items = self._acting(runs, changed)
-            for run in runs:
-                if isinstance(run, CoupledRun) and asked < Demand.BUILD:
-                    run.take_over(items, asked <= Demand.WEIGH, time)
-            self._demands.clear()  # others may evaluate the runs now
+            if asked < Demand.BUILD:
+                self._take_over(runs, changed, asked <= Demand.WEIGH, time)
         if asked < Demand.WEIGH:
             is_stiffer = self.limit.follow_stiffness(self.mbs, runs, changed, time)
             has_moved = self._jumped or asked == Demand.MOVE
