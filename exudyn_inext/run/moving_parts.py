@@ -4,13 +4,80 @@ A light part has no share in the energy of a scene with heavy ones, but it may b
 step must resolve the motion of each part, see `watch`. Its error is relative to its own way.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from ..arrays import Array, SparseArray
+from ..compiled import Prepared, inlined, kernel
 from .watch import OF_EXTENT, SMALL
 
 MOTION = ("forces", "speeds", "time", "extent")  # of each part, see `Watch`
-_EXTENT = 3
+_FORCES, _SPEEDS, _TIME, _EXTENT = range(4)
+
+
+class _Mass(NamedTuple):
+    """Of n coordinates, rows one after the other.
+
+    part: (n,) number of the part of each.   start: (n + 1,).   columns, values: of the entries.
+    """
+
+    part: np.ndarray
+    start: np.ndarray
+    columns: np.ndarray
+    values: Array
+
+
+@inlined
+def _add_energies(mass, v, factor, energies):
+    """energies (P,) += factor v . M v / 2 of each part."""
+    for i in range(len(v)):
+        total = 0.0
+        for k in range(mass.start[i], mass.start[i + 1]):
+            total += mass.values[k] * v[mass.columns[k]]
+        energies[mass.part[i]] += 0.5 * factor * v[i] * total
+
+
+@kernel
+def _see(mass, way, energies, extent):
+    """extent: (P,) that of the way (n,), if it is larger.   energies: (P,) memory."""
+    energies.fill(0.0)
+    _add_energies(mass, way, 1.0, energies)
+    for p in range(len(extent)):
+        extent[p] = max(extent[p], energies[p])
+
+
+@kernel
+def _go_on(mass, least, motion, a, v, spins, duration, gone_on):
+    """gone_on: (4, P) output, see `MovingParts.going_on`.   least: (P,) extent of a motion."""
+    gone_on.fill(0.0)
+    _add_energies(mass, a, duration, gone_on[_FORCES])
+    _add_energies(mass, v, duration, gone_on[_SPEEDS])
+    for i in range(len(spins)):
+        gone_on[_FORCES, mass.part[i]] += duration * spins[i]
+    for p in range(len(least)):
+        lasts = motion[_EXTENT, p] > least[p]
+        for row in range(_TIME):
+            gone_on[row, p] = motion[row, p] + (gone_on[row, p] if lasts else 0.0)
+        gone_on[_TIME, p] = motion[_TIME, p] + (duration if lasts else 0.0)
+        gone_on[_EXTENT, p] = motion[_EXTENT, p]
+
+
+@kernel
+def _find_fastest(least, motion, h, fastest):
+    """fastest: (4,) output, see `MovingParts.fastest`."""
+    largest = -1.0
+    fastest.fill(0.0)
+    for p in range(len(least)):
+        forces, speeds, time, extent = motion[:, p]
+        if speeds * forces > 0.0:
+            extent = max(extent, least[p] / OF_EXTENT**2)
+            squared = forces / speeds
+            made = h**2 / 24.0 * squared**1.5 * time
+            error = np.sqrt(speeds / (time * extent * squared)) * min(made, made ** (1.0 / 3.0))
+            if error > largest:
+                largest = error
+                fastest[:] = forces, speeds, time, extent
 
 
 class MovingParts:
@@ -25,39 +92,27 @@ class MovingParts:
     """
 
     def __init__(self, part: np.ndarray, mass: SparseArray, length: float) -> None:
-        numbers, self._part = np.unique(part, return_inverse=True)
-        self._mass = mass
+        numbers, part = np.unique(part, return_inverse=True)
+        self._mass = _Mass(part, mass.indptr, mass.indices, mass.data)
         self.motion = np.zeros((len(MOTION), len(numbers)))
-        self._least = self._energies(np.full(len(part), SMALL * length))
-
-    def _energies(self, v: Array) -> Array:
-        """(P,) v . M v / 2 of v (n,)."""
-        return np.asarray(np.bincount(self._part, 0.5 * v * (self._mass @ v)), dtype=float)
+        self._least, self._energies = np.zeros((2, len(numbers)))
+        self._gone_on, self._fastest = np.zeros_like(self.motion), np.zeros(len(MOTION))
+        self._see, self._go_on, self._find = Prepared(_see), Prepared(_go_on), Prepared(_find_fastest)
+        self._see(self._mass, np.full(len(part), SMALL * length), self._energies, self._least)
 
     def see(self, way: Array) -> None:
         """A way x - x_0 (n,), which may be the farthest one so far."""
-        extent = self.motion[_EXTENT]
-        np.maximum(extent, self._energies(way), out=extent)
+        self._see(self._mass, way, self._energies, self.motion[_EXTENT])
 
     def going_on(self, a: Array, v: Array, spins: Array, duration: float) -> Array:
         """The motion after another duration [s] with a, v (n,); what rests has not begun.
 
         spins: (n,) what a . M a / 2 lacks, at the first coordinate of each body that turns [J/s^2].
         """
-        lasts = duration * (self.motion[_EXTENT] > self._least)
-        forces = self._energies(a) + np.bincount(self._part, spins)
-        return self.motion + np.stack([forces * lasts, self._energies(v) * lasts, lasts, 0.0 * lasts])
+        self._go_on(self._mass, self._least, self.motion, a, v, spins, duration, self._gone_on)
+        return self._gone_on
 
     def fastest(self, motion: Array, h: float) -> Array:
         """(4,) motion of the part of which steps of h [s] make the largest error; of none: zeros."""
-        moving = np.flatnonzero(motion[1] * motion[0] > 0.0)
-        if not len(moving):
-            return np.zeros(len(motion))
-        parts = motion[:, moving]
-        forces, speeds, time, extent = parts
-        np.maximum(extent, self._least[moving] / OF_EXTENT**2, out=extent)
-        squared = forces / speeds
-        made = h**2 / 24.0 * squared**1.5 * time
-        error = np.sqrt(speeds / (time * extent * squared)) * np.minimum(made, np.cbrt(made))
-        fastest: Array = parts[:, np.argmax(error)]
-        return fastest
+        self._find(self._least, motion, h, self._fastest)
+        return self._fastest
