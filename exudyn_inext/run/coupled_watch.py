@@ -10,7 +10,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import scipy
 
 from ..arrays import Array
 from ..cable.sparse_forms import mass_of_cable
@@ -304,9 +303,8 @@ class CoupledWatch(RunWatch):
         for dofs in self._places[: len(cables)]:
             part[dofs] = dofs.start
         part[bodies.dofs] = bodies.dofs.start + bodies.system.bodies
-        mass = scipy.sparse.block_diag([*map(mass_of_cable, cables), bodies.system.mass], format="csr")
-        mass.resize(size, size)
-        return MovingParts(part, mass, max((cable.length for cable in cables), default=0.0))
+        masses = [*map(mass_of_cable, cables), bodies.system.mass]
+        return MovingParts(part, masses, max((cable.length for cable in cables), default=0.0))
 
     def _see_extent(self, state: Any) -> None:
         way = state.q - self._start

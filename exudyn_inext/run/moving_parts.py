@@ -4,6 +4,7 @@ A light part has no share in the energy of a scene with heavy ones, but it may b
 step must resolve the motion of each part, see `watch`. Its error is relative to its own way.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -17,9 +18,9 @@ _FORCES, _SPEEDS, _TIME, _EXTENT = range(4)
 
 
 class _Mass(NamedTuple):
-    """Of n coordinates, rows one after the other.
+    """Of m of the n coordinates, the first ones; others have none.
 
-    part: (n,) number of the part of each.   start: (n + 1,).   columns, values: of the entries.
+    part: (n,) number of the part of each.   start: (m + 1,) of the rows.   columns, values: of the entries.
     """
 
     part: np.ndarray
@@ -28,10 +29,19 @@ class _Mass(NamedTuple):
     values: Array
 
 
+def _side_by_side(part: np.ndarray, masses: Sequence[SparseArray]) -> _Mass:
+    rows = np.cumsum([0, *(mass.shape[0] for mass in masses)])
+    entries = np.cumsum([0, *(mass.nnz for mass in masses)])
+    starts = [mass.indptr[:-1] + first for mass, first in zip(masses, entries, strict=False)]
+    columns = [mass.indices + first for mass, first in zip(masses, rows, strict=False)]
+    values = np.concatenate([mass.data for mass in masses])
+    return _Mass(part, np.concatenate([*starts, entries[-1:]]), np.concatenate(columns), values)
+
+
 @inlined
 def _add_energies(mass, v, factor, energies):
     """energies (P,) += factor v . M v / 2 of each part."""
-    for i in range(len(v)):
+    for i in range(len(mass.start) - 1):
         total = 0.0
         for k in range(mass.start[i], mass.start[i + 1]):
             total += mass.values[k] * v[mass.columns[k]]
@@ -85,15 +95,15 @@ class MovingParts:
 
     Args:
         part: (n,) a number for each coordinate, the same for those of one part.
-        mass: (n, n) at the start.
+        masses: matrices at the start, of coordinates that follow each other; of other ones there is none.
         length: of the longest cable [m]: of it, an error of `SMALL` counts for nothing.
 
     motion: (4, P) so far, see `MOTION`.
     """
 
-    def __init__(self, part: np.ndarray, mass: SparseArray, length: float) -> None:
+    def __init__(self, part: np.ndarray, masses: Sequence[SparseArray], length: float) -> None:
         numbers, part = np.unique(part, return_inverse=True)
-        self._mass = _Mass(part, mass.indptr, mass.indices, mass.data)
+        self._mass = _side_by_side(part, masses)
         self.motion = np.zeros((len(MOTION), len(numbers)))
         self._least, self._energies = np.zeros((2, len(numbers)))
         self._gone_on, self._fastest = np.zeros_like(self.motion), np.zeros(len(MOTION))

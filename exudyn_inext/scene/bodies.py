@@ -97,11 +97,8 @@ class BodiesSystem:
     @property
     def mass(self) -> SparseArray:
         """(n, n) at present."""
-        total = scipy.sparse.csr_array(self._constant_mass)
         blocks = [MassBlock(*one) for s in self._variable for one in zip(s.dofs, s.mass, strict=True)]
-        return scipy.sparse.csr_array(
-            total + scipy.sparse.csr_array(_matrix_of_blocks(total.shape[0], blocks))
-        )
+        return scipy.sparse.csr_array(self._constant_mass + _matrix_of_blocks(self._size, blocks))
 
     def begin_changes(self) -> None:
         """Count changes from the masses at present on."""
