@@ -1,7 +1,8 @@
 """Sensors of an mbs: what of the state they look at during a run, and which of them show nothing."""
 
 import warnings
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
+from functools import cached_property
 from typing import Any
 
 import exudyn
@@ -53,19 +54,32 @@ def observed_derivatives(settings: Any, sensors: Sequence[Any], look: Look = Loo
 class OutputTimes:
     """When somebody looks at accelerations and forces, who does not look at each step: files and sensors.
 
-    Args: see `observed_derivatives`.
+    Args:
+        settings, sensors, look: see `observed_derivatives`.
+        look_of_items: gives what functions look at that items call, if it is asked for.
     """
 
-    def __init__(self, settings: Any, sensors: Sequence[Any], look: Look) -> None:
+    def __init__(
+        self, settings: Any, sensors: Sequence[Any], look: Look, look_of_items: Callable[[], Look]
+    ) -> None:
+        self._look, self._look_of_items = look, look_of_items
         are_sensed = max(map(_derivatives_of, sensors), default=POSITIONS) == ACCELERATIONS
-        self._are_all = look == Look.ANYTHING or (look == Look.SENSORS and are_sensed)
+        self._at_all = {Look.ANYTHING, Look.SENSORS} if are_sensed else {Look.ANYTHING}
         written = settings.solution.file.write, settings.solution.sensors.active and are_sensed
         self._written = [name for name, is_written in zip(_LAST_WRITTEN, written, strict=True) if is_written]
 
-    def include(self, time: float, step: float, solver: Any) -> bool:
-        """Whether a step of the loop, of that length, may be one that ends at `time` [s]."""
+    @cached_property
+    def _items_look(self) -> Look:
+        return self._look_of_items()
+
+    def include(self, time: float, step: float, solver: Any, asks_items: bool) -> bool:
+        """Whether a step of the loop, of that length, may be one that ends at `time` [s].
+
+        asks_items: whether functions of items are called in steps, which may look, too.
+        """
         to_be_written = [getattr(solver.output, name) for name in self._written]
-        return self._are_all or time > min(to_be_written, default=np.inf) - 0.5 * step
+        are_all = self._look in self._at_all or (asks_items and self._items_look in self._at_all)
+        return are_all or time > min(to_be_written, default=np.inf) - 0.5 * step
 
 
 def _derivatives_of(sensor: dict[str, Any]) -> int:

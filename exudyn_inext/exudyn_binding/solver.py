@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from dataclasses import replace
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -12,7 +13,7 @@ import exudyn
 from ..errors import DivergenceError, SceneError
 from ..items.arguments import explicit_settings, simulation_settings
 from ..items.functions_of_time import functions_at_rest, step_functions, take_word
-from ..items.functions_that_look import look_of_step_functions
+from ..items.functions_that_look import look_of_item_functions, look_of_step_functions
 from ..native.native_items import state_kept
 from ..native.velocity_level import Drives, at_position_level
 from ..run.loop_clock import LoopClock
@@ -205,7 +206,7 @@ def _solve(
         changes = ChangeFollower(mbs, scene, reader, log, builder, limit, sensors, moves)
         restarts.changes_so_far = changes.stored
         loop = ExplicitTimeLoop(mbs, runs, grid, restarts, observed_derivatives(*looking), changes)
-        loop.output_times = OutputTimes(*looking)
+        loop.output_times = OutputTimes(*looking, partial(look_of_item_functions, mbs))
         loop.step_is_from = decided_by if explicit.stepSize is None else ""
         shown: AbstractContextManager[None] = nullcontext()
         if restarts.found:

@@ -190,10 +190,10 @@ class ExplicitTimeLoop:
         """Whether somebody looks at accelerations and forces after the next steps that are computed."""
         follows_state = not all(run.looks_ahead or run.is_steady for run in self.runs)
         is_last = self._computed + 1 >= self.grid.loop_steps
-        if self.output_times is None or follows_state or is_last or self._intervals(self._computed) > 1:
+        if self.output_times is None or is_last or self._intervals(self._computed) > 1:
             return True
         step = self.grid.substeps * self.grid.h
-        return self.output_times.include(self.grid.time(self._computed + 1), step, solver)
+        return self.output_times.include(self.grid.time(self._computed + 1), step, solver, follows_state)
 
     def _next_state(self) -> Any:
         """As `_blocks_of_states` gives it, and remembered as what mbs then holds."""

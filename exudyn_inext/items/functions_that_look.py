@@ -20,7 +20,14 @@ import exudyn
 import numpy as np
 
 from ..run.fingerprint import all_codes
-from .functions_of_time import known_to, package_of, step_functions
+from .functions_of_time import (
+    functions_at_rest,
+    is_of_time_alone,
+    known_to,
+    package_of,
+    python_function,
+    step_functions,
+)
 
 _TRUSTED = {"builtins", "numpy", "math", "exudyn"}
 _NAMES = """
@@ -54,6 +61,18 @@ class Look(IntEnum):
 def look_of_step_functions(mbs: Any) -> Look:
     """At what functions may look that are called between steps."""
     return max((look_of(function, mbs) for function in step_functions(mbs)), default=Look.NOTHING)
+
+
+def look_of_item_functions(mbs: Any) -> Look:
+    """At what functions of loads and objects may look that are called in steps; not those of this package."""
+    data = mbs.systemData
+    items = [mbs.GetLoad(k) for k in range(data.NumberOfLoads())]
+    items += [mbs.GetObject(k) for k in range(data.NumberOfObjects())]
+    given = [one for item in items for key, one in item.items() if "UserFunction" in key and key[0] != "V"]
+    with functions_at_rest(mbs):
+        asked = [one for one in given if isinstance(one, dict) and not is_of_time_alone(mbs, one)]
+    functions = [one for one in map(python_function, asked) if package_of(one) != __name__.split(".")[0]]
+    return max((look_of(one, mbs) for one in functions), default=Look.NOTHING)
 
 
 def look_of(function: Any, mbs: Any) -> Look:
@@ -107,7 +126,8 @@ class _Reached:
         if isinstance(value, FunctionType):
             return package_of(value) == "numpy" or self._is_known_function(value)
         if isinstance(value, ModuleType):
-            self._members |= set() if value is exudyn else set(dir(value))
+            if value is not exudyn:
+                self._members.update(dir(value), dir(getattr(value, "linalg", value)))
             return package_of(value) in _TRUSTED
         if _is_of_user(type(value)):
             self._objects.append(value)

@@ -97,7 +97,7 @@ def set_frame(dimension, slope, turn):
 
 
 @inlined
-def _weigh(slider):
+def weigh(slider):
     """S and derivatives at present, see `element.shape_functions`; straight beyond a chain's ends."""
     w, length = slider.weights, slider.length
     at = min(max(slider.x, 0.0), length)
@@ -136,7 +136,7 @@ def _sum(slider, order, i, q):
 @inlined
 def _measure(slider, point, p, q):
     """At the present place; returns how far the foot is, to first order [m]."""
-    _weigh(slider)
+    weigh(slider)
     for i in range(slider.dimension):
         point.x[0, i] = _sum(slider, 0, i, q)
         slider.slope[i], slider.bend[i] = _sum(slider, 1, i, q), _sum(slider, 2, i, q)

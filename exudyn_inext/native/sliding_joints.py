@@ -9,8 +9,8 @@ as neither the change of s nor that of n adds anything where p = r. Exudyn's Obj
 ObjectJointSliding have the place as an unknown of their own, which they find in each step.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import exudyn
@@ -18,10 +18,9 @@ import numpy as np
 from exudyn.exudynCPP import ObjectIndex
 
 from ..arrays import Array
-from ..element.shape_functions import first_derivatives, second_derivatives, shape_functions
 from ..errors import SceneError
 from ..items.parameters import set_unnoted
-from ..multibody.sliding import BEYOND, set_frame
+from ..multibody.sliding import BEYOND, set_frame, weigh
 from ..run.compiled_scene import off_cable
 from .joint_item import JACOBIAN, JointItem
 
@@ -104,12 +103,14 @@ class SlidingJoint(JointItem):
         position = np.asarray(mbs.GetMarkerOutput(self.slider, _POSITION))[: self.dimension]
         all_q = np.asarray(mbs.systemData.GetODE2Coordinates())
         segment, x = int(self.last[0]), float(self.last[1])
+        at = SimpleNamespace(weights=np.zeros((4, 4)))
         for _ in range(MOST_STEPS + len(self.chain)):
             nodes = (all_q[self.chain[segment]] + self.references[segment]).reshape(4, -1)
             length = float(self.lengths[segment])
-            weights, *derivatives = _shapes(x, length)
-            slope, bend = (one @ nodes for one in derivatives)
-            way = position - weights @ nodes
+            at.x, at.length = x, length
+            weigh(at)
+            place, slope, bend = at.weights[:3] @ nodes
+            way = position - place
             square = slope @ slope
             step = float(slope @ way) / max(square - bend @ way, 0.5 * square)
             if abs(step) <= CLOSE * length:
@@ -120,7 +121,7 @@ class SlidingJoint(JointItem):
             elif x > length and segment < len(self.chain) - 1:
                 segment, x = segment + 1, 0.0
         self.last[:] = segment, x
-        return Foot(segment, x, weights, slope, way)
+        return Foot(segment, x, at.weights[0], slope, way)
 
     def jacobian(self, mbs: Any) -> Array:
         """See `JointItem`; what the slider moves by is that of Exudyn's equations of positions, -dp/dq."""
@@ -169,14 +170,6 @@ class SlidingJoint(JointItem):
         if beyond > BEYOND * length:
             raise off_cable(self.name, beyond, foot.x < 0.0)
         data[self.data] = foot.segment, self.offsets[foot.segment] + foot.x
-
-
-def _shapes(x: float, length: float) -> Sequence[Array]:
-    """S, S' and S'' (4,) at x [m] on an element, which goes on straight beyond its ends."""
-    at = min(max(x, 0.0), length)
-    slope = first_derivatives(at / length, length)
-    bend = second_derivatives(at / length, length) if at == x else np.zeros(4)
-    return shape_functions(at / length, length) + (x - at) * slope, slope, bend
 
 
 def read_sliding_joint(mbs: Any, number: int, data: dict[str, Any], name: str) -> SlidingJoint:

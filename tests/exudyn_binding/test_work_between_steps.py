@@ -411,7 +411,26 @@ def support_that_is_set_beside_a_mass(model):
     return support_that_is_set(model)
 
 
+def load_that_follows_the_state(model):
+    node = model.nodes[-1]
+
+    def drag(mbs, t, load):
+        v = np.array(mbs.GetNodeOutput(node, OutputVariableType.Velocity))
+        return (-0.1 * np.linalg.norm(v) * v).tolist()
+
+    model.force(node, loadVectorUserFunction=drag)
+
+
+def spring_that_follows_the_state(model):
+    def force(mbs, t, number, length, rate, stiffness, damping, initial):
+        return 5.0 * length + 0.1 * rate
+
+    ends = [model.at_point([2, 1, 0]), model.at(model.nodes[-1])]
+    model.mbs.AddObject(SpringDamper(markerNumbers=ends, referenceLength=1.0, springForceUserFunction=force))
+
+
 SEEN_TO_SET = [load_that_is_set, support_that_is_set, support_that_is_set_beside_a_mass]  # and to do no more
+SEEN_TO_FOLLOW = [load_that_follows_the_state, spring_that_follows_the_state]
 
 
 def written_rows(kind, folder, period, monkeypatch, each_step=False):
@@ -420,7 +439,7 @@ def written_rows(kind, folder, period, monkeypatch, each_step=False):
     monkeypatch.setattr(CableRun, "put_reactions", lambda *given: calls.append(1) or put(*given))
     monkeypatch.setattr(OutputTimes, "include", lambda *_: True) if each_step else None
     model = Model(False)
-    model.mbs.SetPreStepUserFunction(kind(model))
+    model.mbs.SetPreStepUserFunction(kind(model) or 0)
     force = SensorObject(
         objectNumber=model.supports[1], storeInternal=True, outputVariableType=OutputVariableType.Force
     )
@@ -436,7 +455,7 @@ def written_rows(kind, folder, period, monkeypatch, each_step=False):
     return rows, len(calls)
 
 
-@pytest.mark.parametrize("kind", SEEN_TO_SET, ids=name_of)
+@pytest.mark.parametrize("kind", SEEN_TO_SET + SEEN_TO_FOLLOW, ids=name_of)
 @pytest.mark.parametrize("period", [0.01, 0.007])
 def test_forces_are_solved_for_where_they_are_written_or_sensed_alone(kind, period, tmp_path, monkeypatch):
     found, few = written_rows(kind, tmp_path, period, monkeypatch)
@@ -444,3 +463,17 @@ def test_forces_are_solved_for_where_they_are_written_or_sensed_alone(kind, peri
     for rows, wanted_rows in zip(found, wanted, strict=True):
         np.testing.assert_array_equal(rows, wanted_rows)
     assert len(found[1]) < 6 and few < 15 < 50 <= many
+
+
+def load_that_follows_a_force(model):
+    support = model.supports[1]
+
+    def pull(mbs, t, load):
+        return [0, -0.1 * float(np.max(mbs.GetObjectOutput(support, OutputVariableType.Force))), 0]
+
+    model.force(model.nodes[-1], loadVectorUserFunction=pull)
+
+
+def test_forces_are_solved_for_at_each_step_where_a_load_looks_at_them(tmp_path, monkeypatch):
+    _, calls = written_rows(load_that_follows_a_force, tmp_path, 0.01, monkeypatch)
+    assert calls >= 50

@@ -146,7 +146,13 @@ CONTROLLERS = [
     lambda mbs, t, controllers=pair: [one.step(mbs, t) for one in controllers],
     lambda mbs, t: mbs.variables["controller"].step(mbs, t),
 ]
-BLIND = [lambda mbs, t: True, position, sets, lambda mbs, t: MBS.systemData.GetODE2Coordinates_t()]
+BLIND = [
+    lambda mbs, t: True,
+    position,
+    sets,
+    lambda mbs, t: MBS.systemData.GetODE2Coordinates_t(),
+    lambda mbs, t, load: np.linalg.norm(mbs.GetNodeOutput(0, POSITION)) * np.array(load),
+]
 LOOKING = [
     acceleration,
     *(kind().step for kind in (OfForce, OfAcceleration, OfStoredMethod, OfSameName, OfAnyName, OfAnIndex)),
