@@ -378,6 +378,15 @@ def test_an_offset_that_jumps_in_time_is_named_with_its_size():
         rope.run(0.5, stepSize=2e-4)
 
 
+def test_it_is_named_as_the_cause_beside_bodies_too():
+    """A cable that was "pulled straight" was blamed."""
+    rope = Rope([2, 0, 0], {"massPerLength": 0.25, "bendingStiffness": 2.0}, is_pinned=False)
+    rope.hang_on_a_mass(5.0)
+    rope.tie(rope.nodes[-1], 1, offsetUserFunction=lambda mbs, t, number, offset: 0.05 * (t > 0.1))
+    with pytest.raises(DivergenceError, match=r"Cause: a support or joint moves by 0\.05 m"):
+        rope.run(0.2)
+
+
 def bent_at_once(torque, **damping):
     """A bar, whose end a torque turns from 0.5 s on."""
     bar = {"massPerLength": 2.0, "bendingStiffness": 100.0, "axialStiffness": 1e7} | damping
