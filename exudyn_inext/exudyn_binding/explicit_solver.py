@@ -14,7 +14,7 @@ from ..items.functions_of_time import take_word
 from ..native.velocity_level import at_position_level
 from ..run.output_files import require_writable_outputs
 from ..run.settings import ExplicitSettings
-from ..run.step_choice import MOST_DURATION, choose_step, warn_of_damping
+from ..run.step_choice import MOST_DURATION, choose_step, shorten_for_stretch, warn_of_damping
 from .cable_forces import forget_evaluators
 from .changes.constraints import SteppedReader
 from .changes.follower import ChangeFollower
@@ -42,9 +42,10 @@ class ExplicitSolver(_NativeSolver):
     parameters, and states may be set; a state must fulfil the constraints, as at the start of SolveExplicit.
 
     Each step of Exudyn's loop (numberOfSteps between startTime and endTime) is cut into equal steps of the
-    integrator. A force that was changed before a call jumps at its beginning. Sensors, solution files, pre-
-    and post-step user functions work as with SolveExplicit. Until FinalizeSolver, Exudyn's own solvers find
-    cables among other items switched off.
+    integrator; beside cables that stretch, automatic ones are shorter than those of SolveExplicit, as forces
+    to come may let them vibrate along their axes. A force that was changed before a call jumps at its
+    beginning. Sensors, solution files, pre- and post-step user functions work as with SolveExplicit. Until
+    FinalizeSolver, Exudyn's own solvers find cables among other items switched off.
 
     Args:
         explicitSettings: as for SolveExplicit.
@@ -182,11 +183,13 @@ class ExplicitSolver(_NativeSolver):
             runs = builder.build(scene, start)
             scaled = bounds_if_scaled(mbs, scene, start, explicit.stepSize or 0.0, explicit)
             choice = choose_step(runs, start, self._duration, explicit, scaling, scaled)
+            choice = shorten_for_stretch(runs, choice)
             warn_of_damping(choice, self._duration)
             limit = StepLimit(choice.h, choice.bounds.stability_limit, choice.explicit)
             changes = ChangeFollower(mbs, scene, reader, log, builder, limit, sensors)
             restarts = Restarts(mbs, settings, explicit)
-            loop = SteppingLoop(mbs, runs, start, choice.h, choice.explicit, restarts, changes)
+            taken = choice.h, self._duration, choice.explicit
+            loop = SteppingLoop(mbs, runs, start, *taken, restarts, changes)
             stack.enter_context(listening(log))
             log.is_idle = True
             self._open.push(stack.pop_all())

@@ -17,7 +17,7 @@ from ..run.cable_run import Start
 from ..run.coupled_run import CoupledRun
 from ..run.divergence import divergence
 from ..run.settings import ExplicitSettings
-from ..run.step_choice import MOST_DURATION, choose_step, warn_of_damping
+from ..run.step_choice import MOST_DURATION, choose_step, shorten_for_stretch, warn_of_damping
 from ..run.stepped_run import SteppedRun
 from ..run.time_grid import TimeGrid, steps_of_interval
 from .console import compile_notice
@@ -37,7 +37,9 @@ class ExplicitStepper:
 
     Without a stepSize, the step is that of a run of SolveExplicit over `duration` with outputs at each
     `interval`. Where the motion turns out to be too fast for it, each step becomes two of half the size: from
-    the beginning, if the first call of `Step` is long enough to find it, or else from then on.
+    the beginning, if the first call of `Step` is long enough to find it, or else from then on. Forces to come
+    may let cables that stretch vibrate along their axes: their steps are shorter than in a run, and `Start`
+    tries the first ones.
 
     Args:
         mbs: assembled system; its cables start from the initial configuration.
@@ -95,6 +97,7 @@ class ExplicitStepper:
                 "SolveExplicit for native items."
             )
         choice = choose_step(runs, start, duration, explicit, given if explicit.massScaling else 0.0)
+        choice = shorten_for_stretch(runs, choice)
         warn_of_damping(choice, duration)
         self.bounds, self.massScaling = choice.bounds, choice.theta
         self._substeps, self.stepSize = steps_of_interval(interval, choice.h, MOST_STEPS)
@@ -103,7 +106,7 @@ class ExplicitStepper:
         self.startCorrections = [run.start_correction for run in runs]
         self._mbs, self._explicit = mbs, choice.explicit
         self._initial = self._initial_state()
-        self._start_time = start
+        self._start_time, self._duration = start, duration
         self._runs = [SteppedRun(run) for run in runs]
         self._cables = [cable for run in self._runs for cable in run.cables]
         self._run_of_node = {node: run for run in self._runs for node in run.nodes}
@@ -129,11 +132,13 @@ class ExplicitStepper:
         self._is_ready = False
         initial = self._initial_state()
         is_same = all(map(np.array_equal, initial, self._initial))
+        grid = TimeGrid(self._start_time, 1, self._substeps, self.stepSize)
         with compile_notice(), state_kept(self._mbs):
             for run in self._runs:
                 run.start(self._start_time, self.stepSize)
                 if not is_same:
                     run.start_from(*initial, Start(self._start_time, self.stepSize, self._explicit))
+                run.run.rehearse_start(grid, self._duration)
         self._is_ready = True
 
     def _initial_state(self) -> tuple[Array, Array, Array]:

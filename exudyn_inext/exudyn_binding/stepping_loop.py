@@ -47,7 +47,8 @@ class SteppingLoop(ExplicitTimeLoop):
 
     Args:
         mbs: the system.   runs: of it, as they were built.   start: [s].
-        largest: step of the integrator [s].   explicit: settings.   restarts: without files.
+        largest: step of the integrator [s].   duration: of the motion, at most [s].
+        explicit: settings.   restarts: without files.
         changes: of the parameters of mbs.
     """
 
@@ -57,11 +58,12 @@ class SteppingLoop(ExplicitTimeLoop):
         runs: Sequence[Run],
         start: float,
         largest: float,
+        duration: float,
         explicit: ExplicitSettings,
         restarts: Restarts,
         changes: ChangeFollower,
     ) -> None:
-        self.mbs, self._largest, self._explicit = mbs, largest, explicit
+        self.mbs, self._largest, self._duration, self._explicit = mbs, largest, duration, explicit
         self._built, self._path_as_built = runs, [run.looks_ahead for run in runs]
         self._initial = [KeptState(run.memory()) for run in runs]
         self._begins, self._portion = True, Portion(start, largest, 1)
@@ -128,6 +130,8 @@ class SteppingLoop(ExplicitTimeLoop):
         if self._begins:
             self._follow_changes()
             self._take_over_changes()
+            for run in self.runs if not self.changes.moves else ():
+                run.rehearse_start(self.grid, self._duration)
             return
         self._take_over_changes()
         has_jumped = self.changes.log.is_pending

@@ -448,6 +448,6 @@ def refuse_step_functions(mbs: Any, where: str) -> None:
     refuse_newton_functions(mbs)
     if step_functions(mbs):
         raise SceneError(
-            f"it has a pre- or post-step user function, which is not called {where}: remove it, or use "
+            f"mbs has a pre- or post-step user function, which is not called {where}: remove it, or use "
             "SolveExplicit."
         )

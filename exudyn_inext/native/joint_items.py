@@ -65,7 +65,8 @@ def _joint(mbs: Any, number: int, data: dict[str, Any], name: str) -> JointItem:
     if len(rows) - len(active) > released:
         raise SceneError(
             f"{name} has an equation that does not depend on any coordinate in the initial configuration (a "
-            "singular position, or both markers at rest): move its markers apart, or remove it."
+            "singular position, an axis across the plane of a planar cable, or both markers at rest): move "
+            "its markers apart, free that axis, as by constrainedAxes=[1, 1, 0], or remove it."
         )
     return JointItem(
         number=number,

@@ -8,6 +8,8 @@ import numpy as np
 from ..arrays import Array
 from ..cable.link import Motion
 from ..cable.links import all_links, motions_of
+from ..constraints.motion import STEP
+from ..errors import SceneError
 from ..integrators.integrator import LoadHistory
 from ..loads.nodal import NodalLoad, out_of_plane
 from ..loads.weight import ConstantWeights, ElementWeight
@@ -31,7 +33,7 @@ class CableLoads:
 
     def __init__(self, cable: CableInScene) -> None:
         self._dimension = cable.cable.dimension
-        self._item = cable.item
+        self._item, self._name = cable.item, cable.name
         motions = motions_of(all_links(cable.cable))
         steady = [load for load in cable.loads if load.history is None]
         weights = [load for load in steady if isinstance(load, ElementWeight)]
@@ -140,11 +142,23 @@ class CableLoads:
 
     def factors(self, times: list[float]) -> Array:
         """(T, P) of all load histories and motions."""
-        columns = [np.array([motion.at(t).ravel() for t in times]) for motion in self._motions]
+        columns = [self._of_motion(motion, times) for motion in self._motions]
         if self._histories or not self._motions:
             columns.insert(0, self._functions.values(times))
             _require_none(self._out_of_plane, columns[0])
         return np.concatenate(columns, axis=1) if len(columns) > 1 else columns[0]
+
+    def _of_motion(self, motion: Motion, times: list[float]) -> Array:
+        """(T, 3 dim) p, p_t, p_tt.   SceneError if they are not finite."""
+        values = np.array([motion.at(t).ravel() for t in times])
+        bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
+        if bad.size:
+            raise SceneError(
+                f"a motion prescribed to a node of {self._name} has place, velocity and acceleration "
+                f"{values[bad[0]].tolist()} at t = {times[bad[0]]:g} s: its functions must return finite "
+                f"numbers, without given derivatives also {STEP:g} s before and after the run."
+            )
+        return values
 
     def jump_of_places(self, time: float, end: float) -> float:
         """Largest way of a support from `time` to `end` [s] [m]."""

@@ -162,7 +162,7 @@ class LimitedRun(PacedRun):
             return ""
         if self._unsolvable:
             smaller = "If the motion before that is wrong, reduce stepSize."
-            parts = filter(None, (self._unsolvable, self._straightness, smaller))
+            parts = filter(None, (self._unsolvable, self.known_cause(time), smaller))
             return f"{self.name}: {' '.join(parts)}"
         limit, scaled = self._limit_now(time), any(run.is_scaled for run in self._runs)
         said = self.known_cause(time) or explanation(

@@ -17,6 +17,7 @@ from .watch import ENERGY, TOO_FAST
 FASTEST = 1e3  # speed of supports and joints, beyond which they jump [m/s]
 HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are smaller for a while only
 LEAST_REHEARSED = 4  # intervals of the loop
+STEPS_REHEARSED = 1000  # at most, of a run that goes on portion by portion
 SMALLEST_PARTS = 256  # and up to which all are, where no smaller ones for a while go well
 
 
@@ -197,6 +198,11 @@ class PacedRun:
         else:
             beginning.restore()
             self.resume(grid.time(first))
+
+    def rehearse_start(self, grid: TimeGrid, duration: float) -> None:
+        """As `rehearse`, where nobody knows how many steps follow.   duration: they take at most [s]."""
+        steps = min(STEPS_REHEARSED, int(duration / grid.h))
+        self.rehearse(grid, 0, steps // grid.substeps)
 
     @property
     def _is_rehearsed(self) -> bool:

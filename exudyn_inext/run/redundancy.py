@@ -54,7 +54,7 @@ def _require_independent_lengths(scene_cable: CableInScene, system: Any, masses:
             f"the length constraint of the element between nodes {names[k - 1]} and {names[k]} of "
             f"cable '{scene_cable.name}' is not independent of the other constraints (a straight cable "
             "between two supports as far apart as it is long, or an element clamped at both ends): let it "
-            "sag, free a support, give it its axialStiffness, or use a smaller numberOfLengthConstraints."
+            "sag, free a support, or give it its axialStiffness."
         )
 
 

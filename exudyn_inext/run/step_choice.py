@@ -27,6 +27,7 @@ PHASE = 0.003  # error of the motion at the end of a run [rad]
 MOST_DURATION = 100.0  # of a run, for that [s]
 MUCH = 10.0  # times that damping may shorten the step without a word
 MANY = 100.0  # times as many outputs as steps, without a word
+UNFORESEEN = 4.0  # times the step that resolves axial vibrations, where nobody knows what excites them
 MOST_TRIALS, NEARLY = 6, 0.98  # of a step that the bounds for its own scaled mass allow
 
 
@@ -130,6 +131,14 @@ def choose_step(
     if is_told:
         require_stable(bounds, explicit, taken, scaled)
     return StepChoice(bounds, explicit, explicit.stepSize, "stepSize")
+
+
+def shorten_for_stretch(runs: Sequence[Run], choice: StepChoice) -> StepChoice:
+    """For forces that nobody knows yet: such a run cannot begin again with a shorter step than its own."""
+    resolving = [step for run in runs if (step := run.watch.resolving_step) > 0.0]
+    shorter = UNFORESEEN * min(resolving, default=math.inf)
+    is_given = choice.explicit.stepSize is not None or choice.h <= shorter
+    return choice if is_given else replace(choice, h=shorter, decided_by="axial vibrations")
 
 
 def require_stable(

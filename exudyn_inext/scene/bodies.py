@@ -17,6 +17,7 @@ from ..system import accelerate_and_project, correct_position, index_reduced_rat
 from .joints import respond_to_rows
 
 _DENSE = 40  # coordinates up to which a dense product is the faster one
+_MANY_PRODUCTS = 1_000_000  # from which on the zeros of forces are worth being left out
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +79,7 @@ class BodiesSystem:
         """Blocks whose masses do not depend on the configuration."""
         self._constant = _matrix_of_blocks(self._size, [_inverse(block) for block in blocks])
         self._constant_mass = _matrix_of_blocks(self._size, blocks)
+        self._entries = sum(block.mass.size for block in blocks) if self._size > _DENSE else 0
 
     def set_masses(self, stack: int, masses: Array, q: Array) -> None:
         """Masses (B, k, k), overwritten, of the variable blocks of one size in the configuration q (n,)."""
@@ -125,8 +127,11 @@ class BodiesSystem:
         return result
 
     def responses(self, forces: Array) -> Array:
-        """Z F for rows F of forces (rows, n)."""
-        result = np.ascontiguousarray((self._constant @ forces.T).T)
+        """Z F for rows F of forces (rows, n), each on few coordinates; Z is symmetric."""
+        if self._entries * len(forces) < _MANY_PRODUCTS:
+            result = np.ascontiguousarray((self._constant @ forces.T).T)
+        else:
+            result = (scipy.sparse.csr_array(forces) @ self._constant).toarray()
         for s in self._variable:
             _apply(s.dofs, s.inverse, s.lever, np.zeros_like(s.target), forces, result)
         return result

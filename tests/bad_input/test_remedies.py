@@ -26,6 +26,7 @@ from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import (
     AddMarkerOnCable,
+    AttachToBody,
     CableShape,
     CreateCompanionCables,
     CreateInextensibleCable,
@@ -153,6 +154,35 @@ def test_a_marker_on_the_object_of_a_cable_is_told_what_takes_its_place(kind, di
         scene.mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=[0, 0.1, 0]))
     scene.mbs.Assemble()
     assert run(scene.mbs)["success"]
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_ring_is_told_which_joint_holds_it(dimension):
+    scene = empty()
+    mbs = scene.mbs
+    ring = CreateInextensibleCable(
+        mbs,
+        shape=CableShape.Circle([0, 0], 0.5, numberOfElements=8),
+        beamTemplate=InextensibleCable(**SECTION),
+        gravity=[0, -9.81, 0],
+        dimension=dimension,
+    )
+    ground = mbs.CreateGround(referencePosition=[0.5, 0, 0])
+    with pytest.raises(InputError, match=r"closed cable has no ends.* SphericalJoint of Marker") as caught:
+        AttachToBody(mbs, ring, "start", ground)
+    axes = re.search(r"\(in the plane with constrainedAxes=\[(.*)\]\)", str(caught.value))[1]
+    markers = [
+        mbs.AddMarker(MarkerNodePosition(nodeNumber=ring["nodes"][0])),
+        mbs.AddMarker(MarkerBodyPosition(bodyNumber=ground)),
+    ]
+    joint = mbs.AddObject(SphericalJoint(markerNumbers=markers))
+    mbs.Assemble()
+    if dimension == 2:
+        with pytest.raises(SceneError, match=rf"across the plane.* by constrainedAxes=\[{axes}\]"):
+            run(mbs)
+        mbs.SetObjectParameter(joint, "constrainedAxes", [int(axis) for axis in axes.split(",")])
+        mbs.Assemble()
+    assert run(mbs)["success"]
 
 
 def rope(sag, **changes):

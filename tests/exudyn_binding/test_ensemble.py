@@ -302,7 +302,7 @@ def not_assembled():
         (lambda: pendulum, {"parameters": []}, InputError, "the ensemble is empty"),
         (lambda: lambda p: None, {"parameters": [1]}, InputError, "member 0 .*: None is no system"),
         (lambda: [pendulum(), not_assembled()], {}, SceneError, "member 1 .*: mbs is not assembled"),
-        (lambda: [watched()], {}, SceneError, "member 0 .*: it has a pre- or post-step user function"),
+        (lambda: [watched()], {}, SceneError, "member 0 .*: mbs has a pre- or post-step user function"),
         (
             lambda: [pushed(1.0)],
             {"explicitSettings": ExplicitSettings(dependsOnTimeOnly=False)},

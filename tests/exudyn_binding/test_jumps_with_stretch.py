@@ -10,12 +10,14 @@ from exudyn.itemInterface import (
     CartesianSpringDamper,
     CoordinateConstraint,
     CoordinateSpringDamper,
+    Force,
     HydraulicActuatorSimple,
     LoadCoordinate,
     MarkerBodyPosition,
     MarkerNodeCoordinate,
     MarkerNodePosition,
     MarkerNodeRigid,
+    MassPoint2D,
     NodeGenericODE1,
     NodePointGround,
     ObjectANCFCable2D,
@@ -28,6 +30,8 @@ from exudyn_inext import (
     CreateInextensibleCable,
     DivergenceError,
     ExplicitSettings,
+    ExplicitSolver,
+    ExplicitStepper,
     InextensibleCable,
     SolveExplicit,
 )
@@ -374,6 +378,15 @@ def test_an_offset_that_jumps_in_time_is_named_with_its_size():
         rope.run(0.5, stepSize=2e-4)
 
 
+def test_it_is_named_as_the_cause_beside_bodies_too():
+    """A cable that was "pulled straight" was blamed."""
+    rope = Rope([2, 0, 0], {"massPerLength": 0.25, "bendingStiffness": 2.0}, is_pinned=False)
+    rope.hang_on_a_mass(5.0)
+    rope.tie(rope.nodes[-1], 1, offsetUserFunction=lambda mbs, t, number, offset: 0.05 * (t > 0.1))
+    with pytest.raises(DivergenceError, match=r"Cause: a support or joint moves by 0\.05 m"):
+        rope.run(0.2)
+
+
 def bent_at_once(torque, **damping):
     """A bar, whose end a torque turns from 0.5 s on."""
     bar = {"massPerLength": 2.0, "bendingStiffness": 100.0, "axialStiffness": 1e7} | damping
@@ -397,3 +410,54 @@ def test_the_warning_of_energy_advises_a_step_and_not_what_is_set():
     advised = float(re.search(r"take stepSize = ([\d.e-]+),", str(said[0].message)).group(1))
     _, report = bent_at_once(500.0, axialDamping=1e4).run(1.0, stepSize=advised)
     assert report["drift"]["energyGain"] < 0.03  # what is warned of
+
+
+def crane():
+    """A trolley with a rope, at whose end a mass begins to pull, and the trolley's node."""
+    soft = {"massPerLength": 0.2, "bendingStiffness": 0.01, "axialStiffness": 2e4}
+    rope = Rope([0, -1, 0], soft, is_pinned=False, elements=6)
+    node = rope.hang_on_a_mass(2.0)
+    rope.tie(node, 1)
+    rope.mbs.AddObject(MassPoint2D(nodeNumber=rope.nodes[-1], mass=0.5))
+    rope.mbs.AddLoad(Force(markerNumber=rope.marker(rope.nodes[-1]), loadVector=[0, -4.905, 0]))
+    return rope, node
+
+
+def to_and_fro(k):
+    """Force on the trolley in portion k [N]."""
+    return [20.0 * (-1) ** (k // 2), 0, 0]
+
+
+def at_rest(k):
+    return [0, 0, 0]
+
+
+@pytest.mark.parametrize("force", [to_and_fro, at_rest])
+def test_a_stepper_resolves_axial_vibrations_that_forces_to_come_excite(force):
+    rope, node = crane()
+    rope.mbs.Assemble()
+    stepper = ExplicitStepper(rope.mbs, interval=0.02)
+    stepper.Start()
+    for k in range(20):
+        stepper.SetNodeForce(node, force(k))
+        stepper.Step()
+    assert stepper.time == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize("force", [to_and_fro, at_rest])
+def test_a_solver_that_is_driven_resolves_axial_vibrations_that_forces_to_come_excite(force):
+    rope, node = crane()
+    load = rope.mbs.AddLoad(Force(markerNumber=rope.marker(node), loadVector=[0, 0, 0]))
+    rope.mbs.Assemble()
+    solver, settings, data = ExplicitSolver(), quiet_settings(0.0, 1), rope.mbs.systemData
+    with silence():
+        solver.InitializeSolver(rope.mbs, settings)
+        for k in range(20):
+            rope.mbs.SetLoadParameter(load, "loadVector", force(k))
+            times = settings.timeIntegration
+            times.startTime, times.endTime = times.endTime, times.endTime + 0.02
+            solver.InitializeSolverInitialConditions(rope.mbs, settings)
+            solver.SolveSteps(rope.mbs, settings)
+            data.SetSystemState(data.GetSystemState(), exudyn.ConfigurationType.Initial)
+        solver.FinalizeSolver(rope.mbs, settings)
+    assert data.GetTime() == pytest.approx(0.4)

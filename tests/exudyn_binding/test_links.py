@@ -291,6 +291,15 @@ def test_node_that_is_held_and_moved_is_redundant(mbs, add_pendulum, solve):
         solve(mbs)
 
 
+def test_a_motion_that_ends_before_the_run_is_named(mbs, add_cable, solve):
+    """The run ended as "too violent"."""
+    nodes = add_cable(mbs)["nodes"]
+    CreatePrescribedMotion(mbs, nodes[0], lambda t: [t * t if t < 0.02 else np.nan, 0.0])
+    mbs.Assemble()
+    with pytest.raises(SceneError, match=r"prescribed to a node of object0.*nan.* at t = 0\.0\d+ s"):
+        solve(mbs, 0.05)
+
+
 NOT_SMOOTH = [
     (lambda t: [abs(t), 0.0], None, "velocity jumps by 2"),
     (lambda t: [t * abs(t), 0.0], None, "acceleration jumps"),

@@ -147,3 +147,17 @@ def test_constant_blocks_are_inverted_in_few_and_in_many_coordinates(size):
     np.testing.assert_allclose(system.responses(np.stack([force, 2 * force]))[1], 2 * expected, rtol=1e-14)
     assert issparse(system._constant) == (size == 60)
     assert not BodiesSystem(size, []).solve(force).any()
+
+
+@pytest.mark.parametrize("rows", [3, 300])
+def test_responses_of_a_mesh_are_those_of_its_dense_inverse(rows):
+    random = np.random.default_rng(5)
+    factor = random.normal(size=(60, 60))
+    mass = factor @ factor.T + np.eye(60)
+    system = BodiesSystem(60, [MassBlock(np.arange(60), mass)])
+    forces = np.zeros((rows, 60))
+    forces[np.arange(rows), np.arange(rows) % 60] = random.normal(size=rows)
+    forces[:, 7] += 1.0
+    response = system.responses(forces)
+    np.testing.assert_allclose(response, np.linalg.solve(mass, forces.T).T, atol=1e-12)
+    assert response.flags.c_contiguous

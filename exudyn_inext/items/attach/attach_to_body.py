@@ -91,7 +91,8 @@ def _place(item: CableItem, end: str, kind: str) -> int:
     if item.cable.closed:
         raise InputError(
             f"end = {end!r}: a closed cable has no ends; join one of its nodes to the body by a "
-            "SphericalJoint of MarkerNodePosition and MarkerBodyPosition."
+            "SphericalJoint of MarkerNodePosition and MarkerBodyPosition (in the plane with "
+            "constrainedAxes=[1, 1, 0])."
         )
     return _ENDS[end]
 

@@ -119,7 +119,7 @@ def find_shared_node(mbs: Any, end: str, given: Any, share_slope: Any) -> Shared
         raise InputError(
             f"nodeNumber{end} = {number}: '{node['name']}' ({node['nodeType']}) belongs to no inextensible "
             "cable; give one of cable['nodes'], or leave it out and join the cable by AttachToBody, or by a "
-            "SphericalJoint between markers of both nodes."
+            "SphericalJoint between markers of both nodes (in the plane with constrainedAxes=[1, 1, 0])."
         )
     q = np.add(node["referenceCoordinates"], node["initialCoordinates"]).reshape(2, -1)
     v = np.reshape(node["initialVelocities"], q.shape)
