@@ -214,7 +214,7 @@ class ExplicitTimeLoop:
     def _withdraw(self) -> None:
         """Let the runs be in the state that was handed out last: something has been changed there."""
         first, taken = self._ahead[0], self._taken
-        self._calm, self._is_changed = 0, True
+        self._calm = 0
         if taken < self._computed:
             self._states = iter(())
             self._return_to(first)
@@ -377,6 +377,7 @@ class ExplicitTimeLoop:
         except Exception:
             self._data.SetTime(self.time)
             raise
+        self._is_changed |= self.changes.is_event
         if runs is not self.runs:
             self.runs, self._places = runs, [as_slice(run.indices) for run in runs]
             self._kept.clear()
@@ -388,6 +389,7 @@ class ExplicitTimeLoop:
         if all(now.tobytes() == then.tobytes() for now, then in zip(present, self._written, strict=True)):
             return
         self._withdraw()
+        self._is_changed = True
         q, v, first_order = present
         for run in self.runs:
             number = len(run.indices)
