@@ -17,6 +17,7 @@ from .watch import ENERGY, TOO_FAST
 FASTEST = 1e3  # speed of supports and joints, beyond which they jump [m/s]
 HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are smaller for a while only
 LEAST_REHEARSED = 4  # intervals of the loop
+LONGER = 4.0  # times the step, with which accelerations are compared
 SMALLEST_PARTS = 256  # and up to which all are, where no smaller ones for a while go well
 
 
@@ -128,6 +129,10 @@ class PacedRun:
         """Let the integrator start from the present state, at `time` [s]."""
         raise NotImplementedError
 
+    def forget(self) -> None:
+        """Reset drift corrections and axial forces of earlier steps."""
+        raise NotImplementedError
+
     def watch_on(self, time: float) -> None:
         """Let the watch go on with another step, at `time` [s]."""
         raise NotImplementedError
@@ -208,7 +213,7 @@ class PacedRun:
         if abs(h - before) <= ROUND_OFF * h:
             return
         self.set_step(h)
-        if self.has_implicit_bending:
+        if self.has_implicit_bending or not before:
             self.start_scheme(time)
         elif before:
             self.integrator.change_step(self.state, h / before)
@@ -238,7 +243,29 @@ class PacedRun:
                 return False
             self.control.shorten(2)
         self.resume(time)
+        if watch.stretches and watch.hides_energy:
+            self._leave_out_waves(time)
         return is_shortened
+
+    def _leave_out_waves(self, time: float) -> None:
+        """Leave out axial vibrations that the steps did not resolve: shorter ones would free what they hide.
+
+        Steps of h carry a vibration of the frequency w, s = h w / 2, by strains 1 + s^2 times as large as those
+        of its mean axial forces, see `cable.axial`. A start with that step has the accelerations
+
+            a(h) = (M + h^2/4 J^T D J)^-1 (F - J^T D c),   q += h^2 / (4 (1 - 1/r^2)) (a(h) - a(r h))
+
+        so leaves the strains of the mean forces, within 1/r^2, and all other motion as it is.
+        """
+        h, found = self.control.present, []
+        for step in (h, LONGER * h):
+            self.set_step(step)
+            self.forget()
+            self.start_scheme(time)
+            found.append(self.state.a.copy())
+        change = h**2 / (4.0 * (1.0 - 1.0 / LONGER**2)) * (found[0] - found[1])
+        np.add(self.state.q, change, out=self.state.q)
+        self.control.present = 0.0  # the next step begins anew
 
     @property
     def _may_hide(self) -> bool:
