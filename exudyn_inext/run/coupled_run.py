@@ -296,6 +296,7 @@ class CoupledRun(LimitedRun):
             "watch": self.watch.memory(),
             "control": self.control.memory() | ({"vibration": tracker.vibration} if tracker else {}),
             "friction": self._scene.friction.sums,
+            "tilts": self._scene.tilted_angles.tilts,
         }
 
     @property
@@ -391,10 +392,10 @@ class CoupledRun(LimitedRun):
     def has_implicit_bending(self) -> bool:
         return any(run.has_implicit_bending for run in self._runs)
 
-    def reject(self, time: float) -> bool:
+    def reject(self, time: float, begins: bool) -> bool:
         """See `PacedRun.reject`; joints that cannot be solved for end the run."""
         try:
-            return super().reject(time)
+            return super().reject(time, begins)
         except RedundantConstraintError as error:
             self._unsolvable, self.gave_up = str(error), True
             return False

@@ -168,7 +168,7 @@ class PacedRun:
                 self._lengthen(first + good)
                 is_spoilt = self._shorten_for_gain()
             else:
-                is_spoilt = self.reject(piece.time(taken)) and self.watch.is_spoilt
+                is_spoilt = self.reject(piece.time(taken), bool(beginning)) and self.watch.is_spoilt
                 if self.gave_up and beginning and self._resolve_stretch(grid.h):
                     self.gave_up, is_spoilt = False, True
             if is_spoilt and beginning:
@@ -219,10 +219,10 @@ class PacedRun:
             self.integrator.change_step(self.state, h / before)
         self.watch_on(time)
 
-    def reject(self, time: float) -> bool:
+    def reject(self, time: float, begins: bool) -> bool:
         """After steps that went wrong, in the state before them, at `time` [s]: take smaller ones.
 
-        Where the watch has looked too seldom, the same ones again.
+        Where the watch has looked too seldom, the same ones again.   begins: whether the run may begin again.
 
         Returns:
             Whether all that follow are smaller.
@@ -243,7 +243,7 @@ class PacedRun:
                 return False
             self.control.shorten(2)
         self.resume(time)
-        if watch.stretches and watch.hides_energy:
+        if not begins and watch.stretches and watch.hides_energy:
             self._leave_out_waves(time)
         return is_shortened
 
