@@ -46,7 +46,7 @@ class PacedRun:
     watch: Any
     looks_ahead = False
     gave_up = False
-    _may_begin_again = False  # from wherever `advance` begins
+    may_begin_again = False  # from wherever `advance` begins
     trouble = ""
     finding = ""
     elsewhere: Any = None
@@ -153,7 +153,7 @@ class PacedRun:
             Number of intervals that went well; later rows of `history` mean nothing.
         """
         good = 0
-        begins = self.watch.may_shorten and (self._may_begin_again or grid.begins_with(first))
+        begins = self.watch.may_shorten and (self.may_begin_again or grid.begins_with(first))
         beginning = self.present_state() if begins else None
         while good < len(history) and not self.gave_up:
             piece = self.control.next(grid, first + good, len(history) - good if self.looks_ahead else 1)
@@ -180,23 +180,24 @@ class PacedRun:
         """As `advance`, but displacements from the reference."""
         raise NotImplementedError
 
-    def rehearse(self, grid: TimeGrid, first: int, most: int) -> None:
+    def rehearse(self, grid: TimeGrid, first: int, most: int, begins: bool) -> None:
         """Shorten the steps of cables that stretch as a run does that may begin again.
 
         Steps that were too long leave axial vibrations behind that shorter ones do not mend. So they are
-        taken once without the functions that see them, and undone: from the beginning as far as may be, and
-        after a change for as long as nothing had been changed before.
+        taken once without the functions that see them, and undone: from the beginning, or a restart file, as
+        far as may be, and after a change for as long as nothing else had been changed before.
 
         Args:
             grid: of the run.   first: interval of the loop that begins.   most: of them.
+            begins: whether a run may begin there.
         """
         before, self.control.changed = self.control.changed, first
-        intervals = min(first - before, most) if first else most
+        intervals = most if begins else min(first - before, most)
         if intervals < LEAST_REHEARSED or not self._is_rehearsed:
             return
-        beginning, self._may_begin_again = self.present_state(), True
+        beginning, self.may_begin_again = self.present_state(), True
         good = self.record(grid, first, np.empty((intervals, 3, len(self.indices))))
-        self._may_begin_again = self.gave_up = False
+        self.may_begin_again = self.gave_up = False
         if good == intervals:
             self._begin_again(beginning, grid.time(first))
         else:
@@ -250,12 +251,12 @@ class PacedRun:
     def _leave_out_waves(self, time: float) -> None:
         """Leave out axial vibrations that the steps did not resolve: shorter ones would free what they hide.
 
-        Steps of h carry a vibration of the frequency w, s = h w / 2, by strains 1 + s^2 times as large as those
-        of its mean axial forces, see `cable.axial`. A start with that step has the accelerations
+        Steps of h carry a vibration of the frequency w by strains 1 + (h w / 2)^2 times as large as those of
+        its mean axial forces, see `cable.axial`. A start with such a step has the accelerations
 
-            a(h) = (M + h^2/4 J^T D J)^-1 (F - J^T D c),   q += h^2 / (4 (1 - 1/r^2)) (a(h) - a(r h))
+            a(h) = (M + h^2/4 J^T D J)^-1 (F - J^T D c),  and  q += h^2 / (4 (1 - 1/r^2)) (a(h) - a(r h))
 
-        so leaves the strains of the mean forces, within 1/r^2, and all other motion as it is.
+        leaves strains of those forces, within 1/r^2 of them, joints as they are, and motion that is resolved.
         """
         h, found = self.control.present, []
         for step in (h, LONGER * h):
