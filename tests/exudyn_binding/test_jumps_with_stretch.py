@@ -33,6 +33,7 @@ from exudyn_inext import (
     SolveExplicit,
 )
 from reference_models.model import quiet_settings, silence
+from tests.exudyn_binding.test_restart import restarting
 
 STEEL = {"massPerLength": 0.25, "bendingStiffness": 2.0, "axialStiffness": 2.5e6}  # ropes of 8 mm
 NYLON = {"massPerLength": 0.065, "bendingStiffness": 0.01, "axialStiffness": 2e4}
@@ -348,6 +349,26 @@ def test_a_step_function_that_changes_nothing_costs_no_accuracy():
     assert report["stepSize"] < 0.5 * PERIOD / 4
     np.testing.assert_array_equal(watched, path)
     assert watched_report["steps"] == report["steps"]
+
+
+@pytest.mark.parametrize("has_function", [False, True])
+def test_a_run_goes_on_from_a_file_with_the_steps_of_the_whole_one(has_function, tmp_path):
+    """Only its first file was looked ahead to, and a run began again where it went on: 0.1 m beside."""
+
+    def end_of(end, name):
+        rope, *_ = falling_mass(2e5)
+        if has_function:
+            rope.mbs.SetPreStepUserFunction(lambda mbs, t: True)
+        rope.mbs.Assemble()
+        settings = restarting(quiet_settings(end, round(end / PERIOD), PERIOD), tmp_path, 0.4)
+        settings.solution.restart.name += name
+        return SolveExplicit(rope.mbs, settings), rope.mbs.systemData.GetODE2Coordinates()
+
+    _, whole = end_of(1.0, "whole")
+    end_of(0.4, "parts")
+    report, continued = end_of(1.0, "parts")
+    assert report["resumedAt"] == pytest.approx(0.4)
+    np.testing.assert_array_equal(continued, whole)
 
 
 def test_a_spring_that_grabs_a_rope_agrees_with_short_steps():
