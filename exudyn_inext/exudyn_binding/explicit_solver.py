@@ -179,7 +179,7 @@ class ExplicitSolver(_NativeSolver):
             reader = SteppedReader(mbs, stack.enter_context(at_position_level(mbs, start)))
             scene = read_scene(mbs, reader)
             warn_of_empty_sensors(mbs, sensors, scene.enforcing)
-            builder = RunBuilder(mbs, log.changed, explicit, scaling, stack)
+            builder = RunBuilder(mbs, log.changed.keys(), explicit, scaling, stack)
             runs = builder.build(scene, start)
             scaled = bounds_if_scaled(mbs, scene, start, explicit.stepSize or 0.0, explicit)
             choice = choose_step(runs, start, self._duration, explicit, scaling, scaled)

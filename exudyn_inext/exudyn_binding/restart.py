@@ -119,10 +119,17 @@ class Restarts:
 
     def steps_until_due(self, grid: TimeGrid, step: int) -> int:
         """Steps of the loop after which the next file is to be written."""
-        if not self._period:
-            return grid.loop_steps - step
-        every = max(1, round(self._period / (grid.substeps * grid.h)))
-        return every - step % every
+        every = self._steps_between(grid)
+        return every - step % every if every else grid.loop_steps - step
+
+    def _steps_between(self, grid: TimeGrid) -> int:
+        """Two files; 0: none are written."""
+        return max(1, round(self._period / (grid.substeps * grid.h))) if self._period else 0
+
+    def may_begin(self, grid: TimeGrid, step: int) -> bool:
+        """Whether a run begins with that step of the loop, or with a file that is written there."""
+        every = self._steps_between(grid)
+        return step == 0 or bool(every and step % every == 0)
 
     def is_due(self, grid: TimeGrid, step: int) -> bool:
         """Whether a file is to be written after that step of the loop."""

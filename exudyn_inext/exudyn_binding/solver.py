@@ -182,7 +182,7 @@ def _solve(
         outputs = ResumedOutputs(settings, sensors) if restarts.found else None
         given = None if explicit.stepSize is None else time_grid(mbs, settings, explicit.stepSize)
         scaling = (restarts.step or given.h) if given and explicit.massScaling else 0.0
-        builder = RunBuilder(mbs, log.changed, explicit, scaling, stack)
+        builder = RunBuilder(mbs, log.changed.keys(), explicit, scaling, stack)
         time, state = (restarts.time, restarts.state) if restarts.changes else (start, None)
         runs = builder.build(scene, time, state, was_coupled=restarts.was_coupled)
         log.is_followed = is_watched(mbs, runs)

@@ -87,7 +87,7 @@ class ExplicitTimeLoop:
         self._states: Iterator[Any] = iter(())  # of a block, where functions may make it void
         self._kept: list[KeptState] = []  # of the runs, before the block
         self._calm = 0  # steps since something was changed
-        self._is_changed = grid.first == 0  # before the step that is computed next
+        self._is_changed = False  # before the step that is computed next
         self.stretch_checks = list(map(StretchCheck, runs))
         for run in runs:
             run.set_step(grid.h)
@@ -214,7 +214,7 @@ class ExplicitTimeLoop:
     def _withdraw(self) -> None:
         """Let the runs be in the state that was handed out last: something has been changed there."""
         first, taken = self._ahead[0], self._taken
-        self._calm, self._is_changed = 0, True
+        self._calm = 0
         if taken < self._computed:
             self._states = iter(())
             self._return_to(first)
@@ -273,8 +273,8 @@ class ExplicitTimeLoop:
 
     def _compute_well(self) -> tuple[Array, int]:
         """As `_compute_ahead`; what goes wrong there is tried again after one step, which functions see."""
-        self._rehearse()
         self._write_restart()
+        self._rehearse()
         first, intervals = self._computed, self._intervals(self._computed)
         if not self._is_watched or intervals == 1:
             return self._compute_ahead(intervals)
@@ -288,11 +288,12 @@ class ExplicitTimeLoop:
 
     def _rehearse(self) -> None:
         """After changes, if functions see the steps, which then cannot be undone."""
-        is_due, self._is_changed = self._is_changed and self._is_watched, False
+        begins = self.restarts.may_begin(self.grid, self._computed)
+        is_due, self._is_changed = self._is_watched and (begins or self._is_changed), False
         most = 0 if self.changes.moves else self.restarts.steps_until_due(self.grid, self._computed)
         for run in self.runs if is_due else ():
             limit = LOOK_AHEAD_LIMIT // (len(run.indices) * self.grid.substeps)
-            run.rehearse(self.grid, self._computed, min(most, limit))
+            run.rehearse(self.grid, self._computed, min(most, limit), begins)
 
     def _keep(self) -> None:
         """What runs return to if steps turn out to be void."""
@@ -311,8 +312,9 @@ class ExplicitTimeLoop:
         states = np.zeros((intervals, 3, len(self._written[0])))
         reactions = np.zeros((intervals if self._shows_forces else 1, self._data.AEsize()))
         good, are_set = intervals, False
+        begins = not self._is_watched and self.restarts.may_begin(self.grid, self._computed)
         for run, places, check in zip(self.runs, self._places, self.stretch_checks, strict=True):
-            history = np.empty((intervals, 3, len(run.indices)))
+            history, run.may_begin_again = np.empty((intervals, 3, len(run.indices))), begins
             good = min(good, run.record(self.grid, self._computed, history))
             check.keep(self.grid, self._computed, history[:good])
             if good and not run.completes and (self._shows_forces or takes_last_step):
@@ -377,6 +379,7 @@ class ExplicitTimeLoop:
         except Exception:
             self._data.SetTime(self.time)
             raise
+        self._is_changed |= self.changes.is_event
         if runs is not self.runs:
             self.runs, self._places = runs, [as_slice(run.indices) for run in runs]
             self._kept.clear()
@@ -388,6 +391,7 @@ class ExplicitTimeLoop:
         if all(now.tobytes() == then.tobytes() for now, then in zip(present, self._written, strict=True)):
             return
         self._withdraw()
+        self._is_changed = True
         q, v, first_order = present
         for run in self.runs:
             number = len(run.indices)

@@ -21,10 +21,11 @@ class TiltedAngles:
 
     Args:
         mbs: assembled.   joints: of the scene.   place: of a coordinate of mbs among those of the scene.
+
+    tilts: (k,) of the axes, at most so far [rad].
     """
 
     def __init__(self, mbs: Any, joints: Sequence[JointItem], place: Callable[[int], int]) -> None:
-        self._tilt, self._said = MOST_TILT, ""
         self._angles = []
         for joint in joints:
             markers = mbs.GetObject(joint.number)["markerNumbers"] if joint.is_angular else ()
@@ -35,25 +36,28 @@ class TiltedAngles:
                     if len(own) > 1 and min(own) >= 0:
                         reference = np.array(mbs.GetNodeParameter(node, "referenceCoordinates"))[3:]
                         self._angles.append((joint.name, node, axis, own, reference))
+        self.tilts = np.zeros(len(self._angles))
 
     def look(self, q: Array) -> None:
         """At states (k, n)."""
-        for name, node, axis, places, reference in self._angles:
+        for number, (*_, axis, places, reference) in enumerate(self._angles):
             cosines = _cosines(q[:, places] + reference, axis)
             tilt = float(np.arccos(np.clip(cosines.min(initial=1.0), -1.0, 1.0)))
-            if tilt > self._tilt:
-                self._tilt = tilt
-                self._said = (
-                    f"{name} constrains an angle of node {node}, whose axis {'xyz'[axis]} was tilted by "
-                    f"up to {tilt:.2g} rad (limit {MOST_TILT:g}). The motion need not be exact then, as "
-                    "MarkerNodeRotationCoordinate acts about the global axis: use a GenericJoint, or a "
-                    "spring-damper on the angle."
-                )
+            self.tilts[number] = max(self.tilts[number], tilt)
 
     @property
     def finding(self) -> str:
         """What to warn of; empty if all axes have stayed."""
-        return self._said
+        tilt = self.tilts.max(initial=0.0)
+        if tilt <= MOST_TILT:
+            return ""
+        name, node, axis, *_ = self._angles[int(self.tilts.argmax())]
+        return (
+            f"{name} constrains an angle of node {node}, whose axis {'xyz'[axis]} was tilted by "
+            f"up to {tilt:.2g} rad (limit {MOST_TILT:g}). The motion need not be exact then, as "
+            "MarkerNodeRotationCoordinate acts about the global axis: use a GenericJoint, or a "
+            "spring-damper on the angle."
+        )
 
 
 def _cosines(turns: Array, axis: int) -> Array:

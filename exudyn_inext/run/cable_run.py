@@ -374,7 +374,6 @@ class CableRun(PacedRun):
         self.integrator.resume(self.called, self.loads.at(time), self.state)
 
     def forget(self) -> None:
-        """Reset the drift corrections of the constraints."""
         for drift_correction in self._corrections.values():
             drift_correction[:] = 0.0
 

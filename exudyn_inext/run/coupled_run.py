@@ -256,7 +256,7 @@ class CoupledRun(LimitedRun):
         """See `CableRun.tensions`; of all cables."""
         number, (q, v) = len(displacements), (self.state.q, self.state.v)
         q[:number], v[:number] = displacements + self.reference, velocities
-        self._forget()
+        self.forget()
         self._scene.native_items.forget()
         self.mover.begin_by(self.integrator.start, time)
         found = enumerate(self._runs)
@@ -264,7 +264,7 @@ class CoupledRun(LimitedRun):
 
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; see `CableRun.start`."""
-        self._forget()
+        self.forget()
         self.start_scheme(time)
         self.watch.open(time, self.state)
         for run in self._runs:
@@ -276,12 +276,11 @@ class CoupledRun(LimitedRun):
         What has changed the energy is no error.
         """
         if not self._has_axial_forces:
-            self._forget()
+            self.forget()
         self.start_scheme(time)
         self.watch.begin_again(time, self.state)
 
-    def _forget(self) -> None:
-        """Reset drift corrections."""
+    def forget(self) -> None:
         self._scene.forget()
         for run in self._runs:
             run.forget()
@@ -297,6 +296,7 @@ class CoupledRun(LimitedRun):
             "watch": self.watch.memory(),
             "control": self.control.memory() | ({"vibration": tracker.vibration} if tracker else {}),
             "friction": self._scene.friction.sums,
+            "tilts": self._scene.tilted_angles.tilts,
         }
 
     @property
@@ -392,10 +392,10 @@ class CoupledRun(LimitedRun):
     def has_implicit_bending(self) -> bool:
         return any(run.has_implicit_bending for run in self._runs)
 
-    def reject(self, time: float) -> bool:
+    def reject(self, time: float, begins: bool) -> bool:
         """See `PacedRun.reject`; joints that cannot be solved for end the run."""
         try:
-            return super().reject(time)
+            return super().reject(time, begins)
         except RedundantConstraintError as error:
             self._unsolvable, self.gave_up = str(error), True
             return False

@@ -18,6 +18,7 @@ FASTEST = 1e3  # speed of supports and joints, beyond which they jump [m/s]
 HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are smaller for a while only
 LEAST_REHEARSED = 4  # intervals of the loop
 STEPS_REHEARSED = 1000  # at most, of a run that goes on portion by portion
+LONGER = 4.0  # times the step, with which accelerations are compared
 SMALLEST_PARTS = 256  # and up to which all are, where no smaller ones for a while go well
 
 
@@ -46,7 +47,7 @@ class PacedRun:
     watch: Any
     looks_ahead = False
     gave_up = False
-    _may_begin_again = False  # from wherever `advance` begins
+    may_begin_again = False  # from wherever `advance` begins
     trouble = ""
     finding = ""
     elsewhere: Any = None
@@ -129,6 +130,10 @@ class PacedRun:
         """Let the integrator start from the present state, at `time` [s]."""
         raise NotImplementedError
 
+    def forget(self) -> None:
+        """Reset drift corrections and axial forces of earlier steps."""
+        raise NotImplementedError
+
     def watch_on(self, time: float) -> None:
         """Let the watch go on with another step, at `time` [s]."""
         raise NotImplementedError
@@ -149,7 +154,7 @@ class PacedRun:
             Number of intervals that went well; later rows of `history` mean nothing.
         """
         good = 0
-        begins = self.watch.may_shorten and (self._may_begin_again or grid.begins_with(first))
+        begins = self.watch.may_shorten and (self.may_begin_again or grid.begins_with(first))
         beginning = self.present_state() if begins else None
         while good < len(history) and not self.gave_up:
             piece = self.control.next(grid, first + good, len(history) - good if self.looks_ahead else 1)
@@ -164,7 +169,7 @@ class PacedRun:
                 self._lengthen(first + good)
                 is_spoilt = self._shorten_for_gain()
             else:
-                is_spoilt = self.reject(piece.time(taken)) and self.watch.is_spoilt
+                is_spoilt = self.reject(piece.time(taken), bool(beginning)) and self.watch.is_spoilt
                 if self.gave_up and beginning and self._resolve_stretch(grid.h):
                     self.gave_up, is_spoilt = False, True
             if is_spoilt and beginning:
@@ -176,23 +181,24 @@ class PacedRun:
         """As `advance`, but displacements from the reference."""
         raise NotImplementedError
 
-    def rehearse(self, grid: TimeGrid, first: int, most: int) -> None:
+    def rehearse(self, grid: TimeGrid, first: int, most: int, begins: bool) -> None:
         """Shorten the steps of cables that stretch as a run does that may begin again.
 
         Steps that were too long leave axial vibrations behind that shorter ones do not mend. So they are
-        taken once without the functions that see them, and undone: from the beginning as far as may be, and
-        after a change for as long as nothing had been changed before.
+        taken once without the functions that see them, and undone: from the beginning, or a restart file, as
+        far as may be, and after a change for as long as nothing else had been changed before.
 
         Args:
             grid: of the run.   first: interval of the loop that begins.   most: of them.
+            begins: whether a run may begin there.
         """
         before, self.control.changed = self.control.changed, first
-        intervals = min(first - before, most) if first else most
+        intervals = most if begins else min(first - before, most)
         if intervals < LEAST_REHEARSED or not self._is_rehearsed:
             return
-        beginning, self._may_begin_again = self.present_state(), True
+        beginning, self.may_begin_again = self.present_state(), True
         good = self.record(grid, first, np.empty((intervals, 3, len(self.indices))))
-        self._may_begin_again = self.gave_up = False
+        self.may_begin_again = self.gave_up = False
         if good == intervals:
             self._begin_again(beginning, grid.time(first))
         else:
@@ -202,7 +208,7 @@ class PacedRun:
     def rehearse_start(self, grid: TimeGrid, duration: float) -> None:
         """As `rehearse`, where nobody knows how many steps follow.   duration: they take at most [s]."""
         steps = min(STEPS_REHEARSED, int(duration / grid.h))
-        self.rehearse(grid, 0, steps // grid.substeps)
+        self.rehearse(grid, 0, steps // grid.substeps, begins=True)
 
     @property
     def _is_rehearsed(self) -> bool:
@@ -214,16 +220,16 @@ class PacedRun:
         if abs(h - before) <= ROUND_OFF * h:
             return
         self.set_step(h)
-        if self.has_implicit_bending:
+        if self.has_implicit_bending or not before:
             self.start_scheme(time)
         elif before:
             self.integrator.change_step(self.state, h / before)
         self.watch_on(time)
 
-    def reject(self, time: float) -> bool:
+    def reject(self, time: float, begins: bool) -> bool:
         """After steps that went wrong, in the state before them, at `time` [s]: take smaller ones.
 
-        Where the watch has looked too seldom, the same ones again.
+        Where the watch has looked too seldom, the same ones again.   begins: whether the run may begin again.
 
         Returns:
             Whether all that follow are smaller.
@@ -244,7 +250,29 @@ class PacedRun:
                 return False
             self.control.shorten(2)
         self.resume(time)
+        if not begins and watch.stretches and watch.hides_energy:
+            self._leave_out_waves(time)
         return is_shortened
+
+    def _leave_out_waves(self, time: float) -> None:
+        """Leave out axial vibrations that the steps did not resolve: shorter ones would free what they hide.
+
+        Steps of h carry a vibration of the frequency w by strains 1 + (h w / 2)^2 times as large as those of
+        its mean axial forces, see `cable.axial`. A start with such a step has the accelerations
+
+            a(h) = (M + h^2/4 J^T D J)^-1 (F - J^T D c),  and  q += h^2 / (4 (1 - 1/r^2)) (a(h) - a(r h))
+
+        leaves strains of those forces, within 1/r^2 of them, joints as they are, and motion that is resolved.
+        """
+        h, found = self.control.present, []
+        for step in (h, LONGER * h):
+            self.set_step(step)
+            self.forget()
+            self.start_scheme(time)
+            found.append(self.state.a.copy())
+        change = h**2 / (4.0 * (1.0 - 1.0 / LONGER**2)) * (found[0] - found[1])
+        np.add(self.state.q, change, out=self.state.q)
+        self.control.present = 0.0  # the next step begins anew
 
     @property
     def _may_hide(self) -> bool:

@@ -17,9 +17,11 @@ from exudyn.utilities import InertiaCuboid, RotationMatrixZ, RotXYZ2RotationMatr
 
 from exudyn_inext import (
     CableForces,
+    CreateInextensibleCable,
     ExplicitSettings,
     ExplicitSolver,
     ExplicitStepper,
+    InextensibleCable,
     SceneError,
     SolveEnsemble,
     SolveEquilibrium,
@@ -336,3 +338,23 @@ def test_a_constrained_angle_that_tilts_during_a_run_is_warned_of(mbs, rotations
     mbs.Assemble()
     with pytest.warns(UserWarning, match=r"whose axis z was tilted by up to 0\.4 rad \(limit 0\.1\)"):
         SolveExplicit(mbs, quiet_settings(0.1, 100))
+
+
+def test_a_tilt_that_did_not_happen_is_not_warned_of(mbs):
+    """Beside a cable that stretches, steps are taken once without the function that stops the body."""
+    CreateInextensibleCable(mbs, [1, 0, 0], [2, 0, 0], 2, InextensibleCable(0.1, 0.01, axialStiffness=1e4))
+    body = mbs.CreateRigidBody(
+        inertia=InertiaCuboid(500, [0.2, 0.2, 0.1]), initialAngularVelocity=[4.0, 0.0, 0.0], returnDict=True
+    )
+    angle = MarkerNodeRotationCoordinate(nodeNumber=body["nodeNumber"], rotationCoordinate=2)
+    fixed = MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0)
+    mbs.AddObject(CoordinateConstraint(markerNumbers=[mbs.AddMarker(fixed), mbs.AddMarker(angle)]))
+
+    def stop(mbs, t):
+        if t > 0.015:
+            mbs.systemData.SetODE2Coordinates_t(0.0 * mbs.systemData.GetODE2Coordinates_t())
+        return True
+
+    mbs.SetPreStepUserFunction(stop)
+    mbs.Assemble()
+    SolveExplicit(mbs, quiet_settings(0.1, 10))

@@ -34,6 +34,7 @@ class ChangeFollower:
     mbs: the system.   scene: what it contains, read by `reader`.   log: of its changes.
     builder: of other runs.   limit: of their steps.   sensors: data of all of them.
     moves: whether something has moved through the last step.
+    is_event: whether the last change was more than that of a parameter which is set step by step.
     """
 
     mbs: Any
@@ -44,6 +45,7 @@ class ChangeFollower:
     limit: StepLimit
     sensors: Sequence[Any]
     moves: bool = False
+    is_event: bool = False
 
     def __post_init__(self) -> None:
         self.reader.nodes = frozenset(node for cable in self.scene.cables for node in cable.item.nodes)
@@ -85,7 +87,8 @@ class ChangeFollower:
             SceneError: a run cannot follow a change.
             StepSizeError: it brings the stability limit below the step.
         """
-        changed = self.log.take()
+        changed, is_new = self.log.take(time, end)
+        self.is_event = is_new or not changed
         self.limit.notice(self.mbs, changed, time, end)
         self._has_jumped(runs, time)
         self.reader.begin_step(time, end)

@@ -5,6 +5,7 @@ name the line that has called them. What is called by methods that were bound be
 `ChangeFollower.require_all_seen`.
 """
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import wraps
@@ -31,7 +32,7 @@ _OF_MBS = (
 class ChangeLog:
     """What has been changed in an mbs since its run began.
 
-    changed: parameters that have been set to another value.
+    changed: parameters that have been set to another value, and when the last one was taken [s].
     refusal: what was raised by the last call that a run cannot follow; that call was not made.
     is_followed: whether the run looks at changes between its steps; if not, they are refused.
     is_idle: whether no step is being taken, so that any call may be made.
@@ -44,7 +45,7 @@ class ChangeLog:
 
     def __init__(self, mbs: Any) -> None:
         self.mbs = mbs
-        self.changed: set[Parameter] = set()
+        self.changed: dict[Parameter, float] = {}
         self.refusal: SceneError = SceneError("")
         self._known: dict[Parameter, Any] = {}  # values when the log was taken last
         self._set: dict[Parameter, Any] = {}  # present values of what has been set since then
@@ -57,8 +58,10 @@ class ChangeLog:
             self._set = {key: x for key, x in present.items() if not _is_same(x, self._known[key])}
         return bool(self._set) or self.is_outdated or not self.mbs.systemIsConsistent
 
-    def take(self) -> dict[Parameter, Any]:
+    def take(self, time: float, end: float) -> tuple[dict[Parameter, Any], bool]:
         """What had changed since the last time, when `is_pending` was asked for; present values.
+
+        And whether some of it did not before the step until `time` [s], as the next one until `end` [s].
 
         Raises:
             SceneError: items were added, removed or modified.
@@ -69,13 +72,17 @@ class ChangeLog:
             self.refuse("items were added, removed or modified", _REMEDY)
         self._known |= self._set
         changed, self._set = self._set, {}
-        return changed
+        is_new = any(self.changed.get(key, -math.inf) < time - 1.5 * (end - time) for key in changed)
+        self.changed |= dict.fromkeys(changed, time)
+        return changed, is_new
 
     def memory(self) -> dict[str, Any]:
         """Present values of what has been changed, and what of it is pending, as JSON has it."""
         pending = (key for key in self._set if not _is_same(self._known[key], key.value(self.mbs)))
         return {
-            "parameters": [[*key, _as_data(key.value(self.mbs))] for key in sorted(self.changed)],
+            "parameters": [
+                [*key, _as_data(key.value(self.mbs)), time] for key, time in sorted(self.changed.items())
+            ],
             "pending": sorted(map(list, pending)),
         }
 
@@ -85,14 +92,14 @@ class ChangeLog:
         Raises:
             InputError: a function had been replaced.
         """
-        for *names, value in memory["parameters"]:
+        for *names, value, time in memory["parameters"]:
             key = Parameter(*names)
             if value == _FUNCTION:
                 raise InputError(
                     f"restart file: {key} was replaced by another function before the file was written, "
                     "which a file cannot hold: let one function tell the cases apart, or start anew."
                 )
-            self.changed.add(key)
+            self.changed[key] = time
             key.set(self.mbs, value)
         self._set = {Parameter(*names): None for names in memory["pending"]}
         self._known = dict(self._set)
@@ -115,7 +122,7 @@ class ChangeLog:
             self._known[key] = key.value(self.mbs)
         if key not in self.changed and not _is_same(self._known[key], value):
             self._require_possible(key)
-            self.changed.add(key)
+            self.changed[key] = -math.inf
         self._set[key] = value
 
     def _require_possible(self, key: Parameter) -> None:
