@@ -11,11 +11,12 @@ import numpy as np
 
 from ..arrays import Array
 from ..cable.attached_forces import drag_rate
-from ..cable.axial_stiffness import frozen
+from ..cable.axial_stiffness import STRAIN, frozen
 from ..cable.cable import Cable
 from ..cable.chain import set_mass
 from ..cable.frequency import FrequencyTracker, largest_frequency, nodal_multipliers_of
 from ..cable.implicit_bending import ImplicitBending
+from ..cable.index_reduction import ACCELERATION
 from ..cable.linked_cable import cable_system, memory_of
 from ..cable.section_forces import constraint_tension
 from ..cable.support_forces import SupportedCable
@@ -174,7 +175,7 @@ class CableRun(PacedRun):
     def adopt(self, system: Any) -> None:
         """The same equations in memory that cables share."""
         self.system, self._tracker = system, FrequencyTracker(system, self.scene_cable.cable.reference.shape)
-        for name in ("called", "_corrections"):
+        for name in ("called", "_corrections", "_pulls"):
             self.__dict__.pop(name, None)
 
     @cached_property
@@ -438,6 +439,23 @@ class CableRun(PacedRun):
         history[:good, 0] -= self.reference
         self._look_at_limit()
         return good
+
+    @property
+    def tension_by_mass(self) -> float:
+        """Largest tension of an element over its rho_A l^2, at the last evaluation [1/s^2]."""
+        return float((self._pulls * self._by_mass).max())
+
+    @cached_property
+    def _pulls(self) -> Array:
+        """(N,) strains, or multipliers of the lengths: memory of the system."""
+        elements = self.system.chain.elements
+        return elements["axial"][:, STRAIN] if self._stretches else elements["multiplier"][:, ACCELERATION]
+
+    @cached_property
+    def _by_mass(self) -> Array:
+        """(N,) tension of one of them, over rho_A l^2."""
+        section, lengths = self.scene_cable.cable.section, self.scene_cable.cable.element_lengths
+        return (section.axial_stiffness or 2.0) / (section.mass_per_length * lengths**2)
 
     def tensions(self, time: float, displacements: Array, velocities: Array) -> list[Array]:
         """(N,) mean of each element in a state of this run, which then is the present one [N].
