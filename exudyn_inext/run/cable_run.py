@@ -16,7 +16,6 @@ from ..cable.cable import Cable
 from ..cable.chain import set_mass
 from ..cable.frequency import FrequencyTracker, largest_frequency, nodal_multipliers_of
 from ..cable.implicit_bending import ImplicitBending
-from ..cable.index_reduction import ACCELERATION
 from ..cable.linked_cable import cable_system, memory_of
 from ..cable.section_forces import constraint_tension
 from ..cable.support_forces import SupportedCable
@@ -175,7 +174,7 @@ class CableRun(PacedRun):
     def adopt(self, system: Any) -> None:
         """The same equations in memory that cables share."""
         self.system, self._tracker = system, FrequencyTracker(system, self.scene_cable.cable.reference.shape)
-        for name in ("called", "_corrections", "_pulls"):
+        for name in ("called", "_corrections", "_strains"):
             self.__dict__.pop(name, None)
 
     @cached_property
@@ -442,20 +441,20 @@ class CableRun(PacedRun):
 
     @property
     def tension_by_mass(self) -> float:
-        """Largest tension of an element over its rho_A l^2, at the last evaluation [1/s^2]."""
-        return float((self._pulls * self._by_mass).max())
+        """Largest tension of an element over its rho_A l^2, at the last evaluation [1/s^2]; 0: no stretch."""
+        return float((self._strains * self._stiffness_by_mass).max()) if self._stretches else 0.0
 
     @cached_property
-    def _pulls(self) -> Array:
-        """(N,) strains, or multipliers of the lengths: memory of the system."""
-        elements = self.system.chain.elements
-        return elements["axial"][:, STRAIN] if self._stretches else elements["multiplier"][:, ACCELERATION]
+    def _strains(self) -> Array:
+        """(N,) of the elements; memory of the system."""
+        strains: Array = self.system.chain.elements["axial"][:, STRAIN]
+        return strains
 
     @cached_property
-    def _by_mass(self) -> Array:
-        """(N,) tension of one of them, over rho_A l^2."""
+    def _stiffness_by_mass(self) -> Array:
+        """(N,) EA over rho_A l^2 [1/s^2]."""
         section, lengths = self.scene_cable.cable.section, self.scene_cable.cable.element_lengths
-        return (section.axial_stiffness or 2.0) / (section.mass_per_length * lengths**2)
+        return (section.axial_stiffness or 0.0) / (section.mass_per_length * lengths**2)
 
     def tensions(self, time: float, displacements: Array, velocities: Array) -> list[Array]:
         """(N,) mean of each element in a state of this run, which then is the present one [N].

@@ -193,11 +193,13 @@ class LimitedRun(PacedRun):
         return max(jumps, default=0.0)
 
     def outruns_waves(self, piece: Piece, done: int) -> bool:
-        """Whether the steps of this piece are too long by now, as cables are pulled tight.
+        """Whether the steps of this piece are too long by now, as cables that stretch are pulled tight.
 
         Then the nominal step is shorter from now on; of a given one, `finding` tells.
         """
-        tension = max((run.tension_by_mass for run in self._runs), default=0.0)
+        if not self.watch.stretches:
+            return False
+        tension = max(run.tension_by_mass for run in self._runs)
         bounds = max(TIGHTER * self.control.tension, SLOW_WAVES / piece.h**2)
         if not tension > bounds or self.control.follower or self.control.is_shorter_for_a_while:
             return False

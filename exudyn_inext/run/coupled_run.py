@@ -419,7 +419,8 @@ class CoupledRun(LimitedRun):
         self._kept.keep()
         done = kept = 0
         while done < piece.steps:
-            due = steps_until_look(self.control.steps + done)
+            stretches, taken = self.watch.stretches, self.control.steps + done
+            due = steps_until_look(taken) if stretches else piece.steps
             end = min(done + self.watch.steps_ahead, piece.steps, done + due)
             if not self._goes_well(piece, times[done:end], done, history):
                 self.trouble = self.integrator.trouble(self.scheme, self.watch.watch.kept)
