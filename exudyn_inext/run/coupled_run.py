@@ -419,15 +419,15 @@ class CoupledRun(LimitedRun):
         self._kept.keep()
         done = kept = 0
         while done < piece.steps:
-            stretches, taken = self.watch.stretches, self.control.steps + done
-            due = steps_until_look(taken) if stretches else piece.steps
+            looks = self.watch.stretches and self.watch.may_shorten  # which may change where steps go
+            due = steps_until_look(self.control.steps + done) if looks else piece.steps
             end = min(done + self.watch.steps_ahead, piece.steps, done + due)
             if not self._goes_well(piece, times[done:end], done, history):
                 self.trouble = self.integrator.trouble(self.scheme, self.watch.watch.kept)
                 with self.watch.finding_kept():
                     self._kept.restore()
                 return kept
-            is_due, done = end - done == due, end
+            is_due, done = not looks or end - done == due, end
             if self._by_kernels and done < piece.steps:
                 self._kept.keep()
                 kept = done
