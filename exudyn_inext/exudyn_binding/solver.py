@@ -63,7 +63,9 @@ def SolveExplicit(
     beside cables that stretch, steps are taken once without them, to find how long they may be: at the start
     and after changes that follow on steps without any. An energy that grows slowly is warned of, see
     ExplicitSettings.energyTolerance. The stability limit is that of the initial state, as if contacts of
-    cables with circles that are open were closed.
+    cables with circles that are open were closed. Among bodies it is found again each time cables that
+    stretch are pulled a quarter tighter than before: automatic steps follow it down, given ones above it are
+    warned of.
 
     Sensors, solution files, pre- and post-step user functions and the SolutionViewer work as with
     mbs.SolveDynamic. Exudyn's steps are as long as the outputs allow: numberOfSteps of the time integration

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..cable.attached_forces import drag_rate
-from ..cable.axial_stiffness import frozen
+from ..cable.axial_stiffness import STRAIN, frozen
 from ..cable.cable import Cable
 from ..cable.chain import set_mass
 from ..cable.frequency import FrequencyTracker, largest_frequency, nodal_multipliers_of
@@ -174,7 +174,7 @@ class CableRun(PacedRun):
     def adopt(self, system: Any) -> None:
         """The same equations in memory that cables share."""
         self.system, self._tracker = system, FrequencyTracker(system, self.scene_cable.cable.reference.shape)
-        for name in ("called", "_corrections"):
+        for name in ("called", "_corrections", "_strains"):
             self.__dict__.pop(name, None)
 
     @cached_property
@@ -437,6 +437,23 @@ class CableRun(PacedRun):
         history[:good, 0] -= self.reference
         self._look_at_limit()
         return good
+
+    @property
+    def tension_by_mass(self) -> float:
+        """Largest tension of an element over its rho_A l^2, at the last evaluation [1/s^2]; 0: no stretch."""
+        return float((self._strains * self._stiffness_by_mass).max()) if self._stretches else 0.0
+
+    @cached_property
+    def _strains(self) -> Array:
+        """(N,) of the elements; memory of the system."""
+        strains: Array = self.system.chain.elements["axial"][:, STRAIN]
+        return strains
+
+    @cached_property
+    def _stiffness_by_mass(self) -> Array:
+        """(N,) EA over rho_A l^2 [1/s^2]."""
+        section, lengths = self.scene_cable.cable.section, self.scene_cable.cable.element_lengths
+        return (section.axial_stiffness or 0.0) / (section.mass_per_length * lengths**2)
 
     def tensions(self, time: float, displacements: Array, velocities: Array) -> list[Array]:
         """(N,) mean of each element in a state of this run, which then is the present one [N].

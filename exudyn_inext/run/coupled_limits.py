@@ -24,9 +24,19 @@ from .divergence import explanation, listed
 from .mover import Mover, together
 from .paced_run import PacedRun
 from .redundancy import PULLED, held_straight
-from .step_control import FrequencyFollower, StepControl, StepRule
+from .step_control import FrequencyFollower, Piece, StepControl, StepRule
 
 STEPS_BETWEEN_LOOKS = 128  # at the frequency, which costs as much as some 10 evaluations
+TIGHTER = 1.25  # times the tension for which the limit is known: another look at it
+SLOW_WAVES = 0.01  # tension over rho_A l^2, times h^2: its waves bound no step; at some 0.1 they do
+STEPS_BETWEEN_TENSIONS = 32  # two looks at them, more at the beginning
+LARGEST_SHARE, SHARE = 0.85, 0.7  # of the limit then: of steps that stay as they are, and of shorter ones
+
+
+def steps_until_look(steps: int) -> int:
+    """Until the next look at tensions: there is one after 1, 2, 4 ... steps, and then at equal distances."""
+    every = min(1 << max(steps.bit_length() - 1, 0), STEPS_BETWEEN_TENSIONS)
+    return every - steps % every
 
 
 class LimitedRun(PacedRun):
@@ -45,6 +55,7 @@ class LimitedRun(PacedRun):
     _time: float  # of the state whose rates are known [s]
     _fastest: Array  # (2, 2, n) found by searches so far, see `fastest_rates`: as it is, and in contact
     frequency_of_states = 0.0
+    _outrun = ""  # what is said of a given step that became too long
     _unsolvable = ""  # what was said of joints that could not be solved for
     _tracker: VibrationTracker | None = None
 
@@ -75,12 +86,12 @@ class LimitedRun(PacedRun):
     def _rates(self) -> FastestRates:
         return self._rates_at(self._time)
 
-    def _rates_at(self, time: float) -> FastestRates:
+    def _rates_at(self, time: float, in_motion: bool = False) -> FastestRates:
         """Of the present state."""
         with self._without_implicit_forces(time):
             scene = *self._system_at(time), self.state.q, self.state.v
             states = self._scene.system.states
-            rates = fastest_rates(*scene, self._fastest[0], states=states)
+            rates = fastest_rates(*scene, self._fastest[0], states=states, in_motion=in_motion)
             self.frequency_of_states = frequency_of_states(*scene, states) if self.has_states else 0.0
             return rates._replace(frequency=math.hypot(rates.frequency, self.frequency_of_states))
 
@@ -181,9 +192,35 @@ class LimitedRun(PacedRun):
             jumps.append(self.mover.evaluated.violation(end, self.state.q))
         return max(jumps, default=0.0)
 
+    def outruns_waves(self, piece: Piece, done: int) -> bool:
+        """Whether the steps of this piece are too long by now, as cables that stretch are pulled tight.
+
+        Then the nominal step is shorter from now on; of a given one, `finding` tells.
+        """
+        if not self.watch.stretches:
+            return False
+        tension = max(run.tension_by_mass for run in self._runs)
+        bounds = max(TIGHTER * self.control.tension, SLOW_WAVES / piece.h**2)
+        if not tension > bounds or self.control.follower or self.control.is_shorter_for_a_while:
+            return False
+        time, state = piece.time(done), super().present_state()
+        self._fastest[0] = 0.0  # a search that does not depend on earlier ones, for restart files
+        limit = self._limit_now(time)
+        state.restore()
+        self.resume(time)
+        share, divisor = piece.h / limit, self.control.divisor
+        is_longer = share > LARGEST_SHARE and self.watch.may_shorten
+        self.control.divide_for_waves(math.ceil(divisor * share / SHARE) if is_longer else 1, tension)
+        if share > 1.0 and not self.watch.may_shorten:
+            self._outrun = (
+                f"at t = {time:.4g} s cables were pulled so tight that the stability limit fell to "
+                f"{limit:.3g} s, below stepSize: forces may be far off; take stepSize = {SHARE * limit:.2g}."
+            )
+        return self.control.divisor > divisor
+
     def _limit_now(self, time: float) -> float:
         """Stability limit [s] in the state of the last inspection; infinite if there is none."""
-        rates = self._rates_at(time)
+        rates = self._rates_at(time, in_motion=True)
         if not rates.frequency > 0.0:
             return np.inf
         ratio = rates.damping / rates.frequency

@@ -17,7 +17,7 @@ from .cable_loads import CableLoads
 from .cable_run import CableRun, Start
 from .compiled_scene import ChangedItem
 from .consistent_start import StartCorrection, agree
-from .coupled_limits import LimitedRun
+from .coupled_limits import LimitedRun, steps_until_look
 from .coupled_watch import LENIENCE, CoupledWatch
 from .jump import accelerate_again, remembers_axial_forces
 from .kept_state import KeptState
@@ -419,18 +419,22 @@ class CoupledRun(LimitedRun):
         self._kept.keep()
         done = kept = 0
         while done < piece.steps:
-            end = min(done + self.watch.steps_ahead, piece.steps)
+            looks = self.watch.stretches and self.watch.may_shorten  # which may change where steps go
+            due = steps_until_look(self.control.steps + done) if looks else piece.steps
+            end = min(done + self.watch.steps_ahead, piece.steps, done + due)
             if not self._goes_well(piece, times[done:end], done, history):
                 self.trouble = self.integrator.trouble(self.scheme, self.watch.watch.kept)
                 with self.watch.finding_kept():
                     self._kept.restore()
                 return kept
-            done = end
+            is_due, done = not looks or end - done == due, end
             if self._by_kernels and done < piece.steps:
                 self._kept.keep()
                 kept = done
+            if (is_due if self._by_kernels else done == piece.steps) and self.outruns_waves(piece, done):
+                break
         self.mover.finish_piece(history)
-        return piece.steps
+        return done
 
     def _goes_well(self, piece: Piece, times: Array, done: int, history: Array) -> bool:
         """Take steps of a piece, of which some are done; returns whether all is well.
@@ -455,8 +459,9 @@ class CoupledRun(LimitedRun):
 
     @property
     def finding(self) -> str:  # type: ignore[override]
-        """Whether friction contradicted Coulomb's law, and whether axes of constrained angles have tilted."""
-        return " ".join(filter(None, (self._scene.friction.finding, self._scene.tilted_angles.finding)))
+        """Of a given step that was too long, friction against Coulomb's law, axes that have tilted."""
+        found = self._outrun, self._scene.friction.finding, self._scene.tilted_angles.finding
+        return " ".join(filter(None, found))
 
     def figures(self) -> dict[str, float]:
         """How well constraints and energy were kept."""

@@ -162,13 +162,15 @@ class PacedRun:
                 self.gave_up = True
                 break
             self.change_step(piece.h, piece.time())
+            divisor = self.control.divisor
             taken = self.take(piece, history[good:])
             good += self.control.count(piece, taken, grid)
+            is_spoilt = self.control.divisor > divisor and self.watch.stretches
             if taken == piece.steps:
                 self.control.accept()
                 self._lengthen(first + good)
-                is_spoilt = self._shorten_for_gain()
-            else:
+                is_spoilt |= self._shorten_for_gain()
+            elif self.control.divisor == divisor:  # `take` has not asked for shorter steps
                 is_spoilt = self.reject(piece.time(taken), bool(beginning)) and self.watch.is_spoilt
                 if self.gave_up and beginning and self._resolve_stretch(grid.h):
                     self.gave_up, is_spoilt = False, True

@@ -36,9 +36,12 @@ class _Log(ctypes.Structure):
     _fields_ = (
         *(
             (name, ctypes.c_double)
-            for name in ("frequency", "first", "present", "smallest", "offset", "gain")
+            for name in ("frequency", "first", "present", "smallest", "offset", "gain", "tension")
         ),
-        *((name, ctypes.c_int64) for name in ("divisor", "asked", "least", "beginnings", "quarters")),
+        *(
+            (name, ctypes.c_int64)
+            for name in ("divisor", "asked", "least", "waves", "beginnings", "quarters")
+        ),
         *((name, ctypes.c_int64) for name in ("calm", "patience", "rejections", "steps", "changed")),
     )
 
@@ -140,6 +143,7 @@ class StepControl:
     divisor: what the nominal step is divided by, `least` at least; the motion `asked` for as much or less.
     beginnings: how often the run has begun again.
     changed: interval of the loop before which functions have changed something last.
+    tension: largest one for which the stability limit is known, over rho_A l^2 [1/s^2].
     """
 
     smallest: float = _logged("smallest")
@@ -151,11 +155,12 @@ class StepControl:
     least: int = _logged("least")
     beginnings: int = _logged("beginnings")
     changed: int = _logged("changed")
+    tension: float = _logged("tension")
 
     def __init__(self, follower: FrequencyFollower | None = None, rejects: bool = True) -> None:
         self.follower = follower
         self._rejects = rejects
-        self._log: Any = _Log(smallest=math.inf, divisor=1, asked=1, least=1, patience=1)
+        self._log: Any = _Log(smallest=math.inf, divisor=1, asked=1, least=1, waves=1, patience=1)
         self._memory = np.frombuffer(self._log, _RECORD)
 
     @property
@@ -168,6 +173,11 @@ class StepControl:
     def is_nominal(self) -> bool:
         """Whether whole intervals of equal steps may be taken."""
         return self.follower is None and self._log.quarters == 0 and self._log.offset == 0.0
+
+    @property
+    def is_shorter_for_a_while(self) -> bool:
+        """Whether steps are parts of the nominal one, after others that went wrong."""
+        return bool(self._log.quarters)
 
     def memory(self) -> dict[str, Any]:
         """What the next steps depend on, to be kept or set."""
@@ -260,9 +270,14 @@ class StepControl:
 
         If that is less than before, so is the divisor, as far as the motion has not asked for it.
         """
-        self._log.divisor = max(self._log.asked, least)
+        self._log.divisor = max(self._log.asked, least, self._log.waves)
         self._log.least = least
         return least <= MOST_PARTS
+
+    def divide_for_waves(self, parts: int, tension: float) -> None:
+        """Divide the nominal step by so much at least, for waves of this tension; see `tension`."""
+        self._log.waves, self._log.tension = max(parts, self._log.waves), tension
+        self._log.divisor = max(self._log.divisor, self._log.waves)
 
     def begin_again(self, divisor: int, beginnings: int) -> None:
         """With the nominal step divided so, after so many other beginnings."""
@@ -275,12 +290,12 @@ class StepControl:
         Between pieces that do not depend on who asks for them; not in a run that began again twice: longer
         steps are what spoilt it.
         """
-        may = self.divisor > self.least and self.is_nominal and interval % BETWEEN == 0
+        may = self.divisor > max(self.least, self._log.waves) and self.is_nominal and interval % BETWEEN == 0
         return may and self.beginnings < MOST_BEGINNINGS
 
     def lengthen(self) -> None:
         """The nominal step is much shorter than the motion needs: double it."""
-        self._log.divisor = self._log.asked = max((self.divisor + 1) // 2, self.least)
+        self._log.divisor = self._log.asked = max((self.divisor + 1) // 2, self.least, self._log.waves)
 
     @property
     def may_shorten(self) -> bool:

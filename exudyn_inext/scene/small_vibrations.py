@@ -65,6 +65,7 @@ def fastest_rates(
     kept: Array | None = None,
     added: AddedForces | None = None,
     states: slice = NO_STATES,
+    in_motion: bool = False,
 ) -> FastestRates:
     """Of small motions about the configuration q (n,).   external: of the system, at present.
 
@@ -76,7 +77,8 @@ def fastest_rates(
     gyroscopic forces, which change with small velocities, do not. Friction that jumps where a velocity
     changes its sign has no rate: it makes no motion grow.
     """
-    stiffness, damping, start = _operators(system, external, q, v, added, states)
+    about = slice(None) if in_motion else states
+    stiffness, damping, start = _operators(system, external, q, v, added, about)
     kept = np.zeros((2, len(start))) if kept is None else kept
     frequency = float(np.sqrt(_largest_eigenvalue(stiffness, start, 0.0, kept[0], OF_VIBRATIONS)))
     rate = _largest_eigenvalue(damping, start, NEGLIGIBLE * frequency, kept[1])
