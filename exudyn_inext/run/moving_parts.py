@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arrays import Array, SparseArray
 from ..compiled import Prepared, inlined, kernel
+from ..sparse import block_diagonal
 from .watch import OF_EXTENT, SMALL
 
 MOTION = ("forces", "speeds", "time", "extent")  # of each part, see `Watch`
@@ -27,15 +28,6 @@ class _Mass(NamedTuple):
     start: np.ndarray
     columns: np.ndarray
     values: Array
-
-
-def _side_by_side(part: np.ndarray, masses: Sequence[SparseArray]) -> _Mass:
-    rows = np.cumsum([0, *(mass.shape[0] for mass in masses)])
-    entries = np.cumsum([0, *(mass.nnz for mass in masses)])
-    starts = [mass.indptr[:-1] + first for mass, first in zip(masses, entries, strict=False)]
-    columns = [mass.indices + first for mass, first in zip(masses, rows, strict=False)]
-    values = np.concatenate([mass.data for mass in masses])
-    return _Mass(part, np.concatenate([*starts, entries[-1:]]), np.concatenate(columns), values)
 
 
 @inlined
@@ -103,7 +95,8 @@ class MovingParts:
 
     def __init__(self, part: np.ndarray, masses: Sequence[SparseArray], length: float) -> None:
         numbers, part = np.unique(part, return_inverse=True)
-        self._mass = _side_by_side(part, masses)
+        mass = block_diagonal(masses)
+        self._mass = _Mass(part, mass.indptr, mass.indices, mass.data)
         self.motion = np.zeros((len(MOTION), len(numbers)))
         self._least, self._energies = np.zeros((2, len(numbers)))
         self._gone_on, self._fastest = np.zeros_like(self.motion), np.zeros(len(MOTION))
