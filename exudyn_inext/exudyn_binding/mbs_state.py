@@ -12,6 +12,7 @@ from ..native.native_items import state_kept
 from ..run.coupled_run import Run
 
 State = Mapping[str, Array]
+_STEPS = "explicitSteps"  # in mbs.sys
 INITIAL = exudyn.ConfigurationType.Initial
 _PARTS = ("ODE2", "ODE2_t", "ODE1", "AE", "Data", "ODE2_tt")  # as of GetSystemState, and accelerations
 
@@ -21,6 +22,35 @@ def state_of(mbs: Any, configuration: Any = exudyn.ConfigurationType.Current) ->
     data = mbs.systemData
     parts = [*data.GetSystemState(configuration), data.GetODE2Coordinates_tt(configuration)]
     return {name: np.array(part) for name, part in zip(_PARTS, parts, strict=True)}
+
+
+class LastSteps:
+    """Last steps before states of mbs, of cables that stretch: their axial forces are means over such steps.
+
+    place: mbs.sys, where `last_step` finds them.
+    """
+
+    def __init__(self, place: Any, runs: Sequence[Run]) -> None:
+        self.place, self._runs = place, [run for run in runs if run.watch.stretches]
+        own = [(cable.scene_cable.number, k) for k, run in enumerate(self._runs) for cable in run.cable_runs]
+        self._of_cable = dict(own)
+
+    def rows(self, times: Sequence[float]) -> list[Any]:
+        """Of the last states of the runs, at these times [s]; nothing where no cable stretches."""
+        steps = [run.steps_before(len(times)).tolist() for run in self._runs]
+        rows = zip(times, zip(*steps, strict=True), strict=False)
+        return [(time, row, self._of_cable) for time, row in rows]
+
+    def keep(self, row: Any) -> None:
+        """One of the rows is that of the state that mbs gets."""
+        self.place[_STEPS] = row
+
+
+def last_step(mbs: Any, cable: int) -> float:
+    """Before the present state of mbs, of the cable with that object [s]; 0 where no run has led there."""
+    time, steps, of_cable = mbs.sys.get(_STEPS, (0.0, [], {}))
+    h = float(steps[of_cable[cable]]) if cable in of_cable else 0.0
+    return h if abs(mbs.systemData.GetTime() - time) < h else 0.0
 
 
 @contextmanager

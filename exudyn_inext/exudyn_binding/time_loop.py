@@ -18,6 +18,7 @@ from ..run.coupled_run import Run
 from ..run.divergence import divergence, listed
 from ..run.kept_state import KeptState
 from ..run.time_grid import TimeGrid
+from .mbs_state import LastSteps
 from .restart import Restarts
 from .sensors import ACCELERATIONS, VELOCITIES, OutputTimes
 from .stretch_check import StretchCheck
@@ -83,6 +84,7 @@ class ExplicitTimeLoop:
         self._reactions: deque[Array] = deque()  # after the steps that have been computed, if they are shown
         self._last_reactions: Array | None = None
         self._remembered: deque[Any] = deque()  # by contacts, after these steps
+        self._last_steps, self._steps = LastSteps(mbs.sys, runs), deque[Any]()  # before them
         self._blocks: Iterator[Iterable[Any]] = iter(())
         self._states: Iterator[Any] = iter(())  # of a block, where functions may make it void
         self._kept: list[KeptState] = []  # of the runs, before the block
@@ -95,6 +97,8 @@ class ExplicitTimeLoop:
         if restarts.found:
             restarts.resume(runs, grid)
             self._written = [np.asarray(part) for part in restarts.first_state]
+        for row in self._last_steps.rows([grid.time(grid.first)]):
+            self._last_steps.keep(row)
 
     @property
     def shows_accelerations(self) -> bool:
@@ -128,7 +132,11 @@ class ExplicitTimeLoop:
         self._blocks, self._states = self._blocks_of_states(), iter(())
         next_state = self._next_state if self._is_watched else chain.from_iterable(self._blocks).__next__
         setters, data = self._setters()[: self._observed], self._data
-        besides = (self._reactions, data.SetAECoordinates), (self._remembered, data.SetDataCoordinates)
+        besides = (
+            (self._reactions, data.SetAECoordinates),
+            (self._remembered, data.SetDataCoordinates),
+            (self._steps, self._last_steps.keep),
+        )
 
         def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
             for put, values in zip(setters, next_state(), strict=True):
@@ -226,6 +234,7 @@ class ExplicitTimeLoop:
         """The step before a block."""
         self._computed = first
         self._reactions.clear()
+        self._steps.clear()
         for run, kept in zip(self.runs, self._kept, strict=True):
             kept.restore()
             run.gave_up = False
@@ -329,6 +338,8 @@ class ExplicitTimeLoop:
         self._last_reactions = reactions[min(good, len(reactions)) - 1] if are_set and good else None
         if are_set and self._shows_forces:
             self._reactions.extend(reactions[:good])
+        times = [self.grid.time(self._computed + 1 + k) for k in range(good)]
+        self._steps.extend(self._last_steps.rows(times))
         self._computed += intervals
         return states, good
 
@@ -382,6 +393,7 @@ class ExplicitTimeLoop:
         self._is_changed |= self.changes.is_event
         if runs is not self.runs:
             self.runs, self._places = runs, [as_slice(run.indices) for run in runs]
+            self._last_steps = LastSteps(self._last_steps.place, runs)
             self._kept.clear()
             self.stretch_checks = list(map(StretchCheck, runs))
 
