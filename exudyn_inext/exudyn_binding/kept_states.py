@@ -17,10 +17,10 @@ class KeptStates:
 
     def keep(self, grid: TimeGrid, first: int, history: Array) -> None:
         """Of the intervals of the loop from number `first` on.   history: (intervals, 3, n), see `record`."""
+        while len(self.states) + len(history) // self._every > 2 * KEPT:
+            self._every *= 2
+            self.states = {k: kept for k, kept in self.states.items() if k % self._every == 0}
         steps = self.run.steps_before(len(history))
         for number in range(first + -first % self._every, first + len(history), self._every):
             row = number - first
             self.states[number] = grid.time(number + 1), float(steps[row]), history[row, :2].copy()
-        while len(self.states) > 2 * KEPT:
-            self._every *= 2
-            self.states = {k: kept for k, kept in self.states.items() if k % self._every == 0}

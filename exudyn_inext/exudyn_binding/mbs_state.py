@@ -13,6 +13,7 @@ from ..run.coupled_run import Run
 
 State = Mapping[str, Array]
 _STEPS = "explicitSteps"  # in mbs.sys
+SAME_TIME = 1e-3  # of an interval
 INITIAL = exudyn.ConfigurationType.Initial
 _PARTS = ("ODE2", "ODE2_t", "ODE1", "AE", "Data", "ODE2_tt")  # as of GetSystemState, and accelerations
 
@@ -35,22 +36,20 @@ class LastSteps:
         own = [(cable.scene_cable.number, k) for k, run in enumerate(self._runs) for cable in run.cable_runs]
         self._of_cable = dict(own)
 
-    def rows(self, times: Sequence[float]) -> list[Any]:
-        """Of the last states of the runs, at these times [s]; nothing where no cable stretches."""
-        steps = [run.steps_before(len(times)).tolist() for run in self._runs]
-        rows = zip(times, zip(*steps, strict=True), strict=False)
-        return [(time, row, self._of_cable) for time, row in rows]
-
-    def keep(self, row: Any) -> None:
-        """One of the rows is that of the state that mbs gets."""
-        self.place[_STEPS] = row
+    def keep(self, first: float, interval: float, states: int) -> None:
+        """Of the last states of the runs, which mbs gets from the time `first` on at these intervals [s]."""
+        if self._runs:
+            steps = np.array([run.steps_before(states) for run in self._runs])
+            self.place[_STEPS] = first, interval, steps, self._of_cable
 
 
 def last_step(mbs: Any, cable: int) -> float:
     """Before the present state of mbs, of the cable with that object [s]; 0 where no run has led there."""
-    time, steps, of_cable = mbs.sys.get(_STEPS, (0.0, [], {}))
-    h = float(steps[of_cable[cable]]) if cable in of_cable else 0.0
-    return h if abs(mbs.systemData.GetTime() - time) < h else 0.0
+    first, interval, steps, of_cable = mbs.sys.get(_STEPS, (0.0, 1.0, np.zeros((0, 0)), {}))
+    intervals = (mbs.systemData.GetTime() - first) / interval
+    row = round(intervals)
+    is_there = cable in of_cable and 0 <= row < steps.shape[1] and abs(intervals - row) < SAME_TIME
+    return float(steps[of_cable[cable], row]) if is_there else 0.0
 
 
 @contextmanager

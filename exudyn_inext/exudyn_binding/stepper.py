@@ -247,5 +247,4 @@ class ExplicitStepper:
             data.SetODE2Coordinates_tt(accelerations, configuration)
             data.SetAECoordinates(reactions.tolist(), configuration)
             data.SetTime(self.time, configuration)
-        for row in self._last_steps.rows([self.time]):
-            self._last_steps.keep(row)
+        self._last_steps.keep(self.time, self.interval, 1)

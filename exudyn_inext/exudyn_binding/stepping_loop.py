@@ -153,7 +153,6 @@ class SteppingLoop(ExplicitTimeLoop):
         self._ahead = (0, np.zeros((0, ACCELERATIONS, 0)))
         self._written = [np.full(len(part), np.nan) for part in self._present()]  # that of mbs is taken over
         self._reactions.clear()
-        self._steps.clear()
         self.changes.reader.drives.start(portion.start)
         self.changes.take_step(self._explicit, h)
         for run in self.runs:

@@ -84,7 +84,7 @@ class ExplicitTimeLoop:
         self._reactions: deque[Array] = deque()  # after the steps that have been computed, if they are shown
         self._last_reactions: Array | None = None
         self._remembered: deque[Any] = deque()  # by contacts, after these steps
-        self._last_steps, self._steps = LastSteps(mbs.sys, runs), deque[Any]()  # before them
+        self._last_steps = LastSteps(mbs.sys, runs)
         self._blocks: Iterator[Iterable[Any]] = iter(())
         self._states: Iterator[Any] = iter(())  # of a block, where functions may make it void
         self._kept: list[KeptState] = []  # of the runs, before the block
@@ -97,8 +97,7 @@ class ExplicitTimeLoop:
         if restarts.found:
             restarts.resume(runs, grid)
             self._written = [np.asarray(part) for part in restarts.first_state]
-        for row in self._last_steps.rows([grid.time(grid.first)]):
-            self._last_steps.keep(row)
+        self._last_steps.keep(grid.time(grid.first), grid.substeps * grid.h, 1)
 
     @property
     def shows_accelerations(self) -> bool:
@@ -132,11 +131,7 @@ class ExplicitTimeLoop:
         self._blocks, self._states = self._blocks_of_states(), iter(())
         next_state = self._next_state if self._is_watched else chain.from_iterable(self._blocks).__next__
         setters, data = self._setters()[: self._observed], self._data
-        besides = (
-            (self._reactions, data.SetAECoordinates),
-            (self._remembered, data.SetDataCoordinates),
-            (self._steps, self._last_steps.keep),
-        )
+        besides = (self._reactions, data.SetAECoordinates), (self._remembered, data.SetDataCoordinates)
 
         def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
             for put, values in zip(setters, next_state(), strict=True):
@@ -234,7 +229,6 @@ class ExplicitTimeLoop:
         """The step before a block."""
         self._computed = first
         self._reactions.clear()
-        self._steps.clear()
         for run, kept in zip(self.runs, self._kept, strict=True):
             kept.restore()
             run.gave_up = False
@@ -338,8 +332,7 @@ class ExplicitTimeLoop:
         self._last_reactions = reactions[min(good, len(reactions)) - 1] if are_set and good else None
         if are_set and self._shows_forces:
             self._reactions.extend(reactions[:good])
-        times = [self.grid.time(self._computed + 1 + k) for k in range(good)]
-        self._steps.extend(self._last_steps.rows(times))
+        self._last_steps.keep(self.grid.time(self._computed + 1), self.grid.substeps * self.grid.h, good)
         self._computed += intervals
         return states, good
 

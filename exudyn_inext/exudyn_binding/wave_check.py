@@ -13,7 +13,7 @@ from ..errors import InextensibleError
 from ..run.coupled_run import Run
 from .kept_states import KeptStates
 
-LOOKS, MOST_SOLVES = 24, 600  # at tensions, and solves of cables for that, about
+LOOKS, MOST_SOLVES = 12, 300  # at tensions, and solves of cables for that, about
 LARGEST_SHARE = 1.0  # of the tension
 SMALL = 1e-5  # strain that loads no material
 RESOLVED = 0.25  # of an element, that a wave passes in a step
