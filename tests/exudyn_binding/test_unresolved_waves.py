@@ -89,3 +89,19 @@ def test_a_stepper_shows_the_same_forces_as_a_run():
     stepper.Step(20)
     stepper.WriteToSystem()
     assert CableForces(mbs, cable, [LENGTH])["tension"][0] == pytest.approx(expected, rel=1e-9)
+
+
+def test_forces_of_vibrations_that_are_resolved_are_of_order_two():
+    def tension(h):
+        mbs = exudyn.SystemContainer().AddSystem()
+        section = InextensibleCable(0.3, 0.05, axialStiffness=500.0, axialDamping=2.0)
+        pinned = {"gravity": [0, -9.81, 0], "groundConstraintsStart": [True, True, False, False]}
+        cable = CreateInextensibleCable(mbs, [0, 0, 0], [1, 0, 0], 4, section, **pinned)
+        sensor = CreateCableForceSensor(mbs, cable, 0.3)
+        mbs.Assemble()
+        SolveExplicit(mbs, quiet_settings(0.4, 40, 0.01), ExplicitSettings(stepSize=h))
+        return np.array(mbs.GetSensorStoredData(sensor))[1:, 1]
+
+    finest = tension(2e-3 / 32)
+    coarse, fine = (np.linalg.norm(tension(h) - finest) for h in (2e-3, 1e-3))
+    assert fine < 0.3 * coarse < 3e-4 * np.linalg.norm(finest)
