@@ -102,9 +102,11 @@ class SceneLoads:
     def at(self, t: float) -> Array:
         """(n_external,) at t [s]."""
         external = self.constant.copy()
+        if not len(self.pattern):
+            return external
         if self._only_moves:
             external[self._on_cables[1].stop :] = self._moved.at(t)
-        elif len(self.pattern):
+        else:
             (rows, columns), factors = self._on_cables, self.factors([t])[0]
             if rows.stop:
                 external[columns] += factors[rows] @ self.pattern[rows, columns]

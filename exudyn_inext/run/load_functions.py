@@ -56,11 +56,10 @@ class LoadFunctions:
 
     def _of_one_kind(self, returned: list[list[Any]]) -> Array | None:
         """All values, if each load has as many components, and all of these are numbers; otherwise None."""
-        values = _as_array(returned) if self._are_alike else None
-        shape = len(returned), len(self._scales)
-        if values is None or values.shape[:2] != (shape[0], len(self._loads)) or values.size != shape[0] * shape[1]:
+        values, number = _as_array(returned) if self._are_alike else None, len(returned)
+        if values is None or values.shape[:2] != (number, len(self._loads)):
             return None
-        return values.reshape(shape)
+        return values.reshape(number, -1) if values.size == number * len(self._scales) else None
 
     def _one_by_one(self, returned: list[list[Any]], times: Sequence[float]) -> Array:
         columns = zip(self._loads, zip(*returned, strict=True), strict=True)
@@ -122,5 +121,7 @@ def _as_array(returned: Any) -> Array | None:
         values = np.array(returned)
     except (TypeError, ValueError, OverflowError):
         return None
-    is_number = values.dtype.kind in "fiub" and (math.isfinite(np.add.reduce(values, axis=None)) or np.isfinite(values).all())
-    return values.astype(float, copy=False) if is_number else None
+    if values.dtype.kind not in "fiub":
+        return None
+    is_finite = math.isfinite(np.add.reduce(values, axis=None)) or np.isfinite(values).all()
+    return values.astype(float, copy=False) if is_finite else None
