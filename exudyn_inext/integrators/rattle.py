@@ -18,7 +18,7 @@ import numpy as np
 from ..arrays import Array
 from ..called_system import implements, takes_any_system
 from ..checks import require_integer, require_positive
-from ..compiled import inlined_kernel
+from ..compiled import inlined_kernel, protocol
 from ..system import accelerate_and_project, correct_position
 from .integrator import Integrator, advance, external_force, store
 
@@ -90,26 +90,42 @@ def _add_correction(h, correction, q, v_half):
         v_half[i] += correction[i] / h
 
 
+@protocol
+def shake(system, external, state, h, scheme):
+    """The first half of a step of h [s]: q_(n+1) on the position constraints, and v_(n+1/2).
+
+    external: at the end of the step; what moves the constraints.
+    """
+
+
+@shake.register(object)
+def shake_any(system, external, state, h, scheme):
+    q, v_half, correction = state.q, state.v_half, state.correction
+    _drift(h, q, state.v, state.a, v_half)
+    learning = 2.0 / (h * h)
+    violation = np.inf
+    for _ in range(scheme.iterations):
+        violation = correct_position(system, external, q, scheme.tolerance, learning, correction)
+        if violation < scheme.tolerance:
+            break
+        _add_correction(h, correction, q, v_half)
+        learning = 0.0
+    if not violation < scheme.tolerance:
+        if state.residual[0] == 0.0:
+            state.residual[0] = violation
+        q.fill(np.nan)
+
+
+shake_called = takes_any_system(correct_position)(shake_any)
+
+
 @implements(advance, Rattle, compiled=inlined_kernel)
 def advance_rattle(scheme, system, loads, state, h, steps, history):
-    q, v, a, v_half = state.q, state.v, state.a, state.v_half
-    external, correction = state.external, state.correction
+    q, v, a, external = state.q, state.v, state.a, state.external
     for step in range(len(history) * steps):
-        _drift(h, q, v, a, v_half)
         external_force(loads, step, 0, external)
-        learning = 2.0 / (h * h)
-        violation = np.inf
-        for _ in range(scheme.iterations):
-            violation = correct_position(system, external, q, scheme.tolerance, learning, correction)
-            if violation < scheme.tolerance:
-                break
-            _add_correction(h, correction, q, v_half)
-            learning = 0.0
-        if not violation < scheme.tolerance:
-            if state.residual[0] == 0.0:
-                state.residual[0] = violation
-            q.fill(np.nan)
-        accelerate_and_project(system, external, q, v_half, 0.5 * h, a, v)
+        shake(system, external, state, h, scheme)
+        accelerate_and_project(system, external, q, state.v_half, 0.5 * h, a, v)
         store(history, loads, step, steps, q, v, a)
 
 

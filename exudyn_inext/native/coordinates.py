@@ -46,6 +46,7 @@ class CoordinateMap:
         self._own = np.flatnonzero(self.of_forces >= 0) if len(again) else slice(None)
         self._into = self.indices[self._own]
         self._vector = np.zeros(size)
+        self._is_all = np.array_equal(self.indices, np.arange(size))  # in the order of the system vector
         self._part_of = np.repeat(np.arange(len(parts)), np.diff(ends))
 
     def displacements(self, q: Array) -> list[float]:
@@ -54,8 +55,11 @@ class CoordinateMap:
 
     def rates(self, v: Array) -> list[float]:
         """(size,) system vector of velocities or accelerations (n,)."""
-        self._vector[self._into] = v[self._own]
-        return self._vector.tolist()
+        if not self._is_all:
+            self._vector[self._into] = v[self._own]
+            v = self._vector
+        values: list[float] = v.tolist()
+        return values
 
     def repeat(self, x: Array) -> None:
         """Give coordinates that stand twice the values that they have in their first place, in x (..., n)."""

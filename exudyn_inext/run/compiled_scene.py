@@ -73,6 +73,7 @@ class SceneLoads:
         self._functions, self._moved, self._of_loads = functions, moved, of_loads
         number = len(functions) + len(moved.joints) + len(of_loads.numbers)
         self._is_given = (np.arange(3) < of_loads.numbers[:, np.newaxis]).ravel()
+        self._has_all = bool(len(self._is_given) and self._is_given.all())
         parts = [of_cable.constant for of_cable in loads]
         self.constant: Array = np.concatenate([*parts, np.zeros(3 * number)])
         rows = sum(len(of_cable.pattern) for of_cable in loads) + 3 * number
@@ -104,9 +105,11 @@ class SceneLoads:
     def at(self, t: float) -> Array:
         """(n_external,) at t [s]."""
         external = self.constant.copy()
+        if not len(self.pattern):
+            return external
         if self._only_moves:
             external[self._on_cables[1].stop :] = self._moved.at(t)
-        elif len(self.pattern):
+        else:
             (rows, columns), factors = self._on_cables, self.factors([t])[0]
             if rows.stop:
                 external[columns] += factors[rows] @ self.pattern[rows, columns]
@@ -120,12 +123,16 @@ class SceneLoads:
 
     def factors(self, times: list[float]) -> Array:
         """(T, P) of all that depends on the time."""
-        columns = [*(loads.factors(times) for loads in self._loads), self._of_joints(times)]
-        if len(self._is_given):
+        columns = [loads.factors(times) for loads in self._loads]
+        if self._functions or self._moved.joints:
+            columns.append(self._of_joints(times))
+        if self._has_all:
+            columns.append(self._of_loads.values(times))
+        elif len(self._is_given):
             of_loads = np.zeros((len(times), len(self._is_given)))
             of_loads[:, self._is_given] = self._of_loads.values(times)
             columns.append(of_loads)
-        return np.concatenate(columns, axis=1) if len(columns) > 1 else columns[0]
+        return np.concatenate(columns, axis=1) if len(columns) != 1 else columns[0]
 
     def _of_joints(self, times: list[float]) -> Array:
         values = self._moved.values(times)

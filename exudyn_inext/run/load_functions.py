@@ -1,5 +1,6 @@
 """User functions of many loads, evaluated together."""
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -36,6 +37,8 @@ class LoadFunctions:
         _, firsts = np.unique(self._place, return_index=True)
         self._called = [loads[k].function for k in firsts]
         self._scales = np.repeat(np.array([load.function.scale for load in loads], float), self.numbers)
+        self._calls = [(one.function, one.mbs, one.value) for one in self._called]
+        self._are_alike = len(set(self.numbers.tolist())) == 1
 
     def values(self, times: Sequence[float]) -> Array:
         """(T, sum of numbers) the components of all loads, one after the other, at these times [s].
@@ -45,20 +48,18 @@ class LoadFunctions:
         """
         if not self._loads:
             return np.zeros((len(times), 0))
-        calls = [(one.function, one.mbs, one.value) for one in self._called]
-        returned = [[function(mbs, t, value) for function, mbs, value in calls] for t in times]
-        if len(calls) < len(self._loads):
+        returned = [[function(mbs, t, value) for function, mbs, value in self._calls] for t in times]
+        if len(self._calls) < len(self._loads):
             returned = [[row[place] for place in self._place] for row in returned]
         rows = self._of_one_kind(returned)
         return self._scales * (self._one_by_one(returned, times) if rows is None else rows)
 
     def _of_one_kind(self, returned: list[list[Any]]) -> Array | None:
         """All values, if each load has as many components, and all of these are numbers; otherwise None."""
-        shape = len(returned), len(self._loads)
-        values = _as_array(returned)
-        if values is None or values.shape[:2] != shape or values.size != shape[0] * self.numbers.sum():
+        values, number = _as_array(returned) if self._are_alike else None, len(returned)
+        if values is None or values.shape[:2] != (number, len(self._loads)):
             return None
-        return values.reshape(shape[0], -1) if (self.numbers == self.numbers[0]).all() else None
+        return values.reshape(number, -1) if values.size == number * len(self._scales) else None
 
     def _one_by_one(self, returned: list[list[Any]], times: Sequence[float]) -> Array:
         columns = zip(self._loads, zip(*returned, strict=True), strict=True)
@@ -79,7 +80,7 @@ class StateFunctions(LoadFunctions):
 
     def values(self, times: Sequence[float]) -> Array:
         self._time = times[-1]
-        return np.tile(self._values, (len(times), 1))
+        return self._values[np.newaxis].repeat(len(times), axis=0)
 
     def look(self, q: Array, v: Array, time: float | None = None) -> Array:
         """The values in the state (q, v), at the time that was asked for last or, if given, `time` [s]."""
@@ -120,5 +121,7 @@ def _as_array(returned: Any) -> Array | None:
         values = np.array(returned)
     except (TypeError, ValueError, OverflowError):
         return None
-    is_number = values.dtype.kind in "fiub" and np.isfinite(values).all()
-    return values.astype(float) if is_number else None
+    if values.dtype.kind not in "fiub":
+        return None
+    is_finite = math.isfinite(np.add.reduce(values, axis=None)) or np.isfinite(values).all()
+    return values.astype(float, copy=False) if is_finite else None

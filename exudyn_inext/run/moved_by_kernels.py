@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Array
+from ..compiled import kernel
 from ..errors import SceneError
 from ..integrators.integrator import Integrator
 from .cable_run import CableRun
@@ -44,6 +45,7 @@ class MovedByKernels(Mover):
         self.given, self.data = form.given, form.contacts.data
         if self._may_damp_contact:
             self.dofs_in_implicit_contact = form.dofs_in_implicit_contact
+        self._foreseen = state.q.copy(), state.v.copy()  # at the end of a step
         self._end_of_step = 0.0  # until which joints are moved [s]
         self._recorded = 0  # intervals
         self._first_data = self.data[0]  # of them
@@ -175,13 +177,14 @@ class MovedByKernels(Mover):
             self._data_of_intervals = native_items.places_in(data, times, history)
 
     def take(self, piece: Piece, times: Array, done: int, history: Array, watch: CoupledWatch) -> None:
-        of_state, state, h = self._form.loads.of_state, self._state, piece.h
+        of_state, state = self._form.loads.of_state, self._state
         at_once = 1 if of_state else len(times)
         for first in range(0, len(times), at_once):
             own = times[first : first + at_once]
             if of_state:
-                way = state.v + 0.5 * h * state.a
-                of_state.look(state.q + h * way, state.v + h * state.a, float(own[0, -1]))
+                q, v = self._foreseen
+                _foresee(piece.h, state.q, state.v, state.a, q, v)
+                of_state.look(q, v, float(own[0, -1]))
             self._form.take(self._scheme, piece, own, done + first, history, state, watch)
         self._scene.system.multipliers = self._form.multipliers
 
@@ -220,3 +223,11 @@ class MovedByKernels(Mover):
         history[:, 0] += self._scene.map.reference
         self._form.evaluate(self.cables, times, steps, history, data)
         history[:, 0] -= self._scene.map.reference
+
+
+@kernel
+def _foresee(h, q, v, a, end_q, end_v):
+    """The end of a step of h [s] with constant accelerations.   end_q, end_v: (n,) overwritten."""
+    for i in range(len(q)):
+        end_q[i] = q[i] + h * (v[i] + 0.5 * h * a[i])
+        end_v[i] = v[i] + h * a[i]

@@ -1,13 +1,15 @@
 """Cables, bodies and joints as one compiled system, to which Exudyn gives the forces."""
 
-from collections.abc import Sequence
-from functools import cached_property
+from collections.abc import Callable, Sequence
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
-from ..called_system import Bound
+from ..called_system import Bound, called, kernel_behind
+from ..compiled import Prepared
+from ..integrators.rattle import shake_called
 from ..multibody.scene import bodies_energy, subtract_inertia_forces, subtract_joint_forces
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .compiled_scene import CompiledScene
@@ -30,6 +32,7 @@ class CompiledParts:
         self._bodies = self._items.bodies[: len(self._items.bodies) - states]
         self._cables = len(form.system.cable_force)
         self.multipliers = form.multipliers
+        self._subtract_inertia = Prepared(subtract_inertia_forces)
         form.given[:] = 0.0
 
     def _bound(self, protocol: Any) -> Bound:
@@ -48,6 +51,11 @@ class CompiledParts:
     def _correct(self) -> Bound:
         return self._bound(correct_position)
 
+    @cached_property
+    def _shake(self) -> Callable[..., None]:
+        self.form.provide((correct_position,))
+        return partial(Prepared(kernel_behind(shake_called)), called(self.form.system, correct_position))
+
     @property
     def drift(self) -> Array:
         """(m,) c_t at the last evaluation."""
@@ -56,7 +64,7 @@ class CompiledParts:
 
     def subtract_inertia(self, q: Array, v: Array, forces: Array) -> None:
         """See `NativeItems`."""
-        subtract_inertia_forces(self._bodies, q, v, forces)
+        self._subtract_inertia(self._bodies, q, v, forces)
 
     def rates(self, t: float, forces: Sequence[Array], *arrays: Array) -> None:
         """See `index_reduced_rates`.   forces: on all cables, then on the others."""
@@ -72,13 +80,18 @@ class CompiledParts:
         """See `correct_position`."""
         return float(self._correct(self.form.loads.at(t), *arguments))
 
+    def shake(self, t: float, *arguments: Any) -> None:
+        """See `integrators.rattle.shake`."""
+        self._shake(self.form.loads.at(t), *arguments)
+
     def _external(self, t: float, forces: Sequence[Array]) -> Array:
         """As the system takes it; forces on the others are given to them."""
         number = len(forces) - len(self._others)
         for dofs, force in zip(self._others, forces[number:], strict=True):
             self._items.given[dofs] = force
         external = self.form.loads.at(t)
-        external[: self._cables] = np.concatenate([*forces[:number], np.zeros(0)])
+        if number:
+            external[: self._cables] = np.concatenate(forces[:number])
         return external
 
     def joint_force(self, dofs: slice) -> Array:
