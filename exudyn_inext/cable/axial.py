@@ -247,6 +247,22 @@ def assemble_chain(axes, nodes, elements, external, q, v, lead, set_targets, par
 
 
 @inlined
+def add_forces_of(axes, nodes, elements, a):
+    """Add what accelerations a (n, 2, dim) do to the axial forces of the last assembly, see `axial`."""
+    for k in range(len(nodes)):
+        _add_force_of(nodes[k], _along_node(axes, nodes[k], a[k]))
+    for k in range(len(elements)):
+        _add_force_of(elements[k], _along_element(axes, elements[k], a[k], a[k + 1]))
+
+
+@inlined
+def _add_force_of(record, acceleration):
+    added = record.axial[ADDED_MASS] * acceleration
+    record.axial[FORCE] += added
+    record.target[ACCELERATION] += added
+
+
+@inlined
 def _add_of_node(axes, node, block):
     """block += mass of the node with itself, axial stiffness included; lower triangle."""
     dim, weight = len(axes), node.axial[ADDED_MASS]

@@ -7,8 +7,8 @@ from ..compiled import clear, kernel
 from ..element.inextensibility import contract, length_gradient
 from ..lowered import local_array
 from .assembly import add_bending, damp_element, differences, leave_targets
-from .axial import ACCELERATION, assemble_chain, mean_stretch, stored_energy
-from .axial_stiffness import FORCE
+from .axial import ACCELERATION, add_forces_of, assemble_chain, mean_stretch, stored_energy
+from .axial_stiffness import ADDED_MASS, FORCE
 from .cable import Cable
 from .chain import Chain
 from .index_reduction import assemble_forces
@@ -31,22 +31,24 @@ def static_energy(chain, q, force):
 
 
 @kernel
-def force_in_motion(chain, external, q, v, force):
-    """force (n, 2, dim) of all but inertia at (q, v) [N, Nm].   external: (n, 2, dim)."""
+def force_in_motion(chain, external, q, v, a, force):
+    """force (n, 2, dim) of all but inertia at (q, v, a) [N, Nm].   external: (n, 2, dim)."""
     axes, nodes, elements = chain.axes, chain.nodes, chain.elements
     assemble_forces(axes, nodes, elements, external, q, v, 0.0, v, leave_targets, 0.0)
+    add_forces_of(axes, nodes, elements, a)
     for k in range(len(nodes)):
         free_force(axes, nodes, elements, k, ACCELERATION, force[k])
 
 
 @kernel
-def mean_section_forces(chain, q, v, rest, mean):
+def mean_section_forces(chain, q, v, a, rest, mean):
     """mean (N, dim): section force of each element weighted with 6 xi (1 - xi), see `section_forces`.
 
     rest: (n, 2, dim) zero.
     """
     axes, nodes, elements = chain.axes, chain.nodes, chain.elements
     assemble_chain(axes, nodes, elements, rest, q, v, 0.0, leave_targets, 0.0)
+    add_forces_of(axes, nodes, elements, a)
     e, e_t, gradient, force = local_array(3, 3), local_array(3, 3), local_array(3, 3), local_array(3, 3)
     damped, memory = local_array(3, 3), local_array(7, 3)
     for k in range(len(elements)):
@@ -62,6 +64,14 @@ def mean_section_forces(chain, q, v, rest, mean):
         along = 0.75 * element.per_length / stretch * element.target[ACCELERATION]
         for i in range(len(axes)):
             mean[k, i] = along * gradient[0, i] - force[0, i] / (stretch * stretch) - damped[0, i]
+
+
+def middle_tension(cable: Cable, chain: Chain, a: Array) -> Array:
+    """(N,) in the middle of elements, at the last evaluation, which gave a (n, 2, dim) [N]."""
+    axial = chain.elements["axial"]
+    along = np.einsum("kai,kai->k", chain.elements["gradient"], np.concatenate([a[:-1], a[1:]], axis=1))
+    force: Array = axial[:, FORCE] + axial[:, ADDED_MASS] * along
+    return 1.5 * force / cable.element_lengths
 
 
 def strain_tension(cable: Cable, chain: Chain) -> Array:

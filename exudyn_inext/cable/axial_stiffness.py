@@ -45,6 +45,14 @@ def set_axial_step(h: float, nodes: Any, elements: Any) -> None:
         axial[:, ADDED_MASS] = 0.5 * h**2 * axial[:, IMPLICIT]
 
 
+def set_step_of_means(h: float, nodes: Any, elements: Any) -> None:
+    """Let evaluations see mean axial forces as steps of h [s] have them, D (c + h^2/4 c_tt) + d c_t."""
+    for records in (nodes, elements):
+        axial = records["axial"]
+        axial[:, STEP] = h
+        axial[:, ADDED_MASS] = 0.25 * h**2 * axial[:, STIFFNESS]
+
+
 @contextmanager
 def frozen(nodes: Any, elements: Any) -> Iterator[None]:
     """Axial forces as at the last evaluation, which was explicit, however the strains change.

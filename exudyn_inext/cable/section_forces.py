@@ -88,7 +88,7 @@ def section_forces(
     density = np.broadcast_to(density, (cable.number_of_elements, cable.dimension))
     mean = np.zeros(density.shape)
     if cable.stretches:
-        mean_section_forces(chain, state.q, state.v, np.zeros(state.q.shape), mean)
+        mean_section_forces(chain, state.q, state.v, state.a, np.zeros(state.q.shape), mean)
     else:
         _mean_section_forces(chain, state.q, state.v, state.multiplier, mean)
     ends = np.cumsum(cable.element_lengths)

@@ -10,6 +10,7 @@ from ..arrays import Array
 from ..called_system import Bound
 from ..system import accelerate_and_project
 from .axial_energy import force_in_motion
+from .axial_stiffness import set_step_of_means
 from .cable import Cable
 from .chain import build_chain
 from .index_reduction import ACCELERATION
@@ -41,37 +42,42 @@ class SupportedCable:
         if isinstance(self._system, LinkedCableSystem):
             self._links = self._system.link_system.links
 
-    def solve(self, external: Array, q: Array, v: Array) -> SupportForces:
+    def solve(self, external: Array, q: Array, v: Array, steps: Array) -> SupportForces:
         """At k states.
 
         Args:
             external: (k, n_external) all that acts, with motions behind it.   q, v: (k, n_dof).
+            steps: (k,) before the states, whose mean axial forces count [s].
         """
         shape = (len(q), *self._system.chain.shape)
         a, balance = np.zeros(q.shape), np.zeros(shape)
         links: Any = np.zeros((len(q), len(self._links)), self._links.dtype)
         balances = self._without_strains if self._stretches else self._without_lengths
-        balances(external, q, v, a, links, balance)
+        balances(external, q, v, steps, a, links, balance)
         balance -= apply_mass(self._free, a.reshape(shape))
         of_links = self._take_rods(links, balance)
         if self._closed:
             balance[:, 0] += balance[:, -1]
         return SupportForces(balance, of_links)
 
-    def _states(self, external: Array, q: Array, v: Array, a: Array, links: Any) -> Iterator[int]:
+    def _states(
+        self, external: Array, q: Array, v: Array, steps: Array, a: Array, links: Any
+    ) -> Iterator[int]:
         """Solve for each of them.   a: (k, n_dof) and links: (k, L) output."""
         rate = np.zeros(q.shape[1])
         for k in range(len(q)):
+            for chain in (self._system.chain, self._free) if self._stretches else ():
+                set_step_of_means(steps[k], chain.nodes, chain.elements)
             self._accelerate(external[k], q[k], v[k], 0.0, a[k], rate)
             links[k] = self._links
             yield k
 
-    def _without_lengths(self, external: Array, q: Array, v: Array, *output: Array) -> None:
+    def _without_lengths(self, external: Array, q: Array, v: Array, steps: Array, *output: Array) -> None:
         """F - C_q^T lam of the length constraints, into the last of the outputs, (k, n, 2, dim)."""
         a, links, balance = output
         chain = self._system.chain
         pulls = np.zeros((len(q), len(chain.elements)))
-        for k in self._states(external, q, v, a, links):
+        for k in self._states(external, q, v, steps, a, links):
             balance[k] = chain.nodes["force"][:, ACCELERATION]
             pulls[k] = chain.elements["multiplier"][:, ACCELERATION]
         r, s = np.moveaxis(q.reshape(balance.shape), 2, 0)
@@ -81,13 +87,14 @@ class SupportedCable:
         balance[:, :-1] -= np.stack([-along[:, :, 0], along[:, :, 1]], axis=2)
         balance[:, 1:] -= along[:, :, [0, 2]]
 
-    def _without_strains(self, external: Array, q: Array, v: Array, *output: Array) -> None:
+    def _without_strains(self, external: Array, q: Array, v: Array, steps: Array, *output: Array) -> None:
         """F less what axial stiffness does, as above."""
         a, links, balance = output
         shape = balance.shape[1:]
-        for k in self._states(external, q, v, a, links):
+        for k in self._states(external, q, v, steps, a, links):
             force = external[k, : q.shape[1]].reshape(shape)
-            force_in_motion(self._free, force, q[k].reshape(shape), v[k].reshape(shape), balance[k])
+            q_k, v_k, a_k = (array[k].reshape(shape) for array in (q, v, a))
+            force_in_motion(self._free, force, q_k, v_k, a_k, balance[k])
 
     def _take_rods(self, links: Any, balance: Array) -> Array:
         """Multipliers (k, L) of the links; what the rods do is taken out of the balance."""

@@ -1,6 +1,6 @@
 """Tension, shear force and bending moment of a cable of an mbs: as values and as sensors."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import pairwise
 from numbers import Integral
@@ -11,6 +11,7 @@ from exudyn.itemInterface import SensorUserFunction
 
 from ..arrays import Array
 from ..cable.axial_energy import strain_tension
+from ..cable.axial_stiffness import set_step_of_means
 from ..cable.cable import Cable
 from ..cable.frequency import nodal_multipliers_of
 from ..cable.linked_cable import cable_system
@@ -26,6 +27,7 @@ from ..native.velocity_level import at_position_level
 from ..run.cable_loads import CableLoads
 from ..scene.model import CableInScene, Scene
 from ..system import index_reduced_rates
+from .mbs_state import last_step
 from .scene import read_scene, require_assembled
 
 
@@ -54,11 +56,21 @@ class SceneEvaluator:
         """The system of a cable, which then holds its multipliers, and its q, v, a of the present state."""
         return (self._solve_among_others if self.scene.foreign else self._solve_alone)(mbs, place)
 
+    def _take_means(self, mbs: Any, systems: Mapping[int, Any]) -> list[float]:
+        """Let cables that stretch have mean forces of their last step; returns these [s]."""
+        cables, steps = self.scene.cables, []
+        for place, system in systems.items():
+            if cables[place].cable.stretches:
+                steps.append(last_step(mbs, cables[place].number))
+                set_step_of_means(steps[-1], system.chain.nodes, system.chain.elements)
+        return steps
+
     def _solve_alone(self, mbs: Any, place: int) -> tuple[Any, Array, Array, Array]:
         data, cable = mbs.systemData, self.scene.cables[place]
         if place not in self._systems:
             self._systems[place] = cable_system(cable.cable, 0.0)
         system = self._systems[place]
+        self._take_means(mbs, {place: system})
         q = cable.cable.reference.ravel() + np.asarray(data.GetODE2Coordinates())[cable.indices]
         v = np.asarray(data.GetODE2Coordinates_t())[cable.indices]
         a, rate = np.zeros(q.size), np.zeros(q.size)
@@ -69,7 +81,8 @@ class SceneEvaluator:
         """With all bodies and joints, evaluated by Exudyn; its state is put back."""
         self._coupled = coupled = self._coupled or self._coupled_scene(mbs)
         time, (q, v) = mbs.systemData.GetTime(), coupled.state()
-        state = np.concatenate([[time], q, v]).tobytes()
+        steps = self._take_means(mbs, dict(enumerate(coupled.cable_systems)))
+        state = np.concatenate([[time, *steps], q, v]).tobytes()
         if state != self._solved:
             with switched_off(mbs, *self.scene.evaluated_by_kernels), state_kept(mbs):
                 coupled.native_items.forget()
@@ -160,7 +173,8 @@ def CableForces(mbs: Any, cable: Any, arcLengths: Any = None) -> dict[str, Any]:
         (m, dim) [N], 'bendingMoment' (m,) [N m] (with that of the bending damping, as in native cables;
         signed in the plane, its size in space), and 'multiplierTension' (N,) [N]: the mean over each
         element, from Lagrange multipliers and curvature.
-        With axialStiffness it is that of EA times the strain, and what its rate adds.
+        With axialStiffness it is that of EA times the strain, and what its rate adds; after steps of a
+        run, all forces are those that acted in these, means of axial vibrations that they do not resolve.
 
     Raises:
         InputError: not a cable, or a point that is not on it.

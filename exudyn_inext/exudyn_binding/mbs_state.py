@@ -12,6 +12,8 @@ from ..native.native_items import state_kept
 from ..run.coupled_run import Run
 
 State = Mapping[str, Array]
+_STEPS = "explicitSteps"  # in mbs.sys
+SAME_TIME = 1e-3  # of an interval
 INITIAL = exudyn.ConfigurationType.Initial
 _PARTS = ("ODE2", "ODE2_t", "ODE1", "AE", "Data", "ODE2_tt")  # as of GetSystemState, and accelerations
 
@@ -21,6 +23,33 @@ def state_of(mbs: Any, configuration: Any = exudyn.ConfigurationType.Current) ->
     data = mbs.systemData
     parts = [*data.GetSystemState(configuration), data.GetODE2Coordinates_tt(configuration)]
     return {name: np.array(part) for name, part in zip(_PARTS, parts, strict=True)}
+
+
+class LastSteps:
+    """Last steps before states of mbs, of cables that stretch: their axial forces are means over such steps.
+
+    place: mbs.sys, where `last_step` finds them.
+    """
+
+    def __init__(self, place: Any, runs: Sequence[Run]) -> None:
+        self.place, self._runs = place, [run for run in runs if run.watch.stretches]
+        own = [(cable.scene_cable.number, k) for k, run in enumerate(self._runs) for cable in run.cable_runs]
+        self._of_cable = dict(own)
+
+    def keep(self, first: float, interval: float, states: int) -> None:
+        """Of the last states of the runs, which mbs gets from the time `first` on at these intervals [s]."""
+        if self._runs:
+            steps = np.array([run.steps_before(states) for run in self._runs])
+            self.place[_STEPS] = first, interval, steps, self._of_cable
+
+
+def last_step(mbs: Any, cable: int) -> float:
+    """Before the present state of mbs, of the cable with that object [s]; 0 where no run has led there."""
+    first, interval, steps, of_cable = mbs.sys.get(_STEPS, (0.0, 1.0, np.zeros((0, 0)), {}))
+    intervals = (mbs.systemData.GetTime() - first) / interval
+    row = round(intervals)
+    is_there = cable in of_cable and 0 <= row < steps.shape[1] and abs(intervals - row) < SAME_TIME
+    return float(steps[of_cable[cable], row]) if is_there else 0.0
 
 
 @contextmanager

@@ -42,6 +42,7 @@ from .time_loop import (
     warn_of_findings,
     worst_figures,
 )
+from .wave_check import share_of_waves, warn_of_waves
 
 
 def SolveExplicit(
@@ -223,6 +224,7 @@ def _solve(
             _run(mbs, solver, settings, loop, outputs, log, header)
         with state_kept(mbs):
             warn_of_worst([one for check in loop.stretch_checks for one in check.findings()])
+            warn_of_waves(list(map(share_of_waves, loop.stretch_checks)))
     controls = [run.control for run in loop.runs]
     warn_of_findings(loop.runs, explicit.energyTolerance)
     return ExplicitReport(

@@ -21,6 +21,7 @@ from ..run.step_choice import MOST_DURATION, choose_step, shorten_for_stretch, w
 from ..run.stepped_run import SteppedRun
 from ..run.time_grid import TimeGrid, steps_of_interval
 from .console import compile_notice
+from .mbs_state import LastSteps
 from .scene_runs import compiled_runs
 
 MOST_STEPS = 1_000_000_000  # in one call
@@ -107,7 +108,7 @@ class ExplicitStepper:
         self._mbs, self._explicit = mbs, choice.explicit
         self._initial = self._initial_state()
         self._start_time, self._duration = start, duration
-        self._runs = [SteppedRun(run) for run in runs]
+        self._runs, self._last_steps = [SteppedRun(run) for run in runs], LastSteps(mbs.sys, runs)
         self._cables = [cable for run in self._runs for cable in run.cables]
         self._run_of_node = {node: run for run in self._runs for node in run.nodes}
         self._taken = 0  # steps
@@ -246,3 +247,4 @@ class ExplicitStepper:
             data.SetODE2Coordinates_tt(accelerations, configuration)
             data.SetAECoordinates(reactions.tolist(), configuration)
             data.SetTime(self.time, configuration)
+        self._last_steps.keep(self.time, self.interval, 1)

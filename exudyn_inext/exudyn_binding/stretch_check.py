@@ -13,59 +13,50 @@ from ..errors import InextensibleError
 from ..run.coupled_run import Run
 from ..run.time_grid import TimeGrid
 from ..scene.model import CableInScene
+from .kept_states import KeptStates
 from .spans import spans_of
 
-KEPT = 128  # states of a run, at least, if it has as many outputs
 LOOKS = 12  # at tensions: at equal intervals, and as many where velocities have changed most
 MOST_SOLVES = 300  # of cables in each of both, about: of a large net, few states are looked at
 LARGEST_SHARE = 0.005  # of the extent of a cable that stretch may move it by
 
 
-class StretchCheck:
-    """Keeps some states of a run, and finds their tensions after it, so that a step costs nothing.
-
-    Of runs whose templates tell an axial stiffness that was left out; others cost nothing.
-    """
+class StretchCheck(KeptStates):
+    """Of runs whose templates tell an axial stiffness that was left out, or whose cables stretch."""
 
     def __init__(self, run: Run) -> None:
-        self._run = run
+        super().__init__(run)
         known = [cable.scene_cable.item.leaves_stretch_out for cable in run.cable_runs]
         self._places = np.flatnonzero(known).tolist()
-        self._states: dict[int, tuple[float, Array]] = {}  # time [s] and (2, n), by intervals of the loop
-        self._every = 1  # intervals between two states
+        self._matters = bool(self._places) or run.watch.stretches
 
     def keep(self, grid: TimeGrid, first: int, history: Array) -> None:
-        """Of the intervals of the loop from number `first` on.   history: (intervals, 3, n), see `record`."""
-        if not self._places:
-            return
-        for number in range(first + -first % self._every, first + len(history), self._every):
-            self._states[number] = grid.time(number + 1), history[number - first, :2].copy()
-        while len(self._states) > 2 * KEPT:
-            self._every *= 2
-            self._states = {k: kept for k, kept in self._states.items() if k % self._every == 0}
+        """See `KeptStates`; other runs cost nothing."""
+        if self._matters:
+            super().keep(grid, first, history)
 
     def findings(self) -> list[tuple[float, str]]:
         """What `stretch_of` says of each of these cables; the state of the run is another one then."""
-        if not (self._places and self._states):
+        if not (self._places and self.states):
             return []
-        times, kept = zip(*self._states.values(), strict=True)
+        times, _, kept = zip(*self.states.values(), strict=True)
         states = np.array(kept)
         changes = np.linalg.norm(np.diff(states[:, 1], axis=0), axis=1)
-        number = max(2, min(LOOKS, MOST_SOLVES // len(self._run.cable_runs)))
+        number = max(2, min(LOOKS, MOST_SOLVES // len(self.run.cable_runs)))
         usual = np.linspace(0, len(times) - 1, min(number, len(times))).astype(int)
         looks = [*usual, *(np.argsort(changes)[-number:] + 1)]
         try:
-            found = [self._run.tensions(times[k], *states[k]) for k in looks]
+            found = [self.run.tensions(times[k], *states[k]) for k in looks]
         except InextensibleError:  # items that were changed do not allow an earlier state any more
             return []
-        places, said = self._run.places_of_cables, []
+        places, said = self.run.places_of_cables, []
         for k in self._places:
             dofs, shape = places[k]
-            q = (states[:, 0, dofs] + self._run.reference[dofs]).reshape(-1, *shape)[:, :, 0]
+            q = (states[:, 0, dofs] + self.run.reference[dofs]).reshape(-1, *shape)[:, :, 0]
             largest = np.array([np.abs(tensions[k]).max() for tensions in found])
             rms = math.sqrt(float(np.mean(largest[: len(usual)] ** 2)))
             tensions_of_cable = rms, float(largest.max())
-            said.append(stretch_of(self._run.cable_runs[k].scene_cable, tensions_of_cable, q, times[-1]))
+            said.append(stretch_of(self.run.cable_runs[k].scene_cable, tensions_of_cable, q, times[-1]))
         return said
 
 

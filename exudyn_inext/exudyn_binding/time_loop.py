@@ -18,6 +18,7 @@ from ..run.coupled_run import Run
 from ..run.divergence import divergence, listed
 from ..run.kept_state import KeptState
 from ..run.time_grid import TimeGrid
+from .mbs_state import LastSteps
 from .restart import Restarts
 from .sensors import ACCELERATIONS, VELOCITIES, OutputTimes
 from .stretch_check import StretchCheck
@@ -83,6 +84,7 @@ class ExplicitTimeLoop:
         self._reactions: deque[Array] = deque()  # after the steps that have been computed, if they are shown
         self._last_reactions: Array | None = None
         self._remembered: deque[Any] = deque()  # by contacts, after these steps
+        self._last_steps = LastSteps(mbs.sys, runs)
         self._blocks: Iterator[Iterable[Any]] = iter(())
         self._states: Iterator[Any] = iter(())  # of a block, where functions may make it void
         self._kept: list[KeptState] = []  # of the runs, before the block
@@ -95,6 +97,7 @@ class ExplicitTimeLoop:
         if restarts.found:
             restarts.resume(runs, grid)
             self._written = [np.asarray(part) for part in restarts.first_state]
+        self._last_steps.keep(grid.time(grid.first), grid.substeps * grid.h, 1)
 
     @property
     def shows_accelerations(self) -> bool:
@@ -329,6 +332,7 @@ class ExplicitTimeLoop:
         self._last_reactions = reactions[min(good, len(reactions)) - 1] if are_set and good else None
         if are_set and self._shows_forces:
             self._reactions.extend(reactions[:good])
+        self._last_steps.keep(self.grid.time(self._computed + 1), self.grid.substeps * self.grid.h, good)
         self._computed += intervals
         return states, good
 
@@ -382,6 +386,7 @@ class ExplicitTimeLoop:
         self._is_changed |= self.changes.is_event
         if runs is not self.runs:
             self.runs, self._places = runs, [as_slice(run.indices) for run in runs]
+            self._last_steps = LastSteps(self._last_steps.place, runs)
             self._kept.clear()
             self.stretch_checks = list(map(StretchCheck, runs))
 

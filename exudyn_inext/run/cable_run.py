@@ -11,7 +11,8 @@ import numpy as np
 
 from ..arrays import Array
 from ..cable.attached_forces import drag_rate
-from ..cable.axial_stiffness import STRAIN, frozen
+from ..cable.axial_energy import middle_tension
+from ..cable.axial_stiffness import STRAIN, frozen, set_step_of_means
 from ..cable.cable import Cable
 from ..cable.chain import set_mass
 from ..cable.frequency import FrequencyTracker, largest_frequency, nodal_multipliers_of
@@ -237,14 +238,15 @@ class CableRun(PacedRun):
         """Whether constraints of the mbs hold or move it."""
         return bool(self.scene_cable.reactions)
 
-    def put_reactions(self, external: Array, q: Array, v: Array, multipliers: Array) -> None:
+    def put_reactions(self, external: Array, q: Array, v: Array, steps: Array, multipliers: Array) -> None:
         """Multipliers (k, m) of Exudyn's algebraic equations, those of the cable's own supports.
 
         Args:
             external: (k, n_external) all that acts, see `CableLoads`.   q, v: (k, n_dof).
-            multipliers: output.
+            steps: (k,) before the states [s].   multipliers: output.
         """
-        put_reactions(self.scene_cable.reactions, self._supported.solve(external, q, v), multipliers)
+        forces = self._supported.solve(external, q, v, steps)
+        put_reactions(self.scene_cable.reactions, forces, multipliers)
 
     def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
         """Set accelerations, unless they are those of the scheme, and multipliers of recorded states.
@@ -259,7 +261,8 @@ class CableRun(PacedRun):
         """
         if self.has_reactions:
             external = self.loads.at_times(times.tolist())
-            self.put_reactions(external, history[:, 0] + self.reference, history[:, 1], multipliers)
+            q, steps = history[:, 0] + self.reference, self.steps_before(len(times))
+            self.put_reactions(external, q, history[:, 1], steps, multipliers)
         return self.has_reactions
 
     def accelerations(self, time: float, multipliers: Array) -> Array:
@@ -272,7 +275,7 @@ class CableRun(PacedRun):
         """
         if self.has_reactions:
             present = self.loads.at(time)[np.newaxis], self.state.q[np.newaxis], self.state.v[np.newaxis]
-            self.put_reactions(*present, multipliers[np.newaxis])
+            self.put_reactions(*present, np.array([self.control.present]), multipliers[np.newaxis])
         if not self.has_implicit_bending:
             return np.asarray(self.state.a)
         a, rate = np.zeros((2, self.state.q.size))
@@ -455,6 +458,11 @@ class CableRun(PacedRun):
         section, lengths = self.scene_cable.cable.section, self.scene_cable.cable.element_lengths
         return (section.axial_stiffness or 0.0) / (section.mass_per_length * lengths**2)
 
+    def take_means(self, h: float) -> None:
+        """Let evaluations see mean axial forces of steps of h [s], from now on; 0: those of the state."""
+        if self._stretches:
+            set_step_of_means(h, self.system.chain.nodes, self.system.chain.elements)
+
     def tensions(self, time: float, displacements: Array, velocities: Array) -> list[Array]:
         """(N,) mean of each element in a state of this run, which then is the present one [N].
 
@@ -467,8 +475,13 @@ class CableRun(PacedRun):
         return [self.tension(self.state.a)]
 
     def tension(self, a: Array) -> Array:
-        """(N,) mean of each element by the multipliers of the last evaluation, which gave a (n_dof,) [N]."""
+        """(N,) mean of each element by the multipliers of the last evaluation, which gave a (n_dof,) [N].
+
+        In the middle of elements, where the cable stretches.
+        """
         cable, length = self.scene_cable.cable, self.system.chain.elements["multiplier"][:, 0]
+        if self._stretches:
+            return middle_tension(cable, self.system.chain, a.reshape(cable.reference.shape))
         nodal = nodal_multipliers_of(self.system, a.reshape(cable.reference.shape))
         return constraint_tension(cable, nodal, length)
 

@@ -3,12 +3,15 @@
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from functools import cached_property
+from itertools import pairwise, starmap
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Array
+from ..cable.axial_stiffness import set_step_of_means
 from ..cable.cable import Cable
+from ..cable.chain import Chain
 from ..cable.many_cables import Systems, cable_systems, in_few_chains
 from ..called_system import Bound, called, implements
 from ..compiled import Prepared
@@ -185,6 +188,7 @@ class CompiledScene:
         rotations = system.items.bodies["rotations"]
         self._has_angles = bool((rotations == 3).any())
         self._unscaled: SceneSystem | None = None
+        self._stretching: list[Chain] = []  # cables of that one
         self._take_steps = Prepared(take_steps)
         self._set(system)
         self._violation = Prepared(joint_violation)
@@ -344,12 +348,17 @@ class CompiledScene:
         return len(joints.rows) > 0 and bool(joints.dependent[0] >= 0)
 
     def evaluate(
-        self, cables: Sequence[Cable], times: Array, history: Array, remembered: Array | None = None
+        self,
+        cables: Sequence[Cable],
+        times: Array,
+        steps: Array,
+        history: Array,
+        remembered: Array | None = None,
     ) -> tuple[Array, Array]:
         """Accelerations of states, by the mass as it is; see `evaluate_states`.
 
         Args:
-            cables: of the scene.   times: (k,) [s].
+            cables: of the scene.   times, steps: (k,) of the states, and before them [s].
             history: (k, 3, n) total coordinates, velocities, and output: accelerations.
             remembered: (k, D) by contacts, if there are any.
 
@@ -361,7 +370,20 @@ class CompiledScene:
             self._accelerate_unscaled = Bound(accelerate_and_project, self._unscaled)
         multipliers = np.zeros((len(times), len(self.multipliers)))
         forces = np.zeros((len(times), len(self.system.items.force)))
+        changes: Any = np.flatnonzero(np.diff(steps)) + 1 if self._stretching else ()
+        for rows in starmap(slice, pairwise([0, *changes, len(times)])):
+            for chain in self._stretching:
+                set_step_of_means(steps[rows.start], chain.nodes, chain.elements)
+            data = None if remembered is None else remembered[rows]
+            self._evaluate_alike(times[rows], history[rows], data, multipliers[rows], forces[rows])
+        return multipliers, forces
+
+    def _evaluate_alike(
+        self, times: Array, history: Array, remembered: Array | None, multipliers: Array, forces: Array
+    ) -> None:
+        """As `evaluate`, of states after steps of one size."""
         system, rate = self._unscaled, np.zeros(history.shape[2])
+        assert system
         if len(times) > FEW and self.loads.of_state is None:  # it takes long to compile
             if remembered is not None:
                 system = _with_history(system, remembered)
@@ -369,7 +391,7 @@ class CompiledScene:
             loads = self.loads.sample(times[:, np.newaxis])
             given = called(system, accelerate_and_project), system.items, loads
             evaluate_states(*given, history, multipliers, forces, *memory)
-            return multipliers, forces
+            return
         for k, (t, (q, v, a)) in enumerate(zip(times.tolist(), history, strict=True)):
             if remembered is not None:
                 system.items.contacts.data[0] = remembered[k]
@@ -377,11 +399,12 @@ class CompiledScene:
             self._accelerate_unscaled(external, q, v, 0.0, a, rate)
             multipliers[k] = system.items.joints.multipliers
             forces[k] = self._joined_forces(system)
-        return multipliers, forces
 
     def _without_scaling(self, cables: Sequence[Cable]) -> SceneSystem:
         """The same system in memory of its own, with the cables' mass as it is."""
         groups = in_few_chains(cable_systems(cables, self.system.zeta))
+        chains = [system.chain for system, _ in groups]
+        self._stretching = [chain for chain in chains if chain.elements["axial"].size]
         own = cables_of_scene(groups, [loads for _, _, loads in self._cables])
         own.functions[:] = self.system.cables.functions
         items, copies = self.system.items, copied(self.system.items)

@@ -246,7 +246,7 @@ class CoupledRun(LimitedRun):
         multipliers[:] = native_items.all_multipliers(self._scene.system.multipliers, a)
         if any(run.has_reactions for run in self._runs):
             rows = (row[np.newaxis] for row in (state.q, state.v, self._scene.joined_forces(), multipliers))
-            self.mover.put_reactions(np.array([time]), *rows)
+            self.mover.put_reactions(np.array([time]), np.array([self.control.present]), *rows)
         if self.has_implicit_bending:
             self.resume(time)
         native_items.show(time, state, multipliers)
@@ -259,8 +259,12 @@ class CoupledRun(LimitedRun):
         self.forget()
         self._scene.native_items.forget()
         self.mover.begin_by(self.integrator.start, time)
-        found = enumerate(self._runs)
-        return [run.tension(self.mover.evaluated.set_multipliers(k, time, q, v)) for k, run in found]
+        found = []
+        for k, (run, dofs) in enumerate(zip(self._runs, self._scene.map.slices, strict=False)):
+            has_strains = run.scene_cable.cable.stretches
+            a = self.state.a[dofs] if has_strains else self.mover.evaluated.set_multipliers(k, time, q, v)
+            found.append(run.tension(a))
+        return found
 
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; see `CableRun.start`."""
@@ -359,12 +363,12 @@ class CoupledRun(LimitedRun):
 
     def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
         """See `CableRun.complete`."""
-        return self.mover.complete(times, history, multipliers)
+        return self.mover.complete(times, self.steps_before(len(times)), history, multipliers)
 
     def set_accelerations(self, times: Array, history: Array) -> None:
         """See `MovedByKernels.set_accelerations`."""
         assert isinstance(self.mover, MovedByKernels)
-        self.mover.set_accelerations(times, history)
+        self.mover.set_accelerations(times, self.steps_before(len(times)), history)
 
     @property
     def is_compiled(self) -> bool:

@@ -137,6 +137,6 @@ class MovedByExudyn(Mover):
         for place, values in enumerate((self._state.q, self._state.v, self._state.a)):
             history[0, place] = values[: history.shape[2]]
 
-    def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
+    def complete(self, times: Array, steps: Array, history: Array, multipliers: Array) -> bool:
         """See `CableRun.complete`."""
         return False

@@ -205,23 +205,23 @@ class MovedByKernels(Mover):
         """(k, D) data of compiled contacts after the intervals of the last record."""
         return self._form.contacts.history[: self._recorded] if self._remembers else None
 
-    def complete(self, times: Array, history: Array, multipliers: Array) -> bool:
-        """See `CableRun.complete`."""
+    def complete(self, times: Array, steps: Array, history: Array, multipliers: Array) -> bool:
+        """See `CableRun.complete`.   steps: (k,) before the states [s]."""
         of_record = self._of_contacts if self._recorded else None
         contacts = None if of_record is None else of_record[-len(times) :]
         history[:, 0] += self._scene.map.reference
-        rows, forces = self._form.evaluate(self.cables, times, history, contacts)
+        rows, forces = self._form.evaluate(self.cables, times, steps, history, contacts)
         states = zip(rows, times.tolist(), history[:, 0], strict=True)
         multipliers[:] = [self._scene.native_items.multipliers(*state) for state in states]
-        self.put_reactions(times, history[:, 0], history[:, 1], forces, multipliers)
+        self.put_reactions(times, steps, history[:, 0], history[:, 1], forces, multipliers)
         history[:, 0] -= self._scene.map.reference
         return True
 
-    def set_accelerations(self, times: Array, history: Array) -> None:
+    def set_accelerations(self, times: Array, steps: Array, history: Array) -> None:
         """As `complete`, of the beginning and all intervals of the last record, without multipliers."""
         data = None if self._of_contacts is None else np.vstack([self._first_data, self._of_contacts])
         history[:, 0] += self._scene.map.reference
-        self._form.evaluate(self.cables, times, history, data)
+        self._form.evaluate(self.cables, times, steps, history, data)
         history[:, 0] -= self._scene.map.reference
 
 

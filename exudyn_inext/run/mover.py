@@ -108,16 +108,19 @@ class Mover:
         """Nothing of the cables' bending is in the matrix on the left."""
         return together([run.mass_as_it_is() for run in self._runs])
 
-    def put_reactions(self, times: Array, q: Array, v: Array, forces: Array, multipliers: Array) -> None:
+    def put_reactions(
+        self, times: Array, steps: Array, q: Array, v: Array, forces: Array, multipliers: Array
+    ) -> None:
         """Of the cables' own supports, into the multipliers (k, m) of all algebraic equations.
 
-        times: (k,) [s].   q, v: (k, n) of all parts.   forces: (k, n) of items and joints.
+        times, steps: (k,) of the states, and before them [s].   q, v: (k, n) of all parts.
+        forces: (k, n) of items and joints.
         """
         for run, dofs in zip(self._runs, self._scene.map.slices, strict=False):
             if run.has_reactions:
                 external = run.loads.at_times(times.tolist())
                 external[:, : dofs.stop - dofs.start] += forces[:, dofs]
-                run.put_reactions(external, q[:, dofs], v[:, dofs], multipliers)
+                run.put_reactions(external, q[:, dofs], v[:, dofs], steps, multipliers)
 
 
 @contextmanager

@@ -36,6 +36,7 @@ class PacedRun:
         none.
     data: (2, D) what contacts in compiled code remember, now and from the start of the step.
     finding: what the user is to be told at the end, besides the energy.
+    steps: (intervals,) last step before the end of each one of the last `advance` [s].
     """
 
     integrator: Integrator
@@ -53,6 +54,7 @@ class PacedRun:
     elsewhere: Any = None
     remembered: Array | None = None
     data: Array = np.zeros((2, 0))
+    steps: Array = np.zeros(0)
 
     @property
     def completes(self) -> bool:
@@ -153,7 +155,7 @@ class PacedRun:
         Returns:
             Number of intervals that went well; later rows of `history` mean nothing.
         """
-        good = 0
+        good, steps = 0, np.zeros(len(history))
         begins = self.watch.may_shorten and (self.may_begin_again or grid.begins_with(first))
         beginning = self.present_state() if begins else None
         while good < len(history) and not self.gave_up:
@@ -164,7 +166,9 @@ class PacedRun:
             self.change_step(piece.h, piece.time())
             divisor = self.control.divisor
             taken = self.take(piece, history[good:])
-            good += self.control.count(piece, taken, grid)
+            done = self.control.count(piece, taken, grid)
+            steps[good : good + done] = piece.h
+            good += done
             is_spoilt = self.control.divisor > divisor and self.watch.stretches
             if taken == piece.steps:
                 self.control.accept()
@@ -177,7 +181,13 @@ class PacedRun:
             if is_spoilt and beginning:
                 self._begin_again(beginning, grid.time(first))
                 good = 0
+        self.steps = steps[:good]
         return good
+
+    def steps_before(self, states: int) -> Array:
+        """(states,) last step before each of the last states of the run [s]."""
+        known = self.steps[-states:]
+        return known if len(known) == states else np.full(states, self.control.present)
 
     def record(self, grid: TimeGrid, first: int, history: Array) -> int:
         """As `advance`, but displacements from the reference."""

@@ -22,7 +22,7 @@ def some_states(state):
         q[:, -1], v[:, -1] = q[:, 0], v[:, 0]
     external = np.outer(np.arange(1.0, STATES + 1.0), state.inputs)
     external[:, state.q.size :] = state.inputs[state.q.size :]
-    return external, q.reshape(STATES, -1), v.reshape(STATES, -1)
+    return external, q.reshape(STATES, -1), v.reshape(STATES, -1), np.array([0.0, 1e-3, 2e-3])
 
 
 @pytest.mark.parametrize("stiffness", [None, 1e3])
