@@ -33,9 +33,9 @@ STEPS_BETWEEN_TENSIONS = 32  # two looks at them, more at the beginning
 LARGEST_SHARE, SHARE = 0.85, 0.7  # of the limit then: of steps that stay as they are, and of shorter ones
 
 
-def steps_until_look(steps: int) -> int:
-    """Until the next look at tensions: there is one after 1, 2, 4 ... steps, and then at equal distances."""
-    every = min(1 << max(steps.bit_length() - 1, 0), STEPS_BETWEEN_TENSIONS)
+def steps_until_look(steps: int, most: int = STEPS_BETWEEN_TENSIONS) -> int:
+    """Until the next look at tensions: there is one after 1, 2, 4 ... steps, and then every `most` steps."""
+    every = min(1 << max(steps.bit_length() - 1, 0), most)
     return every - steps % every
 
 
@@ -192,23 +192,25 @@ class LimitedRun(PacedRun):
             jumps.append(self.mover.evaluated.violation(end, self.state.q))
         return max(jumps, default=0.0)
 
-    def outruns_waves(self, piece: Piece, done: int) -> bool:
-        """Whether the steps of this piece are too long by now, as cables that stretch are pulled tight.
+    def outruns_limit(self, piece: Piece, done: int) -> bool:
+        """Whether the steps of this piece are too long by now.
 
-        Then the nominal step is shorter from now on; of a given one, `finding` tells.
+        As cables that stretch are pulled tight, or contacts that Exudyn evaluates have closed, and rub. Then
+        the nominal step is shorter from now on; of a given one, `finding` tells.
         """
-        if not self.watch.stretches:
+        is_shorter = self.control.is_shorter_for_a_while
+        if self.control.follower or (is_shorter and not self.looks_at_contacts):
             return False
-        tension = max(run.tension_by_mass for run in self._runs)
+        tension = max((run.tension_by_mass for run in self._runs), default=0.0)
         bounds = max(TIGHTER * self.control.tension, SLOW_WAVES / piece.h**2)
-        if not tension > bounds or self.control.follower or self.control.is_shorter_for_a_while:
+        is_tight = self.watch.stretches and tension > bounds
+        is_due = is_shorter or steps_until_look(self.control.steps, STEPS_BETWEEN_LOOKS) <= done
+        touches = self.looks_at_contacts and is_due
+        if not (is_tight or touches):
             return False
-        time, state = piece.time(done), super().present_state()
-        self._fastest[0] = 0.0  # a search that does not depend on earlier ones, for restart files
-        limit = self._limit_now(time)
-        state.restore()
-        self.resume(time)
-        share, divisor = piece.h / limit, self.control.divisor
+        time = piece.time(done)
+        limit = self._limit_of_motion(time)
+        share, divisor = self.control.nominal(piece.h) / limit, self.control.divisor
         is_longer = share > LARGEST_SHARE and self.watch.may_shorten
         self.control.divide_for_waves(math.ceil(divisor * share / SHARE) if is_longer else 1, tension)
         if share > 1.0 and not self.watch.may_shorten:
@@ -217,6 +219,24 @@ class LimitedRun(PacedRun):
                 f"{limit:.3g} s, below stepSize: forces may be far off; take stepSize = {SHARE * limit:.2g}."
             )
         return self.control.divisor > divisor
+
+    @property
+    def looks_at_contacts(self) -> bool:
+        """Whether contacts and friction that Exudyn evaluates may ask for shorter steps."""
+        return self.watch.may_shorten and bool(self.why_not) and self._scene.native_items.remembers
+
+    def is_stable(self, h: float, time: float) -> bool:
+        """See `PacedRun.is_stable`: contacts that close, and what they rub, may have changed the limit."""
+        return h <= LARGEST_SHARE * self._limit_of_motion(time)
+
+    def _limit_of_motion(self, time: float) -> float:
+        """Stability limit [s] of the present state, from which the run then goes on."""
+        state = super().present_state()
+        self._fastest[0] = 0.0  # a search that does not depend on earlier ones, for restart files
+        limit = self._limit_now(time)
+        state.restore()
+        self.resume(time)
+        return limit
 
     def _limit_now(self, time: float) -> float:
         """Stability limit [s] in the state of the last inspection; infinite if there is none."""

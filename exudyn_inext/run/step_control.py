@@ -179,6 +179,10 @@ class StepControl:
         """Whether steps are parts of the nominal one, after others that went wrong."""
         return bool(self._log.quarters)
 
+    def nominal(self, h: float) -> float:
+        """The nominal step, of which steps of h [s] are parts after others that went wrong."""
+        return float(h * 4**self._log.quarters)
+
     def memory(self) -> dict[str, Any]:
         """What the next steps depend on, to be kept or set."""
         return {"log": self._memory}
