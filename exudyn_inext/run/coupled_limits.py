@@ -24,13 +24,14 @@ from .divergence import explanation, listed
 from .mover import Mover, together
 from .paced_run import PacedRun
 from .redundancy import PULLED, held_straight
-from .step_control import FrequencyFollower, Piece, StepControl, StepRule
+from .step_control import MOST_PARTS, FrequencyFollower, Piece, StepControl, StepRule
 
 STEPS_BETWEEN_LOOKS = 128  # at the frequency, which costs as much as some 10 evaluations
 TIGHTER = 1.25  # times the tension for which the limit is known: another look at it
 SLOW_WAVES = 0.01  # tension over rho_A l^2, times h^2: its waves bound no step; at some 0.1 they do
 STEPS_BETWEEN_TENSIONS = 32  # two looks at them, more at the beginning
 LARGEST_SHARE, SHARE = 0.85, 0.7  # of the limit then: of steps that stay as they are, and of shorter ones
+SMALLEST_SHARE = 0.3  # of steps that became short for contacts, and may be longer again
 
 
 def steps_until_look(steps: int, most: int = STEPS_BETWEEN_TENSIONS) -> int:
@@ -196,23 +197,21 @@ class LimitedRun(PacedRun):
         """Whether the steps of this piece are too long by now.
 
         As cables that stretch are pulled tight, or contacts that Exudyn evaluates have closed, and rub. Then
-        the nominal step is shorter from now on; of a given one, `finding` tells.
+        the nominal step is shorter from now on, or until contacts open; of a given one, `finding` tells.
         """
-        is_shorter = self.control.is_shorter_for_a_while
-        if self.control.follower or (is_shorter and not self.looks_at_contacts):
-            return False
         tension = max((run.tension_by_mass for run in self._runs), default=0.0)
-        bounds = max(TIGHTER * self.control.tension, SLOW_WAVES / piece.h**2)
-        is_tight = self.watch.stretches and tension > bounds
-        is_due = is_shorter or steps_until_look(self.control.steps, STEPS_BETWEEN_LOOKS) <= done
-        touches = self.looks_at_contacts and is_due
-        if not (is_tight or touches):
+        is_tight = self._is_tighter(tension, piece.h)
+        if self.control.follower or not (is_tight or self._looks_at_contacts(done)):
             return False
         time = piece.time(done)
         limit = self._limit_of_motion(time)
         share, divisor = self.control.nominal(piece.h) / limit, self.control.divisor
         is_longer = share > LARGEST_SHARE and self.watch.may_shorten
-        self.control.divide_for_waves(math.ceil(divisor * share / SHARE) if is_longer else 1, tension)
+        parts = min(divisor * share / SHARE, MOST_PARTS)
+        if is_tight or is_longer:
+            self.control.divide_for_waves(math.ceil(parts) if is_longer else 1, tension)
+        elif share < SMALLEST_SHARE:
+            self.control.divide_again(math.ceil(parts), tension)
         if share > 1.0 and not self.watch.may_shorten:
             self._outrun = (
                 f"at t = {time:.4g} s cables were pulled so tight that the stability limit fell to "
@@ -220,10 +219,16 @@ class LimitedRun(PacedRun):
             )
         return self.control.divisor > divisor
 
-    @property
-    def looks_at_contacts(self) -> bool:
-        """Whether contacts and friction that Exudyn evaluates may ask for shorter steps."""
-        return self.watch.may_shorten and bool(self.why_not) and self._scene.native_items.remembers
+    def _is_tighter(self, tension: float, h: float) -> bool:
+        """Whether cables that stretch are pulled so much tighter that the limit must be found again."""
+        bounds = max(TIGHTER * self.control.tension, SLOW_WAVES / h**2)
+        return self.watch.stretches and tension > bounds and not self.control.is_shorter_for_a_while
+
+    def _looks_at_contacts(self, done: int) -> bool:
+        """Whether the limit is due to be found again, as contacts change that Exudyn evaluates."""
+        may = self.watch.may_shorten and bool(self.why_not) and self._scene.native_items.remembers
+        is_due = steps_until_look(self.control.steps, STEPS_BETWEEN_LOOKS) <= done
+        return may and (is_due or self.control.is_shorter_for_a_while)
 
     def is_stable(self, h: float, time: float) -> bool:
         """See `PacedRun.is_stable`: contacts that close, and what they rub, may have changed the limit."""

@@ -283,6 +283,11 @@ class StepControl:
         self._log.waves, self._log.tension = max(parts, self._log.waves), tension
         self._log.divisor = max(self._log.divisor, self._log.waves)
 
+    def divide_again(self, parts: int, tension: float) -> None:
+        """Divide the nominal step by so much only, as contacts have opened; see `divide_for_waves`."""
+        self._log.waves, self._log.tension = parts, tension
+        self._log.divisor = max(self._log.asked, self._log.least, parts)
+
     def begin_again(self, divisor: int, beginnings: int) -> None:
         """With the nominal step divided so, after so many other beginnings."""
         self._log.divisor = self._log.asked = divisor
