@@ -66,7 +66,8 @@ def SolveExplicit(
     ExplicitSettings.energyTolerance. The stability limit is that of the initial state, as if contacts of
     cables with circles that are open were closed. Among bodies it is found again each time cables that
     stretch are pulled a quarter tighter than before: automatic steps follow it down, given ones above it are
-    warned of.
+    warned of. Automatic steps also follow it where Exudyn evaluates contact or friction, which may close,
+    or press harder, during the run.
 
     Sensors, solution files, pre- and post-step user functions and the SolutionViewer work as with
     mbs.SolveDynamic. Exudyn's steps are as long as the outputs allow: numberOfSteps of the time integration

@@ -97,7 +97,7 @@ class NativeItems:
         self._forces_on_held = np.zeros(len(held.rows))
         self._sizes = self._data.ODE2Size(), self._data.ODE1Size()
         self._bodies = coordinates.slices[len(loads)]
-        self._remembers = bool(self._data.DataSize() or mbs.NumberOfGeneralContacts())
+        self.remembers = bool(self._data.DataSize() or mbs.NumberOfGeneralContacts())
         self.native_forces = np.zeros(len(coordinates.indices))
         self.given = np.zeros(self._dofs[-1].stop)
         self._has_histories = any(of_cable.has_histories for of_cable in loads)
@@ -232,7 +232,7 @@ class NativeItems:
         step acts in it. Otherwise they do so here, as in Exudyn's explicit solvers, and act a step later.
         """
         self._is_first = True
-        if not self._remembers:
+        if not self.remembers:
             return
         if not self.settles or self.has_sliding_joints:  # joints have looked beside (q, v), too
             self.set_state(t, q, v)
@@ -264,7 +264,7 @@ class NativeItems:
 
     def _settle(self) -> None:
         """Contact and friction look at the state of mbs."""
-        if self._remembers:
+        if self.remembers:
             self._solver.PostNewton(self._mbs, self._settings)
 
     def show(self, t: float, state: Any, multipliers: Array) -> None:

@@ -24,18 +24,20 @@ from .divergence import explanation, listed
 from .mover import Mover, together
 from .paced_run import PacedRun
 from .redundancy import PULLED, held_straight
-from .step_control import FrequencyFollower, Piece, StepControl, StepRule
+from .step_control import MOST_PARTS, FrequencyFollower, Piece, StepControl, StepRule
 
 STEPS_BETWEEN_LOOKS = 128  # at the frequency, which costs as much as some 10 evaluations
+FEWEST_BETWEEN_LOOKS = 8  # where outputs are as close as steps
 TIGHTER = 1.25  # times the tension for which the limit is known: another look at it
 SLOW_WAVES = 0.01  # tension over rho_A l^2, times h^2: its waves bound no step; at some 0.1 they do
 STEPS_BETWEEN_TENSIONS = 32  # two looks at them, more at the beginning
 LARGEST_SHARE, SHARE = 0.85, 0.7  # of the limit then: of steps that stay as they are, and of shorter ones
+SMALLEST_SHARE = 0.3  # of steps that became short for contacts, and may be longer again
 
 
-def steps_until_look(steps: int) -> int:
-    """Until the next look at tensions: there is one after 1, 2, 4 ... steps, and then at equal distances."""
-    every = min(1 << max(steps.bit_length() - 1, 0), STEPS_BETWEEN_TENSIONS)
+def steps_until_look(steps: int, most: int = STEPS_BETWEEN_TENSIONS) -> int:
+    """Until the next look at tensions: there is one after 1, 2, 4 ... steps, and then every `most` steps."""
+    every = min(1 << max(steps.bit_length() - 1, 0), most)
     return every - steps % every
 
 
@@ -145,7 +147,8 @@ class LimitedRun(PacedRun):
     def follow_frequency(self, rule: StepRule) -> None:
         """Let the steps follow the present stability limit."""
         self._tracker = VibrationTracker(self._scene.size)
-        follower = FrequencyFollower(rule, self._present_frequency, STEPS_BETWEEN_LOOKS)
+        looks = STEPS_BETWEEN_LOOKS, FEWEST_BETWEEN_LOOKS
+        follower = FrequencyFollower(rule, self._present_frequency, *looks)
         self.control = StepControl(follower, self._rejects)
 
     def _present_frequency(self, time: float) -> float:
@@ -192,31 +195,55 @@ class LimitedRun(PacedRun):
             jumps.append(self.mover.evaluated.violation(end, self.state.q))
         return max(jumps, default=0.0)
 
-    def outruns_waves(self, piece: Piece, done: int) -> bool:
-        """Whether the steps of this piece are too long by now, as cables that stretch are pulled tight.
+    def outruns_limit(self, piece: Piece, done: int) -> bool:
+        """Whether the steps of this piece are too long by now.
 
-        Then the nominal step is shorter from now on; of a given one, `finding` tells.
+        As cables that stretch are pulled tight, or contacts that Exudyn evaluates have closed, and rub. Then
+        the nominal step is shorter from now on, or until contacts open; of a given one, `finding` tells.
         """
-        if not self.watch.stretches:
+        tension = max((run.tension_by_mass for run in self._runs), default=0.0)
+        is_tight = self._is_tighter(tension, piece.h)
+        if self.control.follower or not (is_tight or self._looks_at_contacts(done)):
             return False
-        tension = max(run.tension_by_mass for run in self._runs)
-        bounds = max(TIGHTER * self.control.tension, SLOW_WAVES / piece.h**2)
-        if not tension > bounds or self.control.follower or self.control.is_shorter_for_a_while:
-            return False
-        time, state = piece.time(done), super().present_state()
-        self._fastest[0] = 0.0  # a search that does not depend on earlier ones, for restart files
-        limit = self._limit_now(time)
-        state.restore()
-        self.resume(time)
-        share, divisor = piece.h / limit, self.control.divisor
+        time = piece.time(done)
+        limit = self._limit_of_motion(time)
+        share, divisor = self.control.nominal(piece.h) / limit, self.control.divisor
         is_longer = share > LARGEST_SHARE and self.watch.may_shorten
-        self.control.divide_for_waves(math.ceil(divisor * share / SHARE) if is_longer else 1, tension)
+        parts = min(divisor * share / SHARE, MOST_PARTS)
+        if is_tight or is_longer:
+            self.control.divide_for_waves(math.ceil(parts) if is_longer else 1, tension)
+        elif share < SMALLEST_SHARE:
+            self.control.divide_again(math.ceil(parts), tension)
         if share > 1.0 and not self.watch.may_shorten:
             self._outrun = (
                 f"at t = {time:.4g} s cables were pulled so tight that the stability limit fell to "
                 f"{limit:.3g} s, below stepSize: forces may be far off; take stepSize = {SHARE * limit:.2g}."
             )
         return self.control.divisor > divisor
+
+    def _is_tighter(self, tension: float, h: float) -> bool:
+        """Whether cables that stretch are pulled so much tighter that the limit must be found again."""
+        bounds = max(TIGHTER * self.control.tension, SLOW_WAVES / h**2)
+        return self.watch.stretches and tension > bounds and not self.control.is_shorter_for_a_while
+
+    def _looks_at_contacts(self, done: int) -> bool:
+        """Whether the limit is due to be found again, as contacts change that Exudyn evaluates."""
+        may = self.watch.may_shorten and bool(self.why_not) and self._scene.native_items.remembers
+        is_due = steps_until_look(self.control.steps, STEPS_BETWEEN_LOOKS) <= done
+        return may and (is_due or self.control.is_shorter_for_a_while)
+
+    def is_stable(self, h: float, time: float) -> bool:
+        """See `PacedRun.is_stable`: contacts that close, and what they rub, may have changed the limit."""
+        return h <= LARGEST_SHARE * self._limit_of_motion(time)
+
+    def _limit_of_motion(self, time: float) -> float:
+        """Stability limit [s] of the present state, from which the run then goes on."""
+        state = super().present_state()
+        self._fastest[0] = 0.0  # a search that does not depend on earlier ones, for restart files
+        limit = self._limit_now(time)
+        state.restore()
+        self.resume(time)
+        return limit
 
     def _limit_now(self, time: float) -> float:
         """Stability limit [s] in the state of the last inspection; infinite if there is none."""

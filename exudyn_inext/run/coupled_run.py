@@ -435,7 +435,7 @@ class CoupledRun(LimitedRun):
             if self._by_kernels and done < piece.steps:
                 self._kept.keep()
                 kept = done
-            if (is_due if self._by_kernels else done == piece.steps) and self.outruns_waves(piece, done):
+            if (is_due if self._by_kernels else done == piece.steps) and self.outruns_limit(piece, done):
                 break
         self.mover.finish_piece(history)
         return done

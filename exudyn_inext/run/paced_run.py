@@ -172,7 +172,7 @@ class PacedRun:
             is_spoilt = self.control.divisor > divisor and self.watch.stretches
             if taken == piece.steps:
                 self.control.accept()
-                self._lengthen(first + good)
+                self._lengthen(first + good, piece.time(taken))
                 is_spoilt |= self._shorten_for_gain()
             elif self.control.divisor == divisor:  # `take` has not asked for shorter steps
                 is_spoilt = self.reject(piece.time(taken), bool(beginning)) and self.watch.is_spoilt
@@ -299,9 +299,14 @@ class PacedRun:
         self.control.shorten(2, gain)
         return True
 
-    def _lengthen(self, interval: int) -> None:
+    def is_stable(self, h: float, time: float) -> bool:
+        """Whether steps of h [s] are, in the present state, at `time` [s]."""
+        return True
+
+    def _lengthen(self, interval: int, time: float) -> None:
         """Double the nominal step if it has been shortened for a motion that is slow again."""
-        if self.control.may_lengthen(interval) and self.watch.is_slow:
+        may = self.control.may_lengthen(interval) and self.watch.is_slow
+        if may and self.is_stable(2.0 * self.control.present, time):
             self.control.lengthen()
             self.watch.expect_double_step()
 

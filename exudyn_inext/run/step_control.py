@@ -36,13 +36,13 @@ class _Log(ctypes.Structure):
     _fields_ = (
         *(
             (name, ctypes.c_double)
-            for name in ("frequency", "first", "present", "smallest", "offset", "gain", "tension")
+            for name in ("frequency", "first", "present", "smallest", "offset", "gain", "tension", "allowed")
         ),
         *(
             (name, ctypes.c_int64)
             for name in ("divisor", "asked", "least", "waves", "beginnings", "quarters")
         ),
-        *((name, ctypes.c_int64) for name in ("calm", "patience", "rejections", "steps", "changed")),
+        *((name, ctypes.c_int64) for name in ("calm", "patience", "rejections", "steps", "changed", "due")),
     )
 
 
@@ -98,28 +98,30 @@ class FrequencyFollower:
     A cable that straightens, is wound up or is pulled tight vibrates faster: the frequency is followed,
     and its last growth counted once more.
 
-    frequency: t [s] -> w_max [rad/s] at present.   steps: between two looks at it.
+    frequency: t [s] -> w_max [rad/s] at present.   steps: between two looks at it, in intervals of so many.
+    least: in shorter ones.
     """
 
     def __init__(
-        self, rule: StepRule, frequency: Callable[[float], float], steps: int = STEPS_BETWEEN
+        self, rule: StepRule, frequency: Callable[[float], float], steps: int = STEPS_BETWEEN, least: int = 1
     ) -> None:
         self._rule = rule
         self._frequency = frequency
-        self.steps = steps
+        self.steps, self._least = steps, least
 
     def nominal_step(self, log: Any, time: float, remaining: float) -> float:
         """Largest step that is allowed now [s]; 0 if only a run that has diverged asks for so small a one.
 
         time: at present [s].   remaining: of the interval [s].
         """
-        frequency = self._frequency(time)
-        if not math.isfinite(frequency):
-            return 0.0
-        growth = max(0.0, frequency - log.frequency) if log.frequency else 0.0
-        log.frequency = frequency
-        allowed = self._rule.safety * self._rule.limit / max(frequency + growth, 1e-300)
-        step = min(allowed, self._rule.largest, remaining)
+        if log.steps >= log.due:
+            frequency = self._frequency(time)
+            if not math.isfinite(frequency):
+                return 0.0
+            growth = max(0.0, frequency - log.frequency) if log.frequency else 0.0
+            log.frequency, log.due = frequency, log.steps + self._least
+            log.allowed = self._rule.safety * self._rule.limit / max(frequency + growth, 1e-300)
+        step = min(log.allowed, self._rule.largest, remaining)
         log.first = log.first or step
         return step if step > SMALLEST * min(log.first, remaining) else 0.0
 
@@ -178,6 +180,10 @@ class StepControl:
     def is_shorter_for_a_while(self) -> bool:
         """Whether steps are parts of the nominal one, after others that went wrong."""
         return bool(self._log.quarters)
+
+    def nominal(self, h: float) -> float:
+        """The nominal step, of which steps of h [s] are parts after others that went wrong."""
+        return float(h * 4**self._log.quarters)
 
     def memory(self) -> dict[str, Any]:
         """What the next steps depend on, to be kept or set."""
@@ -248,6 +254,7 @@ class StepControl:
         """The last steps went wrong; returns whether smaller ones may be tried."""
         log = self._log
         log.rejections += 1
+        log.due = 0
         if log.calm < 2:  # the longer step that was tried was too long: wait twice as long
             log.patience = min(2 * log.patience, MOST_PATIENCE)
         log.calm = 0
@@ -278,6 +285,11 @@ class StepControl:
         """Divide the nominal step by so much at least, for waves of this tension; see `tension`."""
         self._log.waves, self._log.tension = max(parts, self._log.waves), tension
         self._log.divisor = max(self._log.divisor, self._log.waves)
+
+    def divide_again(self, parts: int, tension: float) -> None:
+        """Divide the nominal step by so much only, as contacts have opened; see `divide_for_waves`."""
+        self._log.waves, self._log.tension = parts, tension
+        self._log.divisor = max(self._log.asked, self._log.least, parts)
 
     def begin_again(self, divisor: int, beginnings: int) -> None:
         """With the nominal step divided so, after so many other beginnings."""

@@ -164,6 +164,17 @@ def test_a_frequency_that_is_no_number_ends_the_run(frequency):
     assert control.next(TimeGrid(0.0, 1, 10, 1e-3), 0, 1) is None
 
 
+def test_the_frequency_is_looked_at_after_some_steps_only_and_after_rejections():
+    looks, grid = [], TimeGrid(0.0, 20, 1, 1e-3)
+    follower = FrequencyFollower(StepRule(2.0, 0.95, 1e-3), lambda time: looks.append(time) or 10.0, least=8)
+    control = StepControl(follower)
+    for interval in range(12):
+        control.count(control.next(grid, interval, 1), 1, grid)
+    control.reject()
+    control.next(grid, 12, 1)
+    np.testing.assert_allclose(looks, [0.0, 8e-3, 12e-3])
+
+
 def test_a_frequency_that_grows_without_end_is_named_as_the_cause(mbs, add_pendulum, solve, monkeypatch):
     frequencies = iter([700.0, np.inf])  # at the start, and after 32 steps
     monkeypatch.setattr(CableRun, "_present_frequency", lambda run, time: next(frequencies))

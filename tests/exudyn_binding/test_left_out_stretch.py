@@ -170,7 +170,7 @@ def test_a_blow_is_followed_where_a_user_function_is_asked_in_each_step(is_seen)
 @pytest.fixture
 def waves_are_not_watched(monkeypatch):
     """Steps do not follow the tension, and what they hide is not left out."""
-    monkeypatch.setattr(CoupledRun, "outruns_waves", lambda *_: False)
+    monkeypatch.setattr(CoupledRun, "outruns_limit", lambda *_: False)
     monkeypatch.setattr(CoupledRun, "_leave_out_waves", lambda *_: None)
 
 

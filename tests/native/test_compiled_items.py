@@ -32,6 +32,7 @@ from exudyn.itemInterface import (
     ObjectContactFrictionCircleCable2D,
     ObjectGenericODE1,
     ObjectMass1D,
+    ObjectMassPoint,
     ObjectRigidBody2D,
     ObjectRotationalMass1D,
     PrismaticJoint2D,
@@ -294,6 +295,7 @@ def mass_points(b):
         b.mbs.AddObject(
             SpringDamper(markerNumbers=list(pair), stiffness=30, damping=0.1, referenceLength=0.4)
         )
+    b.mbs.AddObject(ObjectMassPoint(mass=0.1, nodeNumber=b.mbs.AddNode(NodePointGround())))
 
 
 def joined(b, constrained):

@@ -104,7 +104,7 @@ def body_on_a_generic_joint(mbs):
     return body["nodeNumber"]
 
 
-def disc_that_rolls_by_penalty(mbs):
+def disc_that_rolls_by_penalty(mbs, damping=50, zone=0.01):
     disc = rigid(
         mbs,
         InertiaCylinder(1000, 0.02, 0.1, 0),
@@ -120,9 +120,9 @@ def disc_that_rolls_by_penalty(mbs):
         axisPosition=[0, 0, 0],
         axisVector=[1, 0, 0],
         contactStiffness=1e4,
-        contactDamping=50,
+        contactDamping=damping,
         dryFriction=[0.5, 0.5],
-        dryFrictionProportionalZone=0.01,
+        dryFrictionProportionalZone=zone,
     )
     return disc["nodeNumber"]
 
@@ -193,6 +193,24 @@ def test_it_moves_as_under_the_implicit_solver(new_mbs, add_pendulum, solve, add
     start[: len(mbs.GetNode(node).get("initialCoordinates", []))] = mbs.GetNode(node)["initialCoordinates"]
     assert np.abs(found[1] - start).max() > 0.02
     np.testing.assert_allclose(*found, atol=1e-5 * max(1.0, np.abs(found[1]).max()))
+
+
+def test_automatic_steps_follow_contacts_that_close(new_mbs, add_pendulum, solve):
+    """At the start, nothing presses on the ground: neither damping nor friction bounds the step yet."""
+    found = []
+    for beside_a_cable in (True, False):
+        mbs = new_mbs()
+        node = disc_that_rolls_by_penalty(mbs, damping=500, zone=0.03)
+        if beside_a_cable:
+            add_pendulum(mbs, numberOfElements=2)
+        mbs.Assemble()
+        if beside_a_cable:
+            solve(mbs, 0.2, steps=100)
+        else:
+            with silence():
+                mbs.SolveDynamic(quiet_settings(0.2, 4000))
+        found.append(np.array(mbs.GetNodeOutput(node, exudyn.OutputVariableType.Velocity)))
+    np.testing.assert_allclose(*found, atol=2e-5)  # 6e-4 with steps that only an energy that jumps shortens
 
 
 def test_the_size_of_states_of_first_order_does_not_matter_to_joints(new_mbs, add_pendulum, solve):

@@ -119,7 +119,7 @@ class PointReader:
             return place._replace(turn=turn)
         if number in self._of_bodies:
             return self.on_body(self._of_bodies[number], local, has_frame)._replace(turn=turn)
-        if self.is_mass_on_cable(data):
+        if self.is_on_other_node(data):
             return self.on_node(node_of_mass_point(data), has_frame)
         if is_inert_cable(data) and not local[2]:
             return self._on_element(data, local, has_frame)._replace(turn=turn)
@@ -147,7 +147,7 @@ class PointReader:
     def centre_of_mass(self, number: int) -> Place:
         """That of a body, from its mass matrix, or of a mass point; UnknownItemError of other objects."""
         if number not in self._of_bodies:
-            if self.is_mass_on_cable(data := self._mbs.GetObject(number)):
+            if self.is_on_other_node(data := self._mbs.GetObject(number)):
                 return self.on_node(node_of_mass_point(data), has_frame=False)
             raise UnknownItemError(f"a marker on the mass of object {number}")
         place = self.on_body(self._of_bodies[number], _centre(self._bodies[self._of_bodies[number]]), False)
@@ -196,10 +196,12 @@ class PointReader:
             raise UnknownItemError(f"a marker with a frame on node {number} '{node['name']}'")
         return self._frame(first, np.eye(4)[0, :2], np.eye(4)[1, :2])
 
-    def is_mass_on_cable(self, data: dict[str, Any]) -> bool:
-        """Whether an object is a mass point on a node of a cable."""
-        node = node_of_mass_point(data)
-        return node >= 0 and 0 <= self._coordinates.place(self._of_node(node)[0][0]) < self._on_cables
+    def is_on_other_node(self, data: dict[str, Any]) -> bool:
+        """Whether an object is a mass point on a node of a cable or of the ground."""
+        if (node := node_of_mass_point(data)) < 0:
+            return False
+        places, _ = self._of_node(node)
+        return not len(places) or 0 <= self._coordinates.place(places[0]) < self._on_cables
 
     def slope(self, number: int) -> Place:
         """The slope of a cable's node; UnknownItemError on another one."""

@@ -111,8 +111,8 @@ class KnownNumbers:
     def add_object(self, number: int) -> None:
         """A connector, or what does nothing; UnknownItemError if it has no compiled form."""
         data = self._mbs.GetObject(number)
-        is_of_cable = is_inert_cable(data) or self._reader.is_mass_on_cable(data)
-        if data["objectType"] == "Ground" or is_of_cable:
+        is_inert = data["objectType"] == "Ground" or is_inert_cable(data)
+        if is_inert or self._reader.is_on_other_node(data):
             return
         is_active = data.get("activeConnector", True)
         with nullcontext() if is_active else suppress(UnknownItemError):  # to be switched on, it may be
