@@ -237,6 +237,16 @@ def test_the_native_static_solver_on_the_default_is_told_what_to_choose(twin):
         mbs.SolveStatic(quiet_settings(1.0, 1))
 
 
+def test_degrees_of_freedom_are_counted_of_algebraic_cables_alone(twin, contents):
+    mbs = twin().mbs
+    refused(mbs, contents, "'algebraic' for .* degrees of freedom", mbs.ComputeSystemDegreeOfFreedom)
+    cable = twin(enforcement="algebraic")
+    nodes = len(cable.cable["nodes"])
+    lengths, pins = 2 * nodes - 1, 2
+    free = cable.mbs.ComputeSystemDegreeOfFreedom()["degreeOfFreedom"]
+    assert free == 4 * nodes - lengths - pins
+
+
 def test_algebraic_cables_in_native_explicit_solvers_are_refused(twin, contents):
     mbs = twin(enforcement="algebraic").mbs
     message = "constraints that cannot be solved"

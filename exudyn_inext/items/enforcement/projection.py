@@ -26,6 +26,6 @@ def _refusing_user_function(mbs, t, itemNumber, q, q_t):
         f"the inextensible cable of object {itemNumber} has enforcement = 'projection', but was evaluated by "
         "a native solver, which does not enforce inextensibility (the cable would fall apart): use "
         "exudyn_inext.SolveExplicit(mbs, simulationSettings), SolveEquilibrium(mbs) for statics, or create "
-        "the cable with enforcement='algebraic' for native implicit solvers, with enforcement='penaltyMass' "
-        "for native explicit ones."
+        "the cable with enforcement='algebraic' for native implicit solvers, eigenvalues and degrees of "
+        "freedom, with enforcement='penaltyMass' for native explicit solvers."
     )
