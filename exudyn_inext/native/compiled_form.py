@@ -78,7 +78,7 @@ def compiled_form(
         known.bodies["first"] - on_cables, known.bodies["drift_correction"]
     ):
         raise UnknownItemError("bodies that share coordinates")
-    own = [(place, c.system, c.loads) for place, c in zip(places, scene.cables, strict=True)]
+    own = list(zip(places, scene.cable_systems, loads, strict=True))
     joints = scene.native_items.joints
     form = CompiledScene(system, chains, acting, own, joints, numbers)
     require_agreement(scene, form, t, q, v, has_forces)

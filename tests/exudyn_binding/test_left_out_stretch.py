@@ -144,6 +144,25 @@ def test_a_run_in_which_stretch_matters_is_warned_of():
         SolveExplicit(mbs, quiet_settings(1.0, 100))
 
 
+def test_cables_of_one_kind_are_warned_of_as_well():
+    """Two ropes of 2 m share records; 3 kg at each swing through below, and pull by more than 3 m g."""
+    mbs = exudyn.SystemContainer().AddSystem()
+    section = ObjectANCFCable2D(massPerLength=0.1, bendingStiffness=0.01, axialStiffness=1e4)
+    for x in (0, 5):
+        rope = CreateInextensibleCable(mbs, [x, 0, 0], [x + 2, 0, 0], ELEMENTS, section, GRAVITY, PINNED)
+        mass = mbs.CreateMassPoint(
+            referencePosition=[x + 2, 0, 0], mass=3.0, gravity=GRAVITY, create2D=True, returnDict=True
+        )
+        ends = [
+            mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+            for node in (rope["nodes"][-1], mass["nodeNumber"])
+        ]
+        mbs.AddObject(SphericalJoint(markerNumbers=ends, constrainedAxes=[1, 1, 0]))
+    mbs.Assemble()
+    with pytest.warns(UserWarning, match=r"the tension reaches 1\d\d N, .* 1 other cables matters, too"):
+        SolveExplicit(mbs, quiet_settings(0.9, 90))
+
+
 def test_an_ensemble_warns_of_its_first_member():
     with pytest.warns(UserWarning, match=r"axialStiffness = 1e\+06 N: .* of its extent"):
         SolveEnsemble([cable_car(1e6, 29.99)[0]], quiet_settings(0.05, 10))
