@@ -29,6 +29,7 @@ OF_DIFFERENCES = 1e-4  # of second derivatives, which Exudyn's side finds by dif
 SMALLEST = 1e-6  # scale of forces and accelerations
 STATES = 3  # random ones, besides the first
 WAY, SPEED = 0.01, 1.0  # of random states [m, -] from the first one, and [m/s, 1/s]
+ALONG = 0.1  # that way at most, of the elements along which joints slide: they stay clear of folds
 
 
 def compiled_parts(scene: SceneOfExudyn, t: float, q: Array, v: Array) -> CompiledParts:
@@ -77,7 +78,7 @@ def compiled_form(
         known.bodies["first"] - on_cables, known.bodies["drift_correction"]
     ):
         raise UnknownItemError("bodies that share coordinates")
-    own = [(place, c.system, c.loads) for place, c in zip(places, scene.cables, strict=True)]
+    own = list(zip(places, scene.cable_systems, loads, strict=True))
     joints = scene.native_items.joints
     form = CompiledScene(system, chains, acting, own, joints, numbers)
     require_agreement(scene, form, t, q, v, has_forces)
@@ -153,16 +154,16 @@ def active_general_contacts(mbs: Any) -> list[Any]:
 def _states(scene: SceneOfExudyn, q: Array, v: Array) -> Array:
     """(1 + STATES, 2, n) coordinates and velocities, the given ones first."""
     states = np.tile(np.array([q, v]), (1 + STATES, 1, 1))
-    states[1:] += _random_changes(len(q))
+    way = min(WAY, ALONG * scene.rows.shortest)
+    states[1:] += _random_changes(len(q)) * np.array([[way], [SPEED]])
     scene.map.repeat(states)
     return _with_unit_quaternions(scene.rows, states)
 
 
 @lru_cache(maxsize=8)
 def _random_changes(size: int) -> Array:
-    """(STATES, 2, size) of coordinates and velocities, always the same ones."""
-    changes = np.random.default_rng(1).uniform(-1.0, 1.0, (STATES, 2, size))
-    return changes * np.array([[WAY], [SPEED]])
+    """(STATES, 2, size) of coordinates and velocities, at most 1, always the same ones."""
+    return np.random.default_rng(1).uniform(-1.0, 1.0, (STATES, 2, size))
 
 
 def _with_unit_quaternions(rows: JointRows, states: Array) -> Array:

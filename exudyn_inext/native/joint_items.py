@@ -66,7 +66,8 @@ def _joint(mbs: Any, number: int, data: dict[str, Any], name: str) -> JointItem:
         raise SceneError(
             f"{name} has an equation that does not depend on any coordinate in the initial configuration (a "
             "singular position, an axis across the plane of a planar cable, or both markers at rest): move "
-            "its markers apart, free that axis, as by constrainedAxes=[1, 1, 0], or remove it."
+            "its markers apart, free that axis, as by constrainedAxes=[1, 1, 0], between planar bodies take "
+            "an ObjectJointRevolute2D or ObjectJointPrismatic2D, or remove it."
         )
     return JointItem(
         number=number,

@@ -52,8 +52,8 @@ class JointRows:
         self._periods = periods[self._angles]
         pairs = zip(rows, joints, strict=True)
         self.sliding = [(own, joint) for own, joint in pairs if isinstance(joint, SlidingJoint)]
-        shortest = min((float(joint.lengths.min()) for _, joint in self.sliding), default=1.0)
-        self._step = STEP * min(1.0, shortest) ** 0.5  # beside short elements c bends within STEP
+        self.shortest = min((float(joint.lengths.min()) for _, joint in self.sliding), default=1.0)
+        self._step = STEP * min(1.0, self.shortest) ** 0.5  # beside short elements c bends within STEP
         places = [coordinates.places(joint.coordinates) for joint in joints]
         of_parts = _blocks(parts, rows, places)
         self.blocks = list(of_parts.values())

@@ -235,6 +235,7 @@ class CoupledWatch(RunWatch):
 
         With the change a of accelerations along the way x, w^2 = -(a . M a) / (a . M x) is a mean over the
         vibrations, by their energies -a . M x / 2, and so at most the square of their largest frequency.
+        Strong implicit damping turns accelerations round, too: these become smaller.
         """
         way, change = state.q - self.before[0], (h / self._limit) ** 2 * (state.a - self.before[1])
         of_way, of_change, of_sum = (
@@ -242,7 +243,13 @@ class CoupledWatch(RunWatch):
         )
         product = of_way + of_change - of_sum
         matters = 0.5 * product * (self._limit / h) ** 2 > self._energy_tolerance * self._lacks[SCALE]
-        return float(np.sqrt(2.0 * of_change / product)) if matters and product > 0.0 else 0.0
+        excess = float(np.sqrt(2.0 * of_change / product)) if matters and product > 0.0 else 0.0
+        return excess if excess > 1.0 and self._grows(state) else 0.0
+
+    def _grows(self, state: Any) -> bool:
+        """Whether accelerations have become larger in the last step."""
+        after, before = (self._evaluated.kinetic_energy(state.q, a) for a in (state.a, self.before[1]))
+        return bool(after > before)
 
     def _condemn(self, state: Any, trouble: int, excess: float) -> bool:
         condemn(self.watch, state, trouble, excess)

@@ -212,7 +212,7 @@ class PacedRun:
         good = self.record(grid, first, np.empty((intervals, 3, len(self.indices))))
         self.may_begin_again = self.gave_up = False
         if good == intervals:
-            self._begin_again(beginning, grid.time(first))
+            self._begin_again(beginning, grid.time(first), is_spoilt=False)
         else:
             beginning.restore()
             self.resume(grid.time(first))
@@ -310,12 +310,12 @@ class PacedRun:
             self.control.lengthen()
             self.watch.expect_double_step()
 
-    def _begin_again(self, beginning: KeptState, time: float) -> None:
-        """With a shorter step, from the beginning, which a longer one has spoilt.   time: of it [s]."""
-        divisor, beginnings, least = self.control.divisor, self.control.beginnings, self.control.least
+    def _begin_again(self, beginning: KeptState, time: float, is_spoilt: bool = True) -> None:
+        """With a shorter step, from the beginning.   time: of it [s].   is_spoilt: by a longer one."""
+        control = self.control
+        kept = control.divisor, control.least, control.waves, control.beginnings + is_spoilt
         beginning.restore()
-        self.control.begin_again(divisor, beginnings)
-        self.control.divide_by(least)
+        control.begin_again(*kept)
         self.resume(time)
 
     def _resolve_stretch(self, h: float) -> bool:

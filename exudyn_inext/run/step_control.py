@@ -142,7 +142,8 @@ class StepControl:
 
     smallest: of the steps so far [s].   steps: how many.   rejections: how often they went wrong.
     present: step that the system is prepared for [s].   offset: of the present state in its interval [s].
-    divisor: what the nominal step is divided by, `least` at least; the motion `asked` for as much or less.
+    divisor: what the nominal step is divided by, `least` and `waves` at least; the motion `asked` for as much
+        or less.
     beginnings: how often the run has begun again.
     changed: interval of the loop before which functions have changed something last.
     tension: largest one for which the stability limit is known, over rho_A l^2 [1/s^2].
@@ -155,6 +156,7 @@ class StepControl:
     rejections: int = _logged("rejections")
     divisor: int = _logged("divisor")
     least: int = _logged("least")
+    waves: int = _logged("waves")
     beginnings: int = _logged("beginnings")
     changed: int = _logged("changed")
     tension: float = _logged("tension")
@@ -291,10 +293,10 @@ class StepControl:
         self._log.waves, self._log.tension = parts, tension
         self._log.divisor = max(self._log.asked, self._log.least, parts)
 
-    def begin_again(self, divisor: int, beginnings: int) -> None:
-        """With the nominal step divided so, after so many other beginnings."""
-        self._log.divisor = self._log.asked = divisor
-        self._log.beginnings = beginnings + 1
+    def begin_again(self, divisor: int, least: int, waves: int, beginnings: int) -> None:
+        """With the nominal step divided so, or as `least` and `waves` ask; `beginnings`: how many now."""
+        self._log.asked, self._log.waves, self._log.beginnings = divisor, waves, beginnings
+        self.divide_by(least)
 
     def may_lengthen(self, interval: int) -> bool:
         """Whether the nominal step may become longer again, before that interval of the loop.

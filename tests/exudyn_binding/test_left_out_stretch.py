@@ -9,6 +9,7 @@ from exudyn.itemInterface import (
     CoordinateConstraint,
     CoordinateSpringDamper,
     LoadCoordinate,
+    LoadForceVector,
     LoadMassProportional,
     MarkerBodyMass,
     MarkerNodeCoordinate,
@@ -143,6 +144,25 @@ def test_a_run_in_which_stretch_matters_is_warned_of():
         SolveExplicit(mbs, quiet_settings(1.0, 100))
 
 
+def test_cables_of_one_kind_are_warned_of_as_well():
+    """Two ropes of 2 m share records; 3 kg at each swing through below, and pull by more than 3 m g."""
+    mbs = exudyn.SystemContainer().AddSystem()
+    section = ObjectANCFCable2D(massPerLength=0.1, bendingStiffness=0.01, axialStiffness=1e4)
+    for x in (0, 5):
+        rope = CreateInextensibleCable(mbs, [x, 0, 0], [x + 2, 0, 0], ELEMENTS, section, GRAVITY, PINNED)
+        mass = mbs.CreateMassPoint(
+            referencePosition=[x + 2, 0, 0], mass=3.0, gravity=GRAVITY, create2D=True, returnDict=True
+        )
+        ends = [
+            mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
+            for node in (rope["nodes"][-1], mass["nodeNumber"])
+        ]
+        mbs.AddObject(SphericalJoint(markerNumbers=ends, constrainedAxes=[1, 1, 0]))
+    mbs.Assemble()
+    with pytest.warns(UserWarning, match=r"the tension reaches 1\d\d N, .* 1 other cables matters, too"):
+        SolveExplicit(mbs, quiet_settings(0.9, 90))
+
+
 def test_an_ensemble_warns_of_its_first_member():
     with pytest.warns(UserWarning, match=r"axialStiffness = 1e\+06 N: .* of its extent"):
         SolveEnsemble([cable_car(1e6, 29.99)[0]], quiet_settings(0.05, 10))
@@ -165,6 +185,33 @@ def test_a_blow_is_followed_where_a_user_function_is_asked_in_each_step(is_seen)
     end = mbs.GetNodeOutput(mass, exudyn.OutputVariableType.Position)
     assert report["steps"] < 2000
     assert np.abs(end - reference_of_hammer()).max() < 0.01
+
+
+def tendon(is_seen):
+    """A rope of 0.2 m, with a light mass at its end that a force pulls at once; the report."""
+    mbs = exudyn.SystemContainer().AddSystem()
+    section = ObjectANCFCable2D(
+        massPerLength=0.004, bendingStiffness=2e-6, axialStiffness=2e3, axialDamping=0.02
+    )
+    nodes = CreateInextensibleCable(
+        mbs, [0, 0, 0], [0.2, 0, 0], 8, section, GRAVITY, PINNED, extensible=True
+    )["nodes"]
+    mass = mbs.CreateMassPoint(
+        referencePosition=[0.2, 0, 0], mass=0.005, gravity=GRAVITY, create2D=True, returnDict=True
+    )["nodeNumber"]
+    ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in (nodes[-1], mass)]
+    mbs.AddObject(SphericalJoint(markerNumbers=ends, constrainedAxes=[1, 1, 0]))
+    mbs.AddLoad(LoadForceVector(markerNumber=ends[1], loadVector=[0.5, 0, 0]))
+    if is_seen:
+        mbs.SetPreStepUserFunction(lambda mbs, t: True)
+    mbs.Assemble()
+    return SolveExplicit(mbs, quiet_settings(0.5, 500))
+
+
+def test_steps_for_waves_last_and_are_those_of_a_run_that_nobody_sees():
+    """A run that begins again remembers what its tension asks for; a rehearsal is no beginning."""
+    seen, unseen = tendon(True), tendon(False)
+    assert seen["steps"] == unseen["steps"] == round(0.5 / seen["stepSize"])
 
 
 @pytest.fixture

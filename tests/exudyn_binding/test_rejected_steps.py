@@ -1,6 +1,7 @@
 """Steps that go wrong are taken again, smaller; only a smallest step ends a run."""
 
 import warnings
+from types import SimpleNamespace
 
 import exudyn
 import numpy as np
@@ -23,7 +24,9 @@ from exudyn_inext import (
     SolveExplicit,
 )
 from exudyn_inext.run import step_control
+from exudyn_inext.run.coupled_watch import CoupledWatch
 from exudyn_inext.run.step_control import StepControl
+from exudyn_inext.scene.path_work import SCALE
 from reference_models.model import quiet_settings
 from studies.robust.scenes import build, lone_rope, mixed_rope
 from studies.robustness import periods_before_snap
@@ -162,6 +165,18 @@ def test_longer_steps_are_tried_less_often_if_they_fail_again():
         else:
             control.accept()
     assert 3 <= len(tried) <= 12
+
+
+@pytest.mark.parametrize(("factor", "is_unstable"), [(-0.6, False), (-1.2, True)])
+def test_accelerations_that_turn_round_are_unstable_if_they_grow(factor, is_unstable):
+    """Those that become smaller are damped, however fast they change along the short way of a step."""
+    h, before = 1e-3, np.array([100.0, 0.0])
+    watch = object.__new__(CoupledWatch)
+    watch.before, watch._limit, watch._energy_tolerance = np.array([np.zeros(2), before]), 2.0, 0.01
+    watch._lacks = np.zeros(SCALE + 1)
+    watch._evaluated = SimpleNamespace(kinetic_energy=lambda q, v: 0.5 * (v @ v))
+    state = SimpleNamespace(q=0.2 * h**2 * before, a=factor * before)
+    assert (watch._excess(h, state) > 1.0) == is_unstable
 
 
 def test_adaptive_steps_are_rejected_too():

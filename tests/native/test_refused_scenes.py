@@ -152,6 +152,12 @@ def joint_at_rest(mbs, nodes):
     mbs.AddObject(SphericalJoint(markerNumbers=grounds, name="nowhere"))
 
 
+def planar_body_on_a_joint_in_space(mbs, nodes):
+    body = mbs.CreateRigidBody(inertia=InertiaCuboid(1000, [0.1] * 3), create2D=True)
+    pair = [mbs.CreateGround(), body]
+    mbs.CreateRevoluteJoint(itemNumbers=pair, position=[0, 5, 0], axis=[0, 0, 1], name="knuckle")
+
+
 def closed_loop_in_space(mbs, nodes):
     """A body on two hinges with the same axis: five rows each, six coordinates."""
     body = mbs.CreateRigidBody(inertia=InertiaCuboid(1000, [0.1] * 3), referencePosition=[0, 5, 0])
@@ -191,6 +197,7 @@ REFUSED = [
     ),
     (rod_of_no_length, SceneError, r"'rod' \(ConnectorDistance\) cannot be evaluated .*distance"),
     (joint_at_rest, SceneError, r"'nowhere' \(JointSpherical\) has an equation that does not depend on any"),
+    (planar_body_on_a_joint_in_space, SceneError, r"'knuckle' .* take an ObjectJointRevolute2D or"),
 ]
 
 

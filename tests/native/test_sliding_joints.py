@@ -227,6 +227,13 @@ def test_exudyns_evaluation_and_the_compiled_form_agree(monkeypatch):
     assert difference < of_differences
 
 
+def test_elements_of_some_millimetres_are_compiled():
+    """The states at which both forms are compared do not fold the cable."""
+    scene = trolley(inextensible, elements=500, start=0.552)
+    run(scene, 1e-4, 1e-4)
+    assert "compiled call" in scene.report["path"]
+
+
 def test_a_run_goes_on_from_a_restart_file(tmp_path):
     whole = run(trolley(inextensible))
     run(trolley(inextensible), 0.5, restarts=tmp_path / "half")
