@@ -117,10 +117,21 @@ def plain(function: _Function) -> _Function:
 
 @cache
 def in_python(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The Python function behind a kernel, which calls those behind others: nothing is compiled."""
+    """The Python function behind a kernel, which calls those behind others: nothing is compiled.
+
+    Of a protocol that any system implements, it calls that.
+    """
     code, known = plain(function).__code__, plain(function).__globals__
-    others = {name: in_python(known[name]) for name in code.co_names if hasattr(known.get(name), "py_func")}
+    named = {name: _of_any_system(known[name]) for name in code.co_names if name in known}
+    others = {name: in_python(one) for name, one in named.items() if one is not None}
     return FunctionType(code, {**known, **others})
+
+
+def _of_any_system(known: Any) -> Any:
+    """A kernel, or what a protocol is for any system; None of others."""
+    default = known.registry[object] if hasattr(known, "registry") else None
+    is_implemented = default is not None and not hasattr(default, "__wrapped__")
+    return known if hasattr(known, "py_func") else default if is_implemented else None
 
 
 def inlined(function: _Function) -> _Function:

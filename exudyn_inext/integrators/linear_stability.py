@@ -17,7 +17,6 @@ from ..called_system import implements
 from ..compiled import in_python, inlined
 from ..system import accelerate_and_project, correct_position, index_reduced_rates
 from .integrator import Integrator, advance, no_loads
-from .rattle import shake, shake_any
 
 GROWTH_TOLERANCE = 1e-9
 _TRIALS = 400
@@ -60,9 +59,6 @@ def correct_linear_position(system, external, q, tolerance, learning, correction
     """Without constraints there is nothing to correct."""
     correction[:] = 0.0
     return 0.0
-
-
-shake.register(LinearSystem)(in_python(shake_any))
 
 
 def amplification_matrix(integrator: Integrator, scheme: Any, system: LinearSystem) -> Array:

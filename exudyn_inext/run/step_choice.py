@@ -327,9 +327,9 @@ def warn_of_damping(choice: StepChoice, duration: float) -> None:
     if bounds_step and bounds.undamped > MUCH * bounds.bending:
         warnings.warn(
             f"damping of {bounds.damping:.3g} 1/s at {bounds.cable} bounds the step to {bounds.bending:.3g} "
-            f"s, where {bounds.undamped:.3g} s hold without it: dashpots of springs and joints, drag, and "
-            "under RK4 bending damping are explicit; use softer dashpots, or for bending damping "
-            "integrator='RATTLE'.",
+            f"s, where {bounds.undamped:.3g} s hold without it: dashpots of springs and joints, drag, also "
+            "by functions of loads, and under RK4 bending damping are explicit; let these damp less, or for "
+            "bending damping take integrator='RATTLE'.",
             stacklevel=3,
         )
 
