@@ -13,8 +13,9 @@ from ..errors import InextensibleError
 from ..run.coupled_run import Run
 from .kept_states import KeptStates
 
-LOOKS, MOST_SOLVES = 12, 300  # at tensions, and solves of cables for that, about
+FEW_LOOKS, LOOKS, MOST_SOLVES = 4, 12, 300  # at tensions, and solves of cables for that, about
 LARGEST_SHARE = 1.0  # of the tension
+SUSPICIOUS = 0.3  # share in few states, for which more are looked at
 SMALL = 1e-5  # strain that loads no material
 RESOLVED = 0.25  # of an element, that a wave passes in a step
 
@@ -24,10 +25,15 @@ def share_of_waves(kept: KeptStates) -> tuple[float, str]:
 
     They are what the strain has beyond the mean forces of the steps, see `axial`; root mean squares.
     """
-    run, states = kept.run, list(kept.states.values())
-    if not (run.watch.stretches and states):
+    if not (kept.run.watch.stretches and kept.states):
         return 0.0, ""
-    number = min(LOOKS, max(2, MOST_SOLVES // len(run.cables)), len(states))
+    found = _share(kept, FEW_LOOKS)
+    return found if found[0] < SUSPICIOUS else _share(kept, LOOKS)
+
+
+def _share(kept: KeptStates, most: int) -> tuple[float, str]:
+    run, states = kept.run, list(kept.states.values())
+    number = min(most, max(2, MOST_SOLVES // len(run.cables)), len(states))
     looks = [states[k] for k in np.linspace(0, len(states) - 1, number).astype(int)]
     try:
         found = [(_tensions(run, look, look[1]), _tensions(run, look, 0.0)) for look in looks]
