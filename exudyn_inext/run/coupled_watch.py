@@ -235,7 +235,7 @@ class CoupledWatch(RunWatch):
 
         With the change a of accelerations along the way x, w^2 = -(a . M a) / (a . M x) is a mean over the
         vibrations, by their energies -a . M x / 2, and so at most the square of their largest frequency.
-        Strong implicit damping turns accelerations round, too: these become smaller.
+        Strong implicit damping of axial vibrations turns accelerations round, too: these become smaller.
         """
         way, change = state.q - self.before[0], (h / self._limit) ** 2 * (state.a - self.before[1])
         of_way, of_change, of_sum = (
@@ -244,7 +244,8 @@ class CoupledWatch(RunWatch):
         product = of_way + of_change - of_sum
         matters = 0.5 * product * (self._limit / h) ** 2 > self._energy_tolerance * self._lacks[SCALE]
         excess = float(np.sqrt(2.0 * of_change / product)) if matters and product > 0.0 else 0.0
-        return excess if excess > 1.0 and self._grows(state) else 0.0
+        is_damped = self.stretches and excess > 1.0 and not self._grows(state)
+        return 0.0 if is_damped else excess
 
     def _grows(self, state: Any) -> bool:
         """Whether accelerations have become larger in the last step."""

@@ -167,11 +167,14 @@ def test_longer_steps_are_tried_less_often_if_they_fail_again():
     assert 3 <= len(tried) <= 12
 
 
-@pytest.mark.parametrize(("factor", "is_unstable"), [(-0.6, False), (-1.2, True)])
-def test_accelerations_that_turn_round_are_unstable_if_they_grow(factor, is_unstable):
-    """Those that become smaller are damped, however fast they change along the short way of a step."""
+@pytest.mark.parametrize(
+    ("factor", "stretches", "is_unstable"), [(-0.6, True, False), (-1.2, True, True), (-0.6, False, True)]
+)
+def test_accelerations_that_turn_round_are_unstable_if_they_grow(factor, stretches, is_unstable):
+    """Those of axial vibrations that become smaller are damped, however fast they change along a short way."""
     h, before = 1e-3, np.array([100.0, 0.0])
     watch = object.__new__(CoupledWatch)
+    watch.stretches = stretches
     watch.before, watch._limit, watch._energy_tolerance = np.array([np.zeros(2), before]), 2.0, 0.01
     watch._lacks = np.zeros(SCALE + 1)
     watch._evaluated = SimpleNamespace(kinetic_energy=lambda q, v: 0.5 * (v @ v))
