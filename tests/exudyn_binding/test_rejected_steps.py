@@ -171,7 +171,7 @@ def test_longer_steps_are_tried_less_often_if_they_fail_again():
     ("factor", "stretches", "is_unstable"), [(-0.6, True, False), (-1.2, True, True), (-0.6, False, True)]
 )
 def test_accelerations_that_turn_round_are_unstable_if_they_grow(factor, stretches, is_unstable):
-    """Those of axial vibrations that become smaller are damped, however fast they change along a short way."""
+    """Those of axial vibrations that become smaller are damped, however fast they change in a step."""
     h, before = 1e-3, np.array([100.0, 0.0])
     watch = object.__new__(CoupledWatch)
     watch.stretches = stretches
