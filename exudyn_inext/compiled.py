@@ -129,9 +129,10 @@ def in_python(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def _of_any_system(known: Any) -> Any:
     """A kernel, or what a protocol is for any system; None of others."""
-    default = known.registry[object] if hasattr(known, "registry") else None
-    is_implemented = default is not None and not hasattr(default, "__wrapped__")
-    return known if hasattr(known, "py_func") else default if is_implemented else None
+    if not hasattr(known, "registry"):
+        return known if hasattr(known, "py_func") else None
+    default = known.registry[object]
+    return None if hasattr(default, "__wrapped__") else default
 
 
 def inlined(function: _Function) -> _Function:

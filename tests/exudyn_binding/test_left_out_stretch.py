@@ -109,6 +109,16 @@ def test_nothing_is_said_where_stretch_does_not_matter_or_is_not_known(stiffness
     SolveEquilibrium(cable_car(stiffness, span)[0])
 
 
+def hung_mass(mbs, node, place, mass):
+    """A point of that mass [kg] at the end of a rope, joined to this node of it; its node and marker."""
+    number = mbs.CreateMassPoint(
+        referencePosition=place, mass=mass, gravity=GRAVITY, create2D=True, returnDict=True
+    )["nodeNumber"]
+    ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=one)) for one in (node, number)]
+    mbs.AddObject(SphericalJoint(markerNumbers=ends, constrainedAxes=[1, 1, 0]))
+    return number, ends[1]
+
+
 def hammer(stiffness, **given):
     """A mass of 3 kg on a rope of 2 m, which falls against a wall: a spring with a user function."""
     mbs = exudyn.SystemContainer().AddSystem()
@@ -122,11 +132,7 @@ def hammer(stiffness, **given):
         groundConstraintsStart=PINNED,
         **given,
     )["nodes"]
-    mass = mbs.CreateMassPoint(
-        referencePosition=[2, 0, 0], mass=3.0, gravity=GRAVITY, create2D=True, returnDict=True
-    )["nodeNumber"]
-    ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in (nodes[-1], mass)]
-    mbs.AddObject(SphericalJoint(markerNumbers=ends, constrainedAxes=[1, 1, 0]))
+    mass, _ = hung_mass(mbs, nodes[-1], [2, 0, 0], 3.0)
     pair = [_on(mbs, mbs.AddNode(NodePointGround()), 0), _on(mbs, mass, 0)]
 
     def push(mbs, t, item, u, v, stiffness, damping, offset):
@@ -150,14 +156,7 @@ def test_cables_of_one_kind_are_warned_of_as_well():
     section = ObjectANCFCable2D(massPerLength=0.1, bendingStiffness=0.01, axialStiffness=1e4)
     for x in (0, 5):
         rope = CreateInextensibleCable(mbs, [x, 0, 0], [x + 2, 0, 0], ELEMENTS, section, GRAVITY, PINNED)
-        mass = mbs.CreateMassPoint(
-            referencePosition=[x + 2, 0, 0], mass=3.0, gravity=GRAVITY, create2D=True, returnDict=True
-        )
-        ends = [
-            mbs.AddMarker(MarkerNodePosition(nodeNumber=node))
-            for node in (rope["nodes"][-1], mass["nodeNumber"])
-        ]
-        mbs.AddObject(SphericalJoint(markerNumbers=ends, constrainedAxes=[1, 1, 0]))
+        hung_mass(mbs, rope["nodes"][-1], [x + 2, 0, 0], 3.0)
     mbs.Assemble()
     with pytest.warns(UserWarning, match=r"the tension reaches 1\d\d N, .* 1 other cables matters, too"):
         SolveExplicit(mbs, quiet_settings(0.9, 90))
@@ -196,12 +195,8 @@ def tendon(is_seen):
     nodes = CreateInextensibleCable(
         mbs, [0, 0, 0], [0.2, 0, 0], 8, section, GRAVITY, PINNED, extensible=True
     )["nodes"]
-    mass = mbs.CreateMassPoint(
-        referencePosition=[0.2, 0, 0], mass=0.005, gravity=GRAVITY, create2D=True, returnDict=True
-    )["nodeNumber"]
-    ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)) for node in (nodes[-1], mass)]
-    mbs.AddObject(SphericalJoint(markerNumbers=ends, constrainedAxes=[1, 1, 0]))
-    mbs.AddLoad(LoadForceVector(markerNumber=ends[1], loadVector=[0.5, 0, 0]))
+    _, marker = hung_mass(mbs, nodes[-1], [0.2, 0, 0], 0.005)
+    mbs.AddLoad(LoadForceVector(markerNumber=marker, loadVector=[0.5, 0, 0]))
     if is_seen:
         mbs.SetPreStepUserFunction(lambda mbs, t: True)
     mbs.Assemble()
