@@ -248,7 +248,7 @@ class CoupledRun(LimitedRun):
             rows = (row[np.newaxis] for row in (state.q, state.v, self._scene.joined_forces(), multipliers))
             self.mover.put_reactions(np.array([time]), np.array([self.control.present]), *rows)
         if self.has_implicit_bending:
-            self.resume(time)
+            self.mover.begin_by(self.integrator.resume, time)
         native_items.show(time, state, multipliers)
         return a[: len(self.indices)]
 
