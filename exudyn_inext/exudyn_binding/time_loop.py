@@ -74,7 +74,7 @@ class ExplicitTimeLoop:
         self._remembering_errors = _RememberingErrors(self)
         self._data = mbs.systemData
         self._is_watched = is_watched(mbs, runs)
-        self._has_step_functions = bool(step_functions(mbs))
+        self._only_items_ask = self._is_watched and not step_functions(mbs)
         self._contacts = contacts_in_view(mbs, runs) if self._is_watched or has_sensor_functions(mbs) else []
         self._written = self._present(exudyn.ConfigurationType.Initial)
         self._observed = max(observed, VELOCITIES) if self._is_watched else observed
@@ -197,7 +197,7 @@ class ExplicitTimeLoop:
     def _asks_ahead(self) -> bool:
         """Whether only functions of items look at mbs, in each step, and at nothing but its motion."""
         looks = self.output_times
-        if self._has_step_functions or looks is None or looks.items_look_at_forces:
+        if not self._only_items_ask or looks is None or looks.items_look_at_forces:
             return False
         return all(run.looks_ahead or run.asks_ahead for run in self.runs)
 
