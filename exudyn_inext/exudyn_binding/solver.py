@@ -100,13 +100,13 @@ def SolveExplicit(
 
     Returns:
         dict, which prints as a summary, with 'success', 'integrator', 'steps', 'loopSteps' (of Exudyn's
-        loop), 'stepSize' [s] (the smallest, if they adapt), 'decidedBy' (what bounded it), 'bounds'
-        (StepSizeBounds), 'massScaling' (theta), 'rejections' (how often steps went wrong and were taken
-        again, smaller), 'path' (which way the steps were computed), 'startCorrections' (of each cable, and
-        of joints: how far the initial state was from the constraints), 'drift': a dict with the largest
-        'energyGain' and 'energyLoss' (beyond the work done, as shares of the energy of the motion), and
-        the largest violation of 'constraints' (of joints [m, -] over the largest coordinate at the start if
-        that is above 1); in runs of more than 20 000 steps of cables alone also 'stepOverLimit', the
+        loop), 'stepSize' [s] (the smallest, if they adapt), 'meanStepSize' [s], 'decidedBy' (what bounded
+        it), 'bounds' (StepSizeBounds), 'massScaling' (theta), 'rejections' (how often steps went wrong and
+        were taken again, smaller), 'path' (which way the steps were computed), 'startCorrections' (of each
+        cable, and of joints: how far the initial state was from the constraints), 'drift': a dict with the
+        largest 'energyGain' and 'energyLoss' (beyond the work done, as shares of the energy of the motion),
+        and the largest violation of 'constraints' (of joints [m, -] over the largest coordinate at the start
+        if that is above 1); in runs of more than 20 000 steps of cables alone also 'stepOverLimit', the
         largest share that the step was of the present stability limit, and 'resumedAt' [s] (of a restart
         file; or None).
 
@@ -227,13 +227,15 @@ def _solve(
             warn_of_worst([one for check in loop.stretch_checks for one in check.findings()])
             warn_of_waves(list(map(share_of_waves, loop.stretch_checks)))
     controls = [run.control for run in loop.runs]
+    steps = max(control.steps for control in controls)
     warn_of_findings(loop.runs, explicit.energyTolerance)
     return ExplicitReport(
         {
             "success": True,
             "integrator": explicit.integratorName,
             "stepSize": min(control.smallest for control in controls),
-            "steps": max(control.steps for control in controls),
+            "meanStepSize": duration / steps,
+            "steps": steps,
             "rejections": sum(control.rejections for control in controls),
             "massScaling": explicit.massScaling or 0.0,
             "loopSteps": grid.loop_steps,
