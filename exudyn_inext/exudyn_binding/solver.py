@@ -34,7 +34,7 @@ from .restart import Restarts
 from .scene import read_scene, require_assembled
 from .scene_runs import RunBuilder, bounds_if_scaled
 from .sensors import OutputTimes, observed_derivatives, warn_of_empty_sensors
-from .stretch_check import warn_of_worst
+from .stretch_check import left_out_stretch, warn_of_worst
 from .time_loop import (
     ExplicitTimeLoop,
     is_watched,
@@ -224,8 +224,8 @@ def _solve(
         with shared_evaluators(sensors), shown, listening(log):
             _run(mbs, solver, settings, loop, outputs, log, header)
         with state_kept(mbs):
-            warn_of_worst([one for check in loop.stretch_checks for one in check.findings()])
-            warn_of_waves(list(map(share_of_waves, loop.stretch_checks)))
+            warn_of_worst([one for kept in loop.kept_states for one in left_out_stretch(kept)])
+            warn_of_waves(list(map(share_of_waves, loop.kept_states)))
     controls = [run.control for run in loop.runs]
     steps = max(control.steps for control in controls)
     warn_of_findings(loop.runs, explicit.energyTolerance)
