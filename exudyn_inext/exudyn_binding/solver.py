@@ -34,7 +34,7 @@ from .restart import Restarts
 from .scene import read_scene, require_assembled
 from .scene_runs import RunBuilder, bounds_if_scaled
 from .sensors import OutputTimes, observed_derivatives, warn_of_empty_sensors
-from .stretch_check import warn_of_worst
+from .stretch_check import left_out_stretch, warn_of_worst
 from .time_loop import (
     ExplicitTimeLoop,
     is_watched,
@@ -100,13 +100,13 @@ def SolveExplicit(
 
     Returns:
         dict, which prints as a summary, with 'success', 'integrator', 'steps', 'loopSteps' (of Exudyn's
-        loop), 'stepSize' [s] (the smallest, if they adapt), 'decidedBy' (what bounded it), 'bounds'
-        (StepSizeBounds), 'massScaling' (theta), 'rejections' (how often steps went wrong and were taken
-        again, smaller), 'path' (which way the steps were computed), 'startCorrections' (of each cable, and
-        of joints: how far the initial state was from the constraints), 'drift': a dict with the largest
-        'energyGain' and 'energyLoss' (beyond the work done, as shares of the energy of the motion), and
-        the largest violation of 'constraints' (of joints [m, -] over the largest coordinate at the start if
-        that is above 1); in runs of more than 20 000 steps of cables alone also 'stepOverLimit', the
+        loop), 'stepSize' [s] (the smallest, if they adapt), 'meanStepSize' [s], 'decidedBy' (what bounded
+        it), 'bounds' (StepSizeBounds), 'massScaling' (theta), 'rejections' (how often steps went wrong and
+        were taken again, smaller), 'path' (which way the steps were computed), 'startCorrections' (of each
+        cable, and of joints: how far the initial state was from the constraints), 'drift': a dict with the
+        largest 'energyGain' and 'energyLoss' (beyond the work done, as shares of the energy of the motion),
+        and the largest violation of 'constraints' (of joints [m, -] over the largest coordinate at the start
+        if that is above 1); in runs of more than 20 000 steps of cables alone also 'stepOverLimit', the
         largest share that the step was of the present stability limit, and 'resumedAt' [s] (of a restart
         file; or None).
 
@@ -224,16 +224,18 @@ def _solve(
         with shared_evaluators(sensors), shown, listening(log):
             _run(mbs, solver, settings, loop, outputs, log, header)
         with state_kept(mbs):
-            warn_of_worst([one for check in loop.stretch_checks for one in check.findings()])
-            warn_of_waves(list(map(share_of_waves, loop.stretch_checks)))
+            warn_of_worst([one for kept in loop.kept_states for one in left_out_stretch(kept)])
+            warn_of_waves(list(map(share_of_waves, loop.kept_states)))
     controls = [run.control for run in loop.runs]
+    steps = max(control.steps for control in controls)
     warn_of_findings(loop.runs, explicit.energyTolerance)
     return ExplicitReport(
         {
             "success": True,
             "integrator": explicit.integratorName,
             "stepSize": min(control.smallest for control in controls),
-            "steps": max(control.steps for control in controls),
+            "meanStepSize": duration / steps,
+            "steps": steps,
             "rejections": sum(control.rejections for control in controls),
             "massScaling": explicit.massScaling or 0.0,
             "loopSteps": grid.loop_steps,

@@ -18,10 +18,10 @@ from ..run.coupled_run import Run
 from ..run.divergence import divergence, listed
 from ..run.kept_state import KeptState
 from ..run.time_grid import TimeGrid
-from .mbs_state import LastSteps
+from .kept_states import KeptStates
+from .mbs_state import INITIAL, LastSteps
 from .restart import Restarts
 from .sensors import ACCELERATIONS, VELOCITIES, OutputTimes
-from .stretch_check import StretchCheck
 
 LOOK_AHEAD_LIMIT = 1_000_000  # coordinates times steps in a call: some 30 ms, so that Ctrl-C works
 HANDED_OUT = 64  # states that are turned into Python numbers at once
@@ -74,7 +74,7 @@ class ExplicitTimeLoop:
         self._data = mbs.systemData
         self._is_watched = is_watched(mbs, runs)
         self._contacts = contacts_in_view(mbs, runs) if self._is_watched or has_sensor_functions(mbs) else []
-        self._written = self._present(exudyn.ConfigurationType.Initial)
+        self._written = self._present(INITIAL)
         self._observed = max(observed, VELOCITIES) if self._is_watched else observed
         self._shows_forces = self._sees_forces = observed == ACCELERATIONS
         self.restarts = restarts
@@ -90,7 +90,8 @@ class ExplicitTimeLoop:
         self._kept: list[KeptState] = []  # of the runs, before the block
         self._calm = 0  # steps since something was changed
         self._is_changed = False  # before the step that is computed next
-        self.stretch_checks = list(map(StretchCheck, runs))
+        is_unstretched = not (self._written[0].any() or np.any(self._data.GetAECoordinates(INITIAL)))
+        self.kept_states = [KeptStates(run, is_unstretched) for run in runs]
         for run in runs:
             run.set_step(grid.h)
             run.start(grid.start)
@@ -316,10 +317,10 @@ class ExplicitTimeLoop:
         reactions = np.zeros((intervals if self._shows_forces else 1, self._data.AEsize()))
         good, are_set = intervals, False
         begins = not self._is_watched and self.restarts.may_begin(self.grid, self._computed)
-        for run, places, check in zip(self.runs, self._places, self.stretch_checks, strict=True):
+        for run, places, kept in zip(self.runs, self._places, self.kept_states, strict=True):
             history, run.may_begin_again = np.empty((intervals, 3, len(run.indices))), begins
             good = min(good, run.record(self.grid, self._computed, history))
-            check.keep(self.grid, self._computed, history[:good])
+            kept.keep(self.grid, self._computed, history[:good])
             if good and not run.completes and (self._shows_forces or takes_last_step):
                 time = self.grid.time(self._computed + 1)
                 history[0, 2] = run.accelerations(time, reactions[0])
@@ -388,7 +389,7 @@ class ExplicitTimeLoop:
             self.runs, self._places = runs, [as_slice(run.indices) for run in runs]
             self._last_steps = LastSteps(self._last_steps.place, runs)
             self._kept.clear()
-            self.stretch_checks = list(map(StretchCheck, runs))
+            self.kept_states = list(map(KeptStates, runs))
 
     def _take_over_changes(self) -> None:
         """A user function may have set coordinates since the last step: restart from them."""
