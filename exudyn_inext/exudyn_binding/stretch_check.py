@@ -46,14 +46,14 @@ class StretchCheck(KeptStates):
         usual = np.linspace(0, len(times) - 1, min(number, len(times))).astype(int)
         looks = [*usual, *(np.argsort(changes)[-number:] + 1)]
         try:
-            found = [self.run.tensions(times[k], *states[k]) for k in looks]
+            found = {k: self.run.tensions(times[k], *states[k]) for k in set(looks)}
         except InextensibleError:  # items that were changed do not allow an earlier state any more
             return []
         places, said = self.run.places_of_cables, []
         for k in self._places:
             dofs, shape = places[k]
             q = (states[:, 0, dofs] + self.run.reference[dofs]).reshape(-1, *shape)[:, :, 0]
-            largest = np.array([np.abs(tensions[k]).max() for tensions in found])
+            largest = np.array([np.abs(found[look][k]).max() for look in looks])
             rms = math.sqrt(float(np.mean(largest[: len(usual)] ** 2)))
             tensions_of_cable = rms, float(largest.max())
             said.append(stretch_of(self.run.cable_runs[k].scene_cable, tensions_of_cable, q, times[-1]))
