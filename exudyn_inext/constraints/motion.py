@@ -51,11 +51,16 @@ def differences(function: Function, t: float) -> Array:
 
     They are those of one side where it begins or ends.
     """
+    return differences_and_side(function, t)[0]
+
+
+def differences_and_side(function: Function, t: float) -> tuple[Array, int]:
+    """As `differences`; and 1 where the function begins, -1 where it ends, 0 in between."""
     value, before, after = _vector(function(t)), _beside(function, t - STEP), _beside(function, t + STEP)
-    for step, behind, ahead in ((STEP, before, after), (-STEP, after, before)):
-        if _begins(function, t, step, behind, value, ahead):
-            return _from_one_side(function, t, step)
-    return np.array([value, (after - before) / (2.0 * STEP), (after - 2.0 * value + before) / STEP**2])
+    for side, behind, ahead in ((1, before, after), (-1, after, before)):
+        if _begins(function, t, side * STEP, behind, value, ahead):
+            return _from_one_side(function, t, side * STEP), side
+    return np.array([value, (after - before) / (2.0 * STEP), (after - 2.0 * value + before) / STEP**2]), 0
 
 
 def _from_one_side(function: Function, t: float, step: float) -> Array:

@@ -317,6 +317,26 @@ def test_a_motion_may_begin_and_end_with_the_run(mbs, add_cable, solve):
     np.testing.assert_allclose(velocity, [0.1, 0.0, 0.0], atol=1e-6)
 
 
+@pytest.mark.parametrize("outside", ["rests", "raises"])
+def test_a_body_may_begin_to_move_with_the_run(mbs, add_pendulum, solve, outside):
+    add_pendulum(mbs)
+    cart = mbs.CreateMassPoint(mass=1.0, initialVelocity=[0.5, 0, 0], returnDict=True)["nodeNumber"]
+    ground = mbs.AddNode(NodePointGround())
+    ends = [mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=n, coordinate=0)) for n in (ground, cart)]
+
+    def of_table(mbs, t, item, offset):
+        if t < 0.0 and outside == "raises":
+            raise ValueError("outside of the table")
+        return 0.5 * max(t, 0.0) + 0.3 * max(t, 0.0) ** 2
+
+    mbs.AddObject(CoordinateConstraint(markerNumbers=ends, offsetUserFunction=of_table))
+    mbs.Assemble()
+    report = solve(mbs, 0.1, steps=10)
+    velocity = mbs.GetNodeOutput(cart, exudyn.OutputVariableType.Velocity)
+    np.testing.assert_allclose(velocity, [0.56, 0.0, 0.0], atol=1e-6)
+    assert "in one compiled call" in report["path"]
+
+
 def test_a_support_whose_velocity_jumps_is_named_and_the_remedy_works(mbs, add_cable, solve):
     """The motion was called too violent for the step."""
     node = add_cable(mbs)["nodes"][0]
