@@ -10,6 +10,7 @@ from typing import Any
 
 import exudyn
 
+from ..checks import require_flag
 from ..errors import DivergenceError, SceneError
 from ..items.arguments import explicit_settings, simulation_settings
 from ..items.functions_of_time import functions_at_rest, step_functions, take_word
@@ -46,7 +47,10 @@ from .wave_check import share_of_waves, warn_of_waves
 
 
 def SolveExplicit(
-    mbs: Any, simulationSettings: Any = None, explicitSettings: ExplicitSettings | None = None
+    mbs: Any,
+    simulationSettings: Any = None,
+    explicitSettings: ExplicitSettings | None = None,
+    updateInitialValues: bool = False,
 ) -> dict[str, Any]:
     """Explicit dynamics of a scene with inextensible cables, in Exudyn's own time loop.
 
@@ -97,6 +101,7 @@ def SolveExplicit(
         simulationSettings: exudyn.SimulationSettings; used are startTime, endTime, numberOfSteps,
             verboseMode and all solution (output) settings.
         explicitSettings: integrator, step size, stabilisation.
+        updateInitialValues: whether the state at the end becomes the initial one, where the next run begins.
 
     Returns:
         dict, which prints as a summary, with 'success', 'integrator', 'steps', 'loopSteps' (of Exudyn's
@@ -124,17 +129,22 @@ def SolveExplicit(
     """
     settings = simulation_settings(simulationSettings)
     explicit = explicit_settings(explicitSettings)
+    require_flag("updateInitialValues", updateInitialValues)
     require_assembled(mbs)
     refuse_newton_functions(mbs)
     take_word(mbs, explicit.dependsOnTimeOnly)
     longest = math.inf
-    while True:
+    report: dict[str, Any] | None = None
+    while report is None:
         try:
-            return _solve_from_start(mbs, settings, explicit, longest)
+            report = _solve_from_start(mbs, settings, explicit, longest)
         except DivergenceError as error:
             longest = error.shorter_step
             if not (longest and _may_begin_again(mbs, settings, explicit)):
                 raise
+    if updateInitialValues:
+        mbs.systemData.SetSystemState(mbs.systemData.GetSystemState(), exudyn.ConfigurationType.Initial)
+    return report
 
 
 def _may_begin_again(mbs: Any, settings: Any, explicit: ExplicitSettings) -> bool:
@@ -302,7 +312,8 @@ def _run(
         try:
             success = _solve_system(solver, mbs, settings, header)
         except Exception as error:
-            raise loop.cause_of(error, log) from None
+            cause = loop.cause_of(error, log)
+            raise cause from cause.__cause__
         finally:
             loop.complete_state()
             solver.SetUserFunctionDiscontinuousIteration(mbs, nothing)  # mbs must not keep itself alive

@@ -36,14 +36,14 @@ def left_out_stretch(kept: KeptStates) -> list[tuple[float, str]]:
     usual = np.linspace(0, len(times) - 1, min(number, len(times))).astype(int)
     looks = [*usual, *(np.argsort(changes)[-number:] + 1)]
     try:
-        found = [run.tensions(times[k], *states[k]) for k in looks]
+        found = {k: run.tensions(times[k], *states[k]) for k in set(looks)}
     except InextensibleError:  # items that were changed do not allow an earlier state any more
         return []
     displacements, said = np.vstack([kept.start, states[:, 0]]), []
     for k in known:
         dofs, shape = run.places_of_cables[k]
         q = (displacements[:, dofs] + run.reference[dofs]).reshape(-1, *shape)[:, :, 0]
-        largest = np.array([np.abs(tensions[k]).max() for tensions in found])
+        largest = np.array([np.abs(found[look][k]).max() for look in looks])
         rms = math.sqrt(float(np.mean(largest[: len(usual)] ** 2)))
         cable, tension = run.cable_runs[k].scene_cable, (rms, float(largest.max()))
         said.append(stretch_of(cable, tension, q, times[-1], kept.begins_unstretched))

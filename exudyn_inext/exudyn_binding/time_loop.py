@@ -157,12 +157,16 @@ class ExplicitTimeLoop:
         self._write_restart()
 
     def cause_of(self, error: Exception, log: Any) -> BaseException:
-        """Of an error of Exudyn's loop: what it has wrapped, if that is known.   log: `ChangeLog`."""
+        """Of an error of Exudyn's loop: what it has wrapped, if that is known.   log: `ChangeLog`.
+
+        mbs has the time of its state then, where Exudyn has begun the next step.
+        """
+        if self._is_watched:
+            self._data.SetTime(self.time)
         if self.error is None and "KeyboardInterrupt" in str(error):
             time = self._data.GetTime()
             return KeyboardInterrupt(f"interrupted at t = {time:.6g} s; mbs holds the state there.")
         if log.refused(error):
-            self._data.SetTime(self.time)
             return log.refusal
         return self.error or error
 
@@ -242,19 +246,25 @@ class ExplicitTimeLoop:
         """
         while True:
             first = self._computed
-            with self._remembering_errors:
-                states, good = self._compute_well()
+            try:
+                with self._remembering_errors:
+                    states, good = self._compute_well()
+            except BaseException:
+                self._put_back()
+                raise
             self._ahead = (first, states[:good])
             observed = states[:good, : self._observed]
             for block in range(0, good, HANDED_OUT):
                 yield observed[block : block + HANDED_OUT].tolist()
             if good < len(states):
                 self.error = self._divergence(self.grid.time(first + good), self.grid.time(first + good + 1))
+                self._computed = first + good
                 self._put_back()
                 raise self.error
 
     def _put_back(self) -> None:
-        """What mbs held before steps that it has taken part in; otherwise it still does."""
+        """The time of the state that was handed out last; and that state, if mbs took part in later steps."""
+        self._data.SetTime(self.time)
         if self._is_watched:
             data = self._data
             putters = data.SetODE2Coordinates, data.SetODE2Coordinates_t, data.SetODE1Coordinates
