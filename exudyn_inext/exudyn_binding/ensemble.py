@@ -26,8 +26,9 @@ from ..run.step_choice import StepChoice, require_stable, warn_of_damping
 from ..run.time_grid import TimeGrid, grid_of_period
 from .console import compile_notice
 from .ensemble_members import Member, all_systems, read_members
+from .kept_states import KeptStates
 from .reports import EnsembleReport
-from .stretch_check import StretchCheck, warn_of_worst
+from .stretch_check import left_out_stretch, warn_of_worst
 
 MOST_WAITING = 8  # members for each thread, which hold memory
 TURN = 1e-4  # of a thread that holds Python's lock [s]; the usual 5 ms cost a tenth of the gain of two cores
@@ -231,6 +232,7 @@ class _Ensemble:
         for run in member.runs:
             run.set_step(grid.h)
             run.start(grid.start)
+            kept_states = KeptStates(run)
             history = np.empty((grid.loop_steps + 1, 3, len(run.indices)))
             history[0] = run.state.q - run.reference, run.state.v, run.state.a
             good = run.record(grid, 0, history[1:])
@@ -245,9 +247,8 @@ class _Ensemble:
             kept = history[: good + 1, : self._derivatives].swapaxes(0, 1)
             self.states[:, number, : good + 1][..., as_slice(run.indices)] = kept
             if number == 0 and isinstance(run, CableRun):  # the others ask Exudyn, which threads share
-                check = StretchCheck(run)
-                check.keep(grid, 0, history[1 : good + 1])
-                self._stretch += check.findings()
+                kept_states.keep(grid, 0, history[1 : good + 1])
+                self._stretch += left_out_stretch(kept_states)
 
     def results(self) -> dict[str, Any]:
         """What `SolveEnsemble` returns; of several cables, the first divergence ends their member."""

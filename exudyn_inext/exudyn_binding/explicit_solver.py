@@ -131,22 +131,25 @@ class ExplicitSolver(_NativeSolver):
             with compile_notice(simulationSettings, self):
                 return bool(super().SolveSteps(mbs, simulationSettings))
         except Exception as error:
-            raise loop.cause_of(error, loop.changes.log) from None
+            cause = loop.cause_of(error, loop.changes.log)
+            raise cause from cause.__cause__
         finally:
             self.SetUserFunctionDiscontinuousIteration(mbs, nothing)
             loop.finish_portion()
 
     def FinalizeSolver(self, mbs: Any, simulationSettings: Any) -> None:
-        """End: files are closed, and changes of mbs are not followed any more.
+        """End: files are closed, and changes of mbs are not followed any more; a second end does nothing.
 
         Raises:
-            InputError: not initialised.
+            InputError: initialised for another mbs.
             SceneError: something has been changed in a way that the steps could not notice.
         """
+        if self._loop is None:
+            return
         self._loop_of(mbs)
         super().FinalizeSolver(mbs, simulationSettings)
         try:
-            if self._loop is not None and self._loop.error is None:
+            if self._loop.error is None:
                 self._loop.require_all_seen()
                 warn_of_findings(self._loop.runs, self._given.energyTolerance)
         finally:

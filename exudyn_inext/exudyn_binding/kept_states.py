@@ -1,4 +1,4 @@
-"""Some states of a run, kept so that it can be judged after its end: a step costs nothing."""
+"""Some states of a run, kept so that its stretch can be judged after its end: a step costs nothing."""
 
 from ..arrays import Array
 from ..run.coupled_run import Run
@@ -8,15 +8,26 @@ KEPT = 128  # states of a run, at least, if it has as many outputs
 
 
 class KeptStates:
-    """Of a run.   states: time [s], step before it [s] and (2, n), by intervals of the loop."""
+    """Of a run whose cables stretch, or are of templates whose axial stiffness was left out; of others none.
 
-    def __init__(self, run: Run) -> None:
+    start: (n,) displacements before the first interval of the loop [m].
+    begins_unstretched: whether native cables would not be stretched there.
+    states: time [s], step before it [s] and (2, n), by intervals of the loop.
+    """
+
+    def __init__(self, run: Run, begins_unstretched: bool = False) -> None:
         self.run = run
+        self.start = run.state.q[: len(run.indices)] - run.reference
+        self.begins_unstretched = begins_unstretched
         self.states: dict[int, tuple[float, float, Array]] = {}
         self._every = 1  # intervals between two states
+        leave_out = any(cable.scene_cable.item.leaves_stretch_out for cable in run.cable_runs)
+        self._matter = leave_out or run.watch.stretches
 
     def keep(self, grid: TimeGrid, first: int, history: Array) -> None:
         """Of the intervals of the loop from number `first` on.   history: (intervals, 3, n), see `record`."""
+        if not self._matter:
+            return
         while len(self.states) + len(history) // self._every > 2 * KEPT:
             self._every *= 2
             self.states = {k: kept for k, kept in self.states.items() if k % self._every == 0}

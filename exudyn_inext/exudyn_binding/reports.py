@@ -22,8 +22,10 @@ class ExplicitReport(Report):
     def _lines(self) -> Iterable[str]:
         bounds, theta = self["bounds"], self["massScaling"]
         scaling = f", massScaling = {theta:g}" if theta else ""
+        least, mean = self["stepSize"], self["meanStepSize"]
+        h = f"{least:.4g} s" if least > 0.99 * mean else f"{mean:.4g} s on average, {least:.4g} s at least"
         yield (
-            f"SolveExplicit: {self['steps']} steps of {self['integrator']}, h = {self['stepSize']:.4g} s "
+            f"SolveExplicit: {self['steps']} steps of {self['integrator']}, h = {h} "
             f"(decided by {self['decidedBy']}){scaling}"
         )
         yield f"stability limit: {bounds.stability_limit:.4g} s at the start, from {bounds.cable}"

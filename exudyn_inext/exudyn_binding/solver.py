@@ -10,6 +10,7 @@ from typing import Any
 
 import exudyn
 
+from ..checks import require_flag
 from ..errors import DivergenceError, SceneError
 from ..items.arguments import explicit_settings, simulation_settings
 from ..items.functions_of_time import functions_at_rest, step_functions, take_word
@@ -34,7 +35,7 @@ from .restart import Restarts
 from .scene import read_scene, require_assembled
 from .scene_runs import RunBuilder, bounds_if_scaled
 from .sensors import OutputTimes, observed_derivatives, warn_of_empty_sensors
-from .stretch_check import warn_of_worst
+from .stretch_check import left_out_stretch, warn_of_worst
 from .time_loop import (
     ExplicitTimeLoop,
     is_watched,
@@ -46,7 +47,10 @@ from .wave_check import share_of_waves, warn_of_waves
 
 
 def SolveExplicit(
-    mbs: Any, simulationSettings: Any = None, explicitSettings: ExplicitSettings | None = None
+    mbs: Any,
+    simulationSettings: Any = None,
+    explicitSettings: ExplicitSettings | None = None,
+    updateInitialValues: bool = False,
 ) -> dict[str, Any]:
     """Explicit dynamics of a scene with inextensible cables, in Exudyn's own time loop.
 
@@ -97,16 +101,17 @@ def SolveExplicit(
         simulationSettings: exudyn.SimulationSettings; used are startTime, endTime, numberOfSteps,
             verboseMode and all solution (output) settings.
         explicitSettings: integrator, step size, stabilisation.
+        updateInitialValues: whether the state at the end becomes the initial one, where the next run begins.
 
     Returns:
         dict, which prints as a summary, with 'success', 'integrator', 'steps', 'loopSteps' (of Exudyn's
-        loop), 'stepSize' [s] (the smallest, if they adapt), 'decidedBy' (what bounded it), 'bounds'
-        (StepSizeBounds), 'massScaling' (theta), 'rejections' (how often steps went wrong and were taken
-        again, smaller), 'path' (which way the steps were computed), 'startCorrections' (of each cable, and
-        of joints: how far the initial state was from the constraints), 'drift': a dict with the largest
-        'energyGain' and 'energyLoss' (beyond the work done, as shares of the energy of the motion), and
-        the largest violation of 'constraints' (of joints [m, -] over the largest coordinate at the start if
-        that is above 1); in runs of more than 20 000 steps of cables alone also 'stepOverLimit', the
+        loop), 'stepSize' [s] (the smallest, if they adapt), 'meanStepSize' [s], 'decidedBy' (what bounded
+        it), 'bounds' (StepSizeBounds), 'massScaling' (theta), 'rejections' (how often steps went wrong and
+        were taken again, smaller), 'path' (which way the steps were computed), 'startCorrections' (of each
+        cable, and of joints: how far the initial state was from the constraints), 'drift': a dict with the
+        largest 'energyGain' and 'energyLoss' (beyond the work done, as shares of the energy of the motion),
+        and the largest violation of 'constraints' (of joints [m, -] over the largest coordinate at the start
+        if that is above 1); in runs of more than 20 000 steps of cables alone also 'stepOverLimit', the
         largest share that the step was of the present stability limit, and 'resumedAt' [s] (of a restart
         file; or None).
 
@@ -124,17 +129,22 @@ def SolveExplicit(
     """
     settings = simulation_settings(simulationSettings)
     explicit = explicit_settings(explicitSettings)
+    require_flag("updateInitialValues", updateInitialValues)
     require_assembled(mbs)
     refuse_newton_functions(mbs)
     take_word(mbs, explicit.dependsOnTimeOnly)
     longest = math.inf
-    while True:
+    report: dict[str, Any] | None = None
+    while report is None:
         try:
-            return _solve_from_start(mbs, settings, explicit, longest)
+            report = _solve_from_start(mbs, settings, explicit, longest)
         except DivergenceError as error:
             longest = error.shorter_step
             if not (longest and _may_begin_again(mbs, settings, explicit)):
                 raise
+    if updateInitialValues:
+        mbs.systemData.SetSystemState(mbs.systemData.GetSystemState(), exudyn.ConfigurationType.Initial)
+    return report
 
 
 def _may_begin_again(mbs: Any, settings: Any, explicit: ExplicitSettings) -> bool:
@@ -224,16 +234,18 @@ def _solve(
         with shared_evaluators(sensors), shown, listening(log):
             _run(mbs, solver, settings, loop, outputs, log, header)
         with state_kept(mbs):
-            warn_of_worst([one for check in loop.stretch_checks for one in check.findings()])
-            warn_of_waves(list(map(share_of_waves, loop.stretch_checks)))
+            warn_of_worst([one for kept in loop.kept_states for one in left_out_stretch(kept)])
+            warn_of_waves(list(map(share_of_waves, loop.kept_states)))
     controls = [run.control for run in loop.runs]
+    steps = max(control.steps for control in controls)
     warn_of_findings(loop.runs, explicit.energyTolerance)
     return ExplicitReport(
         {
             "success": True,
             "integrator": explicit.integratorName,
             "stepSize": min(control.smallest for control in controls),
-            "steps": max(control.steps for control in controls),
+            "meanStepSize": duration / steps,
+            "steps": steps,
             "rejections": sum(control.rejections for control in controls),
             "massScaling": explicit.massScaling or 0.0,
             "loopSteps": grid.loop_steps,
@@ -300,7 +312,8 @@ def _run(
         try:
             success = _solve_system(solver, mbs, settings, header)
         except Exception as error:
-            raise loop.cause_of(error, log) from None
+            cause = loop.cause_of(error, log)
+            raise cause from cause.__cause__
         finally:
             loop.complete_state()
             solver.SetUserFunctionDiscontinuousIteration(mbs, nothing)  # mbs must not keep itself alive

@@ -19,10 +19,10 @@ from ..run.coupled_run import Run
 from ..run.divergence import divergence, listed
 from ..run.kept_state import KeptState
 from ..run.time_grid import TimeGrid
-from .mbs_state import LastSteps
+from .kept_states import KeptStates
+from .mbs_state import INITIAL, LastSteps
 from .restart import Restarts
 from .sensors import ACCELERATIONS, VELOCITIES, OutputTimes
-from .stretch_check import StretchCheck
 
 LOOK_AHEAD_LIMIT = 1_000_000  # coordinates times steps in a call: some 30 ms, so that Ctrl-C works
 HANDED_OUT = 64  # states that are turned into Python numbers at once
@@ -76,7 +76,7 @@ class ExplicitTimeLoop:
         self._is_watched = is_watched(mbs, runs)
         self._only_items_ask = self._is_watched and not step_functions(mbs)
         self._contacts = contacts_in_view(mbs, runs) if self._is_watched or has_sensor_functions(mbs) else []
-        self._written = self._present(exudyn.ConfigurationType.Initial)
+        self._written = self._present(INITIAL)
         self._observed = max(observed, VELOCITIES) if self._is_watched else observed
         self._shows_forces = self._sees_forces = observed == ACCELERATIONS
         self.restarts = restarts
@@ -93,7 +93,8 @@ class ExplicitTimeLoop:
         self._calm = 0  # steps since something was changed
         self._until_output = UNSEEN  # steps until somebody looks at accelerations and forces, where items ask
         self._is_changed = False  # before the step that is computed next
-        self.stretch_checks = list(map(StretchCheck, runs))
+        is_unstretched = not (self._written[0].any() or np.any(self._data.GetAECoordinates(INITIAL)))
+        self.kept_states = [KeptStates(run, is_unstretched) for run in runs]
         for run in runs:
             run.set_step(grid.h)
             run.start(grid.start)
@@ -159,12 +160,16 @@ class ExplicitTimeLoop:
         self._write_restart()
 
     def cause_of(self, error: Exception, log: Any) -> BaseException:
-        """Of an error of Exudyn's loop: what it has wrapped, if that is known.   log: `ChangeLog`."""
+        """Of an error of Exudyn's loop: what it has wrapped, if that is known.   log: `ChangeLog`.
+
+        mbs has the time of its state then, where Exudyn has begun the next step.
+        """
+        if self._is_watched:
+            self._data.SetTime(self.time)
         if self.error is None and "KeyboardInterrupt" in str(error):
             time = self._data.GetTime()
             return KeyboardInterrupt(f"interrupted at t = {time:.6g} s; mbs holds the state there.")
         if log.refused(error):
-            self._data.SetTime(self.time)
             return log.refusal
         return self.error or error
 
@@ -268,19 +273,25 @@ class ExplicitTimeLoop:
         """
         while True:
             first = self._computed
-            with self._remembering_errors:
-                states, good = self._compute_well()
+            try:
+                with self._remembering_errors:
+                    states, good = self._compute_well()
+            except BaseException:
+                self._put_back()
+                raise
             self._ahead = (first, states[:good])
             observed = states[:good, : self._observed]
             for block in range(0, good, HANDED_OUT):
                 yield observed[block : block + HANDED_OUT].tolist()
             if good < len(states):
                 self.error = self._divergence(self.grid.time(first + good), self.grid.time(first + good + 1))
+                self._computed = first + good
                 self._put_back()
                 raise self.error
 
     def _put_back(self) -> None:
-        """What mbs held before steps that it has taken part in; otherwise it still does."""
+        """The time of the state that was handed out last; and that state, if mbs took part in later steps."""
+        self._data.SetTime(self.time)
         if self._is_watched:
             data = self._data
             putters = data.SetODE2Coordinates, data.SetODE2Coordinates_t, data.SetODE1Coordinates
@@ -344,10 +355,10 @@ class ExplicitTimeLoop:
         reactions = np.zeros((intervals if self._shows_forces else 1, self._data.AEsize()))
         good, are_set = intervals, False
         begins = not self._is_watched and self.restarts.may_begin(self.grid, self._computed)
-        for run, places, check in zip(self.runs, self._places, self.stretch_checks, strict=True):
+        for run, places, kept in zip(self.runs, self._places, self.kept_states, strict=True):
             history, run.may_begin_again = np.empty((intervals, 3, len(run.indices))), begins
             good = min(good, run.record(self.grid, self._computed, history))
-            check.keep(self.grid, self._computed, history[:good])
+            kept.keep(self.grid, self._computed, history[:good])
             if good and not run.completes and (self._shows_forces or takes_last_step):
                 time = self.grid.time(self._computed + good)
                 history[good - 1, 2] = run.accelerations(time, reactions[-1])
@@ -416,7 +427,7 @@ class ExplicitTimeLoop:
             self.runs, self._places = runs, [as_slice(run.indices) for run in runs]
             self._last_steps = LastSteps(self._last_steps.place, runs)
             self._kept.clear()
-            self.stretch_checks = list(map(StretchCheck, runs))
+            self.kept_states = list(map(KeptStates, runs))
 
     def _take_over_changes(self) -> None:
         """A user function may have set coordinates since the last step: restart from them."""

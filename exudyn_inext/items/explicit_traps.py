@@ -48,10 +48,11 @@ def explicit_traps(mbs: Any) -> list[str]:
     for data in objects:
         item = find_cable_item(data)
         if item is not None and item.enforcement != "penaltyMass":
+            has_stretch = item.cable.stretches
+            remedy = "take native elements" if has_stretch else "create it with enforcement='penaltyMass'"
             messages.append(
-                f"the inextensible cable '{data['name']}' has enforcement = '{item.enforcement}', which "
-                "native explicit solvers cannot move: create it with enforcement='penaltyMass', or use "
-                "SolveExplicit."
+                f"the cable '{data['name']}' has enforcement = '{item.enforcement}', which native explicit "
+                f"solvers cannot move: {remedy}, or use SolveExplicit."
             )
         elif item is not None:
             owners |= dict.fromkeys(item.nodes, data["name"])

@@ -32,8 +32,8 @@ def CreatePrescribedMotion(
         mbs: the system where the items are added.
         nodeNumber: node of a cable, NodePoint2DSlope1 or NodePointSlope1.
         position: t [s] -> (2,) or (3,) absolute position [m]; at the start that of the node.
-        velocity: t -> its derivative [m/s]; None: central differences.
-        acceleration: t -> second derivative [m/s^2]; None: central differences.
+        velocity: t -> its derivative [m/s]; None: differences, of one side where the motion begins or ends.
+        acceleration: t -> second derivative [m/s^2]; None: differences.
 
     Returns:
         dict with 'constraintObjects', one for each coordinate.

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..compiled import kernel
+from ..constraints.motion import differences_and_side
 from ..scene.coupled_system import Part
 from ..scene.joints import JointBlock, JointTerms
 from .bodies import Quaternion
@@ -141,23 +142,24 @@ class JointRows:
 
         Args:
             value_at: (t, q) -> c (m,), which brings mbs there; its second difference along the motion is
-                -gamma, Eq. (27), or the difference of its rate where angular velocities are constrained.
+                -gamma, Eq. (27), or the difference of its rate where angular velocities are constrained;
+                of one side where functions of time begin or end.
         """
         value = value_at(t, q)
         if not self.follows_time and (self._are_linear or not v.any()):
             return JointTerms(value, np.zeros(len(self.names)), np.zeros(len(self.names)))
         rates = v[: self._places]  # those of first-order states behind them have other units
         step = self._step / max(1.0, float(np.abs(rates).max()))
-        (after, spin_after), (before, spin_before) = (
-            (value_at(t + s, self._moved(q, v, s)), self._angular_rates(mbs, v)) for s in (step, -step)
-        )
-        gamma = (2.0 * value - after - before) / step**2
-        drift, bend = np.zeros((2, len(self.names)))
+        (_, drift, change), side = np.zeros((3, len(self.names))), 0
         if self.follows_time:
-            later, earlier = value_at(t + STEP, q), value_at(t - STEP, q)
-            drift, bend = (later - earlier) / (2.0 * STEP), (2.0 * value - later - earlier) / STEP**2
+            (_, drift, change), side = differences_and_side(lambda s: value_at(s, q), t)
+        near, far = (side * step, 2.0 * side * step) if side else (step, -step)
+        (at_near, spin_near), (at_far, spin_far) = (
+            (value_at(t + s, self._moved(q, v, s)), self._angular_rates(mbs, v)) for s in (near, far)
+        )
+        gamma = (2.0 * at_near - at_far - value if side else 2.0 * value - at_near - at_far) / step**2
         for k, (own, _, _) in enumerate(self._angular):
-            gamma[own] = (spin_before[k] - spin_after[k]) / (2.0 * step) + bend[own]
+            gamma[own] = (spin_near[k] - spin_far[k]) / (far - near) - change[own]
         return JointTerms(value, drift, gamma)
 
     def _angular_rates(self, mbs: Any, v: Array) -> list[Array]:

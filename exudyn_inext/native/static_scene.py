@@ -250,6 +250,7 @@ def rest_at(mbs: Any, displacements: Array, multipliers: Array) -> None:
     for configuration in (exudyn.ConfigurationType.Initial, exudyn.ConfigurationType.Current):
         data.SetODE2Coordinates(displacements.tolist(), configuration)
         data.SetODE2Coordinates_t(rest, configuration)
+        data.SetAECoordinates((-multipliers).tolist(), configuration)
     for number in range(data.NumberOfNodes()):
         places = np.array(data.GetNodeLTGODE2(number), dtype=int)
         own = displacements[places]
@@ -260,4 +261,3 @@ def rest_at(mbs: Any, displacements: Array, multipliers: Array) -> None:
         }
         for name in values.keys() & mbs.GetNode(number).keys() if len(places) else ():
             mbs.SetNodeParameter(number, name, values[name].tolist())
-    data.SetAECoordinates((-multipliers).tolist())

@@ -8,7 +8,7 @@ import numpy as np
 from ..arrays import Array
 from ..cable.link import Motion
 from ..cable.links import all_links, motions_of
-from ..constraints.motion import STEP
+from ..constraints.motion import jump_of_velocity
 from ..errors import SceneError
 from ..integrators.integrator import LoadHistory
 from ..loads.nodal import NodalLoad, out_of_plane
@@ -156,9 +156,13 @@ class CableLoads:
             raise SceneError(
                 f"a motion prescribed to a node of {self._name} has place, velocity and acceleration "
                 f"{values[bad[0]].tolist()} at t = {times[bad[0]]:g} s: its functions must return finite "
-                f"numbers, without given derivatives also {STEP:g} s before and after the run."
+                "numbers during the run."
             )
         return values
+
+    def jump_of_velocity(self, time: float) -> float:
+        """Of supports near `time` [s] [m/s]; or 0."""
+        return max((jump_of_velocity(motion, time) for motion in self._motions), default=0.0)
 
     def jump_of_places(self, time: float, end: float) -> float:
         """Largest way of a support from `time` to `end` [s] [m]."""

@@ -34,7 +34,7 @@ from ..multibody.scene import (
     take_steps,
 )
 from ..multibody.sliding import BEYOND, PLACE
-from ..scene.joints import NOT_FINITE, dependent_row, not_independent
+from ..scene.redundant_rows import NOT_FINITE, dependent_rows, not_independent
 from ..system import (
     ACCELERATION_ENERGY,
     REPORTED,
@@ -500,11 +500,11 @@ def _dependent(joints: Joints, names: Sequence[str]) -> RedundantConstraintError
         if len(joints.nodes.dof) and not len(row):  # a length, which rows before it hold already
             row = np.argsort(np.where(joints.place < place, -joints.place, 0))[:1]
         is_finite = len(row) and np.isfinite(joints.diagonal).all()
-        return not_independent(names[row[0]]) if is_finite else RedundantConstraintError(NOT_FINITE)
+        return not_independent([names[row[0]]]) if is_finite else RedundantConstraintError(NOT_FINITE)
     holds, total, begin = joints.holds, np.zeros((len(joints.rows), len(joints.rows))), 0
     row_of = joints.entries.row[holds.entry]
     for end, first in zip(holds.end, holds.square, strict=True):
         own, size = row_of[begin:end], end - begin
         total[np.ix_(own, own)] += holds.local[first : first + size**2].reshape(size, size)
         begin = end
-    return dependent_row(np.tril(total), names)
+    return dependent_rows(np.tril(total), names)

@@ -66,6 +66,11 @@ class PacedRun:
         """Whether the equations depend on the step."""
         raise NotImplementedError
 
+    @property
+    def cable_runs(self) -> Any:
+        """(k,) `CableRun`, those of its cables."""
+        raise NotImplementedError
+
     def memory(self) -> dict[str, Any]:
         """Arrays that the next steps depend on, by names: to be kept, or set before `resume`."""
         raise NotImplementedError
@@ -94,6 +99,12 @@ class PacedRun:
             return (
                 f"Cause: a support or joint moves by {jump:.3g} m at once at t = {time:.6g} s, for which no "
                 "step is small enough: let it get there within some time."
+            )
+        if kick := max((run.loads.jump_of_velocity(time) for run in self.cable_runs), default=0.0):
+            return (
+                f"Likely cause: the velocity of a support jumps by {kick:.3g} m/s near t = {time:.6g} s, as "
+                "where lines are drawn between the points of a table: draw a smooth curve (scipy's "
+                "CubicSpline), or set energyTolerance = 10, which bears the work of such jumps."
             )
         if self.watch.hides_energy and step > 0.0:
             return (

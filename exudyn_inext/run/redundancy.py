@@ -12,8 +12,8 @@ from ..cable.linked_cable import LinkedCableSystem
 from ..cable.links import all_links
 from ..errors import RedundantConstraintError
 from ..scene.coupled_system import CoupledSystem
-from ..scene.joints import NOT_FINITE, not_independent
 from ..scene.model import CableInScene
+from ..scene.redundant_rows import NOT_FINITE, not_independent
 from .divergence import listed
 
 PIVOT_TOLERANCE = 1e-10
@@ -85,7 +85,7 @@ def require_mobile_points(system: CoupledSystem, cables: Sequence[Cable]) -> Non
             entry = np.einsum("ij,ij->i", block.jacobian, block.response)
             least = PIVOT_TOLERANCE / mass * np.einsum("ij,ij->i", block.jacobian, block.jacobian)
             if (found := np.flatnonzero((parts[block.rows] == 1) & ~(entry > least))).size:
-                raise not_independent(names[block.rows[found[0]]])
+                raise not_independent([names[row] for row in block.rows[found]])
 
 
 def held_straight(runs: Sequence[Any], scene: Any, q: Array, lacking: float = STRAIGHT) -> list[str]:

@@ -21,7 +21,7 @@ from ..arrays import Array
 from ..cable.linear_response import respond
 from ..called_system import called
 from ..compiled import kernel
-from ..errors import RedundantConstraintError
+from .redundant_rows import PIVOT_TOLERANCE, dependent_rows
 
 
 @singledispatch
@@ -45,7 +45,6 @@ def _respond_with_cables(system, first, width, dof, jacobian, response):
 
 
 FEW = 24  # rows whose order does not matter
-PIVOT_TOLERANCE = 1e-10  # of a pivot of S, relative to its diagonal entry
 
 
 class JointBlock:
@@ -132,7 +131,7 @@ class JointSolve:
         """S of the present Jacobians; the parts are factorised.
 
         Raises:
-            RedundantConstraintError: names the first row that depends on others.
+            RedundantConstraintError: names the rows that depend on others.
         """
         for respond_now in self._responders:
             respond_now()
@@ -141,7 +140,7 @@ class JointSolve:
         self._factor, info = scipy.linalg.lapack.dpbtrf(self._schur, lower=1)
         squares = self._factor[0] * self._factor[0]
         if info or not (squares > PIVOT_TOLERANCE * self._schur[0]).all():
-            raise dependent_row(_dense(self._schur, self._order), self._names)
+            raise dependent_rows(_dense(self._schur, self._order), self._names)
 
     def times_jacobian(self, x: Array) -> Array:
         """J x (m,).   x: (n,)."""
@@ -263,29 +262,3 @@ def _dense(band: Array, order: np.ndarray) -> Array:
         sorted_[places + below, places] = sorted_[places, places + below] = diagonal[: size - below]
     back = np.argsort(order)
     return np.tril(sorted_[np.ix_(back, back)])
-
-
-NOT_FINITE = (
-    "the Jacobian of the joints is not finite: the run has diverged, or a joint is singular in the present "
-    "configuration."
-)
-
-
-def dependent_row(schur: Array, names: Sequence[str]) -> RedundantConstraintError:
-    """What is said where S, of which the lower triangle is set, is not positive definite."""
-    if not np.isfinite(schur).all():
-        return RedundantConstraintError(NOT_FINITE)
-    factor, info = scipy.linalg.lapack.dpotrf(schur, lower=1)
-    if info == 0:
-        diagonal = factor.diagonal()
-        info = int(np.argmin(diagonal * diagonal / schur.diagonal())) + 1
-    return not_independent(names[info - 1])
-
-
-def not_independent(name: str) -> RedundantConstraintError:
-    """What is said of a row."""
-    return RedundantConstraintError(
-        f"{name} is not independent of the other constraints in the present configuration: remove "
-        "it, free the axes that other joints hold already, or give cables that are straight between joints "
-        "their axialStiffness."
-    )

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from exudyn_inext.constraints.motion import motion_of, require_smooth
+from exudyn_inext.constraints.motion import jump_of_velocity, motion_of, require_smooth
 from exudyn_inext.errors import InputError
 
 pytestmark = pytest.mark.kernel
@@ -44,8 +44,8 @@ def test_a_single_coordinate_moves_as_a_vector_of_one():
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ((lambda t: [max(0.0, t - T)],), "velocity"),
-        ((lambda t: [max(0.0, t - T) ** 2],), "acceleration"),
+        ((lambda t: [abs(t - T)],), "velocity"),
+        ((lambda t: [(t - T) * abs(t - T)],), "acceleration"),
         ((p, lambda t: [1.0, 1.0]), "the given velocity at t = 0.7 s is .* correct it, or leave it out"),
         ((p, p_t, lambda t: [1.0, 1.0]), "the given acceleration at t = 0.7 s is .* leave it out"),
         ((lambda t: [np.nan, 0.0],), "is not finite at t = 0.7 s"),
@@ -55,3 +55,36 @@ def test_a_single_coordinate_moves_as_a_vector_of_one():
 def test_motions_without_the_stated_derivatives_are_refused(given, message):
     with pytest.raises(InputError, match=message):
         require_smooth(motion_of(*given), T, "the hanger")
+
+
+@pytest.mark.parametrize("outside", ["rests", "is not defined", "raises"])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_motion_that_begins_or_ends_has_the_derivatives_of_its_own_side(side, outside):
+    def position(t):
+        if side * (t - T) >= 0.0:
+            return p(t)
+        if outside == "raises":
+            raise ValueError("beyond the table")
+        return p(T) if outside == "rests" else [np.nan, 0.0]
+
+    motion = motion_of(position)
+    np.testing.assert_allclose(motion.at(T)[:2], [p(T), p_t(T)], atol=1e-6)
+    np.testing.assert_allclose(motion.at(T)[2], p_tt(T), atol=1e-2)
+    if side > 0.0:
+        require_smooth(motion, T, "motion")
+
+
+def test_an_error_at_the_time_itself_is_that_of_the_function():
+    with pytest.raises(ZeroDivisionError):
+        motion_of(lambda t: [1.0 / (t - T)]).at(T)
+
+
+def test_a_table_that_begins_flat_may_end_where_the_run_begins():
+    motion = motion_of(lambda t: [0.0 if t >= T else np.nan, 1.0])
+    np.testing.assert_array_equal(motion.at(T), [[0.0, 1.0], [0.0, 0.0], [0.0, 0.0]])
+
+
+@pytest.mark.parametrize(("position", "jump"), [(lambda t: [0.3 * abs(t - T), t], 0.6), (p, 0.0)])
+def test_a_jump_of_the_velocity_is_seen_nearby(position, jump):
+    for t in (T - 1e-4, T, T + 1e-4):
+        assert jump_of_velocity(motion_of(position), t) == pytest.approx(jump, rel=1e-6)

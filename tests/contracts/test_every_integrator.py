@@ -226,6 +226,14 @@ def test_frequency_limit_of_rattle_with_damping_has_a_closed_form(ratio):
     assert frequency_limit(INTEGRATORS["RATTLE"], Rattle(), ratio) == pytest.approx(exact, rel=1e-6)
 
 
+@pytest.mark.parametrize(("ratios", "exact"), [((0.3, 0.30004, 0.29996), 1.4881), ((0.0, 1e-9, 9e-5), 2.0)])
+def test_frequency_limits_of_close_ratios_are_one(ratios, exact):
+    """A study over the damping of a body searches for it once."""
+    found = [frequency_limit(INTEGRATORS["RATTLE"], Rattle(), ratio) for ratio in ratios]
+    assert len(set(found)) == 1
+    assert found[0] == pytest.approx(exact, rel=1e-3)
+
+
 def test_frequency_limits_of_rk4_are_the_textbooks():
     """On the imaginary axis 2 sqrt(2), on the real one (critical damping) 2.7853."""
     found = [frequency_limit(INTEGRATORS["RK4"], RungeKutta4(), ratio) for ratio in (0.0, 2.0)]

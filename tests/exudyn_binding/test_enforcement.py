@@ -230,6 +230,18 @@ def test_a_native_solver_on_the_default_is_told_what_to_choose(twin, contents, s
     refused(mbs, contents, message, lambda: run_native(mbs, solver, 0.1, 1e-3))
 
 
+def test_a_native_solver_on_a_cable_that_stretches_is_sent_to_native_elements(mbs, add_pendulum):
+    """Other ways of enforcement refuse such a cable."""
+    section = InextensibleCable(massPerLength=0.1, bendingStiffness=0.1, axialStiffness=1e4)
+    add_pendulum(mbs, beamTemplate=section)
+    mbs.Assemble()
+    with silence(), pytest.raises(exudyn.ModelError, match="take GenerateBeamElementsAlongLine") as caught:
+        run_native(mbs, SOLVER.GeneralizedAlpha, 0.1, 1e-3)
+    assert "enforcement=" not in str(caught.value)
+    with pytest.warns(ExplicitTrapWarning, match="take native elements, or use SolveExplicit"):
+        WarnOfExplicitTraps(mbs)
+
+
 def test_the_native_static_solver_on_the_default_is_told_what_to_choose(twin):
     mbs = twin().mbs
     message = r"SolveEquilibrium\(mbs\) for statics"

@@ -161,6 +161,7 @@ def test_exudyn_s_own_test_of_a_model_runs_and_writes_its_file(environments, cap
     assert not environment.flagNan and environment.mbs.systemData.GetTime() == pytest.approx(20 * PERIOD)
     assert "time spent" in capsys.readouterr().out
     rows = np.loadtxt(file, delimiter=",", comments="#")
+    environment.close()  # once more, as scripts do that first try a model
     size = environment.mbs.systemData.ODE2Size()
     np.testing.assert_allclose(rows[-1, 0], 20 * PERIOD)
     np.testing.assert_allclose(

@@ -119,6 +119,48 @@ def hung_mass(mbs, node, place, mass):
     return number, ends[1]
 
 
+def test_a_motion_that_is_wrong_by_half_is_warned_of_though_the_rope_is_long():
+    """The load falls to 80 % on a rope of 30 m, and rises by 13 mm, or 26 mm with stretch."""
+
+    def rise(**given):
+        mbs, nodes = cable_car(1e6, 29.5, **given)
+        SolveEquilibrium(mbs)
+        before = sag(mbs, nodes)
+        mbs.SetLoadParameter(mbs.systemData.NumberOfLoads() - 1, "load", -0.8 * LOAD)
+        SolveExplicit(mbs, quiet_settings(0.4, 40))
+        return before - sag(mbs, nodes)
+
+    with pytest.warns(UserWarning, match=r"stretch would move it by some 0\.1.* m, while it moves by 0\.04"):
+        stiff = rise()
+    assert rise(extensible=True) > 1.8 * stiff
+
+
+def hanging_load(stiffness, **given):
+    """3 kg on a rope of 2 m that hangs straight down; mbs, and the node of the mass."""
+    mbs = exudyn.SystemContainer().AddSystem()
+    section = ObjectANCFCable2D(massPerLength=0.1, bendingStiffness=0.01, axialStiffness=stiffness)
+    rope = CreateInextensibleCable(mbs, [0, 0, 0], [0, -2, 0], ELEMENTS, section, GRAVITY, PINNED, **given)[
+        "nodes"
+    ]
+    mass, _ = hung_mass(mbs, rope[-1], [0, -2, 0], 3.0)
+    mbs.Assemble()
+    return mbs, mass
+
+
+def test_a_load_that_bounces_as_its_rope_begins_unstretched_is_warned_of():
+    """By 2 m g L / EA within half a period pi (m L / EA)^(1/2); one that begins in equilibrium does not."""
+    stiffness, half = 4e4, np.pi * np.sqrt(3.0 * 2.0 / 4e4)
+    with pytest.warns(UserWarning, match=r"strain of 0\.0007.* begins unstretched \(limit 0\.0005\)"):
+        SolveExplicit(hanging_load(stiffness)[0], quiet_settings(half, 20))
+    mbs, mass = hanging_load(stiffness, extensible=True)
+    SolveExplicit(mbs, quiet_settings(half, 20))
+    fall = -2.0 - mbs.GetNodeOutput(mass, exudyn.OutputVariableType.Position)[1]
+    assert fall == pytest.approx(2.0 * 3.0 * 9.81 * 2.0 / stiffness, rel=0.05)
+    mbs, _ = hanging_load(stiffness)
+    SolveEquilibrium(mbs)
+    SolveExplicit(mbs, quiet_settings(half, 20))
+
+
 def hammer(stiffness, **given):
     """A mass of 3 kg on a rope of 2 m, which falls against a wall: a spring with a user function."""
     mbs = exudyn.SystemContainer().AddSystem()
@@ -163,7 +205,7 @@ def test_cables_of_one_kind_are_warned_of_as_well():
 
 
 def test_an_ensemble_warns_of_its_first_member():
-    with pytest.warns(UserWarning, match=r"axialStiffness = 1e\+06 N: .* of its extent"):
+    with pytest.warns(UserWarning, match=r"axialStiffness = 1e\+06 N: .* while it moves by"):
         SolveEnsemble([cable_car(1e6, 29.99)[0]], quiet_settings(0.05, 10))
 
 

@@ -16,6 +16,7 @@ from exudyn.itemInterface import (
 from exudyn_inext import (
     CableShape,
     CreatePrescribedMotion,
+    DivergenceError,
     InextensibleCable,
     InputError,
     RedundantConstraintError,
@@ -300,11 +301,59 @@ def test_a_motion_that_ends_before_the_run_is_named(mbs, add_cable, solve):
         solve(mbs, 0.05)
 
 
+def test_a_motion_may_begin_and_end_with_the_run(mbs, add_cable, solve):
+    """As tables of measurements, which know nothing before and after it."""
+    node = add_cable(mbs)["nodes"][0]
+
+    def of_table(t):
+        if not 0.0 <= t <= 0.1 + 1e-12:
+            raise ValueError("outside of the table")
+        return [0.5 * t**2, 0.0]
+
+    CreatePrescribedMotion(mbs, node, of_table)
+    mbs.Assemble()
+    solve(mbs, 0.1)
+    velocity = mbs.GetNodeOutput(node, exudyn.OutputVariableType.Velocity)
+    np.testing.assert_allclose(velocity, [0.1, 0.0, 0.0], atol=1e-6)
+
+
+@pytest.mark.parametrize("outside", ["rests", "raises"])
+def test_a_body_may_begin_to_move_with_the_run(mbs, add_pendulum, solve, outside):
+    add_pendulum(mbs)
+    cart = mbs.CreateMassPoint(mass=1.0, initialVelocity=[0.5, 0, 0], returnDict=True)["nodeNumber"]
+    ground = mbs.AddNode(NodePointGround())
+    ends = [mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=n, coordinate=0)) for n in (ground, cart)]
+
+    def of_table(mbs, t, item, offset):
+        if t < 0.0 and outside == "raises":
+            raise ValueError("outside of the table")
+        return 0.5 * max(t, 0.0) + 0.3 * max(t, 0.0) ** 2
+
+    mbs.AddObject(CoordinateConstraint(markerNumbers=ends, offsetUserFunction=of_table))
+    mbs.Assemble()
+    report = solve(mbs, 0.1, steps=10)
+    velocity = mbs.GetNodeOutput(cart, exudyn.OutputVariableType.Velocity)
+    np.testing.assert_allclose(velocity, [0.56, 0.0, 0.0], atol=1e-6)
+    assert "in one compiled call" in report["path"]
+
+
+def test_a_support_whose_velocity_jumps_is_named_and_the_remedy_works(mbs, add_cable, solve):
+    """The motion was called too violent for the step."""
+    node = add_cable(mbs)["nodes"][0]
+    CreatePrescribedMotion(mbs, node, lambda t: [0.3 * max(0.0, t - 0.05), 0.0])
+    mbs.Assemble()
+    with pytest.raises(DivergenceError, match=r"velocity of a support jumps by 0\.3 m/s near t = 0\.0"):
+        solve(mbs, 0.1)
+    solve(mbs, 0.1, energyTolerance=10.0)
+    place = mbs.GetNodeOutput(node, exudyn.OutputVariableType.Displacement)
+    np.testing.assert_allclose(place, [0.015, 0.0, 0.0], atol=1e-8)
+
+
 NOT_SMOOTH = [
     (lambda t: [abs(t), 0.0], None, "velocity jumps by 2"),
     (lambda t: [t * abs(t), 0.0], None, "acceleration jumps"),
     (lambda t: [0.1 * t**2, 0.0], lambda t: [0.3, 0.0], "differences give"),
-    (lambda t: [float("nan") if t < 0 else 0.0, 0.0], None, "is not finite at t = 0 s"),
+    (lambda t: [float("nan") if t else 0.0, 0.0], None, "is not finite at t = 0 s"),
 ]
 
 

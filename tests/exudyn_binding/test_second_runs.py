@@ -19,8 +19,10 @@ from exudyn_inext import (
     AddMarkerOnCable,
     ExplicitSettings,
     ExplicitSolver,
+    InputError,
     SceneError,
     SolveEquilibrium,
+    SolveExplicit,
 )
 from reference_models.model import quiet_settings, silence
 
@@ -73,6 +75,23 @@ def test_a_second_run_is_the_first_one(rotor_on_a_cable, solve, by_calls):
         rows.append(np.array(mbs.GetSensorStoredData(sensor)))
     assert mbs.systemData.GetDataCoordinates()[0] != 0.0
     np.testing.assert_array_equal(*rows)
+
+
+def test_a_run_goes_on_from_where_the_last_one_has_ended(rotor_on_a_cable):
+    mbs, sensor = rotor_on_a_cable
+    settings, rows, explicit = quiet_settings(0.1, 50), [], ExplicitSettings(stepSize=1e-3)
+    with silence():
+        SolveExplicit(mbs, settings, explicit)
+        whole = mbs.GetSensorStoredData(sensor)
+        for start in (0.0, 0.04):
+            time = settings.timeIntegration
+            time.startTime, time.endTime, time.numberOfSteps = start, start + 0.04, 20
+            SolveExplicit(mbs, settings, explicit, updateInitialValues=True)
+            rows.append(mbs.GetSensorStoredData(sensor))
+    np.testing.assert_array_equal(rows[0][-1], rows[1][0])
+    np.testing.assert_allclose(rows[1], whole[4:9], rtol=1e-5, atol=1e-5)
+    with pytest.raises(InputError, match="updateInitialValues = 'yes': must be True or False"):
+        SolveExplicit(mbs, settings, updateInitialValues="yes")
 
 
 def test_an_equilibrium_does_not_depend_on_a_run_before_it(rotor_on_a_cable, solve):

@@ -80,7 +80,7 @@ def test_an_unstable_step_that_the_user_insists_on_warns_and_diverges(twin, solv
         solve(built.mbs, 5.0, stepSize=5e-3, allowUnstableStep=True)
     assert "reduce stepSize" in str(caught.value)
     data = built.mbs.systemData
-    assert 0.0 < data.GetTime() < 5.0
+    assert f"holds the last good output, that of t = {data.GetTime():.6g} s" in str(caught.value)
     for state in (data.GetODE2Coordinates(), data.GetODE2Coordinates_t()):
         assert np.isfinite(state).all()
     assert np.isfinite(built.mbs.GetSensorStoredData(built.tip)).all()

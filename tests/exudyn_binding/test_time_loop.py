@@ -8,6 +8,7 @@ from exudyn.utilities import LoadSolutionFile
 
 from exudyn_inext import CableShape, DivergenceError, SceneError
 from reference_models.model import quiet_settings
+from tests.exudyn_binding.items import load_node
 
 
 def state(mbs):
@@ -238,6 +239,32 @@ def test_an_interrupt_leaves_a_system_that_runs_again(new_mbs, add_pendulum, sol
     assert mbs.systemData.GetTime() == pytest.approx(0.1)
     where = "among bodies" if among_others else "cables alone"
     fault(f"Ctrl-C in a run ({where})", "KeyboardInterrupt with the time; the same mbs runs again")
+
+
+@pytest.mark.parametrize("where", ["before a step", "in a load"])
+def test_an_error_of_a_function_leaves_a_state_of_one_time(mbs, add_pendulum, solve, where):
+    tip, data, seen = add_pendulum(mbs)["nodes"][-1], mbs.systemData, []
+
+    def present():
+        return [data.GetTime(), *data.GetODE2Coordinates(), *data.GetODE2Coordinates_t()]
+
+    def fail_late(mbs, t, force=True):
+        mbs.GetNodeOutput(tip, exudyn.OutputVariableType.Position)
+        if t > 0.0505:
+            raise ValueError("mine")
+        return force
+
+    if where == "in a load":
+        load_node(mbs, tip, [0, 0, 0], loadVectorUserFunction=fail_late)
+    else:
+        mbs.SetPreStepUserFunction(fail_late)
+    mbs.SetPostStepUserFunction(lambda mbs, t: seen.append(present()) or True)
+    mbs.Assemble()
+    with pytest.raises(Exception, match="mine") as caught:
+        solve(mbs, 0.1, steps=100, stepSize=1e-3)
+    assert isinstance(caught.value.__cause__ or caught.value, ValueError)
+    np.testing.assert_array_equal(present(), seen[-1])
+    assert seen[-1][0] == pytest.approx(0.05)
 
 
 def test_a_sensor_of_what_keeps_the_length_under_native_solvers_is_warned_of(mbs, add_pendulum, solve):

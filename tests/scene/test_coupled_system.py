@@ -93,7 +93,7 @@ def test_a_joint_that_stands_twice_is_named():
     rule = all_of_it.rule
     rule.linear[2], rule.quadratic[2] = rule.linear[0], rule.quadratic[0]
     a, rate = np.zeros(len(all_of_it.q)), np.zeros(len(all_of_it.q))
-    with pytest.raises(RedundantConstraintError, match=r"joint 2 is not independent.*remove it"):
+    with pytest.raises(RedundantConstraintError, match=r"joint 2, .* is not independent"):
         index_reduced_rates(all_of_it.system, NOW, all_of_it.q, all_of_it.v, a, rate)
     rule.linear[2, 0] = np.nan
     with pytest.raises(RedundantConstraintError, match="not finite"):

@@ -15,17 +15,25 @@ class Projection(Enforcement):
     name: ClassVar[str] = "projection"
 
     def object_parameters(self, item: CableItem) -> dict[str, Any]:
-        return {
-            "forceUserFunction": _refusing_user_function,
-            "massMatrixUserFunction": _refusing_user_function,
-        }
+        refuse = _refuse_to_stretch if item.cable.stretches else _refuse
+        return {"forceUserFunction": refuse, "massMatrixUserFunction": refuse}
 
 
-def _refusing_user_function(mbs, t, itemNumber, q, q_t):
+_OURS = "use exudyn_inext.SolveExplicit(mbs, simulationSettings), SolveEquilibrium(mbs) for statics, or"
+
+
+def _refuse(mbs, t, itemNumber, q, q_t):
     raise EnforcementError(
         f"the inextensible cable of object {itemNumber} has enforcement = 'projection', but was evaluated by "
-        "a native solver, which does not enforce inextensibility (the cable would fall apart): use "
-        "exudyn_inext.SolveExplicit(mbs, simulationSettings), SolveEquilibrium(mbs) for statics, or create "
-        "the cable with enforcement='algebraic' for native implicit solvers, eigenvalues and degrees of "
-        "freedom, with enforcement='penaltyMass' for native explicit solvers."
+        "a native solver, which does not enforce inextensibility (the cable would fall apart): "
+        f"{_OURS} create the cable with enforcement='algebraic' for native implicit solvers, eigenvalues and "
+        "degrees of freedom, with enforcement='penaltyMass' for native explicit solvers."
+    )
+
+
+def _refuse_to_stretch(mbs, t, itemNumber, q, q_t):
+    raise EnforcementError(
+        f"the cable of object {itemNumber}, which stretches, was evaluated by a native solver, which knows "
+        f"nothing of its forces: {_OURS} take GenerateBeamElementsAlongLine with an ObjectANCFCable2D or "
+        "ObjectANCFCable for native solvers, eigenvalues and degrees of freedom."
     )

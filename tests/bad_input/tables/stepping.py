@@ -52,7 +52,6 @@ NOT_INITIALISED = r"has not been initialised for this mbs: call InitializeSolver
 CALLS = (
     ExplicitSolver.InitializeSolverInitialConditions,
     ExplicitSolver.SolveSteps,
-    ExplicitSolver.FinalizeSolver,
 )
 
 ROWS = [
@@ -92,13 +91,16 @@ ROWS = [
         )
         for call in CALLS
     ],
-    Row(
-        ExplicitSolver.SolveSteps,
-        {"self": SOLVER, "mbs": Of(lambda scene: pendulum().mbs), "simulationSettings": settings()},
-        NOT_INITIALISED,
-        scene=initialised,
-        good=go_on,
-    ),
+    *[
+        Row(
+            call,
+            {"self": SOLVER, "mbs": Of(lambda scene: pendulum().mbs), "simulationSettings": settings()},
+            NOT_INITIALISED,
+            scene=initialised,
+            good=go_on,
+        )
+        for call in (ExplicitSolver.SolveSteps, ExplicitSolver.FinalizeSolver)
+    ],
     Row(
         ExplicitSolver.SolveSteps,
         {"self": SOLVER, "mbs": MBS, "simulationSettings": settings()},
