@@ -30,7 +30,7 @@ def swing(new_mbs, add_pendulum):
         cable = add_pendulum(mbs)
         tip = cable["nodes"][-1]
         body = mbs.CreateMassPoint(
-            referencePosition=[1.8, 0, 0], physicsMass=0.1, gravity=[0, -9.81, 0], create2D=True
+            referencePosition=[1.8, 0, 0], mass=0.1, gravity=[0, -9.81, 0], create2D=True
         )
         markers = [
             mbs.AddMarker(MarkerNodePosition(nodeNumber=tip)),
