@@ -23,7 +23,7 @@ AT_ONCE = "up to 32 steps at once"
 
 @pytest.fixture
 def swing(new_mbs, add_pendulum):
-    """(force of the state, by a spring) -> mbs, sensors, times at which the force was asked for."""
+    """(force, by_spring) -> mbs with a mass on a cable, sensors, times at which the force was asked for."""
 
     def build(force, by_spring=False):
         mbs, asked = new_mbs(), []
@@ -32,10 +32,8 @@ def swing(new_mbs, add_pendulum):
         body = mbs.CreateMassPoint(
             referencePosition=[1.8, 0, 0], mass=0.1, gravity=[0, -9.81, 0], create2D=True
         )
-        markers = [
-            mbs.AddMarker(MarkerNodePosition(nodeNumber=tip)),
-            mbs.AddMarker(MarkerBodyPosition(bodyNumber=body)),
-        ]
+        on_both = MarkerNodePosition(nodeNumber=tip), MarkerBodyPosition(bodyNumber=body)
+        markers = [mbs.AddMarker(marker) for marker in on_both]
         joint = mbs.AddObject(RevoluteJoint2D(markerNumbers=markers))
 
         def pull(mbs, t, load):
@@ -47,29 +45,18 @@ def swing(new_mbs, add_pendulum):
             return k * u + force(mbs, t, tip)[1]
 
         if by_spring:
-            ground = mbs.AddMarker(
-                MarkerBodyPosition(bodyNumber=mbs.CreateGround(), localPosition=[1.8, 1, 0])
-            )
-            both = [ground, markers[1]]
-            mbs.AddObject(
-                SpringDamper(markerNumbers=both, referenceLength=1, stiffness=5, springForceUserFunction=spring)
-            )
+            ground = MarkerBodyPosition(bodyNumber=mbs.CreateGround(), localPosition=[1.8, 1, 0])
+            held = {"markerNumbers": [mbs.AddMarker(ground), markers[1]], "referenceLength": 1}
+            mbs.AddObject(SpringDamper(**held, stiffness=5, springForceUserFunction=spring))
         else:
             mbs.AddLoad(LoadForceVector(markerNumber=markers[1], loadVectorUserFunction=pull))
-        kept = {"storeInternal": True}
-        sensors = [
-            mbs.AddSensor(
-                SensorNode(nodeNumber=tip, outputVariableType=exudyn.OutputVariableType.Position, **kept)
-            ),
-            mbs.AddSensor(
-                SensorObject(objectNumber=joint, outputVariableType=exudyn.OutputVariableType.Force, **kept)
-            ),
-            mbs.AddSensor(
-                SensorUserFunction(
-                    sensorUserFunction=lambda mbs, t, *_: [mbs.systemData.GetTime() - t], **kept
-                )
-            ),
-        ]
+        kept, kinds = {"storeInternal": True}, exudyn.OutputVariableType
+        of_tip = SensorNode(nodeNumber=tip, outputVariableType=kinds.Position, **kept)
+        of_joint = SensorObject(objectNumber=joint, outputVariableType=kinds.Force, **kept)
+        of_time = SensorUserFunction(
+            sensorUserFunction=lambda mbs, t, *_: [mbs.systemData.GetTime() - t], **kept
+        )
+        sensors = [mbs.AddSensor(sensor) for sensor in (of_tip, of_joint, of_time)]
         mbs.Assemble()
         return mbs, sensors, asked
 
