@@ -297,7 +297,9 @@ def apply_mass(chain: Chain, x: Array) -> Array:
     """M x with the supports taken out.   x: (..., n, 2, dim)."""
     rr, rs, ss = chain.nodes["mass"].T[:, :, np.newaxis]
     r, s = x[..., 0, :], x[..., 1, :]
-    product: Array = np.stack([rr * r + rs * s, rs * r + ss * s], axis=-2)
+    product = np.empty_like(x)
+    product[..., 0, :] = rr * r + rs * s
+    product[..., 1, :] = rs * r + ss * s
     coupling = chain.elements["mass"].reshape(-1, 2, 2)
     product[..., :-1, :, :] += coupling @ x[..., 1:, :, :]
     product[..., 1:, :, :] += coupling.swapaxes(1, 2) @ x[..., :-1, :, :]

@@ -80,12 +80,15 @@ class SupportedCable:
         for k in self._states(external, q, v, steps, a, links):
             balance[k] = chain.nodes["force"][:, ACCELERATION]
             pulls[k] = chain.elements["multiplier"][:, ACCELERATION]
-        r, s = np.moveaxis(q.reshape(balance.shape), 2, 0)
-        e = np.stack([np.diff(r, axis=1), s[:, :-1], s[:, 1:]], axis=2)
+        states = q.reshape(balance.shape)
+        e = np.empty((*pulls.shape, 3, balance.shape[-1]))
+        e[:, :, 0] = states[:, 1:, 0] - states[:, :-1, 0]
+        e[:, :, 1], e[:, :, 2] = states[:, :-1, 1], states[:, 1:, 1]
         gradient = 2.0 * chain.elements["slope_gram"] @ e  # see `length_gradient`
         along = pulls[:, :, np.newaxis, np.newaxis] * gradient
-        balance[:, :-1] -= np.stack([-along[:, :, 0], along[:, :, 1]], axis=2)
-        balance[:, 1:] -= along[:, :, [0, 2]]
+        balance[:, :-1, 0] += along[:, :, 0]
+        balance[:, :-1, 1] -= along[:, :, 1]
+        balance[:, 1:] -= along[:, :, ::2]
 
     def _without_strains(self, external: Array, q: Array, v: Array, steps: Array, *output: Array) -> None:
         """F less what axial stiffness does, as above."""
@@ -98,10 +101,11 @@ class SupportedCable:
 
     def _take_rods(self, links: Any, balance: Array) -> Array:
         """Multipliers (k, L) of the links; what the rods do is taken out of the balance."""
-        multipliers = links["multiplier"][:, :, 0]
+        multipliers: Array = links["multiplier"][:, :, 0]
+        if not multipliers.size:
+            return multipliers
         forces = (multipliers * links["inverse_length"])[:, :, np.newaxis] * links["offset"]
         at_nodes = links["weight"][..., np.newaxis] * forces[:, :, np.newaxis, np.newaxis, :]
         states = np.arange(len(links))[:, np.newaxis, np.newaxis]
         np.subtract.at(balance, (states, links["node"]), at_nodes)
-        own: Array = multipliers[:, links.shape[1] - self._own_links :]
-        return own
+        return multipliers[:, links.shape[1] - self._own_links :]

@@ -7,19 +7,19 @@ import numpy as np
 
 from ..arrays import Array
 
-_REMEMBERED = 4096
+_LENGTHS, _MESHES = 4096, 128  # that are remembered
 
 
-@lru_cache(_REMEMBERED)
+@lru_cache(_LENGTHS)
 def _form(form: Callable[[float], Array], length: float) -> Array:
-    values = form(length)
-    values.setflags(write=False)
-    return values
+    return form(length)
+
+
+@lru_cache(_MESHES)
+def _forms(form: Callable[[float], Array], lengths: tuple[float, ...]) -> Array:
+    return np.stack([_form(form, length) for length in lengths])
 
 
 def forms_of_mesh(form: Callable[[float], Array], lengths: Array) -> Array:
     """(N, ...) values of `form` for the element lengths (N,) [m]; each length is computed once."""
-    if len(lengths) and (lengths == lengths[0]).all():
-        return np.repeat(_form(form, float(lengths[0]))[None], len(lengths), axis=0)
-    unique, which = np.unique(lengths, return_inverse=True)
-    return np.stack([_form(form, float(length)) for length in unique])[which]
+    return _forms(form, tuple(lengths.tolist())).copy()

@@ -69,8 +69,9 @@ class OutputTimes:
         self._written = [name for name, is_written in zip(_LAST_WRITTEN, written, strict=True) if is_written]
 
     @cached_property
-    def _items_look(self) -> Look:
-        return self._look_of_items()
+    def items_look_at_forces(self) -> bool:
+        """Whether functions of items may look at accelerations and forces, or change something."""
+        return self._look_of_items() in self._at_all
 
     def include(self, time: float, step: float, solver: Any, asks_items: bool) -> bool:
         """Whether a step of the loop, of that length, may be one that ends at `time` [s].
@@ -78,7 +79,7 @@ class OutputTimes:
         asks_items: whether functions of items are called in steps, which may look, too.
         """
         to_be_written = [getattr(solver.output, name) for name in self._written]
-        are_all = self._look in self._at_all or (asks_items and self._items_look in self._at_all)
+        are_all = self._look in self._at_all or (asks_items and self.items_look_at_forces)
         return are_all or time > min(to_be_written, default=np.inf) - 0.5 * step
 
 

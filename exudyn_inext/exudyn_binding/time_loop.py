@@ -3,6 +3,7 @@
 import warnings
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from itertools import chain
 from operator import length_hint
 from typing import Any
@@ -73,6 +74,7 @@ class ExplicitTimeLoop:
         self._remembering_errors = _RememberingErrors(self)
         self._data = mbs.systemData
         self._is_watched = is_watched(mbs, runs)
+        self._only_items_ask = self._is_watched and not step_functions(mbs)
         self._contacts = contacts_in_view(mbs, runs) if self._is_watched or has_sensor_functions(mbs) else []
         self._written = self._present(INITIAL)
         self._observed = max(observed, VELOCITIES) if self._is_watched else observed
@@ -89,6 +91,7 @@ class ExplicitTimeLoop:
         self._states: Iterator[Any] = iter(())  # of a block, where functions may make it void
         self._kept: list[KeptState] = []  # of the runs, before the block
         self._calm = 0  # steps since something was changed
+        self._until_output = UNSEEN  # steps until somebody looks at accelerations and forces, where items ask
         self._is_changed = False  # before the step that is computed next
         is_unstretched = not (self._written[0].any() or np.any(self._data.GetAECoordinates(INITIAL)))
         self.kept_states = [KeptStates(run, is_unstretched) for run in runs]
@@ -117,7 +120,7 @@ class ExplicitTimeLoop:
         if self._is_watched:
             reasons = [run.reason for run in self.runs if not run.looks_ahead]
             reasons = list(dict.fromkeys(reasons)) or ["pre- or post-step user functions may look at it"]
-            if all(run.is_steady for run in self.runs):
+            if self._asks_ahead or all(run.is_steady for run in self.runs):
                 reasons[-1] += f" (up to {UNSEEN} steps at once while they change nothing)"
             return f"{names}: one call for each of Exudyn's steps, because {'; '.join(reasons)}"
         ahead = self._steps_at_once
@@ -185,23 +188,45 @@ class ExplicitTimeLoop:
         plain = self._plain_user_function()
 
         def take_step(solver: Any, mbs: Any, settings: Any) -> bool:
-            with self._remembering_errors:
-                self._take_over_changes()
-                self._follow_changes()
-            self._shows_forces = self._sees_forces and self._is_output(solver)
+            if not (self._asks_ahead and length_hint(self._states)):
+                with self._remembering_errors:
+                    self._take_over_changes()
+                    self._follow_changes()
+                self._shows_forces = self._sees_forces and self._is_output(solver)
             plain(solver, mbs, settings)
             return True
 
         return take_step
 
+    @property
+    def _asks_ahead(self) -> bool:
+        """Whether only functions of items look at mbs, in each step, and at nothing but its motion."""
+        looks = self.output_times
+        if not self._only_items_ask or looks is None or looks.items_look_at_forces:
+            return False
+        return all(run.looks_ahead or run.asks_ahead for run in self.runs)
+
     def _is_output(self, solver: Any) -> bool:
-        """Whether somebody looks at accelerations and forces after the next steps that are computed."""
-        follows_state = not all(run.looks_ahead or run.is_steady for run in self.runs)
-        is_last = self._computed + 1 >= self.grid.loop_steps
-        if self.output_times is None or is_last or self._intervals(self._computed) > 1:
+        """Whether somebody looks at accelerations and forces after the next steps that are computed.
+
+        Where items ask for the state, these steps end there.
+        """
+        self._until_output = UNSEEN
+        steps = self._intervals(self._computed)
+        if self.output_times is None or (steps > 1 and not self._asks_ahead):
             return True
-        step = self.grid.substeps * self.grid.h
-        return self.output_times.include(self.grid.time(self._computed + 1), step, solver, follows_state)
+        for number in range(1, steps + 1):
+            if self._computed + number >= self.grid.loop_steps or self._is_written(number, solver):
+                self._until_output = number
+                return True
+        return False
+
+    def _is_written(self, number: int, solver: Any) -> bool:
+        """Whether somebody looks at accelerations and forces after so many of the next steps."""
+        assert self.output_times is not None
+        asks_items = not all(run.looks_ahead or run.is_steady for run in self.runs)
+        time, step = self.grid.time(self._computed + number), self.grid.substeps * self.grid.h
+        return self.output_times.include(time, step, solver, asks_items)
 
     def _next_state(self) -> Any:
         """As `_blocks_of_states` gives it, and remembered as what mbs then holds."""
@@ -210,6 +235,8 @@ class ExplicitTimeLoop:
             self._states = iter(next(self._blocks))
             state = next(self._states)
         self._calm += 1
+        if self._asks_ahead:  # they have been asked in later states
+            self._data.SetTime(self.time)
         first, states = self._ahead
         self._written = [*states[self._taken - first - 1, :2], self._data.GetODE1Coordinates()]
         return state
@@ -293,9 +320,10 @@ class ExplicitTimeLoop:
         if not self._is_watched or intervals == 1:
             return self._compute_ahead(intervals)
         self._keep()
-        states, good = self._compute_ahead(intervals)
-        if good == intervals:
-            return states, good
+        with suppress(Exception):  # of a function of the user, perhaps: which is called again then
+            states, good = self._compute_ahead(intervals)
+            if good == intervals:
+                return states, good
         self._calm = 0
         self._return_to(first)
         return self._compute_ahead(1)
@@ -332,8 +360,8 @@ class ExplicitTimeLoop:
             good = min(good, run.record(self.grid, self._computed, history))
             kept.keep(self.grid, self._computed, history[:good])
             if good and not run.completes and (self._shows_forces or takes_last_step):
-                time = self.grid.time(self._computed + 1)
-                history[0, 2] = run.accelerations(time, reactions[0])
+                time = self.grid.time(self._computed + good)
+                history[good - 1, 2] = run.accelerations(time, reactions[-1])
                 are_set = True
             elif good and (self._shows_forces or takes_last_step or not self._is_watched):
                 are_set |= self._complete(run, history[:good], reactions)
@@ -352,9 +380,9 @@ class ExplicitTimeLoop:
 
         Returns whether there are reactions.
         """
-        first = 0 if self._shows_forces else len(history) - 1
+        first = 0 if self._shows_forces and not self._asks_ahead else len(history) - 1
         times = np.array([self.grid.time(self._computed + 1 + k) for k in range(first, len(history))])
-        return run.complete(times, history[first:], reactions[: len(times)])
+        return run.complete(times, history[first:], reactions[-len(times) :])
 
     def _write_restart(self) -> None:
         """If it is time to: all that has been computed has been handed out."""
@@ -364,13 +392,13 @@ class ExplicitTimeLoop:
 
     def _intervals(self, step: int) -> int:
         """Number of steps of the loop to compute in one call, after that step."""
-        if self._is_watched and (
-            self._calm < CALM or self.changes.moves or not all(run.is_steady for run in self.runs)
-        ):
-            return 1
         remaining = min(self.grid.loop_steps - step, self.restarts.steps_until_due(self.grid, step))
         if self._is_watched:
-            remaining = min(remaining, self._calm // 2, UNSEEN)
+            if self._calm < CALM or self.changes.moves:
+                return 1
+            if not (self._asks_ahead or all(run.is_steady for run in self.runs)):
+                return 1
+            remaining = min(remaining, self._calm // 2, self._until_output)
         coordinates = sum(len(run.indices) for run in self.runs)
         return max(1, min(remaining, LOOK_AHEAD_LIMIT // (coordinates * self.grid.substeps)))
 

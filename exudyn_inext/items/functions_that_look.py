@@ -64,7 +64,10 @@ def look_of_step_functions(mbs: Any) -> Look:
 
 
 def look_of_item_functions(mbs: Any) -> Look:
-    """At what functions of loads and objects may look that are called in steps; not those of this package."""
+    """At what functions of loads and objects may look that are called in steps; not those of this package.
+
+    At anything, if they set something: it may act at once.
+    """
     data = mbs.systemData
     items = [mbs.GetLoad(k) for k in range(data.NumberOfLoads())]
     items += [mbs.GetObject(k) for k in range(data.NumberOfObjects())]
@@ -72,11 +75,13 @@ def look_of_item_functions(mbs: Any) -> Look:
     with functions_at_rest(mbs):
         asked = [one for one in given if isinstance(one, dict) and not is_of_time_alone(mbs, one)]
     functions = [one for one in map(python_function, asked) if package_of(one) != __name__.split(".")[0]]
-    return max((look_of(one, mbs) for one in functions), default=Look.NOTHING)
+    return max((look_of(one, mbs, may_set=False) for one in functions), default=Look.NOTHING)
 
 
-def look_of(function: Any, mbs: Any) -> Look:
+def look_of(function: Any, mbs: Any, may_set: bool = True) -> Look:
     """At what a function f(mbs, t) may look, as far as its code shows.
+
+    may_set: whether one that sets something counts as others do; otherwise it may look at anything.
 
     That is not anything if it reads only data, numbers of items, functions of NumPy and math and of its own
     kind, and takes only what is known of mbs. Methods, `functools.partial`, and objects that are called are
@@ -84,6 +89,8 @@ def look_of(function: Any, mbs: Any) -> Look:
     """
     reached = _Reached(mbs)
     if not (reached.is_known(function) and reached.has_known_names()):
+        return Look.ANYTHING
+    if not may_set and any(name.startswith("Set") for name in reached.names):
         return Look.ANYTHING
     return Look.SENSORS if "GetSensorValues" in reached.names else Look.MOTION
 

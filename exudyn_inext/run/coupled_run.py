@@ -248,7 +248,7 @@ class CoupledRun(LimitedRun):
             rows = (row[np.newaxis] for row in (state.q, state.v, self._scene.joined_forces(), multipliers))
             self.mover.put_reactions(np.array([time]), np.array([self.control.present]), *rows)
         if self.has_implicit_bending:
-            self.resume(time)
+            self.mover.begin_by(self.integrator.resume, time)
         native_items.show(time, state, multipliers)
         return a[: len(self.indices)]
 
@@ -381,6 +381,10 @@ class CoupledRun(LimitedRun):
         return self.mover.is_steady
 
     @property
+    def asks_ahead(self) -> bool:  # type: ignore[override]
+        return self.mover.asks_ahead
+
+    @property
     def remembered(self) -> Array | None:  # type: ignore[override]
         return self.mover.remembered
 
@@ -435,9 +439,8 @@ class CoupledRun(LimitedRun):
             if self._by_kernels and done < piece.steps:
                 self._kept.keep()
                 kept = done
-            if (is_due if self._by_kernels else done == piece.steps) and self.outruns_limit(piece, done):
+            if (is_due or not (self._by_kernels or done < piece.steps)) and self.outruns_limit(piece, done):
                 break
-        self.mover.finish_piece(history)
         return done
 
     def _goes_well(self, piece: Piece, times: Array, done: int, history: Array) -> bool:

@@ -69,6 +69,12 @@ class MovedByExudyn(Mover):
         return float(np.abs(self._scene.native_items.present_violations(time, self._state.q)).max()) > JUMP
 
     @property
+    def asks_ahead(self) -> bool:
+        """See `PacedRun`; what contacts remember, and first order states, are in mbs, too."""
+        has_others = self._scene.native_items.remembers or self._scene.mbs.systemData.ODE1Size()
+        return not (has_others or self.approaches)
+
+    @property
     def approaches(self) -> bool:
         """Whether joints have moved through the last step, as they were changed."""
         return self._scene.native_items.approach is not None
@@ -127,15 +133,14 @@ class MovedByExudyn(Mover):
                 loads = LoadHistory(nothing, the_time, factors)
                 take_step(self._scheme, system, loads, state, piece.h, 1, self._output)
                 native_items.finish_step(piece.time(number), state.q, state.v)
+                if number % piece.in_interval == 0:
+                    row = history[number // piece.in_interval - 1]
+                    for place, values in enumerate((state.q, state.v, state.a)):
+                        row[place] = values[: row.shape[1]]
                 for call in watch.after_each_step:
                     call()
         finally:
             native_items.path, native_items.settles = None, False
-
-    def finish_piece(self, history: Array) -> None:
-        """Write the state into the history, unless steps have done so."""
-        for place, values in enumerate((self._state.q, self._state.v, self._state.a)):
-            history[0, place] = values[: history.shape[2]]
 
     def complete(self, times: Array, steps: Array, history: Array, multipliers: Array) -> bool:
         """See `CableRun.complete`."""

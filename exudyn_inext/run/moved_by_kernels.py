@@ -188,13 +188,15 @@ class MovedByKernels(Mover):
             self._form.take(self._scheme, piece, own, done + first, history, state, watch)
         self._scene.system.multipliers = self._form.multipliers
 
-    def finish_piece(self, history: Array) -> None:
-        pass
-
     @property
     def is_steady(self) -> bool:
         """See `CableRun.is_steady`; what contacts and sliding joints remember is in mbs, too."""
         return self.remembered is None and self._form.loads.are_steady
+
+    @property
+    def asks_ahead(self) -> bool:
+        """See `PacedRun`."""
+        return self.remembered is None and not self.approaches
 
     @property
     def remembered(self) -> Array | None:

@@ -30,6 +30,7 @@ class PacedRun:
     watch: `RunWatch`, which finds steps that went wrong.   gave_up: whether there are no smaller ones.
     trouble: what the integrator said of the last steps that went wrong.
     looks_ahead: whether several steps of the time loop can be computed at once.
+    asks_ahead: whether they can, although functions are asked in each of them, which look at the motion only.
     completes: whether `complete` finds accelerations; otherwise `accelerations` does.
     elsewhere: what of the state lies in no array of the run, see `KeptState`.
     remembered: (k, D) by contacts after the intervals of the last `record`; None: mbs knows, or there are
@@ -46,7 +47,7 @@ class PacedRun:
     indices: Any
     _rejects: bool  # see `ExplicitSettings.rejectSteps`
     watch: Any
-    looks_ahead = False
+    looks_ahead = asks_ahead = False
     gave_up = False
     may_begin_again = False  # from wherever `advance` begins
     trouble = ""
@@ -170,7 +171,8 @@ class PacedRun:
         begins = self.watch.may_shorten and (self.may_begin_again or grid.begins_with(first))
         beginning = self.present_state() if begins else None
         while good < len(history) and not self.gave_up:
-            piece = self.control.next(grid, first + good, len(history) - good if self.looks_ahead else 1)
+            most = len(history) - good if self.looks_ahead or self.asks_ahead else 1
+            piece = self.control.next(grid, first + good, most)
             if piece is None:
                 self.gave_up = True
                 break

@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any
@@ -106,7 +106,7 @@ def concluded(study: Study, results: Results) -> Document:
     """What follows from the rows; tables without rows are left out."""
     tables = [table.text(results) for table in study.tables]
     return {
-        "tables": [vars(table) for table in tables if table.lines],
+        "tables": [asdict(table) for table in tables if table.lines],
         "notes": list(results.notes),
         "conclusions": study.conclusions(results),
         "ratios": study.ratios(results),

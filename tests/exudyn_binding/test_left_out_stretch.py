@@ -253,7 +253,8 @@ def test_steps_for_waves_last_and_are_those_of_a_run_that_nobody_sees():
 
 @pytest.fixture
 def waves_are_not_watched(monkeypatch):
-    """Steps do not follow the tension, and what they hide is not left out."""
+    """Steps do not follow the tension, what they hide is not left out, and none are taken again."""
+    monkeypatch.setattr(CoupledRun, "asks_ahead", False)
     monkeypatch.setattr(CoupledRun, "outruns_limit", lambda *_: False)
     monkeypatch.setattr(CoupledRun, "_leave_out_waves", lambda *_: None)
 

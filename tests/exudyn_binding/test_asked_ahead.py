@@ -1,0 +1,114 @@
+"""Where only items ask for the state, several steps of the loop are taken at once: nobody notices."""
+
+import exudyn
+import numpy as np
+import pytest
+from exudyn.itemInterface import (
+    LoadForceVector,
+    MarkerBodyPosition,
+    MarkerNodePosition,
+    RevoluteJoint2D,
+    SensorNode,
+    SensorObject,
+    SensorUserFunction,
+    SpringDamper,
+)
+
+from exudyn_inext import SolveExplicit
+from reference_models.model import quiet_settings, silence
+
+STEPS, PERIOD = 100, 0.015  # of the loop in 0.5 s, each third of which is an output
+AT_ONCE = "up to 32 steps at once"
+
+
+@pytest.fixture
+def swing(new_mbs, add_pendulum):
+    """(force, by_spring) -> mbs with a mass on a cable, sensors, times at which the force was asked for."""
+
+    def build(force, by_spring=False):
+        mbs, asked = new_mbs(), []
+        cable = add_pendulum(mbs)
+        tip = cable["nodes"][-1]
+        body = mbs.CreateMassPoint(
+            referencePosition=[1.8, 0, 0], mass=0.1, gravity=[0, -9.81, 0], create2D=True
+        )
+        on_both = MarkerNodePosition(nodeNumber=tip), MarkerBodyPosition(bodyNumber=body)
+        markers = [mbs.AddMarker(marker) for marker in on_both]
+        joint = mbs.AddObject(RevoluteJoint2D(markerNumbers=markers))
+
+        def pull(mbs, t, load):
+            asked.append(t)
+            return force(mbs, t, tip)
+
+        def spring(mbs, t, number, u, v, k, d, f):
+            asked.append(t)
+            return k * u + force(mbs, t, tip)[1]
+
+        if by_spring:
+            ground = MarkerBodyPosition(bodyNumber=mbs.CreateGround(), localPosition=[1.8, 1, 0])
+            held = {"markerNumbers": [mbs.AddMarker(ground), markers[1]], "referenceLength": 1}
+            mbs.AddObject(SpringDamper(**held, stiffness=5, springForceUserFunction=spring))
+        else:
+            mbs.AddLoad(LoadForceVector(markerNumber=markers[1], loadVectorUserFunction=pull))
+        kept, kinds = {"storeInternal": True}, exudyn.OutputVariableType
+        of_tip = SensorNode(nodeNumber=tip, outputVariableType=kinds.Position, **kept)
+        of_joint = SensorObject(objectNumber=joint, outputVariableType=kinds.Force, **kept)
+        of_time = SensorUserFunction(
+            sensorUserFunction=lambda mbs, t, *_: [mbs.systemData.GetTime() - t], **kept
+        )
+        sensors = [mbs.AddSensor(sensor) for sensor in (of_tip, of_joint, of_time)]
+        mbs.Assemble()
+        return mbs, sensors, asked
+
+    return build
+
+
+def solved(mbs, sensors):
+    """Rows of the sensors, and the path that the steps took."""
+    with silence():
+        report = SolveExplicit(mbs, quiet_settings(0.5, STEPS, PERIOD))
+    return [np.array(mbs.GetSensorStoredData(sensor)) for sensor in sensors], report["path"]
+
+
+def brake(mbs, t, tip):
+    velocity = mbs.GetNodeOutput(tip, exudyn.OutputVariableType.Velocity)
+    return [-0.2 * velocity[0], -0.2 * velocity[1], 0]
+
+
+def brake_and_release(mbs, t, tip):
+    """It lets the weight of the mass go at 0.2 s."""
+    if t > 0.2:
+        mbs.SetLoadParameter(0, "loadVector", [0, 0, 0])
+    return brake(mbs, t, tip)
+
+
+@pytest.mark.parametrize("by_spring", [False, True])
+@pytest.mark.parametrize(("force", "are_at_once"), [(brake, True), (brake_and_release, False)])
+def test_outputs_are_those_of_a_run_whose_steps_a_function_sees(swing, force, by_spring, are_at_once):
+    mbs, sensors, asked = swing(force, by_spring)
+    found, path = solved(mbs, sensors)
+    seen_mbs, sensors, expected_asked = swing(force, by_spring)
+    seen_mbs.SetPreStepUserFunction(lambda mbs, t: True)
+    expected, seen_path = solved(seen_mbs, sensors)
+    assert (AT_ONCE in path, AT_ONCE in seen_path) == (are_at_once, False)
+    for own, other in zip(found, expected, strict=True):
+        np.testing.assert_array_equal(own, other)
+    assert len(found[0]) > 0.5 / PERIOD
+    assert np.abs(found[1][:, 1:]).max() > 0.5  # forces
+    assert not found[2][:, 1].any()  # mbs has the time of the output
+    assert asked == expected_asked
+
+
+@pytest.mark.parametrize("by_spring", [False, True])
+def test_outputs_until_a_function_fails_are_kept(swing, by_spring):
+    def fail(mbs, t, tip):
+        if t > 0.31:
+            raise ValueError("no force")
+        return brake(mbs, t, tip)
+
+    mbs, sensors, _ = swing(fail, by_spring)
+    with pytest.raises(Exception, match="no force"):
+        solved(mbs, sensors)
+    kept = np.array(mbs.GetSensorStoredData(sensors[0]))
+    assert kept[-1, 0] == pytest.approx(0.3)
+    assert mbs.systemData.GetTime() == pytest.approx(0.31)
