@@ -55,3 +55,11 @@ def test_a_single_coordinate_moves_as_a_vector_of_one():
 def test_motions_without_the_stated_derivatives_are_refused(given, message):
     with pytest.raises(InputError, match=message):
         require_smooth(motion_of(*given), T, "the hanger")
+
+
+def test_a_quick_ramp_without_derivatives_is_smooth():
+    def ramp(t):
+        x = min(t / 0.1, 1.0)
+        return [0.3 * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)]
+
+    require_smooth(motion_of(ramp), 0.0, "the ramp")
