@@ -47,8 +47,9 @@ def CreatePrescribedMotion(
     reference = _reference_position(mbs, nodeNumber)
     for name, function in (("position", position), ("velocity", velocity), ("acceleration", acceleration)):
         _check_function(name, function, len(reference), optional=name != "position")
+    place = _cut(position, len(reference))
     motion = motion_of(
-        _cut(position, len(reference)),
+        place,
         None if velocity is None else _cut(velocity, len(reference)),
         None if acceleration is None else _cut(acceleration, len(reference)),
     )
@@ -56,7 +57,7 @@ def CreatePrescribedMotion(
     constraints = []
     for axis in range(len(reference)):
         marker = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=nodeNumber, coordinate=axis))
-        offset, rate = _offset_functions(motion, axis, float(reference[axis]))
+        offset, rate = _offset_functions(motion, place, axis, float(reference[axis]))
         constraints.append(
             mbs.AddObject(
                 CoordinateConstraint(
@@ -98,11 +99,14 @@ def _cut(function: Callable[[float], Any], dim: int) -> Callable[[float], Array]
     return lambda t: np.asarray(function(t), dtype=float)[:dim]
 
 
-def _offset_functions(motion: Motion, axis: int, reference: float) -> tuple[Any, Any]:
-    """Exudyn's user functions of the offset and its rate; the first one carries the motion."""
+def _offset_functions(motion: Motion, place: Callable[[float], Array], axis: int, reference: float) -> Any:
+    """Exudyn's user functions of the offset and its rate; the first one carries the motion.
+
+    place: t -> (dim,) of the motion, without the derivatives.
+    """
 
     def offset_user_function(mbs, t, itemNumber, lOffset):
-        return float(motion.at(t)[0, axis]) - reference
+        return float(place(t)[axis]) - reference
 
     def offset_rate_user_function(mbs, t, itemNumber, lOffset):
         return float(motion.at(t)[1, axis])

@@ -88,3 +88,11 @@ def test_a_table_that_begins_flat_may_end_where_the_run_begins():
 def test_a_jump_of_the_velocity_is_seen_nearby(position, jump):
     for t in (T - 1e-4, T, T + 1e-4):
         assert jump_of_velocity(motion_of(position), t) == pytest.approx(jump, rel=1e-6)
+
+
+def test_a_quick_ramp_without_derivatives_is_smooth():
+    def ramp(t):
+        x = min(t / 0.1, 1.0)
+        return [0.3 * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)]
+
+    require_smooth(motion_of(ramp), 0.0, "the ramp")

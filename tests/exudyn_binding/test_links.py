@@ -151,6 +151,21 @@ def test_offset_user_function_of_a_native_constraint_moves_a_node(mbs, add_cable
     assert "one call for each of Exudyn's steps" in report["path"]
 
 
+def test_exudyn_asks_a_given_motion_for_its_place_once(mbs, add_cable):
+    times = []
+
+    def place(t):
+        times.append(t)
+        return [0.3 + 0.1 * t**2, 0.0]
+
+    node = add_cable(mbs, positionStart=[0.3, 0, 0], positionEnd=[2.1, 0, 0])["nodes"][0]
+    number = CreatePrescribedMotion(mbs, node, place)["constraintObjects"][0]
+    offset = mbs.GetObject(number)["offsetUserFunction"]["function"]
+    times.clear()
+    assert offset(mbs, 2.0, number, 0.0) == pytest.approx(0.4)
+    assert times == [2.0]
+
+
 def test_roller_lets_one_coordinate_go(mbs, add_cable, add_sensor, solve):
     nodes = add_cable(mbs, groundConstraintsStart=[False, True, False, False])["nodes"]
     sensor = add_sensor(mbs, nodes[0])
