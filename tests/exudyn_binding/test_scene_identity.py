@@ -148,7 +148,7 @@ def test_the_same_scene_has_the_same_identity(build):
             {"function": pull_harder},
             r"loadVectorUserFunction of load 1 'load1' was pull \w+, and is pull_harder",
         ),
-        ({"amplitude": 0.2}, r"'motion' in offsetUserFunction of object \d+ 'object\d+' was Motion \w+"),
+        ({"amplitude": 0.2}, r"'place' in offsetUserFunction of object \d+ 'object\d+' was \S+ \w+, and is"),
         ({"reference": 1.1}, r"referencePosition of object \d+ 'object\d+' was \[0\.0, 1\.0, 0\.0\]"),
         ({"step": Controller(3.0)}, r"'gain' in PreStepUserFunction of mbs was 2\.0, and is 3\.0 now"),
         ({"initial": 4.0}, r"initialVelocities of node \d+"),

@@ -131,11 +131,10 @@ def test_a_run_whose_joint_opens_is_stopped_before_it_is_handed_out(mbs, whirl, 
 def test_joints_that_cannot_be_solved_for_in_mid_run_leave_the_last_good_output(
     by_exudyn, whirl, mbs, monkeypatch, fault
 ):
-    factorise, calls = JointSolve.factorise, []
+    factorise = JointSolve.factorise
 
     def fail_at_last(self):
-        calls.append(1)
-        if len(calls) >= 1000:
+        if mbs.systemData.GetTime() > 1.8:
             raise RedundantConstraintError("joint 7 is not independent: remove it.")
         factorise(self)
 
@@ -144,7 +143,7 @@ def test_joints_that_cannot_be_solved_for_in_mid_run_leave_the_last_good_output(
     with pytest.raises(DivergenceError, match=said):
         whirl(1.0, integrator="RATTLE")
     last = mbs.GetSensorStoredData(0)[-1, 0]
-    assert 1.5 < last < 2.0
+    assert last == pytest.approx(1.8)
     fault("joints that cannot be solved for in mid-run", f"stopped, outputs until {last:.4g} s are kept")
 
 
