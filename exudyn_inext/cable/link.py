@@ -21,12 +21,14 @@ class Motion:
     rests: whether it does not depend on the time.
     is_pure: whether `at` depends on nothing but the time, so that it may be asked ahead of time.
     is_smooth: whether it can be differentiated twice; if not, velocities jump between steps.
+    given: whether p_t and p_tt are, and not found by differences.
     """
 
     at: Callable[[float], Array]
     rests: bool = False
     is_pure: bool = True
     is_smooth: bool = True
+    given: tuple[bool, bool] = (True, True)
 
 
 def rest(point: Array) -> Motion:

@@ -12,9 +12,14 @@ from ..errors import InputError
 STEP = 1e-4  # of the differences [s]
 _SMOOTH = 0.75  # a jump of the derivative stays as the step is halved, a smooth change becomes half
 _NOTICEABLE = 1e-6
+_PLACES = range(-2, 3)  # of values, in steps
 _SOON = 1.0 / 64.0  # of a step, after which what begins has moved
 
 Function = Callable[[float], Any]
+
+_SCALE = 12.0 * np.array([[STEP], [STEP**2]])
+_CENTRAL = np.array([[1.0, -8.0, 0.0, 8.0, -1.0], [-1.0, 16.0, -30.0, 16.0, -1.0]]) / _SCALE  # of five values
+_AHEAD = np.array([[-25.0, 48.0, -36.0, 16.0, -3.0], [35.0, -104.0, 114.0, -56.0, 11.0]]) / _SCALE
 
 
 def motion_of(
@@ -23,7 +28,7 @@ def motion_of(
     acceleration: Function | None = None,
     is_pure: bool = True,
 ) -> Motion:
-    """The motion t -> position(t); missing derivatives are central differences.
+    """The motion t -> position(t); missing derivatives are differences.
 
     Args:
         position: t [s] -> (dim,) [m].   velocity: [m/s].   acceleration: [m/s^2].
@@ -39,7 +44,7 @@ def motion_of(
             values[2] = acceleration(t)
         return values
 
-    return Motion(at, is_pure=is_pure)
+    return Motion(at, is_pure=is_pure, given=(velocity is not None, acceleration is not None))
 
 
 def _vector(value: Any) -> Array:
@@ -49,24 +54,41 @@ def _vector(value: Any) -> Array:
 def differences(function: Function, t: float) -> Array:
     """(3, n) values of a function t [s] -> (n,), or a number, and first two derivatives by differences.
 
-    They are those of one side where it begins or ends.
+    They are exact up to the fourth power of the time, and those of one side where it begins or ends.
     """
     return differences_and_side(function, t)[0]
 
 
 def differences_and_side(function: Function, t: float) -> tuple[Array, int]:
     """As `differences`; and 1 where the function begins, -1 where it ends, 0 in between."""
-    value, before, after = _vector(function(t)), _beside(function, t - STEP), _beside(function, t + STEP)
-    for side, behind, ahead in ((1, before, after), (-1, after, before)):
-        if _begins(function, t, side * STEP, behind, value, ahead):
-            return _from_one_side(function, t, side * STEP), side
-    return np.array([value, (after - before) / (2.0 * STEP), (after - 2.0 * value + before) / STEP**2]), 0
+    values = _around(function, t)
+    value, side, weights = values[2], _side(function, t, values), _CENTRAL
+    if side:
+        values = np.array([_beside(function, t + k * side * STEP) for k in range(5)])
+        weights = _AHEAD * [[side], [1.0]]
+    return np.concatenate([value[np.newaxis], weights @ (values - value)]), side
 
 
-def _from_one_side(function: Function, t: float, step: float) -> Array:
-    value, near, far = (_beside(function, t + k * step) for k in range(3))
-    rate, change = (4.0 * near - 3.0 * value - far) / (2.0 * step), (far - 2.0 * near + value) / step**2
-    return np.array([value, rate, change])
+def _around(function: Function, t: float) -> Array:
+    """(5, n) values, of which some are no numbers where the function is not defined."""
+    try:
+        return np.array([function(t + k * STEP) for k in _PLACES], dtype=float).reshape(5, -1)
+    except Exception:
+        value = _vector(function(t))
+        return np.array([np.broadcast_to(_beside(function, t + k * STEP), value.shape) for k in _PLACES])
+
+
+def _side(function: Function, t: float, values: Array) -> int:
+    """1 where it begins, -1 where it ends, 0 in between.   values: (5, n) around t."""
+    is_defined = np.isfinite(values)
+    rests = values[1:4:2] == values[2]
+    if is_defined.all() and (rests[0] == rests[1]).all():
+        return 0
+    near = np.where(is_defined[::4], values[1:4:2], np.nan)  # a value that ends beyond is none
+    for side, behind, ahead in ((1, near[0], near[1]), (-1, near[1], near[0])):
+        if _begins(function, t, side * STEP, behind, values[2], ahead):
+            return side
+    return 0
 
 
 def _beside(function: Function, t: float) -> Array:
@@ -138,7 +160,7 @@ def _require_derivative(motion: Motion, t: float, order: int, what: str, name: s
         wide, near = (0.5 * (one + other) for one, other in sides)
         found = (4.0 * near - wide) / 3.0  # errors of second order cancel
     error = float(np.abs(found - motion.at(t)[order + 1]).max())
-    if error > max(1e-2 * scale, tolerance):
+    if motion.given[order] and error > max(1e-2 * scale, tolerance):
         raise InputError(
             f"{name}: the given {what} at t = {t:g} s is {motion.at(t)[order + 1].tolist()}, differences "
             f"give {found.tolist()}: correct it, or leave it out."

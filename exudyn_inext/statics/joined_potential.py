@@ -43,21 +43,23 @@ def rounds_of(groups: Iterable[np.ndarray], first_shared: int) -> list[Round]:
     symmetric ones need fewer: M. J. D. Powell, P. L. Toint, SIAM J. Numerical Analysis 16 (1979) 1060-1074.
     """
     reach: dict[int, frozenset[int]] = {}  # rows that a coordinate acts on
+    read: dict[int, frozenset[int]] = {}  # and those of them that it is asked for
     for group in groups:
         own = frozenset(group.tolist())
         alone = frozenset(place for place in own if place < first_shared)
         for place in own:
-            rows_of_place = alone if place in alone else own
-            reach[place] = reach[place] | rows_of_place if place in reach else rows_of_place
-    rounds: list[tuple[list[int], set[int]]] = []
+            reach[place] = reach.get(place, frozenset()) | own
+            read[place] = read.get(place, frozenset()) | (alone if place in alone else own)
+    rounds: list[tuple[list[int], set[int], set[int]]] = []  # places, all that they reach and read
     for place in sorted(reach):
-        free = [one for one in rounds if one[1].isdisjoint(reach[place])]
+        free = [one for one in rounds if one[1].isdisjoint(read[place]) and one[2].isdisjoint(reach[place])]
         if not free:
-            rounds.append(([], set()))
-        places, rows = free[0] if free else rounds[-1]
+            rounds.append(([], set(), set()))
+        places, reached, asked = free[0] if free else rounds[-1]
         places.append(place)
-        rows |= reach[place]
-    return [_round(places, [sorted(reach[place]) for place in places]) for places, _ in rounds]
+        reached |= reach[place]
+        asked |= read[place]
+    return [_round(places, [sorted(read[place]) for place in places]) for places, _, _ in rounds]
 
 
 def _round(places: list[int], reached: list[list[int]]) -> Round:

@@ -90,9 +90,32 @@ def test_a_jump_of_the_velocity_is_seen_nearby(position, jump):
         assert jump_of_velocity(motion_of(position), t) == pytest.approx(jump, rel=1e-6)
 
 
-def test_a_quick_ramp_without_derivatives_is_smooth():
-    def ramp(t):
-        x = min(t / 0.1, 1.0)
-        return [0.3 * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)]
+@pytest.mark.parametrize("duration", [0.3, 0.1, 0.05])
+@pytest.mark.parametrize("rests_before", [False, True])
+@pytest.mark.parametrize(
+    ("ramp", "acceleration"),
+    [(lambda x: x**3 * (10 - 15 * x + 6 * x**2), 0.0), (lambda x: x**2 * (3 - 2 * x), 6.0)],
+)
+def test_a_quick_ramp_has_its_derivatives_where_it_begins(duration, rests_before, ramp, acceleration):
+    def position(t):
+        x = min(t / duration, 1.0)
+        return [0.3 * ramp(max(x, 0.0) if rests_before else x), 2.5]
 
-    require_smooth(motion_of(ramp), 0.0, "the ramp")
+    motion = motion_of(position)
+    assert np.abs(motion.at(0.0)[1]).max() < 1e-7  # the limit of initial velocities is 1e-6
+    np.testing.assert_allclose(motion.at(0.0)[2], [0.3 * acceleration / duration**2, 0.0], atol=5e-3)
+    require_smooth(motion, 0.0, "the ramp")
+
+
+@pytest.mark.parametrize("side", [1.0, 0.0, -1.0])
+def test_differences_are_exact_up_to_the_fourth_power(side):
+    coefficients = [1.0, -2.0, 3.0, -4.0, 5.0]
+
+    def position(t):
+        is_there = side * (t - T) >= 0.0
+        return [sum(c * t**k for k, c in enumerate(coefficients))] if is_there else [np.nan]
+
+    _, velocity, acceleration = motion_of(position).at(T)
+    assert velocity == pytest.approx(sum(k * c * T ** (k - 1) for k, c in enumerate(coefficients)), abs=1e-10)
+    expected = sum(k * (k - 1) * c * T ** (k - 2) for k, c in enumerate(coefficients))
+    assert acceleration == pytest.approx(expected, abs=1e-4 if side else 1e-6)
