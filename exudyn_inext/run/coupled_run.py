@@ -439,7 +439,8 @@ class CoupledRun(LimitedRun):
             if self._by_kernels and done < piece.steps:
                 self._kept.keep()
                 kept = done
-            if (is_due or not (self._by_kernels or done < piece.steps)) and self.outruns_limit(piece, done):
+            looks_within = self._by_kernels or piece.intervals > 1
+            if (is_due if looks_within else done == piece.steps) and self.outruns_limit(piece, done):
                 break
         return done
 
