@@ -133,10 +133,7 @@ def require_smooth(motion: Motion, t: float, name: str) -> None:
             "and differentiable twice there."
         )
 
-    def place(s: float) -> Array:
-        return motion.at(s)[0]
-
-    begins = _begins(place, t, STEP, _beside(place, t - STEP), stated[0], _beside(place, t + STEP))
+    begins = differences_and_side(lambda s: motion.at(s)[0], t)[1] > 0
     for order, what in ((0, "velocity"), (1, "acceleration")):
         _require_derivative(motion, t, order, what, name, begins)
 
@@ -148,8 +145,9 @@ def _require_derivative(motion: Motion, t: float, order: int, what: str, name: s
     scale = 1.0 + float(np.abs(motion.at(t)[: order + 1]).max())
     step = 8.0 * STEP
     tolerance = _NOTICEABLE * scale / step
-    found = 2.0 * slope(0.5 * step) - slope(step)
-    if not begins:
+    if begins:
+        found = 2.0 * slope(0.5 * step) - slope(step)
+    else:
         sides = [(slope(s), slope(-s)) for s in (step, 0.5 * step)]
         jumps = [float(np.abs(one - other).max()) for one, other in sides]
         if jumps[1] > max(_SMOOTH * jumps[0], tolerance):

@@ -120,7 +120,7 @@ class ExplicitTimeLoop:
         if self._is_watched:
             reasons = [run.reason for run in self.runs if not run.looks_ahead]
             reasons = list(dict.fromkeys(reasons)) or ["pre- or post-step user functions may look at it"]
-            if self._asks_ahead or all(run.is_steady for run in self.runs):
+            if self._may_go_ahead:
                 reasons[-1] += f" (up to {UNSEEN} steps at once while they change nothing)"
             return f"{names}: one call for each of Exudyn's steps, because {'; '.join(reasons)}"
         ahead = self._steps_at_once
@@ -205,6 +205,11 @@ class ExplicitTimeLoop:
         if not self._only_items_ask or looks is None or looks.items_look_at_forces:
             return False
         return all(run.looks_ahead or run.asks_ahead for run in self.runs)
+
+    @property
+    def _may_go_ahead(self) -> bool:
+        """Whether steps that functions of the user take part in may be computed before they see the first."""
+        return self._asks_ahead or all(run.is_steady for run in self.runs)
 
     def _is_output(self, solver: Any) -> bool:
         """Whether somebody looks at accelerations and forces after the next steps that are computed.
@@ -392,12 +397,10 @@ class ExplicitTimeLoop:
 
     def _intervals(self, step: int) -> int:
         """Number of steps of the loop to compute in one call, after that step."""
+        if self._is_watched and (self._calm < CALM or self.changes.moves or not self._may_go_ahead):
+            return 1
         remaining = min(self.grid.loop_steps - step, self.restarts.steps_until_due(self.grid, step))
         if self._is_watched:
-            if self._calm < CALM or self.changes.moves:
-                return 1
-            if not (self._asks_ahead or all(run.is_steady for run in self.runs)):
-                return 1
             remaining = min(remaining, self._calm // 2, self._until_output)
         coordinates = sum(len(run.indices) for run in self.runs)
         return max(1, min(remaining, LOOK_AHEAD_LIMIT // (coordinates * self.grid.substeps)))

@@ -145,14 +145,14 @@ class JointRows:
                 -gamma, Eq. (27), or the difference of its rate where angular velocities are constrained;
                 of one side where functions of time begin or end.
         """
-        value = value_at(t, q)
-        if not self.follows_time and (self._are_linear or not v.any()):
-            return JointTerms(value, np.zeros(len(self.names)), np.zeros(len(self.names)))
+        if self.follows_time:
+            (value, drift, change), side = differences_and_side(lambda s: value_at(s, q), t)
+        else:
+            (drift, change), value, side = np.zeros((2, len(self.names))), value_at(t, q), 0
+            if self._are_linear or not v.any():
+                return JointTerms(value, drift, change)
         rates = v[: self._places]  # those of first-order states behind them have other units
         step = self._step / max(1.0, float(np.abs(rates).max()))
-        (_, drift, change), side = np.zeros((3, len(self.names))), 0
-        if self.follows_time:
-            (_, drift, change), side = differences_and_side(lambda s: value_at(s, q), t)
         near, far = (side * step, 2.0 * side * step) if side else (step, -step)
         (at_near, spin_near), (at_far, spin_far) = (
             (value_at(t + s, self._moved(q, v, s)), self._angular_rates(mbs, v)) for s in (near, far)
