@@ -7,6 +7,7 @@ from ..compiled import inlined, inlined_kernel, kernel
 
 POSITION, FORCE, WAY, CHANGE, SUMS = range(5)
 WORK, SCATTER, LACK, SCALE, FLOOR, STEPS, BEGINNING = range(7)
+MARGIN = 4.0  # of the energy that a motion from rest will have turned over, by what it has so far
 
 
 def build_path(size: int) -> Array:
@@ -74,11 +75,14 @@ def _compare(sums, work, lack):
     """The lack of a step with the energy turned over before.
 
     From rest, that grows with the square of the number of steps: what it will be after the beginning counts
-    till then.
+    till then, with a margin. A contact that closes meanwhile does more work at once, which does not count.
     """
     scale = sums[SCALE]
     if sums[STEPS] < sums[BEGINNING]:
-        scale = max(scale, sums[BEGINNING] ** 2 * work)
+        to_come = sums[BEGINNING] ** 2 * work
+        if sums[STEPS] > 1.0:
+            to_come = min(to_come, MARGIN * (sums[BEGINNING] / sums[STEPS]) ** 2 * scale)
+        scale = max(scale, to_come)
     if scale > sums[FLOOR]:
         sums[STEPS] += 1.0
         sums[LACK] = max(sums[LACK], lack / scale)
