@@ -258,7 +258,7 @@ class NativeItems:
         return self.remembered
 
     def look(self, t: float, q: Array, v: Array) -> None:
-        """Evaluate a state that has been set: a GeneralContact acts as it does there, not where it was last."""
+        """Evaluate a state that has been set; a GeneralContact acts as it does there."""
         if self._mbs.NumberOfGeneralContacts():
             self.settled(t, q, v)
         self.forces(t, q, v)

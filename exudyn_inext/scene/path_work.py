@@ -7,7 +7,7 @@ from ..compiled import inlined, inlined_kernel, kernel
 
 POSITION, FORCE, WAY, CHANGE, SPEED, THROWN, SUMS = range(7)
 WORK, SCATTER, LACK, SCALE, FLOOR, STEPS, BEGINNING = range(7)
-FASTER = 1.25  # than before: with steps that are stable, no contact throws a body off so
+FASTER = 1.1  # than it came: so no contact throws a body off, closed or not, with steps that are stable
 RECENT = 0.98  # of a speed is left of it in the next step
 MARGIN = 4.0  # of the energy that a motion from rest will have turned over, by what it has so far
 
@@ -16,9 +16,10 @@ def build_path(size: int) -> Array:
     """Memory of the work of forces on `size` coordinates.
 
     (7, size or more): POSITION and FORCE at present, WAY and CHANGE of the force in the last step, the recent
-    SPEED and the largest one THROWN at, see `_thrown_by`, both as ways of a step, and the SUMS over all steps: WORK [J], and its SCATTER [J^2]; the largest LACK of the work of a step, relative to
-    the energy that the motion has turned over before, SCALE [J]. That is none below its FLOOR [J]; the STEPS
-    since it is some, and how many of them are the BEGINNING, see `expect_energy`.
+    SPEED and the largest one THROWN at, see `_thrown_by`, both as ways of a step, and the SUMS over all
+    steps: WORK [J], and its SCATTER [J^2]; the largest LACK of the work of a step, relative to the energy
+    that the motion has turned over before, SCALE [J]. That is none below its FLOOR [J]; the STEPS since it is
+    some, and how many of them are the BEGINNING, see `expect_energy`.
     """
     return np.zeros((7, max(size, 7)))
 
@@ -55,7 +56,7 @@ def gather(vector, places, force):
 
 @inlined
 def _thrown_by(path, i, way, change):
-    """The way, if a force that acted once, against the last one, has turned it round and made it longer; or 0.
+    """The way, if a force that acted once, against the last one, has turned it and made it longer; or 0.
 
     A contact that closes within a step does so where that is above the stability limit of the closed one.
     """
@@ -69,7 +70,7 @@ def _thrown_by(path, i, way, change):
 def largest_throw(path, first, last, a, h):
     """Which coordinate from `first` up to `last` was thrown off, or is about to be, at the largest speed.
 
-    path: of whole steps.   a: (n,) accelerations at present.   h: step [s]; 0: what is about to be is no throw.
+    path: of whole steps.   a: (n,) accelerations at present.   h: step [s]; 0: what is about to be is none.
 
     Returns:
         Its number, and the way of the step; 0 if there is none.
