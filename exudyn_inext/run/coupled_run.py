@@ -269,6 +269,7 @@ class CoupledRun(LimitedRun):
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; see `CableRun.start`."""
         self.forget()
+        self.mover.settle(time)
         self.start_scheme(time)
         self.watch.open(time, self.state)
         for run in self._runs:

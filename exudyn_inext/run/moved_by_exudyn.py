@@ -102,6 +102,10 @@ class MovedByExudyn(Mover):
         """Raise SceneError if Exudyn's items are not those that have moved the scene."""
         self._scene.require_agreement(None, time, self._state.q, self._state.v)
 
+    def settle(self, time: float) -> None:
+        """See `Mover.settle`; a contact that is said to be closed, and is open, would pull."""
+        self._scene.native_items.finish_step(time, self._state.q, self._state.v)
+
     def look(self, time: float) -> None:
         """Evaluate what the next step needs to know of a state that has been set."""
         self._scene.native_items.forces(time, self._state.q, self._state.v)

@@ -158,6 +158,12 @@ class MovedByKernels(Mover):
         if self._remembers:
             self._form.begin_history(self.data[0], 1)
 
+    def settle(self, time: float) -> None:
+        if self._remembers:
+            self._form.settle(time, self._state.q, self._state.v)
+            self.data[1] = self.data[0]
+            self._scene.remember(self.data)
+
     def look(self, time: float) -> None:
         pass
 

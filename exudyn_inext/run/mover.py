@@ -77,6 +77,9 @@ class Mover:
         """
         return None
 
+    def settle(self, time: float) -> None:
+        """Let what contact and friction remember agree with the state at the start of a run."""
+
     def begin_by(self, function: Callable[..., None], time: float) -> None:
         """Begin with a function of the integrator, of (system, external, state)."""
         plain(function)(self._quick_system, self.external_at(time), self._state)
