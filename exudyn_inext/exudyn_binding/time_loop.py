@@ -266,6 +266,7 @@ class ExplicitTimeLoop:
         """The step before a block."""
         self._computed = first
         self._reactions.clear()
+        self._remembered.clear()
         for run, kept in zip(self.runs, self._kept, strict=True):
             kept.restore()
             run.gave_up = False
@@ -348,7 +349,7 @@ class ExplicitTimeLoop:
             for kept in self._kept:
                 kept.keep()
         else:
-            self._kept = [KeptState(run.memory()) for run in self.runs]
+            self._kept = [run.present_state() for run in self.runs]
 
     def _compute_ahead(self, intervals: int) -> tuple[Array, int]:
         """(intervals, 3, n) displacements, velocities, accelerations after the next loop steps.
@@ -426,10 +427,10 @@ class ExplicitTimeLoop:
             self._data.SetTime(self.time)
             raise
         self._is_changed |= self.changes.is_event
+        self._kept.clear()
         if runs is not self.runs:
             self.runs, self._places = runs, [as_slice(run.indices) for run in runs]
             self._last_steps = LastSteps(self._last_steps.place, runs)
-            self._kept.clear()
             self.kept_states = list(map(KeptStates, runs))
 
     def _take_over_changes(self) -> None:
