@@ -38,6 +38,12 @@ def cross(a, b, i):
 
 
 @inlined
+def cross_product(a, b):
+    """a x b."""
+    return cross(a, b, 0), cross(a, b, 1), cross(a, b, 2)
+
+
+@inlined
 def dot(a, b):
     """a . b of (3,) vectors."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

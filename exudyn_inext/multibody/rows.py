@@ -1,4 +1,4 @@
-"""Equations of joints between two points, c(x_0, x_1) = 0: all joints are made of five kinds of them.
+"""Equations of joints between two points, c(x_0, x_1) = 0: all joints are made of six kinds of them.
 
 With the distance d = x_1 - x_0 and axes e_0 and e_1 that are fixed to the points' frames:
 
@@ -7,6 +7,7 @@ With the distance d = x_1 - x_0 and axes e_0 and e_1 that are fixed to the point
     ACROSS      c = e_0 . e_1                axes at a right angle
     DISTANCE    c = |d| - o
     PARALLEL    of slopes, see `same_slope`: b = e_0, d = e_1
+    ROLLING     of velocities alone, see `rolling`: n = e_0, a = e_1, r = o; c = 0
 
 o may follow functions of time, and e_0 may turn by them in its frame: c_t = d . e_0t - o_t, or e_0t . e_1,
 where nothing else moves. A DIFFERENCE of angles counts modulo its period.
@@ -17,16 +18,17 @@ import numpy as np
 from ..arrays import record_type
 from ..compiled import inlined
 from .points import cross, dot
+from .rolling import place_contact, rolling_gamma
 from .same_slope import slope_difference, slope_gamma
 
-DIFFERENCE, ALONG, ACROSS, DISTANCE, PARALLEL = range(5)
+DIFFERENCE, ALONG, ACROSS, DISTANCE, PARALLEL, ROLLING = range(6)
 
 ROW = record_type(
     [
         ("kind", np.int64),
         ("points", np.int64, (2,)),
         ("entry", np.int64, (2,)),  # of each point, see `joints`; -1 for one that is fixed
-        ("component", np.int64),  # i of DIFFERENCE, s of ALONG
+        ("component", np.int64),  # i of DIFFERENCE, s of ALONG, which b of ROLLING
         ("axes", np.float64, (2, 3)),  # e_0 and e_1 in their frames
         ("factor", np.float64),  # f
         ("offset", np.float64),  # o, at present
@@ -39,10 +41,10 @@ ROW = record_type(
             np.int64,
         ),  # place of e_0 in its frame, each coordinate with its derivatives, or -1
         ("turn", np.float64, (2, 3)),  # derivatives of e_0 in its frame
-        ("turned", np.float64, (2, 3)),  # the same in the global frame, at present
+        ("turned", np.float64, (2, 3)),  # the same in the global frame, at present; of ROLLING b and p
         ("drift", np.float64),  # -c_t where nothing else moves
         ("e", np.float64, (2, 3)),  # e_0 and e_1 at present; of PARALLEL dc/dx_0 and dc/dx_1
-        ("d", np.float64, (3,)),  # distance at present
+        ("d", np.float64, (3,)),  # distance at present; of ROLLING s
     ]
 )
 
@@ -100,9 +102,15 @@ def row_value(row, one, other):
         value = row.factor * other.x[0, i] - one.x[0, i] - row.offset
         turns = np.rint(value / row.period) if row.period > 0.0 else 0.0
         return value - turns * row.period
-    if row.kind == ACROSS:
+    if row.kind == ACROSS or row.kind == ROLLING:
         _turn_axis(row, one, 0)
         _turn_axis(row, other, 1)
+    if row.kind == ROLLING:
+        place_contact(row.e[0], row.e[1], row.component, row.offset, row.turned)
+        for i in range(3):
+            row.d[i] = other.x[0, i] + row.turned[1, i] - one.x[0, i]
+        return 0.0
+    if row.kind == ACROSS:
         row.drift -= dot(row.turned[0], row.e[1])
         return dot(row.e[0], row.e[1])
     _set_distance(row, one, other)
@@ -133,6 +141,12 @@ def row_derivative(row, side, sign, velocity, spin):
         return sign * dot(velocity, row.d) / np.sqrt(dot(row.d, row.d))
     if row.kind == PARALLEL:
         return dot(velocity, row.e[side])
+    if row.kind == ROLLING:
+        total = 0.0
+        for i in range(3):
+            turned = cross(spin, row.turned[1], i) if side == 1 else cross(spin, row.d, i)
+            total += sign * row.turned[0, i] * (velocity[i] + turned)
+        return total
     total = sign * dot(velocity, row.e[row.component])
     if side == row.component:
         for i in range(3):
@@ -177,6 +191,8 @@ def _gamma_at_rest(row, one, other):
         return one.x[2, i] - row.factor * other.x[2, i]
     if row.kind == PARALLEL:
         return slope_gamma(row.axes[0], row.axes[1], one.x, other.x)
+    if row.kind == ROLLING:
+        return rolling_gamma(row.e[0], row.e[1], row.component, row.offset, row.turned, row.d, one, other)
     if row.kind == ACROSS:
         for i in range(3):
             rate, change = _axis_rates(row, 0, one, i)

@@ -7,19 +7,14 @@ rotation from d to the first slope s turns it. c = 0 for parallel slopes of any 
 """
 
 from ..compiled import inlined, inlined_kernel
-from .points import cross, dot
-
-
-@inlined
-def _cross(a, b):
-    return cross(a, b, 0), cross(a, b, 1), cross(a, b, 2)
+from .points import cross, cross_product, dot
 
 
 @inlined
 def _normal(b, d, s):
     """n, e and E."""
     e = (d[0] + s[0], d[1] + s[1], d[2] + s[2])
-    square, n = dot(e, e), _cross(b, e)
+    square, n = dot(e, e), cross_product(b, e)
     return (2.0 * n[0] / square, 2.0 * n[1] / square, 2.0 * n[2] / square), e, square
 
 
@@ -31,7 +26,7 @@ def slope_difference(b, d, s, r, gradient):
         b, d, s, r: (3,) see above.   gradient: (2, 3) output: dc/ds and dc/dr.
     """
     n, e, square = _normal(b, d, s)
-    w = _cross(r, s)
+    w = cross_product(r, s)
     value = dot(n, w)
     for i in range(3):
         gradient[0, i] = cross(n, r, i) + 2.0 * (cross(w, b, i) - value * e[i]) / square
@@ -48,7 +43,7 @@ def slope_gamma(b, d, one, other):
     s, v, r, u = one[0], one[1], other[0], other[1]
     n, e, square = _normal(b, d, s)
     rate, change = 2.0 * dot(e, v), 2.0 * dot(v, v)
-    w, w_tt, total = _cross(r, s), _cross(u, v), 0.0
+    w, w_tt, total = cross_product(r, s), cross_product(u, v), 0.0
     for i in range(3):
         n_t = (2.0 * cross(b, v, i) - rate * n[i]) / square
         n_tt = -(2.0 * rate * n_t + change * n[i]) / square

@@ -163,7 +163,8 @@ def read_quaternions(mbs: Any) -> list[Quaternion]:
         if data["nodeType"] in _NOT_ADDITIVE:
             raise SceneError(
                 f"node {number} '{data['name']}' ({data['nodeType']}) has rotations that an explicit scheme "
-                "cannot add up: use nodeType RotationEulerParameters or RotationRxyz (beams: the latter)."
+                "cannot add up: create its body by mbs.CreateRigidBody with nodeType=exu.NodeType."
+                "RotationEulerParameters or RotationRxyz, or put beams on NodeRigidBodyRxyz."
             )
         if data["nodeType"] == "RigidBodyEP":
             coordinates = np.array(mbs.systemData.GetNodeLTGODE2(number)[3:7])

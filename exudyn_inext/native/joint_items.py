@@ -36,10 +36,10 @@ def read_joints(mbs: Any, elsewhere: Collection[int]) -> list[JointItem]:
         name = described(data, number)
         if not data.get("activeConnector", True):
             continue
-        if data.get("velocityLevel") or data["objectType"] == "JointRollingDisc":
+        if data.get("velocityLevel"):
             raise SceneError(
-                f"{name} constrains velocities, which only a CoordinateConstraint may, in explicit steps: "
-                "use a constraint at position level, or a penalty such as CreateRollingDiscPenalty."
+                f"{name} constrains velocities, which only CoordinateConstraints and rolling discs may, in "
+                "explicit steps: set velocityLevel=False, with the offset of the places."
             )
         if data["objectType"] == "JointALEMoving2D":
             raise SceneError(
@@ -80,6 +80,7 @@ def _joint(mbs: Any, number: int, data: dict[str, Any], name: str) -> JointItem:
         and all(_is_translation(mbs, n) for n in data["markerNumbers"]),
         period=_period(data.get("offsetUserFunction")),
         is_angular=_constrains_angles(mbs, data, name),
+        is_rolling=data["objectType"] == "JointRollingDisc",
     )
 
 

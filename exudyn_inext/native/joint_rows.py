@@ -58,11 +58,12 @@ class JointRows:
         places = [coordinates.places(joint.coordinates) for joint in joints]
         of_parts = _blocks(parts, rows, places)
         self.blocks = list(of_parts.values())
-        self._angular = [
+        self._of_rates = [
             (own, joint, np.array([coordinates.place(c) for c in joint.coordinates.tolist()]))
             for own, joint in zip(rows, joints, strict=True)
-            if joint.is_angular
+            if joint.is_angular or joint.is_rolling
         ]
+        self._rolling = np.flatnonzero(np.repeat([joint.is_rolling for joint in joints], np.diff(ends)))
         self._targets = [
             [
                 (of_parts[part], (np.searchsorted(of_parts[part].rows, own)[:, None], at), columns)
@@ -82,6 +83,7 @@ class JointRows:
         """(m,) in the current configuration of mbs, from the values of all algebraic equations there."""
         result = equations[self._equations]
         result[self._angles] -= self._periods * np.round(result[self._angles] / self._periods)
+        result[self._rolling] = 0.0
         for own, joint in self.sliding:
             result[own] = joint.foot(mbs).distances
         return result
@@ -142,7 +144,7 @@ class JointRows:
 
         Args:
             value_at: (t, q) -> c (m,), which brings mbs there; its second difference along the motion is
-                -gamma, Eq. (27), or the difference of its rate where angular velocities are constrained;
+                -gamma, Eq. (27), or the difference of its rate where velocities are constrained;
                 of one side where functions of time begin or end.
         """
         if self.follows_time:
@@ -154,18 +156,19 @@ class JointRows:
         rates = v[: self._places]  # those of first-order states behind them have other units
         step = self._step / max(1.0, float(np.abs(rates).max()))
         near, far = (side * step, 2.0 * side * step) if side else (step, -step)
-        (at_near, spin_near), (at_far, spin_far) = (
-            (value_at(t + s, self._moved(q, v, s)), self._angular_rates(mbs, v)) for s in (near, far)
+        (at_near, rate_near), (at_far, rate_far) = (
+            (value_at(t + s, self._moved(q, v, s)), self._rates(mbs, v)) for s in (near, far)
         )
         gamma = (2.0 * at_near - at_far - value if side else 2.0 * value - at_near - at_far) / step**2
-        for k, (own, _, _) in enumerate(self._angular):
-            gamma[own] = (spin_near[k] - spin_far[k]) / (far - near) - change[own]
+        for k, (own, _, _) in enumerate(self._of_rates):
+            gamma[own] = (rate_near[k] - rate_far[k]) / (far - near) - change[own]
         return JointTerms(value, drift, gamma)
 
-    def _angular_rates(self, mbs: Any, v: Array) -> list[Array]:
-        """Rates of c of those joints that constrain angular velocities, where mbs is."""
+    def _rates(self, mbs: Any, v: Array) -> list[Array]:
+        """Rates of c of those joints that constrain velocities, where mbs is."""
         return [
-            joint.jacobian(mbs)[:, places >= 0] @ v[places[places >= 0]] for _, joint, places in self._angular
+            joint.jacobian(mbs)[:, places >= 0] @ v[places[places >= 0]]
+            for _, joint, places in self._of_rates
         ]
 
 

@@ -41,6 +41,13 @@ class StaticScene:
         mbs = scene.mbs
         if mbs.systemData.ODE1Size():
             raise SceneError("mbs has states of first order, whose rest is not searched for: remove them.")
+        for joint in scene.joints:
+            if joint.is_rolling:
+                raise SceneError(
+                    f"{joint.name} rolls, and where it would come to rest depends on the way there: for the "
+                    "search, set its activeConnector to False and hold the body by a joint, as by "
+                    "CreateGenericJoint."
+                )
         scene.native_items.settles = True
         self.force(scene.initial_state[0])
         self.mass = scene.body_system.mass

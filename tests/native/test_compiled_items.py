@@ -31,6 +31,7 @@ from exudyn.itemInterface import (
     ObjectContactCircleCable2D,
     ObjectContactFrictionCircleCable2D,
     ObjectGenericODE1,
+    ObjectJointRollingDisc,
     ObjectMass1D,
     ObjectMassPoint,
     ObjectRigidBody2D,
@@ -359,6 +360,21 @@ def turned_generic_joint(b):
     b.mbs.SetObjectParameter(joint, "offsetUserFunctionParameters", [2e-3, 1e-3, 0, 0, 0, 0])
 
 
+def rolling_discs(b):
+    """The first body rolls on the second one, in any direction, and that one on the ground, along a line."""
+    for plane, disc, sideways in ((1, 0, 1), (None, 1, 0)):
+        normal, axis = b.vector(), b.vector() if b.dimension == 3 else np.array([0.0, 0.0, 1.0])
+        b.mbs.AddObject(
+            ObjectJointRollingDisc(
+                markerNumbers=[b.rigid(body, [0, 0, 0]) for body in (plane, disc)],
+                constrainedAxes=[sideways * (b.dimension - 2), 1, 1],
+                discRadius=0.2,
+                planeNormal=normal / np.linalg.norm(normal),
+                discAxis=axis / np.linalg.norm(axis),
+            )
+        )
+
+
 def planar_joints(b):
     if b.dimension == 2:
         (one, turn), (other, other_turn) = map(b.place, b.bodies)
@@ -670,6 +686,13 @@ def test_what_is_driven_moves_as_exudyn_says(integrator, dimension):
 def test_joints_that_are_turned_move_as_exudyn_says(dimension, seed):
     """Exudyn's side finds rates of offsets by differences."""
     require_the_same([turned_generic_joint, spring], seed, dimension)
+
+
+@every_integrator
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_discs_that_roll_move_as_exudyn_says(integrator, dimension):
+    """But for quaternions that are not quite of unit norm: the difference is of second order in the step."""
+    require_the_same([rolling_discs], 13, dimension, integrator, 2.0 * OFF_UNITY[integrator])
 
 
 @pytest.mark.parametrize("integrator", ["RATTLE", "Zhai"])

@@ -7,11 +7,13 @@ import exudyn
 import numpy as np
 import pytest
 from exudyn.itemInterface import (
+    CoordinateVectorConstraint,
     DistanceConstraint,
     LoadForceVector,
     LoadTorqueVector,
     MarkerBodyPosition,
     MarkerBodyRigid,
+    MarkerNodeCoordinates,
     MarkerNodePosition,
     MarkerNodeRigid,
     NodeGenericODE2,
@@ -25,7 +27,6 @@ from exudyn.itemInterface import (
     ObjectANCFCable2D,
     ObjectBeamGeometricallyExact,
     ObjectFFRF,
-    ObjectJointRollingDisc,
     ObjectRigidBody2D,
     SphericalJoint,
 )
@@ -66,9 +67,9 @@ def tied_at_another_speed(mbs, nodes):
 
 
 def velocity_constraint(mbs, nodes):
-    disc = mbs.CreateRigidBody(inertia=InertiaCuboid(1000, [0.1] * 3), referencePosition=[0, 0, 0.1])
-    markers = [mbs.AddMarker(MarkerBodyRigid(bodyNumber=body)) for body in (mbs.CreateGround(), disc)]
-    mbs.AddObject(ObjectJointRollingDisc(markerNumbers=markers, discRadius=0.1, name="drive"))
+    pair = [mbs.AddMarker(MarkerNodeCoordinates(nodeNumber=n)) for n in (nodes[-1], mass_point(mbs))]
+    same = {"scalingMarker0": np.eye(2, 4), "scalingMarker1": np.eye(2, 3), "offset": np.zeros(2)}
+    mbs.AddObject(CoordinateVectorConstraint(markerNumbers=pair, velocityLevel=True, name="drive", **same))
 
 
 def rotation_vector(mbs, nodes):
@@ -183,7 +184,11 @@ REFUSED = [
         RedundantConstraintError,
         r"'hinge0\.1' \(JointRevoluteZ\), equations 0, 1, 2, 3, 4, are not.*axialStiffness\.$",
     ),
-    (velocity_constraint, SceneError, r"'drive' \(JointRollingDisc\) constrains velocities.*penalty"),
+    (
+        velocity_constraint,
+        SceneError,
+        r"'drive' \(ConnectorCoordinateV.* constrains veloc.*velocityLevel=False",
+    ),
     (rotation_vector, SceneError, r"node .*\(RigidBodyRotVecLG\).*RotationEulerParameters or RotationRxyz"),
     (node_without_body, SceneError, r"node \d+ 'lost' \(Point\) has coordinates without mass"),
     (node_of_ale_elements, SceneError, r"'flow' \(GenericODE2\) has coordinates without mass.*remove it"),

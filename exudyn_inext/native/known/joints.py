@@ -14,7 +14,7 @@ from ...items.attach.clamp_to_body import Clamp
 from ...items.attach.shared_node import SameSlope
 from ...items.functions_of_time import is_of_time_alone, python_function
 from ...multibody.build import FunctionOfTime
-from ...multibody.rows import ACROSS, ALONG, DIFFERENCE, DISTANCE, PARALLEL, ROW
+from ...multibody.rows import ACROSS, ALONG, DIFFERENCE, DISTANCE, PARALLEL, ROLLING, ROW
 from ...multibody.sliding import SLIDER, NoSliders, Sliders
 from ...run.moved_offsets import MovedOffsets
 from ...run.settings import SAY_OF_TIME
@@ -304,6 +304,12 @@ def _distance(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]
     return [joint.row(DISTANCE, offset=data["distance"])]
 
 
+def _rolling_disc(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
+    joint = _joint(data, name, reader)
+    axes = np.array([joint.axes[0] @ data["planeNormal"], joint.axes[1] @ data["discAxis"]])
+    return [joint.row(ROLLING, component=k, axes=axes, offset=data["discRadius"]) for k in range(3)]
+
+
 def _coordinate(data: dict[str, Any], name: str, reader: PointReader) -> list[Any]:
     joint = _joint(_without_functions(data), name, reader, has_frames=False)
     factor = data.get("factor1", data.get("factorValue1", 1.0))
@@ -344,6 +350,7 @@ _READERS: dict[str, Callable[..., list[Any]]] = {
     "JointGeneric": _generic,
     "JointRevolute2D": _revolute_2d,
     "JointPrismatic2D": _prismatic_2d,
+    "JointRollingDisc": _rolling_disc,
     "ConnectorDistance": _distance,
     "ConnectorCoordinate": _coordinate,
     "ConnectorCoordinateVector": _of_slope,
