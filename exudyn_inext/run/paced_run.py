@@ -165,7 +165,8 @@ class PacedRun:
         history: see `take`.
 
         Returns:
-            Number of intervals that went well; later rows of `history` mean nothing.
+            Number of intervals that went well; later rows of `history` mean nothing. Of several intervals
+            with functions that are asked in each, none is tried again.
         """
         good, steps = 0, np.zeros(len(history))
         begins = self.watch.may_shorten and (self.may_begin_again or grid.begins_with(first))
@@ -188,6 +189,8 @@ class PacedRun:
                 self._lengthen(first + good, piece.time(taken))
                 is_spoilt |= self._shorten_for_gain()
             elif self.control.divisor == divisor:  # `take` has not asked for shorter steps
+                if piece.intervals > 1 and not self.looks_ahead:
+                    break  # functions are asked in each interval, which are taken one by one now
                 is_spoilt = self.reject(piece.time(taken), bool(beginning)) and self.watch.is_spoilt
                 if self.gave_up and beginning and self._resolve_stretch(grid.h):
                     self.gave_up, is_spoilt = False, True
