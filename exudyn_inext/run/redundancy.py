@@ -88,18 +88,18 @@ def require_mobile_points(system: CoupledSystem, cables: Sequence[Cable]) -> Non
                 raise not_independent([names[row] for row in block.rows[found]])
 
 
-def held_straight(runs: Sequence[Any], scene: Any, q: Array, lacking: float = STRAIGHT) -> list[str]:
+def held_straight(scene: Any, q: Array, lacking: float = STRAIGHT) -> list[str]:
     """Names of straight cables that cannot stretch, and have supports, links or joints at both ends.
 
     Args:
-        runs: of the cables.   scene: see `native.evaluated_scene`; its joints have been evaluated.
+        scene: see `native.evaluated_scene`; its joints have been evaluated.
         q: (n,) coordinates of all parts.   lacking: share of its length that the ends of a cable may lack.
     """
     names, blocks = [], scene.native_items.blocks
-    for run, dofs in zip(runs, scene.map.slices, strict=False):
+    for (cable, *_), dofs in zip(scene.cables, scene.map.slices, strict=False):
         jacobians = [block.jacobian for block in blocks if block.dofs == dofs]
-        if is_held_straight(run.scene_cable.cable, q[dofs], jacobians, lacking):
-            names.append(run.name)
+        if is_held_straight(cable.cable, q[dofs], jacobians, lacking):
+            names.append(f"cable '{cable.name}'")
     return names
 
 
