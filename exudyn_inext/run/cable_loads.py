@@ -140,6 +140,22 @@ class CableLoads:
         times = piece.times(stages).ravel().tolist()
         return LoadHistory(self.constant, self.pattern, self.factors(times).reshape(shape))
 
+    def kicks(self, piece: Piece, loads: LoadHistory) -> Array:
+        """(steps,) impulse of motions whose velocity jumps, by mass, times their speed [m^2/s^2].
+
+        It jumps by what their accelerations do not explain, as where lines are drawn between the points of a
+        table.   loads: of the piece, at the ends of steps, too.
+        """
+        width = 3 * self._dimension
+        columns = width * len(self._motions)
+        if not columns:
+            return np.zeros(0)
+        ends = np.vstack([self.factors([piece.time()]), loads.factor[:, -1]])[:, -columns:]
+        _, v, a = np.moveaxis(ends.reshape(len(ends), -1, 3, self._dimension), 2, 0)
+        jumps = np.linalg.norm(np.diff(v, axis=0) - 0.5 * piece.h * (a[1:] + a[:-1]), axis=2)
+        speeds = np.linalg.norm(v, axis=2)
+        return (jumps * np.maximum(speeds[1:], speeds[:-1])).sum(axis=1)
+
     def factors(self, times: list[float]) -> Array:
         """(T, P) of all load histories and motions."""
         columns = [self._of_motion(motion, times) for motion in self._motions]

@@ -17,10 +17,12 @@ from .watch import (
     FAILED,
     LEAST_STEPS,
     NOW,
+    SCATTER,
     SMALL,
     STEPS_BETWEEN,
     STEPS_WITH_POWER,
     VIOLENT,
+    Watch,
     build_watch,
     go_on,
     open_account,
@@ -79,6 +81,11 @@ class CableWatch(RunWatch):
         """Go on where forces may have jumped, from a state that the integrator has just started from."""
         self.watch.work[:, FACTOR] = np.inf  # known from the first step on
         self.go_on(system, external, state)
+
+    def watch_over(self, kicks: Array) -> Watch:
+        """The watch over steps in which supports are kicked; see `CableLoads.kicks`."""
+        mass = self._cable.section.mass_per_length * self._cable.length
+        return self.watch._replace(kicks=(mass / SCATTER * kicks) ** 2)
 
     def keep(self, state: Any) -> None:
         """Return to this state after steps that go wrong: it begins with other forces than the one before."""
