@@ -84,6 +84,8 @@ class CableWatch(RunWatch):
 
     def watch_over(self, kicks: Array) -> Watch:
         """The watch over steps in which supports are kicked; see `CableLoads.kicks`."""
+        if not kicks.size:
+            return self.watch
         mass = self._cable.section.mass_per_length * self._cable.length
         return self.watch._replace(kicks=(mass / SCATTER * kicks) ** 2)
 
