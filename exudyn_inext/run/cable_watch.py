@@ -22,7 +22,6 @@ from .watch import (
     STEPS_BETWEEN,
     STEPS_WITH_POWER,
     VIOLENT,
-    Watch,
     build_watch,
     go_on,
     open_account,
@@ -82,12 +81,12 @@ class CableWatch(RunWatch):
         self.watch.work[:, FACTOR] = np.inf  # known from the first step on
         self.go_on(system, external, state)
 
-    def watch_over(self, kicks: Array) -> Watch:
-        """The watch over steps in which supports are kicked; see `CableLoads.kicks`."""
-        if not kicks.size:
-            return self.watch
+    def expect_kicks(self, kicks: Array) -> None:
+        """In the next steps; see `CableLoads.kicks`."""
+        if len(kicks) > len(self.watch.kicks):
+            self.watch = self.watch._replace(kicks=np.zeros(len(kicks)))
         mass = self._cable.section.mass_per_length * self._cable.length
-        return self.watch._replace(kicks=(mass / SCATTER * kicks) ** 2)
+        self.watch.kicks[: len(kicks)] = (mass / SCATTER * kicks) ** 2
 
     def keep(self, state: Any) -> None:
         """Return to this state after steps that go wrong: it begins with other forces than the one before."""
