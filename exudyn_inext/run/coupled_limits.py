@@ -186,7 +186,7 @@ class LimitedRun(PacedRun):
 
     def straight_cables(self) -> list[str]:
         """See `PacedRun.straight_cables`."""
-        return held_straight(self._runs, self._scene, self.state.q, PULLED)
+        return held_straight(self._scene, self.state.q, PULLED)
 
     def jump_of_places(self, time: float, end: float) -> float:
         """See `PacedRun.jump_of_places`."""

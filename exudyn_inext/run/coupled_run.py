@@ -79,7 +79,7 @@ class CoupledRun(LimitedRun):
             else:
                 self._approach(start.time, end_of_step)
         except RedundantConstraintError as error:
-            straight = held_straight(cable_runs, scene, self.state.q)
+            straight = held_straight(scene, self.state.q)
             raise with_straight_cables(error, straight) from None
         self.mover.compile_steps(start.time)
         self._fastest = np.zeros((2, 2, scene.size))

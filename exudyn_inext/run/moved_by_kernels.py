@@ -76,7 +76,7 @@ class MovedByKernels(Mover):
         if self.approaches:
             self._form.approach_joints(time, self._end_of_step, self._state.q, FULFILLED)
         scene, q = self._scene, self._state.q
-        hides_dependence = bool(held_straight(self._runs, scene, q))
+        hides_dependence = bool(held_straight(scene, q))
         found = None if hides_dependence else compiled_start(self._form, *given)
         if found is None:
             if self.approaches:  # Exudyn knows nothing of that
