@@ -191,7 +191,7 @@ class PacedRun:
                 self._lengthen(first + good, piece.time(taken))
                 is_spoilt |= self._shorten_for_gain()
             elif self.control.divisor == divisor:  # `take` has not asked for shorter steps
-                if piece.intervals > 1 and not self.looks_ahead:
+                if piece.intervals > 1 and not (self.looks_ahead or self.may_begin_again):
                     break  # functions are asked in each interval, which are taken one by one now
                 is_spoilt = self.reject(piece.time(taken), bool(beginning)) and self.watch.is_spoilt
                 if self.gave_up and beginning and self._resolve_stretch(grid.h):
@@ -215,9 +215,9 @@ class PacedRun:
         """Shorten the steps as a run does that may begin again.
 
         Steps that were too long leave errors behind that shorter ones do not mend. So they are taken once
-        without the functions that see them, and undone: from the beginning, or a restart file, and after a
-        change for as long as nothing else had been changed before. Beside cables that stretch, as far as may
-        be; elsewhere some, and more if these show a motion that is fast for them.
+        without the functions that see them, and undone. Beside cables that stretch, from the beginning, or a
+        restart file, as far as may be, and after a change for as long as nothing else had been changed
+        before; elsewhere some at the beginning, and more if these show a motion that is fast for them.
 
         Args:
             grid: of the run.   first: interval of the loop that begins.   most: of them.
@@ -227,8 +227,9 @@ class PacedRun:
         intervals = most if begins else min(first - before, most)
         if intervals < LEAST_REHEARSED or not self._is_rehearsed:
             return
-        if self.watch.stretches:
+        if self.watch.stretches and self.looks_ahead:
             self._rehearse(grid, first, intervals)
+        if not begins or self.watch.stretches:
             return
         few, many = (min(intervals, -(-steps // grid.substeps)) for steps in STEPS_OF_MOTION)
         if self._rehearse(grid, first, few) > FAST and many > few:
