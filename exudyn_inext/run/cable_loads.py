@@ -18,8 +18,6 @@ from .load_functions import Asked, LoadFunctions
 from .settings import SAY_OF_TIME
 from .step_control import Piece
 
-SAME_TIME = 1e-6  # of a step
-
 
 def _at_rest(motion: Motion, dim: int) -> Array:
     """(3 dim,) p, p_t, p_tt of a motion that rests; zero for one that does not."""
@@ -48,7 +46,6 @@ class CableLoads:
         self._out_of_plane = self._columns_out_of_plane(self._histories)
         self._steady = [(load, self._patterns(load)) for load in steady if isinstance(load, NodalLoad)]
         self._alone = self.constant.copy()  # without loads on nodes
-        self._end: tuple[float, Array] = (np.inf, np.zeros(0))  # of the last piece: its time [s], and factors
         self._add_steady()
         rows = [row for load in self._histories for row in self._patterns(load)]
         if self._motions:
@@ -142,27 +139,6 @@ class CableLoads:
             return LoadHistory(self.constant, self.pattern, np.zeros(shape))
         times = piece.times(stages).ravel().tolist()
         return LoadHistory(self.constant, self.pattern, self.factors(times).reshape(shape))
-
-    def kicks(self, piece: Piece, loads: LoadHistory) -> Array:
-        """(steps,) impulse of motions whose velocity jumps, by mass, times their speed [m^2/s^2].
-
-        It jumps by what their accelerations do not explain, as where lines are drawn between the points of a
-        table.   loads: of the piece, at the ends of steps, too.
-        """
-        if not self._motions:
-            return np.zeros(0)
-        time, before = self._end
-        if abs(time - piece.time()) > SAME_TIME * piece.h:
-            before = self.factors([piece.time()])
-        self._end = piece.time(piece.steps), loads.factor[-1:, -1].copy()
-        columns = 3 * self._dimension * len(self._motions)
-        ends = np.concatenate([before, loads.factor[:, -1]])[:, -columns:]
-        motions = ends.reshape(len(ends), -1, 3, self._dimension)
-        v, a = motions[:, :, 1], motions[:, :, 2]
-        jumps = v[1:] - v[:-1] - 0.5 * piece.h * (a[1:] + a[:-1])
-        speeds = (v**2).sum(axis=2)
-        squares = (jumps**2).sum(axis=2) * np.maximum(speeds[1:], speeds[:-1])
-        return np.sqrt(squares).sum(axis=1)
 
     def factors(self, times: list[float]) -> Array:
         """(T, P) of all load histories and motions."""

@@ -380,7 +380,6 @@ class CableRun(PacedRun):
     def take(self, piece: Piece, history: Array) -> int:
         """See `PacedRun.take`: in one compiled call."""
         before, loads = self.watch.steps, self.loads.sample(piece, self.integrator.stages)
-        self.watch.expect_kicks(self.loads.kicks(piece, loads))
         rows, watch = history[: piece.intervals], self.watch.watch
         steps = piece.h, piece.in_interval
         good = self._record_watched(self.scheme, self.called, loads, self.state, *steps, rows, watch)

@@ -17,7 +17,6 @@ from .watch import (
     FAILED,
     LEAST_STEPS,
     NOW,
-    SCATTER,
     SMALL,
     STEPS_BETWEEN,
     STEPS_WITH_POWER,
@@ -80,13 +79,6 @@ class CableWatch(RunWatch):
         """Go on where forces may have jumped, from a state that the integrator has just started from."""
         self.watch.work[:, FACTOR] = np.inf  # known from the first step on
         self.go_on(system, external, state)
-
-    def expect_kicks(self, kicks: Array) -> None:
-        """In the next steps; see `CableLoads.kicks`."""
-        if len(kicks) > len(self.watch.kicks):
-            self.watch = self.watch._replace(kicks=np.zeros(len(kicks)))
-        mass = self._cable.section.mass_per_length * self._cable.length
-        self.watch.kicks[: len(kicks)] = (mass / SCATTER * kicks) ** 2
 
     def keep(self, state: Any) -> None:
         """Return to this state after steps that go wrong: it begins with other forces than the one before."""

@@ -122,8 +122,8 @@ class Watch(NamedTuple):
     kept_work: at the last inspection.
     energy_report: (6,) at the last inspection, see `report_energy`.   force, present_report: memory.
     kept: state of the integrator at the last inspection; if it found trouble, the state that it found.
-    kicks: (steps or more,) square of what the work in each of the next steps may be wrong by, as velocities
-        of supports jump [J^2]; none: nothing moves.
+    kicks: (steps,) square of what the work in each of the next steps may be wrong by, as velocities of
+        supports jump [J^2]; none: nothing moves.
     """
 
     every: int
