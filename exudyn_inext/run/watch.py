@@ -122,8 +122,6 @@ class Watch(NamedTuple):
     kept_work: at the last inspection.
     energy_report: (6,) at the last inspection, see `report_energy`.   force, present_report: memory.
     kept: state of the integrator at the last inspection; if it found trouble, the state that it found.
-    kicks: (steps,) square of what the work in each of the next steps may be wrong by, as velocities of
-        supports jump [J^2]; none: nothing moves.
     """
 
     every: int
@@ -143,7 +141,6 @@ class Watch(NamedTuple):
     force: Array
     present_report: Array
     kept: Any
-    kicks: Array = np.zeros(0)
 
 
 def build_watch(
@@ -482,8 +479,6 @@ def record_watched(scheme, system, loads, state, h, steps, history, watch):
         advance(scheme, system, part, state, h, of_interval, history[first:last])
         report_energy(system, state.external, state.q, state.v, state.a, watch.force, watch.present_report)
         _add_work_of_loads(watch, loads.constant, state.q)
-        for step in range(done, min(done + number, len(watch.kicks))):
-            watch.account[NOW].scatter += watch.kicks[step]
         _count_motion(watch, number * h)
         if _verdict(watch, state, number, number * h) != ALL_IS_WELL:
             return first
