@@ -67,8 +67,7 @@ def SolveExplicit(
     automatic, it begins again from the start, with shorter steps. Pre- and post-step user functions cannot
     be undone: some steps are taken once without them, more beside cables that stretch, to find how long
     they may be: at the start and after changes that follow on steps without any. So are steps that
-    functions of items see. An energy that grows slowly is warned of, see ExplicitSettings.energyTolerance,
-    and one that steps lose, from 15 times that tolerance on, where no damping, drag or stretch hides it.
+    functions of items see. An energy that grows slowly is warned of, see ExplicitSettings.energyTolerance.
     The stability limit is that of the initial state, as if contacts of cables with circles that are open
     were closed. Among bodies it is found again each time cables that stretch are pulled a quarter tighter
     than before: automatic steps follow it down, given ones above it are warned of. Automatic steps also

@@ -103,9 +103,10 @@ class MovedByExudyn(Mover):
         """Raise SceneError if Exudyn's items are not those that have moved the scene."""
         self._scene.require_agreement(None, time, self._state.q, self._state.v)
 
-    def settle(self, time: float) -> None:
-        """See `Mover.settle`; a contact that is said to be closed, and is open, would pull."""
-        self._scene.native_items.finish_step(time, self._state.q, self._state.v)
+    def _settled_data(self, time: float) -> Array:
+        native_items = self._scene.native_items
+        native_items.finish_step(time, self._state.q, self._state.v)
+        return np.tile(native_items.remembered, (2, 1))
 
     def look(self, time: float) -> None:
         """Evaluate what the next step needs to know of a state that has been set."""
@@ -117,6 +118,7 @@ class MovedByExudyn(Mover):
 
     def begin_record(self, intervals: int) -> None:
         """So many intervals of the time loop are about to be taken."""
+        self._put_settled()
         self._data = np.zeros((intervals, self._scene.mbs.systemData.DataSize()))
 
     def end_record(self, grid: TimeGrid, first: int, history: Array) -> None:

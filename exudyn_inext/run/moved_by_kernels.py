@@ -158,17 +158,19 @@ class MovedByKernels(Mover):
         if self._remembers:
             self._form.begin_history(self.data[0], 1)
 
-    def settle(self, time: float) -> None:
+    def _settled_data(self, time: float) -> Array:
         if self._remembers:
             self._form.settle(time, self._state.q, self._state.v)
             self.data[1] = self.data[0]
-            self._scene.remember(self.data)
+        return self.data.copy()
 
     def look(self, time: float) -> None:
         pass
 
     def begin_record(self, intervals: int) -> None:
         if self._remembers:
+            if not self._is_alone:
+                self._put_settled()
             remembered = self._scene.native_items.remembered
             self._first_data = self.data[0].copy() if self._is_alone else remembered
             self._form.begin_history(self._first_data, intervals)

@@ -77,13 +77,6 @@ class RunWatch:
         return float(self.watch.account["error"][NOW]) / self.watch.tolerance if self.may_shorten else 0.0
 
     @property
-    def loss(self) -> float:
-        """Share of the energy of the motion that steps lost; 0 where damping, drag or axial waves hide it."""
-        account = self.watch.account
-        is_sampled = self.stretches or account["largest_power"][NOW] > 0.0
-        return 0.0 if is_sampled else -float(account["loss"][NOW])
-
-    @property
     def resolving_step(self) -> float:
         """Step that resolves axial vibrations of the cables [s]; 0: nobody looks, or there are none."""
         squared, stiffness, *_ = self.watch.mesh

@@ -332,12 +332,6 @@ def test_a_fast_motion_is_resolved_from_its_start_though_functions_look(spring_o
     assert report["drift"]["energyLoss"] < 0.01
 
 
-def test_energy_that_steps_have_lost_is_warned_of(spring_of_a_light_rope, monkeypatch):
-    monkeypatch.setattr(CoupledRun, "_is_rehearsed", False)
-    with pytest.warns(UserWarning, match=r"steps have lost 1\d\.\d+% of the energy of the motion"):
-        spring_of_a_light_rope("spring")
-
-
 def test_a_mass_scaling_that_is_given_is_taken(swing):
     _, scaled = swing(STIFF, 25, PINNED, end=0.1, massScaling=0.26)
     assert scaled["massScaling"] == 0.26
