@@ -106,6 +106,7 @@ class MovedByExudyn(Mover):
     def _settled_data(self, time: float) -> Array:
         native_items = self._scene.native_items
         native_items.finish_step(time, self._state.q, self._state.v)
+        self._scene.friction.begin()
         return np.tile(native_items.remembered, (2, 1))
 
     def look(self, time: float) -> None:
