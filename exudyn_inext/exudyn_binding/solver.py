@@ -65,9 +65,10 @@ def SolveExplicit(
     finite) are rejected: the run goes on from the state before them with smaller ones, which grow again. It
     ends only where no step is small enough. Where axial vibrations are the cause, and the step is
     automatic, it begins again from the start, with shorter steps. Pre- and post-step user functions cannot
-    be undone: some steps are taken once without them, more beside cables that stretch, to find how long
-    they may be: at the start and after changes that follow on steps without any. So are steps that
-    functions of items see. An energy that grows slowly is warned of, see ExplicitSettings.energyTolerance.
+    be undone: the first steps are taken once without them, to find how long they may be; beside cables that
+    stretch as many as may be, also after changes that follow on steps without any. So are the first steps
+    that functions of items see. An energy that grows slowly is warned of, see
+    ExplicitSettings.energyTolerance.
     The stability limit is that of the initial state, as if contacts of cables with circles that are open
     were closed. Among bodies it is found again each time cables that stretch are pulled a quarter tighter
     than before: automatic steps follow it down, given ones above it are warned of. Automatic steps also

@@ -8,9 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..multibody.build import build_scene
-from ..multibody.scene import (
-    subtract_inertia_forces,
-)
+from ..multibody.scene import subtract_inertia_forces
 from ..run.compiled_scene import CompiledScene, SceneLoads, cables_of_scene
 from ..run.load_functions import LoadFunctions, StateFunctions
 from ..run.parts_in_one import CompiledParts

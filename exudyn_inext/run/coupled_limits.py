@@ -196,8 +196,9 @@ class LimitedRun(PacedRun):
         return max(jumps, default=0.0)
 
     def outruns_limit(self, piece: Piece, since: int, done: int) -> bool:
-        """Whether the steps of this piece are too long by now, of which these have been taken since a look.
+        """Whether the steps of this piece are too long by now.
 
+        since, done: how many of them had been taken at the last look, and have been taken now.
         As cables that stretch are pulled tight, or contacts that Exudyn evaluates have closed, and rub. Then
         the nominal step is shorter from now on, or until contacts open; of a given one, `finding` tells.
         """

@@ -37,9 +37,7 @@ class Mover:
     asks = ""
     elsewhere: Any = None
     dofs_in_implicit_contact: np.ndarray = np.zeros(0, int)
-    _settled: tuple[Array, Array] | None = (
-        None  # (D,) what contacts were said to remember; (2, D) what they do
-    )
+    _settled: tuple[Array, Array] | None = None  # (D,), (2, D) what contacts are said to remember, and do
 
     def __init__(
         self, scene: Any, runs: Sequence[CableRun], state: Any, method: tuple[Integrator, Any]
