@@ -20,14 +20,15 @@ from .saddle_point import apply_mass
 
 
 class SupportForces(NamedTuple):
-    """Multipliers lam of M a + C_q^T lam = F, at k states.
+    """Multipliers lam and accelerations a of M a + C_q^T lam = F, at k states.
 
     on_coordinates: (k, n, 2, dim) of constraints that hold or move a coordinate; nothing at free slopes.
-    of_links: (k, L) of the links of the cable.
+    of_links: (k, L) of the links of the cable.   accelerations: (k, n_dof).
     """
 
     on_coordinates: Array
     of_links: Array
+    accelerations: Array
 
 
 class SupportedCable:
@@ -58,7 +59,7 @@ class SupportedCable:
         of_links = self._take_rods(links, balance)
         if self._closed:
             balance[:, 0] += balance[:, -1]
-        return SupportForces(balance, of_links)
+        return SupportForces(balance, of_links, a)
 
     def _states(
         self, external: Array, q: Array, v: Array, steps: Array, a: Array, links: Any

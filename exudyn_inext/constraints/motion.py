@@ -1,6 +1,7 @@
 """A given motion with its first two derivatives, analytic or by differences."""
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -42,8 +43,11 @@ def motion_of(
             values = np.array([_vector(position(t)), *differences(velocity, t)[:2]])
         if acceleration is not None:
             values[2] = acceleration(t)
+        values.flags.writeable = False
         return values
 
+    if is_pure:
+        at = lru_cache(maxsize=2)(at)  # a step asks for the time of its end several times
     return Motion(at, is_pure=is_pure, given=(velocity is not None, acceleration is not None))
 
 

@@ -63,15 +63,16 @@ def SolveExplicit(
 
     Steps that go wrong (constraints that cannot be solved for, an energy that jumps, numbers that are not
     finite) are rejected: the run goes on from the state before them with smaller ones, which grow again. It
-    ends only where no step is small enough. Where axial vibrations are the cause, and the step is automatic,
-    it begins again from the start, with shorter steps. Pre- and post-step user functions cannot be undone:
-    beside cables that stretch, steps are taken once without them, to find how long they may be: at the start
-    and after changes that follow on steps without any. An energy that grows slowly is warned of, see
-    ExplicitSettings.energyTolerance. The stability limit is that of the initial state, as if contacts of
-    cables with circles that are open were closed. Among bodies it is found again each time cables that
-    stretch are pulled a quarter tighter than before: automatic steps follow it down, given ones above it are
-    warned of. Automatic steps also follow it where Exudyn evaluates contact or friction, which may close,
-    or press harder, during the run.
+    ends only where no step is small enough. Where axial vibrations are the cause, and the step is
+    automatic, it begins again from the start, with shorter steps. Pre- and post-step user functions cannot
+    be undone: the first steps are taken once without them, to find how long they may be; beside cables that
+    stretch as many as may be, also after changes that follow on steps without any. So are the first steps
+    that functions of items see. An energy that grows slowly is warned of, see
+    ExplicitSettings.energyTolerance.
+    The stability limit is that of the initial state, as if contacts of cables with circles that are open
+    were closed. Among bodies it is found again each time cables that stretch are pulled a quarter tighter
+    than before: automatic steps follow it down, given ones above it are warned of. Automatic steps also
+    follow it where Exudyn evaluates contact or friction, which may close, or press harder, during the run.
 
     Sensors, solution files, pre- and post-step user functions and the SolutionViewer work as with
     mbs.SolveDynamic. Exudyn's steps are as long as the outputs allow: numberOfSteps of the time integration
@@ -244,7 +245,7 @@ def _solve(
             "success": True,
             "integrator": explicit.integratorName,
             "stepSize": min(control.smallest for control in controls),
-            "meanStepSize": duration / steps,
+            "meanStepSize": loop.time_of_steps / steps,
             "steps": steps,
             "rejections": sum(control.rejections for control in controls),
             "massScaling": explicit.massScaling or 0.0,

@@ -23,6 +23,7 @@ from ..native.native_items import state_kept, switched_off
 from ..native.static_scene import StaticScene, put_data, require_held, rest_at
 from ..native.velocity_level import at_position_level
 from ..run.cable_loads import CableLoads
+from ..run.redundancy import held_straight
 from ..scene.model import CableInScene, Scene, put_reactions
 from ..statics import (
     Equilibrium,
@@ -43,6 +44,7 @@ from .stretch_check import stretch_of, warn_of_worst
 REACH_TOLERANCE = 1e-9
 TAUT = 1.0 - 1e-6  # distance of supports over the reach of the cable between them
 NEARLY = 1.5  # times the shortest |r_x|
+NO_TENSION = "where no tension holds it against forces across: give it its axialStiffness, or let it sag"
 
 
 def hint(scene_cable: CableInScene, q: Array, time: float) -> str:
@@ -58,10 +60,7 @@ def hint(scene_cable: CableInScene, q: Array, time: float) -> str:
         )
     if not cable.stretches and (taut := _taut(cable, time)):
         ends = " and ".join(str(names[k]) for k in taut)
-        return (
-            f"cable '{scene_cable.name}' is straight between the supports of nodes {ends}, where no tension "
-            "holds it against forces across: give it its axialStiffness, or let it sag"
-        )
+        return f"cable '{scene_cable.name}' is straight between the supports of nodes {ends}, {NO_TENSION}"
     return ""
 
 
@@ -256,10 +255,13 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
         q = equilibrium.q
         reactions = others.reactions(q, equilibrium.multipliers[-len(others.values(q)) or len(q) :])
         data = others.data(q)
-        where = ""
+        where, taut = "", list[str]()
         if np.isfinite(equilibrium.residual) and not equilibrium.converged:
             largest = potential.least_balanced(q, equilibrium.multipliers)
             where = f", largest at {joined.coordinate_name(joined.map.indices[largest])}"
+            places = zip(scene.cables, joined.map.slices, strict=False)
+            there = [f"cable '{one.name}'" for one, dofs in places if dofs.start <= largest < dofs.stop]
+            taut = [one for one in held_straight(joined, q, 1.0 - TAUT) if one in there]
     multipliers = potential.multipliers_of_cables(equilibrium.multipliers)
     of_cables = [
         replace(equilibrium, q=q[dofs].reshape(cable.cable.reference.shape))
@@ -268,7 +270,7 @@ def _solve_scene(mbs: Any, scene: Scene, time: float, static: StaticSettings) ->
     report = _report(scene.cables, of_cables)
     if not equilibrium.converged:
         pairs = zip(scene.cables, of_cables, strict=True)
-        said = _failure("the scene", equilibrium, "maxIterations", pairs, time, where)
+        said = _failure("the scene", equilibrium, "maxIterations", pairs, time, where, taut)
         raise EquilibriumError(said, StaticReport(report, success=False))
     for k, own in enumerate(multipliers):
         _put_reactions(scene.cables[k], of_cables[k].q, own, time, reactions)
@@ -349,10 +351,16 @@ def _failure(
     cables: Iterable[tuple[CableInScene, Equilibrium]],
     time: float,
     where: str = "",
+    taut: Sequence[str] = (),
 ) -> str:
-    """What went wrong and what helps.   cables: with their last states.   where: forces are not balanced."""
+    """What went wrong and what helps.
+
+    cables: with their last states.   where: forces are not balanced.   taut: names of cables that are
+        straight between what holds their ends.
+    """
     pairs = list(cables)
     hints = list(filter(None, (hint(cable, own.q, time) for cable, own in pairs)))
+    hints += [f"{one} is straight between what holds its ends, {NO_TENSION}" for one in taut]
     ways = ["add supports", "start nearer to the equilibrium", f"use more {more}"]
     if any(not cable.cable.stretches for cable, _ in pairs):
         ways.append("give the cables their axialStiffness, as inextensible ones side by side are redundant")

@@ -114,6 +114,11 @@ class ExplicitTimeLoop:
         return self._watched_user_function() if self._is_watched else self._plain_user_function()
 
     @property
+    def time_of_steps(self) -> float:
+        """That all steps have taken so far, those ahead included [s]."""
+        return self.grid.time(self._computed) - self.grid.start
+
+    @property
     def path(self) -> str:
         """Which way the steps are computed, and why."""
         names = listed([run.name for run in self.runs])
@@ -266,6 +271,7 @@ class ExplicitTimeLoop:
         """The step before a block."""
         self._computed = first
         self._reactions.clear()
+        self._remembered.clear()
         for run, kept in zip(self.runs, self._kept, strict=True):
             kept.restore()
             run.gave_up = False
@@ -348,7 +354,7 @@ class ExplicitTimeLoop:
             for kept in self._kept:
                 kept.keep()
         else:
-            self._kept = [KeptState(run.memory()) for run in self.runs]
+            self._kept = [run.present_state() for run in self.runs]
 
     def _compute_ahead(self, intervals: int) -> tuple[Array, int]:
         """(intervals, 3, n) displacements, velocities, accelerations after the next loop steps.
@@ -426,10 +432,10 @@ class ExplicitTimeLoop:
             self._data.SetTime(self.time)
             raise
         self._is_changed |= self.changes.is_event
+        self._kept.clear()
         if runs is not self.runs:
             self.runs, self._places = runs, [as_slice(run.indices) for run in runs]
             self._last_steps = LastSteps(self._last_steps.place, runs)
-            self._kept.clear()
             self.kept_states = list(map(KeptStates, runs))
 
     def _take_over_changes(self) -> None:

@@ -8,12 +8,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..multibody.build import build_scene
-from ..multibody.scene import (
-    MODE,
-    NOT_COUNTED,
-    SETTLING,
-    subtract_inertia_forces,
-)
+from ..multibody.scene import subtract_inertia_forces
 from ..run.compiled_scene import CompiledScene, SceneLoads, cables_of_scene
 from ..run.load_functions import LoadFunctions, StateFunctions
 from ..run.parts_in_one import CompiledParts
@@ -222,10 +217,7 @@ def _compare_parts(scene: SceneOfExudyn, wanted: Array, found: Array, sizes: Arr
 
 def _compare_contacts(scene: SceneOfExudyn, form: CompiledScene, t: float, q: Array, v: Array) -> None:
     """What contacts remember once they have settled."""
-    counting, memory = form.system.items.counting, np.zeros((2, len(q)))
-    counting[MODE] = SETTLING
-    form.accelerate(form.loads.at(t), q, v, 0.0, *memory)
-    counting[MODE] = NOT_COUNTED
+    form.settle(t, q, v)
     wanted, found = scene.native_items.settled(t, q, v), form.contacts.data[0]
     scale = max(1.0, float(np.abs(wanted).max(initial=0.0)))
     if not (np.abs(wanted - found) <= TOLERANCE * scale).all():

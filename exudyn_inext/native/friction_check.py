@@ -38,9 +38,13 @@ class FrictionCheck:
         places = [np.array(system.GetObjectLTGData(number), dtype=int) for number in self.numbers]
         self._states = [own[len(own) // 3 : 2 * len(own) // 3] for own in places]
         self._limits = [mbs.GetObject(number)["frictionCoefficient"] for number in self.numbers]
-        self._before = np.array(system.GetDataCoordinates())
         self._steps = 0
         self.sums = np.zeros((len(self.numbers), 4))
+        self.begin()
+
+    def begin(self) -> None:
+        """The next step starts from what contacts remember at present."""
+        self._before = np.array(self._mbs.systemData.GetDataCoordinates())
 
     def look(self) -> None:
         """At the end of a step: at contacts that have just closed, from time to time at all of them."""

@@ -151,8 +151,8 @@ class CableLoads:
     def _of_motion(self, motion: Motion, times: list[float]) -> Array:
         """(T, 3 dim) p, p_t, p_tt.   SceneError if they are not finite."""
         values = np.array([motion.at(t).ravel() for t in times])
-        bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
-        if bad.size:
+        if not np.isfinite(values).all():
+            bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
             raise SceneError(
                 f"a motion prescribed to a node of {self._name} has place, velocity and acceleration "
                 f"{values[bad[0]].tolist()} at t = {times[bad[0]]:g} s: its functions must return finite "

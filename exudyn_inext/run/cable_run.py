@@ -16,7 +16,7 @@ from ..cable.axial_stiffness import STRAIN, frozen, set_step_of_means
 from ..cable.cable import Cable
 from ..cable.chain import set_mass
 from ..cable.frequency import FrequencyTracker, largest_frequency, nodal_multipliers_of
-from ..cable.implicit_bending import ImplicitBending
+from ..cable.implicit_bending import EXPLICIT, ImplicitBending
 from ..cable.linked_cable import cable_system, memory_of
 from ..cable.section_forces import constraint_tension
 from ..cable.support_forces import SupportedCable
@@ -203,11 +203,12 @@ class CableRun(PacedRun):
 
     @contextmanager
     def mass_as_it_is(self) -> Iterator[None]:
-        """Nothing of the bending is in the matrix on the left."""
+        """Nothing is in the matrix on the left but mass, and mean axial forces of steps."""
         if not self.has_implicit_bending:
             yield
             return
-        set_mass(self.system.chain, self.scene_cable.cable, ImplicitBending(step=self.control.present))
+        set_mass(self.system.chain, self.scene_cable.cable, EXPLICIT)
+        self.take_means(self.control.present)
         try:
             yield
         finally:
@@ -273,16 +274,12 @@ class CableRun(PacedRun):
             multipliers: (m,) output, of Exudyn's algebraic equations; a coupled run also leaves them in mbs
                 with the state.
         """
-        if self.has_reactions:
-            present = self.loads.at(time)[np.newaxis], self.state.q[np.newaxis], self.state.v[np.newaxis]
-            self.put_reactions(*present, np.array([self.control.present]), multipliers[np.newaxis])
-        if not self.has_implicit_bending:
+        if not (self.has_reactions or self.has_implicit_bending):
             return np.asarray(self.state.a)
-        a, rate = np.zeros((2, self.state.q.size))
-        with self.mass_as_it_is():
-            accelerate_and_project(self.system, self.loads.at(time), self.state.q, self.state.v, 0.0, a, rate)
-        self.resume(time)
-        return a
+        external, q, v = (row[np.newaxis] for row in (self.loads.at(time), self.state.q, self.state.v))
+        forces = self._supported.solve(external, q, v, np.array([self.control.present]))
+        put_reactions(self.scene_cable.reactions, forces, multipliers[np.newaxis])
+        return np.asarray(forces.accelerations[0] if self.has_implicit_bending else self.state.a)
 
     @property
     def is_steady(self) -> bool:

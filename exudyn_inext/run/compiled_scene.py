@@ -25,6 +25,7 @@ from ..multibody.scene import (
     EACH,
     MODE,
     NOT_COUNTED,
+    SETTLING,
     SceneSystem,
     energies_of_spins,
     evaluate_states,
@@ -222,6 +223,13 @@ class CompiledScene:
     def remembers(self) -> bool:
         """Whether contacts remember anything."""
         return self.contacts.data.shape[1] > 0
+
+    def settle(self, t: float, q: Array, v: Array) -> None:
+        """Let what contacts remember at present agree with the state at t [s]."""
+        counting = self.system.items.counting
+        counting[MODE] = SETTLING
+        self.accelerate(self.loads.at(t), q, v, 0.0, *np.zeros((2, len(q))))
+        counting[MODE] = NOT_COUNTED
 
     def set_step(self, h: float) -> None:
         """Prepare implicit damping of contact for steps of h [s]; 0: it is explicit."""

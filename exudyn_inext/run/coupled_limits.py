@@ -186,7 +186,7 @@ class LimitedRun(PacedRun):
 
     def straight_cables(self) -> list[str]:
         """See `PacedRun.straight_cables`."""
-        return held_straight(self._runs, self._scene, self.state.q, PULLED)
+        return held_straight(self._scene, self.state.q, PULLED)
 
     def jump_of_places(self, time: float, end: float) -> float:
         """See `PacedRun.jump_of_places`."""
@@ -195,15 +195,16 @@ class LimitedRun(PacedRun):
             jumps.append(self.mover.evaluated.violation(end, self.state.q))
         return max(jumps, default=0.0)
 
-    def outruns_limit(self, piece: Piece, done: int) -> bool:
+    def outruns_limit(self, piece: Piece, since: int, done: int) -> bool:
         """Whether the steps of this piece are too long by now.
 
+        since, done: how many of them had been taken at the last look, and have been taken now.
         As cables that stretch are pulled tight, or contacts that Exudyn evaluates have closed, and rub. Then
         the nominal step is shorter from now on, or until contacts open; of a given one, `finding` tells.
         """
         tension = max((run.tension_by_mass for run in self._runs), default=0.0)
         is_tight = self._is_tighter(tension, piece.h)
-        if self.control.follower or not (is_tight or self._looks_at_contacts(done)):
+        if self.control.follower or not (is_tight or self._looks_at_contacts(since, done)):
             return False
         time = piece.time(done)
         limit = self._limit_of_motion(time)
@@ -226,10 +227,16 @@ class LimitedRun(PacedRun):
         bounds = max(TIGHTER * self.control.tension, SLOW_WAVES / h**2)
         return self.watch.stretches and tension > bounds and not self.control.is_shorter_for_a_while
 
-    def _looks_at_contacts(self, done: int) -> bool:
+    @property
+    def has_evaluated_contacts(self) -> bool:
+        """Whether Exudyn evaluates contact or friction."""
+        remembers: bool = self._scene.native_items.remembers
+        return bool(self.why_not) and remembers
+
+    def _looks_at_contacts(self, since: int, done: int) -> bool:
         """Whether the limit is due to be found again, as contacts change that Exudyn evaluates."""
-        may = self.watch.may_shorten and bool(self.why_not) and self._scene.native_items.remembers
-        is_due = steps_until_look(self.control.steps, STEPS_BETWEEN_LOOKS) <= done
+        may = self.watch.may_shorten and self.has_evaluated_contacts
+        is_due = since + steps_until_look(self.control.steps + since, STEPS_BETWEEN_LOOKS) <= done
         return may and (is_due or self.control.is_shorter_for_a_while)
 
     def is_stable(self, h: float, time: float) -> bool:

@@ -80,7 +80,7 @@ class CoupledRun(LimitedRun):
             else:
                 self._approach(start.time, end_of_step)
         except RedundantConstraintError as error:
-            straight = held_straight(cable_runs, scene, self.state.q)
+            straight = held_straight(scene, self.state.q)
             raise with_straight_cables(error, straight) from None
         self.mover.compile_steps(start.time)
         self._fastest = np.zeros((2, 2, scene.size))
@@ -270,6 +270,7 @@ class CoupledRun(LimitedRun):
     def start(self, time: float) -> None:
         """Evaluate the initial accelerations; see `CableRun.start`."""
         self.forget()
+        self.mover.settle(time)
         self.start_scheme(time)
         self.watch.open(time, self.state)
         for run in self._runs:
@@ -427,8 +428,9 @@ class CoupledRun(LimitedRun):
         times = piece.times(self.integrator.stages)
         self._kept.keep()
         done = kept = 0
+        looks = self.watch.may_shorten and (self.watch.stretches or self.has_evaluated_contacts)
+        looks_within = self._by_kernels or piece.intervals > 1
         while done < piece.steps:
-            looks = self.watch.stretches and self.watch.may_shorten  # which may change where steps go
             due = steps_until_look(self.control.steps + done) if looks else piece.steps
             end = min(done + self.watch.steps_ahead, piece.steps, done + due)
             if not self._goes_well(piece, times[done:end], done, history):
@@ -436,12 +438,12 @@ class CoupledRun(LimitedRun):
                 with self.watch.finding_kept():
                     self._kept.restore()
                 return kept
+            since = done if looks_within else 0
             is_due, done = not looks or end - done == due, end
             if self._by_kernels and done < piece.steps:
                 self._kept.keep()
                 kept = done
-            looks_within = self._by_kernels or piece.intervals > 1
-            if (is_due if looks_within else done == piece.steps) and self.outruns_limit(piece, done):
+            if (is_due if looks_within else done == piece.steps) and self.outruns_limit(piece, since, done):
                 break
         return done
 

@@ -7,7 +7,6 @@ import numpy as np
 
 from ..arrays import Array
 from ..system import accelerate_and_project
-from .kept_state import KeptState
 
 _RECORDS = ("nodes", "elements")
 
@@ -29,11 +28,12 @@ def accelerate_again(
         system, external, state: see `integrators.rattle`.   h: of the next step [s].
         cables: drift corrections and axial forces of each, see `cable.linked_cable.memory_of`; unchanged.
     """
-    kept = KeptState({str(k): memory for k, memory in enumerate(cables)})
+    kept = [(array, array.copy()) for memory in cables for array in memory.values()]
     for memory in cables:
         for name in _RECORDS:
             if f"axial {name}" in memory:
                 memory[f"axial {name}"][:, 1] = memory[name]  # what is foreseen has been found already
     before = state.v - 0.5 * h * state.a
     accelerate_and_project(system, external, state.q, before, 0.5 * h, state.a, np.zeros_like(before))
-    kept.restore()
+    for array, values in kept:
+        array[:] = values

@@ -28,8 +28,9 @@ class MovedByExudyn(Mover):
     """
 
     looks_ahead = is_steady = False
-    remembered: Array | None = None
     data = PacedRun.data
+    _data: Array = np.zeros((0, 0))  # (intervals, D) of contacts, after the intervals of a record
+    _recorded = 0  # of them
 
     def __init__(
         self, scene: Any, runs: Sequence[CableRun], state: Any, method: tuple[Integrator, Any]
@@ -70,9 +71,9 @@ class MovedByExudyn(Mover):
 
     @property
     def asks_ahead(self) -> bool:
-        """See `PacedRun`; what contacts remember, and first order states, are in mbs, too."""
-        has_others = self._scene.native_items.remembers or self._scene.mbs.systemData.ODE1Size()
-        return not (has_others or self.approaches)
+        """See `PacedRun`; first order states, and what a GeneralContact knows, are in mbs alone."""
+        mbs = self._scene.mbs
+        return not (mbs.systemData.ODE1Size() or mbs.NumberOfGeneralContacts() or self.approaches)
 
     @property
     def approaches(self) -> bool:
@@ -102,16 +103,29 @@ class MovedByExudyn(Mover):
         """Raise SceneError if Exudyn's items are not those that have moved the scene."""
         self._scene.require_agreement(None, time, self._state.q, self._state.v)
 
+    def _settled_data(self, time: float) -> Array:
+        native_items = self._scene.native_items
+        native_items.finish_step(time, self._state.q, self._state.v)
+        self._scene.friction.begin()
+        return np.tile(native_items.remembered, (2, 1))
+
     def look(self, time: float) -> None:
         """Evaluate what the next step needs to know of a state that has been set."""
         self._scene.native_items.look(time, self._state.q, self._state.v)
 
+    @property
+    def remembered(self) -> Array | None:
+        return self._data[: self._recorded] if self._data.size else None
+
     def begin_record(self, intervals: int) -> None:
         """So many intervals of the time loop are about to be taken."""
+        self._put_settled()
+        self._data = np.zeros((intervals, self._scene.mbs.systemData.DataSize()))
 
     def end_record(self, grid: TimeGrid, first: int, history: Array) -> None:
         """These intervals from number `first` on went well: mbs is left in the state at their end."""
         native_items, system = self._scene.native_items, self._scene.system
+        self._recorded = len(history)
         if len(history):
             multipliers = native_items.all_multipliers(system.multipliers, self._state.a)
             native_items.show(grid.time(first + len(history)), self._state, multipliers)
@@ -134,7 +148,10 @@ class MovedByExudyn(Mover):
                 take_step(self._scheme, system, loads, state, piece.h, 1, self._output)
                 native_items.finish_step(piece.time(number), state.q, state.v)
                 if number % piece.in_interval == 0:
-                    row = history[number // piece.in_interval - 1]
+                    interval = number // piece.in_interval - 1
+                    row = history[interval]
+                    if self._data.size:
+                        self._data[len(self._data) - len(history) + interval] = native_items.remembered
                     for place, values in enumerate((state.q, state.v, state.a)):
                         row[place] = values[: row.shape[1]]
                 for call in watch.after_each_step:

@@ -76,7 +76,7 @@ class MovedByKernels(Mover):
         if self.approaches:
             self._form.approach_joints(time, self._end_of_step, self._state.q, FULFILLED)
         scene, q = self._scene, self._state.q
-        hides_dependence = bool(held_straight(self._runs, scene, q))
+        hides_dependence = bool(held_straight(scene, q))
         found = None if hides_dependence else compiled_start(self._form, *given)
         if found is None:
             if self.approaches:  # Exudyn knows nothing of that
@@ -158,11 +158,19 @@ class MovedByKernels(Mover):
         if self._remembers:
             self._form.begin_history(self.data[0], 1)
 
+    def _settled_data(self, time: float) -> Array:
+        if self._remembers:
+            self._form.settle(time, self._state.q, self._state.v)
+            self.data[1] = self.data[0]
+        return self.data.copy()
+
     def look(self, time: float) -> None:
         pass
 
     def begin_record(self, intervals: int) -> None:
         if self._remembers:
+            if not self._is_alone:
+                self._put_settled()
             remembered = self._scene.native_items.remembered
             self._first_data = self.data[0].copy() if self._is_alone else remembered
             self._form.begin_history(self._first_data, intervals)

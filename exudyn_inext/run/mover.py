@@ -37,6 +37,7 @@ class Mover:
     asks = ""
     elsewhere: Any = None
     dofs_in_implicit_contact: np.ndarray = np.zeros(0, int)
+    _settled: tuple[Array, Array] | None = None  # (D,), (2, D) what contacts are said to remember, and do
 
     def __init__(
         self, scene: Any, runs: Sequence[CableRun], state: Any, method: tuple[Integrator, Any]
@@ -76,6 +77,24 @@ class Mover:
         objects: that act on the markers.   None: others act there, too, or they are markers of other kinds.
         """
         return None
+
+    def settle(self, time: float) -> None:
+        """Let what contact and friction remember agree with the state at the start of a run.
+
+        A contact that is said to be closed, and is open, would pull. Exudyn's loop begins with what is said.
+        """
+        given = self._scene.native_items.remembered
+        self._settled = (given, self._settled_data(time)) if given.size else None
+
+    def _settled_data(self, time: float) -> Array:
+        """(2, D) what contacts remember in the present state."""
+        raise NotImplementedError
+
+    def _put_settled(self) -> None:
+        """Before the first steps: into mbs, unless something has been set there since."""
+        if self._settled and np.array_equal(self._scene.native_items.remembered, self._settled[0]):
+            self._scene.remember(self._settled[1])
+        self._settled = None
 
     def begin_by(self, function: Callable[..., None], time: float) -> None:
         """Begin with a function of the integrator, of (system, external, state)."""

@@ -14,8 +14,8 @@ from ..compiled import Prepared, inlined, kernel
 from ..sparse import block_diagonal
 from .watch import OF_EXTENT, SMALL
 
-MOTION = ("forces", "speeds", "time", "extent")  # of each part, see `Watch`
-_FORCES, _SPEEDS, _TIME, _EXTENT = range(4)
+MOTION = ("forces", "speeds", "time", "extent", "floor")  # of each part, see `Watch`
+_FORCES, _SPEEDS, _TIME, _EXTENT, _FLOOR = range(5)
 
 
 class _Mass(NamedTuple):
@@ -51,7 +51,7 @@ def _see(mass, way, energies, extent):
 
 @kernel
 def _go_on(mass, least, motion, a, v, spins, duration, gone_on):
-    """gone_on: (4, P) output, see `MovingParts.going_on`.   least: (P,) extent of a motion."""
+    """gone_on: (5, P) output, see `MovingParts.going_on`.   least: (P,) extent of a motion."""
     gone_on.fill(0.0)
     _add_energies(mass, a, duration, gone_on[_FORCES])
     _add_energies(mass, v, duration, gone_on[_SPEEDS])
@@ -63,23 +63,23 @@ def _go_on(mass, least, motion, a, v, spins, duration, gone_on):
             gone_on[row, p] = motion[row, p] + (gone_on[row, p] if lasts else 0.0)
         gone_on[_TIME, p] = motion[_TIME, p] + (duration if lasts else 0.0)
         gone_on[_EXTENT, p] = motion[_EXTENT, p]
+        gone_on[_FLOOR, p] = least[p] / OF_EXTENT**2
 
 
 @kernel
 def _find_fastest(least, motion, h, fastest):
-    """fastest: (4,) output, see `MovingParts.fastest`."""
+    """fastest: (5,) output, see `MovingParts.fastest`."""
     largest = -1.0
     fastest.fill(0.0)
     for p in range(len(least)):
-        forces, speeds, time, extent = motion[:, p]
+        forces, speeds, time, extent, floor = motion[:, p]
         if speeds * forces > 0.0:
-            extent = max(extent, least[p] / OF_EXTENT**2)
             squared = forces / speeds
             made = h**2 / 24.0 * squared**1.5 * time
-            error = np.sqrt(speeds / (time * extent * squared)) * min(made, made ** (1.0 / 3.0))
+            error = np.sqrt(speeds / (time * max(extent, floor) * squared)) * min(made, made ** (1.0 / 3.0))
             if error > largest:
                 largest = error
-                fastest[:] = forces, speeds, time, extent
+                fastest[:] = forces, speeds, time, extent, floor
 
 
 class MovingParts:
@@ -90,7 +90,7 @@ class MovingParts:
         masses: matrices at the start, of coordinates that follow each other; of other ones there is none.
         length: of the longest cable [m]: of it, an error of `SMALL` counts for nothing.
 
-    motion: (4, P) so far, see `MOTION`.
+    motion: (5, P) so far, see `MOTION`.
     """
 
     def __init__(self, part: np.ndarray, masses: Sequence[SparseArray], length: float) -> None:
@@ -116,6 +116,6 @@ class MovingParts:
         return self._gone_on
 
     def fastest(self, motion: Array, h: float) -> Array:
-        """(4,) motion of the part of which steps of h [s] make the largest error; of none: zeros."""
+        """(5,) motion of the part of which steps of h [s] make the largest error; of none: zeros."""
         self._find(self._least, motion, h, self._fastest)
         return self._fastest

@@ -1,6 +1,7 @@
 """A run whose steps may go wrong: they are taken again, smaller, from the last good state."""
 
 import math
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from .watch import ENERGY, TOO_FAST
 FASTEST = 1e3  # speed of supports and joints, beyond which they jump [m/s]
 HIDING_PARTS = 16  # of the nominal step, from which on steps that go wrong are smaller for a while only
 LEAST_REHEARSED = 4  # intervals of the loop
+STEPS_OF_MOTION, FAST = (64, 256), 0.1  # that show how fast a motion begins; by step [rad]
 STEPS_REHEARSED = 1000  # at most, of a run that goes on portion by portion
 LONGER = 4.0  # times the step, with which accelerations are compared
 SMALLEST_PARTS = 256  # and up to which all are, where no smaller ones for a while go well
@@ -165,7 +167,8 @@ class PacedRun:
         history: see `take`.
 
         Returns:
-            Number of intervals that went well; later rows of `history` mean nothing.
+            Number of intervals that went well; later rows of `history` mean nothing. Of several intervals
+            with functions that are asked in each, none is tried again.
         """
         good, steps = 0, np.zeros(len(history))
         begins = self.watch.may_shorten and (self.may_begin_again or grid.begins_with(first))
@@ -188,6 +191,8 @@ class PacedRun:
                 self._lengthen(first + good, piece.time(taken))
                 is_spoilt |= self._shorten_for_gain()
             elif self.control.divisor == divisor:  # `take` has not asked for shorter steps
+                if piece.intervals > 1 and not (self.looks_ahead or self.may_begin_again):
+                    break  # functions are asked in each interval, which are taken one by one now
                 is_spoilt = self.reject(piece.time(taken), bool(beginning)) and self.watch.is_spoilt
                 if self.gave_up and beginning and self._resolve_stretch(grid.h):
                     self.gave_up, is_spoilt = False, True
@@ -207,11 +212,12 @@ class PacedRun:
         raise NotImplementedError
 
     def rehearse(self, grid: TimeGrid, first: int, most: int, begins: bool) -> None:
-        """Shorten the steps of cables that stretch as a run does that may begin again.
+        """Shorten the steps as a run does that may begin again.
 
-        Steps that were too long leave axial vibrations behind that shorter ones do not mend. So they are
-        taken once without the functions that see them, and undone: from the beginning, or a restart file, as
-        far as may be, and after a change for as long as nothing else had been changed before.
+        Steps that were too long leave errors behind that shorter ones do not mend. So they are taken once
+        without the functions that see them, and undone. Beside cables that stretch, from the beginning, or a
+        restart file, as far as may be, and after a change for as long as nothing else had been changed
+        before; elsewhere some at the beginning, and more if these show a motion that is fast for them.
 
         Args:
             grid: of the run.   first: interval of the loop that begins.   most: of them.
@@ -221,14 +227,27 @@ class PacedRun:
         intervals = most if begins else min(first - before, most)
         if intervals < LEAST_REHEARSED or not self._is_rehearsed:
             return
-        beginning, self.may_begin_again = self.present_state(), True
-        good = self.record(grid, first, np.empty((intervals, 3, len(self.indices))))
+        if self.watch.stretches and self.looks_ahead:
+            self._rehearse(grid, first, intervals)
+        if not begins or self.watch.stretches:
+            return
+        few, many = (min(intervals, -(-steps // grid.substeps)) for steps in STEPS_OF_MOTION)
+        if self._rehearse(grid, first, few) > FAST and many > few:
+            self._rehearse(grid, first, many)
+
+    def _rehearse(self, grid: TimeGrid, first: int, intervals: int) -> float:
+        """See `rehearse`; returns how fast the motion is for the nominal step [rad]."""
+        beginning, self.may_begin_again, good = self.present_state(), True, 0
+        with suppress(Exception):  # of a function of the user, which is asked again in the run
+            good = self.record(grid, first, np.empty((intervals, 3, len(self.indices))))
         self.may_begin_again = self.gave_up = False
+        turned = self.watch.frequency * grid.h / self.control.divisor
         if good == intervals:
             self._begin_again(beginning, grid.time(first), is_spoilt=False)
         else:
             beginning.restore()
             self.resume(grid.time(first))
+        return turned
 
     def rehearse_start(self, grid: TimeGrid, duration: float) -> None:
         """As `rehearse`, where nobody knows how many steps follow.   duration: they take at most [s]."""
@@ -237,7 +256,7 @@ class PacedRun:
 
     @property
     def _is_rehearsed(self) -> bool:
-        return bool(self.looks_ahead and self.watch.stretches and self.watch.may_shorten)
+        return bool((self.looks_ahead or self.asks_ahead) and self.watch.may_shorten)
 
     def change_step(self, h: float, time: float) -> None:
         """Prepare for steps of h [s] from the present state, at `time` [s]."""

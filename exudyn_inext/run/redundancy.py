@@ -16,7 +16,7 @@ from ..scene.model import CableInScene
 from ..scene.redundant_rows import NOT_FINITE, not_independent
 from .divergence import listed
 
-PIVOT_TOLERANCE = 1e-10
+LEAST_MOBILITY = 1e-10  # along a constraint, relative to that of the masses that it acts on
 STRAIGHT = 1e-9  # share of its length that a straight cable's ends may lack
 PULLED = 1e-3  # and those of one that something pulls straight, in the last good state
 
@@ -47,7 +47,7 @@ def _require_independent_lengths(scene_cable: CableInScene, system: Any, masses:
     nodes = system.chain.nodes
     ends = np.flatnonzero(nodes["ends_group"])
     pivots = 1.0 / nodes["inverse_pivot"][ends, -1]
-    dependent = ~(pivots < -PIVOT_TOLERANCE * 8.0 / masses[ends - 1])
+    dependent = ~(pivots < -LEAST_MOBILITY * 8.0 / masses[ends - 1])
     if dependent.any():
         k, names = int(ends[np.argmax(dependent)]), scene_cable.item.node_names
         raise RedundantConstraintError(
@@ -61,7 +61,7 @@ def _require_independent_lengths(scene_cable: CableInScene, system: Any, masses:
 def _require_independent_links(scene_cable: CableInScene, factor: Array, mobility: float) -> None:
     """mobility: of the cable as a whole [1/kg], beside which that of a link held by lengths is round-off."""
     squares = np.tril(factor) ** 2
-    dependent = ~(np.diag(squares) > PIVOT_TOLERANCE * np.maximum(squares.sum(axis=1), mobility))
+    dependent = ~(np.diag(squares) > LEAST_MOBILITY * np.maximum(squares.sum(axis=1), mobility))
     if dependent.any():
         link = all_links(scene_cable.cable)[int(np.argmax(dependent))]
         names = " and ".join(str(scene_cable.item.node_names[k]) for k in link.nodes)
@@ -83,23 +83,23 @@ def require_mobile_points(system: CoupledSystem, cables: Sequence[Cable]) -> Non
         mass = cable.section.mass_per_length * cable.length
         for block in (one for one in blocks if one.dofs == part.dofs):
             entry = np.einsum("ij,ij->i", block.jacobian, block.response)
-            least = PIVOT_TOLERANCE / mass * np.einsum("ij,ij->i", block.jacobian, block.jacobian)
+            least = LEAST_MOBILITY / mass * np.einsum("ij,ij->i", block.jacobian, block.jacobian)
             if (found := np.flatnonzero((parts[block.rows] == 1) & ~(entry > least))).size:
                 raise not_independent([names[row] for row in block.rows[found]])
 
 
-def held_straight(runs: Sequence[Any], scene: Any, q: Array, lacking: float = STRAIGHT) -> list[str]:
+def held_straight(scene: Any, q: Array, lacking: float = STRAIGHT) -> list[str]:
     """Names of straight cables that cannot stretch, and have supports, links or joints at both ends.
 
     Args:
-        runs: of the cables.   scene: see `native.evaluated_scene`; its joints have been evaluated.
+        scene: see `native.evaluated_scene`; its joints have been evaluated.
         q: (n,) coordinates of all parts.   lacking: share of its length that the ends of a cable may lack.
     """
     names, blocks = [], scene.native_items.blocks
-    for run, dofs in zip(runs, scene.map.slices, strict=False):
+    for (cable, *_), dofs in zip(scene.cables, scene.map.slices, strict=False):
         jacobians = [block.jacobian for block in blocks if block.dofs == dofs]
-        if is_held_straight(run.scene_cable.cable, q[dofs], jacobians, lacking):
-            names.append(run.name)
+        if is_held_straight(cable.cable, q[dofs], jacobians, lacking):
+            names.append(f"cable '{cable.name}'")
     return names
 
 

@@ -67,6 +67,12 @@ class RunWatch:
         return float(max(account["largest_kinetic"][NOW] + elastic, account["round_off"][NOW]))
 
     @property
+    def frequency(self) -> float:
+        """Of the vibrations that carry the motion so far, see `watch` [rad/s]."""
+        account = self.watch.account[NOW]
+        return math.sqrt(account["forces"] / account["speeds"]) if account["speeds"] > 0.0 else 0.0
+
+    @property
     def gain(self) -> float:
         """Energy that the scheme has made so far, times its tolerance; 0 where the step is given."""
         return float(self.watch.account["error"][NOW]) / self.watch.tolerance if self.may_shorten else 0.0

@@ -60,7 +60,7 @@ SCATTER = 4.0  # times its standard deviation may the work of forces be wrong
 NO_MESH = np.zeros(4)
 
 OF_MOTION = (
-    *("surplus", "time", "forces", "speeds", "extent", "work", "scatter", "scattered", "slope"),
+    *("surplus", "time", "forces", "speeds", "extent", "floor", "work", "scatter", "scattered", "slope"),
     *("largest_power", "error"),
 )  # numbers of an account that begin at zero
 
@@ -74,6 +74,7 @@ ACCOUNT = record_type(
         ("phase", np.float64),
         ("over_mesh", np.float64),
         ("extent", np.float64),
+        ("floor", np.float64),
         ("round_off", np.float64),
         ("acceleration_energy", np.float64),
         ("work", np.float64),
@@ -109,13 +110,13 @@ class Watch(NamedTuple):
         [J/s^2]; its present `surplus` [J]; `time` of motion since then [s], and the integrals of `forces`,
         a . M a / 2 [J/s], and `speeds`, v . M v / 2 [J s], over it, and the `phase` error of the run
         that they let expect [rad]; the error of the step in waves `over_mesh`, relative to that of the
-        mesh [-]; the largest `extent` so far, x . M x / 2 [J s^2], or 0: not known; its `round_off` [J];
-        `work` done since [J], of which we are `unsure`, to one side [J], and its `scatter` [J^2], `scattered`
-        until the last inspection; the `slope` of the power [W/s], whose
-        changes tell how well trapezoids fit, and the `largest_power` so far [W]; bounds of kinetic and
-        elastic energy so far [J]; relative `error` of the energy and its extremes so far, `gain` and `loss`
-        [-]; largest `violation` of a constraint so far [-]; how many `steps` were found well so far, how many
-        are `ahead` of the next inspection; what the `trouble` is.
+        mesh [-]; the largest `extent` so far, x . M x / 2 [J s^2], or 0: not known, and the `floor` of
+        one that errors are compared with; its `round_off` [J]; `work` done since [J], of which we are
+        `unsure`, to one side [J], and its `scatter` [J^2], `scattered` until the last inspection; the `slope`
+        of the power [W/s], whose changes tell how well trapezoids fit, and the `largest_power` so far [W];
+        bounds of kinetic and elastic energy so far [J]; relative `error` of the energy and its extremes so
+        far, `gain` and `loss` [-]; largest `violation` of a constraint so far [-]; how many `steps` were
+        found well so far, how many are `ahead` of the next inspection; what the `trouble` is.
     position: (n_dof,) when work was counted last.
     pattern, work: (P, n_dof), (P, 5) of load histories, see `LoadHistory`.
     kept_work: at the last inspection.
@@ -364,12 +365,12 @@ def _is_too_fast(watch, steps, duration):
     at_end = min(rate * watch.duration, MOST_PHASE)
     matters = account.speeds * at_end**2 > watch.small * account.time * squared
     if account.extent > 0.0:
-        amplitude = np.sqrt(account.speeds / (account.time * account.extent * squared))
+        amplitude = np.sqrt(account.speeds / (account.time * max(account.extent, account.floor) * squared))
         made = rate * account.time
         made = min(made, made ** (1.0 / 3.0))
         account.phase = SHARE_OF_EXTENT * amplitude * made * watch.duration / account.time
         passed = account.time  # in which a share of the error has been made
-        has_returned = amplitude * turned > RETURNED
+        has_returned = account.speeds * account.time > RETURNED**2 * account.extent
     else:
         account.phase = rate * watch.duration * BEGINNING / turned
         passed = watch.duration

@@ -21,4 +21,4 @@ def support_forces(cable: Cable, q: Array, multipliers: Array, time: float) -> S
     on_coordinates: Array = (constraints.jacobian(q, time).T @ held).reshape(q.shape)
     if cable.closed:
         on_coordinates[0] += on_coordinates[-1]
-    return SupportForces(on_coordinates[np.newaxis], of_links[np.newaxis])
+    return SupportForces(on_coordinates[np.newaxis], of_links[np.newaxis], np.zeros((1, q.size)))

@@ -6,7 +6,11 @@ import pytest
 from exudyn.itemInterface import (
     LoadForceVector,
     MarkerBodyPosition,
+    MarkerNodeCoordinate,
     MarkerNodePosition,
+    NodeGenericData,
+    NodePointGround,
+    ObjectContactCoordinate,
     RevoluteJoint2D,
     SensorNode,
     SensorObject,
@@ -112,3 +116,40 @@ def test_outputs_until_a_function_fails_are_kept(swing, by_spring):
     kept = np.array(mbs.GetSensorStoredData(sensors[0]))
     assert kept[-1, 0] == pytest.approx(0.3)
     assert mbs.systemData.GetTime() == pytest.approx(0.31)
+
+
+@pytest.fixture
+def bounce(new_mbs, add_pendulum):
+    """mbs with a cable whose tip falls on a spring, and sensors of the tip and of its gap."""
+
+    def build():
+        mbs = new_mbs()
+        tip = add_pendulum(mbs)["nodes"][-1]
+        data = mbs.AddNode(NodeGenericData(initialCoordinates=[1], numberOfDataCoordinates=1))
+        ground = MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0)
+        markers = [mbs.AddMarker(one) for one in (ground, MarkerNodeCoordinate(nodeNumber=tip, coordinate=1))]
+        spring = {"contactStiffness": 20, "contactDamping": 0.1, "offset": -0.3}
+        mbs.AddObject(ObjectContactCoordinate(markerNumbers=markers, nodeNumber=data, **spring))
+        kinds = exudyn.OutputVariableType
+        of_both = [
+            SensorNode(nodeNumber=node, outputVariableType=kind, storeInternal=True)
+            for node, kind in ((tip, kinds.Position), (data, kinds.Coordinates))
+        ]
+        sensors = [mbs.AddSensor(sensor) for sensor in of_both]
+        mbs.Assemble()
+        return mbs, sensors
+
+    return build
+
+
+def test_contact_acts_and_is_shown_as_in_a_run_whose_steps_a_function_sees(bounce):
+    mbs, sensors = bounce()
+    found, path = solved(mbs, sensors)
+    seen_mbs, sensors = bounce()
+    seen_mbs.SetPreStepUserFunction(lambda mbs, t: True)
+    expected, seen_path = solved(seen_mbs, sensors)
+    assert (AT_ONCE in path, AT_ONCE in seen_path) == (True, False)
+    for own, other in zip(found, expected, strict=True):
+        np.testing.assert_array_equal(own, other)
+    assert found[1][-1, 1] < 0 < found[1][1, 1]  # it has closed
+    assert mbs.systemData.GetDataCoordinates() == seen_mbs.systemData.GetDataCoordinates()

@@ -14,6 +14,7 @@ from exudyn.itemInterface import (
     ObjectANCFCable2D,
     SensorBody,
     SphericalJoint,
+    SpringDamper,
 )
 from exudyn.utilities import InertiaCylinder
 
@@ -33,6 +34,7 @@ from reference_models.model import quiet_settings, sensor_trajectory, silence
 from reference_models.scenes import load_scene
 
 END, PERIOD = 1.0, 0.01
+POSITION = exudyn.OutputVariableType.Position
 
 
 @pytest.fixture
@@ -293,6 +295,41 @@ def test_a_rotor_that_spins_for_long_does_not_shorten_the_steps_more_and_more():
 def test_zhai_keeps_the_rule_of_the_paper(swing):
     _, report = swing(STIFF, 4, PINNED, end=0.01, integrator="Zhai")
     assert report["massScaling"] == 0.0 and report["decidedBy"] == "rule (37)"
+
+
+@pytest.fixture
+def spring_of_a_light_rope(new_mbs, add_cable, add_sensor, solve):
+    """function -> way of the end of a weightless rope on a stiff spring, and report."""
+
+    def run(function, **explicit):
+        mbs = new_mbs()
+        template = InextensibleCable(massPerLength=3.16, bendingStiffness=2.27e-5)
+        line = {"positionEnd": [0.12, 0, 0], "numberOfElements": 7, "groundConstraintsStart": PINNED}
+        node = add_cable(mbs, beamTemplate=template, gravity=[0, 0, 0], **line)["nodes"][-1]
+        fixed = MarkerBodyPosition(bodyNumber=mbs.CreateGround(), localPosition=[0.18, 0.04, 0])
+        ends = [mbs.AddMarker(MarkerNodePosition(nodeNumber=node)), mbs.AddMarker(fixed)]
+        spring = SpringDamper(markerNumbers=ends, stiffness=181, damping=0.16, referenceLength=0.0719)
+        if function == "spring":
+            spring.springForceUserFunction = lambda mbs, t, item, u, v, k, d, f: k * u + d * v
+        elif function == "prestep":
+            mbs.SetPreStepUserFunction(lambda mbs, t: len(mbs.GetNodeOutput(node, POSITION)) == 3)
+        mbs.AddObject(spring)
+        sensor = add_sensor(mbs, node)
+        mbs.Assemble()
+        report = solve(mbs, settings=quiet_settings(1.0, 10, PERIOD), **explicit)
+        path = np.asarray(mbs.GetSensorStoredData(sensor))[:, 1:4]
+        return path - path[0], report
+
+    return run
+
+
+@pytest.mark.parametrize("function", ["spring", "prestep"])
+def test_a_fast_motion_is_resolved_from_its_start_though_functions_look(spring_of_a_light_rope, function):
+    """Such a run cannot begin again: it was 23 % off before the step became shorter."""
+    path, report = spring_of_a_light_rope(function)
+    fine, _ = spring_of_a_light_rope("", stepSize=PERIOD / 128)
+    assert np.abs(path - fine).max() < 0.05 * np.abs(fine).max()
+    assert report["drift"]["energyLoss"] < 0.01
 
 
 def test_a_mass_scaling_that_is_given_is_taken(swing):

@@ -103,6 +103,14 @@ def test_without_smaller_steps_the_same_ropes_are_lost(monkeypatch):
             fall(lone_rope(seed))
 
 
+def test_the_mean_step_of_a_run_that_a_function_ends_is_that_of_its_steps(mbs, add_pendulum, solve):
+    add_pendulum(mbs)
+    mbs.SetPreStepUserFunction(lambda mbs, t: t < 0.25)
+    mbs.Assemble()
+    report = solve(mbs, 1.0, steps=100)
+    assert report["meanStepSize"] == pytest.approx(report["stepSize"])
+
+
 def test_steps_grow_again_after_a_snap():
     """Otherwise the run would take many times as many; the report tells the smallest and the mean step."""
     _, report = fall(lone_rope(20))

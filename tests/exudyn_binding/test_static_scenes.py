@@ -611,6 +611,21 @@ def test_a_body_that_runs_away_leaves_the_mbs_as_it_was():
     assert all((totals(builder.mbs)[n] == at).all() for n, at in before.items())
 
 
+def test_a_cable_that_joints_hold_straight_is_named():
+    """One that hangs is as straight, but its tension holds it."""
+    b = Builder(dimension=2)
+    hanging = b.cable([0, 0, 0], [0, -1, 0], elements=4, pinned=["Start"])
+    b.tie(b.at(hanging[-1]), b.on(b.mbs.CreateMassPoint(mass=1.0, referencePosition=[0, -1, 0])))
+    nodes = b.cable([1, 0, 0], [2, 0, 0], elements=4)
+    b.tie(b.at(nodes[0]), b.on(b.ground, [1, 0, 0]))
+    b.tie(b.at(nodes[-1]), b.on(b.ground, [2, 0, 0]))
+    b.mbs.Assemble()
+    there = "|".join(map(str, nodes))
+    said = rf"largest at node ({there}) .*\): cable .* is straight between what holds its ends, .*let it sag"
+    with pytest.raises(EquilibriumError, match=said):
+        SolveEquilibrium(b.mbs)
+
+
 def test_load_steps_are_refused_among_bodies():
     builder = built("swing")
     with pytest.raises(InputError, match=r"loadSteps = 3: among bodies.*set it to 1"):

@@ -307,3 +307,28 @@ def test_steps_become_shorter_as_a_load_pulls_its_rope_tight():
 def test_a_given_step_that_is_too_long_for_a_rope_that_is_pulled_tight_is_told_of():
     with pytest.warns(UserWarning, match=r"pulled so tight that the stability limit fell to 0\.00.* below"):
         lifted_and_blown(False, mass=700.0, stepSize=1.0 / 300.0, energyTolerance=1.0)
+
+
+@pytest.mark.parametrize("axial_damping", [0.0, 5.0])
+def test_accelerations_of_a_cable_whose_support_is_moved_are_the_rates_of_its_velocities(axial_damping):
+    mbs = exudyn.SystemContainer().AddSystem()
+    section = InextensibleCable(1.0, 2.0, bendingDamping=0.02, axialStiffness=4e3, axialDamping=axial_damping)
+    nodes = cable(mbs, False, section, 6, **HANGING)
+    ground = mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=mbs.AddNode(NodePointGround()), coordinate=0))
+    held = [mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=k)) for k in (0, 1)]
+    _, up = (mbs.AddObject(CoordinateConstraint(markerNumbers=[ground, marker])) for marker in held)
+
+    def lift(mbs, t):
+        mbs.SetObjectParameter(up, "offset", 0.02 * (1.0 - math.cos(20.0 * t)))
+        return True
+
+    mbs.SetPreStepUserFunction(lift)
+    kinds = exudyn.OutputVariableType.Coordinates_t, exudyn.OutputVariableType.Coordinates_tt
+    node = {"nodeNumber": nodes[-1], "storeInternal": True}
+    sensors = [mbs.AddSensor(SensorNode(**node, outputVariableType=kind)) for kind in kinds]
+    mbs.Assemble()
+    SolveExplicit(mbs, quiet_settings(0.1, 200, 5e-4))
+    rows, accelerations = (np.array(mbs.GetSensorStoredData(sensor)) for sensor in sensors)
+    rates = (rows[2:] - rows[:-2])[:, 1:] / 1e-3
+    lacking = (rates - accelerations[1:-1, 1:])[20:]
+    assert (np.linalg.norm(lacking, axis=0) < 0.1 * np.linalg.norm(accelerations[:, 1:], axis=0)).all()

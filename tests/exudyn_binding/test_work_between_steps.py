@@ -27,6 +27,7 @@ from exudyn.itemInterface import (
 from exudyn.utilities import InertiaCuboid
 
 from exudyn_inext import CreateCompanionCables, DivergenceError, SceneError
+from exudyn_inext.cable.support_forces import SupportedCable
 from exudyn_inext.compiled import Prepared
 from exudyn_inext.exudyn_binding import time_loop
 from exudyn_inext.exudyn_binding.changes import follower
@@ -435,8 +436,8 @@ SEEN_TO_FOLLOW = [load_that_follows_the_state, spring_that_follows_the_state]
 
 def written_rows(kind, folder, period, monkeypatch, each_step=False):
     """Of the solution file, and of a sensor, and how often reactions of supports were solved for."""
-    calls, put = [], CableRun.put_reactions
-    monkeypatch.setattr(CableRun, "put_reactions", lambda *given: calls.append(1) or put(*given))
+    calls, solve = [], SupportedCable.solve
+    monkeypatch.setattr(SupportedCable, "solve", lambda *given: calls.append(1) or solve(*given))
     monkeypatch.setattr(OutputTimes, "include", lambda *_: True) if each_step else None
     model = Model(False)
     model.mbs.SetPreStepUserFunction(kind(model) or 0)

@@ -26,11 +26,11 @@ class Circle:
     friction_damping: float = 0.0
 
 
-def add_contact(mbs, elements, circle, body=None):
-    """Contact of native ANCF cables with a circle."""
+def add_contact(mbs, elements, circle, body=None, gap=0.1):
+    """Contact of native ANCF cables with a circle.   gap: what it remembers at the start [m]."""
     body = mbs.CreateGround() if body is None else body
     centre = mbs.AddMarker(MarkerBodyRigid(bodyNumber=body))
-    apart = [0.1] * SEGMENTS + [-2] * SEGMENTS + [0] * SEGMENTS
+    apart = [gap] * SEGMENTS + [-2] * SEGMENTS + [0] * SEGMENTS
     for element in elements:
         shape = mbs.AddMarker(MarkerBodyCable2DShape(bodyNumber=element, numberOfSegments=SEGMENTS))
         data = mbs.AddNode(NodeGenericData(initialCoordinates=apart, numberOfDataCoordinates=len(apart)))
@@ -50,13 +50,13 @@ def add_contact(mbs, elements, circle, body=None):
         )
 
 
-def add_frictionless_contact(mbs, elements, circle, body=None):
+def add_frictionless_contact(mbs, elements, circle, body=None, gap=0.1):
     """The same by the object that knows neither friction nor damping."""
     body = mbs.CreateGround() if body is None else body
     centre = mbs.AddMarker(MarkerBodyRigid(bodyNumber=body))
     for element in elements:
         shape = mbs.AddMarker(MarkerBodyCable2DShape(bodyNumber=element, numberOfSegments=SEGMENTS))
-        apart = NodeGenericData(initialCoordinates=[0.1] * SEGMENTS, numberOfDataCoordinates=SEGMENTS)
+        apart = NodeGenericData(initialCoordinates=[gap] * SEGMENTS, numberOfDataCoordinates=SEGMENTS)
         mbs.AddObject(
             ObjectContactCircleCable2D(
                 markerNumbers=[centre, shape],
