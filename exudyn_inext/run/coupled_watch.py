@@ -110,6 +110,7 @@ class CoupledWatch(RunWatch):
         self._places = scene.map.slices
         lengths = [cable.length for run in runs for cable in run.cables]
         self._length = max(lengths, default=0.0)
+        self._has_contact = scene.native_items.remembers
         self._parts = self._moving_parts(len(state.q))
         self.take_constants(state.q)
         self._energy_tolerance = energy_tolerance
@@ -222,7 +223,7 @@ class CoupledWatch(RunWatch):
             return self._condemn(state, LACK_OF_WORK, self._lacks[LACK])
         if self._is_due and (excess := self._excess(h, state)) > 1.0:
             return self._condemn(state, UNSTABLE, excess)
-        if (thrown := self._thrown(t, h, state)) and not self.bears_throws:
+        if self._has_contact and (thrown := self._thrown(t, h, state)) and not self.bears_throws:
             return self._condemn(state, THROWN_OFF, thrown)
         few = self._counts[_STEPS] < self._counts[_MOST] and not (self.is_close or at_once)
         if few and check_velocities(state.q, state.v, state.a) <= self._calm:

@@ -9,7 +9,6 @@ POSITION, FORCE, WAY, CHANGE, SPEED, THROWN, SUMS = range(7)
 WORK, SCATTER, LACK, SCALE, FLOOR, STEPS, BEGINNING = range(7)
 FASTER = 1.1  # than it came: so no contact throws a body off, closed or not, with steps that are stable
 RECENT = 0.98  # of a speed is left of it in the next step
-MARGIN = 4.0  # of the energy that a motion from rest will have turned over, by what it has so far
 
 
 def build_path(size: int) -> Array:
@@ -114,14 +113,11 @@ def _compare(sums, work, lack):
     """The lack of a step with the energy turned over before.
 
     From rest, that grows with the square of the number of steps: what it will be after the beginning counts
-    till then, with a margin. A contact that closes meanwhile does more work at once, which does not count.
+    till then.
     """
     scale = sums[SCALE]
     if sums[STEPS] < sums[BEGINNING]:
-        to_come = sums[BEGINNING] ** 2 * work
-        if sums[STEPS] > 1.0:
-            to_come = min(to_come, MARGIN * (sums[BEGINNING] / sums[STEPS]) ** 2 * scale)
-        scale = max(scale, to_come)
+        scale = max(scale, sums[BEGINNING] ** 2 * work)
     if scale > sums[FLOOR]:
         sums[STEPS] += 1.0
         sums[LACK] = max(sums[LACK], lack / scale)

@@ -109,10 +109,3 @@ def test_a_force_that_sets_in_at_rest_is_no_lack(tolerance):
     forces = np.where(steps > 0.0, 1.0, 0.0)
     assert 0.0 < largest_lack(0.5 * steps**2, forces, tolerance=tolerance) < tolerance
     assert largest_lack(steps, np.where(steps > 5.0, 1.0, 0.0), energy=1.0, tolerance=tolerance) > tolerance
-
-
-def test_a_stop_that_closes_while_a_motion_begins_is_a_lack():
-    """Of a dashpot with twice the damping up to which the step is stable, after a few steps of a fall."""
-    steps = np.arange(5.0)
-    speed, stop = steps, np.where(steps > 3.0, 4.0, 0.0)
-    assert largest_lack(0.5 * steps**2, 1.0 - stop * speed) > 0.003
