@@ -28,7 +28,7 @@ from .step_control import Piece, StepControl
 from .time_grid import TimeGrid
 
 KERNELS, PARTS, EXUDYN = "kernels", "kernels of parts", "Exudyn"  # see `CoupledRun.evaluated_by`
-SHORTER = 16.0  # step that is advised where contact throws bodies off
+SHORTER = 64.0  # step that is advised where contact throws bodies off
 CHANGED = "items that were changed during the run"
 
 
