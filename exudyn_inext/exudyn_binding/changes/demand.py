@@ -11,6 +11,7 @@ from exudyn.exudynCPP import ObjectIndex
 
 from ...cable.link import Motion
 from ...items.attach.inert import is_inert_cable
+from ...items.functions_of_time import is_driven
 from ...items.parameters import Parameter, markers_placed_by, objects_at
 from ...run.coupled_run import CoupledRun, Run
 from ...scene.model import Scene
@@ -21,18 +22,20 @@ _FORCES_OF_TREES = ("gravity", "jointForceVector", "jointPositionOffsetVector", 
 
 
 class Demand(IntEnum):
-    """Nothing; an evaluation; one with other masses; joints that move; weights; a scene; other runs.
+    """Nothing; an evaluation; one with other masses; velocities of joints; joints that move; weights; ...
 
+    ... a scene; other runs.
     WEIGH: kernels of cables evaluate these weights, which are read with the scene.
     """
 
     NOTHING = 0
     EVALUATE = 1
     BEGIN = 2
-    MOVE = 3
-    WEIGH = 4
-    READ = 5
-    BUILD = 6
+    DRIVE = 3
+    MOVE = 4
+    WEIGH = 5
+    READ = 6
+    BUILD = 7
 
 
 def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) -> Demand:
@@ -58,6 +61,8 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
         return Demand.BEGIN
     if _JACOBIAN in mbs.ComputeItem(ObjectIndex(key.number)):
         is_joint = key.name in _PLACES and not any(run.holds(key.number) for run in coupled)
+        if is_joint and is_driven(data.get("offsetUserFunction")):
+            return Demand.DRIVE if data["activeConnector"] else Demand.NOTHING
         if is_joint and key.number in own:
             return Demand.READ
         if is_joint and not mbs.GetObjectParameter(key.number, "activeConnector"):
