@@ -18,6 +18,7 @@ from ...scene.model import Scene
 
 _JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
 _PLACES = ("offset", "distance")
+_PARAMETERS = "offsetUserFunctionParameters"
 _FORCES_OF_TREES = ("gravity", "jointForceVector", "jointPositionOffsetVector", "jointVelocityOffsetVector")
 
 
@@ -60,6 +61,8 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
     if key.is_mass and all(run.mover.can_weigh(key) for run in coupled):
         return Demand.BEGIN
     if _JACOBIAN in mbs.ComputeItem(ObjectIndex(key.number)):
+        if key.name == _PARAMETERS and data["activeConnector"]:
+            return Demand.MOVE
         is_joint = key.name in _PLACES and not any(run.holds(key.number) for run in coupled)
         if is_joint and is_driven(data.get("offsetUserFunction")):
             return Demand.DRIVE if data["activeConnector"] else Demand.NOTHING
