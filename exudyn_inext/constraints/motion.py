@@ -28,12 +28,13 @@ def motion_of(
     velocity: Function | None = None,
     acceleration: Function | None = None,
     is_pure: bool = True,
+    is_driven: bool = False,
 ) -> Motion:
     """The motion t -> position(t); missing derivatives are differences.
 
     Args:
         position: t [s] -> (dim,) [m].   velocity: [m/s].   acceleration: [m/s^2].
-        is_pure: see `Motion`.
+        is_pure: see `Motion`.   is_driven: whether it may become another one between two steps.
     """
 
     def at(t: float) -> Array:
@@ -46,7 +47,7 @@ def motion_of(
         values.flags.writeable = False
         return values
 
-    if is_pure:
+    if is_pure and not is_driven:
         at = lru_cache(maxsize=2)(at)  # a step asks for the time of its end several times
     return Motion(at, is_pure=is_pure, given=(velocity is not None, acceleration is not None))
 

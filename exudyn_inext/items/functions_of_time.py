@@ -52,6 +52,14 @@ def python_function(given: dict[str, Any]) -> Callable[..., Any]:
     return function if callable(function) else function.Evaluate
 
 
+def is_driven(user_function: Any) -> bool:
+    """Whether an offset is that of a constraint at velocity level, see `native.velocity_level.Drive`.
+
+    It is a function of the time alone, which becomes another one where the velocity is set between steps.
+    """
+    return bool(user_function) and getattr(user_function["function"], "is_driven", False)
+
+
 def is_of_time_alone(mbs: Any, user_function: Any) -> bool:
     """Whether a user function, as Exudyn gives it, is said to be so, or can be seen to be.
 

@@ -53,7 +53,7 @@ def markers_placed_by(mbs: Any, key: Parameter) -> list[int] | None:
     """Markers that a parameter of a marker or a ground gives another place; None: it does something else."""
     if key.kind == "Marker":
         return [key.number] if key.name == "localPosition" else None
-    if (key.kind, key.name) != ("Object", "referencePosition"):
+    if key.kind != "Object" or key.name not in ("referencePosition", "referenceRotation"):
         return None
     markers = range(mbs.systemData.NumberOfMarkers())
     return [number for number in markers if int(mbs.GetMarker(number).get("bodyNumber", -1)) == key.number]

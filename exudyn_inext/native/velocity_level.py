@@ -94,7 +94,7 @@ class Drive:
             return self.velocity(t)
 
         place.of_time_alone = velocity.of_time_alone = True  # type: ignore[attr-defined]
-        place.period = self.period  # type: ignore[attr-defined]  # read by `joint_items`
+        place.period, place.is_driven = self.period, True  # type: ignore[attr-defined]
         velocity.given = self.given["offsetUserFunction_t"]  # type: ignore[attr-defined]  # counts in restart files
         return dict(zip(_FUNCTIONS, (place, velocity), strict=True))
 
@@ -122,6 +122,9 @@ class Drives:
 
     def __init__(self, mbs: Any, drives: Mapping[int, Drive]) -> None:
         self._mbs, self._drives = mbs, drives
+
+    def __contains__(self, number: int) -> bool:
+        return number in self._drives
 
     def start(self, begin: float) -> None:
         """All that are active act from `begin` [s] on, from the present state of mbs."""

@@ -2,6 +2,7 @@
 
 from functools import cache
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import exudyn
 import numpy as np
@@ -9,11 +10,13 @@ import pytest
 from exudyn.itemInterface import (
     CoordinateConstraint,
     DistanceConstraint,
+    GenericJoint,
     LoadCoordinate,
     LoadForceVector,
     LoadMassProportional,
     MarkerBodyMass,
     MarkerBodyPosition,
+    MarkerBodyRigid,
     MarkerNodeCoordinate,
     MarkerNodePosition,
     NodeGenericData,
@@ -26,6 +29,7 @@ from exudyn.itemInterface import (
     SphericalJoint,
     SpringDamper,
 )
+from exudyn.utilities import InertiaCuboid, RotationMatrixZ
 
 from exudyn_inext import (
     AddPointMass,
@@ -40,6 +44,7 @@ from exudyn_inext import (
     SolveExplicit,
     StepSizeError,
 )
+from exudyn_inext.exudyn_binding.scene_runs import RunBuilder
 from reference_models.model import quiet_settings, silence
 from tests.exudyn_binding.items import native_cable
 
@@ -346,6 +351,44 @@ def driven_mass(model):
     return lambda t: model.set_object(drive, offset=float(-0.8 * t**2))
 
 
+def mass_driven_at_a_speed(model):
+    node, _ = model.mass_point([1.8, 0, 0])
+    model.mbs.AddObject(SphericalJoint(markerNumbers=[model.at(model.nodes[-1]), model.at(node)]))
+    drive = model.hold(node, 1, velocityLevel=True)
+    return lambda t: model.set_object(drive, offset=float(-1.6 * t))
+
+
+def ground_that_turns(model):
+    """A spring hangs at the end of its arm."""
+    ground = model.mbs.CreateGround(referencePosition=[1.6, 0.3, 0])
+    arm = model.mbs.AddMarker(MarkerBodyPosition(bodyNumber=ground, localPosition=[0.2, 0, 0]))
+    node, _ = model.mass_point([1.8, -0.1, 0])
+    for marker, length in ((arm, 0.4), (model.at(model.nodes[-1]), 0.1)):
+        markers = [marker, model.at(node)]
+        model.mbs.AddObject(SpringDamper(markerNumbers=markers, referenceLength=length, stiffness=20.0))
+    return lambda t: model.set_object(ground, referenceRotation=RotationMatrixZ(3.0 * t))
+
+
+def steered_joint(model):
+    """It turns the body at the tip by an angle that its function takes from its parameters."""
+    body = model.mbs.CreateRigidBody(
+        inertia=InertiaCuboid(500, [0.1, 0.1, 0.02]), referencePosition=[1.8, 0, 0], returnDict=True
+    )
+    model.watch(body["nodeNumber"])
+    bodies = model.mbs.CreateGround(), body["bodyNumber"]
+    markers = [model.mbs.AddMarker(MarkerBodyRigid(bodyNumber=number)) for number in bodies]
+    model.mbs.AddObject(SphericalJoint(markerNumbers=[model.at(model.nodes[-1]), markers[1]]))
+    joint = model.mbs.AddObject(
+        GenericJoint(
+            markerNumbers=markers,
+            constrainedAxes=[0, 0, 0, 1, 1, 1],
+            offsetUserFunctionParameters=[0.0] * 6,
+            offsetUserFunction=lambda mbs, t, itemNumber, parameters: parameters,
+        )
+    )
+    return lambda t: model.set_object(joint, offsetUserFunctionParameters=[0.0] * 5 + [t**2])
+
+
 def mass_that_grows(model):
     node, body = model.mass_point([1.8, 0, 0])
     model.mbs.AddObject(SphericalJoint(markerNumbers=[model.at(model.nodes[-1]), model.at(node)]))
@@ -397,6 +440,9 @@ AMONG_OTHERS = [
     joint_released_and_caught,
     spring_and_force,
     driven_mass,
+    mass_driven_at_a_speed,
+    ground_that_turns,
+    steered_joint,
     mass_that_grows,
 ]
 KINDS = [*ALONE, *AMONG_OTHERS]
@@ -427,6 +473,17 @@ def test_a_pre_step_function_changes_the_motion_as_under_the_implicit_solver(kin
     ours = moved(kind, False, dim=dim)
     assert deviation(ours.motion, native_motion(kind, dim)) < 0.01
     assert ours.report["drift"]["energyGain"] < 0.003
+
+
+@pytest.mark.parametrize(
+    "kind", [driven_mass, mass_driven_at_a_speed, ground_that_turns, steered_joint], ids=name_of
+)
+def test_runs_go_on_with_what_is_set_step_by_step(kind, monkeypatch):
+    """Each step took 10 to 60 ms where they were built again."""
+    build = Mock(side_effect=RunBuilder.build, autospec=True)
+    monkeypatch.setattr(RunBuilder, "build", lambda *given, **named: build(*given, **named))
+    moved(kind, False, end_time=0.01)
+    assert build.call_count <= 2
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...cable.link import Motion
+from ...items.functions_of_time import is_driven
 from ...items.link_items import read_moving_coordinate
 from ...items.parameters import Parameter
 from ...native.velocity_level import Drives
@@ -114,6 +115,8 @@ class SteppedReader:
 
     def _aims(self, key: Parameter, value: Any) -> bool:
         if (key.kind, key.name) == ("Object", "offset"):
+            if key.number in self.drives:
+                return True
             known = self._known.get(key.number)
             if known is None or known.way is None or known.place is None or self._step is None:
                 return False
@@ -227,4 +230,4 @@ def _asked(found: Constraint, data: dict[str, Any]) -> tuple[Any, ...]:
     if isinstance(found, Rod):
         return found.nodes, found.length, None if found.point is None else tuple(found.point.tolist())
     functions = [data[name] and data[name]["function"] for name in _OFFSET_FUNCTIONS]
-    return *functions, float(data["offset"])
+    return *functions, 0.0 if is_driven(data["offsetUserFunction"]) else float(data["offset"])

@@ -11,28 +11,32 @@ from exudyn.exudynCPP import ObjectIndex
 
 from ...cable.link import Motion
 from ...items.attach.inert import is_inert_cable
+from ...items.functions_of_time import is_driven
 from ...items.parameters import Parameter, markers_placed_by, objects_at
 from ...run.coupled_run import CoupledRun, Run
 from ...scene.model import Scene
 
 _JACOBIAN = exudyn.ComputeItemType.ConstraintJacobian
 _PLACES = ("offset", "distance")
+_PARAMETERS = "offsetUserFunctionParameters"
 _FORCES_OF_TREES = ("gravity", "jointForceVector", "jointPositionOffsetVector", "jointVelocityOffsetVector")
 
 
 class Demand(IntEnum):
-    """Nothing; an evaluation; one with other masses; joints that move; weights; a scene; other runs.
+    """Nothing; an evaluation; one with other masses; velocities of joints; joints that move; weights; ...
 
+    ... a scene; other runs.
     WEIGH: kernels of cables evaluate these weights, which are read with the scene.
     """
 
     NOTHING = 0
     EVALUATE = 1
     BEGIN = 2
-    MOVE = 3
-    WEIGH = 4
-    READ = 5
-    BUILD = 6
+    DRIVE = 3
+    MOVE = 4
+    WEIGH = 5
+    READ = 6
+    BUILD = 7
 
 
 def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) -> Demand:
@@ -57,16 +61,26 @@ def demand(mbs: Any, runs: Sequence[Run], own: Collection[int], key: Parameter) 
     if key.is_mass and all(run.mover.can_weigh(key) for run in coupled):
         return Demand.BEGIN
     if _JACOBIAN in mbs.ComputeItem(ObjectIndex(key.number)):
-        is_joint = key.name in _PLACES and not any(run.holds(key.number) for run in coupled)
-        if is_joint and key.number in own:
-            return Demand.READ
-        if is_joint and not mbs.GetObjectParameter(key.number, "activeConnector"):
-            return Demand.NOTHING
-        moves = is_joint and all(run.mover.can_move(key.number) for run in coupled)
-        return Demand.MOVE if moves else Demand.BUILD
+        return _demand_of_joint(coupled, own, key, data)
     is_force = "markerNumbers" in data  # of a connector, or contact
     is_force |= kind == "KinematicTree" and key.name in _FORCES_OF_TREES
     return Demand.EVALUATE if is_force else Demand.BUILD
+
+
+def _demand_of_joint(
+    coupled: Sequence[CoupledRun], own: Collection[int], key: Parameter, data: dict[str, Any]
+) -> Demand:
+    if key.name == _PARAMETERS and data["activeConnector"]:
+        return Demand.MOVE
+    if key.name not in _PLACES or any(run.holds(key.number) for run in coupled):
+        return Demand.BUILD
+    if key.number in own and not is_driven(data.get("offsetUserFunction")):
+        return Demand.READ
+    if not data["activeConnector"]:
+        return Demand.NOTHING
+    if is_driven(data.get("offsetUserFunction")):
+        return Demand.DRIVE
+    return Demand.MOVE if all(run.mover.can_move(key.number) for run in coupled) else Demand.BUILD
 
 
 def _is_weight_of_cable(mbs: Any, number: int) -> bool:

@@ -91,12 +91,12 @@ class ChangeFollower:
         self.is_event = is_new or not changed
         self.limit.notice(self.mbs, changed, time, end)
         self._has_jumped(runs, time)
+        self.reader.drives.follow(changed, time)
         self.reader.begin_step(time, end)
         if self._act_at_once(runs, changed, time) or self._moves_at_once(runs, changed, time, end):
             return runs
         with state_kept(self.mbs):
             self.mbs.systemData.SetTime(time)
-            self.reader.drives.follow(changed, time)
             runs = self._followed(runs, changed, time, end)
         coupled = [run for run in runs if isinstance(run, CoupledRun)]
         self.moves = self.reader.moves or any(run.mover.approaches for run in coupled)
@@ -174,7 +174,8 @@ class ChangeFollower:
         return True
 
     def _acting(self, runs: Sequence[Run], changed: Collection[Parameter]) -> list[Parameter]:
-        return [key for key in changed if Demand.NOTHING < self._demand(runs, key) < Demand.WEIGH]
+        asked = {key: self._demand(runs, key) for key in changed}
+        return [key for key, it in asked.items() if Demand.NOTHING < it < Demand.WEIGH and it != Demand.DRIVE]
 
     def _demand(self, runs: Sequence[Run], key: Parameter) -> Demand:
         if key not in self._demands:
@@ -203,7 +204,7 @@ class ChangeFollower:
         if asked < Demand.WEIGH:
             is_stiffer = self.limit.follow_stiffness(self.mbs, runs, changed, time)
             has_moved = self._jumped or asked == Demand.MOVE
-            if self.moves or is_stiffer or has_moved or asked == Demand.BEGIN:
+            if self.moves or is_stiffer or has_moved or asked >= Demand.BEGIN:
                 _go_on(runs, time, end, has_moved)
             elif not _have_begun(runs):
                 for run in runs:

@@ -109,7 +109,9 @@ class PointReader:
         if point["kind"] == ON_BODY:
             point["local"][:] = data["localPosition"]
         else:
-            point["x"][0] = _place_on_ground(self._mbs.GetObject(data["bodyNumber"]), data["localPosition"])
+            ground = self._mbs.GetObject(data["bodyNumber"])
+            point["x"][0] = _place_on_ground(ground, data["localPosition"])
+            point["orientation"][:] = ground["referenceRotation"]
 
     def _on_object(self, number: int, local: Array, has_frame: bool, turn: Array) -> Place:
         data = self._mbs.GetObject(number)
