@@ -272,6 +272,13 @@ def moving_end_of_a_hanger(model):
     return lambda t: model.mbs.SetMarkerParameter(marker, "localPosition", [0.3 * t, 0.5 * t**2, 0])
 
 
+def moving_ground_of_a_hanger(model):
+    rod = model.hang(model.nodes[-1], [1.4, 0.3, 0], 0.5)
+    marker = model.mbs.GetObjectParameter(rod, "markerNumbers")[0]
+    ground = model.mbs.GetMarkerParameter(marker, "bodyNumber")
+    return lambda t: model.set_object(ground, referencePosition=[1.4 + 0.3 * t, 0.3 + 0.5 * t**2, 0])
+
+
 def weight(model):
     """On companions: kernels evaluate it, also among others."""
     markers = [
@@ -432,6 +439,7 @@ ALONE = [
     hanger_that_catches,
     winch,
     moving_end_of_a_hanger,
+    moving_ground_of_a_hanger,
     feedback_of_a_sensor,
 ]
 AMONG_OTHERS = [
@@ -487,7 +495,9 @@ def test_runs_go_on_with_what_is_set_step_by_step(kind, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "kind", [moving_support, moving_support_and_force, moving_end_of_a_hanger], ids=name_of
+    "kind",
+    [moving_support, moving_support_and_force, moving_end_of_a_hanger, moving_ground_of_a_hanger],
+    ids=name_of,
 )
 def test_a_cable_whose_supports_move_has_no_joints(kind):
     assert moved(kind, False, end_time=0.05).report["path"].startswith("cable 'object0': ")

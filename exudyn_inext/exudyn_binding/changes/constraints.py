@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import exudyn
@@ -11,7 +12,7 @@ from ...arrays import Array
 from ...cable.link import Motion
 from ...items.functions_of_time import is_driven
 from ...items.link_items import read_moving_coordinate
-from ...items.parameters import Parameter
+from ...items.parameters import Parameter, markers_placed_by
 from ...native.velocity_level import Drives
 from ...scene.links import MovingCoordinate, Rod, in_space
 from ...scene.model import HeldCoordinate
@@ -90,6 +91,7 @@ class SteppedReader:
         """mbs: the system.   drives: its constraints at velocity level."""
         self.nodes: frozenset[int] = frozenset()
         self._mbs, self.drives = mbs, drives
+        self._markers_placed_by = cache(partial(markers_placed_by, mbs))
         self._known: dict[int, _Known] = {}
         self._step: tuple[float, float] | None = None
         self._restored: set[int] = set()  # had been moved before a restart file was written
@@ -123,9 +125,8 @@ class SteppedReader:
             known.way.aim(known.place(value), *self._step)
             self._known[key.number] = known._replace(asked=(*known.asked[:-1], float(value)))
             return True
-        if (key.kind, key.name) != ("Marker", "localPosition"):
-            return False
-        ends = [number for number, known in self._known.items() if key.number in known.markers]
+        placed = set(self._markers_placed_by(key) or ())
+        ends = [number for number, known in self._known.items() if not placed.isdisjoint(known.markers)]
         if not ends or not all(self._known[number].way for number in ends):
             return False
         for number in ends:
