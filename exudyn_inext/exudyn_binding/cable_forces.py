@@ -15,7 +15,13 @@ from ..cable.axial_stiffness import set_step_of_means
 from ..cable.cable import Cable
 from ..cable.frequency import nodal_multipliers_of
 from ..cable.linked_cable import cable_system
-from ..cable.section_forces import SectionForces, SolvedState, multiplier_tension, section_forces
+from ..cable.section_forces import (
+    SectionForces,
+    SectionPoints,
+    SolvedState,
+    multiplier_tension,
+    section_forces,
+)
 from ..checks import LARGEST_NUMBER_OF_ITEMS, require_flag, require_integer
 from ..errors import InputError, SceneError
 from ..items.arguments import described
@@ -110,12 +116,15 @@ class CableEvaluator:
         self._cable = scene.scene.cables[self._place]
         _require_linear_laws(mbs, self._cable)
         self._gravity = np.zeros(self._cable.cable.dimension)  # of the state that was solved
+        self._points: dict[bytes, SectionPoints] = {}  # that have been asked for
 
     def forces(self, state: SolvedState, arc_length: Array) -> SectionForces:
         """Section forces at arc lengths (m,) [m]."""
-        cable = self._cable.cable
+        cable, key = self._cable.cable, arc_length.tobytes()
+        if key not in self._points:
+            self._points[key] = SectionPoints(cable, arc_length)
         density = cable.section.mass_per_length * self._gravity
-        return section_forces(cable, self._system.chain, state, density, arc_length)
+        return section_forces(self._points[key], self._system.chain, state, density)
 
     def multiplier_tension(self, state: SolvedState) -> Array:
         """(N,) mean tension of the elements, from the multipliers [N]; once for each `solve`."""
