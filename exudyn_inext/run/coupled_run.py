@@ -83,6 +83,7 @@ class CoupledRun(LimitedRun):
             raise with_straight_cables(error, straight) from None
         self.mover.compile_steps(start.time)
         self._fastest = np.zeros((2, 2, scene.size))
+        self._depths = np.zeros((2, scene.native_items.remembered.size))
         self._rejects = start.explicit.rejectSteps
         self.control = StepControl(rejects=self._rejects)
         parts, tolerance = (scene, cable_runs, self.state), start.explicit.energyTolerance
@@ -302,6 +303,7 @@ class CoupledRun(LimitedRun):
             "control": self.control.memory() | ({"vibration": tracker.vibration} if tracker else {}),
             "friction": self._scene.friction.sums,
             "tilts": self._scene.tilted_angles.tilts,
+            "depths": self._depths,
         }
 
     @property
