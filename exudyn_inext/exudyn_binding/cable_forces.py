@@ -37,7 +37,11 @@ from ..system import index_reduced_rates
 from .mbs_state import last_step
 from .scene import read_scene, require_assembled
 
-JoinedForces = Callable[[int, float], Array | None]
+JoinedForces = Callable[[int, float], tuple[float, Array] | None]  # see `ExplicitTimeLoop.joined_forces`
+
+
+def _nothing_known(cable: int, time: float) -> None:
+    """Without a run."""
 
 
 class SceneEvaluator:
@@ -49,7 +53,7 @@ class SceneEvaluator:
     joined_forces: of a run, see `ExplicitTimeLoop.joined_forces`.
     """
 
-    def __init__(self, mbs: Any, joined_forces: JoinedForces = lambda cable, time: None) -> None:
+    def __init__(self, mbs: Any, joined_forces: JoinedForces = _nothing_known) -> None:
         require_assembled(mbs)
         self.scene = read_scene(mbs)
         self._joined_forces = joined_forces
@@ -72,13 +76,17 @@ class SceneEvaluator:
 
     def solve(self, mbs: Any, place: int) -> tuple[Any, Array, Array, Array]:
         """The system of a cable, which then holds its multipliers, and its q, v, a of the present state."""
+        time = mbs.systemData.GetTime()
         if not self.scene.foreign:
-            return self._solve_alone(mbs, place, self.loads(place))
-        number, time = self.scene.cables[place].number, mbs.systemData.GetTime()
+            return self._solve_alone(mbs, place, self.loads(place).at(time))
+        number = self.scene.cables[place].number
         known = None if self._stretches else self._joined_forces(number, time)
         if known is None:
             return self._solve_among_others(mbs, place)
-        return self._solve_alone(mbs, place, self.loads(place, among_others=True), known)
+        time, joined = known
+        external = self.loads(place, among_others=True).at(time).copy()
+        external[: len(joined)] += joined
+        return self._solve_alone(mbs, place, external)
 
     def _take_means(self, mbs: Any, systems: Mapping[int, Any]) -> list[float]:
         """Let cables that stretch have mean forces of their last step; returns these [s]."""
@@ -89,10 +97,8 @@ class SceneEvaluator:
                 set_step_of_means(steps[-1], system.chain.nodes, system.chain.elements)
         return steps
 
-    def _solve_alone(
-        self, mbs: Any, place: int, loads: CableLoads, joined: Array | float = 0.0
-    ) -> tuple[Any, Array, Array, Array]:
-        """joined: (n_dof,) forces of others."""
+    def _solve_alone(self, mbs: Any, place: int, external: Array) -> tuple[Any, Array, Array, Array]:
+        """external: (n_external,) all that acts, see `CableLoads.at`."""
         data, cable = mbs.systemData, self.scene.cables[place]
         if place not in self._systems:
             system = cable_system(cable.cable, 0.0)
@@ -102,8 +108,6 @@ class SceneEvaluator:
         q = cable.cable.reference.ravel() + np.asarray(data.GetODE2Coordinates())[cable.indices]
         v = np.asarray(data.GetODE2Coordinates_t())[cable.indices]
         a, rate = np.zeros(q.size), np.zeros(q.size)
-        external = loads.at(data.GetTime()).copy()
-        external[: q.size] += joined
         evaluate(external, q, v, a, rate)
         return system, q, v, a
 
@@ -169,7 +173,7 @@ class CableEvaluator:
 class _Keeper:
     """What sensors of section forces keep from one output to the next; those of a run share one."""
 
-    def __init__(self, *joined_forces: JoinedForces) -> None:
+    def __init__(self, joined_forces: JoinedForces = _nothing_known) -> None:
         self._joined_forces = joined_forces
         self.forget()
 
@@ -185,10 +189,12 @@ class _Keeper:
             self._scene.forget_state()
 
     def evaluator(self, mbs: Any, number: int, time: float, who: Any) -> CableEvaluator:
-        """Of a cable; read again if the same sensor asks again: then loads may have changed."""
-        if self._scene is None or time < self._time or (time == self._time and who in self._asked):
+        """Of a cable; read again if the same sensor asks again: then loads may have changed, out of a run."""
+        is_asked_again = time == self._time and who in self._asked
+        may_have_changed = is_asked_again and self._joined_forces(number, time) is None
+        if self._scene is None or time < self._time or may_have_changed:
             self.forget()
-            self._scene = SceneEvaluator(mbs, *self._joined_forces)
+            self._scene = SceneEvaluator(mbs, self._joined_forces)
         elif time > self._time:
             self._asked.clear()
         self._time = time

@@ -438,15 +438,20 @@ class ExplicitTimeLoop:
             self._last_steps = LastSteps(self._last_steps.place, runs)
             self.kept_states = list(map(KeptStates, runs))
 
-    def joined_forces(self, cable: int, time: float) -> Array | None:
+    def joined_forces(self, cable: int, time: float) -> tuple[float, Array] | None:
         """(n_dof,) of items and joints on a cable among others, by its object, in the state of mbs.
 
-        None: nobody has asked for them at `time` [s], or something has been changed there.
+        And the time of that state [s]; None: nobody has asked for them there, or something has been changed.
+        time: of mbs, which is that of the next state where a pre-step function looks.
         """
-        if self._is_watched and (self.changes.log.is_pending or not self._is_as_handed_out(self._present())):
-            return None
+        if self._is_watched:
+            if self.changes.log.is_pending or not self._is_as_handed_out(self._present()):
+                return None
+            time = self.time
+        is_moved = time > self.grid.time(self.grid.first)  # at the start, only the run has what was corrected
         coupled = [run for run in self.runs if isinstance(run, CoupledRun)]
-        return coupled[0].joined_forces(cable, time) if coupled else None
+        forces = coupled[0].joined_forces(cable, time) if coupled and is_moved else None
+        return None if forces is None else (time, forces)
 
     def _is_as_handed_out(self, present: Sequence[Array]) -> bool:
         """Whether the state of mbs is still that which it was given last."""

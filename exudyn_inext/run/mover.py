@@ -13,6 +13,7 @@ from ..integrators.integrator import Integrator
 from .cable_run import CableRun
 from .compiled_scene import ChangedItem
 from .joined_scene import EvaluatedScene
+from .step_control import ROUND_OFF
 
 FULFILLED = 1e-9  # violation of a joint [m, -] that needs no motion to be removed
 
@@ -151,7 +152,7 @@ class Mover:
     def joined_forces(self, time: float) -> Array | None:
         """(n,) of items and joints in the state at `time` [s]; None: nobody has asked for its reactions."""
         times, forces = self._joined or (np.zeros(0), np.zeros(0))
-        found = np.flatnonzero(times == time)
+        found = np.flatnonzero(np.abs(times - time) <= ROUND_OFF * max(abs(time), 1.0))
         return forces[found[-1]] if len(found) and not self.approaches else None
 
 

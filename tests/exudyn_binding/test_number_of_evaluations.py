@@ -125,6 +125,29 @@ def test_a_sensor_of_section_forces_shows_what_is_changed_after_a_step(mbs, add_
     np.testing.assert_allclose(after, CableForces(mbs, cable, [1.7])["tension"], rtol=1e-9)
 
 
+def test_a_controller_reads_the_tension_of_the_state_that_it_sees(mbs, add_pendulum, solve):
+    calls, read = [], []
+    cable, (sensor,) = pulled_cable(mbs, add_pendulum, [1.7], calls)
+    weight = AddMarkerOnCable(mbs, cable, 1.8)
+    load = mbs.AddLoad(LoadForceVector(markerNumber=weight, loadVector=[0, 0, 0]))
+
+    def control(mbs, t):
+        before = len(calls)
+        tension = mbs.GetSensorValues(sensor)[0]
+        asked = len(calls) - before
+        read.append([tension, CableForces(mbs, cable, [1.7])["tension"][0], asked])
+        mbs.SetLoadParameter(load, "loadVector", [0.2 * (3.0 - tension), 0, 0])
+        return True
+
+    mbs.SetPreStepUserFunction(control)
+    mbs.Assemble()
+    solve(mbs, settings=quiet_settings(0.02, 10, 0.004))
+    shown, fresh, asked = np.transpose(read)
+    assert np.ptp(shown) > 0.1
+    np.testing.assert_allclose(shown, fresh, rtol=1e-5)
+    assert not asked[1:].any()
+
+
 def test_a_sensor_of_section_forces_follows_what_is_changed_after_a_run(mbs, add_pendulum, solve):
     cable, sensors = pulled_cable(mbs, add_pendulum, [0.1, 1.7], [])
     weight = AddMarkerOnCable(mbs, cable, 1.8)
