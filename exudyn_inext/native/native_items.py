@@ -268,6 +268,12 @@ class NativeItems:
         self._settle()
         return self.remembered
 
+    def look(self, t: float, q: Array, v: Array) -> None:
+        """Evaluate a state that has been set; a GeneralContact acts as it does there."""
+        if self._mbs.NumberOfGeneralContacts():
+            self.settled(t, q, v)
+        self.forces(t, q, v)
+
     def evaluate(self) -> None:
         """Contact settles in the present state of mbs, and Exudyn evaluates all forces there."""
         self._settle()

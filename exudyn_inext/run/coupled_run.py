@@ -28,6 +28,7 @@ from .step_control import Piece, StepControl
 from .time_grid import TimeGrid
 
 KERNELS, PARTS, EXUDYN = "kernels", "kernels of parts", "Exudyn"  # see `CoupledRun.evaluated_by`
+SHORTER = 64.0  # step that is advised where contact throws bodies off
 CHANGED = "items that were changed during the run"
 
 
@@ -468,6 +469,7 @@ class CoupledRun(LimitedRun):
         try:
             self.mover.take(piece, times, done, history, self.watch)
             self.watch.count(len(times))
+            self.watch.bears_throws = not self.control.may_quarter
             return self.watch.is_well_at(piece.time(end), piece.h, self.state, is_checked)
         except (DivergenceError, RedundantConstraintError, OffCableError) as error:
             self._unsolvable = "" if isinstance(error, DivergenceError) else str(error)
@@ -481,9 +483,20 @@ class CoupledRun(LimitedRun):
 
     @property
     def finding(self) -> str:  # type: ignore[override]
-        """Of a given step that was too long, friction against Coulomb's law, axes that have tilted."""
-        found = self._outrun, self._scene.friction.finding, self._scene.tilted_angles.finding
+        """Of steps that were too long, friction against Coulomb's law, axes that have tilted."""
+        found = self._outrun, self._thrown, self._scene.friction.finding, self._scene.tilted_angles.finding
         return " ".join(filter(None, found))
+
+    @property
+    def _thrown(self) -> str:
+        if self.watch.thrown is None:
+            return ""
+        t, speed, dof, h = self.watch.thrown
+        return (
+            f"at t = {t:.4g} s contact threw {self._scene.coordinate_name(self.indices[dof])} off at "
+            f"{speed:.3g} m/s, faster than it came: it is too stiff or too damped for that mass at steps of "
+            f"{h:.3g} s. Take stepSize = {h / SHORTER:.2g}, a heavier body, or contact that damps less."
+        )
 
     def figures(self) -> dict[str, float]:
         """How well constraints and energy were kept."""

@@ -25,6 +25,7 @@ from ..scene.path_work import (
     begin_path,
     expect_energy,
     follow,
+    largest_throw,
     take_sums,
 )
 from ..system import POWER
@@ -36,6 +37,8 @@ from .watch import (
     LACK_OF_WORK,
     NOT_FINITE,
     NOW,
+    SMALL,
+    THROWN_OFF,
     UNSTABLE,
     VIOLENT,
     Watch,
@@ -74,11 +77,15 @@ class CoupledWatch(RunWatch):
     path_of_evaluations: for `NativeItems.path` during steps; a lack of work within a step shows in it.
     has_one_evaluation: each step.
     after_each_step: what to call then.
+    bears_throws: whether bodies may be thrown off by contact that the step does not resolve, as there is no
+        smaller one.   thrown: the first time that one was: t [s], its speed [m/s], coordinate, and step [s].
     is_close: whether joints are moved in this step of the loop: its end is judged, as their power jumps from
         step to step.
     """
 
     is_close = False
+    bears_throws = False
+    thrown: tuple[float, float, int, float] | None = None
 
     def __init__(
         self,
@@ -97,9 +104,13 @@ class CoupledWatch(RunWatch):
         most = VIOLENT * tolerance if integrator.stabilised else np.inf
         self.watch = build_watch(state, STEPS_BETWEEN, tolerance, most=most)
         self._draw_up = Prepared(verdict_after_work)
+        self._largest_throw = Prepared(largest_throw)
         self._gravity = np.zeros(len(state.q))
         self._start = np.zeros(len(state.q))  # coordinates from which the extent of the motion counts
         self._places = scene.map.slices
+        lengths = [cable.length for run in runs for cable in run.cables]
+        self._length = max(lengths, default=0.0)
+        self._has_contact = scene.native_items.remembers
         self._parts = self._moving_parts(len(state.q))
         self.take_constants(state.q)
         self._energy_tolerance = energy_tolerance
@@ -212,6 +223,8 @@ class CoupledWatch(RunWatch):
             return self._condemn(state, LACK_OF_WORK, self._lacks[LACK])
         if self._is_due and (excess := self._excess(h, state)) > 1.0:
             return self._condemn(state, UNSTABLE, excess)
+        if self._has_contact and (thrown := self._thrown(t, h, state)) and not self.bears_throws:
+            return self._condemn(state, THROWN_OFF, thrown)
         few = self._counts[_STEPS] < self._counts[_MOST] and not (self.is_close or at_once)
         if few and check_velocities(state.q, state.v, state.a) <= self._calm:
             return True
@@ -219,6 +232,17 @@ class CoupledWatch(RunWatch):
         self._lacks[SCALE] = max(self._lacks[SCALE], self.turned_over)
         self._begin(t, state)
         return not trouble
+
+    def _thrown(self, t: float, h: float, state: Any) -> float:
+        """Largest speed [m/s, 1/s] at which contact has thrown a body off lately, if it matters; else 0."""
+        dofs = self._bodies.dofs
+        ahead = 0.0 if self.bears_throws else h
+        place, way = self._largest_throw(self.path, dofs.start, dofs.stop, state.a, ahead)
+        if not way * self.watch.duration > SMALL * self._length * h:
+            return 0.0
+        if self.bears_throws and self.thrown is None:
+            self.thrown = t, way / h, place, h
+        return float(way / h)
 
     def _shorten_interval(self) -> bool:
         soon = int(self._counts[_STEPS]) + FIRST_STEPS
@@ -312,7 +336,7 @@ class CoupledWatch(RunWatch):
             part[dofs] = dofs.start
         part[bodies.dofs] = bodies.dofs.start + bodies.system.bodies
         masses = [*map(mass_of_cable, cables), bodies.system.mass]
-        return MovingParts(part, masses, max((cable.length for cable in cables), default=0.0))
+        return MovingParts(part, masses, self._length)
 
     def _see_extent(self, state: Any) -> None:
         way = state.q - self._start

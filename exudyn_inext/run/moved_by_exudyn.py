@@ -110,7 +110,7 @@ class MovedByExudyn(Mover):
 
     def look(self, time: float) -> None:
         """Evaluate what the next step needs to know of a state that has been set."""
-        self._scene.native_items.forces(time, self._state.q, self._state.v)
+        self._scene.native_items.look(time, self._state.q, self._state.v)
 
     @property
     def remembered(self) -> Array | None:

@@ -18,6 +18,7 @@ from .watch import (
     LARGEST_VIOLATION,
     NOT_FINITE,
     NOW,
+    THROWN_OFF,
     TOO_FAST,
     UNSTABLE,
     Watch,
@@ -187,6 +188,8 @@ class RunWatch:
                 f"the largest frequency of its motion is {account.error:.3g} times the one up to which the "
                 "step is stable"
             )
+        if account.trouble == THROWN_OFF:
+            return f"contact throws a body off at {account.error:.3g} m/s, faster than it came, within a step"
         if account.trouble == JUMP:
             return (
                 f"its energy jumps by more than {LARGEST_JUMP * watch.tolerance:.2%} of the energy of its "

@@ -183,6 +183,11 @@ class StepControl:
         """Whether steps are parts of the nominal one, after others that went wrong."""
         return bool(self._log.quarters)
 
+    @property
+    def may_quarter(self) -> bool:
+        """Whether steps that go wrong are taken again in smaller ones, for a while."""
+        return self._rejects and bool(self._log.quarters < QUARTERS)
+
     def nominal(self, h: float) -> float:
         """The nominal step, of which steps of h [s] are parts after others that went wrong."""
         return float(h * 4**self._log.quarters)
@@ -260,7 +265,7 @@ class StepControl:
         if log.calm < 2:  # the longer step that was tried was too long: wait twice as long
             log.patience = min(2 * log.patience, MOST_PATIENCE)
         log.calm = 0
-        if log.quarters >= QUARTERS or not self._rejects:
+        if not self.may_quarter:
             return False
         log.quarters += 1
         return True

@@ -35,7 +35,7 @@ from ..integrators.integrator import FACTOR, FIRST, LAST, PROJECTION, SUM, LoadH
 from ..system import ELASTIC, KINETIC, POWER, REPORTED, RESOLVED, VIOLATION, report_energy
 
 NOW, KEPT, FAILED = range(3)  # accounts
-ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY, JUMP, TOO_FAST, LACK_OF_WORK, UNSTABLE = range(8)
+ALL_IS_WELL, NOT_FINITE, CONSTRAINTS, ENERGY, JUMP, TOO_FAST, LACK_OF_WORK, UNSTABLE, THROWN_OFF = range(9)
 
 STEPS_BETWEEN = 160  # inspections of a run whose energy only forces change
 STEPS_WITH_POWER = 80  # of one with damping, drag, or supports that move, at most

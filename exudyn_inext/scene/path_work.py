@@ -5,19 +5,22 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import inlined, inlined_kernel, kernel
 
-POSITION, FORCE, WAY, CHANGE, SUMS = range(5)
+POSITION, FORCE, WAY, CHANGE, SPEED, THROWN, SUMS = range(7)
 WORK, SCATTER, LACK, SCALE, FLOOR, STEPS, BEGINNING = range(7)
+FASTER = 1.1  # than it came: so no contact throws a body off, closed or not, with steps that are stable
+RECENT = 0.98  # of a speed is left of it in the next step
 
 
 def build_path(size: int) -> Array:
     """Memory of the work of forces on `size` coordinates.
 
-    (5, size or more): POSITION and FORCE at present, WAY and CHANGE of the force in the last step, and the
-    SUMS over all steps: WORK [J], and its SCATTER [J^2]; the largest LACK of the work of a step, relative to
-    the energy that the motion has turned over before, SCALE [J]. That is none below its FLOOR [J]; the STEPS
-    since it is some, and how many of them are the BEGINNING, see `expect_energy`.
+    (7, size or more): POSITION and FORCE at present, WAY and CHANGE of the force in the last step, the recent
+    SPEED and the largest one THROWN at, see `_thrown_by`, both as ways of a step, and the SUMS over all
+    steps: WORK [J], and its SCATTER [J^2]; the largest LACK of the work of a step, relative to the energy
+    that the motion has turned over before, SCALE [J]. That is none below its FLOOR [J]; the STEPS since it is
+    some, and how many of them are the BEGINNING, see `expect_energy`.
     """
-    return np.zeros((5, max(size, 7)))
+    return np.zeros((7, max(size, 7)))
 
 
 def begin_path(path: Array, q: Array, force: Array) -> None:
@@ -50,6 +53,40 @@ def gather(vector, places, force):
         force[i] = vector[places[i]] if places[i] >= 0 else 0.0
 
 
+@inlined
+def _thrown_by(path, i, way, change):
+    """The way, if a force that acted once, against the last one, has turned it and made it longer; or 0.
+
+    A contact that closes within a step does so where that is above the stability limit of the closed one.
+    """
+    before, set_in = path[WAY, i], path[CHANGE, i]
+    acted_once = set_in * before < 0.0 and set_in * change < 0.0
+    is_thrown = acted_once and way * before < 0.0 and abs(way) > FASTER * path[SPEED, i]
+    return abs(way) if is_thrown else 0.0
+
+
+@kernel
+def largest_throw(path, first, last, a, h):
+    """Which coordinate from `first` up to `last` was thrown off, or is about to be, at the largest speed.
+
+    path: of whole steps.   a: (n,) accelerations at present.   h: step [s]; 0: what is about to be is none.
+
+    Returns:
+        Its number, and the way of the step; 0 if there is none.
+    """
+    place, largest = first, 0.0
+    for i in range(first, last):
+        before, ahead = path[WAY, i], path[WAY, i] + h**2 * a[i]
+        turns = path[CHANGE, i] * before < 0.0 and ahead * before < 0.0
+        thrown = path[THROWN, i]
+        if turns and abs(ahead) > FASTER * path[SPEED, i]:
+            thrown = max(thrown, abs(ahead))
+        if thrown > largest:
+            place, largest = i, thrown
+        path[THROWN, i] = 0.0
+    return place, largest
+
+
 @inlined_kernel
 def follow(path, q, force):
     """Count the work of a step to q (n or more,), where the force (n,) acts, by the trapezoidal rule.
@@ -62,6 +99,8 @@ def follow(path, q, force):
         way, change = q[i] - path[POSITION, i], force[i] - path[FORCE, i]
         work += (path[FORCE, i] + 0.5 * change) * way
         lack += path[CHANGE, i] * way - change * path[WAY, i]
+        path[THROWN, i] = max(path[THROWN, i], _thrown_by(path, i, way, change))
+        path[SPEED, i] = max(RECENT * path[SPEED, i], abs(way))
         path[POSITION, i], path[FORCE, i] = q[i], force[i]
         path[WAY, i], path[CHANGE, i] = way, change
     path[SUMS, WORK] += work

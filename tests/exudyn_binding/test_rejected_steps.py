@@ -1,5 +1,6 @@
 """Steps that go wrong are taken again, smaller; only a smallest step ends a run."""
 
+import re
 import warnings
 from types import SimpleNamespace
 
@@ -11,7 +12,9 @@ from exudyn.itemInterface import (
     MarkerBodyPosition,
     MarkerNodeCoordinate,
     MarkerNodePosition,
+    NodeGenericData,
     NodePointGround,
+    ObjectContactCoordinate,
     SensorNode,
     SphericalJoint,
 )
@@ -161,6 +164,55 @@ def test_a_joint_that_jerks_is_met_with_smaller_steps_among_bodies(mbs, add_pend
     length = np.hypot(0.6, 1.6)
     assert len(path) == 121 and np.linalg.norm(path, axis=1).max() < length * (1.0 + 1e-3)
     assert report["drift"]["constraints"] < 0.05
+
+
+def add_general_contact(mbs, body, gap, law):
+    contact = mbs.AddGeneralContact()
+    contact.SetFrictionPairings(np.zeros((1, 1)))
+    contact.SetSearchTreeCellSize(numberOfCells=[4, 4, 4])
+    ground = mbs.CreateMassPoint(referencePosition=[5.0, -0.2 - gap, 0.0], mass=1e6)
+    for one in (body, ground):
+        marker = mbs.AddMarker(MarkerBodyPosition(bodyNumber=one))
+        contact.AddSphereWithMarker(marker, radius=0.1, frictionMaterialIndex=0, **law)
+
+
+def add_coordinate_contact(mbs, body, gap, law):
+    places = [(mbs.AddNode(NodePointGround()), 0), (mbs.GetObject(body)["nodeNumber"], 1)]
+    markers = [mbs.AddMarker(MarkerNodeCoordinate(nodeNumber=n, coordinate=k)) for n, k in places]
+    data = mbs.AddNode(NodeGenericData(initialCoordinates=[gap], numberOfDataCoordinates=1))
+    mbs.AddObject(ObjectContactCoordinate(markerNumbers=markers, nodeNumber=data, offset=-gap, **law))
+
+
+def add_light_mass(mbs, add_contact):
+    """Of 0.1 g, dropped by 1 mm, whose energy nobody sees beside that of another body."""
+    mbs.CreateMassPoint(referencePosition=[9.0, 0.0, 0.0], initialVelocity=[0.0, 1.0, 0.0], mass=10.0)
+    light = mbs.CreateMassPoint(referencePosition=[5.0, 0.0, 0.0], mass=1e-4, gravity=[0.0, -9.81, 0.0])
+    add_contact(mbs, light, 1e-3, {"contactStiffness": 3e3, "contactDamping": 4.0})
+    mbs.Assemble()
+    return light
+
+
+def height_of(mbs, body):
+    return mbs.GetObjectOutputBody(body, exudyn.OutputVariableType.Displacement, [0, 0, 0])[1]
+
+
+@pytest.mark.parametrize("add_contact", [add_general_contact, add_coordinate_contact])
+def test_contact_does_not_throw_a_light_body_off_beside_heavy_ones(mbs, add_pendulum, solve, add_contact):
+    add_pendulum(mbs)
+    light = add_light_mass(mbs, add_contact)
+    solve(mbs, 0.03, steps=30)
+    assert height_of(mbs, light) == pytest.approx(-1e-3, abs=2e-5)
+
+
+def test_a_body_that_contact_throws_off_in_given_steps_is_named_with_one_that_helps(mbs, add_pendulum, solve):
+    add_pendulum(mbs)
+    light = add_light_mass(mbs, add_coordinate_contact)
+    with pytest.warns(UserWarning, match="contact threw node .* off at .* m/s") as caught:
+        solve(mbs, 0.03, steps=30, stepSize=1e-3, rejectSteps=False)
+    assert height_of(mbs, light) > 0.1
+    advised = float(re.search(r"stepSize = ([\d.e-]+)", str(caught[0].message))[1])
+    solve(mbs, 0.03, steps=30, stepSize=advised, rejectSteps=False)
+    assert height_of(mbs, light) == pytest.approx(-1e-3, abs=2e-5)
 
 
 def test_longer_steps_are_tried_less_often_if_they_fail_again():
